@@ -1,22 +1,22 @@
-# The three kinds of target of this project: a module of the library, its test program, a program.
+# Functions that declare the project's targets: modules (ugoki_module) and their test programs (ugoki_test).
 
-# Language and warning settings of all our own code.
+# Language and warning settings of all code of this project.
 add_library(ugoki_settings INTERFACE)
 target_compile_features(ugoki_settings INTERFACE cxx_std_23)
 target_include_directories(ugoki_settings INTERFACE ${PROJECT_SOURCE_DIR}/src)
 target_compile_options(ugoki_settings INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
-  -ffp-contract=off                                  # the same bits on every compiler and machine
+  -ffp-contract=off                                  # equal floating-point bits on all compilers and machines
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized> # false alarms of g++ 12 at -O3
   $<$<CXX_COMPILER_ID:GNU>:-Wno-dangling-else>       # "if (x) EXPECT_..." of GoogleTest
-  $<$<CXX_COMPILER_ID:GNU>:-fPIC> $<$<CXX_COMPILER_ID:GNU>:-fno-semantic-interposition>  # modules become part of exported FMUs; clang needs no word
+  $<$<CXX_COMPILER_ID:GNU>:-fPIC> $<$<CXX_COMPILER_ID:GNU>:-fno-semantic-interposition>  # modules are linked into exported FMUs; clang needs no option
 )
 if(UGOKI_SANITIZE)
   target_compile_options(ugoki_settings INTERFACE -fsanitize=${UGOKI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(ugoki_settings INTERFACE -fsanitize=${UGOKI_SANITIZE})
 endif()
 
-# ugoki_module(<name> SOURCES <files>... [DEPENDS <modules>...] [PRIVATE_LIBS <targets>...])
+# ugoki_module(<name> SOURCES <files>... [DEPENDS <modules>...] [PRIVATE_LIBS <targets>...]): the library ugoki_<name>.
 function(ugoki_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_LIBS" ${ARGN})
   if(ARG_SOURCES)

@@ -1,5 +1,5 @@
-# WebAssembly by clang 19 and Debian's wasi-libc: the core layers and the player run in a web page.
-# No exceptions, no threads; no SIMD, so that the bits are those of the native build.
+# Toolchain for WebAssembly: clang 19 and Debian's wasi-libc. The core modules and the player run in a web page.
+# No exceptions and no threads. No SIMD, so that results are bitwise equal to the native build.
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR}/wasm)
 set(CMAKE_SYSTEM_NAME WASI)
 set(CMAKE_SYSTEM_PROCESSOR wasm32)
@@ -12,7 +12,7 @@ set(CMAKE_CXX_COMPILER_TARGET wasm32-wasi)
 set(CMAKE_CXX_FLAGS_INIT "-fno-exceptions")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-mexec-model=reactor")
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
-# Headers and libraries of the build machine are not for this target; header-only libraries are named where they are needed.
+# Headers and libraries of the build machine cannot be used for this target; header-only libraries are added explicitly (cmake/wasm).
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(nlohmann_json_DIR ${CMAKE_CURRENT_LIST_DIR}/wasm)

@@ -1,14 +1,14 @@
-# Shared by ./start, ./test and ./bench: telling what happens and how long it takes, and the builds.
-# Sourced with `root` set to the folder of the project. Logs go to build/log/.
+# Shared functions of ./start, ./test and ./bench: messages with times, and builds.
+# Source it with `root` set to the project's folder. Logs are written to build/log/.
 
 log_dir="$root/build/log"
 mkdir -p "$log_dir"
 
 now() { date +%s%3N; }
 seconds_since() { local ms=$(($(now) - $1)); printf '%d.%01d s' $((ms / 1000)) $((ms % 1000 / 100)); }
-say() { printf '%s\n' "$*"; }
+message() { printf '%s\n' "$*"; }
 
-# step NAME LOG COMMAND...: runs a command with its output in a log; one line with the time, the log's end on failure.
+# step NAME LOG COMMAND...: runs a command, with its output in build/log/LOG.log. Prints one line with the time, and the log's end on failure.
 step() {
   local name=$1 log="$log_dir/$2.log" began
   shift 2
@@ -25,11 +25,11 @@ step() {
   fi
 }
 
-# One build at a time in this folder: build/.lock is held on descriptor 9 until release_lock.
+# Allows one build at a time in this folder: locks build/.lock on descriptor 9 until release_lock.
 take_lock() {
   exec 9>"$root/build/.lock"
   flock -n 9 && return 0
-  say "waiting for another ./start, ./test or ./bench that builds in this folder"
+  message "waiting for another ./start, ./test or ./bench that builds in this folder"
   flock 9
 }
 release_lock() {
@@ -37,7 +37,7 @@ release_lock() {
   exec 9>&-
 }
 
-# As many jobs as cores, but at least 1.5 GB of memory for each.
+# Number of build jobs: one per core, but at least 1.5 GB of available memory for each.
 build_jobs() {
   local cores memory
   cores=$(nproc)
@@ -46,7 +46,7 @@ build_jobs() {
   echo $((cores < memory ? cores : memory))
 }
 
-# configure PRESET [cmake options]: only where it was not done, or the options given differ from those of last time.
+# configure PRESET [cmake options]: runs cmake if the preset was not configured yet or the options have changed.
 configure() {
   local preset=$1 dir="$root/build/$1"
   shift
@@ -57,13 +57,13 @@ configure() {
   step "configure ($preset)" "configure-$preset" cmake -S "$root" --preset "$preset" "$@" && printf '%s' "$*" >"$dir/.configured"
 }
 
-# build PRESET [targets]: on a terminal ninja shows its progress; elsewhere its output goes to the log.
+# build PRESET [targets]: runs ninja, with its progress on a terminal, otherwise with its output in the log.
 build() {
   local preset=$1 dir="$root/build/$1" began
   shift
   began=$(now)
   if [ -t 1 ]; then
-    say "build ($preset)"
+    message "build ($preset)"
     ninja -C "$dir" -j "$(build_jobs)" "$@" || return 1
     printf '%-34s done in %s\n' "build ($preset)" "$(seconds_since "$began")"
   else
@@ -71,12 +71,12 @@ build() {
   fi
 }
 
-# Names, sizes and times of the files that the page is made of.
+# Hash of the names, sizes and times of the page's source files.
 web_sources_hash() {
   (cd "$root/web" && find . \( -name node_modules -o -name dist -o -name test-results \) -prune -o -type f -printf '%p %s %T@\n' | sort | sha256sum)
 }
 
-# The packages that web/package-lock.json names, into web/node_modules.
+# Installs the packages of web/package-lock.json into web/node_modules.
 web_packages() {
   local stamp="$root/web/node_modules/.installed" wanted
   wanted=$(cd "$root/web" && sha256sum package.json package-lock.json && node --version)
@@ -84,7 +84,7 @@ web_packages() {
   step "web packages (npm ci)" npm-ci npm --prefix "$root/web" ci --no-audit --no-fund && printf '%s' "$wanted" >"$stamp"
 }
 
-# web/dist, anew where a source changed.
+# Rebuilds web/dist if a source file changed.
 web_build() {
   local stamp="$root/web/dist/.built" wanted
   web_packages || return 1

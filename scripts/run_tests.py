@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Runs the suites that ./test has built, counts every single test, and ends with `N passed, M failed`.
+"""Runs the suites that ./test has built, counts all tests, and finally prints `N passed, M failed`.
 
-    run_tests.py list < ctest.json      names of the C++ suites, one a line
+    run_tests.py list < ctest.json      names of the C++ suites, one per line
     run_tests.py run --root DIR ...     see ./test
 """
 
@@ -16,12 +16,12 @@ import subprocess
 import sys
 import time
 
-FAST_SECONDS, SLOW_SECONDS = 600, 3000  # a suite that takes longer hangs
+FAST_SECONDS, SLOW_SECONDS = 600, 3000  # time limits; a suite that exceeds its limit is ended and fails
 
 
 @dataclasses.dataclass
 class Outcome:
-    """What one suite gave. A suite that ran no test has failed, unless all its tests are slow ones left out on purpose."""
+    """Result of one suite. A suite that ran no test has failed, unless all its tests are slow and slow tests were not requested."""
 
     suite: str
     passed: int = 0
@@ -39,7 +39,7 @@ class Outcome:
 
 
 def run(command, seconds, **options):
-    """Exit status and output of a command; a hanging one is ended."""
+    """Exit status and output of a command; it is ended after `seconds`, with status 124."""
     try:
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=seconds, errors="replace",
                               stdin=subprocess.DEVNULL, **options)
@@ -56,7 +56,7 @@ def list_programs():
 
 
 def gtest_suite(name, program, pattern, slow, results, seconds):
-    """One GoogleTest program, counted by its own JSON report."""
+    """Runs a GoogleTest program and counts the tests of its JSON report."""
     outcome = Outcome(name)
     listed_status, listed = run([program, "--gtest_list_tests"], seconds)
     if listed_status != 0 or not re.search(r"^  \S", listed, re.M):
@@ -72,7 +72,7 @@ def gtest_suite(name, program, pattern, slow, results, seconds):
     try:
         suites = json.loads(report.read_text(errors="replace"))["testsuites"]
     except (OSError, ValueError, KeyError):
-        outcome.failed, outcome.report = 1, f"{program} ended with status {status} and left no report\n{output}"
+        outcome.failed, outcome.report = 1, f"{program} ended with status {status} without writing a report\n{output}"
         return outcome
     for suite in suites:
         for test in suite["testsuite"]:
@@ -86,7 +86,7 @@ def gtest_suite(name, program, pattern, slow, results, seconds):
     if status != 0 and outcome.failed == 0:
         outcome.failed, messages = 1, [f"{program} ended with status {status}\n{output}"]
     if outcome.passed + outcome.failed + outcome.skipped == 0 and not pattern:
-        outcome.note = "all its tests are slow ones: ./test --all"
+        outcome.note = "all its tests are slow; run ./test --all"
     outcome.report = "\n\n".join(messages)
     if outcome.skipped:
         reasons = set(re.findall(r"^.*: Skipped\n(.+)$", output, re.M))
@@ -100,12 +100,12 @@ def vitest_suite(root, results):
     status, output = run(["npx", "--no-install", "vitest", "run", "--reporter=json", f"--outputFile={report}"], FAST_SECONDS,
                          cwd=root / "web")
     try:
-        told = json.loads(report.read_text())
-        outcome.passed, outcome.failed = told["numPassedTests"], told["numFailedTests"]
-        outcome.skipped = told["numPendingTests"] + told["numTodoTests"]
+        counts = json.loads(report.read_text())
+        outcome.passed, outcome.failed = counts["numPassedTests"], counts["numFailedTests"]
+        outcome.skipped = counts["numPendingTests"] + counts["numTodoTests"]
         messages = [f"{test['fullName']}\n" + "\n".join(test["failureMessages"])
-                    for file in told["testResults"] for test in file["assertionResults"] if test["status"] == "failed"]
-        messages += [f"{file['name']}\n{file['message']}" for file in told["testResults"]
+                    for file in counts["testResults"] for test in file["assertionResults"] if test["status"] == "failed"]
+        messages += [f"{file['name']}\n{file['message']}" for file in counts["testResults"]
                      if file["status"] == "failed" and not file["assertionResults"]]
     except (OSError, ValueError, KeyError):
         messages = [output]
@@ -119,7 +119,7 @@ def vitest_suite(root, results):
 
 
 def lines_suite(name, command, seconds, **options):
-    """A program that prints a line for each test: `ok ...`, `not ok ...` or `skip ...`."""
+    """Runs a program that prints a line for each test: `ok ...`, `not ok ...` or `skip ...`."""
     outcome = Outcome(name)
     status, output = run(command, seconds, **options)
     outcome.passed = len(re.findall(r"^ok\b", output, re.M))
@@ -145,7 +145,7 @@ def run_all(options):
     began = time.monotonic()
     outcomes = []
 
-    def tell(outcome):
+    def report(outcome):
         outcomes.append(outcome)
         print(outcome.line(), flush=True)
         if outcome.failed:
@@ -164,21 +164,23 @@ def run_all(options):
             running = [pool.submit(timed, gtest_suite, name if preset == "release" else f"{name} [{preset}]", program,
                                    options.pattern, slow, results, seconds) for name, program in programs]
             for done in concurrent.futures.as_completed(running):
-                tell(done.result())
+                report(done.result())
+    if options.words:
+        report(timed(lines_suite, "words", ["bash", "-c", "scripts/words.py --self-test && scripts/lint words"], FAST_SECONDS, cwd=root))
     if options.wasm:
-        tell(timed(lines_suite, "wasm", ["node", str(root / "tests/wasm/run.mjs"), str(root / "build/wasm/bin"),
+        report(timed(lines_suite, "wasm", ["node", str(root / "tests/wasm/run.mjs"), str(root / "build/wasm/bin"),
                                          str(root / "build/release/bin")], FAST_SECONDS, cwd=root))
     if options.web:
-        tell(timed(vitest_suite, root, results))
+        report(timed(vitest_suite, root, results))
     if options.e2e:
-        tell(timed(lines_suite, "e2e", ["npm", "run", "--silent", "e2e"], FAST_SECONDS, cwd=root / "web"))
+        report(timed(lines_suite, "e2e", ["npm", "run", "--silent", "e2e"], FAST_SECONDS, cwd=root / "web"))
     if options.unbuilt:
-        tell(Outcome("build", failed=1, report="Something did not build: see above."))
+        report(Outcome("build", failed=1, report="The build failed; see above."))
 
     passed, failed, skipped = (sum(getattr(outcome, field) for outcome in outcomes) for field in ("passed", "failed", "skipped"))
     if passed == 0 and failed == 0:
         failed = 1
-        print("No test ran: nothing matches.")
+        print("No test ran: no test matches.")
     failing = [outcome.suite for outcome in outcomes if outcome.failed]
     print(f"{len(outcomes)} suites in {time.monotonic() - began:.1f} s" + (f"; failing: {', '.join(failing)}" if failing else ""))
     print(f"{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))
@@ -194,7 +196,7 @@ def main():
     runner.add_argument("--results", required=True)
     runner.add_argument("--pattern", default="")
     runner.add_argument("--programs", action="append", default=[], metavar="PRESET")
-    for flag in ("--slow", "--wasm", "--web", "--e2e", "--unbuilt"):
+    for flag in ("--slow", "--words", "--wasm", "--web", "--e2e", "--unbuilt"):
         runner.add_argument(flag, action="store_true")
     options = parser.parse_args()
     if options.verb == "list":

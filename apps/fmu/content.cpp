@@ -1,4 +1,4 @@
-// The binary of FMUs that work on content: mechanisms and motions.
+// LSIs of the binary ugoki_fmu_content: all built-in LSIs, which use the mechanisms and motions of content.
 
 #include "session.h"
 #include "ugoki/content/player.h"

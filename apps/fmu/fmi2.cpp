@@ -1,4 +1,4 @@
-// The functions of FMI 2.0 co-simulation around a Session.
+// The functions of FMI 2.0 co-simulation, on top of a Session.
 
 #include "ugoki/fmi/abi2.h"
 
@@ -14,18 +14,21 @@ using fmi::InterfaceType;
 
 fmi2Status status_of(bool good) { return good ? fmi2OK : fmi2Error; }
 
-/// @param work (Instance&) -> fmi2Status
+/// guarded() for functions with other results than OK and Error. @param work (Instance&) -> fmi2Status
 template <class Work>
 fmi2Status guarded2(fmi2Component c, const char* function, Work work) {
   return guarded(c, function, fmi2Error, work);
 }
+/// Logs why a function is not supported. @return fmi2Error
 fmi2Status refused(fmi2Component c, const char* function, const char* why) {
   return guarded2(c, function, [&](Instance& self) { return status_of(self.refuse(why)); });
 }
+/// @return fmi2Discard: the requested status is not available
 fmi2Status discarded(fmi2Component c, const char* function) {
   return guarded2(c, function, [](Instance&) { return fmi2Discard; });
 }
 
+/// Implements fmi2GetReal, fmi2GetInteger and fmi2GetBoolean. @param types of variables that the function reads
 template <class T>
 fmi2Status get(fmi2Component c, const char* function, std::initializer_list<InterfaceType> types, const fmi2ValueReference* references,
                std::size_t n, T* values) {
@@ -38,7 +41,8 @@ fmi2Status get(fmi2Component c, const char* function, std::initializer_list<Inte
       const std::size_t element = references[i] - self.session->interface().variables[*variable].reference;
       if (!self.done(self.session->get(*variable, element, {&x, 1}))) return false;
       if constexpr (std::is_integral_v<T>) {
-        if (!(std::fabs(x) <= 2147483647.0)) return self.refuse(std::string(function) + ": the value is too large for an Integer.");
+        if (!(std::fabs(x) <= 2147483647.0))
+          return self.refuse(std::string(function) + ": the value " + std::to_string(x) + " is outside of the range of Integer.");
       }
       values[i] = static_cast<T>(x);
     }
@@ -46,6 +50,7 @@ fmi2Status get(fmi2Component c, const char* function, std::initializer_list<Inte
   }));
 }
 
+/// Implements fmi2SetReal, fmi2SetInteger and fmi2SetBoolean. @param truth values are booleans
 template <class T>
 fmi2Status set(fmi2Component c, const char* function, std::initializer_list<InterfaceType> types, const fmi2ValueReference* references,
                std::size_t n, const T* values, bool truth = false) {
@@ -62,13 +67,13 @@ fmi2Status set(fmi2Component c, const char* function, std::initializer_list<Inte
   }));
 }
 
-/// "file:///a%20b" as a path; other texts as they are.
+/// Path of a URI: "/a b" for "file:///a%20b". Other texts are returned unchanged.
 std::string path_of(std::string_view uri) {
   if (!uri.starts_with("file:")) return std::string(uri);
   uri.remove_prefix(5);
   if (uri.starts_with("//")) {
     uri.remove_prefix(2);
-    const std::size_t slash = uri.find('/');  // after a host, which is this one
+    const std::size_t slash = uri.find('/');  // skip the host name, which is this computer
     uri.remove_prefix(slash == std::string_view::npos ? uri.size() : slash);
   }
   const auto digit = [](char c) {
@@ -114,7 +119,7 @@ UGOKI_FMI_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, f
     else if (!guid || !resources)
       why = "The GUID or the location of the resources is missing.";
     return instantiate(std::move(self), resources ? path_of(resources) : std::string(), guid, std::move(why));
-  } catch (const std::exception&) {  // memory
+  } catch (const std::exception&) {  // out of memory
     return nullptr;
   }
 }
@@ -171,7 +176,7 @@ UGOKI_FMI_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real s
   return status_of(step(c, "fmi2DoStep", now, size));
 }
 UGOKI_FMI_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) {
-  return refused(c, "fmi2CancelStep", "Steps are done at once; there is nothing to cancel.");
+  return refused(c, "fmi2CancelStep", "fmi2CancelStep is not supported: steps are computed synchronously.");
 }
 UGOKI_FMI_EXPORT fmi2Status fmi2GetStatus(fmi2Component c, fmi2StatusKind, fmi2Status*) { return discarded(c, "fmi2GetStatus"); }
 UGOKI_FMI_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real* v) {
@@ -196,15 +201,15 @@ UGOKI_FMI_EXPORT fmi2Status fmi2GetStringStatus(fmi2Component c, fmi2StatusKind,
 }
 UGOKI_FMI_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference*, std::size_t, const fmi2Integer*,
                                                         const fmi2Real*) {
-  return refused(c, "fmi2SetRealInputDerivatives", "Derivatives of inputs are not taken.");
+  return refused(c, "fmi2SetRealInputDerivatives", "Derivatives of inputs are not supported.");
 }
 UGOKI_FMI_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference*, std::size_t, const fmi2Integer*,
                                                          fmi2Real*) {
-  return refused(c, "fmi2GetRealOutputDerivatives", "Derivatives of outputs are not given.");
+  return refused(c, "fmi2GetRealOutputDerivatives", "Derivatives of outputs are not supported.");
 }
 UGOKI_FMI_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference*, std::size_t, const fmi2ValueReference*,
                                                          std::size_t, const fmi2Real*, fmi2Real*) {
-  return refused(c, "fmi2GetDirectionalDerivative", "Directional derivatives are not given.");
+  return refused(c, "fmi2GetDirectionalDerivative", "Directional derivatives are not supported.");
 }
 
 UGOKI_FMI_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {

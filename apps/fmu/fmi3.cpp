@@ -1,4 +1,5 @@
-// The functions of FMI 3.0 co-simulation around a Session. Those of the other interface types are there and refuse.
+// The functions of FMI 3.0 co-simulation, on top of a Session. The functions of the other interface types exist, as the standard requires,
+// and return an error.
 
 #include "ugoki/fmi/abi3.h"
 
@@ -11,21 +12,23 @@ using fmi::InterfaceType;
 
 fmi3Status status_of(bool good) { return good ? fmi3OK : fmi3Error; }
 
+/// Logs that the function is not supported. @return fmi3Error
 fmi3Status unsupported(fmi3Instance instance, const char* function) {
   return status_of(
       guarded(instance, function, [&](Instance& self) { return self.refuse(std::string(function) + " is not supported by this FMU."); }));
 }
+/// @return fmi3OK if the instance exists
 fmi3Status accepted(fmi3Instance instance, const char* function) {
   return status_of(guarded(instance, function, [](Instance&) { return true; }));
 }
 
-/// The variable that begins at a value reference, if it is of one of these types.
+/// Index of the variable whose first value reference is `reference`, if it is of one of these types.
 std::optional<std::size_t> find(const Instance& self, fmi3ValueReference reference, std::initializer_list<InterfaceType> types) {
   const std::optional<std::size_t> i = find_variable(self, reference, types);
   return i && self.session->interface().variables[*i].reference == reference ? i : std::nullopt;
 }
 
-/// Gives each of the variables as many of the `count` values as it has: work(variable, first value, numbers).
+/// Splits `count` values among the variables: calls work(variable, index of its first value, numbers) with room for its elements.
 template <class Work>
 bool for_variables(Instance& self, const char* function, std::initializer_list<InterfaceType> types,
                    std::span<const fmi3ValueReference> references, std::size_t count, Work work) {
@@ -35,14 +38,15 @@ bool for_variables(Instance& self, const char* function, std::initializer_list<I
     const std::optional<std::size_t> variable = find(self, reference, types);
     if (!variable) return unknown_reference(self, function, reference);
     numbers.resize(self.session->interface().variables[*variable].count);
-    if (at + numbers.size() > count) return self.refuse(std::string(function) + ": there are fewer values than the variables have.");
+    if (at + numbers.size() > count)
+      return self.refuse(std::string(function) + ": there are fewer values than the variables have elements.");
     if (!self.done(work(*variable, at, numbers))) return false;
     at += numbers.size();
   }
-  return at == count || self.refuse(std::string(function) + ": there are more values than the variables have.");
+  return at == count || self.refuse(std::string(function) + ": there are more values than the variables have elements.");
 }
 
-/// @param types of variables; none: this FMU has no variable of the function's type
+/// Implements fmi3Get<Type>. @param types of variables that the function reads; none: this FMU has no variable of the type
 template <class T>
 fmi3Status get(fmi3Instance instance, const char* function, std::initializer_list<InterfaceType> types,
                const fmi3ValueReference* references, std::size_t n, T* values, std::size_t count) {
@@ -57,6 +61,7 @@ fmi3Status get(fmi3Instance instance, const char* function, std::initializer_lis
   }));
 }
 
+/// Implements fmi3Set<Type>.
 template <class T>
 fmi3Status set(fmi3Instance instance, const char* function, std::initializer_list<InterfaceType> types,
                const fmi3ValueReference* references, std::size_t n, const T* values, std::size_t count) {
@@ -69,10 +74,11 @@ fmi3Status set(fmi3Instance instance, const char* function, std::initializer_lis
   }));
 }
 
-/// Texts: as many as references.
+/// True if there are as many strings as value references; otherwise logs an error.
 bool as_many(fmi3Instance instance, const char* function, std::size_t n, std::size_t m) {
   return n == m || guarded(instance, function, [&](Instance& self) {
-           return self.refuse(std::string(function) + ": there are more or fewer values than the variables have.");
+           return self.refuse(std::string(function) + ": there are " + std::to_string(m) + " values for " + std::to_string(n) +
+                              " variables.");
          });
 }
 
@@ -103,7 +109,7 @@ UGOKI_FMI_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3S
     else if (required > 0)
       why = "This FMU has no intermediate variables.";
     return instantiate(std::move(self), resources ? resources : "", token, std::move(why));
-  } catch (const std::exception&) {  // memory
+  } catch (const std::exception&) {  // out of memory
     return nullptr;
   }
 }
@@ -210,7 +216,7 @@ UGOKI_FMI_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3By
   return status_of(read_state(c, "fmi3DeserializeFMUState", {reinterpret_cast<const std::byte*>(from), size}, state));
 }
 
-// What co-simulation of this FMU does not have, and the other interface types.
+// Optional functions that this FMU does not support, and functions of the other interface types.
 
 UGOKI_FMI_EXPORT fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference, std::size_t*) {
   return unsupported(c, "fmi3GetNumberOfVariableDependencies");

@@ -12,8 +12,8 @@ bool Instance::in_mode(std::initializer_list<Mode> modes) const {
 }
 
 bool Instance::wrong_time(const char* function) const {
-  constexpr const char* names[] = {"before the initialization mode", "in the initialization mode", "while it steps", "after its end",
-                                   "after an error"};
+  constexpr const char* names[] = {"before initialization mode", "in initialization mode", "in step mode",
+                                   "after the end of the simulation", "after an error"};
   return refuse(std::string(function) + " may not be called " + names[failed ? 4u : static_cast<std::size_t>(session->mode())] + ".");
 }
 
@@ -30,7 +30,8 @@ void* instantiate(std::unique_ptr<Instance> self, const std::string& resources, 
 }
 
 bool set_experiment(Instance& self, double start, bool has_stop, double stop) {
-  if (!std::isfinite(start) || (has_stop && !(stop >= start))) return self.refuse("The start or stop time is no time.");
+  if (!std::isfinite(start) || (has_stop && !(stop >= start)))
+    return self.refuse("The start time must be finite, and the stop time not before it.");
   self.session->set_experiment(start, has_stop ? std::optional(stop) : std::nullopt);
   return true;
 }
@@ -71,7 +72,7 @@ namespace {
 bool may_access(const Instance& self, std::initializer_list<Mode> modes, const char* function, std::size_t n, const void* references,
                 const void* values) {
   if (!self.in_mode(modes)) return self.wrong_time(function);
-  if (n > 0 && (!references || !values)) return self.refuse(std::string(function) + " is given a null pointer.");
+  if (n > 0 && (!references || !values)) return self.refuse(std::string(function) + ": an argument is a null pointer.");
   return true;
 }
 
@@ -115,7 +116,7 @@ bool set_texts(void* instance, const char* function, const std::uint32_t* refere
     for (std::size_t i = 0; i < n; ++i) {
       const std::optional<std::size_t> variable = find_variable(self, references[i], {InterfaceType::text});
       if (!variable) return unknown_reference(self, function, references[i]);
-      if (!values[i]) return self.refuse(std::string(function) + " is given a null pointer.");
+      if (!values[i]) return self.refuse(std::string(function) + ": a string is a null pointer.");
       if (!self.done(self.session->set_text(*variable, values[i]))) return false;
     }
     return true;
@@ -124,7 +125,7 @@ bool set_texts(void* instance, const char* function, const std::uint32_t* refere
 
 bool get_state(void* instance, const char* function, void** state) {
   return guarded(instance, function, [&](Instance& self) {
-    if (!state || self.failed) return self.refuse(std::string(function) + " may not be called now.");
+    if (!state || self.failed) return self.refuse(std::string(function) + " may not be called after an error or with a null pointer.");
     auto copy = std::make_unique<Snapshot>();
     if (!self.done(self.session->save(*copy))) return false;
     if (Snapshot* known = *state ? self.snapshots.find(*state) : nullptr)
@@ -137,7 +138,8 @@ bool get_state(void* instance, const char* function, void** state) {
 
 namespace {
 
-bool no_state(const Instance& self) { return self.refuse("This is no saved state of this instance."); }
+/// Logs that a state handle is unknown. @return false
+bool no_state(const Instance& self) { return self.refuse("The handle is not a saved state of this instance."); }
 
 }  // namespace
 
@@ -174,7 +176,9 @@ bool write_state(void* instance, const char* function, void* state, std::span<st
     const Snapshot* known = self.snapshots.find(state);
     if (!known || !to.data()) return no_state(self);
     const std::vector<std::byte> bytes = known->to_bytes();
-    if (to.size() < bytes.size()) return self.refuse("The room for the saved state is too small.");
+    if (to.size() < bytes.size())
+      return self.refuse("The buffer for the saved state has " + std::to_string(to.size()) + " bytes; " + std::to_string(bytes.size()) +
+                         " are needed.");
     std::ranges::copy(bytes, to.begin());
     return true;
   });
@@ -184,7 +188,7 @@ bool read_state(void* instance, const char* function, std::span<const std::byte>
   return guarded(instance, function, [&](Instance& self) {
     auto copy = std::make_unique<Snapshot>();
     if (!from.data() || !state || !copy->from_bytes(from, self.session->interface().variables.size()))
-      return self.refuse("These bytes are no saved state of this FMU.");
+      return self.refuse("The bytes are not a saved state of this FMU.");
     *state = self.snapshots.add(std::move(copy));
     return true;
   });

@@ -1,5 +1,6 @@
 #pragma once
-// Which instances and saved states are alive, so that a call with another pointer is refused instead of obeyed.
+// Registry of objects whose pointers are given to the other tool. A call with an unknown pointer, for example of a freed instance, is
+// refused instead of causing undefined behaviour.
 
 #include <algorithm>
 #include <memory>
@@ -8,32 +9,35 @@
 
 namespace ugoki::fmu {
 
+/// Owns objects and finds them by their address. Thread-safe.
 template <class T>
 class Registry {
  public:
-  void* add(std::unique_ptr<T> thing) {
+  /// @return address of the object, valid until remove()
+  void* add(std::unique_ptr<T> item) {
     const std::lock_guard lock(mutex_);
-    things_.push_back(std::move(thing));
-    return things_.back().get();
+    items_.push_back(std::move(item));
+    return items_.back().get();
   }
-  /// Null: there is no such thing (any more).
+  /// The object at an address; null if there is none.
   [[nodiscard]] T* find(const void* pointer) {
     const std::lock_guard lock(mutex_);
-    const auto found = std::find_if(things_.begin(), things_.end(), [&](const auto& t) { return t.get() == pointer; });
-    return found == things_.end() ? nullptr : found->get();
+    const auto found = std::find_if(items_.begin(), items_.end(), [&](const auto& t) { return t.get() == pointer; });
+    return found == items_.end() ? nullptr : found->get();
   }
+  /// Destroys the object; does nothing if there is none.
   void remove(const void* pointer) {
-    std::unique_ptr<T> last;  // ends outside of the lock
+    std::unique_ptr<T> last;  // declared before the lock, so that the object is destroyed after the lock is released
     const std::lock_guard lock(mutex_);
-    const auto found = std::find_if(things_.begin(), things_.end(), [&](const auto& t) { return t.get() == pointer; });
-    if (found == things_.end()) return;
+    const auto found = std::find_if(items_.begin(), items_.end(), [&](const auto& t) { return t.get() == pointer; });
+    if (found == items_.end()) return;
     last = std::move(*found);
-    things_.erase(found);
+    items_.erase(found);
   }
 
  private:
   std::mutex mutex_;
-  std::vector<std::unique_ptr<T>> things_;
+  std::vector<std::unique_ptr<T>> items_;
 };
 
 }  // namespace ugoki::fmu

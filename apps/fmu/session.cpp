@@ -17,14 +17,16 @@ using fmi::InterfaceRole;
 using fmi::InterfaceType;
 using fmi::InterfaceVariable;
 
-constexpr double slack = 1e-6;  // of a tick: times of other tools are sums of steps
+// Relative to a tick: communication points this close to a tick coincide with it. Other tools add up their steps, which accumulates
+// rounding.
+constexpr double slack = 1e-6;
 
 std::string first_problem(const Error& error) {
   const Problem& p = error.problems[0];
-  return p.place + ": " + p.message;
+  return p.location + ": " + p.message;
 }
 
-/// Appends and takes away plain numbers and arrays.
+/// Serialises plain values and arrays (with their size in front). `take` functions read from the front; false: too few bytes.
 class Bytes {
  public:
   template <class T>
@@ -63,7 +65,7 @@ class Bytes {
   std::span<const std::byte> rest_;
 };
 
-constexpr std::uint64_t snapshot_magic = 0x31554d46494b4755ULL;
+constexpr std::uint64_t snapshot_magic = 0x31554d46494b4755ULL;  // "UGKIFMU1", first 8 bytes of a serialised Snapshot
 
 }  // namespace
 
@@ -111,8 +113,8 @@ std::unique_ptr<Session> Session::open(const std::string& resources, std::string
   const Result<json::Json> settings = json::parse_json(*run, std::string(fmi::run_file));
   if (!settings || !settings->is_object() || !settings->contains("dt") || !(*settings)["dt"].is_number() || !settings->contains("token") ||
       !(*settings)["token"].is_string())
-    return refuse("The FMU's run.json is damaged.");
-  if ((*settings)["token"].get<std::string>() != token) return refuse("The GUID (instantiation token) is not that of this FMU.");
+    return refuse("The FMU's run.json is damaged; export the FMU again.");
+  if ((*settings)["token"].get<std::string>() != token) return refuse("The GUID (instantiation token) does not belong to this FMU.");
   std::unique_ptr<Session> s(new Session);
   s->dt_ = (*settings)["dt"].get<double>();
   Result<circuit::Circuit> read = circuit::read_circuit(*circuit, fmi::circuit_file);
@@ -137,7 +139,7 @@ std::unique_ptr<Session> Session::open(const std::string& resources, std::string
 }
 
 std::optional<std::size_t> Session::find(std::uint32_t reference) const {
-  const auto& all = interface_.variables;  // references ascend
+  const auto& all = interface_.variables;  // sorted by value reference
   const auto after =
       std::upper_bound(all.begin(), all.end(), reference, [](std::uint32_t r, const InterfaceVariable& v) { return r < v.reference; });
   if (after == all.begin()) return std::nullopt;
@@ -187,12 +189,13 @@ std::string Session::reset() {
   return {};
 }
 
+/// Why the circuit stopped.
 std::string Session::stop_words() const {
   const circuit::Stop* stop = running_->stopped();
-  return stop ? stop->text() : "The circuit does not run.";
+  return stop ? stop->text() : "The circuit did not compute the tick.";
 }
 
-/// With the parameters as they are now.
+/// Builds the interpreter with the current values of parameters and inputs.
 std::string Session::build() {
   circuit::Circuit circuit = circuit_;
   for (std::size_t i = 0; i < interface_.variables.size(); ++i) {
@@ -231,6 +234,7 @@ void Session::write_input(std::size_t variable) {
   }
 }
 
+/// Computes `count` ticks; seen_ gets the outputs of the last one.
 std::string Session::tick(std::uint64_t count) {
   if (count == 0) return {};
   if (running_->run(count) != count) return stop_words();
@@ -239,7 +243,7 @@ std::string Session::tick(std::uint64_t count) {
   return {};
 }
 
-/// Ticks before `time`. @param due out: one is to be computed at `time` itself
+/// Number of ticks before `time`, s. @param due [out] true: there is a tick at `time` itself
 std::uint64_t Session::ticks_until(double time, bool& due) const {
   const double ticks = (time - start_) / dt_;
   const double whole = std::floor(ticks + 0.5);
@@ -247,8 +251,8 @@ std::uint64_t Session::ticks_until(double time, bool& due) const {
   return static_cast<std::uint64_t>(std::max(0.0, due ? whole : std::ceil(ticks)));
 }
 
-/// The outputs as they are now: computes the tick that is due.
-std::string Session::look() {
+/// Updates seen_ to the outputs at now_: computes the tick at now_ ahead, if there is one, and refreshes outputs on demand.
+std::string Session::update_outputs() {
   if (fresh_) return {};
   if (!running_)
     if (std::string bad = build(); !bad.empty()) return bad;
@@ -285,10 +289,10 @@ std::string Session::undo() {
 
 std::string Session::step(double now, double size) {
   if (!std::isfinite(now) || std::fabs(now - now_) > slack * std::max(dt_, std::fabs(now) * 1e-6))
-    return "The step begins at " + to_text(now) + " s, but the last one ended at " + to_text(now_) + " s.";
-  if (!(size > 0) || !std::isfinite(size)) return "The communication step is no positive time.";
-  if (stop_ && now + size > *stop_ + slack * size) return "The step leads beyond the stop time, " + to_text(*stop_) + " s.";
-  if (!((now + size - start_) / dt_ < 9e15)) return "The time is too long for the ticks of the circuit to be counted.";
+    return "The step begins at " + to_text(now) + " s, but the last step ended at " + to_text(now_) + " s.";
+  if (!(size > 0) || !std::isfinite(size)) return "The communication step size is " + to_text(size) + " s; it must be positive and finite.";
+  if (stop_ && now + size > *stop_ + slack * size) return "The step ends after the stop time, " + to_text(*stop_) + " s.";
+  if (!((now + size - start_) / dt_ < 9e15)) return "The step ends after too many ticks of the circuit; the limit is 9e15 ticks.";
   bool due = false;
   const std::uint64_t until = ticks_until(now + size, due);
   if (until > running_->ticks()) {
@@ -307,9 +311,9 @@ std::string Session::step(double now, double size) {
 std::string Session::may_set(const InterfaceVariable& v) const {
   const bool before = mode_ == Mode::instantiated || mode_ == Mode::initialization;
   if (v.role == InterfaceRole::time || v.role == InterfaceRole::output)
-    return "'" + v.name + "' is no input and no parameter; it cannot be set.";
+    return "'" + v.name + "' is neither an input nor a parameter; it cannot be set.";
   if (v.role == InterfaceRole::parameter && !v.tunable && !before)
-    return "The parameter '" + v.name + "' is fixed and can be set before the simulation only.";
+    return "The parameter '" + v.name + "' is fixed; it can be set only before the end of initialization mode.";
   return {};
 }
 
@@ -324,7 +328,7 @@ std::string Session::get(std::size_t variable, std::size_t first, std::span<doub
     return {};
   }
   if (mode_ != Mode::terminated)
-    if (std::string bad = look(); !bad.empty()) return bad;
+    if (std::string bad = update_outputs(); !bad.empty()) return bad;
   std::copy_n(seen_.begin() + static_cast<std::ptrdiff_t>(seen_at_[variable] + first), values.size(), values.begin());
   return {};
 }
@@ -333,11 +337,11 @@ std::string Session::set(std::size_t variable, std::size_t first, std::span<cons
   const InterfaceVariable& v = interface_.variables[variable];
   if (std::string bad = may_set(v); !bad.empty()) return bad;
   for (const double x : values) {
-    if (!std::isfinite(x)) return "'" + v.name + "' is given a number that is not finite.";
+    if (!std::isfinite(x)) return "'" + v.name + "' is set to a value that is not finite.";
     if (v.role == InterfaceRole::parameter && ((v.minimum && x < *v.minimum) || (v.maximum && x > *v.maximum)))
-      return "'" + v.name + "' is given " + to_text(x) + ", which is out of its range.";
+      return "'" + v.name + "' is set to " + to_text(x) + ", which is out of its range.";
     if (v.type == InterfaceType::choice && !(x >= 1 && x <= static_cast<double>(v.words.size())))
-      return "'" + v.name + "' is given " + to_text(x) + ", which is none of its choices.";
+      return "'" + v.name + "' is set to " + to_text(x) + "; it must be 1 to " + std::to_string(v.words.size()) + ".";
   }
   if (std::equal(values.begin(), values.end(), values_[variable].begin() + static_cast<std::ptrdiff_t>(first))) return {};
   if (std::string bad = undo(); !bad.empty()) return bad;
@@ -349,7 +353,7 @@ std::string Session::set(std::size_t variable, std::size_t first, std::span<cons
     return {};
   }
   if (mode_ != Mode::stepping) {
-    running_.reset();  // it may decide the first state
+    running_.reset();  // rebuild later: the parameter may affect the initial state
     return {};
   }
   for (const std::string& end : v.ends)
@@ -381,8 +385,8 @@ std::string Session::save(Snapshot& out) {
 
 std::string Session::load(const Snapshot& from) {
   for (std::size_t i = 0; i < values_.size(); ++i)
-    if (from.values[i].size() != values_[i].size()) return "The saved state is of another FMU.";
-  if (from.seen.size() != seen_.size()) return "The saved state is of another FMU.";
+    if (from.values[i].size() != values_[i].size()) return "The saved state belongs to another FMU.";
+  if (from.seen.size() != seen_.size()) return "The saved state belongs to another FMU.";
   bool rebuild = false;
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const InterfaceVariable& v = interface_.variables[i];

@@ -1,4 +1,4 @@
-// The binary of FMUs of signal LSIs alone.
+// LSIs of the binary ugoki_fmu: signal LSIs only.
 
 #include "session.h"
 #include "ugoki/circuit/signal_lsis.h"
@@ -15,7 +15,7 @@ const circuit::Library& packed_library() {
 }
 
 std::unique_ptr<circuit::Resources> packed_content(std::string_view bytes, std::string& why) {
-  if (!bytes.empty()) why = "The FMU has content, but not the binary that runs it.";
+  if (!bytes.empty()) why = "The FMU has content, but its binary supports signal LSIs only. Export the FMU again.";
   return nullptr;
 }
 

@@ -1,14 +1,15 @@
-// The player's exports. One content at a time; numbers only, so that a page needs no glue beyond a few lines.
+// The WebAssembly exports of the player. One content is open at a time. Arguments and results are numbers, so that a page needs only a few
+// lines of glue code.
 //
 //   ugoki_allocate(size) -> address, ugoki_release(address)   memory for the bytes to open and for states
-//   ugoki_open(address, size) -> 1 opened, 0 refused          then ugoki_message() tells why
-//   ugoki_step(n) -> steps done                               fewer than n: it stopped, ugoki_message() tells why
+//   ugoki_open(address, size) -> 1 opened, 0 refused          ugoki_message() is the reason
+//   ugoki_step(n) -> steps done                               fewer than n: it stopped, ugoki_message() is the reason
 //   ugoki_time(), ugoki_step_size(), ugoki_duration(), ugoki_frame_rate()
 //   ugoki_hash_low(), ugoki_hash_high()                       state hash
 //   ugoki_frame(number, flags) -> address, ugoki_frame_size() a frame as in docs/studio-protocol.md
-//   ugoki_push, ugoki_grab, ugoki_drag, ugoki_let_go          inputs, indices as in the frame
-//   ugoki_input(address, size) -> 1 taken, 0 refused          keyboard, mouse and gamepads: the fields of `input` in that document, as JSON
-//   ugoki_devices() -> address, ugoki_message_size()          what the content reads of them, as JSON: the fields of the event `devices`
+//   ugoki_push, ugoki_grab, ugoki_drag, ugoki_drop            inputs, indices as in the frame
+//   ugoki_input(address, size) -> 1 accepted, 0 refused       keyboard, mouse and gamepads: the fields of `input` in that document, as JSON
+//   ugoki_devices() -> address, ugoki_message_size()          devices that the content reads, as JSON: the fields of the event `devices`
 //   ugoki_reset()
 //   ugoki_message() -> address, ugoki_message_size()          UTF-8
 
@@ -33,7 +34,7 @@ struct Session {
 };
 
 Session& session() {
-  static Session* one = new Session;  // lives as long as the module
+  static Session* one = new Session;  // never destroyed: lives as long as the module
   return *one;
 }
 
@@ -107,7 +108,7 @@ void ugoki_grab(std::int32_t character, std::int32_t link, double px, double py,
 PLAYER_EXPORT(ugoki_drag) void ugoki_drag(double x, double y, double z) {
   if (session().player) session().player->drag({x, y, z});
 }
-PLAYER_EXPORT(ugoki_let_go) void ugoki_let_go() {
+PLAYER_EXPORT(ugoki_drop) void ugoki_drop() {
   if (session().player) session().player->release();
 }
 

@@ -52,7 +52,7 @@ std::shared_ptr<plugin::LiveLibrary> open_libraries(const Options& o) {
   return live;
 }
 
-/// "name=1,2,3"
+/// Parses "name=1,2,3".
 Result<std::pair<std::string, std::vector<double>>> read_assignment(const std::string& text, const char* option) {
   const auto equal = text.rfind('=');
   std::pair<std::string, std::vector<double>> out;
@@ -67,7 +67,7 @@ Result<std::pair<std::string, std::vector<double>>> read_assignment(const std::s
     if (at >= text.size()) break;
   }
   if (good) return out;
-  return fail(ErrorCode::syntax, option, "'" + text + "' is no assignment of numbers.", "Write it as name=1.5 or name=1,2,3.");
+  return fail(ErrorCode::syntax, option, "'" + text + "' is not an assignment of numbers.", "Write it as name=1.5 or name=1,2,3.");
 }
 
 Result<void> apply_inputs(Interpreter& interpreter, const Options& o) {
@@ -99,7 +99,7 @@ Json numbers_json(std::span<const double> x) {
   return out;
 }
 
-/// Takes over what a rebuilt library brings; what runs goes on where it cannot.
+/// Replaces the interpreter by one that uses rebuilt libraries. If that fails, the running interpreter continues unchanged.
 void reload(Interpreter& interpreter, const circuit::Circuit& circuit, std::shared_ptr<const circuit::Library>& library,
             plugin::LiveLibrary& live, const circuit::BuildOptions& build, const Options& o, plugin::ThreadPool& pool) {
   if (!live.poll()) return;
@@ -107,7 +107,7 @@ void reload(Interpreter& interpreter, const circuit::Circuit& circuit, std::shar
   std::shared_ptr<const circuit::Library> next = live.library();
   Result<Interpreter> made = Interpreter::build(circuit, *next, nullptr, build);
   if (!made) {
-    std::cerr << "ugoki: the changed library does not fit; the old one runs on.\n" << made.error().text();
+    std::cerr << "ugoki: the rebuilt library cannot run this circuit; the previous version continues.\n" << made.error().text();
     return;
   }
   const Interpreter::Adoption report = made->adopt_report(interpreter);
@@ -121,7 +121,7 @@ void reload(Interpreter& interpreter, const circuit::Circuit& circuit, std::shar
   (void)apply_inputs(interpreter, o);
 }
 
-/// Numbers for the LSIs `osc`.
+/// Writes received OSC messages to the LSIs `osc` of the circuit.
 void receive(plugin::OscReceiver& osc, Interpreter& interpreter) {
   osc.poll([&](std::string_view address, std::span<const double> numbers) {
     for (const circuit::DeviceSlot& d : interpreter.devices()) {
@@ -162,11 +162,11 @@ int run_inside(const Options& o) {
 
   plugin::ThreadPool pool(o.threads);
   interpreter->set_executor(&pool);
-  /// FMUs may have something to say.
-  const auto tell = [&live] {
+  // Messages of the libraries, for example of FMUs.
+  const auto print_messages = [&live] {
     for (const std::string& m : live->take_messages()) std::cerr << "ugoki: " << m << '\n';
   };
-  tell();
+  print_messages();
   std::optional<plugin::OscReceiver> osc;
   if (o.osc > 0) {
     Result<plugin::OscReceiver> opened = plugin::OscReceiver::open(static_cast<std::uint16_t>(o.osc));
@@ -177,12 +177,12 @@ int run_inside(const Options& o) {
   catch_interrupt();
   const auto ticks = static_cast<std::uint64_t>(std::llround(o.duration / o.dt));
   const auto begin = std::chrono::steady_clock::now();
-  auto looked = begin;
+  auto last_poll = begin;
   int hit = -1;
   while (interpreter->ticks() < ticks && hit < 0 && !interrupted()) {
     if (osc) receive(*osc, *interpreter);
     const bool good = interpreter->tick();
-    if (!good || interpreter->ticks() % 64 == 0) tell();
+    if (!good || interpreter->ticks() % 64 == 0) print_messages();
     if (!good) {
       const circuit::Stop& stop = *interpreter->stopped();
       return print_error(
@@ -192,12 +192,12 @@ int run_inside(const Options& o) {
     if (o.realtime) std::this_thread::sleep_until(begin + std::chrono::duration<double>(interpreter->time()));
     if (!o.reload || interpreter->ticks() % 16 != 0) continue;
     const auto now = std::chrono::steady_clock::now();
-    if (now - looked < std::chrono::milliseconds(100)) continue;
-    looked = now;
+    if (now - last_poll < std::chrono::milliseconds(100)) continue;
+    last_poll = now;
     reload(*interpreter, *circuit, library, *live, build, o, pool);
   }
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  tell();
+  print_messages();
   if (!o.record.empty())
     if (Result<void> done = files::write_file(o.record, circuit::write_input_record(interpreter->recording())); !done)
       return print_error(done.error(), o.json);
@@ -214,18 +214,19 @@ int run_inside(const Options& o) {
     for (const circuit::Instance& lsi : circuit->lsis)
       if (const circuit::LsiClass* c = library->find(lsi.type))
         for (const circuit::OutputPin& pin : c->outputs) show(lsi.id + "." + pin.name, interpreter->find_output(lsi.id + "." + pin.name));
-  const circuit::ProbeRows caught = interpreter->probes();
+  const circuit::ProbeRows recorded = interpreter->probes();
   if (!o.probes.empty()) {
     Json times = Json::array(), values = Json::array();
-    for (std::size_t i = 0; i < caught.size(); ++i) {
-      times.push_back(static_cast<double>(caught.tick(i)) * o.dt);
-      values.push_back(numbers_json(caught.numbers(i)));
+    for (std::size_t i = 0; i < recorded.size(); ++i) {
+      times.push_back(static_cast<double>(recorded.tick(i)) * o.dt);
+      values.push_back(numbers_json(recorded.numbers(i)));
     }
     probes = {{"pins", o.probes}, {"time", times}, {"values", values}};
   }
-  std::vector<circuit::Timing> spent = interpreter->timings();
-  std::sort(spent.begin(), spent.end(), [](const circuit::Timing& a, const circuit::Timing& b) { return a.total > b.total; });
-  for (const circuit::Timing& t : spent)
+  std::vector<circuit::Timing> timings_by_total = interpreter->timings();
+  std::sort(timings_by_total.begin(), timings_by_total.end(),
+            [](const circuit::Timing& a, const circuit::Timing& b) { return a.total > b.total; });
+  for (const circuit::Timing& t : timings_by_total)
     timing.push_back({{"lsi", t.lsi}, {"runs", t.runs}, {"mean_ns", static_cast<double>(t.total) / static_cast<double>(t.runs)}});
   if (o.json) {
     Json out = {{"circuit", circuit->name},
@@ -256,7 +257,7 @@ int guarded(const Options& o, int (*work)(const Options&)) {
 
 int run_run(const Options& o) { return guarded(o, run_inside); }
 
-/// Builds circuits without running them.
+/// Builds circuits without running them and reports their errors.
 int run_check(const Options& o) {
   return guarded(o, [](const Options& options) {
     const std::shared_ptr<plugin::LiveLibrary> live = open_libraries(options);
@@ -272,7 +273,7 @@ int run_check(const Options& o) {
         found = std::move(made.error());
       }
       for (Problem& p : found.problems) {
-        if (p.place.starts_with("circuit/")) p.place.replace(0, 7, path + ":");  // of which circuit
+        if (p.location.starts_with("circuit/")) p.location.replace(0, 7, path + ":");  // "circuit/..." becomes "FILE:..."
         problems.problems.push_back(std::move(p));
       }
       if (found.empty() && !options.json) print_line("good  " + path);
@@ -317,9 +318,9 @@ void add_circuit_verb(CLI::App& app, Action& action) {
   const auto add = [&](const char* name, const char* doc, const char* target, const char* example, int (*run)(const Options&)) {
     CLI::App* sub = verb->add_subcommand(name, doc);
     if (*target) sub->add_option("files", options->targets, target)->required();
-    sub->add_option("--lsi", options->libraries, "A library of LSIs to use as it is, without installing it (*.so)");
+    sub->add_option("--lsi", options->libraries, "A library of LSIs (*.so) to use without installing it");
     sub->add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
-    sub->add_option("--patience", options->patience, "Seconds that one LSI may take before it is stopped")
+    sub->add_option("--patience", options->patience, "Seconds that one LSI may run in a tick before the program stops it")
         ->check(CLI::Range(0.1, 3600.0))
         ->capture_default_str();
     sub->add_flag("--json", options->json, "Print one JSON object");
@@ -327,23 +328,23 @@ void add_circuit_verb(CLI::App& app, Action& action) {
     sub->callback([options, run, &action] { action = [options, run] { return run(*options); }; });
     return sub;
   };
-  CLI::App* run = add("run", "Run a circuit and show its outputs.", "The circuit, *.json",
+  CLI::App* run = add("run", "Run a circuit and print its outputs.", "The circuit, *.json",
                       "ugoki circuit run counter.json --duration 2 --probe limit.out --json", run_run);
   run->add_option("--dt", options->dt, "Seconds between ticks")->check(CLI::Range(1e-9, 1e6))->capture_default_str();
   run->add_option("--duration", options->duration, "Seconds to run")->check(CLI::Range(0.0, 1e9))->capture_default_str();
-  run->add_option("--probe", options->probes, "Catch this output at each tick: id.pin");
-  run->add_option("--every", options->every, "Probe each n-th tick only")->check(CLI::Range(1, 1000000));
+  run->add_option("--probe", options->probes, "Record this output at each tick: id.pin");
+  run->add_option("--every", options->every, "Record probes at each n-th tick only")->check(CLI::Range(1, 1000000));
   run->add_option("--set", options->sets, "Set a parameter: id.parameter=value");
   run->add_option("--input", options->inputs, "Set an input of the circuit: name=value or name=x,y,z");
-  run->add_option("--break", options->breaks, "Stop where a condition becomes true: \"id.pin > 3\", \"id.pin[2] < 0\", \"id.pin changes\"");
-  run->add_option("--record", options->record, "Write all that comes from outside to this file");
-  run->add_option("--replay", options->replay, "Give what this file recorded");
-  run->add_option("--threads", options->threads, "Run independent LSIs on so many threads")->check(CLI::Range(1, 64));
+  run->add_option("--break", options->breaks, "Stop when a condition becomes true: \"id.pin > 3\", \"id.pin[2] < 0\", \"id.pin changes\"");
+  run->add_option("--record", options->record, "Record all external inputs to this file");
+  run->add_option("--replay", options->replay, "Replay the inputs recorded in this file");
+  run->add_option("--threads", options->threads, "Number of threads for independent LSIs")->check(CLI::Range(1, 64));
   run->add_option("--osc", options->osc, "Receive OSC on this UDP port of 127.0.0.1, for the LSIs `osc`")->check(CLI::Range(1, 65535));
-  run->add_flag("--timing", options->timing, "Measure each LSI");
-  run->add_flag("--reload", options->reload, "Take over libraries that are rebuilt while it runs");
-  run->add_flag("--realtime", options->realtime, "Not faster than the clock");
-  add("check", "Say what is wrong with circuits.", "Circuits, *.json", "ugoki circuit check *.json", run_check);
+  run->add_flag("--timing", options->timing, "Measure the time of each LSI");
+  run->add_flag("--reload", options->reload, "Reload libraries that are rebuilt while the circuit runs");
+  run->add_flag("--realtime", options->realtime, "Run at most in real time");
+  add("check", "Report the errors of circuits.", "Circuits, *.json", "ugoki circuit check *.json", run_check);
   add("test", "Run examples with expected values (docs/lsi.md).", "Examples, *.test.json", "ugoki circuit test examples/lsi/*.test.json",
       run_test);
   add("lsis", "Print all LSIs that circuits may use, as JSON.", "", "ugoki circuit lsis", run_lsis);

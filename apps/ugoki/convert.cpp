@@ -1,4 +1,4 @@
-// `ugoki convert`: a file or an entry of the library as a file of another format.
+// `ugoki convert`: writes a file or an entry of the library in another format.
 
 #include <algorithm>
 #include <filesystem>
@@ -32,12 +32,12 @@ struct Options {
   int decimals = 0;
 };
 
-/// What the input gives; more than one of them may be there.
+/// Contents of the input; several members may be set.
 struct Content {
   MechanismPtr mechanism;
   std::optional<MarkerMotion> markers;
   std::optional<MeasuredMotion> measured;
-  MotionPtr motion;  ///< of the mechanism
+  MotionPtr motion;  ///< motion of `mechanism`
   bool only_mechanism = false;
   std::vector<std::string> report;
 };
@@ -48,10 +48,10 @@ std::string ending_of(const std::string& path) {
   return ending;
 }
 
-/// Coordinates of a mechanism as CSV.
+/// Reads a CSV file with coordinates of a mechanism.
 Result<Content> load_coordinates(const Options& o, const std::string& text) {
   if (o.mechanism.empty())
-    return fail(ErrorCode::structure, o.input, "It holds the coordinates of a mechanism, but not the mechanism.",
+    return fail(ErrorCode::structure, o.input, "The file contains coordinates of a mechanism, but not the mechanism.",
                 "Name it with --mechanism FILE.");
   Result<intake::Intake> of = take_in_file(o.mechanism, o.source);
   if (!of) return fail(std::move(of.error()));
@@ -77,12 +77,12 @@ Result<Content> load(const Options& o) {
     return out;
   }
   if (*kind != TargetKind::measured_file && *kind != TargetKind::mechanism_file)
-    return fail(ErrorCode::unsupported, o.input, "This kind of file is not converted.", "Give a motion, a recording or a mechanism.");
+    return fail(ErrorCode::unsupported, o.input, "This kind of file cannot be converted.", "Name a motion, a recording or a mechanism.");
   const std::optional<intake::FileKind> file = intake::file_kind(o.input);
   const std::string to = ending_of(o.output);
   const bool marker_output = to == ".c3d" || to == ".trc" || (to == ".csv" && !o.positions);
   if (file == intake::FileKind::csv || ((file == intake::FileKind::c3d || file == intake::FileKind::trc) && marker_output)) {
-    // Markers stay markers: nothing is solved.
+    // Markers are converted as markers; no body is fitted to them.
     const Result<std::string> bytes = files::read_file(o.input);
     if (!bytes) return fail(bytes.error());
     if (file == intake::FileKind::csv && formats::csv_kind(*bytes) == formats::CsvKind::coordinates) return load_coordinates(o, *bytes);
@@ -105,37 +105,37 @@ Result<Content> load(const Options& o) {
       return out;
     }
   }
-  Result<intake::Intake> taken = take_in_file(o.input, o.source);
-  if (!taken) return fail(std::move(taken.error()));
-  out.mechanism = taken->mechanism;
-  out.measured = std::move(taken->measured);
-  out.markers = std::move(taken->markers);
-  if (taken->motion) out.motion = std::make_shared<const Motion>(std::move(*taken->motion));
+  Result<intake::Intake> loaded = take_in_file(o.input, o.source);
+  if (!loaded) return fail(std::move(loaded.error()));
+  out.mechanism = loaded->mechanism;
+  out.measured = std::move(loaded->measured);
+  out.markers = std::move(loaded->markers);
+  if (loaded->motion) out.motion = std::make_shared<const Motion>(std::move(*loaded->motion));
   out.only_mechanism = !out.measured;
-  out.report = std::move(taken->report);
+  out.report = std::move(loaded->report);
   return out;
 }
 
-/// Text or bytes of the output, and files beside it.
+/// Text or bytes of the output, and additional files in the same folder.
 struct Written {
   std::string bytes;
-  std::vector<std::pair<std::string, std::string>> beside;  ///< path, text
+  std::vector<std::pair<std::string, std::string>> extra_files;  ///< path, text
   std::vector<std::string> notes;
 };
 
 Result<Written> write(const Content& c, const Options& o) {
   const std::string to = ending_of(o.output);
-  const auto lacks = [&](const char* what) {
-    return fail(ErrorCode::structure, o.input, std::string("It holds no ") + what + ", which a " + to + " file needs.",
+  const auto missing = [&](const char* what) {
+    return fail(ErrorCode::structure, o.input, std::string("The input has no ") + what + ", which a " + to + " file needs.",
                 "Choose another format.");
   };
   Written out;
   if (to == ".c3d" || to == ".trc") {
-    if (!c.markers) return lacks("markers");
+    if (!c.markers) return missing("markers");
     if (to == ".trc") {
       out.bytes = formats::write_trc(*c.markers, {.decimals = o.decimals > 0 ? o.decimals : 6});
       if (!c.markers->analog.empty() || !c.markers->events.empty())
-        out.notes.push_back("Analog channels, force platforms and events have no place in TRC and are left out.");
+        out.notes.push_back("TRC cannot store analog channels, force platforms and events; they are left out.");
       return out;
     }
     const Result<std::vector<std::byte>> bytes = formats::write_c3d(*c.markers);
@@ -147,19 +147,19 @@ Result<Written> write(const Content& c, const Options& o) {
   if (to == ".csv" && c.markers && !o.positions) {
     out.bytes = formats::write_csv(*c.markers, csv);
     if (!c.markers->analog.empty() || !c.markers->events.empty())
-      out.notes.push_back("Analog channels, force platforms and events have no place in CSV and are left out.");
+      out.notes.push_back("CSV cannot store analog channels, force platforms and events; they are left out.");
     return out;
   }
   if (to == ".csv" && !o.positions) {
-    if (!c.motion) return lacks("motion");
+    if (!c.motion) return missing("motion");
     out.bytes = formats::write_csv(*c.motion, *c.mechanism, csv);
     return out;
   }
   std::optional<MeasuredMotion> made;
   if (!c.measured && c.motion) made = motion_edit::to_measured(*c.mechanism, *c.motion);
   const MeasuredMotion* measured = c.measured ? &*c.measured : made ? &*made : nullptr;
-  if (!measured) return lacks("motion");
-  if (made) out.notes.push_back("The mechanism's links are the joints; masses and shapes have no place in the format.");
+  if (!measured) return missing("motion");
+  if (made) out.notes.push_back("The joints are the mechanism's links; the format cannot store masses and shapes.");
   if (to == ".csv") {
     out.bytes = formats::write_csv_positions(*measured, csv);
   } else if (to == ".bvh") {
@@ -170,11 +170,12 @@ Result<Written> write(const Content& c, const Options& o) {
   } else {
     formats::AmcText text = formats::write_amc(*measured, {.decimals = o.decimals > 0 ? o.decimals : 10});
     out.bytes = std::move(text.amc);
-    out.beside.emplace_back((fs::path(o.output).parent_path() / intake::skeleton_name_for(fs::path(o.output).filename().string())).string(),
-                            std::move(text.asf));
+    out.extra_files.emplace_back(
+        (fs::path(o.output).parent_path() / intake::skeleton_name_for(fs::path(o.output).filename().string())).string(),
+        std::move(text.asf));
     out.notes.insert(out.notes.end(), text.notes.begin(), text.notes.end());
     if (measured->rate != 120)
-      out.notes.push_back("AMC does not tell the frame rate; import it with --rate " + to_text(measured->rate) + ".");
+      out.notes.push_back("AMC does not store the frame rate; import the file with --rate " + to_text(measured->rate) + ".");
   }
   return out;
 }
@@ -184,7 +185,7 @@ bool same_file(const std::string& a, const std::string& b) {
   return fs::equivalent(a, b, none);
 }
 
-/// Other motions of the folder that are read with this skeleton.
+/// Other motions in the folder that need this skeleton file.
 std::vector<std::string> motions_of(const std::string& skeleton, const std::string& but) {
   std::vector<std::string> out;
   const fs::path folder = fs::path(skeleton).has_parent_path() ? fs::path(skeleton).parent_path() : fs::path(".");
@@ -197,17 +198,17 @@ std::vector<std::string> motions_of(const std::string& skeleton, const std::stri
   return out;
 }
 
-/// Neither what is read nor a skeleton that other motions need is written over.
+/// Refuses to overwrite the input, or a skeleton file that other motions need.
 Result<void> check_outputs(const Options& o, const Written& written) {
   if (same_file(o.input, o.output))
-    return fail(ErrorCode::conflict, o.output, "It is the file that is read.", "Name another file for the output.");
-  for (const auto& [path, text] : written.beside) {
-    const Result<std::string> there = files::read_file(path);
-    if (!there || *there == text) continue;
+    return fail(ErrorCode::conflict, o.output, "The output is the input file.", "Name another file for the output.");
+  for (const auto& [path, text] : written.extra_files) {
+    const Result<std::string> existing = files::read_file(path);
+    if (!existing || *existing == text) continue;
     const std::vector<std::string> others = motions_of(path, o.output);
     if (!others.empty())
-      return fail(ErrorCode::conflict, path, "Another skeleton would take its place, and " + others.front() + " needs it.",
-                  "Give the output another name or folder.");
+      return fail(ErrorCode::conflict, path, "The file would be overwritten with another skeleton, but " + others.front() + " needs it.",
+                  "Choose another name or folder for the output.");
   }
   return {};
 }
@@ -218,15 +219,15 @@ int run_convert(const Options& o) {
   const std::string to = ending_of(o.output);
   const bool mechanism = std::ranges::find(mechanisms, to) != std::end(mechanisms);
   if (!mechanism && std::ranges::find(motions, to) == std::end(motions))
-    return print_error(Error(ErrorCode::unsupported, o.output, "Files of this ending are not written.",
+    return print_error(Error(ErrorCode::unsupported, o.output, "Files with this extension cannot be written.",
                              "Motions: .bvh, .amc (with .asf), .glb, .csv, .c3d, .trc. Mechanisms: .json, .urdf, .xml (MJCF)."),
                        o.json);
   Result<Content> content = load(o);
   if (!content) return print_error(content.error(), o.json);
-  std::vector<std::string> report = std::move(content->report), beside;
+  std::vector<std::string> report = std::move(content->report), extra_files;
   if (mechanism) {
     if (!content->mechanism)
-      return print_error(Error(ErrorCode::structure, o.input, "It holds no mechanism.", "Choose another format."), o.json);
+      return print_error(Error(ErrorCode::structure, o.input, "The input has no mechanism.", "Choose another format."), o.json);
     if (const Result<void> may = check_outputs(o, {}); !may) return print_error(may.error(), o.json);
     const Result<std::vector<std::string>> notes = write_mechanism_file(*content->mechanism, o.output);
     if (!notes) return print_error(notes.error(), o.json);
@@ -235,19 +236,19 @@ int run_convert(const Options& o) {
     const Result<Written> written = write(*content, o);
     if (!written) return print_error(written.error(), o.json);
     if (const Result<void> may = check_outputs(o, *written); !may) return print_error(may.error(), o.json);
-    for (const auto& [path, text] : written->beside) {
+    for (const auto& [path, text] : written->extra_files) {
       if (Result<void> done = files::write_file(path, text); !done) return print_error(done.error(), o.json);
-      beside.push_back(path);
+      extra_files.push_back(path);
     }
     if (Result<void> done = files::write_file(o.output, written->bytes); !done) return print_error(done.error(), o.json);
     report.insert(report.end(), written->notes.begin(), written->notes.end());
   }
   if (o.json) {
-    print_json({{"file", o.output}, {"beside", beside}, {"report", report}});
+    print_json({{"file", o.output}, {"beside", extra_files}, {"report", report}});
     return 0;
   }
-  print_line(o.output + " is written.");
-  for (const std::string& path : beside) print_line(path + " belongs to it.");
+  print_line(o.output + " written.");
+  for (const std::string& path : extra_files) print_line(path + " written with it.");
   for (const std::string& line : report) print_line(line);
   return 0;
 }
@@ -261,20 +262,20 @@ void add_convert_verb(CLI::App& app, Action& action) {
   verb->add_option("output", o->output,
                    "Motions: .bvh, .amc (and its .asf), .glb, .csv; markers: .c3d, .trc, .csv; mechanisms: .json, .urdf, .xml")
       ->required();
-  verb->add_option("--decimals", o->decimals, "Digits after the point (otherwise as many as the format's readers need)")
+  verb->add_option("--decimals", o->decimals, "Digits after the decimal point (default: as many as the format needs)")
       ->check(CLI::Range(1, 15));
   verb->add_flag("--positions", o->positions, "CSV: world positions of the joints instead of coordinates");
   verb->add_flag("--radians", o->radians, "CSV: angles in rad instead of degrees");
-  verb->add_flag("--fill", o->fill, "Recordings of markers: gaps are filled and spikes taken out (otherwise as recorded)");
-  verb->add_option("--mechanism", o->mechanism, "The mechanism to which the coordinates of a CSV file belong");
-  verb->add_option("--unit", o->source.intake.unit, "Metres per unit of length of the input (otherwise as it says, or guessed)")
+  verb->add_flag("--fill", o->fill, "Recordings of markers: fill gaps and remove spikes (default: as recorded)");
+  verb->add_option("--mechanism", o->mechanism, "Mechanism of the coordinates in a CSV file");
+  verb->add_option("--unit", o->source.intake.unit, "Metres per unit of length of the input (default: as the file specifies, or estimated)")
       ->check(CLI::Range(1e-6, 1000.0));
-  verb->add_option("--rate", o->source.intake.rate, "Frames a second of AMC files, which do not tell")
+  verb->add_option("--rate", o->source.intake.rate, "Frames per second of AMC files, which do not store it")
       ->check(CLI::Range(1.0, 10000.0))
       ->capture_default_str();
-  verb->add_option("--asf", o->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
+  verb->add_option("--asf", o->source.asf, "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc)");
   add_robot_options(*verb, o->source.robot);
-  verb->add_option("--library", o->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", o->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki convert walk.fbx walk.bvh\n  ugoki convert 02_01.c3d markers.csv\n  ugoki convert robot.urdf robot.xml");
   verb->callback([o, &action] { action = [o] { return run_convert(*o); }; });

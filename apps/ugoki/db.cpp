@@ -1,4 +1,4 @@
-// `ugoki db`: the library of mechanisms and motions, entry by entry.
+// `ugoki db`: lists, shows and changes single entries of the library of mechanisms and motions.
 
 #include "db_library.h"
 
@@ -17,41 +17,40 @@ std::string number_cell(const Json& summary, const char* key, int digits) {
   return summary.contains(key) && summary[key].is_number() ? to_fixed(summary[key].get<double>(), digits) : "-";
 }
 
-/// "2026-03-01 12:00"
+/// A time as "2026-03-01 12:00".
 std::string short_time(const std::string& time) { return time.size() > 16 ? time.substr(0, 10) + " " + time.substr(11, 5) : time; }
 
-void print_entries(const Options& options, const std::string& place, const store::LibraryPage& page) {
+void print_entries(const Options& options, const std::string& location, const store::LibraryPage& page) {
   if (options.json) {
     Json rows = Json::array(), next = nullptr;
     for (const store::LibraryEntry& entry : page.entries) rows.push_back(entry_json(entry));
     if (!page.next.empty()) next = page.next;
     return print_json(
-        {{"library", place}, {"entries", std::move(rows)}, {"next", next}, {"total", page.total}, {"total_exact", page.total_exact}});
+        {{"library", location}, {"entries", std::move(rows)}, {"next", next}, {"total", page.total}, {"total_exact", page.total_exact}});
   }
   if (page.entries.empty()) {
     const bool asked = !options.words.empty() || !options.tags.empty() || !options.kinds.empty() || !options.after.empty();
     return print_line(options.removed ? "The trash is empty."
-                      : asked         ? "Nothing fits."
-                                      : "The library is empty. Put something in with: ugoki import FILE");
+                      : asked         ? "No entry matches."
+                                      : "The library is empty. Add entries with: ugoki import FILE");
   }
-  std::vector<std::vector<std::string>> rows = {
-      {"id", "kind", "name", "frames", "s", "freedoms", "kg", "version", "by", "changed", "tags"}};
+  std::vector<std::vector<std::string>> rows = {{"id", "kind", "name", "frames", "s", "dofs", "kg", "version", "by", "changed", "tags"}};
   for (const store::LibraryEntry& entry : page.entries) {
     const Json summary = summary_of(entry);
     rows.push_back({entry.id, std::string(store::name_of(entry.kind)), entry.name, number_cell(summary, "frames", 0),
-                    number_cell(summary, "duration", 2), number_cell(summary, "freedoms", 0), number_cell(summary, "mass", 1),
+                    number_cell(summary, "duration", 2), number_cell(summary, "dofs", 0), number_cell(summary, "mass", 1),
                     std::to_string(entry.version), entry.author, short_time(entry.changed), joined(entry.tags, ",")});
   }
   print_table(rows);
   if (!page.next.empty())
     print_line(std::to_string(page.entries.size()) + " of " + (page.total_exact ? "" : "more than ") + std::to_string(page.total) +
-               " entries. The next: --after " + page.next);
+               " entries. For the next page add: --after " + page.next);
 }
 
 int list_in(const Options& options, store::LibraryOrder usual) {
-  const std::string place = library_path(options.library);
-  if (!store::Library::exists(place)) {  // a library that does not exist yet is an empty one; looking does not make it
-    print_entries(options, place, {});
+  const std::string location = library_path(options.library);
+  if (!store::Library::exists(location)) {  // a library that does not exist is treated as empty; reading does not create it
+    print_entries(options, location, {});
     return 0;
   }
   return with_library(options, Access::read, [&](store::Library& library) -> Result<void> {
@@ -138,7 +137,7 @@ int history(const Options& options) {
   });
 }
 
-/// Runs `change` on each entry that the options name; all are found before anything is changed.
+/// Runs `change` on each named entry. All names are resolved before the first change.
 int change_entries(const Options& options, const std::vector<std::string>& names, bool removed,
                    const std::function<Result<void>(store::Library&, const store::LibraryEntry&)>& change) {
   return with_library(options, Access::write, [&](store::Library& library) -> Result<void> {
@@ -166,7 +165,7 @@ int change_entries(const Options& options, const std::vector<std::string>& names
 using store::Library;
 using store::LibraryEntry;
 
-/// The version that a change goes on top of: what the user saw, or the newest there is.
+/// Version on which a change is based: --based-on, or else the newest version.
 int base_of(const Options& o, const LibraryEntry& e) { return o.based_on > 0 ? o.based_on : e.version; }
 
 Result<void> saved(const Result<LibraryEntry>& entry) {
@@ -229,9 +228,10 @@ int thumbnail(const Options& o) {
     const Result<std::vector<std::byte>> picture = library.thumbnail(entry->id);
     if (!picture) return fail(picture.error());
     if (picture->empty())
-      return fail(ErrorCode::unknown, entry->id, "'" + entry->name + "' has no thumbnail.", "Give it one with --set PICTURE.");
+      return fail(ErrorCode::unknown, entry->id, "'" + entry->name + "' has no thumbnail.", "Set one with --set PICTURE.");
     if (o.to.empty())
-      return fail(ErrorCode::structure, entry->id, "Where shall the thumbnail go?", "Give --to FILE, or --set PICTURE to change it.");
+      return fail(ErrorCode::structure, entry->id, "No destination is given for the thumbnail.",
+                  "Add --to FILE, or --set PICTURE to change the thumbnail.");
     if (Result<void> written = files::write_file(o.to, std::span<const std::byte>(*picture)); !written) return written;
     o.json ? print_json({{"id", entry->id}, {"file", o.to}, {"bytes", picture->size()}}) : print_line("Wrote " + o.to + ".");
     return {};
@@ -239,7 +239,7 @@ int thumbnail(const Options& o) {
 }
 
 void declare_base(CLI::App& verb, Options& o) {
-  verb.add_option("--based-on", o.based_on, "The version that you saw; otherwise the newest. A conflict if somebody saved since")
+  verb.add_option("--based-on", o.based_on, "Version that the change is based on (default: the newest); a later version is a conflict")
       ->check(CLI::Range(1, 1'000'000'000));
   declare_author(verb, o);
 }
@@ -251,7 +251,7 @@ void Verbs::add(const char* name, const char* about, const char* example, const 
   CLI::App* verb = parent.add_subcommand(name, about);
   declare(*verb, *options);
   verb->add_option("--library", options->library,
-                   "Library: a file or postgresql://USER@HOST/DATABASE (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+                   "Library: a file or postgresql://USER@HOST/DATABASE (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  " + std::string(example));
   Action& then = action;
@@ -265,15 +265,17 @@ void declare_filters(CLI::App& verb, Options& o) {
   verb.add_option("--tag", o.tags, "Only entries with these tags")->delimiter(',');
 }
 
-void declare_entry(CLI::App& verb, Options& o) { verb.add_option("entry", o.entry, "Name, id or beginning of an id")->required(); }
-void declare_entries(CLI::App& verb, Options& o) { verb.add_option("entries", o.entries, "Names, ids or beginnings of ids")->required(); }
+void declare_entry(CLI::App& verb, Options& o) { verb.add_option("entry", o.entry, "Name, id or first characters of an id")->required(); }
+void declare_entries(CLI::App& verb, Options& o) {
+  verb.add_option("entries", o.entries, "Names, ids or first characters of ids")->required();
+}
 void declare_author(CLI::App& verb, Options& o) {
-  verb.add_option("--author", o.author, "Who does it (otherwise $UGOKI_AUTHOR or the user's name)");
+  verb.add_option("--author", o.author, "Author of the change (default: $UGOKI_AUTHOR or the user's name)");
 }
 
 int with_library(const Options& options, Access access, const std::function<Result<void>(Library&)>& work) {
-  const std::string place = library_path(options.library);
-  Result<Library> library = access == Access::write ? Library::open(place) : Library::open_read_only(place);
+  const std::string location = library_path(options.library);
+  Result<Library> library = access == Access::write ? Library::open(location) : Library::open_read_only(location);
   if (!library) return print_error(library.error(), options.json);
   library->set_author(options.author);
   if (Result<void> done = work(*library); !done) return print_error(done.error(), options.json);
@@ -288,12 +290,14 @@ store::LibraryQuery query_of(const Options& options, store::LibraryOrder usual) 
   query.limit = options.limit;
   query.after = options.after;
   query.removed = options.removed;
-  query.order = options.order.empty() ? usual : store::library_order_named(options.order).value_or(usual);  // checked when it was read
+  query.order =
+      options.order.empty() ? usual : store::library_order_named(options.order).value_or(usual);  // validated by the option's check
   return query;
 }
 
 Json summary_of(const LibraryEntry& entry) {
   Json summary = Json::parse(entry.summary, nullptr, false);
+  json::rename_field(summary, "freedoms", "dofs");  // summaries of earlier versions
   return summary.is_object() ? summary : Json::object();
 }
 
@@ -316,7 +320,7 @@ std::string joined(const std::vector<std::string>& words, const char* by) {
 
 void add_db_verb(CLI::App& app, Action& action) {
   using namespace db;
-  CLI::App* parent = app.add_subcommand("db", "List, find and change what the library holds.");
+  CLI::App* parent = app.add_subcommand("db", "List, find and change the entries of the library.");
   parent->require_subcommand(1);
   parent->footer(
       "Example:\n  ugoki db list --kind motion\n  ugoki db find walk\n  ugoki db copy library.db postgresql://anna@server/motions");
@@ -325,24 +329,24 @@ void add_db_verb(CLI::App& app, Action& action) {
     declare_filters(verb, o);
     verb.add_option("--order", o.order, "relevance, name, newest, oldest, longest or shortest")
         ->check(CLI::IsMember({"relevance", "name", "newest", "oldest", "longest", "shortest"}));
-    verb.add_option("--limit", o.limit, "At most so many")->check(CLI::Range(1, 10'000))->capture_default_str();
-    verb.add_option("--after", o.after, "Go on behind the page before");
-    verb.add_flag("--removed", o.removed, "The trash instead");
+    verb.add_option("--limit", o.limit, "Maximum number of entries")->check(CLI::Range(1, 10'000))->capture_default_str();
+    verb.add_option("--after", o.after, "Start after the previous page; the value is printed with it");
+    verb.add_flag("--removed", o.removed, "List the trash instead");
   };
-  verbs.add("list", "All entries.", "ugoki db list --kind motion --tag walk --order newest", lists, list);
+  verbs.add("list", "List all entries.", "ugoki db list --kind motion --tag walk --order newest", lists, list);
   const auto words = [&](CLI::App& verb, Options& o) {
-    verb.add_option("words", o.words, "Words, or their beginnings; all must be found")->required();
+    verb.add_option("words", o.words, "Words or beginnings of words; an entry must contain all of them")->required();
     lists(verb, o);
   };
-  verbs.add("find", "Entries with these words in name, tags, note or summary.", "ugoki db find cmu walk", words, find);
-  verbs.add("search", "The same as find.", "ugoki db search 02_01 --limit 20", words, find);
-  verbs.add("tags", "All tags, with how many entries have each.", "ugoki db tags --kind motion", declare_filters, tags);
+  verbs.add("find", "Find entries with these words in name, tags, note or summary.", "ugoki db find cmu walk", words, find);
+  verbs.add("search", "Same as `find`.", "ugoki db search 02_01 --limit 20", words, find);
+  verbs.add("tags", "List all tags with their number of entries.", "ugoki db tags --kind motion", declare_filters, tags);
   const auto one = [](CLI::App& verb, Options& o) {
     declare_entry(verb, o);
-    verb.add_flag("--removed", o.removed, "Of the trash");
+    verb.add_flag("--removed", o.removed, "Look in the trash");
   };
-  verbs.add("show", "All about one entry.", "ugoki db show walk", one, show);
-  verbs.add("history", "All versions of an entry: who saved what and when.", "ugoki db history walk", one, history);
+  verbs.add("show", "Show all data of one entry.", "ugoki db show walk", one, show);
+  verbs.add("history", "List all versions of an entry: author, changes and time.", "ugoki db history walk", one, history);
   verbs.add(
       "tag", "Add and remove tags.", "ugoki db tag walk --add slow,cmu --remove new",
       [](CLI::App& verb, Options& o) {
@@ -359,7 +363,7 @@ void add_db_verb(CLI::App& app, Action& action) {
       },
       untag);
   verbs.add(
-      "rename", "Give an entry another name (a new version of it).", "ugoki db rename walk stroll",
+      "rename", "Rename an entry (creates a new version).", "ugoki db rename walk stroll",
       [](CLI::App& verb, Options& o) {
         declare_entry(verb, o);
         verb.add_option("name", o.name, "New name")->required();
@@ -367,7 +371,7 @@ void add_db_verb(CLI::App& app, Action& action) {
       },
       rename);
   verbs.add(
-      "note", "Write a note at an entry (a new version of it).", "ugoki db note walk 'left knee is noisy'",
+      "note", "Set the note of an entry (creates a new version).", "ugoki db note walk 'left knee is noisy'",
       [](CLI::App& verb, Options& o) {
         declare_entry(verb, o);
         verb.add_option("note", o.note, "The note; '' removes it")->required();
@@ -378,13 +382,13 @@ void add_db_verb(CLI::App& app, Action& action) {
       "save", "Save a file's bytes as the new version of an entry.", "ugoki db save body body.json --based-on 3 --note 'longer arms'",
       [](CLI::App& verb, Options& o) {
         declare_entry(verb, o);
-        verb.add_option("file", o.file, "The data, in the form in which `db export` writes mechanisms and motions")->required();
-        verb.add_option("--note", o.note, "Its note (otherwise as it was)");
+        verb.add_option("file", o.file, "The data, in the format that `db export` writes")->required();
+        verb.add_option("--note", o.note, "New note (default: unchanged)");
         declare_base(verb, o);
       },
       save);
   verbs.add(
-      "restore", "Save an old version as the newest one.", "ugoki db restore walk 2",
+      "restore", "Save an old version again as the newest one.", "ugoki db restore walk 2",
       [](CLI::App& verb, Options& o) {
         declare_entry(verb, o);
         verb.add_option("version", o.version, "The old version")->required()->check(CLI::Range(1, 1'000'000'000));
@@ -395,15 +399,15 @@ void add_db_verb(CLI::App& app, Action& action) {
     declare_entries(verb, o);
     declare_author(verb, o);
   };
-  verbs.add("remove", "Put entries into the trash.", "ugoki db remove walk", many, remove);
-  verbs.add("undelete", "Take entries out of the trash.", "ugoki db undelete walk", many, undelete);
+  verbs.add("remove", "Move entries to the trash.", "ugoki db remove walk", many, remove);
+  verbs.add("undelete", "Restore entries from the trash.", "ugoki db undelete walk", many, undelete);
   verbs.add(
-      "thumbnail", "Write an entry's picture to a file, or give it another.", "ugoki db thumbnail walk --set walk.png",
+      "thumbnail", "Write an entry's thumbnail to a file, or replace it.", "ugoki db thumbnail walk --set walk.png",
       [](CLI::App& verb, Options& o) {
         declare_entry(verb, o);
-        verb.add_option("--to", o.to, "Write it to this file");
+        verb.add_option("--to", o.to, "Write the thumbnail to this file");
         CLI::Option* set = verb.add_option("--set", o.file, "A PNG or WebP of at most 256 KB that becomes the thumbnail");
-        verb.add_flag("--clear", o.clear, "Take it away")->excludes(set);
+        verb.add_flag("--clear", o.clear, "Remove the thumbnail")->excludes(set);
       },
       thumbnail);
   add_set_verbs(verbs);

@@ -1,5 +1,5 @@
 #pragma once
-// What the verbs of `ugoki db` share.
+// Shared by the verbs of `ugoki db`.
 
 #include <functional>
 #include <string>
@@ -11,6 +11,7 @@
 
 namespace ugoki::cli::db {
 
+/// Options of all verbs; each verb declares and uses some of them.
 struct Options {
   std::string library, author;
   std::vector<std::string> words, tags, kinds, add, remove, entries;
@@ -20,8 +21,9 @@ struct Options {
   bool removed = false, latest = false, theirs = false, repair = false, clear = false, json = false;
 };
 
-/// Declares a verb below `ugoki db` with --library and --json.
+/// Declares the options of a verb.
 using Declare = std::function<void(CLI::App&, Options&)>;
+/// Adds verbs to `ugoki db`. add() declares a verb with --library and --json, then calls `declare` for its other options.
 struct Verbs {
   CLI::App& parent;
   Action& action;
@@ -32,15 +34,16 @@ void declare_entry(CLI::App& verb, Options& options);
 void declare_entries(CLI::App& verb, Options& options);
 void declare_author(CLI::App& verb, Options& options);
 
-/// export, export-set, import-set, copy, check, gc and what else handles many entries or files.
+/// Adds the verbs for many entries or files: export, export-set, import-set, copy, add, collect, check, gc, empty-trash.
 void add_set_verbs(const Verbs& verbs);
 
-/// Whether an entry of this kind can have these bytes. @param place of the problem: the file
-[[nodiscard]] Result<void> check_data(store::EntryKind kind, const std::string& bytes, const std::string& place);
+/// Checks that an entry of this kind can have these bytes. @param location of a problem in errors: the file's path
+[[nodiscard]] Result<void> check_data(store::EntryKind kind, const std::string& bytes, const std::string& location);
 
 enum class Access { read, write };
-/// Opens the library and hands it to `work`; a problem is printed.
+/// Opens the library and calls `work` with it; prints a problem. @return exit status
 [[nodiscard]] int with_library(const Options& options, Access access, const std::function<Result<void>(store::Library&)>& work);
+/// Query from the filter options. @param usual order if --order is not given
 [[nodiscard]] store::LibraryQuery query_of(const Options& options, store::LibraryOrder usual);
 
 [[nodiscard]] Json entry_json(const store::LibraryEntry& entry);

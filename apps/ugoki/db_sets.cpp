@@ -1,4 +1,4 @@
-// `ugoki db`: many entries at once, and the care of a library.
+// `ugoki db`: verbs for many entries at once, and maintenance of a library.
 
 #include <memory>
 
@@ -45,7 +45,7 @@ int export_entry(const Options& options) {
   });
 }
 
-/// The entries that are named, or all that fit the filters.
+/// Ids of the named entries, or of all entries that match the filters.
 Result<std::vector<std::string>> chosen(const Options& options, const Library& library) {
   std::vector<std::string> ids;
   for (const std::string& name : options.entries) {
@@ -84,13 +84,13 @@ void print_report(const Options& options, const store::CopyReport& report, const
                        {"differing", report.differing},
                        {"versions", report.versions},
                        {"blobs", report.blobs}});
-  print_line(to + ": " + std::to_string(report.added) + " entries are new, " + std::to_string(report.continued) + " got newer versions, " +
-             std::to_string(report.equal) + " were there already" +
-             (report.saved ? ", " + std::to_string(report.saved) + " were saved on top of other changes" : "") + " (" +
-             std::to_string(report.versions) + " versions written).");
-  for (const std::string& entry : report.differing) print_line("changed on both sides, left as it is there: " + entry);
+  print_line(to + ": " + std::to_string(report.added) + " entries are new, " + std::to_string(report.continued) +
+             " received newer versions, " + std::to_string(report.equal) + " were already present" +
+             (report.saved ? ", " + std::to_string(report.saved) + " were saved as newer versions of entries changed on both sides" : "") +
+             " (" + std::to_string(report.versions) + " versions written).");
+  for (const std::string& entry : report.differing) print_line("changed on both sides, kept as in the destination: " + entry);
   if (!report.differing.empty())
-    print_line("Look at them, then use --theirs to save these versions on top of the others; both stay in the history.");
+    print_line("Compare them, then use --theirs to save the source's versions as the newest; both stay in the history.");
 }
 
 int export_set(const Options& options) {
@@ -99,7 +99,7 @@ int export_set(const Options& options) {
     const Result<std::vector<std::string>> ids = chosen(options, library);
     if (!ids) return fail(ids.error());
     if (ids->empty())
-      return fail(ErrorCode::unknown, library.path(), "Nothing fits, so there is nothing to export.", "Change the filters.");
+      return fail(ErrorCode::unknown, library.path(), "No entry matches, so there is nothing to export.", "Change the filters.");
     Progress progress("export");
     const Result<store::CopyReport> report = store::export_set(library, *ids, options.file, copy_options(options, progress));
     progress.clear();
@@ -109,11 +109,11 @@ int export_set(const Options& options) {
   });
 }
 
-/// Copies from one library to another, given by their places.
+/// Copies from one library to another, both given by file or address.
 int copy_between(const Options& options, const std::string& from_place, const std::string& to_place) {
   catch_interrupt();
   if (!Library::exists(from_place))
-    return print_error({ErrorCode::io, from_place, "There is no such library.", "Check its name."}, options.json);
+    return print_error({ErrorCode::io, from_place, "The library does not exist.", "Check its name."}, options.json);
   const Result<Library> from = Library::open_read_only(from_place);
   if (!from) return print_error(from.error(), options.json);
   Result<Library> to = Library::open(to_place);
@@ -129,7 +129,7 @@ int copy_between(const Options& options, const std::string& from_place, const st
 int import_set(const Options& options) { return copy_between(options, options.file, library_path(options.library)); }
 int copy(const Options& options) { return copy_between(options, options.file, options.to); }
 
-/// One new entry.
+/// Adds one new entry.
 int put_entry(const Options& options, store::LibraryItem item) {
   item.tags = options.tags;
   item.note = options.note;
@@ -166,7 +166,7 @@ int collect(const Options& options) {
     const Result<std::vector<std::string>> ids = chosen(options, library);
     if (!ids) return fail(ids.error());
     if (ids->empty())
-      return fail(ErrorCode::unknown, library.path(), "Nothing fits, so there is nothing to collect.",
+      return fail(ErrorCode::unknown, library.path(), "No entry matches, so there is nothing to collect.",
                   "Name entries, or change the filters.");
     for (const std::string& id : *ids) list.push_back(id);
     return {};
@@ -175,7 +175,7 @@ int collect(const Options& options) {
   item.summary = json::to_text({{"entries", list.size()}});
   item.data = bytes_of(json::to_text(list));
   Options plain = options;
-  plain.tags.clear();  // they chose the entries
+  plain.tags.clear();  // --tag selected the entries; the set has no tags
   return put_entry(plain, std::move(item));
 }
 
@@ -198,8 +198,8 @@ int check(const Options& options) {
       return {};
     }
     print_line(std::to_string(report->entries) + " entries, " + std::to_string(report->versions) + " versions, " +
-               std::to_string(report->blobs) + " pieces of data (" + std::to_string(report->bytes) +
-               " bytes): " + (well ? "all is well." : "problems were found."));
+               std::to_string(report->blobs) + " data blobs (" + std::to_string(report->bytes) +
+               " bytes): " + (well ? "no problems found." : "problems were found."));
     for (const Problem& problem : report->problems.problems) print_line(problem.text());
     return {};
   });
@@ -225,37 +225,37 @@ int empty_trash(const Options& options) {
     if (options.json)
       print_json({{"library", library.path()}, {"removed", *count}, {"freed_bytes", *bytes}});
     else
-      print_line(std::to_string(*count) + " entries are gone for ever; freed " + std::to_string(*bytes) + " bytes.");
+      print_line(std::to_string(*count) + " entries were deleted permanently; freed " + std::to_string(*bytes) + " bytes.");
     return {};
   });
 }
 
 void declare_new(CLI::App& verb, Options& o) {
-  verb.add_option("--note", o.note, "Its note");
+  verb.add_option("--note", o.note, "Note of the entry");
   declare_author(verb, o);
 }
 
 void declare_file(CLI::App& verb, Options& o, const char* about) { verb.add_option("file", o.file, about)->required(); }
 
 void declare_choice(CLI::App& verb, Options& o) {
-  verb.add_option("entries", o.entries, "Names, ids or beginnings of ids; otherwise all that fit");
+  verb.add_option("entries", o.entries, "Names, ids or first characters of ids (default: all that match the filters)");
   verb.add_option("--find", o.words, "Only entries with these words");
   declare_filters(verb, o);
 }
 
 }  // namespace
 
-Result<void> check_data(store::EntryKind kind, const std::string& bytes, const std::string& place) {
-  const auto told = [](const auto& read) -> Result<void> {
+Result<void> check_data(store::EntryKind kind, const std::string& bytes, const std::string& location) {
+  const auto result_of = [](const auto& read) -> Result<void> {
     if (!read) return fail(read.error());
     return {};
   };
   switch (kind) {
-    case store::EntryKind::mechanism: return told(formats::read_mechanism(bytes, place));
-    case store::EntryKind::motion: return told(formats::read_motion(std::as_bytes(std::span(bytes)), place));
-    case store::EntryKind::measured: return told(formats::read_measured_motion(std::as_bytes(std::span(bytes)), place));
-    case store::EntryKind::circuit: return told(circuit::read_circuit(bytes, place));
-    case store::EntryKind::set: return told(json::parse_json(bytes, place));
+    case store::EntryKind::mechanism: return result_of(formats::read_mechanism(bytes, location));
+    case store::EntryKind::motion: return result_of(formats::read_motion(std::as_bytes(std::span(bytes)), location));
+    case store::EntryKind::measured: return result_of(formats::read_measured_motion(std::as_bytes(std::span(bytes)), location));
+    case store::EntryKind::circuit: return result_of(circuit::read_circuit(bytes, location));
+    case store::EntryKind::set: return result_of(json::parse_json(bytes, location));
   }
   return {};
 }
@@ -267,60 +267,60 @@ void add_set_verbs(const Verbs& verbs) {
       [](CLI::App& verb, Options& o) {
         declare_entry(verb, o);
         declare_file(verb, o, "The file to write");
-        verb.add_option("--version", o.version, "An old version (otherwise the newest)")->check(CLI::Range(1, 1'000'000'000));
+        verb.add_option("--version", o.version, "Version to export (default: the newest)")->check(CLI::Range(1, 1'000'000'000));
       },
       export_entry);
   verbs.add(
-      "export-set", "Write entries, with what they need and all their versions, into one file.",
+      "export-set", "Write entries, all entries that they need, and their versions into one file.",
       "ugoki db export-set walks.ugoki-set --tag walk",
       [](CLI::App& verb, Options& o) {
-        declare_file(verb, o, "The file to write; it is a library of its own");
+        declare_file(verb, o, "The file to write; it is a complete library");
         declare_choice(verb, o);
-        verb.add_flag("--latest", o.latest, "Without older versions");
+        verb.add_flag("--latest", o.latest, "Only the newest versions");
       },
       export_set);
   verbs.add(
-      "import-set", "Take in a file that `db export-set` wrote; what is here already stays as it is.",
+      "import-set", "Import a file written by `db export-set`; entries that already exist are not changed.",
       "ugoki db import-set walks.ugoki-set",
       [](CLI::App& verb, Options& o) {
         declare_file(verb, o, "The file");
-        verb.add_flag("--theirs", o.theirs, "Entries changed on both sides: save the file's version on top");
+        verb.add_flag("--theirs", o.theirs, "Entries changed on both sides: save the file's version as the newest");
       },
       import_set);
   verbs.add(
-      "copy", "Copy a whole library into another, between files and servers; run it again to go on after a break.",
+      "copy", "Copy a library into another one, between files and servers; run it again to continue after an interruption.",
       "ugoki db copy ~/.local/share/ugoki/library.db postgresql://anna@server/motions",
       [](CLI::App& verb, Options& o) {
         verb.add_option("from", o.file, "Library to read: a file or postgresql://USER@HOST/DATABASE")->required();
         verb.add_option("to", o.to, "Library to write")->required();
-        verb.add_flag("--theirs", o.theirs, "Entries changed on both sides: save the version of FROM on top");
+        verb.add_flag("--theirs", o.theirs, "Entries changed on both sides: save the version of FROM as the newest");
       },
       copy);
   verbs.add(
-      "add", "Put a circuit (JSON) into the library; mechanisms and motions come in with `ugoki import`.",
+      "add", "Add a circuit (JSON) to the library; use `ugoki import` for mechanisms and motions.",
       "ugoki db add balance.json --tags control",
       [](CLI::App& verb, Options& o) {
         declare_file(verb, o, "The file");
-        verb.add_option("--name", o.name, "Its name (otherwise the file's)");
-        verb.add_option("--tags", o.tags, "Its tags")->delimiter(',');
+        verb.add_option("--name", o.name, "Name of the entry (default: the file's name)");
+        verb.add_option("--tags", o.tags, "Tags of the entry")->delimiter(',');
         declare_new(verb, o);
       },
       add);
   verbs.add(
-      "collect", "Make a set: a list of entries under a name.", "ugoki db collect 'walks for the park' --tag walk",
+      "collect", "Create a set: a named list of entries.", "ugoki db collect 'walks for the park' --tag walk",
       [](CLI::App& verb, Options& o) {
-        verb.add_option("name", o.name, "Its name")->required();
+        verb.add_option("name", o.name, "Name of the set")->required();
         declare_choice(verb, o);
         declare_new(verb, o);
       },
       collect);
   verbs.add(
-      "check", "Read everything and compare it with its hashes.", "ugoki db check",
-      [](CLI::App& verb, Options& o) { verb.add_flag("--repair", o.repair, "Make the index of the search anew first"); }, check);
-  verbs.add("gc", "Remove data that no version uses.", "ugoki db gc", [](CLI::App&, Options&) {}, collect_garbage);
+      "check", "Read all data and verify their hashes.", "ugoki db check",
+      [](CLI::App& verb, Options& o) { verb.add_flag("--repair", o.repair, "Rebuild the search index first"); }, check);
+  verbs.add("gc", "Delete data that no version uses.", "ugoki db gc", [](CLI::App&, Options&) {}, collect_garbage);
   verbs.add(
-      "empty-trash", "Remove for ever what is in the trash.", "ugoki db empty-trash --before 2026-01-01",
-      [](CLI::App& verb, Options& o) { verb.add_option("--before", o.before, "Only what was removed before this day or time (UTC)"); },
+      "empty-trash", "Delete the entries in the trash permanently.", "ugoki db empty-trash --before 2026-01-01",
+      [](CLI::App& verb, Options& o) { verb.add_option("--before", o.before, "Only entries removed before this date or time (UTC)"); },
       empty_trash);
 }
 

@@ -115,9 +115,9 @@ void add_export_fmu(CLI::App& circuit_verb, Action& action) {
   sub->add_option("circuit", options->circuit, "The circuit, *.json")->required();
   sub->add_option("output", options->output, "The FMU to write, *.fmu")->required();
   sub->add_option("--fmi", options->version, "Version of the standard")->check(CLI::IsMember({2, 3}))->capture_default_str();
-  sub->add_option("--dt", options->dt, "Seconds between ticks of the circuit (otherwise the content's step, or 0.001)")
+  sub->add_option("--dt", options->dt, "Seconds between ticks of the circuit (default: the content's step, or 0.001)")
       ->check(CLI::Range(1e-9, 1e6));
-  sub->add_option("--content", options->content, "Executable data, *.ugx: the mechanisms and motions that the circuit's LSIs work on");
+  sub->add_option("--content", options->content, "Executable data (*.ugx) with the mechanisms and motions that the circuit's LSIs use");
   sub->add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
   sub->add_flag("--json", options->json, "Print one JSON object");
   sub->footer("Example:\n  ugoki circuit export-fmu pendulum.json pendulum.fmu --fmi 2 --dt 0.002");

@@ -1,5 +1,5 @@
 #pragma once
-// FMUs on the command line.
+// Verbs and information about FMUs (Functional Mock-up Units).
 
 #include "output.h"
 #include "ugoki/base/result.h"
@@ -7,10 +7,10 @@
 
 namespace ugoki::cli {
 
-/// `ugoki circuit export-fmu`. @param circuit_verb `ugoki circuit`
+/// Adds `export-fmu` to the verb `ugoki circuit`.
 void add_export_fmu(CLI::App& circuit_verb, Action& action);
 
-/// What an FMU holds, for `ugoki info`. Runs none of its code.
+/// Contents of an FMU as JSON, for `ugoki info`. Runs none of its code.
 [[nodiscard]] Result<Json> fmu_info(const std::string& path);
 
 }  // namespace ugoki::cli

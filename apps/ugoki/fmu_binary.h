@@ -1,5 +1,6 @@
 #pragma once
-// The shared object that runs circuits as FMUs (apps/fmu), inside of this program: so exporting needs no compiler and no other file.
+// The shared objects that run circuits as FMUs (apps/fmu), embedded in this program. Exporting an FMU thus needs no compiler and no other
+// file.
 
 #include <string_view>
 

@@ -1,4 +1,4 @@
-// `ugoki import`: measured files become library entries.
+// `ugoki import`: stores measured files and mechanism files as library entries.
 
 #include <algorithm>
 #include <cmath>
@@ -24,19 +24,19 @@ struct Options {
   bool dry = false, json = false;
 };
 
-/// Writes the measured motion back and reads it again. @return greatest distance of a joint over all frames, m
+/// Writes the measured motion as BVH and reads it again. @return m: maximum position error of a joint over all frames
 Result<double> write_back(const MeasuredMotion& measured, const std::string& path) {
   const std::string text = formats::write_bvh(measured);
   formats::BvhOptions same_unit;
   same_unit.metres_per_unit = measured.skeleton.unit;
-  const Result<MeasuredMotion> again = formats::read_bvh(text, path, same_unit);
-  if (!again) return fail(again.error());
+  const Result<MeasuredMotion> read_back = formats::read_bvh(text, path, same_unit);
+  if (!read_back) return fail(read_back.error());
   if (Result<void> written = files::write_file(path, text); !written) return fail(std::move(written.error()));
-  double worst = again->frames == measured.frames && again->joint_count() == measured.joint_count() ? 0 : INFINITY;
+  double worst = read_back->frames == measured.frames && read_back->joint_count() == measured.joint_count() ? 0 : INFINITY;
   std::vector<Pose> before(static_cast<std::size_t>(measured.joint_count())), after(before.size());
   for (int frame = 0; std::isfinite(worst) && frame < measured.frames; ++frame) {
     measured.calc_joint_poses(frame, before);
-    again->calc_joint_poses(frame, after);
+    read_back->calc_joint_poses(frame, after);
     for (std::size_t j = 0; j < before.size(); ++j)
       if (const double off = norm(before[j].p - after[j].p); !(off <= worst)) worst = off;
   }
@@ -48,56 +48,57 @@ bool same_file(const std::string& a, const std::string& b) {
   return a == b || fs::equivalent(a, b, ignored);
 }
 
-/// Where the copy of a measured file goes: in a folder its own name, numbered when this run has written one of that name.
+/// Path of the BVH copy of a measured file. In a folder it has the file's name, numbered if this run has already written that name.
 Result<std::string> copy_path(const std::string& path, const Options& options, const std::vector<std::string>& written) {
   std::error_code ignored;
   std::string out = options.bvh;
   if (fs::is_directory(options.bvh, ignored)) {
     const std::string stem = fs::path(path).stem().string();
-    const auto taken = [&] { return std::ranges::any_of(written, [&](const std::string& w) { return same_file(w, out); }); };
+    const auto is_written = [&] { return std::ranges::any_of(written, [&](const std::string& w) { return same_file(w, out); }); };
     out = (fs::path(options.bvh) / (stem + ".bvh")).string();
-    for (int number = 2; taken(); ++number) out = (fs::path(options.bvh) / (stem + "-" + std::to_string(number) + ".bvh")).string();
+    for (int number = 2; is_written(); ++number) out = (fs::path(options.bvh) / (stem + "-" + std::to_string(number) + ".bvh")).string();
   }
   for (const std::string& file : options.files)
-    if (same_file(out, file)) return fail(ErrorCode::conflict, out, "This is a file that is imported.", "Write the copies elsewhere.");
+    if (same_file(out, file))
+      return fail(ErrorCode::conflict, out, "The copy would overwrite an imported file.", "Choose another folder for the copies.");
   return out;
 }
 
-/// One file, wholly or not at all.
-/// @param written copies of this run; the new one is added
+/// Imports one file completely or, on an error, not at all.
+/// @param written [in, out] paths of the copies written by this run
 Result<Json> import_one(const std::string& path, const Options& options, store::Library* library, std::vector<std::string>& written) {
-  Result<intake::Intake> taken = take_in_file(path, options.source);
-  if (!taken) return fail(std::move(taken.error()));
-  Json row = {{"file", path}, {"name", taken->items.front().name}};
-  if (taken->measured) {
-    row["frames"] = taken->measured->frames;
-    row["joints"] = taken->measured->joint_count();
-    row["duration_s"] = taken->measured->duration();
-    row["rate"] = taken->measured->rate;
-    row["height_m"] = taken->body->height;
+  Result<intake::Intake> loaded = take_in_file(path, options.source);
+  if (!loaded) return fail(std::move(loaded.error()));
+  Json row = {{"file", path}, {"name", loaded->items.front().name}};
+  if (loaded->measured) {
+    row["frames"] = loaded->measured->frames;
+    row["joints"] = loaded->measured->joint_count();
+    row["duration_s"] = loaded->measured->duration();
+    row["rate"] = loaded->measured->rate;
+    row["height_m"] = loaded->body->height;
   } else {
-    row["joints"] = taken->mechanism->link_count();
+    row["joints"] = loaded->mechanism->link_count();
   }
-  row["mass_kg"] = taken->mechanism->mass();
-  row["freedoms"] = taken->mechanism->nv();
-  row["links"] = taken->mechanism->link_count();
-  if (taken->body) row["human"] = taken->body->human;
-  if (taken->metres_per_unit > 0) row["metres_per_unit"] = taken->metres_per_unit;
-  if (!options.bvh.empty() && taken->measured) {
+  row["mass_kg"] = loaded->mechanism->mass();
+  row["dofs"] = loaded->mechanism->nv();
+  row["links"] = loaded->mechanism->link_count();
+  if (loaded->body) row["human"] = loaded->body->human;
+  if (loaded->metres_per_unit > 0) row["metres_per_unit"] = loaded->metres_per_unit;
+  if (!options.bvh.empty() && loaded->measured) {
     const Result<std::string> out = copy_path(path, options, written);
     if (!out) return fail(out.error());
-    const Result<double> error = write_back(*taken->measured, *out);
+    const Result<double> error = write_back(*loaded->measured, *out);
     if (!error) return fail(error.error());
     written.push_back(*out);
     row["bvh"] = *out;
     row["bvh_error_m"] = *error;
   }
   if (library) {
-    const Result<std::vector<std::string>> ids = intake::put(*library, *taken);
+    const Result<std::vector<std::string>> ids = intake::put(*library, *loaded);
     if (!ids) return fail(ids.error());
-    for (std::size_t i = 0; i < ids->size(); ++i) row["ids"][std::string(store::name_of(taken->items[i].kind))] = (*ids)[i];
+    for (std::size_t i = 0; i < ids->size(); ++i) row["ids"][std::string(store::name_of(loaded->items[i].kind))] = (*ids)[i];
   }
-  row["report"] = taken->report;
+  row["report"] = loaded->report;
   return row;
 }
 
@@ -116,7 +117,7 @@ int run_import(const Options& options) {
     library = std::make_unique<store::Library>(std::move(*opened));
   }
   Json files = Json::array(), errors = Json::array();
-  std::vector<std::vector<std::string>> table = {{"name", "frames", "joints", "s", "1/s", "height m", "mass kg", "freedoms", "motion"}};
+  std::vector<std::vector<std::string>> table = {{"name", "frames", "joints", "s", "1/s", "height m", "mass kg", "dofs", "motion"}};
   std::vector<std::string> copies;
   Progress progress("import");
   bool failed = false;
@@ -134,7 +135,7 @@ int run_import(const Options& options) {
       continue;
     }
     table.push_back({(*row)["name"], cell(*row, "frames", 0), cell(*row, "joints", 0), cell(*row, "duration_s", 3), cell(*row, "rate", 2),
-                     cell(*row, "height_m", 3), cell(*row, "mass_kg", 2), cell(*row, "freedoms", 0),
+                     cell(*row, "height_m", 3), cell(*row, "mass_kg", 2), cell(*row, "dofs", 0),
                      row->contains("ids") && (*row)["ids"].contains("motion") ? (*row)["ids"]["motion"].get<std::string>() : "-"});
     files.push_back(std::move(*row));
   }
@@ -147,8 +148,8 @@ int run_import(const Options& options) {
   for (const Json& file : files) {
     for (const Json& line : file["report"]) print_line(file["name"].get<std::string>() + ": " + line.get<std::string>());
     if (file.contains("bvh"))
-      print_line(file["name"].get<std::string>() + ": written back to " + file["bvh"].get<std::string>() +
-                 "; no joint is off by more than " + to_text(file["bvh_error_m"].get<double>()) + " m.");
+      print_line(file["name"].get<std::string>() + ": written to " + file["bvh"].get<std::string>() +
+                 "; maximum position error of a joint: " + to_text(file["bvh_error_m"].get<double>()) + " m.");
   }
   return failed ? 1 : 0;
 }
@@ -157,32 +158,32 @@ int run_import(const Options& options) {
 
 void add_import_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("import", "Read measured files, make bodies of them, and put both into the library.");
+  CLI::App* verb = app.add_subcommand("import", "Read measured files, build bodies for them, and store both in the library.");
   verb->add_option("files", options->files,
                    "BVH, AMC (with their ASF), C3D, TRC, CSV, glTF, FBX, COLLADA, mechanism JSON, URDF, SDF or MJCF files")
       ->required();
-  verb->add_option("--name", options->source.intake.name, "Name of the entries (one file only; otherwise the file's name)");
+  verb->add_option("--name", options->source.intake.name, "Name of the entries (one file only; default: the file's name)");
   verb->add_option("--tags", options->source.intake.tags, "Tags of the entries, separated by commas")->delimiter(',');
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")
+  verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
       ->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")
+  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
       ->check(CLI::Range(0.01, 100000.0));
-  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (otherwise guessed)")
+  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (default: estimated)")
       ->check(CLI::Range(1e-6, 1000.0));
-  verb->add_option("--rate", options->source.intake.rate, "Frames a second of AMC files, which do not tell")
+  verb->add_option("--rate", options->source.intake.rate, "Frames per second of AMC files, which do not store it")
       ->check(CLI::Range(1.0, 10000.0))
       ->capture_default_str();
-  verb->add_option("--asf", options->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
+  verb->add_option("--asf", options->source.asf, "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc)");
   add_robot_options(*verb, options->source.robot);
-  verb->add_option("--bvh", options->bvh, "Write the measured motion back as BVH: a file, or a folder for several");
-  verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--dry-run", options->dry, "Read and report, store nothing");
+  verb->add_option("--bvh", options->bvh, "Also write the measured motion as BVH: a file, or a folder for several inputs");
+  verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_flag("--dry-run", options->dry, "Read and report, but store nothing");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki import walk.bvh --tags walk,slow\n  ugoki import 12_01.amc --asf 12.asf --mass 70 --bvh copy.bvh");
   verb->callback([options, &action] {
     std::error_code ignored;
     if (options->files.size() > 1 && !options->source.intake.name.empty())
-      throw CLI::ValidationError("--name", "names one file's entries; give one file.");
+      throw CLI::ValidationError("--name", "can be used only with one input file.");
     if (options->files.size() > 1 && !options->bvh.empty() && !fs::is_directory(options->bvh, ignored))
       throw CLI::ValidationError("--bvh", "must be an existing folder when there are several files.");
     action = [options] { return run_import(*options); };

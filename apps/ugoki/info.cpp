@@ -1,4 +1,4 @@
-// `ugoki info`: what a file or an entry of the library holds.
+// `ugoki info`: prints the contents of a file or an entry of the library.
 
 #include <memory>
 
@@ -39,11 +39,8 @@ Json motion_json(const Motion& m) {
 Json measured_json(const MeasuredMotion& m) {
   Json joints = Json::array();
   for (const SkeletonJoint& j : m.skeleton.joints)
-    joints.push_back({{"name", j.name},
-                      {"parent", j.parent},
-                      {"freedoms", j.freedoms.size()},
-                      {"order", j.rotation_order},
-                      {"translates", j.translates}});
+    joints.push_back(
+        {{"name", j.name}, {"parent", j.parent}, {"dofs", j.dofs.size()}, {"order", j.rotation_order}, {"translates", j.translates}});
   return {{"name", m.name},
           {"source", m.source},
           {"frames", m.frames},
@@ -79,18 +76,18 @@ Result<Json> info_of_entry(const Options& options) {
   if (!entry) return fail(entry.error());
   const Result<std::vector<std::byte>> data = library->data(entry->id);
   if (!data) return fail(data.error());
-  const std::string place = "library entry " + entry->id;
+  const std::string location = "library entry " + entry->id;
   Json json = {{"kind", store::name_of(entry->kind)}, {"id", entry->id}, {"tags", entry->tags}};
   if (entry->kind == store::EntryKind::mechanism) {
-    const Result<MechanismPtr> mechanism = formats::read_mechanism({reinterpret_cast<const char*>(data->data()), data->size()}, place);
+    const Result<MechanismPtr> mechanism = formats::read_mechanism({reinterpret_cast<const char*>(data->data()), data->size()}, location);
     if (!mechanism) return fail(mechanism.error());
     json.update(mechanism_json(**mechanism));
   } else if (entry->kind == store::EntryKind::motion) {
-    const Result<Motion> motion = formats::read_motion(*data, place);
+    const Result<Motion> motion = formats::read_motion(*data, location);
     if (!motion) return fail(motion.error());
     json.update(motion_json(*motion));
   } else {
-    const Result<MeasuredMotion> measured = formats::read_measured_motion(*data, place);
+    const Result<MeasuredMotion> measured = formats::read_measured_motion(*data, location);
     if (!measured) return fail(measured.error());
     json.update(measured_json(*measured));
   }
@@ -106,8 +103,7 @@ Result<Json> info_of_executable(const std::string& path) {
   if (!executable) return fail(executable.error());
   const auto file = content::read_ugx(bytes);
   Json sections = Json::array();
-  for (const content::UgxSection& s : file->sections())
-    sections.push_back({{"name", s.name}, {"bytes", s.bytes.size()}});
+  for (const content::UgxSection& s : file->sections()) sections.push_back({{"name", s.name}, {"bytes", s.bytes.size()}});
   Json characters = Json::array();
   for (const content::ExecutableCharacter& c : executable->characters)
     characters.push_back({{"id", c.id},
@@ -143,7 +139,7 @@ Result<Json> info_of(const Options& options) {
       json["unsaved"] = project->unsaved();
       Json mechanisms = Json::array(), motions = Json::array();
       for (const auto& [id, m] : project->resources().mechanisms)
-        mechanisms.push_back({{"id", id}, {"name", m->name()}, {"links", m->link_count()}, {"freedoms", m->nv()}, {"mass_kg", m->mass()}});
+        mechanisms.push_back({{"id", id}, {"name", m->name()}, {"links", m->link_count()}, {"dofs", m->nv()}, {"mass_kg", m->mass()}});
       for (const auto& [id, m] : project->resources().motions)
         motions.push_back({{"id", id}, {"name", m->name}, {"frames", m->frames}, {"duration_s", m->duration()}, {"cyclic", m->cyclic}});
       json["mechanisms"] = std::move(mechanisms);
@@ -162,29 +158,30 @@ Result<Json> info_of(const Options& options) {
       return json;
     }
     case TargetKind::mechanism_file: {
-      const Result<intake::Intake> taken = take_in_file(options.target, options.source);
-      if (!taken) return fail(taken.error());
+      const Result<intake::Intake> loaded = take_in_file(options.target, options.source);
+      if (!loaded) return fail(loaded.error());
       Json json = {{"kind", "mechanism"}};
-      json.update(mechanism_json(*taken->mechanism, taken->robot ? &*taken->robot : nullptr));
-      if (!taken->report.empty()) json["report"] = taken->report;
+      json.update(mechanism_json(*loaded->mechanism, loaded->robot ? &*loaded->robot : nullptr));
+      if (!loaded->report.empty()) json["report"] = loaded->report;
       return json;
     }
     case TargetKind::measured_file: {
-      const Result<intake::Intake> taken = take_in_file(options.target, options.source);
-      if (!taken) return fail(taken.error());
+      const Result<intake::Intake> loaded = take_in_file(options.target, options.source);
+      if (!loaded) return fail(loaded.error());
       Json json = {{"kind", "measured"}};
-      json.update(measured_json(*taken->measured));
-      json["height_m"] = taken->body->height;
-      json["mass_kg"] = taken->body->mass;
-      json["body"] = mechanism_json(*taken->mechanism);
-      json["report"] = taken->report;
+      json.update(measured_json(*loaded->measured));
+      json["height_m"] = loaded->body->height;
+      json["mass_kg"] = loaded->body->mass;
+      json["body"] = mechanism_json(*loaded->mechanism);
+      json["report"] = loaded->report;
       return json;
     }
   }
-  return fail(ErrorCode::unsupported, options.target, "This kind of file is not known.", "Give another.");
+  return fail(ErrorCode::unsupported, options.target, "The kind of this file is unknown.",
+              "Name a file of a kind that `ugoki info --help` lists.");
 }
 
-/// Plain values as lines, lists of objects as tables.
+/// Prints JSON as text: scalar values as lines, lists of objects as tables.
 void print_text(const Json& json, const std::string& indent) {
   for (const auto& [key, value] : json.items()) {
     if (value.is_object()) {
@@ -232,13 +229,14 @@ int run_info(const Options& options) {
 
 void add_info_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("info", "What a file or an entry of the library holds: counts, tree, masses, freedoms.");
+  CLI::App* verb =
+      app.add_subcommand("info", "Print the contents of a file or an entry of the library: counts, tree, masses, degrees of freedom.");
   verb->add_option("target", options->target,
                    "BVH, AMC, mechanism JSON, URDF, SDF, MJCF, *.fmu, *.ugoki, *.ugx, a library, or an entry's name or id")
       ->required();
-  verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (otherwise NN.asf beside NN_MM.amc)");
+  verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (default: NN.asf in the folder of NN_MM.amc)");
   add_robot_options(*verb, options->source.robot);
-  verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki info walk.bvh\n  ugoki info robot.urdf --base fixed\n  ugoki info park.ugoki --json");
   verb->callback([options, &action] { action = [options] { return run_info(*options); }; });

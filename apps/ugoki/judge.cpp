@@ -1,4 +1,4 @@
-// `ugoki judge`: how natural a motion is, as measured and as dynamics, in numbers with thresholds.
+// `ugoki judge`: measures how natural a motion is, as recorded and when run as dynamics, and compares the values with limits.
 
 #include <memory>
 
@@ -19,18 +19,18 @@ struct Options {
   std::string target;
   SourceOptions source;
   double rate = 500;
-  double most_tracking = 5, most_assist = 0.15, most_skate = 3, most_penetration = 20;
+  double max_tracking = 5, max_assist = 0.15, max_skate = 3, max_penetration = 20;
   bool kinematic = false, strict = false, json = false;
 };
 
-/// One number and what it may be at most.
+/// One measured value and its maximum.
 struct Judgement {
   std::string measure, unit;
   double value = 0, limit = 0;
   [[nodiscard]] bool good() const { return value <= limit; }
 };
 
-/// What can be said of the motion itself.
+/// Judges the recorded motion without dynamics.
 std::vector<Judgement> judge_motion(const ClipSource& clip, const Options& options) {
   const Mechanism& mechanism = *clip.mechanism;
   const Motion& motion = *clip.motion;
@@ -49,15 +49,16 @@ std::vector<Judgement> judge_motion(const ClipSource& clip, const Options& optio
     skate.add(X_WB, on, 1 / motion.rate);
     penetration.add(X_WB);
   }
-  return {{"foot skate", "cm", skate.mean_per_stance_cm(), options.most_skate},
-          {"ground penetration", "mm", penetration.worst_mm(), options.most_penetration}};
+  return {{"foot skate", "cm", skate.mean_per_stance_cm(), options.max_skate},
+          {"ground penetration", "mm", penetration.worst_mm(), options.max_penetration}};
 }
 
+/// Judges the measures of a run as dynamics.
 std::vector<Judgement> judge_run(const content::PlayerMeasures& m, const Options& options) {
-  return {{"tracking error", "deg", m.tracking_rms_deg, options.most_tracking},
-          {"root assist", "bw", m.assist_rms_bw, options.most_assist},
-          {"foot skate", "cm", m.foot_skate_cm, options.most_skate},
-          {"ground penetration", "mm", m.penetration_mm, options.most_penetration},
+  return {{"tracking error", "deg", m.tracking_rms_deg, options.max_tracking},
+          {"root assist", "bw", m.assist_rms_bw, options.max_assist},
+          {"foot skate", "cm", m.foot_skate_cm, options.max_skate},
+          {"ground penetration", "mm", m.penetration_mm, options.max_penetration},
           {"falls", "", m.fell ? 1.0 : 0.0, 0}};
 }
 
@@ -68,7 +69,7 @@ Json to_json(const std::vector<Judgement>& judgements) {
   return list;
 }
 
-/// Everything that was judged: "motion" and "dynamics" of a clip, or each character of a content.
+/// All judgements, grouped: "motion" and "dynamics" of a clip, or the characters of content by name.
 struct Verdict {
   std::string name;
   std::vector<std::pair<std::string, std::vector<Judgement>>> parts;
@@ -140,21 +141,25 @@ int run_judge(const Options& options) {
 
 void add_judge_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("judge", "How natural a motion is, as measured and as dynamics: numbers with limits.");
+  CLI::App* verb = app.add_subcommand("judge", "Measure how natural a motion is, as recorded and as dynamics, and compare with limits.");
   verb->add_option("target", options->target, "BVH or AMC file, motion of the library, *.ugoki or *.ugx")->required();
-  verb->add_flag("--kinematic", options->kinematic, "Only the motion as it was measured; do not run it");
+  verb->add_flag("--kinematic", options->kinematic, "Judge only the recorded motion; do not run it as dynamics");
   verb->add_flag("--strict", options->strict, "Exit status 1 if a measure is over its limit");
-  verb->add_option("--rate", options->rate, "Steps a second")->check(CLI::Range(250.0, 2000.0))->capture_default_str();
-  verb->add_option("--most-tracking", options->most_tracking, "Greatest tracking error, degrees")->capture_default_str();
-  verb->add_option("--most-assist", options->most_assist, "Greatest root assist, body weights (rms)")->capture_default_str();
-  verb->add_option("--most-skate", options->most_skate, "Greatest foot skate, cm a stance")->capture_default_str();
-  verb->add_option("--most-penetration", options->most_penetration, "Greatest ground penetration, mm")->capture_default_str();
-  verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (otherwise NN.asf beside NN_MM.amc)");
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")
+  verb->add_option("--rate", options->rate, "Steps per second")->check(CLI::Range(250.0, 2000.0))->capture_default_str();
+  const auto add_limit = [&](const std::string& measure, double& limit, const char* about) {
+    verb->add_option("--max-" + measure, limit, about)->capture_default_str();
+    verb->add_option("--most-" + measure, limit)->group("");  // name of earlier versions; an empty group hides it from the help
+  };
+  add_limit("tracking", options->max_tracking, "Maximum tracking error, degrees (rms)");
+  add_limit("assist", options->max_assist, "Maximum root assist, body weights (rms)");
+  add_limit("skate", options->max_skate, "Maximum foot skate, cm per stance");
+  add_limit("penetration", options->max_penetration, "Maximum ground penetration, mm");
+  verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (default: NN.asf in the folder of NN_MM.amc)");
+  verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
       ->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")
+  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
       ->check(CLI::Range(0.01, 100000.0));
-  verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki judge walk.bvh\n  ugoki judge park.ugoki --strict");
   verb->callback([options, &action] { action = [options] { return with_libraries(options->json, [&] { return run_judge(*options); }); }; });

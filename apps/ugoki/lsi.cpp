@@ -1,4 +1,4 @@
-// `ugoki lsi`: making, building, testing and installing libraries of software LSIs.
+// `ugoki lsi`: creates, builds, tests and installs libraries of software LSIs.
 
 #include <unistd.h>
 
@@ -34,8 +34,8 @@ struct Options {
 
 std::string shelf_of(const Options& o) { return o.shelf.empty() ? plugin::default_shelf() : o.shelf; }
 
-/// What a library declares, asked of a process of its own: it may crash, and is not trusted yet.
-/// @param start an FMU is started and ended, too, for that tells whether it works here
+/// Description of a library, read in a child process, because the library is not trusted yet and may crash.
+/// @param start true: also start and end an FMU, to check that it works on this machine
 Result<Json> describe(const std::string& path, bool start = false) {
   std::vector<std::string> command{"/proc/self/exe", "lsi", "describe", path};
   if (start) command.push_back("--start");
@@ -44,19 +44,19 @@ Result<Json> describe(const std::string& path, bool start = false) {
   const Result<Json> json = json::parse_json(ran->out, path);
   if (ran->status == 0 && json) return *json;
   Error error;
-  const Result<Json> told = json::parse_json(ran->err, path);
-  if (told && told->contains("problems") && (*told)["problems"].is_array())
-    for (const Json& p : (*told)["problems"])
-      error.add(ErrorCode::structure, p.value("place", path), p.value("message", ""), p.value("remedy", ""));
+  const Result<Json> child_errors = json::parse_json(ran->err, path);
+  if (child_errors && child_errors->contains("problems") && (*child_errors)["problems"].is_array())
+    for (const Json& p : (*child_errors)["problems"])
+      error.add(ErrorCode::structure, p.value("location", path), p.value("message", ""), p.value("remedy", ""));
   if (error.empty())
     error.add(ErrorCode::structure, path,
-              "The library could not be opened: the process that tried it ended with status " + std::to_string(ran->status) + ".",
+              "The library could not be opened: the process that loaded it ended with status " + std::to_string(ran->status) + ".",
               "Build it again: ugoki lsi build FILE.c");
   return fail(std::move(error));
 }
 
 int run_describe(const Options& o) {
-  const auto tell = [](const Error& error) {
+  const auto print_and_fail = [](const Error& error) {
     std::cerr << json::to_text(json::error_json(error));
     return 1;
   };
@@ -64,13 +64,13 @@ int run_describe(const Options& o) {
     plugin::set_phase("The library '" + o.target + "' was being loaded");
     const Result<std::string> text = plugin::describe_library(o.target);
     plugin::set_phase({});
-    if (!text) return tell(text.error());
+    if (!text) return print_and_fail(text.error());
     if (o.start)
-      if (const Result<void> works = plugin::try_library(o.target); !works) return tell(works.error());
+      if (const Result<void> works = plugin::try_library(o.target); !works) return print_and_fail(works.error());
     print_line(*text);
     return 0;
   });
-  return done ? *done : tell(done.error());
+  return done ? *done : print_and_fail(done.error());
 }
 
 std::string pins_text(const Json& pins) {
@@ -89,22 +89,22 @@ void print_classes(const Json& classes) {
   print_table(rows);
 }
 
-/// Asks on a terminal; elsewhere --yes or --hash must say it.
+/// Asks for consent to install a library. Without a terminal, --yes or --hash is required.
 Result<void> ask_consent(const Options& o, const Json& description, const std::string& path) {
   const std::string hash = description.value("sha256", "");
   if (!o.hash.empty() && o.hash != hash)
-    return fail(ErrorCode::conflict, path, "The file has the SHA-256 " + hash + ", not the one you gave.",
-                "Get the library again from where the hash comes from.");
+    return fail(ErrorCode::conflict, path, "The SHA-256 of the file is " + hash + ", not the one given with --hash.",
+                "Download the library again from the publisher of the hash.");
   if (o.yes || !o.hash.empty()) return {};
   if (isatty(STDIN_FILENO) == 0)
-    return fail(ErrorCode::cancelled, path, "A library runs as a program of yours; installing it needs your consent.",
+    return fail(ErrorCode::cancelled, path, "A library runs with all your rights; installing it needs your consent.",
                 "If you trust it, add --yes, or --hash " + hash);
-  print_line("The library '" + description.value("name", "") + "' runs as a program of yours, with all your rights.\nSHA-256 " + hash +
+  print_line("The library '" + description.value("name", "") + "' is a program that runs with all your rights.\nSHA-256 " + hash +
              "\nInstall it? [y/N] ");
   std::string answer;
   std::getline(std::cin, answer);
   if (answer == "y" || answer == "Y" || answer == "yes") return {};
-  return fail(ErrorCode::cancelled, path, "It was not installed.", "");
+  return fail(ErrorCode::cancelled, path, "The library was not installed, because consent was refused.", "");
 }
 
 Result<Json> install(const Options& o, const std::string& path) {
@@ -193,7 +193,7 @@ int run_list(const Options& o) {
     print_json(out);
     return 0;
   }
-  if (shelf.empty()) print_line("No library is installed in " + shelf_of(o) + ". Make one with: ugoki lsi new NAME");
+  if (shelf.empty()) print_line("No library is installed in " + shelf_of(o) + ". Create one with: ugoki lsi new NAME");
   for (const plugin::ShelfEntry& e : shelf) print_line(e.name + (e.version.empty() ? "" : " " + e.version) + "  SHA-256 " + e.hash);
   if (!classes.empty()) print_classes(classes);
   if (o.all) print_classes(built_in);
@@ -209,7 +209,7 @@ int run_remove(const Options& o) {
   return 0;
 }
 
-/// Builds the sources of a folder and runs its *.test.json.
+/// Builds the sources in a folder and runs its tests (*.test.json).
 int run_test(const Options& o) {
   std::vector<std::string> sources, tests;
   std::error_code ec;
@@ -221,9 +221,9 @@ int run_test(const Options& o) {
   std::sort(sources.begin(), sources.end());
   std::sort(tests.begin(), tests.end());
   if (ec || sources.empty() || tests.empty())
-    return print_error(
-        Error(ErrorCode::io, o.target, "This is no folder with a source and a test (*.test.json).", "Make one with: ugoki lsi new NAME"),
-        o.json);
+    return print_error(Error(ErrorCode::io, o.target, "This is not a folder with a source and a test (*.test.json).",
+                             "Create one with: ugoki lsi new NAME"),
+                       o.json);
   std::vector<std::string> libraries;
   for (const std::string& source : sources) {
     const Result<plugin::BuildReport> report = plugin::build_library({source, {}, {}, o.compiler});
@@ -254,10 +254,10 @@ int run_test(const Options& o) {
   return *done;
 }
 
-/// Builds and installs again whenever the file changes, until Ctrl+C.
+/// Rebuilds and reinstalls a file whenever it changes, until Ctrl+C.
 int run_watch(Options o) {
   catch_interrupt();
-  o.yes = o.install = true;  // the author's own file, of which each version is wanted
+  o.yes = o.install = true;  // the user watches this file, so that consent covers each version
   fs::file_time_type seen{};
   for (std::error_code ec; !interrupted(); std::this_thread::sleep_for(std::chrono::milliseconds(200))) {
     const fs::file_time_type now = fs::last_write_time(o.target, ec);
@@ -272,7 +272,7 @@ int run_watch(Options o) {
 
 void add_lsi_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("lsi", "Make, build, test and install libraries of software LSIs, and install FMUs.");
+  CLI::App* verb = app.add_subcommand("lsi", "Create, build, test and install libraries of software LSIs, and install FMUs.");
   verb->require_subcommand(1);
   const auto add = [&](const char* name, const char* doc, const char* target, const char* example, int (*run)(const Options&)) {
     CLI::App* sub = verb->add_subcommand(name, doc);
@@ -283,33 +283,33 @@ void add_lsi_verb(CLI::App& app, Action& action) {
     sub->callback([options, run, &action] { action = [options, run] { return run(*options); }; });
     return sub;
   };
-  add("new", "Write a template: source, test and README.", "Name of the library, and of its folder",
+  add("new", "Create a template: source, test and README.", "Name of the library, and of its folder",
       "ugoki lsi new spring && ugoki lsi test spring", run_new)
-      ->add_flag("--cpp", options->cpp, "A C++ struct instead of a C function");
+      ->add_flag("--cpp", options->cpp, "Use a C++ struct instead of a C function");
   const auto add_build_options = [&](CLI::App* sub) {
-    sub->add_option("-o,--output", options->output, "The library to write (default: beside the source, *.so)");
+    sub->add_option("-o,--output", options->output, "The library to write, *.so (default: in the folder of the source)");
     sub->add_option("--name", options->name, "Name of the library (default: @library in the source, or the file's name)");
     sub->add_option("--compiler", options->compiler, "Compiler (default: clang-19, clang, gcc; for C++ clang++-19, clang++, g++)");
   };
   CLI::App* build =
       add("build", "Wrap the functions of a C or C++ file into a library.", "C or C++ file", "ugoki lsi build spring.c", run_build);
   add_build_options(build);
-  build->add_flag("--install", options->install, "Install it too");
+  build->add_flag("--install", options->install, "Install the library after building");
   build->add_flag("--yes", options->yes, "Install without asking");
   CLI::App* install_verb = add("install", "Install a library or an FMU, after your consent.", "Library (*.so) or FMU (*.fmu)",
                                "ugoki lsi install spring.so", run_install);
-  install_verb->add_flag("--yes", options->yes, "Without asking");
-  install_verb->add_option("--hash", options->hash, "The SHA-256 that it must have; stands for your consent");
-  add("list", "List what is installed.", "", "ugoki lsi list --all", run_list)
-      ->add_flag("--all", options->all, "The program's own LSIs too");
+  install_verb->add_flag("--yes", options->yes, "Install without asking");
+  install_verb->add_option("--hash", options->hash, "Expected SHA-256 of the file; counts as consent if it matches");
+  add("list", "List the installed libraries.", "", "ugoki lsi list --all", run_list)
+      ->add_flag("--all", options->all, "Also list the built-in LSIs");
   add("remove", "Remove an installed library.", "Its name", "ugoki lsi remove spring", run_remove);
-  add("test", "Build the sources of a folder and run its tests (*.test.json).", "The folder", "ugoki lsi test spring", run_test)
+  add("test", "Build the sources in a folder and run its tests (*.test.json).", "The folder", "ugoki lsi test spring", run_test)
       ->add_option("--compiler", options->compiler, "Compiler");
   add_build_options(add("watch", "Build and install a file whenever it changes.", "C or C++ file", "ugoki lsi watch spring.c",
                         [](const Options& o) { return run_watch(o); }));
-  add("describe", "Print what a library declares.", "Library, *.so", "ugoki lsi describe spring.so", run_describe)
+  add("describe", "Print the description of a library.", "Library, *.so", "ugoki lsi describe spring.so", run_describe)
       ->group("")
-      ->add_flag("--start", options->start, "Start an FMU, too");
+      ->add_flag("--start", options->start, "Also start an FMU");
 }
 
 }  // namespace ugoki::cli

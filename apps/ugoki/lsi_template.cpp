@@ -14,18 +14,18 @@ namespace fs = std::filesystem;
 const char* const c_source = R"(/// @library NAME
 /// LSIs of my own.
 
-/// What the damped spring remembers.
+/// State of the damped spring.
 struct NAME_state {
-  double peak; /* [N] greatest force so far */
+  double peak; /* [N] maximum force so far */
 };
 
-/// A spring with a damper: pulls back to where it rests.
-/// @in x [m] -1..1  How far it is stretched.
-/// @in v [m/s] = 0  How fast.
-/// @parameter stiffness [N/m] = 100, 0..1e6  Force for each metre.
-/// @parameter damping [N s/m] = 2, 0..1e4  Force against motion.
-/// @return force [N]  The force on what is hung on it.
-/// @out peak [N]  The greatest force so far.
+/// A spring with a damper. Its force pulls towards the rest position.
+/// @in x [m] -1..1  Extension from the rest position.
+/// @in v [m/s] = 0  Rate of extension.
+/// @parameter stiffness [N/m] = 100, 0..1e6  Force per metre of extension.
+/// @parameter damping [N s/m] = 2, 0..1e4  Damping force per unit of speed.
+/// @return force [N]  Force on the attached body.
+/// @out peak [N]  Maximum force so far.
 double NAME(struct NAME_state* state, double x, double v, double stiffness, double damping, double* peak) {
   const double force = -stiffness * x - damping * v;
   const double size = force < 0 ? -force : force;
@@ -40,7 +40,7 @@ const char* const cpp_source = R"(// LSIs of my own.
 
 #include <cmath>
 
-/// A spring with a damper: pulls back to where it rests.
+/// A spring with a damper. Its force pulls towards the rest position.
 struct NAME_lsi {
   double x = 0, v = 0;
   double stiffness = 100, damping = 2;
@@ -52,20 +52,20 @@ struct NAME_lsi {
   }
 };
 
-UGOKI_LSI(NAME_lsi, "NAME", "A spring with a damper: pulls back to where it rests.",
-          ugoki::in(&NAME_lsi::x, "x", "m", "How far it is stretched.", {-1, 1}),
-          ugoki::in(&NAME_lsi::v, "v", "m/s", "How fast."),
-          ugoki::parameter(&NAME_lsi::stiffness, "stiffness", "N/m", "Force for each metre.", {0, 1e6}),
-          ugoki::parameter(&NAME_lsi::damping, "damping", "N s/m", "Force against motion.", {0, 1e4}),
-          ugoki::out(&NAME_lsi::force, "force", "N", "The force on what is hung on it."),
-          ugoki::out(&NAME_lsi::peak, "peak", "N", "The greatest force so far."),
-          ugoki::state(&NAME_lsi::peak, "peak", "N", "The greatest force so far."))
+UGOKI_LSI(NAME_lsi, "NAME", "A spring with a damper. Its force pulls towards the rest position.",
+          ugoki::in(&NAME_lsi::x, "x", "m", "Extension from the rest position.", {-1, 1}),
+          ugoki::in(&NAME_lsi::v, "v", "m/s", "Rate of extension."),
+          ugoki::parameter(&NAME_lsi::stiffness, "stiffness", "N/m", "Force per metre of extension.", {0, 1e6}),
+          ugoki::parameter(&NAME_lsi::damping, "damping", "N s/m", "Damping force per unit of speed.", {0, 1e4}),
+          ugoki::out(&NAME_lsi::force, "force", "N", "Force on the attached body."),
+          ugoki::out(&NAME_lsi::peak, "peak", "N", "Maximum force so far."),
+          ugoki::state(&NAME_lsi::peak, "peak", "N", "Maximum force so far."))
 
 UGOKI_LIBRARY("NAME", "1.0", "LSIs of my own.")
 )";
 
 const char* const test = R"({
-  "doc": "A spring that is stretched, then pressed.",
+  "doc": "A spring that is extended, then compressed.",
   "dt": 0.01,
   "circuit": {
     "version": 1,
@@ -90,10 +90,10 @@ const char* const readme = R"(# NAME
 A library of software LSIs for Ugoki.
 
     ugoki lsi test .                 # builds FILE and runs NAME.test.json
-    ugoki lsi build FILE --install   # builds it and installs it for you
-    ugoki lsi watch FILE             # the same, whenever the file changes: circuits that run take it over
+    ugoki lsi build FILE --install   # builds and installs the library
+    ugoki lsi watch FILE             # rebuilds and reinstalls it whenever FILE changes; running circuits reload it
 
-Each function of the file becomes an LSI; the comment above it says what its pins are. docs/lsi.md of Ugoki tells more.
+Each function of the file becomes an LSI; the comment above it declares its pins. See docs/lsi.md of Ugoki.
 )";
 
 std::string filled(std::string text, const std::string& name, const std::string& file) {
@@ -111,9 +111,9 @@ Result<std::vector<std::string>> make_template(const std::string& path, bool cpp
   if (!good)
     return fail(ErrorCode::syntax, path, "'" + name + "' cannot be the name of a library.", "Use letters, digits and '_', a letter first.");
   std::error_code ec;
-  if (fs::exists(path, ec)) return fail(ErrorCode::conflict, path, "There is something of this name already.", "Choose another name.");
+  if (fs::exists(path, ec)) return fail(ErrorCode::conflict, path, "A file or folder of this name already exists.", "Choose another name.");
   fs::create_directories(path, ec);
-  if (ec) return fail(ErrorCode::io, path, "The folder cannot be made: " + ec.message() + ".", "Choose another place.");
+  if (ec) return fail(ErrorCode::io, path, "The folder cannot be created: " + ec.message() + ".", "Choose another location.");
   const std::string source = name + (cpp ? ".cpp" : ".c");
   std::vector<std::string> written;
   for (const auto& [file, text] :

@@ -1,5 +1,5 @@
 #pragma once
-// What `ugoki lsi new` writes.
+// The template that `ugoki lsi new` writes.
 
 #include <string>
 #include <vector>
@@ -8,7 +8,8 @@
 
 namespace ugoki::cli {
 
-/// Makes the folder `path` with a source, a test and a README, named after its last part. @return the files
+/// Creates the folder `path` with a source, a test and a README; the library is named after the folder.
+/// @return paths of the files
 [[nodiscard]] Result<std::vector<std::string>> make_template(const std::string& path, bool cpp);
 
 }  // namespace ugoki::cli

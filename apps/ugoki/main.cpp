@@ -1,4 +1,4 @@
-// The command line: one verb a file.
+// The program `ugoki`: each verb of the command line has a file of its own.
 
 #include <new>
 
@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
   CLI::App app("Physically natural motion of people, animals and any other linked mechanism.", "ugoki");
   app.set_version_flag("--version", "ugoki 0.1.0");
   app.require_subcommand(1);
-  app.footer("`ugoki VERB --help` tells what a verb does, with an example.");
+  app.footer("`ugoki VERB --help` describes a verb, with an example.");
   Action action;
   add_studio_verb(app, action);
   add_new_verb(app, action);
@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
   try {
     return action ? action() : 2;
   } catch (const std::bad_alloc&) {
-    return print_error(
-        {ugoki::ErrorCode::range, "ugoki", "The memory does not suffice.", "Give less data at once, or close other programs."}, false);
+    return print_error({ugoki::ErrorCode::range, "ugoki", "Not enough memory.", "Process less data at once, or close other programs."},
+                       false);
   }
 }

@@ -1,4 +1,4 @@
-// `ugoki mechanism`: combined, cut, mirrored, scaled, edited mechanisms; inertia of meshes; bodies of skeletons.
+// `ugoki mechanism`: combines, cuts, mirrors, scales and edits mechanisms; calculates inertias of meshes; makes bodies for skeletons.
 
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@
 namespace ugoki::cli {
 namespace {
 
-/// What all parts of the verb share.
+/// Options shared by the operations of the verb.
 struct Common {
   std::vector<std::string> inputs;
   std::string out;
@@ -35,17 +35,17 @@ struct Common {
   bool json = false;
 };
 
-/// A mechanism from a file (a measured file gives its body) or from an entry of the library.
+/// Loads a mechanism from a file or an entry of the library. For a measured file it is the body made for its skeleton.
 Result<MechanismPtr> load_mechanism(const std::string& target, const SourceOptions& options) {
   const Result<TargetKind> kind = kind_of(target);
   if (!kind) return fail(kind.error());
   if (*kind == TargetKind::mechanism_file || *kind == TargetKind::measured_file) {
-    Result<intake::Intake> taken = take_in_file(target, options);
-    if (!taken) return fail(std::move(taken.error()));
-    return taken->mechanism;
+    Result<intake::Intake> loaded = take_in_file(target, options);
+    if (!loaded) return fail(std::move(loaded.error()));
+    return loaded->mechanism;
   }
   if (*kind != TargetKind::entry)
-    return fail(ErrorCode::unsupported, target, "This is no mechanism.", "Give a mechanism's file or an entry of the library.");
+    return fail(ErrorCode::unsupported, target, "This is not a mechanism.", "Name a mechanism file or an entry of the library.");
   const Result<store::Library> library = library_of(target, options);
   if (!library) return fail(library.error());
   const Result<store::LibraryEntry> entry = library->resolve(target, "mechanism");
@@ -55,12 +55,12 @@ Result<MechanismPtr> load_mechanism(const std::string& target, const SourceOptio
   return formats::read_mechanism({reinterpret_cast<const char*>(data->data()), data->size()}, "library entry " + entry->id);
 }
 
-/// Writes what an operation made, and says what it is.
+/// Writes the mechanism that an operation made and prints a summary. @return exit status
 int finish(const Common& common, const MechanismPtr& mechanism, std::vector<std::string> report) {
   const Result<MechanismPtr> prepared = geometry::prepare(mechanism);
   if (!prepared) return print_error(prepared.error(), common.json);
-  std::erase_if(report,
-                [](const std::string& line) { return line.starts_with("What collision analysis prepared"); });  // done again just now
+  // prepare() has recomputed the collision data of the meshes, so the operation's note that they were dropped no longer applies.
+  std::erase_if(report, [](const std::string& line) { return line.starts_with("The collision data precomputed"); });
   const Result<std::vector<std::string>> written = write_mechanism_file(**prepared, common.out);
   if (!written) return print_error(written.error(), common.json);
   report.insert(report.end(), written->begin(), written->end());
@@ -69,14 +69,14 @@ int finish(const Common& common, const MechanismPtr& mechanism, std::vector<std:
     print_json({{"file", common.out},
                 {"name", m.name()},
                 {"links", m.link_count()},
-                {"freedoms", m.nv()},
+                {"dofs", m.nv()},
                 {"loops", m.loops().size()},
                 {"mass_kg", m.mass()},
                 {"report", report}});
     return 0;
   }
-  print_line(common.out + ": " + m.name() + ", " + std::to_string(m.link_count()) + " links, " + std::to_string(m.nv()) + " freedoms, " +
-             std::to_string(m.loops().size()) + " loops, " + to_fixed(m.mass(), 3) + " kg");
+  print_line(common.out + ": " + m.name() + ", " + std::to_string(m.link_count()) + " links, " + std::to_string(m.nv()) +
+             " degrees of freedom, " + std::to_string(m.loops().size()) + " loops, " + to_fixed(m.mass(), 3) + " kg");
   for (const std::string& line : report) print_line(line);
   return 0;
 }
@@ -86,21 +86,22 @@ int finish(const Common& common, Result<Edited> edited) {
   return finish(common, edited->mechanism, std::move(edited->report));
 }
 
-/// Pose of three numbers and three angles (degrees, about x, then y, then z of the fixed axes).
+/// Pose from a position [m] and three angles [degrees], applied about the fixed x, then y, then z axis.
 Pose pose_of(const std::array<double, 3>& p, const std::array<double, 3>& degrees) {
   const double d = pi / 180;
   return {rotation_about({0, 0, 1}, degrees[2] * d) * rotation_about({0, 1, 0}, degrees[1] * d) * rotation_about({1, 0, 0}, degrees[0] * d),
           {p[0], p[1], p[2]}};
 }
 
-CLI::App* add_part(CLI::App& verb, const char* name, const char* what, const std::shared_ptr<Common>& common, int inputs, const char* of) {
-  CLI::App* part = verb.add_subcommand(name, what);
-  part->add_option("input", common->inputs, of)->required()->expected(inputs);
-  part->add_option("-o,--out", common->out, "The file to write: .json, .urdf or .xml (MJCF)")->required();
-  part->add_option("--library", common->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  add_robot_options(*part, common->source.robot);
-  part->add_flag("--json", common->json, "Print one JSON object");
-  return part;
+CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, const std::shared_ptr<Common>& common, int inputs,
+                        const char* of) {
+  CLI::App* command = verb.add_subcommand(name, what);
+  command->add_option("input", common->inputs, of)->required()->expected(inputs);
+  command->add_option("-o,--out", common->out, "The file to write: .json, .urdf or .xml (MJCF)")->required();
+  command->add_option("--library", common->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_robot_options(*command, common->source.robot);
+  command->add_flag("--json", common->json, "Print one JSON object");
+  return command;
 }
 
 // --- combine
@@ -143,25 +144,29 @@ int run_combine(const CombineChoice& c) {
 void add_combine(CLI::App& verb, Action& action) {
   auto c = std::make_shared<CombineChoice>();
   const std::shared_ptr<Common> common(c, &c->common);
-  CLI::App* part = add_part(verb, "combine", "Two mechanisms as one, joined at a link of each", common, 2, "The two mechanisms");
-  part->add_option("--at", c->options.link_a, "Link of the first (otherwise the world)");
-  part->add_option("--to", c->options.link_b, "Link of the second (otherwise its first)");
-  part->add_option("--position", c->position, "Of the second's link in the first's, m")->delimiter(',');
-  part->add_option("--rotation", c->rotation, "Of the second's link in the first's, degrees about x, then y, then z")->delimiter(',');
-  part->add_option("--point", c->point, "Of the joint or loop in the second's link, m")->delimiter(',');
-  part->add_option("--joint", c->joint, "Hang it on by a joint of this type")
+  CLI::App* command =
+      add_operation(verb, "combine", "Combine two mechanisms into one, joined at a link of each", common, 2, "The two mechanisms");
+  command->add_option("--at", c->options.link_a, "Link of the first mechanism (default: the world)");
+  command->add_option("--to", c->options.link_b, "Link of the second mechanism (default: its first link)");
+  command->add_option("--position", c->position, "Position of the second mechanism's link in the first one's, m")->delimiter(',');
+  command
+      ->add_option("--rotation", c->rotation, "Rotation of the second mechanism's link in the first one's, degrees about x, then y, then z")
+      ->delimiter(',');
+  command->add_option("--point", c->point, "Position of the joint or loop in the second mechanism's link, m")->delimiter(',');
+  command->add_option("--joint", c->joint, "Attach the second mechanism by a joint of this type")
       ->check(CLI::IsMember({"fixed", "revolute", "prismatic", "cylindrical", "planar", "universal", "spherical", "floating"}))
       ->capture_default_str();
-  part->add_option("--loop", c->loop, "Both stay as they are and are held together by a loop of this type")
+  command->add_option("--loop", c->loop, "Keep both mechanisms as they are and connect them by a loop of this type")
       ->check(CLI::IsMember({"weld", "ball", "revolute", "prismatic", "cylindrical", "planar", "universal", "distance"}));
-  part->add_option("--axis", c->axis, "Of the joint or loop")->delimiter(',');
-  part->add_option("--length", c->options.loop.length, "Of a distance loop, m");
-  part->add_option("--prefix-first", c->options.prefix_a, "Before every name of the first");
-  part->add_option("--prefix-second", c->options.prefix_b, "Before every name of the second (otherwise its name, where names are double)");
-  part->add_option("--name", c->options.name, "Of the whole");
-  part->footer(
+  command->add_option("--axis", c->axis, "Axis of the joint or loop")->delimiter(',');
+  command->add_option("--length", c->options.loop.length, "Length of a distance loop, m");
+  command->add_option("--prefix-first", c->options.prefix_a, "Prefix of every name of the first mechanism");
+  command->add_option("--prefix-second", c->options.prefix_b,
+                      "Prefix of every name of the second mechanism (default: its name, if names would be duplicated)");
+  command->add_option("--name", c->options.name, "Name of the result");
+  command->footer(
       "Example:\n  ugoki mechanism combine horse.json rider.json --at back --to pelvis --position 0,0,0.25 --loop weld -o riding.json");
-  part->callback([c, &action] { action = [c] { return run_combine(*c); }; });
+  command->callback([c, &action] { action = [c] { return run_combine(*c); }; });
 }
 
 // --- cut, mirror, scale, edit
@@ -172,16 +177,17 @@ void add_cut(CLI::App& verb, Action& action) {
     std::string at, keep = "rest", base = "floating";
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* part = add_part(verb, "cut", "Without a link and what hangs on it, or only these", {c, &c->common}, 1, "The mechanism");
-  part->add_option("--at", c->at, "The link whose joint is cut")->required();
-  part->add_option("--keep", c->keep, "The rest, or the part that is cut off")
+  CLI::App* command =
+      add_operation(verb, "cut", "Remove a link with its descendants, or keep only these", {c, &c->common}, 1, "The mechanism");
+  command->add_option("--at", c->at, "Link whose joint is cut")->required();
+  command->add_option("--keep", c->keep, "Which part to keep: the rest, or the part cut off")
       ->check(CLI::IsMember({"rest", "part"}))
       ->capture_default_str();
-  part->add_option("--base-joint", c->base, "How the part is joined to the world")
+  command->add_option("--base-joint", c->base, "Joint between the part cut off and the world")
       ->check(CLI::IsMember({"floating", "fixed"}))
       ->capture_default_str();
-  part->footer("Example:\n  ugoki mechanism cut man.json --at abdomen --keep part -o trunk.json");
-  part->callback([c, &action] {
+  command->footer("Example:\n  ugoki mechanism cut man.json --at abdomen --keep part -o trunk.json");
+  command->callback([c, &action] {
     action = [c] {
       const Result<MechanismPtr> m = load_mechanism(c->common.inputs[0], c->common.source);
       if (!m) return print_error(m.error(), c->common.json);
@@ -197,13 +203,14 @@ void add_mirror(CLI::App& verb, Action& action) {
     bool keep_names = false;
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* part = add_part(verb, "mirror", "Its mirror image, left and right exchanged", {c, &c->common}, 1, "The mechanism");
-  part->add_option("--across", c->axis, "The axis at a right angle to the mirror")
+  CLI::App* command =
+      add_operation(verb, "mirror", "Mirror a mechanism; left and right are exchanged", {c, &c->common}, 1, "The mechanism");
+  command->add_option("--across", c->axis, "Axis perpendicular to the mirror plane")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->capture_default_str();
-  part->add_flag("--keep-names", c->keep_names, "Do not exchange left and right in names");
-  part->footer("Example:\n  ugoki mechanism mirror left_arm.json -o right_arm.json");
-  part->callback([c, &action] {
+  command->add_flag("--keep-names", c->keep_names, "Do not exchange left and right in names");
+  command->footer("Example:\n  ugoki mechanism mirror left_arm.json -o right_arm.json");
+  command->callback([c, &action] {
     action = [c] {
       const Result<MechanismPtr> m = load_mechanism(c->common.inputs[0], c->common.source);
       if (!m) return print_error(m.error(), c->common.json);
@@ -220,22 +227,22 @@ void add_scale(CLI::App& verb, Action& action) {
     std::string sex = "male";
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* part = add_part(verb, "scale", "Another size, mass or age", {c, &c->common}, 1, "The mechanism");
-  CLI::Option* age = part->add_option("--age", c->grow.age, "Years, 2 to 20, of a human")->check(CLI::Range(2.0, 150.0));
+  CLI::App* command = add_operation(verb, "scale", "Change size, mass or age", {c, &c->common}, 1, "The mechanism");
+  CLI::Option* age = command->add_option("--age", c->grow.age, "Age of a human in years, 2 to 20")->check(CLI::Range(2.0, 150.0));
   CLI::Option* height =
-      part->add_option("--height", c->grow.height, "m (otherwise the median of the age)")->check(CLI::Range(1e-3, 1000.0));
-  part->add_option("--mass", c->grow.mass, "kg (otherwise the median of the age, or with the cube of the height)")
+      command->add_option("--height", c->grow.height, "Height in m (default: the median of the age)")->check(CLI::Range(1e-3, 1000.0));
+  command->add_option("--mass", c->grow.mass, "Mass in kg (default: the median of the age, or proportional to the cube of the height)")
       ->check(CLI::Range(1e-6, 1e9));
-  part->add_option("--sex", c->sex, "For the medians")->check(CLI::IsMember({"male", "female"}))->capture_default_str();
-  part->add_option("--from-age", c->grow.from_age, "Years of the body as it is")->capture_default_str();
-  part->add_option("--from-height", c->grow.from_height, "m of the body as it is (otherwise that of its shapes)");
-  part->add_option("--factor", c->factor, "Of all lengths")->check(CLI::Range(1e-6, 1e6))->excludes(age)->excludes(height);
-  part->footer(
+  command->add_option("--sex", c->sex, "Sex whose medians are used")->check(CLI::IsMember({"male", "female"}))->capture_default_str();
+  command->add_option("--from-age", c->grow.from_age, "Age of the given body in years")->capture_default_str();
+  command->add_option("--from-height", c->grow.from_height, "Height of the given body in m (default: the height of its shapes)");
+  command->add_option("--factor", c->factor, "Factor of all lengths")->check(CLI::Range(1e-6, 1e6))->excludes(age)->excludes(height);
+  command->footer(
       "Example:\n  ugoki mechanism scale man.json --age 6 -o child.json\n  ugoki mechanism scale dog.json --height 1.2 --mass 60 -o "
       "mastiff.json");
-  part->callback([c, &action] {
+  command->callback([c, &action] {
     if (c->factor <= 0 && c->grow.age <= 0 && c->grow.height <= 0 && c->grow.mass <= 0)
-      throw CLI::ValidationError("scale", "give --age, --height, --mass or --factor.");
+      throw CLI::ValidationError("scale", "needs --age, --height, --mass or --factor.");
     action = [c] {
       const Result<MechanismPtr> m = load_mechanism(c->common.inputs[0], c->common.source);
       if (!m) return print_error(m.error(), c->common.json);
@@ -251,12 +258,13 @@ void add_edit(CLI::App& verb, Action& action) {
     std::vector<std::string> set;
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* part = add_part(verb, "edit", "Other limits, axes, springs, masses; validated", {c, &c->common}, 1, "The mechanism");
-  part->add_option("--set", c->set, "LINK:FIELD=VALUE, as often as needed (docs/mechanisms.md lists the fields)")
+  CLI::App* command =
+      add_operation(verb, "edit", "Change limits, axes, springs or masses; the result is validated", {c, &c->common}, 1, "The mechanism");
+  command->add_option("--set", c->set, "LINK:FIELD=VALUE; may be repeated (docs/mechanisms.md lists the fields)")
       ->required()
       ->expected(1, -1);
-  part->footer("Example:\n  ugoki mechanism edit man.json --set 'shank left:joint.upper=2.4' --set head:inertia.mass=6 -o edited.json");
-  part->callback([c, &action] {
+  command->footer("Example:\n  ugoki mechanism edit man.json --set 'shank left:joint.upper=2.4' --set head:inertia.mass=6 -o edited.json");
+  command->callback([c, &action] {
     action = [c] {
       const Result<MechanismPtr> m = load_mechanism(c->common.inputs[0], c->common.source);
       if (!m) return print_error(m.error(), c->common.json);
@@ -283,17 +291,19 @@ void add_body(CLI::App& verb, Action& action) {
     std::string sex = "mean";
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* part =
-      add_part(verb, "body", "A body of any skeleton: BVH, AMC, C3D, TRC, glTF, FBX, COLLADA", {c, &c->common}, 1, "The measured file");
-  part->add_option("--height", c->common.source.intake.height, "Of the person, m (otherwise estimated)")->check(CLI::Range(0.1, 30.0));
-  part->add_option("--mass", c->common.source.intake.mass, "Of the person, kg (otherwise estimated)")->check(CLI::Range(0.01, 100000.0));
-  part->add_option("--asf", c->common.source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
-  part->footer("Example:\n  ugoki mechanism body walk.bvh --mass 70 -o walker.json");
-  part->callback([c, &action] {
+  CLI::App* command = add_operation(verb, "body", "Make a body for a skeleton from BVH, AMC, C3D, TRC, glTF, FBX, COLLADA", {c, &c->common},
+                                    1, "The measured file");
+  command->add_option("--height", c->common.source.intake.height, "Height of the person, m (default: estimated)")
+      ->check(CLI::Range(0.1, 30.0));
+  command->add_option("--mass", c->common.source.intake.mass, "Mass of the person, kg (default: estimated)")
+      ->check(CLI::Range(0.01, 100000.0));
+  command->add_option("--asf", c->common.source.asf, "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc)");
+  command->footer("Example:\n  ugoki mechanism body walk.bvh --mass 70 -o walker.json");
+  command->callback([c, &action] {
     action = [c] {
-      Result<intake::Intake> taken = take_in_file(c->common.inputs[0], c->common.source);
-      if (!taken) return print_error(taken.error(), c->common.json);
-      return finish(c->common, taken->mechanism, taken->report);
+      Result<intake::Intake> loaded = take_in_file(c->common.inputs[0], c->common.source);
+      if (!loaded) return print_error(loaded.error(), c->common.json);
+      return finish(c->common, loaded->mechanism, loaded->report);
     };
   });
 }
@@ -330,19 +340,20 @@ int run_inertia(const InertiaChoice& c) {
   const Inertia& i = found->inertia;
   const Sym3 I = i.about_centre();
   std::vector<std::string> report = found->report;
-  if (c.hull) report.insert(report.begin(), "Of the convex hull.");
+  if (c.hull) report.insert(report.begin(), "The values are those of the convex hull.");
   if (!c.link.empty()) {
     const Result<MechanismPtr> m = load_mechanism(c.into, c.common.source);
     if (!m) return print_error(m.error(), c.json);
     MechanismSpec spec = (*m)->spec();
     const int at = (*m)->find_link(c.link);
-    if (at < 0) return print_error(Error(ErrorCode::unknown, c.into, "It has no link " + c.link + ".", "Name one of its links."), c.json);
+    if (at < 0)
+      return print_error(Error(ErrorCode::unknown, c.into, "The mechanism has no link " + c.link + ".", "Name one of its links."), c.json);
     spec.links[static_cast<std::size_t>(at)].inertia = i;
     const Result<MechanismPtr> made = Mechanism::make(std::move(spec));
     if (!made) return print_error(made.error(), c.json);
     const Result<std::vector<std::string>> written = write_mechanism_file(**made, c.out);
     if (!written) return print_error(written.error(), c.json);
-    report.push_back("Given to " + c.link + " in " + c.out + ".");
+    report.push_back("The inertia of " + c.link + " in " + c.out + " was set to these values.");
   }
   if (c.json) {
     print_json({{"mass_kg", i.mass},
@@ -367,28 +378,32 @@ int run_inertia(const InertiaChoice& c) {
 
 void add_inertia(CLI::App& verb, Action& action) {
   auto c = std::make_shared<InertiaChoice>();
-  CLI::App* part = verb.add_subcommand("inertia", "Mass, centre and moments of what a closed mesh encloses");
-  part->add_option("mesh", c->mesh, "STL, OBJ or COLLADA")->required();
-  CLI::Option* density = part->add_option("--density", c->options.density, "kg/m^3")->check(CLI::Range(1e-6, 1e6))->capture_default_str();
-  part->add_option("--mass", c->options.mass, "kg, instead of a density")->check(CLI::Range(1e-9, 1e12))->excludes(density);
-  part->add_option("--unit", c->unit, "m per unit of length of the file")->check(CLI::Range(1e-6, 1e3))->capture_default_str();
-  part->add_flag("--hull", c->hull, "Of its convex hull (for meshes with holes)");
-  CLI::Option* into = part->add_option("--mechanism", c->into, "A mechanism whose link gets this inertia");
-  CLI::Option* link = part->add_option("--link", c->link, "Which of its links")->needs(into);
-  CLI::Option* out = part->add_option("-o,--out", c->out, "The mechanism's new file: .json, .urdf or .xml")->needs(link);
+  CLI::App* command =
+      verb.add_subcommand("inertia", "Calculate mass, centre of mass and moments of inertia of the volume that a closed mesh encloses");
+  command->add_option("mesh", c->mesh, "STL, OBJ or COLLADA")->required();
+  CLI::Option* density =
+      command->add_option("--density", c->options.density, "kg/m^3")->check(CLI::Range(1e-6, 1e6))->capture_default_str();
+  command->add_option("--mass", c->options.mass, "Mass in kg, instead of a density")->check(CLI::Range(1e-9, 1e12))->excludes(density);
+  command->add_option("--unit", c->unit, "Metres per unit of length of the file")->check(CLI::Range(1e-6, 1e3))->capture_default_str();
+  command->add_flag("--hull", c->hull, "Use the convex hull (for meshes with holes)");
+  CLI::Option* into = command->add_option("--mechanism", c->into, "Mechanism in which a link is given this inertia");
+  CLI::Option* link = command->add_option("--link", c->link, "Link of that mechanism")->needs(into);
+  CLI::Option* out = command->add_option("-o,--out", c->out, "File for the changed mechanism: .json, .urdf or .xml")->needs(link);
   into->needs(link);
   link->needs(out);
-  part->add_flag("--json", c->json, "Print one JSON object");
-  part->footer("Example:\n  ugoki mechanism inertia skull.stl --unit 0.001 --mass 4.2");
-  part->callback([c, &action] { action = [c] { return run_inertia(*c); }; });
+  command->add_flag("--json", c->json, "Print one JSON object");
+  command->footer("Example:\n  ugoki mechanism inertia skull.stl --unit 0.001 --mass 4.2");
+  command->callback([c, &action] { action = [c] { return run_inertia(*c); }; });
 }
 
 }  // namespace
 
 void add_mechanism_verb(CLI::App& app, Action& action) {
-  CLI::App* verb = app.add_subcommand("mechanism", "Combine, cut, mirror, scale and edit mechanisms; find inertias; make bodies.");
+  CLI::App* verb = app.add_subcommand("mechanism", "Combine, cut, mirror, scale and edit mechanisms; calculate inertias; make bodies.");
   verb->require_subcommand(1);
-  verb->footer("Inputs are files (mechanism JSON, URDF, SDF, MJCF; measured files give their body) or entries of the library.");
+  verb->footer(
+      "Inputs are entries of the library or files: mechanism JSON, URDF, SDF, MJCF, or a measured file, for whose skeleton a body is "
+      "made.");
   add_combine(*verb, action);
   add_cut(*verb, action);
   add_mirror(*verb, action);

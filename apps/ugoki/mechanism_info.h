@@ -1,5 +1,5 @@
 #pragma once
-// What `ugoki info` tells of a mechanism.
+// Information about a mechanism for `ugoki info`.
 
 #include "output.h"
 #include "ugoki/mechanism/mechanism.h"
@@ -7,8 +7,8 @@
 
 namespace ugoki::cli {
 
-/// Counts, mass, joints by type, loops, and what the loops and inertias do to its motion.
-/// @param robot the description that it was read from, for the names of joints; may be null
+/// Counts, mass, joints by type, loops, and findings about loops and inertias.
+/// @param robot the description (URDF, SDF, MJCF) that the mechanism was read from, for joint names; may be null
 [[nodiscard]] Json mechanism_json(const Mechanism& m, const robot_formats::RobotModel* robot = nullptr);
 
 }  // namespace ugoki::cli

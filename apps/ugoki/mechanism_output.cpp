@@ -19,12 +19,12 @@ Result<std::vector<std::string>> write_mechanism_file(const Mechanism& mechanism
   else if (ending == ".xml" || ending == ".mjcf")
     out = robot_formats::write_mjcf(mechanism);
   else
-    return fail(ErrorCode::unsupported, path, "Mechanisms are not written to files of this ending.",
+    return fail(ErrorCode::unsupported, path, "Mechanisms cannot be written to files with this extension.",
                 "Name a .json, .urdf or .xml (MJCF) file.");
-  for (const robot_formats::SideFile& beside : out.files) {
-    const std::string place = (file.parent_path() / beside.name).string();
-    if (Result<void> done = files::write_file(place, beside.text); !done) return fail(std::move(done.error()));
-    out.notes.push_back("Beside it: " + beside.name + ".");
+  for (const robot_formats::SideFile& extra : out.files) {
+    const std::string location = (file.parent_path() / extra.name).string();
+    if (Result<void> done = files::write_file(location, extra.text); !done) return fail(std::move(done.error()));
+    out.notes.push_back("Additional file: " + extra.name + ".");
   }
   if (Result<void> done = files::write_file(path, out.text); !done) return fail(std::move(done.error()));
   return std::move(out.notes);

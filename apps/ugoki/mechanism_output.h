@@ -1,5 +1,5 @@
 #pragma once
-// Mechanisms to files, by the ending of the name.
+// Writes mechanisms to files; the extension selects the format.
 
 #include <string>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace ugoki::cli {
 
-/// JSON (.json), URDF (.urdf, and beside it .yaml where loops are closed), MJCF (.xml); meshes are written beside.
-/// @return sentences: what the format cannot hold, and the files that were written beside
+/// Writes JSON (.json), URDF (.urdf, with a .yaml file for closed loops) or MJCF (.xml). Meshes are written to the same folder.
+/// @return sentences about data that the format cannot store and about the additional files
 [[nodiscard]] Result<std::vector<std::string>> write_mechanism_file(const Mechanism& mechanism, const std::string& path);
 
 }  // namespace ugoki::cli

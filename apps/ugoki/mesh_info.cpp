@@ -19,7 +19,7 @@ std::string hash_text(std::uint64_t hash) {
   return out;
 }
 
-/// ms, of the call.
+/// ms: duration of the call.
 template <class Call>
 double time_of(const Call& call) {
   const auto begin = std::chrono::steady_clock::now();
@@ -32,13 +32,14 @@ void add_found(const GeometryFindings& found, Json& problems) {
   const auto add = [&](std::size_t count, const char* what) {
     if (count > 0) problems.push_back(std::to_string(count) + " " + what);
   };
-  add(found.doubled_vertices, "vertices at the place of another were welded");
+  add(found.doubled_vertices, "vertices at the position of another vertex were welded");
   add(found.unused_vertices, "vertices without a triangle were left out");
   add(found.flat_triangles, "triangles without area were left out");
-  add(found.doubled_triangles, "triangles were there twice");
-  if (found.inside_out) problems.push_back("the triangles looked inwards and were turned round");
+  add(found.doubled_triangles, "duplicate triangles were left out");
+  if (found.inside_out) problems.push_back("the triangles faced inwards and were reversed");
 }
 
+/// A geometry and the links that use it.
 struct Use {
   GeometryPtr geometry;
   std::string links;
@@ -74,14 +75,14 @@ Json row_of(const Use& use, const robot_formats::MeshRead* read) {
   if (read) add_found(read->found, problems);
   const GeometryFindings now = inspect(g);
   if (now.open_edges > 0) problems.push_back("the surface has holes: " + std::to_string(now.open_edges) + " open sides of triangles");
-  if (now.inside_out) problems.push_back("the triangles look inwards");
+  if (now.inside_out) problems.push_back("the triangles face inwards");
 
   Result<collision::Hull> hull = fail(ErrorCode::structure, "", "");
   row["hull_ms"] = time_of([&] { hull = geometry::make_hull(g.vertices); });
   row["hull_vertices"] = hull ? hull->vertices.size() : 0;
   row["hull_faces"] = hull ? hull->normals.size() : 0;
   if (!hull) problems.push_back("no hull: " + hull.error().problems[0].message);
-  if (hull && hull->dimension < 3) problems.push_back("all points lie in a plane or on a line");
+  if (hull && hull->dimension < 3) problems.push_back("all points are in a plane or on a line");
   if (!g.convex) {
     Result<collision::SphereTree> spheres = fail(ErrorCode::structure, "", "");
     row["spheres_ms"] = time_of([&] { spheres = collision::make_sphere_tree(g.vertices, g.triangles); });

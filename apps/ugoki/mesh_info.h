@@ -1,5 +1,5 @@
 #pragma once
-// What `ugoki info` tells of the meshes and height fields of a mechanism.
+// Information about the meshes and height fields of a mechanism for `ugoki info`.
 
 #include "output.h"
 #include "ugoki/mechanism/mechanism.h"
@@ -7,12 +7,12 @@
 
 namespace ugoki::cli {
 
-/// For each geometry, by its hash: triangles, hull, spheres by depth with their overlap, the time that preparing it takes on this machine,
-/// and what is wrong with it. Null where no shape is a mesh. O(preparing all of them)
-/// @param robot the description that it was read from: names of files, and what was mended; may be null
+/// For each geometry, by its hash: triangles, hull, sphere tree by depth with overlaps, preparation time on this machine, and problems.
+/// Null: no shape is a mesh. Takes the time of preparing all geometries.
+/// @param robot the description that the mechanism was read from, for names of files and repairs; may be null
 [[nodiscard]] Json meshes_json(const Mechanism& m, const robot_formats::RobotModel* robot);
 
-/// The same for height fields.
+/// Information about the height fields; null: there is none.
 [[nodiscard]] Json height_fields_json(const Mechanism& m);
 
 }  // namespace ugoki::cli

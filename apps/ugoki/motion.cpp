@@ -1,4 +1,4 @@
-// `ugoki motion`: operations on motions.
+// `ugoki motion`: operations on motions, such as trim, blend, lock and cycle.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ namespace {
 
 using namespace motion_edit;
 
-/// What all operations share.
+/// Options shared by all operations.
 struct Common {
   std::vector<std::string> inputs;
   std::string out;
@@ -46,7 +46,7 @@ Result<std::vector<FootLimb>> feet_of(const Mechanism& m, const Common& c) {
   return c.feet.empty() ? Result<std::vector<FootLimb>>(find_foot_limbs(m)) : find_foot_limbs(m, c.feet);
 }
 
-/// What a motion is, in numbers; what it is written to is told too.
+/// Describes a motion by numbers and, if `out` is not empty, writes it and reports the destination.
 Result<Json> describe(const MotionSet& set, const Motion& motion, const Common& c, const std::string& out) {
   const Mechanism& m = *set.mechanism;
   Json json = {{"name", motion.name},
@@ -63,8 +63,8 @@ Result<Json> describe(const MotionSet& set, const Motion& motion, const Common& 
     json["foot_skate_worst_cm"] = skate.worst_cm;
   }
   if (motion.frames > 1) {
-    const Placement way = cycle_of(motion, m);
-    json["way_m"] = std::sqrt(way.x * way.x + way.y * way.y);
+    const Placement travel = cycle_of(motion, m);
+    json["way_m"] = std::sqrt(travel.x * travel.x + travel.y * travel.y);
     json["speed_m_s"] = json["way_m"].get<double>() / motion.duration();
   }
   if (!out.empty()) {
@@ -76,19 +76,20 @@ Result<Json> describe(const MotionSet& set, const Motion& motion, const Common& 
   return json;
 }
 
-/// What locking the feet could not do.
+/// Sentence about a foot that could not be locked at its position; empty below 5 mm.
 std::string missed(const Json& lock, double rate) {
   if (!lock.is_object() || lock["foot_missed_m"].get<double>() < 0.005) return {};
-  return "Foot " + lock["missed_at"].get<std::string>() + " misses its place by " + to_fixed(100 * lock["foot_missed_m"].get<double>(), 1) +
-         " cm at " + to_fixed(lock["missed_frame"].get<int>() / rate, 2) + " s: its limb is too short there, or stopped by a limit.";
+  return "Foot " + lock["missed_at"].get<std::string>() + " misses its position by " +
+         to_fixed(100 * lock["foot_missed_m"].get<double>(), 1) + " cm at " + to_fixed(lock["missed_frame"].get<int>() / rate, 2) +
+         " s: its limb is too short, or a joint limit stops it.";
 }
 
-void tell(const Json& row) {
+void print_summary(const Json& row) {
   std::string line = row["name"].get<std::string>() + ": " + std::to_string(row["frames"].get<int>()) + " frames, " +
                      to_fixed(row["duration_s"].get<double>(), 3) + " s" + (row["cyclic"].get<bool>() ? ", cyclic" : "");
   if (row.contains("speed_m_s")) line += ", " + to_fixed(row["speed_m_s"].get<double>(), 3) + " m/s";
   if (row.contains("foot_skate_worst_cm"))
-    line += ", feet slide " + to_fixed(row["foot_skate_mean_cm"].get<double>(), 2) + " cm a stance, " +
+    line += ", feet slide " + to_fixed(row["foot_skate_mean_cm"].get<double>(), 2) + " cm per stance, " +
             to_fixed(row["foot_skate_worst_cm"].get<double>(), 2) + " at worst";
   print_line(line);
   if (const std::string text = missed(row.value("lock", Json()), row["rate"].get<double>()); !text.empty()) print_line(text);
@@ -103,7 +104,7 @@ int finish(const MotionSet& set, const Motion& motion, const Common& c, Json mor
   if (c.json) {
     print_json(*row);
   } else {
-    tell(*row);
+    print_summary(*row);
     for (const std::string& line : set.report) print_line(line);
   }
   return 0;
@@ -112,42 +113,43 @@ int finish(const MotionSet& set, const Motion& motion, const Common& c, Json mor
 Json to_json(const FootLockReport& r) {
   return {{"foot_skate_before_cm", r.before.worst_cm},
           {"foot_skate_after_cm", r.after.worst_cm},
-          {"pelvis_lowered_m", r.greatest_drop},
-          {"foot_moved_m", r.greatest_move},
-          {"foot_missed_m", r.greatest_miss},
+          {"pelvis_lowered_m", r.max_drop},
+          {"foot_moved_m", r.max_move},
+          {"foot_missed_m", r.max_miss},
           {"missed_at", r.miss_link},
           {"missed_frame", r.miss_frame}};
 }
 
-CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, const CommonPtr& c, int least, int most) {
-  CLI::App* part = verb.add_subcommand(name, what);
-  part->add_option("input", c->inputs,
-                   most > 1 ? "Motions: BVH, AMC, C3D, TRC, glTF files or names in the library"
-                            : "A BVH, AMC, C3D, TRC or glTF file or a motion of the library")
+CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, const CommonPtr& c, int minimum, int maximum) {
+  CLI::App* command = verb.add_subcommand(name, what);
+  command
+      ->add_option("input", c->inputs,
+                   maximum > 1 ? "Motions: BVH, AMC, C3D, TRC, glTF files or names in the library"
+                               : "A BVH, AMC, C3D, TRC or glTF file or a motion of the library")
       ->required()
-      ->expected(least, most);
-  part->add_option("--asf", c->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
-  part->add_option("--height", c->source.intake.height, "Height of the person in m (otherwise estimated)")->check(CLI::Range(0.1, 30.0));
-  part->add_option("--mass", c->source.intake.mass, "Mass of the person in kg (otherwise estimated)")->check(CLI::Range(0.01, 100000.0));
-  part->add_option("--library", c->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  part->add_option("--feet", c->feet, "Links that stand on the ground (otherwise found)")->delimiter(',');
-  part->add_option("--ground", c->ground, "Height of the ground, m")->check([](const std::string& text) {
+      ->expected(minimum, maximum);
+  command->add_option("--asf", c->source.asf, "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc)");
+  command->add_option("--height", c->source.intake.height, "Height of the person in m (default: estimated)")->check(CLI::Range(0.1, 30.0));
+  command->add_option("--mass", c->source.intake.mass, "Mass of the person in kg (default: estimated)")->check(CLI::Range(0.01, 100000.0));
+  command->add_option("--library", c->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  command->add_option("--feet", c->feet, "Links that stand on the ground (default: found automatically)")->delimiter(',');
+  command->add_option("--ground", c->ground, "Height of the ground, m")->check([](const std::string& text) {
     const std::optional<double> number = parse_double(text);
-    return number && std::fabs(*number) <= 1e6 ? std::string() : "'" + text + "' is no height in metres";
+    return number && std::fabs(*number) <= 1e6 ? std::string() : "'" + text + "' is not a height in metres between -1e6 and 1e6";
   });
-  part->add_flag("--find-ground", c->find_ground, "The ground is where the feet stand in the motion");
-  part->add_flag("--json", c->json, "Print one JSON object");
-  return part;
+  command->add_flag("--find-ground", c->find_ground, "Estimate the height of the ground from the standing feet");
+  command->add_flag("--json", c->json, "Print one JSON object");
+  return command;
 }
-void add_out(CLI::App* part, const CommonPtr& c) {
-  part->add_option("-o,--out", c->out, "Where the motion goes: a .bvh or .glb file, or a name without point for the library");
+void add_out(CLI::App* command, const CommonPtr& c) {
+  command->add_option("-o,--out", c->out, "Output: a .bvh or .glb file, or a name without a dot for an entry of the library");
 }
 
-/// An operation on one motion.
+/// Runs an operation on one motion.
 using Operation = std::function<Result<Motion>(const Mechanism&, const Motion&, Json& report)>;
-void run_by(CLI::App* part, Action& action, const CommonPtr& c, Operation operation) {
-  add_out(part, c);
-  part->callback([c, operation = std::move(operation), &action] {
+void run_by(CLI::App* command, Action& action, const CommonPtr& c, Operation operation) {
+  add_out(command, c);
+  command->callback([c, operation = std::move(operation), &action] {
     action = [c, operation] {
       const Result<MotionSet> set = load_motions(c->inputs, c->source);
       if (!set) return print_error(set.error(), c->json);
@@ -157,11 +159,11 @@ void run_by(CLI::App* part, Action& action, const CommonPtr& c, Operation operat
     };
   });
 }
-/// An operation on two motions.
+/// Runs an operation on two motions.
 using Pair = std::function<Result<Motion>(const Mechanism&, const Motion&, const Motion&)>;
-void run_by_pair(CLI::App* part, Action& action, const CommonPtr& c, Pair operation) {
-  add_out(part, c);
-  part->callback([c, operation = std::move(operation), &action] {
+void run_by_pair(CLI::App* command, Action& action, const CommonPtr& c, Pair operation) {
+  add_out(command, c);
+  command->callback([c, operation = std::move(operation), &action] {
     action = [c, operation] {
       const Result<MotionSet> set = load_motions(c->inputs, c->source);
       if (!set) return print_error(set.error(), c->json);
@@ -171,7 +173,7 @@ void run_by_pair(CLI::App* part, Action& action, const CommonPtr& c, Pair operat
   });
 }
 
-/// The frame nearest to a time; far outside of the motion for what is no time of it.
+/// Index of the frame closest to a time [s]; far outside the motion for a time that is not in it.
 int frame_at(const Motion& m, double seconds) {
   const double frame = seconds * m.rate;
   return std::isnan(frame) ? -1 : static_cast<int>(std::lround(std::clamp(frame, -1e9, 1e9)));
@@ -179,58 +181,58 @@ int frame_at(const Motion& m, double seconds) {
 
 void add_trim(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "trim", "The part between two times.", c, 1, 1);
+  CLI::App* command = add_operation(verb, "trim", "Keep the part between two times.", c, 1, 1);
   const auto from = std::make_shared<double>(0), to = std::make_shared<double>(-1);
-  part->add_option("--from", *from, "s")->check(CLI::NonNegativeNumber);
-  part->add_option("--to", *to, "s (otherwise the end)");
-  run_by(part, action, c, [from, to](const Mechanism&, const Motion& m, Json&) {
+  command->add_option("--from", *from, "s")->check(CLI::NonNegativeNumber);
+  command->add_option("--to", *to, "End in s (default: the end of the motion)");
+  run_by(command, action, c, [from, to](const Mechanism&, const Motion& m, Json&) {
     return trim(m, frame_at(m, *from), *to < 0 ? m.frames - 1 : frame_at(m, *to));
   });
 }
 
 void add_simple(CLI::App& verb, Action& action) {
   const auto backwards = std::make_shared<Common>(), image = std::make_shared<Common>(), other = std::make_shared<Common>();
-  run_by(add_operation(verb, "reverse", "The motion backwards.", backwards, 1, 1), action, backwards,
+  run_by(add_operation(verb, "reverse", "Reverse the motion in time.", backwards, 1, 1), action, backwards,
          [](const Mechanism&, const Motion& m, Json&) { return Result<Motion>(reverse(m)); });
-  run_by(add_operation(verb, "mirror", "Left and right exchanged.", image, 1, 1), action, image,
+  run_by(add_operation(verb, "mirror", "Exchange left and right.", image, 1, 1), action, image,
          [](const Mechanism& mechanism, const Motion& m, Json&) { return mirror(mechanism, m); });
-  CLI::App* part = add_operation(verb, "resample", "Another frame rate.", other, 1, 1);
+  CLI::App* command = add_operation(verb, "resample", "Change the frame rate.", other, 1, 1);
   const auto rate = std::make_shared<double>(0);
-  part->add_option("--rate", *rate, "Frames a second")->required();
-  run_by(part, action, other, [rate](const Mechanism& mechanism, const Motion& m, Json&) { return resample(mechanism, m, *rate); });
+  command->add_option("--rate", *rate, "Frames per second")->required();
+  run_by(command, action, other, [rate](const Mechanism& mechanism, const Motion& m, Json&) { return resample(mechanism, m, *rate); });
 }
 
 void add_scale(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "scale", "Longer or shorter ways, slower or faster.", c, 1, 1);
+  CLI::App* command = add_operation(verb, "scale", "Scale travelled distances or the duration.", c, 1, 1);
   const auto o = std::make_shared<ScaleOptions>();
-  part->add_option("--length", o->length, "Factor of the root's way and of sliding joints")->capture_default_str();
-  part->add_option("--time", o->time, "Factor of the duration")->capture_default_str();
-  part->add_flag("--froude", o->froude, "Time goes with the square root of length");
-  run_by(part, action, c, [o](const Mechanism& mechanism, const Motion& m, Json&) { return scale(mechanism, m, *o); });
+  command->add_option("--length", o->length, "Factor of the root's travel and of sliding joints")->capture_default_str();
+  command->add_option("--time", o->time, "Factor of the duration")->capture_default_str();
+  command->add_flag("--froude", o->froude, "Scale time with the square root of length (Froude)");
+  run_by(command, action, c, [o](const Mechanism& mechanism, const Motion& m, Json&) { return scale(mechanism, m, *o); });
 }
 
 void add_warp(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "warp", "Faster here, slower there: along a monotone curve of time.", c, 1, 1);
+  CLI::App* command = add_operation(verb, "warp", "Change the speed over time by a monotone curve.", c, 1, 1);
   const auto points = std::make_shared<std::vector<std::pair<double, double>>>();
-  part->add_option("--point", *points, "New time and the time of the motion it shows, s; two or more")->required();
-  run_by(part, action, c, [points](const Mechanism& mechanism, const Motion& m, Json&) {
+  command->add_option("--point", *points, "New time and the time of the original motion, s; two or more points")->required();
+  run_by(command, action, c, [points](const Mechanism& mechanism, const Motion& m, Json&) {
     std::vector<TimePoint> curve;
     for (const auto& [time, source] : *points) curve.push_back({time, source});
     return time_warp(mechanism, m, curve);
   });
-  part->footer("Example:\n  ugoki motion warp walk.bvh --point 0 0 --point 1 0.5 --point 2 2 -o slow-start.bvh");
+  command->footer("Example:\n  ugoki motion warp walk.bvh --point 0 0 --point 1 0.5 --point 2 2 -o slow-start.bvh");
 }
 
 void add_join(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "join", "One motion after the other.", c, 2, 2);
+  CLI::App* command = add_operation(verb, "join", "Join two motions, one after the other.", c, 2, 2);
   const auto o = std::make_shared<JoinOptions>();
   const auto stay = std::make_shared<bool>(false);
-  part->add_option("--blend", o->blend, "s in which the first goes over into the second")->capture_default_str();
-  part->add_flag("--where-it-is", *stay, "The second stays where it was recorded");
-  run_by_pair(part, action, c, [o, stay](const Mechanism& mechanism, const Motion& a, const Motion& b) {
+  command->add_option("--blend", o->blend, "Duration of the transition, s")->capture_default_str();
+  command->add_flag("--where-it-is", *stay, "Leave the second motion where it was recorded");
+  run_by_pair(command, action, c, [o, stay](const Mechanism& mechanism, const Motion& a, const Motion& b) {
     JoinOptions options = *o;
     options.where_it_ends = !*stay;
     return join(mechanism, a, b, options);
@@ -241,7 +243,7 @@ struct Layer {
   std::vector<std::string> mask;
   LayerOptions options;
 };
-/// "arm:0.5" -> link and weight; the last colon counts, and only before a number.
+/// Parses "arm:0.5" into link and weight. The last colon separates them if a number follows it.
 std::vector<MaskEntry> entries_of(const std::vector<std::string>& mask) {
   std::vector<MaskEntry> out;
   for (const std::string& text : mask) {
@@ -255,17 +257,19 @@ std::vector<MaskEntry> entries_of(const std::vector<std::string>& mask) {
 void add_layers(CLI::App& verb, Action& action) {
   for (const bool additive : {false, true}) {
     const auto c = std::make_shared<Common>();
-    CLI::App* part = add_operation(verb, additive ? "layer" : "mix",
-                                   additive ? "What the second motion does against its first frame, on top of the first motion."
-                                            : "Joints of the second motion in the first one.",
-                                   c, 2, 2);
+    CLI::App* command = add_operation(verb, additive ? "layer" : "mix",
+                                      additive ? "Add the second motion's change relative to its first frame to the first motion."
+                                               : "Replace joints of the first motion by those of the second.",
+                                      c, 2, 2);
     const auto layer = std::make_shared<Layer>();
-    part->add_option("--joints", layer->mask, "Links (names or labels) with all behind them, each with :WEIGHT if not 1; otherwise all")
+    command
+        ->add_option("--joints", layer->mask,
+                     "Links (names or labels) with their descendants, each with an optional :WEIGHT (default: all links)")
         ->delimiter(',');
-    part->add_option("--weight", layer->options.weight, "Of the whole layer")->capture_default_str();
-    part->add_option("--at", layer->options.offset, "s at which the second motion begins")->capture_default_str();
-    part->add_option("--fade", layer->options.fade, "s in which it sets in and ends")->capture_default_str();
-    run_by_pair(part, action, c, [layer, additive](const Mechanism& mechanism, const Motion& a, const Motion& b) -> Result<Motion> {
+    command->add_option("--weight", layer->options.weight, "Weight of the layer")->capture_default_str();
+    command->add_option("--at", layer->options.offset, "Time at which the second motion begins, s")->capture_default_str();
+    command->add_option("--fade", layer->options.fade, "Duration of fading in and out, s")->capture_default_str();
+    run_by_pair(command, action, c, [layer, additive](const Mechanism& mechanism, const Motion& a, const Motion& b) -> Result<Motion> {
       const Result<JointMask> mask = make_mask(mechanism, entries_of(layer->mask));
       if (!mask) return fail(mask.error());
       return additive ? add_layer(mechanism, a, b, *mask, layer->options) : mix_joints(mechanism, a, b, *mask, layer->options);
@@ -275,8 +279,8 @@ void add_layers(CLI::App& verb, Action& action) {
 
 void add_contacts(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "contacts", "When each foot stands, and how far it slides.", c, 1, 1);
-  part->callback([c, &action] {
+  CLI::App* command = add_operation(verb, "contacts", "Report when each foot stands and how far it slides.", c, 1, 1);
+  command->callback([c, &action] {
     action = [c] {
       const Result<MotionSet> set = load_motions(c->inputs, c->source);
       if (!set) return print_error(set.error(), c->json);
@@ -304,7 +308,7 @@ void add_contacts(CLI::App& verb, Action& action) {
         return 0;
       }
       print_table(table);
-      print_line("Feet slide " + to_fixed(skate.mean_cm, 2) + " cm a stance, " + to_fixed(skate.worst_cm, 2) + " cm at worst.");
+      print_line("Feet slide " + to_fixed(skate.mean_cm, 2) + " cm per stance, " + to_fixed(skate.worst_cm, 2) + " cm at worst.");
       return 0;
     };
   });
@@ -312,13 +316,13 @@ void add_contacts(CLI::App& verb, Action& action) {
 
 void add_lock(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "lock", "Standing feet stay where they are.", c, 1, 1);
+  CLI::App* command = add_operation(verb, "lock", "Keep standing feet at fixed positions.", c, 1, 1);
   const auto o = std::make_shared<FootLockOptions>();
-  part->add_option("--ease", o->ease, "s beside a stance in which the foot comes to rest and leaves")->capture_default_str();
-  part->add_option("--stretch", o->stretch, "Of a leg's length: it is not straightened beyond this")
+  command->add_option("--ease", o->ease, "Time before and after a stance in which the correction fades, s")->capture_default_str();
+  command->add_option("--stretch", o->stretch, "Maximum extension of a leg, as a fraction of its length")
       ->capture_default_str()
       ->check(CLI::Range(0.5, 1.0));
-  run_by(part, action, c, [c, o](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
+  run_by(command, action, c, [c, o](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
     Result<std::vector<FootLimb>> feet = feet_of(m, *c);
     if (!feet) return fail(feet.error());
     FootLockReport report;
@@ -330,13 +334,13 @@ void add_lock(CLI::App& verb, Action& action) {
 
 void add_cycle(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "cycle", "One cycle that repeats without a seam.", c, 1, 1);
+  CLI::App* command = add_operation(verb, "cycle", "Extract one cycle that repeats without a seam.", c, 1, 1);
   const auto from = std::make_shared<double>(-1), to = std::make_shared<double>(-1);
   const auto slide = std::make_shared<bool>(false);
-  part->add_option("--from", *from, "s; otherwise the best cycle is found");
-  part->add_option("--to", *to, "s");
-  part->add_flag("--no-lock", *slide, "Feet are left as they are");
-  run_by(part, action, c, [c, from, to, slide](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
+  command->add_option("--from", *from, "Begin of the cycle, s (default: the best cycle is found)");
+  command->add_option("--to", *to, "s");
+  command->add_flag("--no-lock", *slide, "Do not lock the feet");
+  run_by(command, action, c, [c, from, to, slide](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
     CycleOptions o;
     o.contacts = c->contacts();
     o.lock_feet = !*slide;
@@ -355,7 +359,7 @@ struct BlendChoice {
   std::vector<double> weights, shares;
 };
 
-/// "jog.bvh" for one motion, "jog-25.bvh" for one of several.
+/// Name of an output: "jog.bvh" for a single motion, "jog-25.bvh" for one of several.
 std::string numbered(const std::string& out, double percent, bool several) {
   if (!several || out.empty()) return out;
   const std::filesystem::path path(out);
@@ -397,39 +401,38 @@ int run_blend(const Common& c, const BlendChoice& choice) {
     print_json({{"motions", rows}, {"cycles", cycles}, {"by_contacts", between->by_contacts()}, {"report", set->report}});
     return 0;
   }
-  for (const Json& row : rows) tell(row);
+  for (const Json& row : rows) print_summary(row);
   for (const std::string& line : set->report) print_line(line);
   return 0;
 }
 
 void add_blend(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "blend", "Intermediate motion: a cyclic motion between two or more.", c, 1, 16);
-  add_out(part, c);
+  CLI::App* command = add_operation(verb, "blend", "Blend two or more cyclic motions into an intermediate motion.", c, 1, 16);
+  add_out(command, c);
   const auto choice = std::make_shared<BlendChoice>();
   CLI::Option* weights =
-      part->add_option("--weights", choice->weights, "How much each motion counts, separated by commas (otherwise all alike)")
-          ->delimiter(',');
-  part->add_option("--at", choice->shares, "Percent of the second of two motions; several give several motions")
+      command->add_option("--weights", choice->weights, "Weight of each motion, separated by commas (default: equal)")->delimiter(',');
+  command->add_option("--at", choice->shares, "Percentage of the second of two motions; several values make several motions")
       ->delimiter(',')
       ->check(CLI::Range(0.0, 100.0))
       ->excludes(weights);
-  part->callback([c, choice, &action] {
+  command->callback([c, choice, &action] {
     if (!choice->shares.empty() && c->inputs.size() != 2) throw CLI::ValidationError("--at", "needs two motions; use --weights.");
     action = [c, choice] { return run_blend(*c, *choice); };
   });
-  part->footer(
+  command->footer(
       "Example:\n  ugoki motion blend walk.bvh run.bvh --at 50 -o jog.bvh\n  ugoki motion blend walk run --at 0,25,50,75,100 -o gait.bvh");
 }
 
 void add_path(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "path", "The way over the ground, bent along a curve.", c, 1, 1);
+  CLI::App* command = add_operation(verb, "path", "Bend the path over the ground along a curve.", c, 1, 1);
   const auto points = std::make_shared<std::vector<std::pair<double, double>>>();
   const auto stretch = std::make_shared<bool>(false);
-  part->add_option("--point", *points, "x and y in m; two or more")->required();
-  part->add_flag("--stretch", *stretch, "The way is made as long as the curve (otherwise steps stay as they are)");
-  run_by(part, action, c, [c, points, stretch](const Mechanism& m, const Motion& motion, Json& more) {
+  command->add_option("--point", *points, "x and y in m; two or more")->required();
+  command->add_flag("--stretch", *stretch, "Scale the path to the length of the curve (default: keep the length of the steps)");
+  run_by(command, action, c, [c, points, stretch](const Mechanism& m, const Motion& motion, Json& more) {
     std::vector<PathPoint> curve;
     for (const auto& [x, y] : *points) curve.push_back({x, y});
     RootPathOptions o;
@@ -444,11 +447,11 @@ void add_path(CLI::App& verb, Action& action) {
 
 void add_reduce(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "reduce", "As few keys as a bound allows.", c, 1, 1);
+  CLI::App* command = add_operation(verb, "reduce", "Reduce the number of keys within an error bound.", c, 1, 1);
   const auto o = std::make_shared<ReduceOptions>();
-  part->add_option("--degrees", o->degrees, "No joint is turned farther from where it was")->capture_default_str();
-  part->add_option("--metres", o->metres, "Nothing slides farther from where it was")->capture_default_str();
-  run_by(part, action, c, [o](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
+  command->add_option("--degrees", o->degrees, "Maximum rotation error of a joint, degrees")->capture_default_str();
+  command->add_option("--metres", o->metres, "Maximum translation error, m")->capture_default_str();
+  run_by(command, action, c, [o](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
     const Result<MotionCurves> curves = reduce_keys(m, motion, *o);
     if (!curves) return fail(curves.error());
     more = {{"keys", curves->key_count()}, {"keys_before", static_cast<int>(curves->curves.size()) * motion.frames}};
@@ -458,11 +461,11 @@ void add_reduce(CLI::App& verb, Action& action) {
 
 void add_forces(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* part = add_operation(verb, "forces", "Contact forces from the force plates of a C3D file.", c, 1, 1);
+  CLI::App* command = add_operation(verb, "forces", "Calculate contact forces from the force plates of a C3D file.", c, 1, 1);
   const auto o = std::make_shared<capture::ForcePlateOptions>();
-  part->add_option("--cutoff", o->cutoff, "Hz of the filter; 0: none")->capture_default_str();
-  part->add_option("--threshold", o->threshold, "N: less is nothing")->capture_default_str();
-  part->callback([c, o, &action] {
+  command->add_option("--cutoff", o->cutoff, "Cutoff frequency of the low-pass filter, Hz; 0: no filter")->capture_default_str();
+  command->add_option("--threshold", o->threshold, "Forces below this are zero, N")->capture_default_str();
+  command->callback([c, o, &action] {
     action = [c, o] {
       const Result<std::string> bytes = files::read_file(c->inputs[0]);
       if (!bytes) return print_error(bytes.error(), c->json);
@@ -472,20 +475,20 @@ void add_forces(CLI::App& verb, Action& action) {
       const Result<capture::ForceRecording> forces = capture::calc_contact_forces(*markers, *o);
       if (!forces) return print_error(forces.error(), c->json);
       Json rows = Json::array();
-      std::vector<std::vector<std::string>> table = {{"plate", "from s", "to s", "most N", "impulse N s"}};
+      std::vector<std::vector<std::string>> table = {{"plate", "from s", "to s", "max N", "impulse N s"}};
       for (const capture::PlateStep& s : capture::find_plate_steps(*markers, *forces, {})) {
         const auto& row = forces->plates[static_cast<std::size_t>(s.plate)];
-        double most = 0, impulse = 0;
+        double maximum = 0, impulse = 0;
         Json samples = Json::array();
         for (int f = s.first; f <= s.last; ++f) {
           const capture::PlateForce& p = row[static_cast<std::size_t>(f)];
-          most = std::max(most, p.force.z);
+          maximum = std::max(maximum, p.force.z);
           impulse += p.force.z / markers->rate;
           samples.push_back({p.force.x, p.force.y, p.force.z, p.centre.x, p.centre.y, p.centre.z, p.free_moment});
         }
         rows.push_back({{"plate", s.plate + 1}, {"first", s.first}, {"last", s.last}, {"force_centre_moment", samples}});
         table.push_back({std::to_string(s.plate + 1), to_fixed(s.first / markers->rate, 3), to_fixed(s.last / markers->rate, 3),
-                         to_fixed(most, 1), to_fixed(impulse, 2)});
+                         to_fixed(maximum, 1), to_fixed(impulse, 2)});
       }
       if (c->json) {
         print_json({{"rate", markers->rate}, {"steps", rows}, {"report", forces->report}});

@@ -39,7 +39,7 @@ bool same_skeleton(const Skeleton& a, const Skeleton& b) {
   return true;
 }
 
-/// The same joints, whose bones point the same ways at rest: rotations mean the same on both, only lengths differ.
+/// Whether two skeletons have the same joints and parallel bones at rest, so that rotations can be copied and only lengths differ.
 bool same_build(const Skeleton& a, const Skeleton& b) {
   if (a.joints.size() != b.joints.size()) return false;
   for (std::size_t i = 0; i < a.joints.size(); ++i) {
@@ -51,6 +51,7 @@ bool same_build(const Skeleton& a, const Skeleton& b) {
   return true;
 }
 
+/// A loaded input; `measured` is set if it comes from a measured file.
 struct Loaded {
   std::optional<MeasuredMotion> measured;
   ClipSource clip;
@@ -64,29 +65,30 @@ Result<Loaded> load_one(const std::string& target, const SourceOptions& options)
     if (!clip) return fail(std::move(clip.error()));
     return Loaded{std::nullopt, std::move(*clip)};
   }
-  Result<intake::Intake> taken = take_in_file(target, options);
-  if (!taken) return fail(std::move(taken.error()));
-  if (!taken->motion) return fail(ErrorCode::structure, target, "It holds a mechanism without motion.", "Give a file with a motion.");
-  Loaded out{std::move(taken->measured), {}};
-  out.clip = {taken->motion->name, taken->mechanism, std::make_shared<const Motion>(std::move(*taken->motion)),
-              taken->body ? taken->body->height : 0};
+  Result<intake::Intake> loaded = take_in_file(target, options);
+  if (!loaded) return fail(std::move(loaded.error()));
+  if (!loaded->motion)
+    return fail(ErrorCode::structure, target, "The file contains a mechanism without a motion.", "Name a file with a motion.");
+  Loaded out{std::move(loaded->measured), {}};
+  out.clip = {loaded->motion->name, loaded->mechanism, std::make_shared<const Motion>(std::move(*loaded->motion)),
+              loaded->body ? loaded->body->height : 0};
   return out;
 }
 
-/// A body that can do what all trials of its skeleton do. Trials of other skeletons are not its concern.
+/// Makes a body whose joints allow all recordings of the first one's skeleton. Recordings of other skeletons are ignored.
 Result<body::Body> common_body(const std::vector<Loaded>& all, const SourceOptions& options) {
-  MeasuredMotion whole = *all[0].measured;
+  MeasuredMotion combined = *all[0].measured;
   for (std::size_t i = 1; i < all.size(); ++i) {
-    if (!all[i].measured || !same_skeleton(all[i].measured->skeleton, whole.skeleton)) continue;
+    if (!all[i].measured || !same_skeleton(all[i].measured->skeleton, combined.skeleton)) continue;
     const MeasuredMotion& m = *all[i].measured;
-    whole.frames += m.frames;
-    whole.translations.insert(whole.translations.end(), m.translations.begin(), m.translations.end());
-    whole.rotations.insert(whole.rotations.end(), m.rotations.begin(), m.rotations.end());
+    combined.frames += m.frames;
+    combined.translations.insert(combined.translations.end(), m.translations.begin(), m.translations.end());
+    combined.rotations.insert(combined.rotations.end(), m.rotations.begin(), m.rotations.end());
   }
   body::BodyOptions body_options;
   body_options.height = options.intake.height;
   body_options.mass = options.intake.mass;
-  return body::make_body(whole, body_options);
+  return body::make_body(combined, body_options);
 }
 
 }  // namespace
@@ -119,23 +121,23 @@ Result<MotionSet> load_motions(const std::vector<std::string>& targets, const So
     if (body && all[i].measured && same_skeleton(all[i].measured->skeleton, all[0].measured->skeleton)) {
       out.motions.push_back(body::to_motion(*body, *all[i].measured));
     } else if (body && all[i].measured && same_build(all[i].measured->skeleton, all[0].measured->skeleton)) {
-      const double own = motion_edit::mean_leg_length(motion_edit::find_foot_limbs(*clip.mechanism)),
-                   ours = motion_edit::mean_leg_length(motion_edit::find_foot_limbs(*out.mechanism));
-      const double factor =
-          own > 0 && ours > 0 ? ours / own : rest_height(all[0].measured->skeleton) / rest_height(all[i].measured->skeleton);
+      const double own_leg = motion_edit::mean_leg_length(motion_edit::find_foot_limbs(*clip.mechanism)),
+                   target_leg = motion_edit::mean_leg_length(motion_edit::find_foot_limbs(*out.mechanism));
+      const double factor = own_leg > 0 && target_leg > 0 ? target_leg / own_leg
+                                                          : rest_height(all[0].measured->skeleton) / rest_height(all[i].measured->skeleton);
       Result<Motion> scaled = motion_edit::scale(*out.mechanism, body::to_motion(*body, *all[i].measured), {.length = factor});
       if (!scaled) return fail(std::move(scaled.error()));
       out.motions.push_back(std::move(*scaled));
-      out.report.push_back(clip.name + " was made for a body with the same joints; its way is scaled to the legs of " + all[0].clip.name +
-                           ", times " + to_fixed(factor, 3) + ".");
+      out.report.push_back(clip.name + " was made for a body with the same joints; its path is scaled to the leg length of " +
+                           all[0].clip.name + ", by " + to_fixed(factor, 3) + ".");
     } else if (same_mechanism(*clip.mechanism, *out.mechanism)) {
       out.motions.push_back(*clip.motion);
     } else {
       Result<retarget::Retargeted> moved = retarget::retarget(clip.mechanism, *clip.motion, out.mechanism);
       if (!moved) return fail(std::move(moved.error()));
       out.motions.push_back(std::move(moved->motion));
-      out.report.push_back(clip.name + " was made for another body; it is retargeted to that of " + all[0].clip.name + ", lengths times " +
-                           to_fixed(moved->report.scale, 3) + ".");
+      out.report.push_back(clip.name + " was made for another body; it is retargeted to the body of " + all[0].clip.name +
+                           ", lengths scaled by " + to_fixed(moved->report.scale, 3) + ".");
     }
     out.motions.back().name = clip.name;
     out.motions.back().source = clip.motion->source;
@@ -157,8 +159,8 @@ Result<std::string> put_motion(const Mechanism& mechanism, const Motion& motion,
     return "Written to " + out + ".";
   }
   if (out.find('.') != std::string::npos || out.find('/') != std::string::npos)
-    return fail(ErrorCode::unsupported, out, "Motions are not written to this kind of file.",
-                "Give a .bvh or .glb file, or a name without point for the library.");
+    return fail(ErrorCode::unsupported, out, "Motions cannot be written to files with this extension.",
+                "Name a .bvh or .glb file, or an entry of the library (a name without a dot).");
   Result<store::Library> library = store::Library::open(library_path(options.library));
   if (!library) return fail(std::move(library.error()));
   const std::string text = formats::write_mechanism(mechanism);
@@ -170,7 +172,7 @@ Result<std::string> put_motion(const Mechanism& mechanism, const Motion& motion,
   items[0].name = mechanism.name().empty() ? out : mechanism.name();
   items[0].data.assign(bytes, bytes + text.size());
   items[0].summary = Json{
-      {"freedoms", mechanism.nv()},
+      {"dofs", mechanism.nv()},
       {"links", mechanism.link_count()},
       {"mass", mechanism.mass()},
       {"height", height},
@@ -186,14 +188,14 @@ Result<std::string> put_motion(const Mechanism& mechanism, const Motion& motion,
       {"rate", motion.rate},
       {"duration", motion.duration()},
       {"cyclic", motion.cyclic},
-      {"freedoms", mechanism.nv()},
+      {"dofs", mechanism.nv()},
       {"mass", mechanism.mass()},
       {"height", height},
       {"source",
        motion.source}}.dump();
   const Result<std::vector<std::string>> ids = library->put(items);
   if (!ids) return fail(ids.error());
-  return "In the library as " + out + " (" + ids->back() + ").";
+  return "Stored in the library as " + out + " (" + ids->back() + ").";
 }
 
 }  // namespace ugoki::cli

@@ -1,4 +1,4 @@
-// `ugoki new`: a project to begin with.
+// `ugoki new`: creates a project with the sample content or an empty one.
 
 #include <filesystem>
 #include <memory>
@@ -40,7 +40,7 @@ int run_new(const Options& options) {
                 {"motions", resources.motions.size()},
                 {"duration_s", scenario.duration}});
   else
-    print_line("Made " + options.path + " (" + scenario.name + "). Open it with: ugoki studio " + options.path);
+    print_line("Created " + options.path + " (" + scenario.name + "). Open it with: ugoki studio " + options.path);
   return 0;
 }
 
@@ -48,8 +48,8 @@ int run_new(const Options& options) {
 
 void add_new_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("new", "Make a project with the sample content, or an empty one.");
-  verb->add_option("project", options->path, "The file to make, *.ugoki")->required();
+  CLI::App* verb = app.add_subcommand("new", "Create a project with the sample content, or an empty one.");
+  verb->add_option("project", options->path, "The file to create, *.ugoki")->required();
   verb->add_option("--name", options->name, "Name of the content");
   verb->add_flag("--empty", options->empty, "Without the sample content");
   verb->add_flag("--json", options->json, "Print one JSON object");

@@ -14,7 +14,7 @@ volatile std::sig_atomic_t interrupt_mark = 0;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// Columns of a UTF-8 text on the screen, near enough.
+/// Number of code points of a UTF-8 text, as an estimate of its columns on the screen.
 std::size_t width_of(std::string_view text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
@@ -93,6 +93,8 @@ void catch_interrupt() {
   ::sigaction(SIGTERM, &act, nullptr);
 }
 bool interrupted() { return interrupt_mark != 0; }
-Error interrupted_error() { return {ErrorCode::cancelled, "", "Stopped.", "Nothing was left half written."}; }
+Error interrupted_error() {
+  return {ErrorCode::cancelled, "", "Stopped by a signal (Ctrl+C).", "No incomplete file was left; run the command again."};
+}
 
 }  // namespace ugoki::cli

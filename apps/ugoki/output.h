@@ -1,5 +1,5 @@
 #pragma once
-// What the verbs print: results on stdout, errors and progress on stderr.
+// Output of the verbs: results on stdout, errors and progress on stderr.
 
 #include <string>
 #include <string_view>
@@ -12,24 +12,24 @@ namespace ugoki::cli {
 
 using json::Json;
 
-/// One line a problem on stderr; with `as_json` also an object {"error": {"problems": [...]}} on stdout.
+/// Prints one line for each problem on stderr; with `as_json` also an object {"error": {"problems": [...]}} on stdout.
 /// @return 1, the exit status
 int print_error(const Error& error, bool as_json);
 
-/// Indented, and a newline.
+/// Prints a JSON value, indented by 2, and a newline.
 void print_json(const Json& value);
 void print_line(std::string_view line);
-/// Columns padded to their widest cell; the first row is the heading. Columns whose cells are all numbers are right-aligned.
+/// Prints a table with columns padded to their widest cell; the first row is the heading. Columns with only numbers are right-aligned.
 void print_table(const std::vector<std::vector<std::string>>& rows);
 
-/// A bar on stderr, drawn only on a terminal and only when the work takes longer than half a second.
+/// A progress bar on stderr. It is drawn only on a terminal and only after half a second.
 class Progress {
  public:
   explicit Progress(std::string label);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  /// @param done 0 ... 1
+  /// @param done completed fraction, 0 ... 1
   void show(double done);
   void clear();
 
@@ -39,7 +39,7 @@ class Progress {
   double began_, last_ = 0;
 };
 
-/// From now on Ctrl+C only sets a mark, so that the verb can end in order.
+/// From this call on Ctrl+C (and SIGTERM) only sets a flag, which interrupted() returns, so that the verb can finish cleanly.
 void catch_interrupt();
 [[nodiscard]] bool interrupted();
 [[nodiscard]] Error interrupted_error();

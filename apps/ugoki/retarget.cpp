@@ -1,4 +1,4 @@
-// `ugoki retarget`: a motion for another body, animal or robot.
+// `ugoki retarget`: transfers a motion to another body, animal or robot.
 
 #include "ugoki/retarget/retarget.h"
 
@@ -24,7 +24,7 @@ struct Options {
   SourceOptions source;
 };
 
-/// Without what stands around it: descriptions of robots bring the floor and other things along, fixed to the world.
+/// Removes links that are not part of the robot: descriptions may contain the floor and other objects fixed to the world.
 Result<MechanismPtr> without_surroundings(MechanismPtr mechanism) {
   if (mechanism->link(0).joint.type == JointType::floating) return mechanism;
   for (const Link& link : mechanism->links())
@@ -36,8 +36,8 @@ Result<MechanismPtr> without_surroundings(MechanismPtr mechanism) {
   return mechanism;
 }
 
-/// A mechanism file, an entry of the library (mechanism, or motion with its mechanism), "dog" or "human" of the project, or a measured file
-/// whose body is meant.
+/// Loads the target mechanism: from a mechanism file, an entry of the library (mechanism, or motion with its mechanism), the sample "dog"
+/// or "human", or the body made for a measured file.
 Result<MechanismPtr> load_target(const Options& o) {
   if (o.height > 0) return samples::make_person(o.height);
   if (o.to == "dog") return samples::make_dog();
@@ -46,10 +46,10 @@ Result<MechanismPtr> load_target(const Options& o) {
   if (!kind) return fail(kind.error());
   if (*kind == TargetKind::mechanism_file) {
     SourceOptions source = o.source;
-    if (source.robot.base.empty()) source.robot.base = "floating";  // what walks is not bolted down
-    Result<intake::Intake> taken = take_in_file(o.to, source);
-    if (!taken) return fail(std::move(taken.error()));
-    return without_surroundings(taken->mechanism);
+    if (source.robot.base.empty()) source.robot.base = "floating";  // a walking robot has a floating base
+    Result<intake::Intake> loaded = take_in_file(o.to, source);
+    if (!loaded) return fail(std::move(loaded.error()));
+    return without_surroundings(loaded->mechanism);
   }
   if (*kind == TargetKind::entry) {
     const Result<store::Library> library = library_of(o.to, o.source);
@@ -85,13 +85,13 @@ Result<retarget::RetargetOptions> retarget_options(const Options& o) {
 Json to_json(const retarget::RetargetReport& r) {
   Json misses = Json::array(), limits = Json::array();
   for (const retarget::Miss& m : r.misses)
-    misses.push_back({{"link", m.link}, {"most_mm", 1000 * m.most}, {"frame", m.frame}, {"frames", m.frames}});
+    misses.push_back({{"link", m.link}, {"max_mm", 1000 * m.maximum}, {"frame", m.frame}, {"frames", m.frames}});
   for (const auto& [link, frames] : r.at_limit) limits.push_back({{"link", link}, {"frames", frames}});
   Json out = {{"scale", r.scale},
               {"stances", r.stances},
               {"worst_skate_cm", 100 * r.skate_after},
               {"worst_skate_without_goals_cm", 100 * r.skate_before},
-              {"root_shift_mm", 1000 * r.greatest_shift},
+              {"root_shift_mm", 1000 * r.max_shift},
               {"root_shift_frame", r.shift_frame},
               {"misses", misses},
               {"at_limit", limits},
@@ -99,8 +99,8 @@ Json to_json(const retarget::RetargetReport& r) {
               {"holds", r.holds},
               {"mapping", r.mapping},
               {"notes", r.notes}};
-  if (!r.margin_link.empty()) out["least_margin"] = {{"link", r.margin_link}, {"value", r.least_margin}};
-  if (r.greatest_speed > 0) out["greatest_speed"] = {{"link", r.speed_link}, {"share", r.greatest_speed}};
+  if (!r.margin_link.empty()) out["min_margin"] = {{"link", r.margin_link}, {"value", r.min_margin}};
+  if (r.max_speed > 0) out["max_speed"] = {{"link", r.speed_link}, {"share", r.max_speed}};
   return out;
 }
 
@@ -122,7 +122,7 @@ int run_retarget(const Options& o) {
   if (!o.mechanism_out.empty()) {
     if (const Result<void> put = files::write_file(o.mechanism_out, formats::write_mechanism(**target)); !put)
       return print_error(put.error(), o.json);
-    written.push_back("The mechanism is written to " + o.mechanism_out + ".");
+    written.push_back("Mechanism written to " + o.mechanism_out + ".");
   }
   if (o.json) {
     Json json = to_json(out->report);
@@ -133,7 +133,7 @@ int run_retarget(const Options& o) {
     print_json(json);
   } else {
     for (const std::string& line : retarget::describe(out->report)) print_line(line);
-    print_line("Which drives which:");
+    print_line("Mapping of links:");
     for (const std::string& line : out->report.mapping) print_line("  " + line);
     for (const std::string& line : written) print_line(line);
   }
@@ -144,35 +144,35 @@ int run_retarget(const Options& o) {
 
 void add_retarget_verb(CLI::App& app, Action& action) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("retarget", "A motion for another body, animal or robot.");
+  CLI::App* verb = app.add_subcommand("retarget", "Transfer a motion to another body, animal or robot.");
   verb->add_option("motion", o->motion, "BVH, AMC, C3D, TRC, glTF or GLB file, or a motion of the library")->required();
-  CLI::Option* to = verb->add_option("--to", o->to,
-                                     "For whom: mechanism file (JSON, URDF, SDF, MJCF), measured file, entry of the library, human or dog");
-  CLI::Option* height = verb->add_option("--height", o->height, "For a person of this height in m")->check(CLI::Range(0.8, 5.0));
+  CLI::Option* to =
+      verb->add_option("--to", o->to, "Target: mechanism file (JSON, URDF, SDF, MJCF), measured file, entry of the library, human or dog");
+  CLI::Option* height = verb->add_option("--height", o->height, "Target: a person of this height in m")->check(CLI::Range(0.8, 5.0));
   to->excludes(height);
-  verb->add_option("-o,--out", o->out, "Where to: .bvh or .glb file, or the name of a new entry in the library");
+  verb->add_option("-o,--out", o->out, "Output: a .bvh or .glb file, or the name of a new entry in the library");
   verb->add_option("--mechanism-out", o->mechanism_out, "Also write the mechanism, as JSON");
-  verb->add_option("--mapping", o->mapping, "JSON file that says which link is what (docs/retarget.md)");
-  verb->add_option("--path-scale", o->path_scale, "Factor of the way over the ground (otherwise by the legs' lengths)")
+  verb->add_option("--mapping", o->mapping, "JSON file that maps links (docs/retarget.md)");
+  verb->add_option("--path-scale", o->path_scale, "Factor of the path over the ground (default: ratio of leg lengths)")
       ->check(CLI::Range(0.01, 100.0));
   verb->add_option("--gait-phase", o->gait_phase,
-                   "Two legs to four: fore legs follow the hind legs of their side by this share of a stride")
+                   "Two legs to four: delay of the fore legs after the hind legs of their side, as a fraction of a stride")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  verb->add_flag("--free-feet", o->free_feet, "Feet may slide: joints only");
-  verb->add_flag("--free-hands", o->free_hands, "Hands need not go on holding what they hold");
+  verb->add_flag("--free-feet", o->free_feet, "Transfer joint rotations only; feet may slide");
+  verb->add_flag("--free-hands", o->free_hands, "Do not constrain hands that hold an object");
   verb->add_flag("--balance", o->balance, "Keep the centre of mass over the standing feet (slow motions)");
   verb->add_flag("--slow", o->slow, "Slow the motion down until no joint is faster than the mapping allows");
-  verb->add_flag("--strict", o->strict, "Exit status 1 if a standing foot or a holding hand misses its place by more than 1 mm");
-  verb->add_option("--asf", o->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
+  verb->add_flag("--strict", o->strict, "Exit status 1 if a standing foot or a holding hand misses its position by more than 1 mm");
+  verb->add_option("--asf", o->source.asf, "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc)");
   add_robot_options(*verb, o->source.robot);
-  verb->add_option("--library", o->source.library, "Library (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_option("--library", o->source.library, "Library (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", o->json, "Print one JSON object");
   verb->footer(
       "Example:\n  ugoki retarget walk.bvh --height 1.1 -o child.bvh\n  ugoki retarget walk.bvh --to robot.urdf --json\n  ugoki retarget "
       "walk.bvh --to dog -o dog.glb");
   verb->callback([o, &action] {
-    if (o->to.empty() && !(o->height > 0)) throw CLI::ValidationError("--to", "or --height says for whom the motion is.");
+    if (o->to.empty() && !(o->height > 0)) throw CLI::ValidationError("--to", "or --height is required.");
     action = [o] { return run_retarget(*o); };
   });
 }

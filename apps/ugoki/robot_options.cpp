@@ -14,19 +14,19 @@ constexpr std::size_t max_asset = std::size_t{1} << 28;
 
 Result<std::string> read_asset(const std::string& path) {
   std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "There is no such file.");
+  if (!fs::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "The file does not exist.");
   return files::read_file(path, max_asset);
 }
 
-/// robot.yaml beside robot.urdf, if it is there and names loops.
-Result<std::optional<SideFile>> loops_beside(const std::string& path) {
+/// Path of robot.yaml in the folder of robot.urdf, if it exists and lists loops.
+Result<std::optional<SideFile>> find_loops_file(const std::string& path) {
   for (const char* ending : {".yaml", ".yml"}) {
-    const std::string beside = fs::path(path).replace_extension(ending).string();
+    const std::string loops_path = fs::path(path).replace_extension(ending).string();
     std::error_code ignored;
-    if (!fs::is_regular_file(beside, ignored)) continue;
-    Result<std::string> text = files::read_file(beside, max_asset);
+    if (!fs::is_regular_file(loops_path, ignored)) continue;
+    Result<std::string> text = files::read_file(loops_path, max_asset);
     if (!text) return fail(std::move(text.error()));
-    if (text->find("closed_loop") != std::string::npos) return SideFile{beside, std::move(*text)};
+    if (text->find("closed_loop") != std::string::npos) return SideFile{loops_path, std::move(*text)};
   }
   return std::nullopt;
 }
@@ -34,14 +34,14 @@ Result<std::optional<SideFile>> loops_beside(const std::string& path) {
 }  // namespace
 
 void add_robot_options(CLI::App& verb, RobotChoice& choice) {
-  verb.add_option("--base", choice.base, "Of a URDF, SDF or MJCF: fixed to the world or floating (otherwise as the file says)")
+  verb.add_option("--base", choice.base, "Base of a URDF, SDF or MJCF: fixed to the world or floating (default: as the file specifies)")
       ->check(CLI::IsMember({"fixed", "floating"}));
-  verb.add_option("--meshes", choice.meshes, "Meshes: their exact surface, convex hull, the box around them, or left out (otherwise hull)")
+  verb.add_option("--meshes", choice.meshes, "Meshes: exact surface, convex hull, bounding box, or left out (default: hull)")
       ->check(CLI::IsMember({"exact", "hull", "box", "none"}));
-  verb.add_flag("--require-meshes", choice.require_meshes, "A mesh that collides and is missing or unusable is an error, not a note");
-  verb.add_option("--inertias", choice.inertias, "Inertias that no body can have: repaired or refused (otherwise repair)")
+  verb.add_flag("--require-meshes", choice.require_meshes, "Treat a missing or unusable collision mesh as an error instead of a note");
+  verb.add_option("--inertias", choice.inertias, "Physically impossible inertias: repair or refuse (default: repair)")
       ->check(CLI::IsMember({"repair", "strict"}));
-  verb.add_option("--loops", choice.loops, "YAML file that names the loops of a URDF or SDF (otherwise NAME.yaml beside it)");
+  verb.add_option("--loops", choice.loops, "YAML file that lists the loops of a URDF or SDF (default: NAME.yaml in its folder)");
 }
 
 Result<RobotOptions> robot_options(const std::string& path, const RobotChoice& choice) {
@@ -60,9 +60,9 @@ Result<RobotOptions> robot_options(const std::string& path, const RobotChoice& c
     out.loops = SideFile{choice.loops, std::move(*text)};
     return out;
   }
-  Result<std::optional<SideFile>> beside = loops_beside(path);
-  if (!beside) return fail(std::move(beside.error()));
-  out.loops = std::move(*beside);
+  Result<std::optional<SideFile>> loops_file = find_loops_file(path);
+  if (!loops_file) return fail(std::move(loops_file.error()));
+  out.loops = std::move(*loops_file);
   return out;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a verb's options say about descriptions of mechanisms (URDF, SDF, MJCF).
+// Options of verbs that read descriptions of mechanisms (URDF, SDF, MJCF).
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -10,16 +10,17 @@
 
 namespace ugoki::cli {
 
+/// Values of these options.
 struct RobotChoice {
-  std::string base, meshes, inertias;  ///< words of the options; empty: not given
+  std::string base, meshes, inertias;  ///< words given to the options; empty: not given
   bool require_meshes = false;
-  std::string loops;  ///< path of the YAML file; empty: the one of the same name beside the file, if it names loops
+  std::string loops;  ///< path of the YAML file; empty: NAME.yaml in the folder of NAME.urdf, if it lists loops
 };
 
-/// --base, --meshes, --require-meshes, --inertias, --loops.
+/// Declares --base, --meshes, --require-meshes, --inertias and --loops.
 void add_robot_options(CLI::App& verb, RobotChoice& choice);
 
-/// The reader's options for the file; meshes are read from disk. Errors: the loops file cannot be read.
+/// Makes the reader's options for a file; meshes are read from disk. Errors: the loops file cannot be read.
 [[nodiscard]] Result<robot_formats::RobotOptions> robot_options(const std::string& path, const RobotChoice& choice);
 
 }  // namespace ugoki::cli

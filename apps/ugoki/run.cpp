@@ -1,4 +1,4 @@
-// `ugoki run`: runs a clip, a project or executable data as dynamics, and measures.
+// `ugoki run`: runs a clip, a project or executable data as dynamics and prints measures of the run.
 
 #include <algorithm>
 #include <cmath>
@@ -28,40 +28,41 @@ struct Options {
   bool rate_given = false, json = false;
 };
 
+/// Executable data to run, and facts about their source.
 struct Content {
   std::string name;
   std::vector<std::byte> ugx;
-  int frames = 0;  ///< measured frames of a clip, display frames otherwise
-  double height = 0;
+  int frames = 0;     ///< recorded frames of a clip; 0: use the number of display frames
+  double height = 0;  ///< m, height of the person of a clip; 0: not known
 };
 
-/// The push and the cap that the options ask for, on the first character that follows a track.
+/// Applies --rate, --assist-limit (all characters) and --push (the first character that follows a track) to the scenario.
 Result<void> apply_options(content::Scenario& s, const content::Resources& resources, const Options& options) {
   if (options.rate_given) s.step = 1 / options.rate;
-  const auto figure = std::find_if(s.characters.begin(), s.characters.end(),
+  const auto target = std::find_if(s.characters.begin(), s.characters.end(),
                                    [](const content::ScenarioCharacter& c) { return c.control.mode == content::ControlMode::track; });
   if (options.assist_limit >= 0)
     for (content::ScenarioCharacter& c : s.characters) c.control.assist_limit = options.assist_limit;
   if (options.push == 0) return {};
-  if (figure == s.characters.end())
-    return fail(ErrorCode::structure, "--push", "The content has no character that follows a track.", "Leave --push out.");
+  if (target == s.characters.end())
+    return fail(ErrorCode::structure, "--push", "The content has no character that follows a track.", "Omit --push.");
   content::ScenarioEvent push;
   push.id = "command-line-push";
   push.time = options.push_time;
   push.duration = options.push_duration;
-  push.character = figure->id;
+  push.character = target->id;
   push.link = options.push_link;
   const double length = std::hypot(options.push_direction[0], options.push_direction[1]);
-  // Along the figure's heading at the start: x is forward.
-  const SinCos heading = sin_cos(figure->place.heading * pi / 180);
+  // Relative to the character's heading at the start: x is forward, y left.
+  const SinCos heading = sin_cos(target->place.heading * pi / 180);
   const double x = options.push_direction[0] / length * options.push, y = options.push_direction[1] / length * options.push;
   push.force = {heading.cos * x - heading.sin * y, heading.sin * x + heading.cos * y, 0};
-  const Mechanism& mechanism = *resources.mechanisms.at(figure->mechanism);
+  const Mechanism& mechanism = *resources.mechanisms.at(target->mechanism);
   if (content::find_link(mechanism, push.link) < 0) {
     std::string links;
     for (const Link& link : mechanism.links())
       links += (links.empty() ? "" : ", ") + (link.label.empty() ? link.name : link.name + " (" + link.label + ")");
-    return fail(ErrorCode::unknown, "--push-link", "The figure has no link '" + push.link + "'.", "It has: " + links + ".");
+    return fail(ErrorCode::unknown, "--push-link", "The character has no link '" + push.link + "'.", "It has: " + links + ".");
   }
   s.events.push_back(push);
   return {};
@@ -73,8 +74,8 @@ Result<Content> load(const Options& options) {
   Content out;
   if (*kind == TargetKind::executable) {
     if (options.push != 0 || options.rate_given || options.assist_limit >= 0)
-      return fail(ErrorCode::unsupported, options.target, "Executable data run as they were generated, without other rate, push or cap.",
-                  "Give the project instead.");
+      return fail(ErrorCode::unsupported, options.target, "Executable data cannot be run with --rate, --push or --assist-limit.",
+                  "Name the project instead.");
     const Result<std::string> text = files::read_file(options.target);
     if (!text) return fail(text.error());
     const auto* p = reinterpret_cast<const std::byte*>(text->data());
@@ -116,10 +117,10 @@ Json measures_json(const content::PlayerMeasures& m) {
           {"penetration_mm", m.penetration_mm},
           {"penetration_rms_mm", m.penetration_rms_mm},
           {"fell", m.fell},
-          {"let_go_time", m.let_go_time >= 0 ? Json(m.let_go_time) : Json(nullptr)}};
+          {"release_time", m.release_time >= 0 ? Json(m.release_time) : Json(nullptr)}};
 }
 
-/// Who touched whom; null for the ground.
+/// One touch event as JSON; a side that is the ground is null.
 Json touch_json(const RunReport& report, const content::PlayerTouch& t) {
   const auto side = [&](int character, int link) -> Json {
     if (character < 0) return nullptr;
@@ -181,7 +182,7 @@ int run_run(const Options& options) {
              to_fixed(1000 * report->step, 3) + " ms, " + to_fixed(report->realtime_factor(), 1) + " times faster than real time, state " +
              hash);
   std::vector<std::vector<std::string>> rows = {
-      {"character", "tracking deg", "assist bw", "skate cm", "penetration mm", "let go s", "fell"}};
+      {"character", "tracking deg", "assist bw", "skate cm", "penetration mm", "released s", "fell"}};
   for (const CharacterReport& c : report->characters) {
     if (!c.tracks) {
       rows.push_back({c.name, "-", "-", "-", "-", "-", "-"});
@@ -189,7 +190,7 @@ int run_run(const Options& options) {
     }
     const content::PlayerMeasures& m = c.measures;
     rows.push_back({c.name, to_fixed(m.tracking_rms_deg, 2), to_fixed(m.assist_rms_bw, 3), to_fixed(m.foot_skate_cm, 2),
-                    to_fixed(m.penetration_mm, 1), m.let_go_time >= 0 ? to_fixed(m.let_go_time, 2) : "-", m.fell ? "yes" : "no"});
+                    to_fixed(m.penetration_mm, 1), m.release_time >= 0 ? to_fixed(m.release_time, 2) : "-", m.fell ? "yes" : "no"});
   }
   print_table(rows);
   return 0;
@@ -199,32 +200,35 @@ int run_run(const Options& options) {
 
 void add_run_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("run", "Run a clip, a project or executable data as dynamics, and measure.");
+  CLI::App* verb = app.add_subcommand("run", "Run a clip, a project or executable data as dynamics, and print measures.");
   verb->add_option("target", options->target, "BVH or AMC file, motion of the library, *.ugoki or *.ugx")->required();
-  CLI::Option* rate = verb->add_option("--rate", options->rate, "Steps a second (a project has its own)")
+  CLI::Option* rate = verb->add_option("--rate", options->rate, "Steps per second (default of a project: its own step)")
                           ->check(CLI::Range(250.0, 2000.0))
                           ->capture_default_str();
-  verb->add_option("--duration", options->duration, "Seconds to run (otherwise all)")->check(CLI::Range(0.0005, 86400.0));
+  verb->add_option("--duration", options->duration, "Seconds to run (default: to the end)")->check(CLI::Range(0.0005, 86400.0));
   verb->add_option("--push", options->push, "Push with this force in N")->check(CLI::Range(-1e6, 1e6));
-  verb->add_option("--push-time", options->push_time, "When to push, s")->check(CLI::Range(0.0, 86400.0))->capture_default_str();
-  verb->add_option("--push-duration", options->push_duration, "How long to push, s")
+  verb->add_option("--push-time", options->push_time, "Time at which the push begins, s")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+  verb->add_option("--push-duration", options->push_duration, "Duration of the push, s")
       ->check(CLI::Range(0.0005, 3600.0))
       ->capture_default_str();
   verb->add_option("--push-link", options->push_link, "Link to push, by name or label")->capture_default_str();
-  verb->add_option("--push-direction", options->push_direction, "Direction x,y; x is where the figure faces at the start, y its left")
+  verb->add_option("--push-direction", options->push_direction,
+                   "Direction x,y of the push; x is the character's forward direction at the start, y its left")
       ->delimiter(',')
       ->expected(2);
   verb->add_option("--assist-limit", options->assist_limit, "Cap of the root assist, body weights")->check(CLI::Range(0.0, 10.0));
   verb->add_option("--frames", options->frames, "Write the display frames to this file (docs/files.md)");
   verb->add_option("--ugx", options->executable, "Write the executable data to this file");
-  verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (otherwise NN.asf beside NN_MM.amc)");
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")
+  verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (default: NN.asf in the folder of NN_MM.amc)");
+  verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
       ->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")
+  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
       ->check(CLI::Range(0.01, 100000.0));
-  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (otherwise guessed)")
+  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (default: estimated)")
       ->check(CLI::Range(1e-6, 1000.0));
-  verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki run walk.bvh --json\n  ugoki run 12_01.amc --push 150 --push-time 2 --push-direction 0,1");
   verb->callback([options, rate, &action] {

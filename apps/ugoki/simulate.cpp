@@ -31,14 +31,14 @@ content::PlayerMeasures RunReport::worst() const {
     w.penetration_mm = std::max(w.penetration_mm, m.penetration_mm);
     w.penetration_rms_mm = std::max(w.penetration_rms_mm, m.penetration_rms_mm);
     w.fell = w.fell || m.fell;
-    if (m.let_go_time >= 0) w.let_go_time = w.let_go_time < 0 ? m.let_go_time : std::min(w.let_go_time, m.let_go_time);
+    if (m.release_time >= 0) w.release_time = w.release_time < 0 ? m.release_time : std::min(w.release_time, m.release_time);
   }
   return w;
 }
 
 namespace {
 
-/// s of processor time that this thread has used.
+/// s: processor time used by this thread.
 double processor_time() {
   timespec t{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -78,7 +78,7 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
   catch_interrupt();
   Progress progress("run " + name);
   if (!options.frames.empty()) record();
-  constexpr std::uint64_t chunk = 64;  // steps between looks at the clock
+  constexpr std::uint64_t chunk = 64;  // steps between two checks for Ctrl+C and updates of the progress bar
   for (std::uint64_t done = 0; done < steps;) {
     std::uint64_t until = std::min(steps, done + chunk);
     if (!options.frames.empty())
@@ -90,7 +90,7 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
       player->touches(touches);
       report.touch_count += touches.size();
       for (content::PlayerTouch& t : touches)
-        if (report.touches.size() < RunReport::most_touches) report.touches.push_back(std::move(t));
+        if (report.touches.size() < RunReport::max_touches) report.touches.push_back(std::move(t));
     }
     report.wall += std::chrono::duration<double>(Clock::now() - began).count();
     report.processor += processor_time() - processor_began;

@@ -1,5 +1,5 @@
 #pragma once
-// Running content to its end, measured: what `run` and `judge` share.
+// Runs executable data from beginning to end and measures it; shared by `run` and `judge`.
 
 #include <cstdint>
 #include <functional>
@@ -12,29 +12,31 @@
 
 namespace ugoki::cli {
 
+/// Result of a run for one character.
 struct CharacterReport {
   std::string id, name;
-  double mass = 0;  ///< kg
-  bool tracks = false;
+  double mass = 0;      ///< kg
+  bool tracks = false;  ///< it follows a track by motion control
   content::PlayerMeasures measures;
-  std::vector<std::string> links;  ///< names
+  std::vector<std::string> links;  ///< names of its links
 };
 
+/// Result of a run.
 struct RunReport {
   std::string name;
-  double duration = 0;  ///< s simulated
+  double duration = 0;  ///< s: simulated time
   std::uint64_t steps = 0;
-  double step = 0;         ///< s
-  double frame_rate = 60;  ///< display frames a second
-  double wall = 0;         ///< s spent in steps alone
-  double processor = 0;    ///< s of processor time in steps alone: less than `wall` on a busy machine
+  double step = 0;         ///< s: step size
+  double frame_rate = 60;  ///< display frames per second
+  double wall = 0;         ///< s: wall-clock time spent in steps
+  double processor = 0;    ///< s: processor time spent in steps; less than `wall` on a busy machine
   std::uint64_t state_hash = 0;
   std::vector<CharacterReport> characters;
-  std::vector<content::PlayerTouch> touches;  ///< that began or ended, at most most_touches
-  std::uint64_t touch_count = 0;              ///< all of them
-  static constexpr std::size_t most_touches = 10'000;
+  std::vector<content::PlayerTouch> touches;  ///< touches that began or ended; the first max_touches of them
+  std::uint64_t touch_count = 0;              ///< number of all touches that began or ended
+  static constexpr std::size_t max_touches = 10'000;
 
-  /// The worst of all characters that follow a track; of all if none does.
+  /// For each measure the worst value of the characters that follow a track; of all characters if none does.
   [[nodiscard]] content::PlayerMeasures worst() const;
   [[nodiscard]] double steps_per_second() const { return wall > 0 ? static_cast<double>(steps) / wall : 0; }
   [[nodiscard]] double realtime_factor() const { return wall > 0 ? duration / wall : 0; }
@@ -42,15 +44,16 @@ struct RunReport {
 };
 
 struct RunOptions {
-  double duration = 0;  ///< s; 0: the content's
-  std::string frames;   ///< file for display frames; empty: none
+  double duration = 0;  ///< s; 0: the duration of the content
+  std::string frames;   ///< file to which display frames are written; empty: none
 };
 
-/// Runs executable data from its beginning, with a progress bar; Ctrl+C ends it without a half-written file.
+/// Runs executable data from the beginning, with a progress bar. Ctrl+C stops the run and returns an error; no incomplete file is left.
 [[nodiscard]] Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options);
 
-/// Does `work`; where libraries of LSIs are installed, which content may use, in a process that they cannot take along.
-/// @return exit status
+/// Calls `work`. If libraries of LSIs are installed, which content may use, it is called in a child process, so that a crash of a library
+/// is reported.
+/// @return exit status of `work`
 int with_libraries(bool as_json, const std::function<int()>& work);
 
 }  // namespace ugoki::cli

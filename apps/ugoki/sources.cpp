@@ -16,10 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<ClipSource> clip_of(intake::Intake taken) {
-  if (!taken.motion) return fail(ErrorCode::structure, taken.source, "It holds a mechanism without motion.", "Give a BVH or AMC file.");
-  return ClipSource{taken.motion->name, taken.mechanism, std::make_shared<const Motion>(std::move(*taken.motion)),
-                    taken.body ? taken.body->height : 0};
+Result<ClipSource> clip_of(intake::Intake loaded) {
+  if (!loaded.motion)
+    return fail(ErrorCode::structure, loaded.source, "The file contains a mechanism without a motion.", "Name a BVH or AMC file.");
+  return ClipSource{loaded.motion->name, loaded.mechanism, std::make_shared<const Motion>(std::move(*loaded.motion)),
+                    loaded.body ? loaded.body->height : 0};
 }
 
 Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions& options) {
@@ -29,17 +30,17 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
   if (!entry) {
     Result<store::LibraryEntry> measured = library->resolve(target);
     if (!measured)
-      return fail(ErrorCode::unknown, target, "There is no such file, and the library (" + library->path() + ") has no such motion.",
+      return fail(ErrorCode::unknown, target, "The file does not exist, and the library (" + library->path() + ") has no such motion.",
                   "List its motions with `ugoki db list --kind motion`.");
     entry = std::move(measured);
   }
   Result<std::vector<std::byte>> data = library->data(entry->id);
   if (!data) return fail(std::move(data.error()));
-  const std::string place = "library entry " + entry->id;
+  const std::string location = "library entry " + entry->id;
   if (entry->kind == store::EntryKind::mechanism)
-    return fail(ErrorCode::structure, place, "'" + entry->name + "' is a mechanism, not a motion.", "Name a motion.");
+    return fail(ErrorCode::structure, location, "'" + entry->name + "' is a mechanism, not a motion.", "Name a motion.");
   if (entry->kind == store::EntryKind::measured) {
-    Result<MeasuredMotion> measured = formats::read_measured_motion(*data, place);
+    Result<MeasuredMotion> measured = formats::read_measured_motion(*data, location);
     if (!measured) return fail(std::move(measured.error()));
     body::BodyOptions body_options;
     body_options.height = options.intake.height;
@@ -48,7 +49,7 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
     if (!body) return fail(std::move(body.error()));
     return ClipSource{entry->name, body->mechanism, std::make_shared<const Motion>(body::to_motion(*body, *measured)), body->height};
   }
-  Result<Motion> motion = formats::read_motion(*data, place);
+  Result<Motion> motion = formats::read_motion(*data, location);
   if (!motion) return fail(std::move(motion.error()));
   const Json summary = Json::parse(entry->summary, nullptr, false);
   const std::string mechanism_id = summary.is_object() && summary.contains("mechanism") && summary["mechanism"].is_string()
@@ -56,7 +57,7 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
                                        : "";
   Result<std::vector<std::byte>> mechanism_data = library->content(mechanism_id);
   if (!mechanism_data)
-    return fail(ErrorCode::unknown, place, "The library lacks the mechanism '" + mechanism_id + "' that moves in '" + entry->name + "'.",
+    return fail(ErrorCode::unknown, location, "The library lacks the mechanism '" + mechanism_id + "' of the motion '" + entry->name + "'.",
                 "Import the measured file again.");
   Result<MechanismPtr> mechanism = formats::read_mechanism({reinterpret_cast<const char*>(mechanism_data->data()), mechanism_data->size()},
                                                            "library entry " + mechanism_id);
@@ -72,7 +73,8 @@ std::string library_path(const std::string& option) { return option.empty() ? st
 Result<store::Library> library_of(const std::string& target, const SourceOptions& options) {
   const std::string path = library_path(options.library);
   if (!store::Library::exists(path))
-    return fail(ErrorCode::unknown, target, "There is no such file, and no library (" + path + ") in which it could be an entry.",
+    return fail(ErrorCode::unknown, target,
+                "The file does not exist, and there is no library (" + path + ") that could contain such an entry.",
                 "Check the name, or import something first.");
   return store::Library::open_read_only(path);
 }
@@ -80,12 +82,12 @@ Result<store::Library> library_of(const std::string& target, const SourceOptions
 Result<TargetKind> kind_of(const std::string& target) {
   std::error_code ignored;
   if (!fs::exists(target, ignored)) {
-    // A name with a folder or an ending that files have was meant as a file.
+    // A name with a folder or a known file extension is a missing file, not an entry.
     if (target.find('/') != std::string::npos || target.ends_with(".ugoki") || target.ends_with(".ugx") || intake::file_kind(target))
-      return fail(ErrorCode::io, target, "There is no such file.", "Check its name.");
+      return fail(ErrorCode::io, target, "The file does not exist.", "Check its name.");
     return TargetKind::entry;
   }
-  if (fs::is_directory(target, ignored)) return fail(ErrorCode::io, target, "This is a folder.", "Give a file.");
+  if (fs::is_directory(target, ignored)) return fail(ErrorCode::io, target, "This is a folder.", "Name a file.");
   std::string head(16, '\0');
   std::ifstream file(target, std::ios::binary);
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -97,12 +99,12 @@ Result<TargetKind> kind_of(const std::string& target) {
     if (!application) return fail(application.error());
     return *application == project::project_application_id ? TargetKind::project : TargetKind::library;
   }
-  if (target.ends_with(".ugoki")) return TargetKind::project;  // opening it says what is wrong
+  if (target.ends_with(".ugoki")) return TargetKind::project;  // a damaged project is reported when it is opened
   if (target.ends_with(".ugx")) return TargetKind::executable;
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
   if (!kind)
-    return fail(ErrorCode::unsupported, target, "This kind of file is not known.",
-                "Give a .bvh, .amc, .c3d, .trc, .gltf, .glb, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
+    return fail(ErrorCode::unsupported, target, "The kind of this file is unknown.",
+                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
   const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot;
   return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
@@ -116,29 +118,29 @@ Result<intake::Intake> take_in_file(const std::string& path, const SourceOptions
     if (!robot) return fail(std::move(robot.error()));
     intake::IntakeOptions intake_options = options.intake;
     intake_options.robot = std::move(*robot);
-    Result<intake::Intake> taken = intake::take_in(*bytes, path, nullptr, intake_options);
-    if (taken && intake_options.robot.loops) taken->report.push_back("Loops are named by " + intake_options.robot.loops->name + ".");
-    return taken;
+    Result<intake::Intake> loaded = intake::take_in(*bytes, path, nullptr, intake_options);
+    if (loaded && intake_options.robot.loops) loaded->report.push_back("Loops are read from " + intake_options.robot.loops->name + ".");
+    return loaded;
   }
   if (kind == intake::FileKind::gltf) {
-    intake::IntakeOptions beside = options.intake;
-    beside.files = [&](std::string_view uri) -> Result<std::vector<std::byte>> {
+    intake::IntakeOptions gltf_options = options.intake;
+    gltf_options.files = [&](std::string_view uri) -> Result<std::vector<std::byte>> {
       const fs::path relative = fs::path(uri).lexically_normal();
       if (relative.is_absolute() || relative.begin() == relative.end() || *relative.begin() == "..")
-        return fail(ErrorCode::unsupported, path, "Its buffer '" + std::string(uri) + "' is not below the file's folder.",
-                    "Copy it beside the file.");
+        return fail(ErrorCode::unsupported, path, "Its buffer '" + std::string(uri) + "' is outside the file's folder.",
+                    "Copy it to the folder of the file.");
       Result<std::string> text = files::read_file((fs::path(path).parent_path() / relative).string());
       if (!text) return fail(std::move(text.error()));
       const auto* p = reinterpret_cast<const std::byte*>(text->data());
       return std::vector<std::byte>(p, p + text->size());
     };
-    return intake::take_in(*bytes, path, nullptr, beside);
+    return intake::take_in(*bytes, path, nullptr, gltf_options);
   }
   if (kind != intake::FileKind::amc) return intake::take_in(*bytes, path, nullptr, options.intake);
   const std::string asf_path = options.asf.empty() ? intake::skeleton_name_for(path) : options.asf;
   std::error_code ignored;
   if (options.asf.empty() && !fs::exists(asf_path, ignored))
-    return fail(ErrorCode::io, path, "Its skeleton " + asf_path + " is not beside it.", "Give the skeleton with --asf FILE.");
+    return fail(ErrorCode::io, path, "The skeleton " + asf_path + " does not exist.", "Name the skeleton with --asf FILE.");
   Result<std::string> asf_text = files::read_file(asf_path);
   if (!asf_text) return fail(std::move(asf_text.error()));
   formats::AsfOptions asf_options;
@@ -153,11 +155,11 @@ Result<ClipSource> load_clip(const std::string& target, const SourceOptions& opt
   if (!kind) return fail(kind.error());
   if (*kind == TargetKind::entry) return clip_of_entry(target, options);
   if (*kind != TargetKind::measured_file)
-    return fail(ErrorCode::unsupported, target, "This is no motion.",
-                "Give a .bvh, .amc, .c3d, .trc, .gltf or .glb file, or a motion of the library.");
-  Result<intake::Intake> taken = take_in_file(target, options);
-  if (!taken) return fail(std::move(taken.error()));
-  return clip_of(std::move(*taken));
+    return fail(ErrorCode::unsupported, target, "This is not a motion.",
+                "Name a .bvh, .amc, .c3d, .trc, .gltf or .glb file, or a motion of the library.");
+  Result<intake::Intake> loaded = take_in_file(target, options);
+  if (!loaded) return fail(std::move(loaded.error()));
+  return clip_of(std::move(*loaded));
 }
 
 content::Scenario clip_scenario(const ClipSource& clip, double step) {
@@ -165,21 +167,21 @@ content::Scenario clip_scenario(const ClipSource& clip, double step) {
   s.name = clip.name;
   s.duration = std::max(0.001, clip.motion->duration());
   s.step = step;
-  content::ScenarioCharacter figure;
-  figure.id = "figure";
-  figure.name = clip.mechanism->name().empty() ? "figure" : clip.mechanism->name();
-  figure.mechanism = "mechanism";
-  // The motion stays where it was measured: its floor and its objects are there.
+  content::ScenarioCharacter character;
+  character.id = "character";
+  character.name = clip.mechanism->name().empty() ? "character" : clip.mechanism->name();
+  character.mechanism = "mechanism";
+  // The motion keeps its measured position, because its floor and objects are at that position.
   const Placement start = root_placement(*clip.mechanism, {clip.motion->frame(0), static_cast<std::size_t>(clip.motion->nq)});
-  figure.place = {start.x, start.y, 0, start.heading * (180 / pi)};
-  content::ScenarioClip whole;
-  whole.id = "k1";
-  whole.motion = "motion";
-  whole.length = s.duration;
-  whole.blend = 0;
-  figure.track.push_back(whole);
-  s.camera.follow = "figure";
-  s.characters.push_back(figure);
+  character.place = {start.x, start.y, 0, start.heading * (180 / pi)};
+  content::ScenarioClip clip_part;
+  clip_part.id = "k1";
+  clip_part.motion = "motion";
+  clip_part.length = s.duration;
+  clip_part.blend = 0;
+  character.track.push_back(clip_part);
+  s.camera.follow = "character";
+  s.characters.push_back(character);
   return s;
 }
 

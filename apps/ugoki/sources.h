@@ -1,5 +1,5 @@
 #pragma once
-// What a verb's argument names: a measured file, a project, executable data, or an entry of the library.
+// Resolves the argument of a verb: a measured file, a mechanism file, a project, executable data, or an entry of the library.
 
 #include <cstddef>
 #include <optional>
@@ -15,22 +15,24 @@
 
 namespace ugoki::cli {
 
+/// Kind of an argument.
 enum class TargetKind { measured_file, mechanism_file, project, library, executable, entry };
 
+/// Options for reading the argument.
 struct SourceOptions {
   std::string library;  ///< path; empty: the default
-  std::string asf;      ///< skeleton for AMC files; empty: beside the file
+  std::string asf;      ///< skeleton for AMC files; empty: NN.asf in the folder of NN_MM.amc
   intake::IntakeOptions intake;
   RobotChoice robot;  ///< for URDF, SDF and MJCF
 };
 
-/// Path of the library that the options mean.
+/// Path of the library: `option`, or the default path if it is empty.
 [[nodiscard]] std::string library_path(const std::string& option);
 
-/// The library in which `target`, which is no file, may be an entry. Errors: there is none yet.
+/// Opens the library in which `target`, which is not a file, may be an entry. Errors: no library exists.
 [[nodiscard]] Result<store::Library> library_of(const std::string& target, const SourceOptions& options);
 
-/// A file by its first bytes or the ending of its name; what is no file is taken for an entry's name or id.
+/// Kind of a file, from its first bytes or extension. If no such file exists, `target` is the name or id of an entry.
 [[nodiscard]] Result<TargetKind> kind_of(const std::string& target);
 
 /// Reads a measured file (with its skeleton) or a description of a mechanism (with its meshes and loops) from disk.
@@ -43,11 +45,11 @@ struct ClipSource {
   MotionPtr motion;
   double height = 0;  ///< m; 0: not known
 };
-/// From a measured file, or from an entry of the library (motion or measured).
+/// Loads a clip from a measured file, or from an entry of the library (motion or measured data).
 [[nodiscard]] Result<ClipSource> load_clip(const std::string& target, const SourceOptions& options);
 
-/// A document in which one figure performs the clip from beginning to end.
-/// @param step s
+/// Makes a scenario in which one character performs the clip from beginning to end.
+/// @param step s: step size
 [[nodiscard]] content::Scenario clip_scenario(const ClipSource& clip, double step);
 [[nodiscard]] content::Resources clip_resources(const ClipSource& clip);
 

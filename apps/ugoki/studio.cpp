@@ -1,4 +1,5 @@
-// `ugoki studio`: serves the page until Ctrl+C. And the hidden `interpret`, in which the studio lets content run.
+// `ugoki studio`: serves the studio's page until Ctrl+C. Also the hidden verb `interpret`, a child process in which the studio runs
+// content.
 
 #include "ugoki/studio/studio.h"
 
@@ -33,19 +34,20 @@ Result<project::Project> make_sample(const std::string& path) {
   return project::Project::create(path, *document, sample.resources);
 }
 
-/// The sample content, made where the library lies if it is not there yet. While another studio has it open: a further one.
+/// Opens the sample project in the library's folder and creates it if it does not exist. If another studio has it open, the next of
+/// sample-2.ugoki, sample-3.ugoki, ... is used.
 Result<project::Project> open_sample(const std::string& library) {
   const fs::path folder = fs::path(library).parent_path();
   std::error_code ec;
   fs::create_directories(folder.empty() ? "." : folder, ec);
   if (ec)
-    return fail(ErrorCode::io, folder.string(), "The folder for the sample content cannot be made: " + ec.message() + ".",
+    return fail(ErrorCode::io, folder.string(), "The folder for the sample content cannot be created: " + ec.message() + ".",
                 "Name a project: ugoki studio PROJECT.");
-  constexpr int most = 20;
+  constexpr int maximum = 20;
   for (int n = 1;; ++n) {
     const std::string path = (folder / (n == 1 ? "sample.ugoki" : "sample-" + std::to_string(n) + ".ugoki")).string();
     Result<project::Project> opened = fs::exists(path, ec) ? project::Project::open(path) : make_sample(path);
-    if (opened || n == most || opened.error().problems.front().code != ErrorCode::conflict) return opened;
+    if (opened || n == maximum || opened.error().problems.front().code != ErrorCode::conflict) return opened;
   }
 }
 
@@ -63,7 +65,7 @@ int run_studio(const Options& options) {
     service.web = *found;
   }
   if (!fs::is_regular_file(service.web / "index.html", ec)) {
-    return print_error(Error(ErrorCode::io, options.web.empty() ? "web/dist" : options.web, "The studio's page is not there.",
+    return print_error(Error(ErrorCode::io, options.web.empty() ? "web/dist" : options.web, "The studio's page was not found.",
                              "Build it with `npm ci && npm run build` in web/, or name its folder with --web."),
                        options.json);
   }
@@ -89,8 +91,8 @@ int run_studio(const Options& options) {
 void add_studio_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("studio", "Open the studio in the browser.");
-  verb->add_option("project", options->project, "The project, *.ugoki; without it the sample content");
-  verb->add_option("--port", options->port, "Port on 127.0.0.1; without it any free one");
+  verb->add_option("project", options->project, "The project, *.ugoki (default: the sample content)");
+  verb->add_option("--port", options->port, "Port on 127.0.0.1 (default: any free port)");
   verb->add_flag("--no-open", options->no_open, "Do not open a browser");
   verb->add_option("--web", options->web, "Folder of the built page");
   verb->add_option("--library", options->library, "The library's file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
@@ -99,7 +101,7 @@ void add_studio_verb(CLI::App& app, Action& action) {
   verb->callback([options, &action] { action = [options] { return run_studio(*options); }; });
 
   CLI::App* interpret = app.add_subcommand("interpret", "Run content for a studio.");
-  interpret->group("");  // not for people
+  interpret->group("");  // hidden from the help
   interpret->callback([&action] { action = [] { return studio::run_interpreter(studio::open_player); }; });
 }
 

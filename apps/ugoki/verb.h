@@ -1,12 +1,12 @@
 #pragma once
-// A verb of the command line: adds its options and, when it was given, what is to be done.
+// Verbs of the command line. add_NAME_verb() declares a verb with its options; parsing the verb sets the action to run.
 
 #include <CLI/CLI.hpp>
 #include <functional>
 
 namespace ugoki::cli {
 
-/// What the program does after its arguments were understood. @return exit status: 0 done, 1 failed
+/// Action of the program, run after its arguments were parsed. @return exit status: 0 success, 1 failure
 using Action = std::function<int()>;
 
 void add_new_verb(CLI::App& app, Action& action);
@@ -21,7 +21,7 @@ void add_mechanism_verb(CLI::App& app, Action& action);
 void add_convert_verb(CLI::App& app, Action& action);
 void add_motion_verb(CLI::App& app, Action& action);
 void add_retarget_verb(CLI::App& app, Action& action);
-/// `studio`, and the hidden `interpret` that the studio starts for itself.
+/// `studio`, and the hidden verb `interpret`, which the studio starts as a child process to run content.
 void add_studio_verb(CLI::App& app, Action& action);
 
 }  // namespace ugoki::cli

@@ -1,5 +1,5 @@
-// What an LSI costs that adds two numbers: a library behind the C interface in a circuit (results checked to be finite, the running LSI
-// noted), beside virtual calls on objects and a flow graph of oneTBB. Nanoseconds for each LSI.
+// Cost of an LSI that adds two values: a library behind the C interface in a circuit (results are checked to be finite, and the running LSI
+// is recorded), compared with virtual calls on objects and a flow graph of oneTBB. Nanoseconds per LSI.
 
 #include <cmath>
 #include <memory>
@@ -21,7 +21,7 @@ using circuit::Interpreter;
 
 std::string id(int i) { return "a" + std::to_string(1000000 + i); }
 
-/// add -> add -> ...: each adds 1 to the output of the one before it; the last one gives n.
+/// A chain add -> add -> ...: each LSI adds 1 to the output of the previous one, so that the last one outputs n.
 Circuit chain(int n) {
   Circuit c;
   c.name = "chain";
@@ -79,7 +79,7 @@ void rows(Table& table) {
   for (const circuit::LsiClass& c : loaded->classes) library.add(c);
   circuit::Activity activity;
   for (const int n : {1, 100, 1000, 10000}) {
-    std::vector<Interpreter> ours;  // plain, probed, timed
+    std::vector<Interpreter> ours;  // without probes, with probes, with timing
     for (int i = 0; i < 3; ++i) {
       Result<Interpreter> made = Interpreter::build(chain(n), library, nullptr, {.dt = 0.001, .check_finite = true, .activity = &activity});
       require(made.has_value(), made ? "" : made.error().text());
@@ -88,7 +88,7 @@ void rows(Table& table) {
     std::vector<std::string> pins;
     for (int i = 0; i < n; ++i) pins.push_back(id(i) + ".out");
     require(ours[1].set_probes(pins, 64).has_value(), "the probes were refused");
-    ours[2].set_timing(&Interpreter::processor_clock, 4);  // as the studio does
+    ours[2].set_timing(&Interpreter::processor_clock, 4);  // as the studio does it
     const VirtualChain virtuals(n);
     TbbChain flow(n);
 
@@ -101,7 +101,7 @@ void rows(Table& table) {
       for (int k = 0; k < 200; ++k) i.tick();
     require(allocations_so_far() == before, "a tick allocated");
 
-    // As a host does it: several ticks for each frame that it shows.
+    // Like a host, which runs several ticks for each displayed frame.
     constexpr int ticks = 16;
     std::vector<double> ns = measure({[&] { ours[0].run(ticks); }, [&] { ours[1].run(ticks); }, [&] { ours[2].run(ticks); },
                                       [&] {

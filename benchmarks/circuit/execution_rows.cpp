@@ -1,5 +1,5 @@
-// What the circuit adds to the sample content's execution: the interpreter beside the same calls in the same order, written as a loop
-// by hand on memory of their own, without checks, names or rates beyond what they need.
+// Overhead of the circuit in the sample content's execution: the interpreter compared with a hand-written loop of the same calls in the
+// same order, on its own memory and without checks, names or rates.
 
 #include <cstring>
 
@@ -31,7 +31,7 @@ content::Player open_sample() {
   return std::move(*player);
 }
 
-/// One tick by hand.
+/// One tick as a hand-written loop.
 void tick_by_hand(Machine& m) {
   for (const circuit::Job& job : m.jobs)
     if (job.every == 1 || m.tick.index % job.every == 0) job.run(job.call);
@@ -52,7 +52,7 @@ void rows(Table& table) {
   require(problems.empty(), problems.text());
   circuit::Interpreter& ours = player.interpreter();
 
-  constexpr int steps = 25;  // short, so that the least time of many is free of what else the machine does
+  constexpr int steps = 25;  // short, so that the minimum of many repetitions is not disturbed by other processes
   const auto run_ours = [&] {
     ours.reset();
     for (int i = 0; i < steps; ++i) ours.tick();

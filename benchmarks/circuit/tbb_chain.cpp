@@ -11,7 +11,7 @@ namespace flow = tbb::flow;
 using Node = flow::function_node<double, double>;
 
 struct TbbChain::Graph {
-  // One thread: a chain has nothing to do at the same time, and handing it over would only cost.
+  // One thread: a chain has no parallel work, and passing it between threads would only take time.
   tbb::global_control one{tbb::global_control::max_allowed_parallelism, 1};
   flow::graph graph;
   std::deque<Node> nodes;

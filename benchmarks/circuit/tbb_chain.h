@@ -1,5 +1,5 @@
 #pragma once
-// The peer: a chain of adders as a flow graph of oneTBB.
+// Peer for comparison: a chain of adders as a flow graph of oneTBB.
 
 #include <memory>
 
@@ -11,7 +11,7 @@ class TbbChain {
   ~TbbChain();
   TbbChain(const TbbChain&) = delete;
   TbbChain& operator=(const TbbChain&) = delete;
-  double tick();  ///< sends 0 through all of them; what comes out. 0 where oneTBB is not installed
+  double tick();  ///< sends 0 through the chain and returns its output; 0 if oneTBB is not installed
 
  private:
   struct Graph;

@@ -1,5 +1,5 @@
 #pragma once
-// Convex bodies in motion, as peers can take them: plain numbers.
+// Moving convex bodies as plain arrays, from which peers (other libraries) are built.
 
 #include <memory>
 #include <string>
@@ -10,7 +10,7 @@ namespace ugoki::benchmarks {
 /// A convex polytope, or a capsule along z (vertices empty).
 struct PlainBody {
   std::vector<double> vertices;         ///< [3 n] m
-  std::vector<std::vector<int>> faces;  ///< corners counter-clockwise from outside
+  std::vector<std::vector<int>> faces;  ///< vertex indices, counter-clockwise seen from outside
   double radius = 0, half_length = 0;   ///< m, capsule
 };
 
@@ -18,27 +18,27 @@ struct PlainBody {
 struct PlainMotion {
   std::vector<PlainBody> bodies;
   int first_of_b = 0;
-  int steps = 0;                     ///< after the last comes the first again
+  int steps = 0;                     ///< number of poses; the motion is periodic
   std::vector<double> rotations;     ///< [steps][bodies][9] row by row
   std::vector<double> translations;  ///< [steps][bodies][3] m
 };
 
-/// Signed distance of bodies i and j at the step that was set last, with all libraries' lists of pairs.
+/// Signed distance [m] of bodies i and j at the present step; used for the pair lists of all libraries.
 using PlainDistance = double (*)(void* context, int i, int j);
 
-/// A library's own structure over all bodies.
+/// The broad-phase structure of a library over all bodies.
 class BodiesPeer {
  public:
   virtual ~BodiesPeer() = default;
   [[nodiscard]] virtual std::string name() const = 0;
-  /// Moves all bodies to a step's poses and finds the least distance between the groups. Negative infinity: cannot do it.
+  /// Moves all bodies to a step's poses. @return m: minimum distance between the groups; negative infinity: not supported
   [[nodiscard]] virtual double nearest(int step) = 0;
-  /// Moves all bodies and counts the pairs, of any two bodies, not farther than `margin`.
+  /// Moves all bodies to a step's poses. @return number of pairs of bodies within `margin`
   [[nodiscard]] virtual int count_within(int step, double margin, PlainDistance distance, void* context) = 0;
 };
 
-/// nullptr where the library is not installed. The motion must outlive the peer.
-/// @param margin m, of count_within
+/// Makes a peer; nullptr if the library is not installed. The motion must outlive the peer.
+/// @param margin m: for count_within()
 [[nodiscard]] std::unique_ptr<BodiesPeer> make_fcl_bodies(const PlainMotion& motion, double margin);
 [[nodiscard]] std::unique_ptr<BodiesPeer> make_bullet_bodies(const PlainMotion& motion, double margin);
 

@@ -1,5 +1,5 @@
-// Rows of the superior tree: the nearest pair of two groups, and all pairs within a margin, in coherent motion. A row's time is that
-// of one step: all bodies are moved, then the question is asked.
+// Rows of the superior tree: the closest pair of two groups, and all pairs within a margin, in coherent motion. A row's time is that
+// of one step: all bodies are moved, then the query runs.
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ std::vector<collision::TreeBody> tree_bodies(const Motion& motion) {
   return out;
 }
 
-/// A step after the other, round and round.
+/// The steps in order, periodically.
 struct Steps {
   int count, now = 0;
   int next() { return now = now + 1 < count ? now + 1 : 0; }
@@ -51,7 +51,7 @@ void compare(Table& table, const std::string& row, const std::function<void()>& 
   for (std::size_t i = 0; i < peers.size(); ++i) table.add({.row = row, .ours_ns = ns[0], .peer = peers[i].first, .peer_ns = ns[i + 1]});
 }
 
-/// Nearest of all pairs of the two groups, each with its own memory.
+/// Brute force: the minimum over all pairs of the two groups, each pair with its own warm start.
 class AllPairs {
  public:
   explicit AllPairs(const Motion& motion) : motion_(motion), distances_(motion) {
@@ -60,12 +60,12 @@ class AllPairs {
   }
   double nearest(int step) {
     distances_.set(step);
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     std::size_t k = 0;
     for (int a = 0; a < motion_.plain.first_of_b; ++a)
       for (int b = motion_.plain.first_of_b; b < static_cast<int>(motion_.colliders.size()); ++b)
-        least = std::min(least, distances_.distance(a, b, std::numeric_limits<double>::infinity(), caches_[k++]).distance);
-    return least;
+        minimum = std::min(minimum, distances_.distance(a, b, std::numeric_limits<double>::infinity(), caches_[k++]).distance);
+    return minimum;
   }
 
  private:
@@ -74,13 +74,13 @@ class AllPairs {
   std::vector<PairCache> caches_;
 };
 
-void nearest_rows(Table& table, int figures) {
-  const int links = 20 * figures;
-  const std::string row = (figures == 1 ? "two figures of " : "two groups of ") + std::to_string(links) + " links, nearest pair";
-  const Motion motion = make_figures(figures);
+void nearest_rows(Table& table, int characters) {
+  const int links = 20 * characters;
+  const std::string row = (characters == 1 ? "two characters of " : "two groups of ") + std::to_string(links) + " links, closest pair";
+  const Motion motion = make_characters(characters);
   Distances distances(motion);
   collision::SuperiorTree tree(tree_bodies(motion));
-  collision::NearestPair query(0, 1);
+  collision::ClosestPair query(0, 1);
   const auto nearest = [&](int step) {
     distances.set(step);
     tree.update(motion.at(step));
@@ -95,7 +95,7 @@ void nearest_rows(Table& table, int figures) {
   std::vector<std::vector<double>> theirs(peers.size());
   for (int step = 0; step < motion.plain.steps; ++step) {
     ours.push_back(nearest(step));
-    if (figures == 1 || step % 10 == 0)
+    if (characters == 1 || step % 10 == 0)
       brute.push_back(all.nearest(step));
     else
       brute.push_back(ours.back());
@@ -111,12 +111,12 @@ void nearest_rows(Table& table, int figures) {
   compare(table, row, [&] { (void)nearest(at[0].next()); }, functions);
 }
 
-void figures_of_20(Table& table) { nearest_rows(table, 1); }
-void figures_of_200(Table& table) { nearest_rows(table, 10); }
-const RowRegistration register_20(300, figures_of_20);
-const RowRegistration register_200(310, figures_of_200);
+void characters_of_20(Table& table) { nearest_rows(table, 1); }
+void characters_of_200(Table& table) { nearest_rows(table, 10); }
+const RowRegistration register_20(300, characters_of_20);
+const RowRegistration register_200(310, characters_of_200);
 
-/// Every list of pairs is measured with our closed forms.
+/// For all pair lists the distances are calculated by our closed forms.
 void swarm(Table& table) {
   constexpr int bodies = 2000;
   constexpr double margin = 0.02;

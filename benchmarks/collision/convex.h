@@ -1,5 +1,5 @@
 #pragma once
-// Pairs of convex hulls, as peers can take them: plain numbers.
+// Pairs of convex hulls as plain arrays, from which peers (other libraries) are built.
 
 #include <memory>
 #include <string>
@@ -9,15 +9,15 @@ namespace ugoki::benchmarks {
 
 struct PlainHull {
   std::vector<double> vertices;         ///< [3 n] m
-  std::vector<std::vector<int>> faces;  ///< corners counter-clockwise from outside
+  std::vector<std::vector<int>> faces;  ///< vertex indices, counter-clockwise seen from outside
 };
 
-/// Rotation row by row, then translation [m].
+/// Pose: rotation row by row, then translation [m].
 struct PlainPlace {
   double R[9], p[3];
 };
 
-/// A library's distance of two hulls, with whatever it remembers from one query to the next.
+/// Distance of two hulls by a library, with its own warm start from query to query.
 class ConvexPeer {
  public:
   virtual ~ConvexPeer() = default;
@@ -27,7 +27,7 @@ class ConvexPeer {
 
 using ConvexPeers = std::vector<std::unique_ptr<ConvexPeer>>;
 
-/// Add what the installed library has; nothing where it is not installed.
+/// Add the solvers of each library; nothing if it is not installed.
 void add_fcl_convex(ConvexPeers& peers, const PlainHull& a, const PlainHull& b);
 void add_bullet_convex(ConvexPeers& peers, const PlainHull& a, const PlainHull& b);
 void add_coal_convex(ConvexPeers& peers, const PlainHull& a, const PlainHull& b);

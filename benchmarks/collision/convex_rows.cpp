@@ -1,5 +1,5 @@
-// Rows of convex pairs: two hulls of 16 ... 16384 vertices on ellipsoids, apart by about their size; coherent motion (1 degree and 0.01
-// of the size a step) and poses that have nothing to do with each other. A row's time is that of one query with witness points.
+// Rows of convex pairs: two hulls of 16 ... 16384 vertices on ellipsoids, separated by about their size; in coherent motion (1 degree and
+// 0.01 of the size per step) and in independent random poses. A row's time is that of one query with witness points.
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,7 @@ Hull ellipsoid(int vertices, unsigned seed) {
   }
   Result<Hull> hull = geometry::make_hull(points);
   if (!hull || static_cast<int>(hull->vertices.size()) != vertices)
-    throw std::runtime_error("convex rows: the hull is not what was asked for");
+    throw std::runtime_error("convex rows: the hull has not the requested number of vertices");
   return std::move(*hull);
 }
 
@@ -72,7 +72,7 @@ struct Places {
   }
 };
 
-/// There and back, so that the last step leads to the first.
+/// A path forth and back, so that the last step is followed by the first.
 Places coherent() {
   Draw draw(7);
   Quat qa, qb;
@@ -98,7 +98,8 @@ Places incoherent() {
   return out;
 }
 
-/// Ours certified at every pose; the peer's the same at nine poses of ten to its accuracy (each now and then stops too early).
+/// Checks the results: ours must be certified at every pose. A peer must agree within its accuracy at nine of ten poses, because each peer
+/// sometimes stops too early.
 void check(const Support& a, const Support& b, const Places& places, ConvexPeer* peer, const std::string& row) {
   GilbertCache cache;
   int off = 0;
@@ -108,7 +109,7 @@ void check(const Support& a, const Support& b, const Places& places, ConvexPeer*
     if (peer != nullptr && i % 20 == 0 && !(std::fabs(peer->distance(places.plain_a[i], places.plain_b[i]) - r.distance) < 1e-3)) ++off;
   }
   if (off > static_cast<int>(places.a.size()) / 20 / 10)
-    throw std::runtime_error(row + ": " + peer->name() + " finds other distances at " + std::to_string(off) + " poses");
+    throw std::runtime_error(row + ": " + peer->name() + " finds different distances at " + std::to_string(off) + " poses");
 }
 
 void add_row(Table& table, const std::string& row, const Hull& ha, const Hull& hb, const Places& places, bool warm) {
@@ -135,7 +136,7 @@ void add_row(Table& table, const std::string& row, const Hull& ha, const Hull& h
     });
   }
   const std::vector<double> ns = measure(functions, 0.4);
-  if (std::isnan(sum)) throw std::runtime_error(row + ": not a number");
+  if (std::isnan(sum)) throw std::runtime_error(row + ": the sum of distances is NaN");
   if (peers.empty()) table.add({.row = row, .ours_ns = ns[0], .peer = {}});
   for (std::size_t k = 0; k < peers.size(); ++k) table.add({.row = row, .ours_ns = ns[0], .peer = peers[k]->name(), .peer_ns = ns[k + 1]});
 }

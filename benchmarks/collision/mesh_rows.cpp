@@ -1,7 +1,7 @@
-// Rows of meshes that are not convex: a bumpy torus and a knot, 1k, 10k and 100k triangles each, in coherent motion (1 degree and
-// 0.01 of the knot's size a step), exact distances. A row's time is that of one query, the mean over a path there and back.
+// Rows of non-convex meshes: a bumpy torus and a knot, 1k, 10k and 100k triangles each, in coherent motion (1 degree and about 0.01 m per
+// step), exact distances. A row's time is that of one query, the mean over a path forth and back.
 //
-// hole: the knot swims in the hole of the torus; near: beside it; far: several bodies away.
+// Scenes: `hole`: the knot moves in the hole of the torus; `near`: next to the torus; `far`: several body sizes away.
 
 #include <algorithm>
 #include <array>
@@ -27,9 +27,9 @@ PlainMesh make_tube(int n, const std::function<Vec3(double, double)>& f) {
     for (int j = 0; j < around; ++j) {
       const Vec3 p = f(2 * pi * i / along, 2 * pi * j / around);
       out.vertices.insert(out.vertices.end(), {p.x, p.y, p.z});
-      const int next = (i + 1) % along * around, beside = (j + 1) % around;
+      const int next = (i + 1) % along * around, next_j = (j + 1) % around;
       out.triangles.insert(out.triangles.end(),
-                           {i * around + j, next + j, next + beside, i * around + j, next + beside, i * around + beside});
+                           {i * around + j, next + j, next + next_j, i * around + j, next + next_j, i * around + next_j});
     }
   return out;
 }
@@ -65,19 +65,19 @@ collision::SphereTree tree_of(const PlainMesh& m) {
 struct Place {
   const char* name;
   Vec3 centre;       // m
-  double amplitude;  // m: how far it swims
+  double amplitude;  // m, amplitude of the knot's motion
 };
 constexpr std::array<Place, 3> places{{{"hole", {0, 0, 0}, 0.06}, {"near", {1.88, 0, 0}, 0.04}, {"far", {4, 0, 0}, 0.3}}};
 
-std::vector<Pose> make_path(const Place& place) {
+std::vector<Pose> make_path(const Place& location) {
   constexpr int steps = 50;
   std::vector<Pose> out;
   Mat3 R = Mat3::identity();
   for (int i = 0; i < steps; ++i) {
-    const double s = 0.01 * i / place.amplitude;
+    const double s = 0.01 * i / location.amplitude;
     const Vec3 axis = normalized(Vec3{sin(0.05 * i), cos(0.08 * i), 0.5});
     R = rotation_about(axis, pi / 180) * R;
-    out.push_back({R, place.centre + Vec3{sin(0.6 * s), cos(0.5 * s), sin(0.8 * s)} * place.amplitude});
+    out.push_back({R, location.centre + Vec3{sin(0.6 * s), cos(0.5 * s), sin(0.8 * s)} * location.amplitude});
   }
   for (int i = steps - 2; i > 0; --i) out.push_back(out[static_cast<std::size_t>(i)]);
   return out;
@@ -85,21 +85,21 @@ std::vector<Pose> make_path(const Place& place) {
 
 PlainPose plain(const Pose& X) { return {{X.R.xx, X.R.xy, X.R.xz, X.R.yx, X.R.yy, X.R.yz, X.R.zx, X.R.zy, X.R.zz}, {X.p.x, X.p.y, X.p.z}}; }
 
-/// Mean over the path of each pose's least time, ns. The functions take turns, each going along the whole path; what else the
-/// machine does in between then spoils a pose now and then, but not the mean.
+/// ns: mean over the path of the minimum time of each pose. The functions alternate, each running the complete path. Disturbances by other
+/// processes then affect single poses, not the mean.
 std::vector<double> measure_path(const std::vector<std::function<void(std::size_t)>>& functions, std::size_t poses) {
   using Clock = std::chrono::steady_clock;
-  std::vector<std::vector<double>> least(functions.size(), std::vector<double>(poses, 1e300));
+  std::vector<std::vector<double>> minimum(functions.size(), std::vector<double>(poses, 1e300));
   const auto end = Clock::now() + std::chrono::seconds(2);
   for (int round = 0; round < 3 || Clock::now() < end; ++round)
     for (std::size_t f = 0; f < functions.size(); ++f)
       for (std::size_t i = 0; i < poses; ++i) {
         const auto start = Clock::now();
         functions[f](i);
-        least[f][i] = std::min(least[f][i], std::chrono::duration<double, std::nano>(Clock::now() - start).count());
+        minimum[f][i] = std::min(minimum[f][i], std::chrono::duration<double, std::nano>(Clock::now() - start).count());
       }
   std::vector<double> out;
-  for (const auto& times : least) out.push_back(std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(poses));
+  for (const auto& times : minimum) out.push_back(std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(poses));
   return out;
 }
 
@@ -113,9 +113,9 @@ void mesh_rows(Table& table, int triangles) {
   }
   peers.push_back(make_pqp_meshes(torus, knot));
   std::erase(peers, nullptr);
-  for (const Place& place : places) {
-    const std::string row = "meshes of " + std::to_string(triangles / 1000) + "k triangles, " + place.name;
-    const std::vector<Pose> path = make_path(place);
+  for (const Place& location : places) {
+    const std::string row = "meshes of " + std::to_string(triangles / 1000) + "k triangles, " + location.name;
+    const std::vector<Pose> path = make_path(location);
     std::vector<PlainPose> plain_path;
     for (const Pose& X : path) plain_path.push_back(plain(X));
     collision::TrianglePair warm;

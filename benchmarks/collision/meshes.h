@@ -1,5 +1,5 @@
 #pragma once
-// Two meshes that are not convex, in coherent motion, as plain numbers for us and for the peers.
+// Two non-convex meshes in coherent motion as plain arrays, for our code and for peers (other libraries).
 
 #include <memory>
 #include <string>
@@ -12,25 +12,25 @@ struct PlainMesh {
   std::vector<int> triangles;    ///< [3 * triangles]
 };
 
-/// Pose of the second mesh in the frame of the first, row by row, and translation.
+/// Pose of the second mesh in the frame of the first: rotation row by row, then translation [m].
 struct PlainPose {
   double R[9], p[3];
 };
 
-/// A library's distance of two meshes.
+/// Distance of two meshes by a library.
 class MeshPeer {
  public:
   virtual ~MeshPeer() = default;
   [[nodiscard]] virtual std::string name() const = 0;
-  /// m; 0 (or less) where they pierce each other
+  /// m: distance; 0 or less if the meshes intersect
   virtual double distance(const PlainPose& X_AB) = 0;
 };
 
 enum class MeshBounds { rss, obb_rss };
-/// Null where the library is not there.
+/// Make a peer; null if the library is not installed.
 [[nodiscard]] std::unique_ptr<MeshPeer> make_fcl_meshes(const PlainMesh& a, const PlainMesh& b, MeshBounds bounds);
 [[nodiscard]] std::unique_ptr<MeshPeer> make_coal_meshes(const PlainMesh& a, const PlainMesh& b, MeshBounds bounds);
-/// Warm: it keeps the last triangles.
+/// PQP with a warm start from the closest triangles of the previous query.
 [[nodiscard]] std::unique_ptr<MeshPeer> make_pqp_meshes(const PlainMesh& a, const PlainMesh& b);
 
 }  // namespace ugoki::benchmarks

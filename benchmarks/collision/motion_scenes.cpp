@@ -13,7 +13,7 @@ namespace {
 
 constexpr int steps_of_a_round = 360;
 
-/// Few enough poses for a core's cache: a part of the round, forth and back.
+/// Number of poses, small enough for a core's cache: a part of the circular path, forth and back.
 int steps_for(int bodies) { return std::clamp(8000 / bodies, 20, steps_of_a_round); }
 int forth_and_back(int step, int steps) { return steps == steps_of_a_round || 2 * step < steps ? step : steps - step; }
 
@@ -22,11 +22,11 @@ struct Bone {
   Vec3 joint;    ///< m, in the parent's frame
   Vec3 half;     ///< m, half extents of the link
   Vec3 centre;   ///< m, in the link's frame
-  int rounds;    ///< of its swinging
-  double angle;  ///< rad
+  int rounds;    ///< oscillations of the joint during a complete round
+  double angle;  ///< rad: amplitude
 };
 
-/// Height 1.8 m, z up, facing x; the last link is a stick in the right hand.
+/// Bones of a character: height 1.8 m, z up, facing x; the last link is a stick in the right hand.
 std::vector<Bone> bones() {
   std::vector<Bone> b{{-1, {0, 0, 1.0}, {0.12, 0.17, 0.10}, {0, 0, 0}, 1, 0.1},
                       {0, {0, 0, 0.10}, {0.11, 0.14, 0.10}, {0, 0, 0.1}, 1, 0.2},
@@ -69,7 +69,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// 32 points on an ellipsoid that was made more like a box.
+/// A hull of 32 points on a boxy ellipsoid.
 void add_hull(Motion& motion, const Vec3& half, const Vec3& centre, Random& random) {
   std::vector<Vec3> points;
   for (int i = 0; i < 32; ++i) {
@@ -78,7 +78,7 @@ void add_hull(Motion& motion, const Vec3& half, const Vec3& centre, Random& rand
     points.push_back(centre + u);
   }
   const auto hull = geometry::make_hull(points);
-  if (!hull) throw std::runtime_error("no hull");
+  if (!hull) throw std::runtime_error("the hull could not be made");
   PlainBody plain;
   for (const Vec3& v : hull->vertices) plain.vertices.insert(plain.vertices.end(), {v.x, v.y, v.z});
   std::vector<Triangle> triangles;
@@ -89,7 +89,7 @@ void add_hull(Motion& motion, const Vec3& half, const Vec3& centre, Random& rand
   }
   motion.plain.bodies.push_back(std::move(plain));
   const auto surface = make_geometry(hull->vertices, triangles, true, "link");
-  if (!surface) throw std::runtime_error("no geometry");
+  if (!surface) throw std::runtime_error("the geometry could not be made");
   motion.colliders.push_back(collision::make_collider(Shape::mesh(*surface)));
 }
 
@@ -104,26 +104,26 @@ void finish(Motion& motion, int steps) {
 
 }  // namespace
 
-Motion make_figures(int figures) {
+Motion make_characters(int characters) {
   Motion out;
   Random random(4);
   const std::vector<Bone> skeleton = bones();
   std::vector<Vec3> axes;
   std::vector<double> phases;
-  for (int f = 0; f < 2 * figures; ++f)
+  for (int f = 0; f < 2 * characters; ++f)
     for (const Bone& b : skeleton) {
       add_hull(out, b.half, b.centre, random);
-      out.groups.push_back(f < figures ? 0 : 1);
+      out.groups.push_back(f < characters ? 0 : 1);
       axes.push_back(random.unit());
       phases.push_back(random.in(-pi, pi));
     }
-  out.plain.first_of_b = figures * static_cast<int>(skeleton.size());
+  out.plain.first_of_b = characters * static_cast<int>(skeleton.size());
   const int steps = steps_for(static_cast<int>(out.groups.size()));
   for (int step = 0; step < steps; ++step) {
     const double t = 2 * pi * forth_and_back(step, steps) / steps_of_a_round;
     std::size_t k = 0;
-    for (int f = 0; f < 2 * figures; ++f) {
-      const double side = f < figures ? -1 : 1, row = f % figures;
+    for (int f = 0; f < 2 * characters; ++f) {
+      const double side = f < characters ? -1 : 1, row = f % characters;
       const SinCos round = sin_cos(t + phases[k]);
       const std::size_t first = out.poses.size();
       for (const Bone& b : skeleton) {

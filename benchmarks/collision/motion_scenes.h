@@ -1,5 +1,5 @@
 #pragma once
-// Bodies in coherent motion: figures of convex links, and heaps of capsules.
+// Bodies in coherent motion: characters of convex links, and heaps of capsules.
 
 #include <vector>
 
@@ -9,9 +9,9 @@
 
 namespace ugoki::benchmarks {
 
-/// The same for us and, as plain numbers, for the peers.
+/// A motion in our types and, as plain arrays, for the peers.
 struct Motion {
-  std::vector<collision::Collider> colliders;  ///< shape's frame = body's frame
+  std::vector<collision::Collider> colliders;  ///< in the frame of the body
   std::vector<int> groups;                     ///< [bodies] 0 or 1
   std::vector<Pose> poses;                     ///< [steps][bodies]
   PlainMotion plain;
@@ -21,11 +21,11 @@ struct Motion {
   }
 };
 
-/// Two groups of `figures` figures of 20 convex links (32 vertices each) that walk on circles and swing their joints by up to a few
-/// degrees a step, hands by a few centimetres.
-[[nodiscard]] Motion make_figures(int figures);
+/// Two groups of `characters` characters of 20 convex links (32 vertices each). They walk on circular paths. Joints turn by up to a few
+/// degrees per step, and hands move by a few centimetres.
+[[nodiscard]] Motion make_characters(int characters);
 
-/// Capsules in a box that they fill to about a tenth, each drifting and turning.
+/// Drifting and turning capsules that fill about a tenth of a box.
 [[nodiscard]] Motion make_swarm(int bodies);
 
 }  // namespace ugoki::benchmarks

@@ -1,7 +1,7 @@
 // Bullet's dynamic trees of boxes (btDbvt), with its Gilbert distance of convex hulls in double precision.
 //
-// Bullet has no query for the nearest pair: the boxes of one group, made larger by the last nearest pair's distance of now, are
-// collided with those of the other, and each pair of boxes that overlap is measured.
+// Bullet has no query for the closest pair. Instead, the boxes of one group are enlarged by the present distance of the previous closest
+// pair and collided with those of the other group. The distance of each pair of overlapping boxes is then calculated.
 
 #include "bodies.h"
 
@@ -55,8 +55,8 @@ class Bullet final : public BodiesPeer {
   std::string name() const override { return "Bullet btDbvt"; }
   double nearest(int step) override {
     move(step);
-    least_ = last_i_ < 0 ? infinity : distance(last_i_, last_j_);
-    const double grow = least_ < 1e9 ? least_ : 1e9;
+    min_value_ = last_i_ < 0 ? infinity : distance(last_i_, last_j_);
+    const double grow = min_value_ < 1e9 ? min_value_ : 1e9;
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
       btVector3 low, high;
       box(i, in_a(i) ? grow : 0, low, high);
@@ -65,7 +65,7 @@ class Bullet final : public BodiesPeer {
     }
     Policy policy{*this};
     a_.collideTTpersistentStack(a_.m_root, b_.m_root, policy);
-    return least_;
+    return min_value_;
   }
   int count_within(int step, double, PlainDistance f, void* context) override {
     move(step);
@@ -92,8 +92,8 @@ class Bullet final : public BodiesPeer {
       const auto i = static_cast<int>(reinterpret_cast<std::size_t>(x->data)), j = static_cast<int>(reinterpret_cast<std::size_t>(y->data));
       if (i == owner_.last_i_ && j == owner_.last_j_) return;
       const double d = owner_.distance(i, j);
-      if (d >= owner_.least_) return;
-      owner_.least_ = d;
+      if (d >= owner_.min_value_) return;
+      owner_.min_value_ = d;
       owner_.last_i_ = i;
       owner_.last_j_ = j;
     }
@@ -135,7 +135,7 @@ class Bullet final : public BodiesPeer {
   std::vector<btBroadphaseProxy*> proxies_;
   btVoronoiSimplexSolver simplex_;
   btGjkEpaPenetrationDepthSolver depth_;
-  double least_ = infinity;
+  double min_value_ = infinity;
   int last_i_ = -1, last_j_ = -1;
 };
 

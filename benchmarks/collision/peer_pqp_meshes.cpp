@@ -1,4 +1,4 @@
-// PQP, warm: it keeps the last pair of triangles.
+// PQP with a warm start: it keeps the last pair of triangles.
 
 #include "meshes.h"
 

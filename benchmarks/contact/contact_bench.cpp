@@ -1,11 +1,11 @@
-// Whole steps of 2 ms: collision analysis, collision force, dynamics.
+// Times of complete steps of 2 ms: collision analysis, collision force and dynamics.
 
 #include <benchmark/benchmark.h>
 
 #include <array>
 #include <vector>
 
-#include "figure.h"
+#include "character.h"
 #include "ugoki/collision/scene.h"
 #include "ugoki/contact/stepper.h"
 
@@ -14,14 +14,14 @@ namespace {
 
 constexpr double dt = 0.002;
 
-/// The figure over the ground, held in its pose by servos or limp.
+/// The character above the ground, held in its pose by servos or without drives.
 struct World {
-  MechanismPtr figure = make_figure();
-  State state = standing_state(*figure);
-  collision::Scene scene{{figure}, collision::Ground{}};
+  MechanismPtr character = make_character();
+  State state = standing_state(*character);
+  collision::Scene scene{{character}, collision::Ground{}};
   collision::Workspace workspace{scene};
-  contact::Stepper stepper{{figure}, contact::StepperOptions{}};
-  std::vector<Pose> poses = std::vector<Pose>(static_cast<std::size_t>(figure->link_count()));
+  contact::Stepper stepper{{character}, contact::StepperOptions{}};
+  std::vector<Pose> poses = std::vector<Pose>(static_cast<std::size_t>(character->link_count()));
   std::vector<collision::ContactPoint> contacts;
   std::vector<double> gain, rest = std::vector<double>(state.v.size());
   std::size_t contact_count = 0;
@@ -32,7 +32,7 @@ struct World {
   }
 
   bool step() {
-    calc_poses(*figure, state.q, poses);
+    calc_poses(*character, state.q, poses);
     const std::array<std::span<const Pose>, 1> all = {poses};
     collision::find_contacts(scene, all, 0.02, workspace, contacts);
     contact_count += contacts.size();
@@ -41,7 +41,7 @@ struct World {
   }
 };
 
-/// From the standing pose, one second a time: with stiff joints it stands, with limp ones it falls and comes to lie.
+/// One simulated second from the standing pose, repeated. With stiff joints the character stays upright; without drives it falls.
 void one_second(benchmark::State& run, double stiffness, double lowest_pelvis, double highest_pelvis) {
   World world(stiffness);
   const State begin = world.state;
@@ -53,7 +53,7 @@ void one_second(benchmark::State& run, double stiffness, double lowest_pelvis, d
     steps += 500;
     ok = ok && world.state.q[2] > lowest_pelvis && world.state.q[2] < highest_pelvis;
   }
-  if (!ok) run.SkipWithError("the figure is not where it should be");
+  if (!ok) run.SkipWithError("the character did not stand (stiff) or fall (limp) as expected");
   const auto count = static_cast<double>(steps);
   run.counters["step"] = benchmark::Counter(count, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   run.counters["faster_than_real_time"] = benchmark::Counter(count * dt, benchmark::Counter::kIsRate);

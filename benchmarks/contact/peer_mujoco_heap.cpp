@@ -45,7 +45,7 @@ HeapResult run_mujoco_heap(const std::vector<HeapBody>& heap, double dt, int ste
     mj_step(model, data);
     for (int k = 0; k < data->ncon; ++k) result.deepest = std::max(result.deepest, -data->contact[k].dist);
   }
-  result.measured = data->time > 0.5 * dt * steps;  // it begins anew where it blows up
+  result.measured = data->time > 0.5 * dt * steps;  // MuJoCo restarts from time 0 if the simulation diverges
   mj_deleteData(data);
   mj_deleteModel(model);
   return result;

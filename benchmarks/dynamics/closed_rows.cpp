@@ -1,5 +1,5 @@
-// Rows of closed links: the humanoid with its feet and hands held (6 rows each), with hand on hand and foot on foot, and four-bars in
-// series. Forward dynamics from q and v, forces in the loops included. MuJoCo's loops are soft, so that its results are not the same.
+// Rows of closed links: the humanoid with feet and hands welded to the world (6 rows each), with hand welded to hand and foot to foot, and
+// four-bars in series. Forward dynamics from q and v, including loop forces. MuJoCo's loops are soft, so its results differ.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ void put(const Mat3& R, double* to) {
   to[0] = q.w, to[1] = q.x, to[2] = q.y, to[3] = q.z;
 }
 
-/// Closes the loops at the state, whose velocity then opens none of them, and measures.
+/// Closes the loops at the state, projects its velocity onto the loops, and measures.
 void measure_closed(Table& table, const std::string& row, double per, const MechanismPtr& m, State s, const std::vector<Loop>& loops,
                     PlainTree tree) {
   dynamics::OpenSystemOptions options;
@@ -39,7 +39,7 @@ void measure_closed(Table& table, const std::string& row, double per, const Mech
   const std::vector<double> accelerations = of_joints(*m, vdot);
   std::vector<std::function<void()>> functions{[&] { (void)system.calc_acceleration(0, s.q, s.v, vdot); }};
   std::vector<std::unique_ptr<Peer>> peers;
-  const bool open = tree.loops.empty();  // too large for the peers
+  const bool open = tree.loops.empty();  // an empty list of loops marks mechanisms that are too large for the peers
   for (auto make : {make_mujoco, make_simbody}) {
     auto peer = open ? nullptr : make(tree);
     if (!peer || !peer->forward()) continue;
@@ -53,14 +53,14 @@ void measure_closed(Table& table, const std::string& row, double per, const Mech
     table.add({.row = row, .ours_ns = ns[0], .peer = peers[i]->name(), .peer_ns = ns[i + 1], .per = per});
 }
 
-/// Link b of the plain tree, which has no links that are fixed to others.
+/// Index of the link in the plain tree, in which links fixed to others are merged.
 int plain_index(const Mechanism& m, int link) {
   int index = -1;
   for (int i = 0; i <= link; ++i) index += m.link(i).joint.nv() > 0 ? 1 : 0;
   return link < 0 ? -1 : index;
 }
 
-/// The nearest link with a joint of its own.
+/// The link itself or its closest ancestor that has a movable joint.
 int moving_link(const Mechanism& m, int link) {
   while (m.link(link).joint.nv() == 0) link = m.link(link).parent;
   return link;
@@ -82,7 +82,7 @@ void humanoid_loops(Table& table) {
     leaves.push_back({-depth, i});
   }
   std::ranges::sort(leaves);
-  if (leaves.size() < 4) throw std::runtime_error("the humanoid has no four limbs");
+  if (leaves.size() < 4) throw std::runtime_error("the humanoid has fewer than four limbs");
   const auto weld = [&](int a, int b) {
     Loop l{.name = "weld", .type = LoopType::weld, .link_a = a, .link_b = b};
     const Pose X_WA = a < 0 ? Pose{} : ws.X_WB[static_cast<std::size_t>(a)];
@@ -108,7 +108,7 @@ void humanoid_loops(Table& table) {
 }
 const RowRegistration register_humanoid_loops(400, humanoid_loops);
 
-/// Four-bars in a vertical plane, each on the coupler of the one before, closed at q = 0.
+/// Four-bar linkages in a vertical plane, each mounted on the coupler of the previous one, closed at q = 0.
 void four_bars(Table& table) {
   for (const int n : {1, 10, 100, 1000}) {
     MechanismSpec spec;

@@ -1,4 +1,4 @@
-// Rows of derivatives of the humanoid's dynamics, kinematics included, and of a step of each integrator.
+// Rows of derivatives of the humanoid's dynamics, including kinematics, and of one step of each integrator.
 
 #include "scenes.h"
 #include "table.h"
@@ -36,7 +36,7 @@ void derivatives(Table& table) {
     dynamics::calc_centroidal_matrix(*m, ws, A_G);
   };
   forward();
-  // central differences of the accelerations along one freedom of each kind
+  // check by central differences of the accelerations along one DOF of each kind
   for (const std::size_t j : {std::size_t{0}, std::size_t{4}, n - 1}) {
     std::vector<double> step(n), q(s.q.size()), high(n), low(n), exact(n);
     step[j] = 1;

@@ -1,4 +1,4 @@
-// Rows of open links, one instance at a time: the humanoid and chains. Everything from q and v, kinematics included, on both sides.
+// Rows of open links, one instance per call: the humanoid and chains. All times include kinematics from q and v, ours and the peers'.
 
 #include "scenes.h"
 #include "table.h"
@@ -9,9 +9,9 @@ namespace {
 
 using Peers = std::vector<std::unique_ptr<Peer>>;
 
-Peers peers_of(const PlainTree& tree, int most_links_of_mujoco) {
+Peers peers_of(const PlainTree& tree, int max_links_of_mujoco) {
   Peers all;
-  if (static_cast<int>(tree.links.size()) <= most_links_of_mujoco) all.push_back(make_mujoco(tree));
+  if (static_cast<int>(tree.links.size()) <= max_links_of_mujoco) all.push_back(make_mujoco(tree));
   if (tree.links.size() <= 3000) all.push_back(make_bullet(tree));
   if (tree.links.size() <= 300) all.push_back(make_dart(tree));
   if (tree.links.size() <= 300) all.push_back(make_simbody(tree));
@@ -19,14 +19,14 @@ Peers peers_of(const PlainTree& tree, int most_links_of_mujoco) {
   return all;
 }
 
-/// Measures ours with each peer that can do `task`, after its results were found the same.
+/// Measures our time and that of each peer that supports `task`, after comparing the results.
 void compare(Table& table, const std::string& row, double per, const std::function<void()>& ours, const Peers& peers, bool (Peer::*task)(),
              const std::function<void(Peer&)>& check) {
   std::vector<std::function<void()>> functions{ours};
   std::vector<std::string> names;
   for (const auto& peer : peers) {
     Peer* const p = peer.get();
-    (void)p->forward();  // the accelerations that inverse() takes
+    (void)p->forward();  // sets the accelerations that inverse() uses
     if (!(p->*task)()) continue;
     check(*p);
     names.push_back(p->name());

@@ -61,7 +61,8 @@ class Bullet final : public Peer {
   }
   std::vector<double> joint_accelerations() override {
     std::vector<double> out;
-    for (int i = 0; i < links_ - first_; ++i) out.push_back(r_[body_->getNumDofs() + 6 + i]);  // after as many intermediate numbers
+    for (int i = 0; i < links_ - first_; ++i)
+      out.push_back(r_[body_->getNumDofs() + 6 + i]);  // the results follow nv + 6 intermediate values
     return out;
   }
 

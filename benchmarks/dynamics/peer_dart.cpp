@@ -85,7 +85,7 @@ class Dart final : public Peer {
   }
 
  private:
-  /// What depends on positions is computed anew only where they differ from the last.
+  /// DART recomputes position-dependent quantities only if the positions have changed.
   void move() { skeleton_->setPositions(positions_[which_ ^= 1]); }
 
   SkeletonPtr skeleton_;

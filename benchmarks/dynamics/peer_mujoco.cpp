@@ -47,7 +47,7 @@ class MuJoCo final : public Peer {
       const auto qi = static_cast<std::size_t>(q), vi = static_cast<std::size_t>(v);
       std::copy_n(tree.q.data() + qi, floating ? 7 : 1, data_->qpos + model_->jnt_qposadr[joint]);
       const int dof = model_->jnt_dofadr[joint];
-      for (int k = 0; k < (floating ? 6 : 1); ++k) {  // theirs: velocity before angular velocity
+      for (int k = 0; k < (floating ? 6 : 1); ++k) {  // MuJoCo's order: linear before angular velocity
         data_->qvel[dof + (floating ? (k + 3) % 6 : k)] = tree.v[vi + static_cast<std::size_t>(k)];
         data_->qfrc_applied[dof + (floating ? (k + 3) % 6 : k)] = tree.tau[vi + static_cast<std::size_t>(k)];
       }
@@ -90,7 +90,7 @@ class MuJoCo final : public Peer {
     for (const int dof : dofs_) out.push_back(x[dof]);
     return out;
   }
-  static std::string equality(const PlainLoop& l) {  // soft: gaps are pulled together
+  static std::string equality(const PlainLoop& l) {  // soft constraints: gaps close gradually
     const std::string b = "b" + std::to_string(l.b), a = "b" + std::to_string(l.a);
     if (l.a < 0) return "<weld body1='" + b + "' relpose='" + numbers(l.inverse_p, 3) + numbers(l.inverse_rotation, 4) + "'/>";
     if (l.weld) return "<weld body1='" + a + "' body2='" + b + "' relpose='" + numbers(l.p, 3) + numbers(l.rotation, 4) + "'/>";

@@ -1,4 +1,4 @@
-// Compiled as C++14: Simbody 3.7's headers do not compile as anything newer.
+// Compiled as C++14, because Simbody 3.7's headers do not compile with newer standards.
 
 #include "plain_tree.h"
 

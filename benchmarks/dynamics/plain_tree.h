@@ -1,6 +1,6 @@
 #pragma once
-// A tree of links and its state as plain numbers: what peers are built from, in translation units with flags of their own.
-// Joint frames are not turned; inertias are about the centre of mass along the link's axes.
+// A tree of links and its state as plain values, from which peers (other engines) are built in translation units with their own flags.
+// Joint frames are parallel to the link frames; inertias are about the centre of mass along the link's axes.
 
 #include <memory>
 #include <string>
@@ -13,10 +13,10 @@ struct PlainLink {
   int parent = -1;        ///< -1: the world
   bool floating = false;  ///< otherwise revolute
   double axis[3] = {};
-  double p[3] = {};        ///< m, joint in the parent
+  double p[3] = {};        ///< m: position of the joint in the parent's frame
   double mass = 0;         ///< kg
-  double centre[3] = {};   ///< m
-  double inertia[3] = {};  ///< kg m^2
+  double centre[3] = {};   ///< m: centre of mass in the link's frame
+  double inertia[3] = {};  ///< kg m^2: principal moments
 };
 
 /// A closed loop: link b welded to link a, or a ball joint between a point of each.
@@ -25,11 +25,12 @@ struct PlainLoop {
   bool weld = true;
   double p[3] = {};          ///< weld: origin of b in a; ball: the point in a, in m
   double rotation[4] = {1};  ///< weld: b in a, wxyz
-  double inverse_p[3] = {};  ///< weld: origin of a in b; ball: the point in b
+  double inverse_p[3] = {};  ///< m; weld: origin of a in b; ball: the point in b
   double inverse_rotation[4] = {1};
 };
 
-/// A floating link has q: position, quaternion wxyz; v: angular velocity in the link, velocity in the world; tau likewise, and 0.
+/// Tree and state. A floating link has q: position, quaternion wxyz; v: angular velocity in the link's frame, velocity in the world; its
+/// tau has the order of v and is 0.
 struct PlainTree {
   std::vector<PlainLink> links;
   std::vector<PlainLoop> loops;
@@ -37,21 +38,21 @@ struct PlainTree {
   double gravity = -9.81;  ///< m/s^2 along z
 };
 
-/// One installed physics engine with the tree in it. What it cannot do returns false.
+/// The tree in another physics engine. A function returns false if the engine does not support it.
 class Peer {
  public:
   virtual ~Peer() = default;
   virtual std::string name() const = 0;
-  /// Computes from q, v (and tau, or `vdot` of the last forward) everything anew, kinematics included.
+  /// Calculates from q, v and tau (inverse(): the accelerations of the last forward()), including kinematics.
   virtual bool forward() { return false; }
   virtual bool inverse() { return false; }
   virtual bool inertia() { return false; }
-  /// Of the revolute joints in the order of links, after forward() or inverse().
+  /// Results of the revolute joints in the order of links, after forward() or inverse().
   virtual std::vector<double> joint_accelerations() = 0;
   virtual std::vector<double> joint_torques() { return {}; }
 };
 
-/// Null where the engine is not installed.
+/// Make a peer; null if the engine is not installed.
 std::unique_ptr<Peer> make_mujoco(const PlainTree& tree);
 std::unique_ptr<Peer> make_bullet(const PlainTree& tree);
 std::unique_ptr<Peer> make_dart(const PlainTree& tree);

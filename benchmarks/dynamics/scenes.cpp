@@ -24,7 +24,7 @@ void add(MechanismSpec& spec, const std::string& name, const std::string& parent
   spec.links.push_back(link);
 }
 
-/// Joints, masses and sizes like those of the file.
+/// A humanoid with joints, masses and sizes similar to those of the URDF file.
 MechanismSpec humanoid_like() {
   MechanismSpec spec;
   spec.name = "humanoid";
@@ -116,7 +116,7 @@ PlainTree plain(const Mechanism& m, const State& s) {
   std::vector<Inertia> inertias;
   for (const Link& link : m.links()) {
     const Joint& j = link.joint;
-    if (j.X_PJ.R != Mat3::identity()) throw std::runtime_error("peers take joint frames that are not turned");
+    if (j.X_PJ.R != Mat3::identity()) throw std::runtime_error("peers support only joint frames parallel to the link frames");
     const Place parent = link.parent < 0 ? Place{-1, {}} : places[static_cast<std::size_t>(link.parent)];
     const Vec3 p = parent.p + j.X_PJ.p;
     if (j.type == JointType::fixed && parent.link >= 0) {
@@ -124,7 +124,8 @@ PlainTree plain(const Mechanism& m, const State& s) {
       inertias[static_cast<std::size_t>(parent.link)] += link.inertia.in_parent({Mat3::identity(), p});
       continue;
     }
-    if (j.type != JointType::floating && j.type != JointType::revolute) throw std::runtime_error("peers take revolute joints");
+    if (j.type != JointType::floating && j.type != JointType::revolute)
+      throw std::runtime_error("peers support only revolute and floating joints");
     places.push_back({static_cast<int>(tree.links.size()), {}});
     inertias.push_back(link.inertia);
     tree.links.push_back(
@@ -133,7 +134,8 @@ PlainTree plain(const Mechanism& m, const State& s) {
   for (std::size_t i = 0; i < inertias.size(); ++i) {
     const Vec3 c = inertias[i].centre();
     const Sym3 I = inertias[i].about_centre();
-    if (std::fabs(I.xy) + std::fabs(I.xz) + std::fabs(I.yz) > 1e-12) throw std::runtime_error("peers take principal axes along the link's");
+    if (std::fabs(I.xy) + std::fabs(I.xz) + std::fabs(I.yz) > 1e-12)
+      throw std::runtime_error("peers support only principal axes of inertia along the link's axes");
     PlainLink& l = tree.links[i];
     l.mass = inertias[i].mass;
     for (int k = 0; k < 3; ++k) l.centre[k] = c[k];

@@ -10,7 +10,8 @@ namespace ugoki::benchmarks {
 AssimpMotion read_bvh_with_assimp(const std::string& text) {
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFileFromMemory(text.data(), text.size(), 0, "bvh");
-  if (!scene || scene->mNumAnimations == 0) throw std::runtime_error(std::string("assimp does not read it: ") + importer.GetErrorString());
+  if (!scene || scene->mNumAnimations == 0)
+    throw std::runtime_error(std::string("assimp cannot read the file: ") + importer.GetErrorString());
   const aiAnimation& animation = *scene->mAnimations[0];
   AssimpMotion out;
   out.joints = animation.mNumChannels;

@@ -8,10 +8,10 @@
 namespace ugoki::benchmarks {
 
 struct AssimpMotion {
-  std::size_t joints = 0, keys = 0;  ///< animated nodes; keys of the first of them
+  std::size_t joints = 0, keys = 0;  ///< number of animated nodes; number of keys of the first one
   std::vector<double> root;          ///< position of the root in every frame, file units
 };
-/// Throws where assimp refuses.
+/// Throws if assimp refuses the file.
 [[nodiscard]] AssimpMotion read_bvh_with_assimp(const std::string& text);
 
 }  // namespace ugoki::benchmarks

@@ -1,4 +1,4 @@
-// A minute of motion capture, 120 frames a second: read, filtered, retargeted, written; beside assimp's BVH reader.
+// One minute of motion capture at 120 frames per second: read, filtered, retargeted and written; compared with assimp's BVH reader.
 
 #include <cmath>
 #include <functional>
@@ -34,7 +34,7 @@ MeasuredMotion walk_with_fingers() {
       j.parent = hand;
       j.offset = {forward, (forward > 0.03 ? 0.03 : 0.09) * side, 0};
       j.end_sites = {{0, 0.07 * side, 0}};
-      j.freedoms = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
+      j.dofs = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
       m.skeleton.joints.push_back(j);
       forward -= 0.02;
     }
@@ -53,7 +53,7 @@ MeasuredMotion walk_with_fingers() {
   return m;
 }
 
-/// That walk, on and on, with a little noise so that no two rounds are the same: 60 s.
+/// That walk, repeated for 60 s with a little noise, so that no two cycles are equal.
 MeasuredMotion minute() {
   const MeasuredMotion walk = walk_with_fingers();
   MeasuredMotion m = walk;
@@ -86,7 +86,7 @@ T required(Result<T> r) {
   return std::move(*r);
 }
 
-/// Every coordinate through the zero-lag Butterworth filter.
+/// Applies the zero-lag Butterworth filter to every coordinate.
 Motion filtered(const Motion& motion, const Mechanism& mechanism) {
   const SmoothMotion smooth(motion, mechanism, 6);
   Motion out = motion;
@@ -120,12 +120,12 @@ void rows(Table& table) {
   const Motion moved = required(retarget::retarget(body.mechanism, smooth, child)).motion;
   const MeasuredMotion to_write = motion_edit::to_measured(*child, moved);
   const formats::BvhWriteOptions how{.metres_per_unit = 0.01, .decimals = 6};
-  const auto least = [](const std::function<void()>& f) { return measure({f}, 1)[0]; };
-  table.add({title + "onto the body", least([&] { (void)body::to_motion(body, read); }), "", 0, 0});
-  table.add({title + "low-pass filter, 6 Hz", least([&] { (void)filtered(motion, *body.mechanism); }), "", 0, 0});
-  table.add({title + "retarget to a child", least([&] { (void)required(retarget::retarget(body.mechanism, smooth, child)); }), "", 0, 0});
-  table.add({title + "write BVH", least([&] { (void)formats::write_bvh(to_write, how); }), "", 0, 0});
-  table.add({title + "all of it (goal: 0.5 s)", least([&] {
+  const auto minimum = [](const std::function<void()>& f) { return measure({f}, 1)[0]; };
+  table.add({title + "onto the body", minimum([&] { (void)body::to_motion(body, read); }), "", 0, 0});
+  table.add({title + "low-pass filter, 6 Hz", minimum([&] { (void)filtered(motion, *body.mechanism); }), "", 0, 0});
+  table.add({title + "retarget to a child", minimum([&] { (void)required(retarget::retarget(body.mechanism, smooth, child)); }), "", 0, 0});
+  table.add({title + "write BVH", minimum([&] { (void)formats::write_bvh(to_write, how); }), "", 0, 0});
+  table.add({title + "all of it (goal: 0.5 s)", minimum([&] {
                const MeasuredMotion m = required(formats::read_bvh(text, "minute.bvh", centimetres));
                const Motion onto = filtered(body::to_motion(body, m), *body.mechanism);
                const Motion other = required(retarget::retarget(body.mechanism, onto, child)).motion;

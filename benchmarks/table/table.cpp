@@ -1,6 +1,9 @@
-// ugoki_<topic>_bench [--json FILE] [--orders LOW-HIGH]: the table; a JSON list of {"row", "ours_ns", "peer", "peer_ns", "ratio"}.
+// ugoki_<topic>_bench [--json FILE] [--orders LOW-HIGH] [--rows PATTERN]: prints the table; FILE gets a JSON list of {"row", "ours_ns",
+// "peer", "peer_ns", "ratio"} and Row::extra. --rows is for topics that call is_selected().
 
 #include "table.h"
+
+#include <fnmatch.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,6 +25,11 @@ std::vector<Registered>& registry() {
   return all;
 }
 
+std::string& row_pattern() {
+  static std::string pattern = "*";
+  return pattern;
+}
+
 using Clock = std::chrono::steady_clock;
 
 double time_of(const std::function<void()>& f, int count) {
@@ -37,9 +45,11 @@ void write_json(const std::vector<Row>& rows, const char* file) {
     const Row& r = rows[i];
     out << (i == 0 ? "\n" : ",\n") << R"(  {"row": ")" << r.row << R"(", "ours_ns": )" << r.ours_ns << R"(, "peer": )";
     if (r.peer.empty())
-      out << R"(null, "peer_ns": null, "ratio": null})";
+      out << R"(null, "peer_ns": null, "ratio": null)";
     else
-      out << '"' << r.peer << R"(", "peer_ns": )" << r.peer_ns << R"(, "ratio": )" << r.peer_ns / r.ours_ns << "}";
+      out << '"' << r.peer << R"(", "peer_ns": )" << r.peer_ns << R"(, "ratio": )" << r.peer_ns / r.ours_ns;
+    for (const auto& [name, value] : r.extra) out << ", \"" << name << "\": " << value;
+    out << "}";
   }
   out << "\n]\n";
 }
@@ -56,11 +66,14 @@ void Table::add(const Row& r) {
   else
     std::printf(" %10s", "");
   if (r.peer.empty())
-    std::printf("  %-34s\n", "-");
+    std::printf("  %-34s", "-");
   else
-    std::printf("  %-34s %12.0f %8.2f\n", r.peer.c_str(), r.peer_ns, r.peer_ns / r.ours_ns);
+    std::printf("  %-34s %12.0f %8.2f", r.peer.c_str(), r.peer_ns, r.peer_ns / r.ours_ns);
+  std::printf("%s%s\n", r.note.empty() ? "" : "  ", r.note.c_str());
   std::fflush(stdout);
 }
+
+bool is_selected(const std::string& row) { return fnmatch(row_pattern().c_str(), row.c_str(), 0) == 0; }
 
 std::vector<double> measure(const std::vector<std::function<void()>>& functions, double seconds) {
   std::vector<int> counts;
@@ -90,7 +103,7 @@ void require_same(const std::vector<double>& a, const std::vector<double>& b, do
   for (std::size_t i = 0; i < a.size(); ++i) {
     scale = std::max(scale, std::fabs(b[i]));
     const double difference = std::fabs(a[i] - b[i]);
-    worst = difference <= worst ? worst : difference;  // keeps NaN
+    worst = difference <= worst ? worst : difference;  // a NaN difference stays NaN
   }
   if (!(worst <= relative * scale))
     throw std::runtime_error(what + ": results differ by " + std::to_string(worst) + " of " + std::to_string(scale));
@@ -105,8 +118,10 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; i += 2) {
     if (i + 1 < argc && std::strcmp(argv[i], "--json") == 0) {
       json = argv[i + 1];
+    } else if (i + 1 < argc && std::strcmp(argv[i], "--rows") == 0) {
+      row_pattern() = std::string("*") + argv[i + 1] + "*";
     } else if (i + 1 >= argc || std::strcmp(argv[i], "--orders") != 0 || std::sscanf(argv[i + 1], "%d-%d", &low, &high) != 2) {
-      std::fprintf(stderr, "usage: %s [--json FILE] [--orders LOW-HIGH]\n", argv[0]);
+      std::fprintf(stderr, "usage: %s [--json FILE] [--orders LOW-HIGH] [--rows PATTERN]\n", argv[0]);
       return 2;
     }
   }
@@ -125,6 +140,7 @@ int main(int argc, char** argv) {
     }
   }
   if (json != nullptr) write_json(table.rows(), json);
-  if (failed > 0) std::fprintf(stderr, "FAILED: %d group(s) of rows were not measured; the lines NOT MEASURED above say why\n", failed);
+  if (failed > 0)
+    std::fprintf(stderr, "FAILED: %d group(s) of rows were not measured; see the lines NOT MEASURED above for the reasons\n", failed);
   return failed > 0 ? 1 : 0;
 }

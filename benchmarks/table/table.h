@@ -1,12 +1,13 @@
 #pragma once
-// The table that ./bench dynamics and ./bench collision print: rows of our time against a peer's, measured in one run.
+// The table that ./bench circuit, collision, dynamics, motion and step print: rows of our time and a peer's time, measured in the same run.
 //
-// A row is added by a file of its own: it defines a function that measures and calls Table::add(), and registers it with a static
-// RowRegistration. Before anything is timed, the results are compared; a row whose results differ throws, and the program fails.
+// A file of rows defines a function that measures and calls Table::add(), and registers the function with a static RowRegistration. The
+// function first compares the results of both sides and throws if they differ; the program then fails.
 
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ugoki::benchmarks {
@@ -15,9 +16,11 @@ namespace ugoki::benchmarks {
 struct Row {
   std::string row;
   double ours_ns = 0;
-  std::string peer;  ///< empty: nothing to compare with
+  std::string peer;  ///< name of the compared library; empty: none
   double peer_ns = 0;
-  double per = 0;  ///< not 0: the number of joints, or the like, for the column "ns each"
+  double per = 0;  ///< divisor for the column "ns each", for example the number of joints; 0: none
+  std::vector<std::pair<std::string, double>> extra = {};  ///< additional fields of the JSON file
+  std::string note = {};                                   ///< printed at the end of the line
 };
 
 class Table {
@@ -29,17 +32,20 @@ class Table {
   std::vector<Row> rows_;
 };
 
+/// Whether the option --rows PATTERN (a part of the name, with * and ?) selects this row. True without the option.
+[[nodiscard]] bool is_selected(const std::string& row);
+
 using RowMaker = void (*)(Table&);
 struct RowRegistration {
-  /// @param order where in the table, different for each. Dynamics: humanoid 100, chains 200, batches 300, closed links 400.
-  /// Collision: convex pairs 100, mesh pairs 200, figures and many bodies 300. The program's --orders LOW-HIGH measures only some.
+  /// @param order position in the table, unique. Dynamics: humanoid 100, chains 200, batches 300, closed links 400. Collision: convex pairs
+  /// 100, mesh pairs 200, characters and many bodies 300. The option --orders LOW-HIGH selects a range.
   RowRegistration(int order, RowMaker maker);
 };
 
-/// Least time of one call of each function in ns: they take turns in batches of at least 0.1 ms, for about `seconds` each.
+/// ns: minimum time of one call of each function. The functions alternate in batches of at least 0.1 ms, for about `seconds` each.
 [[nodiscard]] std::vector<double> measure(const std::vector<std::function<void()>>& functions, double seconds = 0.4);
 
-/// Throws where two results differ by more than `relative` of the greatest magnitude (at least 1).
+/// Throws if two results differ by more than `relative` times their maximum magnitude (at least 1).
 void require_same(const std::vector<double>& a, const std::vector<double>& b, double relative, const std::string& what);
 
 }  // namespace ugoki::benchmarks

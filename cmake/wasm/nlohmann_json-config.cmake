@@ -1,4 +1,4 @@
-# nlohmann-json for the WebAssembly build: only its own folder of the build machine's headers, without the C library's beside it.
+# nlohmann-json for the WebAssembly build: makes only its folder of the host's /usr/include visible, not the host's C library headers.
 find_path(nlohmann_json_host_include nlohmann/json.hpp PATHS /usr/include /usr/local/include NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH REQUIRED)
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/host-include)
 file(CREATE_LINK ${nlohmann_json_host_include}/nlohmann ${CMAKE_BINARY_DIR}/host-include/nlohmann SYMBOLIC)

@@ -1,4 +1,5 @@
-// LSIs from C++ structs: declared once, next to the struct. C++17, header only; docs/lsi.md tells more.
+// Software LSIs from C++ structs: one declaration next to the struct makes it an LSI of a library. C++17, header only.
+// The guide is docs/lsi.md; the binary interface behind this header is ugoki/lsi.h.
 //
 //   #include <ugoki/lsi.hpp>
 //
@@ -13,12 +14,16 @@
 //             ugoki::in(&Spring::x, "x", "m", "How far it is stretched.", {-1, 1}),
 //             ugoki::parameter(&Spring::stiffness, "stiffness", "N/m", "Force for each metre.", {0, 1e6}),
 //             ugoki::out(&Spring::force, "force", "N", "The force."),
-//             ugoki::state(&Spring::peak, "peak", "N", "Greatest force so far."))
+//             ugoki::state(&Spring::peak, "peak", "N", "Maximum force so far."))
 //   UGOKI_LIBRARY("springs", "1.0", "Springs of several kinds.")
 //
-// The struct is the LSI's state: plain data (no pointers to memory, strings or containers). Inputs and parameters are set before each
-// step, outputs are read after it. Members: double, float, int, bool, std::array<double, N>. A step may return bool or const char*:
-// false, or a sentence, stops the circuit; so does an exception.
+// The struct is the state of the LSI: trivially copyable data, without pointers to memory, strings or containers, because the host saves
+// and restores its bytes. Declared members are of type double, float, int, bool or std::array<double, N>; an array of 3 is a vector, of 4 a
+// rotation (unit quaternion w, x, y, z), of 7 a pose, and of any other size joint values. A parameter is a single value, not an array.
+//
+// In each tick the inputs and parameters are copied into the members, then `step` is called, then the outputs are copied from the members.
+// `step` takes no argument or a const ugoki::Tick&. It returns nothing, a bool or a const char*. To stop the circuit, return false, return
+// a sentence with the reason, or throw an exception; a null pointer means success.
 #pragma once
 
 #include <array>
@@ -38,29 +43,48 @@ namespace ugoki {
 
 using Tick = ugoki_tick;
 
+/// Range of values. Equal bounds mean: no range.
 struct Range {
   double minimum = 0, maximum = 0;
 };
 
 namespace lsi_detail {
 
+/// Use of a declared member: pin, parameter or field of the state.
 enum class Role { in, out, delayed_out, parameter, state };
+/// C++ type of the numbers of a member.
 enum class Number { f64, f32, i32, boolean };
 
+/// Type and count of the numbers of a member of type T. Other types than the five below do not compile.
 template <class T>
 struct Shape;
 template <>
-struct Shape<double> { static constexpr Number number = Number::f64; static constexpr std::uint32_t count = 1; };
+struct Shape<double> {
+  static constexpr Number number = Number::f64;
+  static constexpr std::uint32_t count = 1;
+};
 template <>
-struct Shape<float> { static constexpr Number number = Number::f32; static constexpr std::uint32_t count = 1; };
+struct Shape<float> {
+  static constexpr Number number = Number::f32;
+  static constexpr std::uint32_t count = 1;
+};
 template <>
-struct Shape<int> { static constexpr Number number = Number::i32; static constexpr std::uint32_t count = 1; };
+struct Shape<int> {
+  static constexpr Number number = Number::i32;
+  static constexpr std::uint32_t count = 1;
+};
 template <>
-struct Shape<bool> { static constexpr Number number = Number::boolean; static constexpr std::uint32_t count = 1; };
+struct Shape<bool> {
+  static constexpr Number number = Number::boolean;
+  static constexpr std::uint32_t count = 1;
+};
 template <std::size_t N>
-struct Shape<std::array<double, N>> { static constexpr Number number = Number::f64; static constexpr std::uint32_t count = N; };
+struct Shape<std::array<double, N>> {
+  static constexpr Number number = Number::f64;
+  static constexpr std::uint32_t count = N;
+};
 
-/// A member and what it is for.
+/// A declared member of the struct S. `offset` is in bytes from the start of S.
 template <class S>
 struct Member {
   Role role;
@@ -71,6 +95,7 @@ struct Member {
   Range range;
 };
 
+/// Describes the member `where`. Its offset is measured on a default-constructed S.
 template <class S, class T>
 Member<S> member(Role role, T S::* where, const char* name, const char* unit, const char* doc, Range range) {
   static const S sample{};
@@ -78,6 +103,7 @@ Member<S> member(Role role, T S::* where, const char* name, const char* unit, co
   return {role, Shape<T>::number, Shape<T>::count, static_cast<std::size_t>(offset), name, unit, doc, range};
 }
 
+/// The number at an address, as a double; true is 1.
 inline double read(const char* at, Number number) {
   switch (number) {
     case Number::f64: return *reinterpret_cast<const double*>(at);
@@ -87,6 +113,7 @@ inline double read(const char* at, Number number) {
   }
   return 0;
 }
+/// Writes x at an address. Integers are rounded to the nearest one; values above 0 are true.
 inline void write(char* at, Number number, double x) {
   switch (number) {
     case Number::f64: *reinterpret_cast<double*>(at) = x; break;
@@ -95,21 +122,27 @@ inline void write(char* at, Number number, double x) {
     case Number::boolean: *reinterpret_cast<bool*>(at) = x > 0; break;
   }
 }
+/// Pin type (enum ugoki_type) of a member with `count` numbers.
 inline std::uint32_t type_of(std::uint32_t count) {
   return count == 1 ? UGOKI_SCALAR : count == 3 ? UGOKI_VECTOR : count == 4 ? UGOKI_ROTATION : count == 7 ? UGOKI_POSE : UGOKI_JOINT_VALUES;
 }
 
+/// Where the numbers of a pin or parameter are in the struct: `count` numbers at `offset` bytes.
 struct Wire {
   Number number;
   std::uint32_t count;
   std::size_t offset;
-  [[nodiscard]] std::size_t bytes() const { return number == Number::f32 ? 4 : number == Number::i32 ? 4 : number == Number::boolean ? 1 : 8; }
+  [[nodiscard]] std::size_t bytes() const {
+    return number == Number::f32 ? 4 : number == Number::i32 ? 4 : number == Number::boolean ? 1 : 8;
+  }
 };
 
-/// The tables of one struct. They live as long as the library.
+/// The constant tables that describe the struct S to the host (ugoki/lsi.h), and the functions that the host calls. One static object for
+/// each S; it lives as long as the library is loaded.
 template <class S>
 struct Tables {
-  static_assert(std::is_trivially_copyable_v<S>, "An LSI's struct is plain data: no pointers to memory, strings or containers.");
+  static_assert(std::is_trivially_copyable_v<S>,
+                "The struct of an LSI must be trivially copyable: plain data without pointers to memory, strings or containers.");
   std::vector<ugoki_input> inputs;
   std::vector<ugoki_output> outputs;
   std::vector<ugoki_parameter> parameters;
@@ -122,11 +155,13 @@ struct Tables {
     return tables;
   }
 
+  /// ugoki_class::init: constructs S in the state.
   static std::int32_t init(const ugoki_call* call) {
     new (call->state) S{};
     return 0;
   }
 
+  /// ugoki_class::step or advance: copies inputs and parameters in, calls S::step, copies outputs out.
   static std::int32_t run(const ugoki_call* call) {
     const Tables& t = get();
     auto* bytes = static_cast<char*>(call->state);
@@ -139,7 +174,7 @@ struct Tables {
     } catch (const std::exception& e) {
       return ugoki_stop(call, e.what());
     } catch (...) {
-      return ugoki_stop(call, "It threw something that is no std::exception.");
+      return ugoki_stop(call, "The step threw an exception that is not a std::exception.");
     }
     if (why) return ugoki_stop(call, why);
     for (std::size_t i = 0; i < t.out.size(); ++i) move(t.out[i], bytes, static_cast<double*>(call->out[i]), true);
@@ -147,6 +182,7 @@ struct Tables {
   }
 
  private:
+  /// Copies the numbers of one pin from `payload` to `state`, or from `state` to `payload` if `outwards`.
   static void move(const Wire& w, char* state, double* payload, bool outwards) {
     for (std::uint32_t k = 0; k < w.count; ++k) {
       char* at = state + w.offset + k * w.bytes();
@@ -156,6 +192,7 @@ struct Tables {
         write(at, w.number, payload[k]);
     }
   }
+  /// S::step with the tick if it takes one (the argument 0 prefers this overload), otherwise without.
   template <class T>
   static auto call_step(T& lsi, const Tick& tick, int) -> decltype(lsi.step(tick)) {
     return lsi.step(tick);
@@ -164,10 +201,11 @@ struct Tables {
   static auto call_step(T& lsi, const Tick&, long) -> decltype(lsi.step()) {
     return lsi.step();
   }
+  /// @return null on success, otherwise the reason to stop
   static const char* step(S& lsi, const Tick& tick) {
     using R = decltype(call_step(lsi, tick, 0));
     if constexpr (std::is_same_v<R, bool>) {
-      return call_step(lsi, tick, 0) ? nullptr : "Its step returned false.";
+      return call_step(lsi, tick, 0) ? nullptr : "The step returned false.";
     } else if constexpr (std::is_convertible_v<R, const char*>) {
       return call_step(lsi, tick, 0);
     } else {
@@ -177,11 +215,13 @@ struct Tables {
   }
 };
 
+/// The LSIs declared so far in this library, in the order of declaration.
 inline std::deque<const ugoki_class*>& classes() {
   static std::deque<const ugoki_class*> all;
   return all;
 }
 
+/// Fills the tables of S and adds it to classes(). If one output is delayed, all are, and all inputs are late. @return true
 template <class S>
 bool declare(const char* name, const char* doc, std::initializer_list<Member<S>> members) {
   Tables<S>& t = Tables<S>::get();
@@ -195,8 +235,9 @@ bool declare(const char* name, const char* doc, std::initializer_list<Member<S>>
     const std::uint32_t type = type_of(m.count), count = type == UGOKI_JOINT_VALUES ? m.count : 0;
     switch (m.role) {
       case Role::in:
-        t.inputs.push_back({sizeof(ugoki_input), type, (m.count == 1 ? std::uint32_t{UGOKI_OPTIONAL} : 0u) | (delayed ? std::uint32_t{UGOKI_LATE} : 0u),
-                            count, m.name, m.unit, m.doc, value, m.range.minimum, m.range.maximum});
+        t.inputs.push_back({sizeof(ugoki_input), type,
+                            (m.count == 1 ? std::uint32_t{UGOKI_OPTIONAL} : 0u) | (delayed ? std::uint32_t{UGOKI_LATE} : 0u), count, m.name,
+                            m.unit, m.doc, value, m.range.minimum, m.range.maximum});
         t.in.push_back(wire);
         break;
       case Role::out:
@@ -207,12 +248,26 @@ bool declare(const char* name, const char* doc, std::initializer_list<Member<S>>
         break;
       case Role::parameter: {
         const std::uint32_t kind = m.number == Number::boolean ? UGOKI_BOOLEAN : m.number == Number::i32 ? UGOKI_INTEGER : UGOKI_NUMBER;
-        t.parameters.push_back({sizeof(ugoki_parameter), kind, 0, 0, m.name, m.unit, m.doc, {value, 0, 0}, m.range.minimum, m.range.maximum, nullptr, nullptr});
+        t.parameters.push_back({sizeof(ugoki_parameter),
+                                kind,
+                                0,
+                                0,
+                                m.name,
+                                m.unit,
+                                m.doc,
+                                {value, 0, 0},
+                                m.range.minimum,
+                                m.range.maximum,
+                                nullptr,
+                                nullptr});
         t.constants.push_back(wire);
         break;
       }
       case Role::state: {
-        const std::uint32_t field = m.number == Number::f64 ? UGOKI_F64 : m.number == Number::f32 ? UGOKI_F32 : m.number == Number::i32 ? UGOKI_I32 : UGOKI_U8;
+        const std::uint32_t field = m.number == Number::f64   ? UGOKI_F64
+                                    : m.number == Number::f32 ? UGOKI_F32
+                                    : m.number == Number::i32 ? UGOKI_I32
+                                                              : UGOKI_U8;
         t.fields.push_back({sizeof(ugoki_field), field, static_cast<std::uint32_t>(m.offset), m.count, m.name, m.unit, m.doc, value});
         break;
       }
@@ -240,27 +295,30 @@ bool declare(const char* name, const char* doc, std::initializer_list<Member<S>>
 
 }  // namespace lsi_detail
 
-/// An input pin; a number without wire has the member's first value.
+/// An input pin for the member `where`. A single number needs no wire: without one it keeps the initial value of the member. Arrays need a
+/// wire. @param range that the LSI is made for; a value set in place of a wire is refused outside
 template <class S, class T>
 lsi_detail::Member<S> in(T S::* where, const char* name, const char* unit = "", const char* doc = "", Range range = {}) {
   return lsi_detail::member(lsi_detail::Role::in, where, name, unit, doc, range);
 }
-/// An output pin, seen by its consumers in the same tick.
+/// An output pin for the member `where`. Its consumers see the value in the same tick. @param range usual values, for plots
 template <class S, class T>
 lsi_detail::Member<S> out(T S::* where, const char* name, const char* unit = "", const char* doc = "", Range range = {}) {
   return lsi_detail::member(lsi_detail::Role::out, where, name, unit, doc, range);
 }
-/// An output pin, seen from the next tick on: feedback through this LSI is possible. One makes all its outputs so.
+/// An output pin whose consumers see the value from the next tick on, so that a feedback loop may pass through this LSI. One delayed output
+/// makes all outputs of the LSI delayed.
 template <class S, class T>
 lsi_detail::Member<S> delayed_out(T S::* where, const char* name, const char* unit = "", const char* doc = "", Range range = {}) {
   return lsi_detail::member(lsi_detail::Role::delayed_out, where, name, unit, doc, range);
 }
-/// A number that is set in the inspector; its first value is the member's.
+/// A parameter: a single number or bool that the user sets in the inspector and that is saved with the circuit. Its default is the initial
+/// value of the member. @param range allowed values
 template <class S, class T>
 lsi_detail::Member<S> parameter(T S::* where, const char* name, const char* unit = "", const char* doc = "", Range range = {}) {
   return lsi_detail::member(lsi_detail::Role::parameter, where, name, unit, doc, range);
 }
-/// Something remembered: shown, and kept by its name when the library is rebuilt while it runs.
+/// A field of the state that the host shows to the user. It keeps its value, by name, when the library is rebuilt while a circuit runs.
 template <class S, class T>
 lsi_detail::Member<S> state(T S::* where, const char* name, const char* unit = "", const char* doc = "") {
   return lsi_detail::member(lsi_detail::Role::state, where, name, unit, doc, {});
@@ -268,14 +326,22 @@ lsi_detail::Member<S> state(T S::* where, const char* name, const char* unit = "
 
 }  // namespace ugoki
 
+/// Makes `Struct` an LSI. The other arguments are the name and description of the LSI and its members: in, out, delayed_out, parameter,
+/// state. Write it once for each struct, in the namespace of the struct.
 #define UGOKI_LSI(Struct, name, doc, ...) \
   static const bool ugoki_lsi_##Struct = ugoki::lsi_detail::declare<Struct>(name, doc, {__VA_ARGS__});
 
-/// Once in a library, after its LSIs.
-#define UGOKI_LIBRARY(library_name, library_version, library_doc)                                                                         \
-  extern "C" UGOKI_EXPORT const ugoki_library* ugoki_lsi_library(void) {                                                                  \
-    static const std::vector<const ugoki_class*> all(ugoki::lsi_detail::classes().begin(), ugoki::lsi_detail::classes().end());           \
-    static const ugoki_library library = {sizeof(ugoki_library), UGOKI_LSI_ABI, library_name, library_version, library_doc, all.data(),   \
-                                          static_cast<std::uint32_t>(all.size()), 0};                                                     \
-    return &library;                                                                                                                      \
+/// Exports the library. Write it once, at the end of the file, outside of any namespace.
+#define UGOKI_LIBRARY(library_name, library_version, library_doc)                                                               \
+  extern "C" UGOKI_EXPORT const ugoki_library* ugoki_lsi_library(void) {                                                        \
+    static const std::vector<const ugoki_class*> all(ugoki::lsi_detail::classes().begin(), ugoki::lsi_detail::classes().end()); \
+    static const ugoki_library library = {sizeof(ugoki_library),                                                                \
+                                          UGOKI_LSI_ABI,                                                                        \
+                                          library_name,                                                                         \
+                                          library_version,                                                                      \
+                                          library_doc,                                                                          \
+                                          all.data(),                                                                           \
+                                          static_cast<std::uint32_t>(all.size()),                                               \
+                                          0};                                                                                   \
+    return &library;                                                                                                            \
   }

@@ -10,7 +10,7 @@ std::atomic<long> count{0};
 
 long ugoki::allocations_so_far() { return count.load(); }
 
-// The thread sanitizer has its own; nothing is counted then.
+// The thread sanitizer has its own operator new; then nothing is counted.
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 #define UGOKI_COUNTS_NOTHING
@@ -24,7 +24,8 @@ void* operator new(std::size_t size) {
   throw std::bad_alloc();
 }
 void* operator new[](std::size_t size) { return operator new(size); }
-// All forms that 'delete' gives back: the address sanitizer's own would not be for our free (FCL asks with nothrow).
+// Replaces all forms of operator new whose memory our operator delete frees, including nothrow (used by FCL). A form left to the address
+// sanitizer would not match our free().
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++count;
   return std::malloc(size > 0 ? size : 1);

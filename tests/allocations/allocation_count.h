@@ -1,9 +1,9 @@
 #pragma once
-// For tests that steps allocate nothing. Linking ugoki_allocation_count replaces operator new in the whole program.
+// Counts allocations, for tests that steps allocate nothing. Linking ugoki_allocation_count replaces operator new in the program.
 
 namespace ugoki {
 
-/// Calls of operator new by this program so far, from any thread.
+/// Number of calls of operator new in this program so far, in all threads.
 [[nodiscard]] long allocations_so_far();
 
 }  // namespace ugoki

@@ -1,5 +1,5 @@
 #pragma once
-// The house's plan (layers.txt) and what the build says of each module (written by CMake), as data.
+// The allowed dependencies of the modules (layers.txt) and the declared ones (written by CMake), as data.
 
 #include <map>
 #include <set>
@@ -8,19 +8,20 @@
 
 namespace ugoki::architecture {
 
+/// A module and its allowed dependencies.
 struct Layer {
   std::string module;
   bool core = false;              ///< builds for WebAssembly
-  std::set<std::string> may_use;  ///< modules it may include, itself not named
+  std::set<std::string> may_use;  ///< modules that it may include, without itself
 };
 
-/// layers.txt, lowest layer first. Lines that cannot be read come back as layers with an empty name.
+/// Reads layers.txt, lowest layer first. A line that cannot be parsed becomes a layer with an empty name.
 std::vector<Layer> read_layers(const std::string& path);
 
-/// "name : depends..." lines as CMake wrote them.
+/// Reads the declared dependencies: lines "name : depends..." written by CMake.
 std::map<std::string, std::set<std::string>> read_depends(const std::string& path);
 
-/// What `module` reaches through the modules it depends on, itself not named.
+/// All direct and indirect dependencies of `module`, without itself.
 std::set<std::string> reach(const std::map<std::string, std::set<std::string>>& depends, const std::string& module);
 
 }  // namespace ugoki::architecture

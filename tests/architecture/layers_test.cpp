@@ -1,4 +1,4 @@
-// The arrows of dependency: the plan has no cycle, the build keeps to the plan, and every #include keeps to both.
+// Dependencies between modules: layers.txt has no cycle, the build conforms to layers.txt, and every #include conforms to both.
 
 #include "layers.h"
 
@@ -13,7 +13,7 @@ const std::string root = UGOKI_SOURCE_DIR;
 
 std::vector<Layer> plan() { return read_layers(root + "/tests/architecture/layers.txt"); }
 
-TEST(Layers, PlanHasNoCycleAndNamesOnlyItsOwnModules) {
+TEST(Layers, LayersHaveNoCycleAndNameOnlyListedModules) {
   const std::vector<Layer> layers = plan();
   ASSERT_FALSE(layers.empty()) << "tests/architecture/layers.txt is missing";
   std::set<std::string> below;
@@ -21,11 +21,11 @@ TEST(Layers, PlanHasNoCycleAndNamesOnlyItsOwnModules) {
   for (const Layer& layer : layers) {
     ASSERT_FALSE(layer.module.empty()) << "a line of layers.txt is not `core|native name : modules...`";
     for (const std::string& used : layer.may_use) {
-      EXPECT_TRUE(below.contains(used)) << layer.module << " may use " << used << ", which stands below it or nowhere";
+      EXPECT_TRUE(below.contains(used)) << layer.module << " may use " << used << ", which is not listed above it";
     }
     native_begun = native_begun || !layer.core;
-    EXPECT_FALSE(native_begun && layer.core) << "core module " << layer.module << " stands among the native ones";
-    EXPECT_TRUE(below.insert(layer.module).second) << layer.module << " stands twice";
+    EXPECT_FALSE(native_begun && layer.core) << "core module " << layer.module << " is listed after a native module";
+    EXPECT_TRUE(below.insert(layer.module).second) << layer.module << " is listed twice";
   }
 }
 
@@ -33,15 +33,15 @@ TEST(Layers, PhysicsAndCircuitsMeetOnlyInLsi) {
   std::map<std::string, std::set<std::string>> may;
   for (const Layer& layer : plan()) may[layer.module] = layer.may_use;
   for (const char* of_physics : {"spatial", "mechanism", "dynamics", "collision", "contact", "motion", "control"}) {
-    EXPECT_FALSE(may["circuit"].contains(of_physics)) << "circuit knows nothing of physics";
-    EXPECT_FALSE(may["store"].contains(of_physics)) << "store knows nothing of physics";
+    EXPECT_FALSE(may["circuit"].contains(of_physics)) << "circuit must not depend on physics";
+    EXPECT_FALSE(may["store"].contains(of_physics)) << "store must not depend on physics";
   }
   for (const char* of_circuits : {"circuit", "lsi", "content"}) {
-    EXPECT_FALSE(may["dynamics"].contains(of_circuits)) << "dynamics knows nothing of circuits";
+    EXPECT_FALSE(may["dynamics"].contains(of_circuits)) << "dynamics must not depend on circuits";
   }
 }
 
-TEST(Layers, BuildKeepsToThePlan) {
+TEST(Layers, DeclaredDependenciesAreAllowed) {
   std::map<std::string, Layer> layers;
   for (const Layer& layer : plan()) layers[layer.module] = layer;
   const auto depends = read_depends(UGOKI_MODULES_FILE);
@@ -50,12 +50,12 @@ TEST(Layers, BuildKeepsToThePlan) {
     ASSERT_TRUE(layers.contains(module)) << "module " << module << " is not in tests/architecture/layers.txt";
     for (const std::string& other : used) {
       EXPECT_TRUE(layers[module].may_use.contains(other))
-          << "src/ugoki/" << module << "/CMakeLists.txt: DEPENDS " << other << " is against tests/architecture/layers.txt";
+          << "src/ugoki/" << module << "/CMakeLists.txt: DEPENDS " << other << " is not allowed by tests/architecture/layers.txt";
     }
   }
 }
 
-TEST(Layers, EveryIncludeKeepsToPlanAndBuild) {
+TEST(Layers, IncludesAreAllowedAndDeclared) {
   std::map<std::string, Layer> layers;
   for (const Layer& layer : plan()) layers[layer.module] = layer;
   const auto depends = read_depends(UGOKI_MODULES_FILE);
@@ -69,15 +69,15 @@ TEST(Layers, EveryIncludeKeepsToPlanAndBuild) {
       if (used.empty() || used == file.module) continue;
       ++checked;
       EXPECT_TRUE(layers[file.module].may_use.contains(used))
-          << file.place(include.line) << ": " << file.module << " may not include " << include.target;
-      EXPECT_TRUE(linked.contains(used)) << file.place(include.line) << ": includes " << include.target << ", but " << file.module
+          << file.location(include.line) << ": " << file.module << " may not include " << include.target;
+      EXPECT_TRUE(linked.contains(used)) << file.location(include.line) << ": includes " << include.target << ", but " << file.module
                                          << " does not depend on " << used << " in its CMakeLists.txt";
     }
   }
   EXPECT_GT(checked, 0);
 }
 
-TEST(Layers, ReachFollowsEveryArrow) {
+TEST(Layers, ReachContainsIndirectDependencies) {
   const std::map<std::string, std::set<std::string>> depends = {{"a", {}}, {"b", {"a"}}, {"c", {"b"}}, {"d", {"c", "a"}}};
   EXPECT_EQ(reach(depends, "d"), (std::set<std::string>{"a", "b", "c"}));
   EXPECT_TRUE(reach(depends, "a").empty());

@@ -1,5 +1,5 @@
 #pragma once
-// The source files of the project as text, cut into what the rules speak of.
+// The source files of the project as text, with the parts that the rules check.
 
 #include <string>
 #include <utility>
@@ -14,24 +14,24 @@ struct SourceFile {
   std::vector<std::string> lines;
 
   /// "path:line".
-  [[nodiscard]] std::string place(std::size_t line) const { return path + ":" + std::to_string(line + 1); }
+  [[nodiscard]] std::string location(std::size_t line) const { return path + ":" + std::to_string(line + 1); }
 };
 
-/// An #include directive: its line (from 0) and what stands between the quotes or brackets.
+/// An #include directive: its line (from 0) and the text between the quotes or brackets.
 struct Include {
   std::size_t line = 0;
   std::string target;
 };
 
-/// Every .h and .cpp below `folder` (relative to the root), in the order of their paths.
+/// All .h and .cpp files below `folder` (relative to the root), sorted by path.
 std::vector<SourceFile> read_sources(const std::string& root, const std::string& folder);
 
 std::vector<Include> includes_of(const SourceFile& file);
 
-/// "base" of "ugoki/base/result.h"; empty for what is not ours.
+/// Module of an include: "base" for "ugoki/base/result.h"; empty for other libraries.
 std::string module_of_include(const std::string& target);
 
-/// The line without its // comment and with the contents of its string literals blanked.
+/// The line without its // comment and with blanked contents of string literals.
 std::string code_of(const std::string& line);
 
 }  // namespace ugoki::architecture

@@ -1,5 +1,5 @@
-// House rules that a compiler does not keep: light headers, nothing of the operating system or of libm's transcendental
-// functions in the core, short files, a README for each module.
+// Project rules that a compiler does not check: light headers, no operating system and no transcendental functions of libm in the core,
+// short files, a README for each module.
 
 #include "sources.h"
 
@@ -24,7 +24,7 @@ std::set<std::string> core_modules() {
   return core;
 }
 
-// The headers that a user of a module meets: those that other modules and programs include, and what these include in turn.
+// The public headers of a module: those that other modules and programs include, directly or indirectly.
 std::set<std::string> public_headers(const std::vector<SourceFile>& modules, const std::vector<SourceFile>& programs) {
   std::map<std::string, const SourceFile*> headers;
   for (const SourceFile& file : modules)
@@ -49,7 +49,7 @@ std::set<std::string> public_headers(const std::vector<SourceFile>& modules, con
 }
 
 TEST(Sources, PublicHeadersAreLight) {
-  // The module json is how the others read and write JSON.
+  // The module json may include the JSON library, because other modules use JSON through it.
   const std::set<std::string> shared_inside = {"src/ugoki/json/json.h"};
   const std::regex heavy("(Eigen|nlohmann|boost|sqlite3|CLI|mujoco|iostream|fstream|regex).*");
   const std::vector<SourceFile> modules = read_sources(root, "src/ugoki");
@@ -59,7 +59,7 @@ TEST(Sources, PublicHeadersAreLight) {
     if (!met.contains(file.path) || shared_inside.contains(file.path)) continue;
     for (const Include& include : includes_of(file)) {
       EXPECT_FALSE(std::regex_match(include.target, heavy))
-          << file.place(include.line) << ": other modules include this header, so it may not include " << include.target;
+          << file.location(include.line) << ": other modules include this header, so it may not include " << include.target;
     }
   }
 }
@@ -68,12 +68,12 @@ TEST(Sources, HeadersAreIncludedOnce) {
   for (const char* folder : {"src", "apps", "tests", "benchmarks"}) {
     for (const SourceFile& file : read_sources(root, folder)) {
       if (!file.header) continue;
-      EXPECT_TRUE(!file.lines.empty() && file.lines[0] == "#pragma once") << file.place(0) << ": must begin with #pragma once";
+      EXPECT_TRUE(!file.lines.empty() && file.lines[0] == "#pragma once") << file.location(0) << ": must begin with #pragma once";
     }
   }
 }
 
-TEST(Sources, CoreKnowsNoFilesThreadsOrExceptions) {
+TEST(Sources, CoreUsesNoFilesThreadsOrExceptions) {
   const std::set<std::string> core = core_modules();
   const std::set<std::string> forbidden = {
       "thread",   "mutex",   "shared_mutex", "condition_variable", "future",    "filesystem", "fstream", "iostream",
@@ -83,15 +83,15 @@ TEST(Sources, CoreKnowsNoFilesThreadsOrExceptions) {
     if (!core.contains(file.module)) continue;
     for (const Include& include : includes_of(file)) {
       EXPECT_FALSE(forbidden.contains(include.target))
-          << file.place(include.line) << ": <" << include.target << "> may not be used in a core module";
+          << file.location(include.line) << ": <" << include.target << "> may not be used in a core module";
     }
     for (std::size_t i = 0; i < file.lines.size(); ++i) {
-      EXPECT_FALSE(std::regex_search(code_of(file.lines[i]), exceptional)) << file.place(i) << ": core modules build without exceptions";
+      EXPECT_FALSE(std::regex_search(code_of(file.lines[i]), exceptional)) << file.location(i) << ": core modules build without exceptions";
     }
   }
 }
 
-// libm's transcendental functions give other bits on other machines; ugoki/spatial/elementary.h gives the same everywhere.
+// libm's transcendental functions differ between machines; those of ugoki/spatial/elementary.h have the same bits everywhere.
 TEST(Sources, CoreUsesItsOwnElementaryFunctions) {
   const std::set<std::string> core = core_modules();
   const std::regex libm(
@@ -100,32 +100,32 @@ TEST(Sources, CoreUsesItsOwnElementaryFunctions) {
     if (!core.contains(file.module)) continue;
     for (std::size_t i = 0; i < file.lines.size(); ++i) {
       EXPECT_FALSE(std::regex_search(code_of(file.lines[i]), libm))
-          << file.place(i) << ": use ugoki/spatial/elementary.h, whose bits are the same everywhere";
+          << file.location(i) << ": use ugoki/spatial/elementary.h, which has the same bits on all machines";
     }
   }
 }
 
 TEST(Sources, FilesAreShort) {
-  constexpr std::size_t most = 600;
+  constexpr std::size_t maximum = 600;
   for (const char* folder : {"src", "apps", "tests", "benchmarks"}) {
     for (const SourceFile& file : read_sources(root, folder)) {
-      EXPECT_LE(file.lines.size(), most) << file.path << ": longer than " << most << " lines; divide it";
+      EXPECT_LE(file.lines.size(), maximum) << file.path << ": longer than " << maximum << " lines; split the file";
     }
   }
 }
 
-TEST(Sources, NothingIsLeftForLater) {
+TEST(Sources, NoUnfinishedWorkIsMarked) {
   const std::regex later("\\b(TO[D]O|FIX[M]E)\\b");
   for (const char* folder : {"src", "apps", "tests", "benchmarks"}) {
     for (const SourceFile& file : read_sources(root, folder)) {
       for (std::size_t i = 0; i < file.lines.size(); ++i) {
-        EXPECT_FALSE(std::regex_search(file.lines[i], later)) << file.place(i) << ": do it, or write an issue";
+        EXPECT_FALSE(std::regex_search(file.lines[i], later)) << file.location(i) << ": finish it, or open an issue";
       }
     }
   }
 }
 
-TEST(Sources, EveryModuleHasItsReadme) {
+TEST(Sources, EveryModuleHasAReadme) {
   for (const Layer& layer : read_layers(root + "/tests/architecture/layers.txt")) {
     const std::filesystem::path folder = std::filesystem::path(root) / "src/ugoki" / layer.module;
     if (!std::filesystem::exists(folder / "CMakeLists.txt")) continue;

@@ -1,4 +1,4 @@
-// Blender opens the BVH and GLB that we write and finds every joint where it is: 1e-4 m.
+// Blender opens the BVH and GLB files that we write and finds every joint at its position within 1e-4 m.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -15,7 +15,7 @@
 namespace ugoki {
 namespace {
 
-/// What the script prints after `word`; negative where it does not.
+/// The value that the script prints after `word`; negative if it does not print it.
 double number_after(const std::string& output, const std::string& word) {
   const std::size_t at = output.find(word + " ");
   return at == std::string::npos ? -1 : std::atof(output.c_str() + at + word.size() + 1);
@@ -33,7 +33,7 @@ void expect_blender_agrees(const MeasuredMotion& m) {
     expected += "frame " + std::to_string(frame) + "\n";
     m.calc_joint_poses(frame, X);
     for (std::size_t j = 0; j < X.size(); ++j) {
-      const Vec3 p = X[j].p;  // Y up, Z forward in the files; Blender turns that into Z up, -Y forward
+      const Vec3 p = X[j].p;  // the files have Y up and Z forward; Blender converts them to Z up and -Y forward
       expected += to_text(p.y) + " " + to_text(-p.x) + " " + to_text(p.z) + " " + m.skeleton.joints[j].name + "\n";
       ++count;
     }
@@ -51,7 +51,7 @@ void expect_blender_agrees(const MeasuredMotion& m) {
     const double worst = number_after(output, "WORST");
     EXPECT_GE(worst, 0);
     EXPECT_LT(worst, 1e-4) << output;
-    std::printf("%s %s: worst %.3g m\n", m.name.c_str(), file, worst);
+    std::printf("%s %s: maximum error %.3g m\n", m.name.c_str(), file, worst);
   }
 }
 

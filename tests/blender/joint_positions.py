@@ -1,4 +1,4 @@
-"""Opens a BVH or GLB file in Blender and prints the greatest distance [m] of any joint from where it should be.
+"""Opens a BVH or GLB file in Blender and prints the maximum distance [m] of a joint from its expected position.
 
 blender -b --factory-startup --python-exit-code 3 --python joint_positions.py -- FILE EXPECTED
 EXPECTED: lines "rate R", then "frame F" and for each joint "x y z name" in Blender's axes, metres.
@@ -23,8 +23,8 @@ with plain_open(expected, encoding="utf-8") as lines:
 scene = bpy.context.scene
 scene.render.fps = round(rate)
 scene.render.fps_base = round(rate) / rate
-for thing in list(bpy.data.objects):
-    bpy.data.objects.remove(thing)
+for item in list(bpy.data.objects):
+    bpy.data.objects.remove(item)
 if path.endswith(".bvh"):
     bpy.ops.import_anim.bvh(filepath=path, frame_start=1)
     first = 1

@@ -1,4 +1,4 @@
-"""Blender 3.4 of Debian 12 meets a newer Python and numpy than it was written for: import bpy from here."""
+"""Imports bpy with fixes: Blender 3.4 of Debian 12 runs with a newer Python and numpy than it was written for."""
 import builtins
 
 import numpy

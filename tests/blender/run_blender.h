@@ -1,11 +1,11 @@
 #pragma once
-// Blender without a window, on a script of this folder.
+// Runs Blender without a window on a script of this folder.
 
 #include <string>
 
 namespace ugoki {
 
-/// A folder that goes with its owner; path is empty where it could not be made.
+/// A temporary folder, removed by the destructor; `path` is empty if it could not be created.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -21,7 +21,9 @@ struct BlenderOutput {
   int status = -1;
   std::string text;
 };
-/// @param script of this folder  @param arguments without blanks, separated by them
+/// Runs a script.
+/// @param script name of a file in this folder
+/// @param arguments separated by blanks; an argument must not contain blanks
 [[nodiscard]] BlenderOutput run_blender(const std::string& script, const std::string& arguments, const TemporaryFolder& folder);
 
 [[nodiscard]] std::string text_of_file(const std::string& path);

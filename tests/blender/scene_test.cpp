@@ -1,4 +1,4 @@
-// Blender makes a skinned, animated figure and writes it as binary FBX and COLLADA: the reader finds every joint where Blender has it.
+// Blender makes a skinned, animated character and writes it as binary FBX and COLLADA. Our reader must find every joint at its position.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -10,7 +10,7 @@
 namespace ugoki {
 namespace {
 
-/// What make_figure.py writes: heads of bones in Blender's world axes, m.
+/// Output of make_character.py: heads of bones in Blender's world axes, m.
 struct Expected {
   double rate = 0;
   std::vector<std::string> names;
@@ -39,12 +39,12 @@ Expected read_expected(const std::string& text) {
   return out;
 }
 
-/// COLLADA: "bone.1" of "figure" has the identifier "figure_bone_1", and joints are called by identifiers.
+/// Name of a joint in COLLADA, which uses identifiers: "bone.1" of "character" becomes "character_bone_1".
 std::string name_in(const std::string& ending, std::string bone) {
   if (ending != ".dae") return bone;
   for (char& c : bone)
     if (c == '.' || c == ' ') c = '_';
-  return "figure_" + bone;
+  return "character_" + bone;
 }
 
 int joint_named(const Skeleton& s, const std::string& name) {
@@ -57,8 +57,9 @@ void expect_reader_agrees(const std::string& ending, int seed) {
   SCOPED_TRACE(ending + " " + std::to_string(seed));
   const TemporaryFolder folder;
   ASSERT_FALSE(folder.path.empty());
-  const std::string file = folder.path + "/figure" + ending;
-  const BlenderOutput blender = run_blender("make_figure.py", file + " " + folder.path + "/expected.txt " + std::to_string(seed), folder);
+  const std::string file = folder.path + "/character" + ending;
+  const BlenderOutput blender =
+      run_blender("make_character.py", file + " " + folder.path + "/expected.txt " + std::to_string(seed), folder);
   ASSERT_EQ(blender.status, 0) << blender.text;
   const Expected expected = read_expected(text_of_file(folder.path + "/expected.txt"));
   ASSERT_EQ(expected.frames.size(), 40u);
@@ -67,7 +68,7 @@ void expect_reader_agrees(const std::string& ending, int seed) {
   if (ending == ".fbx") ASSERT_TRUE(bytes.starts_with("Kaydara FBX Binary"));
 
   formats::ReadNotes notes;
-  const auto read = scene_formats::read_scene(std::as_bytes(std::span(bytes)), "figure" + ending, {}, &notes);
+  const auto read = scene_formats::read_scene(std::as_bytes(std::span(bytes)), "character" + ending, {}, &notes);
   ASSERT_TRUE(read.has_value()) << read.error().text();
   ASSERT_EQ(read->size(), 1u);
   const MeasuredMotion& m = read->front();
@@ -82,13 +83,13 @@ void expect_reader_agrees(const std::string& ending, int seed) {
       const int joint = joint_named(m.skeleton, name_in(ending, expected.names[i]));
       ASSERT_GE(joint, 0) << expected.names[i];
       const Vec3& p = expected.frames[static_cast<std::size_t>(f)][i];
-      // COLLADA from Blender keeps its axes, Z up. Its FBX has Y up and -Y of Blender as Z, which is forward for us.
+      // COLLADA from Blender keeps Blender's axes (Z up). Its FBX has Y up; its Z is Blender's -Y, which is forward for us.
       const Vec3 ours = ending == ".dae" ? p : Vec3{-p.y, p.x, p.z};
       worst = std::max(worst, norm(X[static_cast<std::size_t>(joint)].p - ours));
     }
   }
   EXPECT_LT(worst, 1e-4);
-  std::printf("%s, figure %d: %d joints, %d frames, worst %.3g m\n", ending.c_str(), seed, m.joint_count(), m.frames, worst);
+  std::printf("%s, character %d: %d joints, %d frames, maximum error %.3g m\n", ending.c_str(), seed, m.joint_count(), m.frames, worst);
 }
 
 TEST(Slow_BlenderScenes, OurReaderFindsTheJointsOfItsFbx) {

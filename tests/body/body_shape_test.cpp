@@ -1,4 +1,4 @@
-// What bodies look like and stand on.
+// Shapes and soles of bodies.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace ugoki::body {
 namespace {
 
-/// Lowest and highest point of the shapes for which `wanted` holds.
+/// Lowest and highest point [m] of the shapes for which `wanted` returns true.
 template <class F>
 std::pair<double, double> extent_z(const Mechanism& m, const std::vector<Pose>& X, F wanted) {
   double low = 1e300, high = -1e300;
@@ -31,8 +31,8 @@ std::pair<double, double> extent_z(const Mechanism& m, const std::vector<Pose>& 
   return {low, high};
 }
 
-TEST(BodyShapes, MadeFigureStandsFlatOnTheFloorAtFullHeight) {
-  const MeasuredMotion measured = testing::made_figure();
+TEST(BodyShapes, SyntheticCharacterStandsFlatOnTheFloorAtFullHeight) {
+  const MeasuredMotion measured = testing::made_character();
   BodyOptions options;
   options.height = 1.75;
   const auto body = make_body(measured, options);
@@ -47,7 +47,7 @@ TEST(BodyShapes, MadeFigureStandsFlatOnTheFloorAtFullHeight) {
   const auto [seen_low, seen_high] = extent_z(m, X, [](const Shape& s) { return s.visible; });
   EXPECT_NEAR(seen_low, 0, 0.003);
   EXPECT_NEAR(seen_high, high, 1e-9);
-  // Both soles: boxes whose bottom corners all lie on the floor, and a heel behind the ankle.
+  // Both soles: the box touches the floor with all bottom corners, and the heel is behind the ankle.
   for (const int foot : find_feet(m)) {
     int on_floor = 0;
     double back = 1e9, front = -1e9;
@@ -66,7 +66,7 @@ TEST(BodyShapes, MadeFigureStandsFlatOnTheFloorAtFullHeight) {
   EXPECT_EQ(find_feet(m).size(), 2u);  // toes bear no load
 }
 
-TEST(BodyShapes, SharedFiguresStandAndLookLikeHumans) {
+TEST(BodyShapes, MeasuredCharactersStandOnTheFloorAtTheirHeight) {
   const std::vector<std::string> files = testing::human_files();
   if (files.empty()) GTEST_SKIP() << "The shared measured data are absent.";
   for (const char* file : {"asf_amc/35_01.amc", "asf_amc/07_01.amc", "bvh/cmu_12_01_walk.bvh"}) {
@@ -76,7 +76,7 @@ TEST(BodyShapes, SharedFiguresStandAndLookLikeHumans) {
     ASSERT_TRUE(body.has_value());
     const Mechanism& m = *body->mechanism;
     const Motion motion = to_motion(*body, measured);
-    // Where a foot stands still, the bottom of its sole is level with the floor to a few millimetres, most of the time.
+    // In frames in which a foot stands still, the median distance of its sole from the floor is below 6 mm.
     std::vector<Pose> X(static_cast<std::size_t>(m.link_count())), before(X);
     std::vector<double> deviations;
     for (int f = 1; f < motion.frames; ++f) {
@@ -95,10 +95,10 @@ TEST(BodyShapes, SharedFiguresStandAndLookLikeHumans) {
     ASSERT_GT(deviations.size(), 20u);
     std::nth_element(deviations.begin(), deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2), deviations.end());
     EXPECT_LT(deviations[deviations.size() / 2], 0.006);
-    // The head's top is about the height over the floor while walking.
+    // While walking, the top of the head is about the body's height above the floor.
     calc_poses(m, std::span(motion.frame(motion.frames / 2), static_cast<std::size_t>(m.nq())), X);
     const auto [low, high] = extent_z(m, X, [](const Shape& s) { return s.visible; });
-    // (BVH files of this collection lack the bone of the upper chest, some 10 cm.)
+    // Tolerance: BVH files of this collection lack the bone of the upper chest, about 10 cm.
     EXPECT_NEAR(high, body->height, 0.23);
     EXPECT_GT(low, -0.04);
   }

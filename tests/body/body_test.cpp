@@ -1,4 +1,4 @@
-// From measured skeletons to bodies: every shared file, masses, mirror symmetry, positions, limits.
+// Bodies from measured skeletons: masses, mirror symmetry, positions, limits, all shared files.
 
 #include "ugoki/body/body.h"
 
@@ -36,7 +36,7 @@ const Link* labelled(const Mechanism& m, const std::string& label) {
   return nullptr;
 }
 
-/// Every figure must pass these.
+/// Checks of every human body: labels, mass, mirror symmetry, positions, limits.
 void check_human(const MeasuredMotion& measured, const Body& body) {
   const Mechanism& m = *body.mechanism;
   EXPECT_TRUE(body.human) << body.report.front();
@@ -46,7 +46,7 @@ void check_human(const MeasuredMotion& measured, const Body& body) {
   for (const char* label : {"pelvis", "abdomen", "chest", "neck", "head", "thigh left", "shank right", "foot left", "toes right",
                             "upper arm left", "forearm right", "hand left"})
     EXPECT_NE(labelled(m, label), nullptr) << label;
-  // Mirror symmetry, to the bit.
+  // Left and right are bitwise mirror images.
   for (const Link& l : m.links()) {
     const std::string other = mirrored_label(l.label);
     if (other.empty()) continue;
@@ -57,7 +57,7 @@ void check_human(const MeasuredMotion& measured, const Body& body) {
     const Sym3 &a = l.inertia.I, &b = r->inertia.I;
     EXPECT_EQ(a, (Sym3{b.xx, b.yy, b.zz, -b.xy, b.xz, -b.yz})) << l.label;
   }
-  // Movable links can be solved for.
+  // Movable end links have enough mass and inertia for a well-conditioned mass matrix.
   for (const Link& l : m.links())
     if (l.joint.nv() > 0 && m.link_count() > 0 && l.child < 0) {
       EXPECT_GT(l.inertia.mass, 0.001) << l.name;
@@ -73,14 +73,14 @@ void check_human(const MeasuredMotion& measured, const Body& body) {
       double x[6];
       joint_displacement(l.joint, motion.frame(f) + l.q_index, x);
       for (int k = 0; k < l.joint.nv(); ++k) {
-        const Freedom& freedom = l.joint.freedoms[static_cast<std::size_t>(k)];
-        ASSERT_GE(x[k], freedom.lower) << l.name << " in frame " << f;
-        ASSERT_LE(x[k], freedom.upper) << l.name << " in frame " << f;
+        const Dof& dof = l.joint.dofs[static_cast<std::size_t>(k)];
+        ASSERT_GE(x[k], dof.lower) << l.name << " in frame " << f;
+        ASSERT_LE(x[k], dof.upper) << l.name << " in frame " << f;
       }
     }
 }
 
-TEST(Segments, MassesSumToOneAndTheMeanLiesBetween) {
+TEST(Segments, MassesSumToOneAndMeanIsTheAverage) {
   for (const Sex sex : {Sex::male, Sex::female, Sex::mean}) {
     const SegmentTable t = segment_table(sex);
     const double sum = t.head.mass + t.upper_trunk.mass + t.middle_trunk.mass + t.lower_trunk.mass +
@@ -90,8 +90,8 @@ TEST(Segments, MassesSumToOneAndTheMeanLiesBetween) {
   EXPECT_NEAR(segment_table(Sex::mean).thigh.mass, 0.1447, 1e-12);
 }
 
-TEST(Body, MadeFigure) {
-  const MeasuredMotion measured = testing::made_figure();
+TEST(Body, SyntheticCharacterGetsTheSimplestJoints) {
+  const MeasuredMotion measured = testing::made_character();
   BodyOptions options;
   options.height = 1.75;
   options.mass = 70;
@@ -100,7 +100,7 @@ TEST(Body, MadeFigure) {
   check_human(measured, *body);
   EXPECT_NEAR(body->mechanism->mass(), 70, 70e-9);
   EXPECT_EQ(body->height, 1.75);
-  // Knees only bend: hinges about the sideways axis; ankles too; arms are free; the spine never moved.
+  // Knees only bend, so they are hinges about the sideways axis. Arms are spherical. The spine does not move, so it is fixed.
   const Mechanism& m = *body->mechanism;
   EXPECT_EQ(m.link(m.find_link("LeftLeg")).joint.type, JointType::revolute);
   EXPECT_NEAR(std::fabs(m.link(m.find_link("LeftLeg")).joint.axis.y), 1, 1e-9);
@@ -109,9 +109,9 @@ TEST(Body, MadeFigure) {
   EXPECT_EQ(m.link(0).joint.type, JointType::floating);
 }
 
-TEST(Body, CentreOfMassOfAnUprightFigureIsWhereHumansHaveIt) {
-  // Upright with arms sideways: about 57 % of the height over the ground with arms down (Winter 2009), some 3 cm more here.
-  const MeasuredMotion measured = testing::made_figure(1);
+TEST(Body, CentreOfMassOfAnUprightCharacterIsThatOfHumans) {
+  // With arms down the centre of mass is at about 57 % of the height (Winter 2009); with arms sideways it is about 3 cm higher.
+  const MeasuredMotion measured = testing::made_character(1);
   BodyOptions options;
   options.height = 1.75;
   options.mass = 70;
@@ -127,8 +127,8 @@ TEST(Body, CentreOfMassOfAnUprightFigureIsWhereHumansHaveIt) {
   EXPECT_NEAR(c.x, 0.02, 0.03);
 }
 
-TEST(Body, SegmentsCarryTheTablesMasses) {
-  const MeasuredMotion measured = testing::made_figure();
+TEST(Body, SegmentsHaveTheMassesOfTheTable) {
+  const MeasuredMotion measured = testing::made_character();
   BodyOptions options;
   options.mass = 100;
   options.sex = Sex::male;
@@ -139,7 +139,7 @@ TEST(Body, SegmentsCarryTheTablesMasses) {
   EXPECT_NEAR(labelled(m, "thigh left")->inertia.mass, 100 * t.thigh.mass, 0.1);
   EXPECT_NEAR(labelled(m, "shank left")->inertia.mass, 100 * t.shank.mass, 0.1);
   EXPECT_NEAR(labelled(m, "foot left")->inertia.mass + labelled(m, "toes left")->inertia.mass, 100 * t.foot.mass, 0.1);
-  // Hip to knee 0.43 m: centre and radii of gyration of the table.
+  // The thigh (hip to knee 0.43 m) has the table's centre of mass and radii of gyration.
   const Inertia& thigh = labelled(m, "thigh left")->inertia;
   EXPECT_NEAR(norm(thigh.centre()), t.thigh.centre * 0.43, 1e-9);
   EXPECT_NEAR(std::sqrt(thigh.about_centre().yy / thigh.mass), t.thigh.transverse * 0.43, 1e-9);
@@ -147,16 +147,16 @@ TEST(Body, SegmentsCarryTheTablesMasses) {
 }
 
 TEST(Body, MassFromTheFileIsUsedIfPlausible) {
-  MeasuredMotion measured = testing::made_figure(10);
+  MeasuredMotion measured = testing::made_character(10);
   measured.skeleton.mass = 81;
   EXPECT_NEAR(make_body(measured)->mass, 81, 1e-9);
-  measured.skeleton.mass = 1;  // CMU's files say 1
+  measured.skeleton.mass = 1;  // the value in CMU's files
   const auto body = make_body(measured);
   EXPECT_NEAR(body->mass, 22.5 * body->height * body->height, 1e-9);
 }
 
-TEST(Body, FigureThatLooksAlongAnotherDirectionAtRest) {
-  MeasuredMotion measured = testing::made_figure(60);
+TEST(Body, RestPostureMayFaceAnyDirection) {
+  MeasuredMotion measured = testing::made_character(60);
   // Turn the whole rest position by 90 degrees: left is now -x.
   const Quat turn = axis_angle({0, 0, 1}, pi / 2);
   for (SkeletonJoint& j : measured.skeleton.joints) {
@@ -167,7 +167,7 @@ TEST(Body, FigureThatLooksAlongAnotherDirectionAtRest) {
     measured.rotations[i] = turn * measured.rotations[i] * turn.conjugate();
     measured.translations[i] = rotate(turn, measured.translations[i]);
   }
-  const auto turned = make_body(measured), straight = make_body(testing::made_figure(60));
+  const auto turned = make_body(measured), straight = make_body(testing::made_character(60));
   ASSERT_TRUE(turned.has_value());
   EXPECT_TRUE(turned->human);
   const Link* a = labelled(*straight->mechanism, "foot left");
@@ -178,8 +178,8 @@ TEST(Body, FigureThatLooksAlongAnotherDirectionAtRest) {
   EXPECT_LT(calc_position_error(*turned, measured, to_motion(*turned, measured)), 1e-9);
 }
 
-TEST(Body, HeldStillWhileNothingMoves) {
-  MeasuredMotion measured = testing::made_figure(2);
+TEST(Body, UnmovedJointsAreFixedUnlessKept) {
+  MeasuredMotion measured = testing::made_character(2);
   const std::size_t joints = measured.skeleton.joints.size();
   std::copy_n(measured.rotations.begin(), joints, measured.rotations.begin() + static_cast<std::ptrdiff_t>(joints));
   std::copy_n(measured.translations.begin(), joints, measured.translations.begin() + static_cast<std::ptrdiff_t>(joints));
@@ -189,8 +189,8 @@ TEST(Body, HeldStillWhileNothingMoves) {
   EXPECT_EQ(make_body(measured, keep)->mechanism->nv(), 6 + 3 * 18);
 }
 
-TEST(Body, OneFrameHoldsNoJoint) {
-  const MeasuredMotion rig = testing::made_figure(1);
+TEST(Body, SingleFrameLeavesBonesMovable) {
+  const MeasuredMotion rig = testing::made_character(1);
   const auto body = make_body(rig);
   ASSERT_TRUE(body);
   const std::vector<SkeletonJoint>& joints = rig.skeleton.joints;
@@ -205,43 +205,43 @@ TEST(Body, OneFrameHoldsNoJoint) {
 }
 
 TEST(Body, JointThatTurnsOverIsReported) {
-  MeasuredMotion measured = testing::made_figure(20);
+  MeasuredMotion measured = testing::made_character(20);
   const std::size_t joints = measured.skeleton.joints.size();
-  const auto says = [](const Body& body) {
+  const auto reports_jump = [](const Body& body) {
     return std::any_of(body.report.begin(), body.report.end(), [](const std::string& s) {
       return s.find("turn over from one frame to the next in the data: Chest (2);") != s.npos;
     });
   };
-  EXPECT_FALSE(says(*make_body(measured)));
+  EXPECT_FALSE(reports_jump(*make_body(measured)));
   for (std::size_t f = 8; f < 12; ++f) measured.rotations[f * joints + 2] = exp_map({0, 0, pi}) * measured.rotations[f * joints + 2];
-  EXPECT_TRUE(says(*make_body(measured)));
+  EXPECT_TRUE(reports_jump(*make_body(measured)));
 }
 
 TEST(Body, ShiftingJointIsReported) {
-  MeasuredMotion measured = testing::made_figure(20);
+  MeasuredMotion measured = testing::made_character(20);
   measured.translations[5 * measured.skeleton.joints.size() + 2].z += 0.01;
   const auto body = make_body(measured);
   ASSERT_TRUE(body.has_value());
   EXPECT_TRUE(std::any_of(body->report.begin(), body->report.end(),
                           [](const std::string& s) { return s.find("Joint Chest is measured to shift by up to 10.0 mm") == 0; }));
-  // A constant place other than the skeleton's offset is kept exactly.
-  measured = testing::made_figure(20);
+  // A constant position that differs from the skeleton's offset is reproduced exactly.
+  measured = testing::made_character(20);
   for (std::size_t f = 0; f < 20; ++f) measured.translations[f * measured.skeleton.joints.size() + 2].z += 0.01;
   const auto held = make_body(measured);
   EXPECT_LT(calc_position_error(*held, measured, to_motion(*held, measured)), 1e-9);
 }
 
-TEST(Body, RefusesWhatIsNoSkeleton) {
+TEST(Body, InvalidSkeletonIsRejected) {
   MeasuredMotion empty;
   EXPECT_FALSE(make_body(empty).has_value());
-  MeasuredMotion bad = testing::made_figure(3);
+  MeasuredMotion bad = testing::made_character(3);
   bad.skeleton.joints[4].offset.x = std::nan("");
   const auto body = make_body(bad);
   ASSERT_FALSE(body.has_value());
   EXPECT_NE(body.error().text().find("Head"), std::string::npos);
 }
 
-TEST(Body, SharedWalk) {
+TEST(Body, SharedWalksPassAllChecks) {
   SKIP_WITHOUT_DATA();
   for (const char* file : {"bvh/cmu_12_01_walk.bvh", "asf_amc/35_01.amc"}) {
     const MeasuredMotion measured = testing::read(file);
@@ -251,7 +251,7 @@ TEST(Body, SharedWalk) {
   }
 }
 
-TEST(Body, SmallFilesThatAreNoHumans) {
+TEST(Body, SkeletonsThatAreNotHumanGetCapsules) {
   SKIP_WITHOUT_DATA();
   for (const char* file : {"bvh/sinusoidal.bvh", "bvh/full_precision_frame_time.bvh", "bvh/rotation_first_root.bvh"}) {
     const MeasuredMotion measured = testing::read(file);
@@ -269,7 +269,7 @@ TEST(Body, SmallFilesThatAreNoHumans) {
   }
 }
 
-TEST(SlowBody, EverySharedHuman) {
+TEST(SlowBody, EverySharedHumanPassesAllChecks) {
   SKIP_WITHOUT_DATA();
   for (const std::string& file : testing::human_files()) {
     SCOPED_TRACE(file);
@@ -280,8 +280,8 @@ TEST(SlowBody, EverySharedHuman) {
   }
 }
 
-TEST(BodyTest, FigureWithoutNamesIsFoundWhereverItLooks) {
-  const Skeleton named = testing::made_figure(1).skeleton;
+TEST(Body, AnatomyWithoutNamesIsFoundForEveryHeading) {
+  const Skeleton named = testing::made_character(1).skeleton;
   const Anatomy expected = find_anatomy(named);
   ASSERT_TRUE(expected.human) << expected.why_not;
   for (const double degrees : {0.0, 30.0, 90.0, 135.0, 180.0, 250.0, 270.0, 330.0}) {
@@ -297,7 +297,7 @@ TEST(BodyTest, FigureWithoutNamesIsFoundWhereverItLooks) {
     const Anatomy found = find_anatomy(nameless);
     ASSERT_TRUE(found.human) << degrees << " degrees: " << found.why_not;
     for (std::size_t i = 0; i < nameless.joints.size(); ++i) {
-      const Place a = expected.places[i], b = found.places[i];
+      const SidedPart a = expected.parts[i], b = found.parts[i];
       EXPECT_EQ(a.part, b.part) << named.joints[i].name << ", " << degrees << " degrees";
       EXPECT_EQ(a.side, b.side) << named.joints[i].name << ", " << degrees << " degrees";
     }

@@ -1,4 +1,4 @@
-// The floor under measured feet; labels of contacts; skating and sinking.
+// Floor under a measured motion; contact labels; sliding feet and ground penetration.
 
 #include "ugoki/body/floor.h"
 
@@ -14,39 +14,39 @@
 namespace ugoki::body {
 namespace {
 
-TEST(Floor, HeightIsFoundAndTheMotionIsShiftedOntoIt) {
-  const MeasuredMotion low = testing::made_figure(240, 0.25), high = testing::made_figure(240, -1.0);
+TEST(Floor, HeightIsFoundAndTheMotionIsShiftedToZero) {
+  const MeasuredMotion low = testing::made_character(240, 0.25), high = testing::made_character(240, -1.0);
   const auto a = make_body(low), b = make_body(high);
   ASSERT_TRUE(a && b);
   EXPECT_NEAR(calc_floor_pose(*a, low).p.z - calc_floor_pose(*b, high).p.z, -1.25, 1e-9);
-  // The feet of the made figure stand 0.03 m under the ball; the nominal 1.9 % of the height is taken.
+  // The soles of the synthetic character are 0.03 m below the ball; the nominal value is 1.9 % of the height.
   EXPECT_NEAR(calc_floor_pose(*a, low).p.z, -0.25 - 0.02 - 0.03 + 0.019 * a->height, 0.021);
   EXPECT_EQ(calc_floor_pose(*a, low).R, Mat3::identity());
 }
 
-TEST(Floor, TiltIsFoundAndTakenOut) {
+TEST(Floor, TiltIsFoundAndRemoved) {
   const double slope = 0.02;
-  const MeasuredMotion measured = testing::made_figure(600, 0.1, slope);  // five places over two metres
+  const MeasuredMotion measured = testing::made_character(600, 0.1, slope);  // five stance positions over two metres
   const auto body = make_body(measured);
   ASSERT_TRUE(body.has_value());
   const FloorFit fit = fit_floor(measured, body->soles, body->height);
   EXPECT_TRUE(fit.found);
   EXPECT_NEAR(fit.tilt, atan(slope), 1e-4);
   EXPECT_NEAR(norm(fit.R_level * normalized(Vec3{-slope, 0, 1}) - Vec3{0, 0, 1}), 0, 1e-4);
-  BodyOptions as_it_is;
-  as_it_is.level_floor = false;
-  EXPECT_EQ(calc_floor_pose(*make_body(measured, as_it_is), measured).p, Vec3{});
+  BodyOptions unlevelled;
+  unlevelled.level_floor = false;
+  EXPECT_EQ(calc_floor_pose(*make_body(measured, unlevelled), measured).p, Vec3{});
 }
 
 TEST(Floor, LevelFloorStaysLevel) {
-  const MeasuredMotion measured = testing::made_figure(600, 0.1, 0);
+  const MeasuredMotion measured = testing::made_character(600, 0.1, 0);
   const auto body = make_body(measured);
   EXPECT_EQ(fit_floor(measured, body->soles, body->height).tilt, 0);
 }
 
-// As on a treadmill: feet that are low slide at 1.5 m/s, feet that are 0.2 m up rest for a moment.
-TEST(Floor, FeetThatSlideOnTheSpotStandWhereTheyAreLowest) {
-  MeasuredMotion spot = testing::made_figure(240, 0.25);
+// As on a treadmill: low feet slide at 1.5 m/s, and feet 0.2 m above the floor rest for a moment.
+TEST(Floor, WalkingOnTheSpotUsesTheLowestFrames) {
+  MeasuredMotion spot = testing::made_character(240, 0.25);
   std::ranges::fill(spot.rotations, Quat{});
   const std::size_t n = spot.skeleton.joints.size();
   double lowest = 0;
@@ -56,13 +56,13 @@ TEST(Floor, FeetThatSlideOnTheSpotStandWhereTheyAreLowest) {
     if (f == 0) lowest = root.z;
     root = {phase < 0.4 ? 1.5 * phase : phase < 0.8 ? 0.6 : 0.6 - 3 * (phase - 0.8), 0, lowest + (phase < 0.4 ? 0.0 : 0.2)};
   }
-  const MeasuredMotion standing = testing::made_figure(240, 0.25);
+  const MeasuredMotion standing = testing::made_character(240, 0.25);
   const auto body = make_body(spot);
   ASSERT_TRUE(body);
   EXPECT_NEAR(calc_floor_pose(*body, spot).p.z, calc_floor_pose(*make_body(standing), standing).p.z, 1e-3);
 }
 
-/// A ball on a stick that slides, stands, jumps.
+/// A single ball-shaped foot that comes down, stands, leaves, and touches the ground briefly.
 struct Hopper {
   MechanismPtr mechanism;
   Motion motion;
@@ -87,14 +87,14 @@ Hopper hopper() {
     ++out.motion.frames;
   };
   for (int i = 0; i < 30; ++i) add(0, 0.5 - 0.4 * i / 29.0);           // comes down
-  for (int i = 0; i < 40; ++i) add(0.001 * i, 0.1);                    // stands, creeping 0.1 m/s
+  for (int i = 0; i < 40; ++i) add(0.001 * i, 0.1);                    // stands, sliding at 0.1 m/s
   for (int i = 0; i < 20; ++i) add(0.039 + 0.02 * i, 0.1 + 0.01 * i);  // leaves at 2 m/s
   for (int i = 0; i < 3; ++i) add(0.5, 0.11);                          // touches for 30 ms only
   for (int i = 0; i < 20; ++i) add(0.6 + 0.02 * i, 0.3);
   return out;
 }
 
-TEST(ContactLabels, StandingIsLabelledTouchingAndPassingAreNot) {
+TEST(ContactLabels, OnlyStandingIsLabelled) {
   Hopper h = hopper();
   label_contacts(*h.mechanism, h.motion);
   ASSERT_EQ(h.motion.contacts.size(), 1u);
@@ -119,7 +119,7 @@ TEST(ContactLabels, ShortGapIsClosed) {
   EXPECT_TRUE(h.motion.contacts[0].on[50]);
 }
 
-TEST(Measures, SkateIsThePathOfTheStandingFoot) {
+TEST(Measures, SkateIsThePathLengthOfTheStandingFoot) {
   const Hopper h = hopper();
   FootSkate skate(*h.mechanism, find_feet(*h.mechanism));
   std::vector<Pose> X(1);
@@ -151,7 +151,7 @@ TEST(Measures, ARollingFootDoesNotSkate) {
 TEST(Measures, PenetrationIsTheDepthBelowTheGround) {
   const Hopper h = hopper();
   GroundPenetration penetration(*h.mechanism, 0.02);
-  for (const double z : {0.5, 0.11, 0.12}) {  // 10 mm deep once, touching once
+  for (const double z : {0.5, 0.11, 0.12}) {  // one frame above the ground, one 10 mm deep, one just touching
     const Pose X{Mat3::identity(), {0, 0, z}};
     penetration.add(std::span(&X, 1));
   }
@@ -174,12 +174,12 @@ TEST(ContactLabels, SharedWalkAlternatesItsFeet) {
     both += l && r ? 1 : 0;
   }
   EXPECT_EQ(none, 0);
-  EXPECT_GT(both, 0.12 * motion.frames);  // a walk stands on both feet for a fifth to a third of its time
+  EXPECT_GT(both, 0.12 * motion.frames);  // double support is 20 to 33 % of a walk; the bound of 12 % leaves a margin
   EXPECT_LT(both, 0.40 * motion.frames);
   EXPECT_GT(one, 0.6 * motion.frames);
 }
 
-TEST(ContactLabels, SharedRunFlies) {
+TEST(ContactLabels, SharedRunHasFlightPhases) {
   if (testing::human_files().empty()) GTEST_SKIP() << "The shared measured data are absent.";
   const MeasuredMotion measured = testing::read("asf_amc/02_03.amc");
   const auto body = make_body(measured);

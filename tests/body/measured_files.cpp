@@ -13,6 +13,7 @@ namespace ugoki::body::testing {
 namespace {
 const std::string root = std::string(UGOKI_SHARED_DATA) + "/human/";
 
+/// The value; aborts with the error's text if there is none.
 template <class T>
 T must(Result<T> result) {
   if (!result) {
@@ -51,9 +52,9 @@ MeasuredMotion read(const std::string& file) {
   return must(formats::read_amc(text, file, must(formats::read_asf(must(files::read_file(root + skeleton)), skeleton))));
 }
 
-MeasuredMotion made_figure(int frames, double floor, double slope) {
+MeasuredMotion made_character(int frames, double floor, double slope) {
   MeasuredMotion m;
-  m.name = "figure";
+  m.name = "character";
   m.frames = frames;
   Skeleton& s = m.skeleton;
   const auto add = [&](const char* name, int parent, Vec3 offset, std::vector<Vec3> ends = {}) {
@@ -62,7 +63,7 @@ MeasuredMotion made_figure(int frames, double floor, double slope) {
     j.parent = parent;
     j.offset = offset;
     j.end_sites = std::move(ends);
-    j.freedoms = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
+    j.dofs = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
     s.joints.push_back(j);
     return static_cast<int>(s.joints.size()) - 1;
   };
@@ -91,7 +92,7 @@ MeasuredMotion made_figure(int frames, double floor, double slope) {
       m.rotations.push_back({});
     }
     const std::size_t first = static_cast<std::size_t>(f) * s.joints.size();
-    // Every second it stands half a metre farther.
+    // The character jumps forward by 0.5 m every second.
     const double x = 0.5 * std::floor(t);
     m.translations[first] = {x, 0, floor + slope * x + hip_height - 2 * 0.43 * (1 - cos(bend))};
     for (int side = 0; side < 2; ++side) {

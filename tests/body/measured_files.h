@@ -1,5 +1,5 @@
 #pragma once
-// The real measured files that the tests of this module work on, where they exist, and a small figure of our own.
+// Test data of this module: the shared measured files, if present, and a synthetic character.
 
 #include <string>
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace ugoki::body::testing {
 
-/// "bvh/x.bvh", "asf_amc/x.amc": every file under the shared human data; empty where it is absent.
+/// "bvh/x.bvh", "asf_amc/x.amc": every file under the shared human data; empty if the data are absent.
 std::vector<std::string> all_files();
-/// All that are human beings walking, running, sword fighting: with 30 or 31 joints.
+/// The files with human motion (skeletons of 30 or 31 joints).
 std::vector<std::string> human_files();
-/// Reads one of them; ends the test program with a sentence if it cannot be read.
+/// Reads one of these files; aborts the test program with a message if it cannot be read.
 MeasuredMotion read(const std::string& file);
 
-/// A figure of 1.75 m in T position: 19 joints, `frames` of standing still with knees that bend and arms that swing, feet
-/// on the floor at height `floor`, which rises by `slope` along x. The figure advances by `speed` m/s when it lifts its feet.
-MeasuredMotion made_figure(int frames = 120, double floor = 0.25, double slope = 0);
+/// A synthetic character of 1.75 m with 19 joints whose rest posture is a T. It bends its knees and swings its arms with both feet on the
+/// floor, and jumps forward by 0.5 m every second. @param floor m, height of the floor at x = 0 @param slope rise of the floor along x, m/m
+MeasuredMotion made_character(int frames = 120, double floor = 0.25, double slope = 0);
 
 }  // namespace ugoki::body::testing

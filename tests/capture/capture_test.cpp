@@ -1,4 +1,4 @@
-// Markers on a walking figure whose every joint is known, and recordings that were solved by others.
+// Synthetic markers on a character with known joints, and recordings with a published solution.
 #include "ugoki/capture/capture.h"
 
 #include <gtest/gtest.h>
@@ -18,9 +18,9 @@
 namespace ugoki::capture {
 namespace {
 
-/// A figure of another build than the model, which swings its limbs; and its markers, put a little beside where they belong.
+/// A synthetic motion of a character whose proportions differ from the model's, and its markers with placement errors.
 struct Known {
-  MeasuredMotion truth;
+  MeasuredMotion truth;  ///< the exact motion
   MarkerMotion markers;
 };
 
@@ -65,17 +65,17 @@ Known make_known(const MarkerSet& set, double size, unsigned seed, double placem
   m.source = "known";
   m.rate = t.rate;
   m.frames = t.frames;
-  std::vector<Vec3> places;
+  std::vector<Vec3> offsets;
   for (const ModelMarker& marker : set.markers) {
     m.labels.push_back(marker.labels[0]);
-    const Vec3 beside{within(random), within(random), within(random)};
-    places.push_back(marker.at * size + beside * (placement_error * std::min(1.0, marker.sigma / 0.01)));
+    const Vec3 error{within(random), within(random), within(random)};
+    offsets.push_back(marker.at * size + error * (placement_error * std::min(1.0, marker.sigma / 0.01)));
   }
   std::vector<Pose> X;
   for (int f = 0; f < m.frames; ++f) {
     t.calc_joint_poses(f, X);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      m.positions.push_back(X[static_cast<std::size_t>(set.markers[i].segment)] * places[i]);
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+      m.positions.push_back(X[static_cast<std::size_t>(set.markers[i].segment)] * offsets[i]);
       m.residuals.push_back(0);
     }
   }
@@ -116,7 +116,7 @@ double flexion(const MeasuredMotion& m, int frame, const std::string& a, const s
   return std::atan2(norm(cross(u, v)), dot(u, v)) * 57.29577951308232;
 }
 
-TEST(Capture, AKnownFigureIsFoundAgain) {
+TEST(Capture, SyntheticMotionIsRecovered) {
   const Known k = make_known(human_markers(), 0.9, 5, 0);
   const auto c = solve_markers(k.markers, {.cutoff = -1});
   ASSERT_TRUE(c.has_value()) << c.error().text();
@@ -128,7 +128,7 @@ TEST(Capture, AKnownFigureIsFoundAgain) {
   EXPECT_TRUE(c->unused.empty());
 }
 
-TEST(Capture, MarkersBesideTheirPlaceCostLittle) {
+TEST(Capture, MisplacedMarkersCauseSmallErrors) {
   for (const unsigned seed : {1U, 2U}) {
     SCOPED_TRACE(seed);
     const Known k = make_known(human_markers(), 1.05, seed, 0.006);
@@ -143,7 +143,7 @@ TEST(Capture, MarkersBesideTheirPlaceCostLittle) {
   }
 }
 
-TEST(Capture, AnAnimalIsFoundToo) {
+TEST(Capture, AnimalMotionIsRecovered) {
   const Known k = make_known(quadruped_key_points(), 3, 9, 0.001);
   const auto c = solve_markers(k.markers, {.cutoff = -1});
   ASSERT_TRUE(c.has_value()) << c.error().text();
@@ -154,7 +154,7 @@ TEST(Capture, AnAnimalIsFoundToo) {
 TEST(Capture, ResidualsNameMarkerAndFrame) {
   Known k = make_known(human_markers(), 1, 3, 0);
   const int knee = k.markers.find("LKNE");
-  k.markers.positions[k.markers.index(120, knee)] += Vec3{0, 0.015, 0};  // below what counts as a spike
+  k.markers.positions[k.markers.index(120, knee)] += Vec3{0, 0.015, 0};  // small enough not to be removed as a spike
   const auto c = solve_markers(k.markers, {.cutoff = -1});
   ASSERT_TRUE(c.has_value());
   for (const MarkerResidual& r : c->residuals)
@@ -171,8 +171,8 @@ void hide(MarkerMotion& m, const std::string& label, int first, int last) {
   }
 }
 
-/// Greatest distance [m] of a marker's filled places from where it was.
-double greatest_error(const FilledMarkers& filled, const MarkerMotion& truth, const std::string& label) {
+/// Maximum distance [m] of a marker's filled positions from the true ones.
+double max_error(const FilledMarkers& filled, const MarkerMotion& truth, const std::string& label) {
   double out = 0;
   for (int f = 0; f < truth.frames; ++f) {
     EXPECT_TRUE(filled.markers.seen(f, truth.find(label)));
@@ -181,10 +181,10 @@ double greatest_error(const FilledMarkers& filled, const MarkerMotion& truth, co
   return out;
 }
 
-TEST(Capture, LongGapsAreFilledByTheBody) {
+TEST(Capture, LongGapsAreFilledFromTheBodyPose) {
   const Known k = make_known(human_markers(), 1.05, 4, 0.006);
   MarkerMotion m = k.markers;
-  // Of the few markers of limbs, which nothing carries as a rigid body; one at an end of the recording; several at once.
+  // Markers of limbs have no rigid neighbours. The gaps overlap, and two of them are at the ends of the recording.
   const std::vector<std::string> lost = {"LELB", "RWRA", "RKNE", "LANK", "LFHD"};
   hide(m, "LELB", 60, 119);
   hide(m, "RWRA", 100, 149);
@@ -192,21 +192,21 @@ TEST(Capture, LongGapsAreFilledByTheBody) {
   hide(m, "LANK", 150, 199);
   hide(m, "LFHD", 30, 189);
   const FilledMarkers filled = fill_markers(m, {.cutoff = -1});
-  for (const std::string& label : lost) EXPECT_LT(greatest_error(filled, k.markers, label), 0.012) << label;
+  for (const std::string& label : lost) EXPECT_LT(max_error(filled, k.markers, label), 0.012) << label;
   for (int f = 0; f < m.frames; ++f)
     for (int i = 0; i < m.marker_count(); ++i)
       if (m.seen(f, i)) EXPECT_EQ(filled.markers.at(f, i), m.at(f, i));
-  const auto whole = solve_markers(k.markers, {.cutoff = -1}), c = solve_markers(m, {.cutoff = -1});
-  ASSERT_TRUE(whole && c);
+  const auto complete = solve_markers(k.markers, {.cutoff = -1}), c = solve_markers(m, {.cutoff = -1});
+  ASSERT_TRUE(complete && c);
   for (int f = 0; f < m.frames; ++f)
     EXPECT_NEAR(flexion(c->measured, f, "LeftArm", "LeftForeArm", "LeftHand"),
-                flexion(whole->measured, f, "LeftArm", "LeftForeArm", "LeftHand"), 2)
+                flexion(complete->measured, f, "LeftArm", "LeftForeArm", "LeftHand"), 2)
         << f;
 }
 
-TEST(Capture, AMarkerThatIsNeverSeenIsWhereItsPartnersImageIs) {
+TEST(Capture, UnseenMarkerUsesTheMirroredOffsetOfItsPartner) {
   Known k = make_known(human_markers(), 1, 6, 0);
-  // Both thigh markers sit 4 cm lower than the set has them.
+  // Both thigh markers are 4 cm lower than in the marker set.
   MarkerMotion truth = k.markers;
   std::vector<Pose> X;
   for (int f = 0; f < truth.frames; ++f) {
@@ -220,13 +220,13 @@ TEST(Capture, AMarkerThatIsNeverSeenIsWhereItsPartnersImageIs) {
   MarkerMotion m = truth;
   hide(m, "LTHI", 0, m.frames - 1);
   const FilledMarkers filled = fill_markers(m, {.cutoff = -1});
-  EXPECT_LT(greatest_error(filled, truth, "LTHI"), 0.02);
+  EXPECT_LT(max_error(filled, truth, "LTHI"), 0.02);
 }
 
-TEST(Capture, WhatNoBodyTellsIsFilledByMarkersThatMoveAlongOrStaysOpen) {
+TEST(Capture, UnknownMarkersAreFilledFromRigidNeighboursOrStayOpen) {
   Known k = make_known(human_markers(), 1, 3, 0);
   MarkerMotion m = k.markers;
-  for (std::string& label : m.labels) label = "X" + label;  // no set knows them
+  for (std::string& label : m.labels) label = "X" + label;  // no marker set contains these labels
   hide(m, "XLFHD", 50, 120);
   for (const std::string& label : m.labels) hide(m, label, 150, 180);
   const FilledMarkers filled = fill_markers(m);
@@ -234,7 +234,7 @@ TEST(Capture, WhatNoBodyTellsIsFilledByMarkersThatMoveAlongOrStaysOpen) {
   for (const float r : std::span(filled.markers.residuals).subspan(m.index(150, 0), m.index(181, 0) - m.index(150, 0))) EXPECT_LT(r, 0);
   EXPECT_NE(filled.report.back().find("stay unseen"), std::string::npos);
 
-  // With labels that a set knows there is a body, but nobody can tell what it did while no marker was seen.
+  // With known labels a body is found, but its pose is unknown in frames without any marker.
   m.labels = k.markers.labels;
   const FilledMarkers body = fill_markers(m);
   EXPECT_FALSE(body.markers.seen(165, 0));
@@ -243,7 +243,7 @@ TEST(Capture, WhatNoBodyTellsIsFilledByMarkersThatMoveAlongOrStaysOpen) {
   EXPECT_TRUE(std::ranges::any_of(c->report, [](const std::string& line) { return line.find("In 31 frames") != std::string::npos; }));
 }
 
-TEST(Capture, TheSameBitsEachTime) {
+TEST(Capture, IsDeterministic) {
   const Known k = make_known(human_markers(), 1, 3, 0.004);
   const auto a = solve_markers(k.markers), b = solve_markers(k.markers);
   ASSERT_TRUE(a.has_value() && b.has_value());
@@ -251,7 +251,7 @@ TEST(Capture, TheSameBitsEachTime) {
   EXPECT_EQ(a->measured.translations, b->measured.translations);
 }
 
-TEST(Capture, WhatCannotBeSolvedIsRefusedWithAReason) {
+TEST(Capture, InvalidRecordingIsRejectedWithAReason) {
   Known k = make_known(human_markers(), 1, 3, 0);
   MarkerMotion unknown = k.markers;
   for (std::string& label : unknown.labels) label = "X" + label;
@@ -278,7 +278,7 @@ std::string slurp(const std::string& path) {
 
 const std::string shared_data = std::string(UGOKI_SOURCE_DIR) + "/../shared/data/";
 
-/// Hides a fifth of all samples, and half a second of five markers.
+/// Hides a fifth of all samples, and five gaps of half a second (60 frames).
 void damage(MarkerMotion& m, unsigned seed) {
   std::mt19937 random(seed);
   const auto share = [&] { return static_cast<double>(random() % 10000) / 10000; };
@@ -295,7 +295,7 @@ void damage(MarkerMotion& m, unsigned seed) {
   }
 }
 
-/// Knees and elbows of a recording against the same trial as others solved it, in degrees rms.
+/// Differences [degrees rms] of knee and elbow flexion between our solution and the published one of the same trial.
 std::vector<double> flexion_errors(const MeasuredMotion& ours, const MeasuredMotion& amc) {
   std::vector<double> out;
   for (const auto& [a, b, c, x, y, z] :
@@ -315,7 +315,7 @@ std::vector<double> flexion_errors(const MeasuredMotion& ours, const MeasuredMot
   return out;
 }
 
-TEST(Capture, MeasuredWalkAgreesWithTheDatabasesOwnSolution) {
+TEST(Capture, MeasuredWalkAgreesWithThePublishedSolution) {
   const std::string bytes = slurp(shared_data + "human/c3d/02_01.c3d");
   if (bytes.empty()) GTEST_SKIP() << "no " << shared_data;
   const auto markers = formats::read_c3d(std::as_bytes(std::span(bytes)), "02_01.c3d");
@@ -347,7 +347,7 @@ TEST(Capture, MeasuredWalkAgreesWithTheDatabasesOwnSolution) {
   }
 }
 
-TEST(Capture, FilledPlacesJoinTheMeasuredOnesWithoutAJump) {
+TEST(Capture, FilledPositionsJoinTheMeasuredOnesWithoutAJump) {
   const std::string bytes = slurp(shared_data + "human/c3d/02_01.c3d");
   if (bytes.empty()) GTEST_SKIP() << "no " << shared_data;
   const auto recorded = formats::read_c3d(std::as_bytes(std::span(bytes)), "02_01.c3d");

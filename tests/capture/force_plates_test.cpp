@@ -1,4 +1,4 @@
-// Plates of every type loaded with known forces, through a C3D file and back.
+// Force plates of every type with known loads, directly and through a C3D file.
 #include "ugoki/capture/force_plates.h"
 
 #include <gtest/gtest.h>
@@ -14,13 +14,14 @@ namespace {
 
 constexpr double weight = 700;  // N
 
-/// One foot's load at a time: the ground's force, its centre and its free moment about the vertical.
+/// Load of one foot: the ground's force [N], its centre of pressure [m] and its free moment about the vertical [N m].
 struct Load {
   Vec3 force, centre;
   double twist = 0;
 };
 
-/// Steps of 0.6 s, the second begins before the first ends: the loads sum to the weight while both stand, as in walking.
+/// Load at time t [s] of step 0 or 1. Steps last 0.6 s and overlap by 0.1 s, in which their vertical forces sum to the weight, as in
+/// walking.
 Load load_at(double t, int step) {
   const double on = 0.3 + 0.5 * step, off = on + 0.6, s = (t - on) / 0.6;
   Load l;
@@ -32,16 +33,16 @@ Load load_at(double t, int step) {
   return l;
 }
 
-struct Build {
+struct PlateVariant {
   int type = 2;
-  double heading = 0;          // rad, of the plate's x in the world
-  bool measures_load = false;  // the channels hold what acts on the plate
-  bool origin_up = false;      // the sensor's place has the other sign, as some laboratories write it
+  double heading = 0;          // rad, direction of the plate's x axis in the world
+  bool measures_load = false;  // the channels contain the force on the plate instead of its reaction
+  bool origin_up = false;      // the sensor's position has the opposite sign, as in files of some laboratories
   std::string moment_unit = "Nmm";
 };
 
-/// A recording of two plates with the z axis pointing down, as usual, whose sensors lie 40 mm below the surface.
-MarkerMotion recording(const Build& b) {
+/// Synthetic recording of two plates whose z axes point down, as usual, with sensors 40 mm below the surface.
+MarkerMotion recording(const PlateVariant& b) {
   MarkerMotion m;
   m.name = "steps";
   m.source = "steps.c3d";
@@ -74,7 +75,7 @@ MarkerMotion recording(const Build& b) {
     }
     const double per_moment = b.moment_unit == "Nmm" ? 1000 : 1;
     if (b.type == 4) {
-      // Volts: each channel 0.01 of its force, moments mixed with forces by a known matrix; what the file holds is its inverse's effect.
+      // The channels are in volts; the matrix has a factor of 100 and cross-talk. Samples below are computed with its inverse.
       plate.calibration.assign(36, 0.0);
       for (std::size_t i = 0; i < 6; ++i) plate.calibration[7 * i] = 100;
       plate.calibration[6 * 1 + 0] = 3;  // cross-talk of fx into fy
@@ -90,7 +91,7 @@ MarkerMotion recording(const Build& b) {
       } else {
         const Vec3 M = cross(at - sensor, F) + T;  // about the sensor
         if (b.type == 3) {
-          // Forces of four corner sensors with these sums: x and y by the couple about z, z by those about x and y.
+          // Distribute force and moment over the four corner sensors: x and y forces from the moment about z, z forces from the others.
           const double fx34 = 0.5 * (F.x + 0.5 * M.z / s), fx12 = F.x - fx34, fy14 = 0.5 * (F.y + 0.5 * M.z / a), fy23 = F.y - fy14;
           const double u = M.x / s, w = -M.y / a;  // z1 + z2 - z3 - z4 and z1 + z4 - z2 - z3
           const double z1 = 0.25 * (F.z + u + w), z2 = 0.25 * (F.z + u - w), z3 = 0.25 * (F.z - u - w), z4 = 0.25 * (F.z - u + w);
@@ -109,14 +110,15 @@ MarkerMotion recording(const Build& b) {
   }
   for (const std::vector<double>& row : rows) m.samples.insert(m.samples.end(), row.begin(), row.end());
   for (int f = 0; f < m.frames; ++f)
-    for (int k = 0; k < 4; ++k) {  // left on the first plate, right on the second; heel behind, toe ahead
+    for (int k = 0; k < 4; ++k) {  // left foot on the first plate, right foot on the second; heel behind, toe ahead
       m.positions.push_back({0.1 + 0.7 * (k / 2) + 0.24 * (k % 2), k < 2 ? 0.25 : 0.15, 0.03});
       m.residuals.push_back(0);
     }
   return m;
 }
 
-void check(const MarkerMotion& m, const std::string& what, double force_error = 1e-6, double place_error = 1e-9) {
+/// Compares the computed contact forces with load_at. @param force_error share of the weight @param position_error m
+void check(const MarkerMotion& m, const std::string& what, double force_error = 1e-6, double position_error = 1e-9) {
   SCOPED_TRACE(what);
   ForcePlateOptions options;
   options.cutoff = 0;
@@ -137,31 +139,31 @@ void check(const MarkerMotion& m, const std::string& what, double force_error = 
       sum += got.force.z;
       EXPECT_LT(norm(got.force - force), force_error * weight) << f;
       if (!got.loaded) continue;
-      // The centre of the mean force: where it gives the mean moment about the horizontal axes.
+      // Expected centre: the point at which the mean force gives the mean moment about the horizontal axes.
       const Vec3 centre{-moment.y / force.z, moment.x / force.z, 0};
-      EXPECT_LT(norm(got.centre - centre), place_error) << f;
+      EXPECT_LT(norm(got.centre - centre), position_error) << f;
       const double couple = moment.z + twist - (centre.x * force.y - centre.y * force.x);
-      EXPECT_NEAR(got.free_moment, couple, 100 * weight * place_error) << f;
+      EXPECT_NEAR(got.free_moment, couple, 100 * weight * position_error) << f;
     }
     const double t = (f + 0.5) / m.rate;
     if (t > 0.42 && t < 0.78) EXPECT_NEAR(sum, weight, 0.01 * weight);
   }
 }
 
-TEST(ForcePlates, EveryTypeGivesTheLoadBack) {
+TEST(ForcePlates, EveryTypeReproducesTheLoad) {
   for (const int type : {1, 2, 3, 4})
     for (const double heading : {0.0, 1.5707963267948966, 2.4}) check(recording({type, heading}), "type " + std::to_string(type));
 }
 
-TEST(ForcePlates, SignsAndUnitsOfLaboratoriesDiffer) {
+TEST(ForcePlates, SignAndUnitConventionsAreAccepted) {
   for (const int type : {1, 2, 3, 4}) {
     check(recording({type, 0.3, true}), "load instead of reaction, type " + std::to_string(type));
-    check(recording({type, 0.3, false, true}), "sensor's place with the other sign, type " + std::to_string(type));
+    check(recording({type, 0.3, false, true}), "sensor's position with the opposite sign, type " + std::to_string(type));
   }
   check(recording({2, 0.3, false, false, "Nm"}), "moments in N m");
 }
 
-TEST(ForcePlates, SurviveTheFile) {
+TEST(ForcePlates, RoundTripThroughC3d) {
   for (const int type : {1, 2, 3, 4}) {
     const MarkerMotion m = recording({type, 0.3});
     const auto bytes = formats::write_c3d(m);
@@ -173,7 +175,7 @@ TEST(ForcePlates, SurviveTheFile) {
   }
 }
 
-TEST(ForcePlates, OffsetOfTheEmptyPlateGoes) {
+TEST(ForcePlates, OffsetOfTheEmptyPlateIsRemoved) {
   MarkerMotion m = recording({2, 0.3});
   for (std::size_t i = 0; i < m.samples.size(); i += m.analog.size()) {
     m.samples[i + 2] += 12;
@@ -199,14 +201,14 @@ TEST(ForcePlates, FilterKeepsTheImpulse) {
   EXPECT_LT(worst, 0.03 * weight);
 }
 
-TEST(ForcePlates, StepsBelongToFeet) {
+TEST(ForcePlates, StepsAreAssignedToFeet) {
   const MarkerMotion m = recording({2, 0});
   const ForceRecording forces = calc_contact_forces(m).value();
-  std::vector<SolePlaces> feet(2);
+  std::vector<SolePoints> feet(2);
   for (int side = 0; side < 2; ++side) {
     feet[static_cast<std::size_t>(side)].count = 2;
     for (int f = 0; f < m.frames; ++f)
-      for (int k = 0; k < 2; ++k) feet[static_cast<std::size_t>(side)].places.push_back(m.at(f, 2 * side + k));
+      for (int k = 0; k < 2; ++k) feet[static_cast<std::size_t>(side)].points.push_back(m.at(f, 2 * side + k));
   }
   const std::vector<PlateStep> steps = find_plate_steps(m, forces, feet);
   ASSERT_EQ(steps.size(), 2U);
@@ -219,15 +221,15 @@ TEST(ForcePlates, StepsBelongToFeet) {
     EXPECT_NEAR(s.first, 30 + 50 * k, 2);
     EXPECT_NEAR(s.last, 90 + 50 * k, 2);
   }
-  // Both feet on the first plate: the force belongs to both; nobody near: to none.
-  for (Vec3& p : feet[1].places) p.x -= 0.7;
+  // With both feet on the first plate the step is shared; with no foot near it has no foot.
+  for (Vec3& p : feet[1].points) p.x -= 0.7;
   EXPECT_TRUE(find_plate_steps(m, forces, feet)[0].shared);
-  for (SolePlaces& foot : feet)
-    for (Vec3& p : foot.places) p.y += 5;
+  for (SolePoints& foot : feet)
+    for (Vec3& p : foot.points) p.y += 5;
   EXPECT_EQ(find_plate_steps(m, forces, feet)[0].foot, -1);
 }
 
-TEST(ForcePlates, WhatCannotBeReadIsRefused) {
+TEST(ForcePlates, InvalidPlatesAreRejected) {
   const auto refused = [](MarkerMotion m, const std::string& word) {
     const auto made = calc_contact_forces(m);
     ASSERT_FALSE(made);

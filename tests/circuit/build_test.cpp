@@ -1,4 +1,4 @@
-// What a circuit is refused for, and in which order it runs.
+// Building circuits: the problems that are reported, and the order in which LSIs run.
 
 #include <cstring>
 
@@ -19,7 +19,7 @@ void expect_refused(const std::string& text, std::initializer_list<const char*> 
 }
 
 TEST(Build, ReportsAllProblemsWithNames) {
-  expect_refused(R"({"version": 1, "name": "bad",
+  expect_refused(R"({"version": 2, "name": "bad",
     "lsis": [{"id": "a", "type": "add"}, {"id": "g", "type": "gain", "parameters": {"gian": 2}}, {"id": "v", "type": "make vector", "values": {"x": 1, "y": 2, "z": 3}},
              {"id": "gone", "type": "magic"}, {"id": "a", "type": "clock"}],
     "wires": [{"from": "v.out", "to": "a.a"}, {"from": "g.out", "to": "a.b"}, {"from": "g.out", "to": "a.b"}, {"from": "a.sum", "to": "g.in"},
@@ -29,31 +29,31 @@ TEST(Build, ReportsAllProblemsWithNames) {
                   "Nothing is wired to 'g.in'", "'g' has no parameter 'gian'", "circuit/wires/3/from"});
 }
 
-TEST(Build, AnOutputOfTheCircuitThatNothingIsWiredToIsNamed) {
-  expect_refused(R"({"version": 1, "name": "o", "outputs": [{"name": "speed", "type": "scalar", "from": []}],
+TEST(Build, UnwiredOutputOfTheCircuitIsReported) {
+  expect_refused(R"({"version": 2, "name": "o", "outputs": [{"name": "speed", "type": "scalar", "from": []}],
     "lsis": [{"id": "c", "type": "clock"}]})",
                  {"circuit/outputs/0/from", "Nothing is wired to the circuit's output 'speed'"});
 }
 
 TEST(Build, ChecksParametersAndValues) {
-  const auto with = [](const char* lsi) { return std::string(R"({"version": 1, "name": "p", "lsis": [)") + lsi + "]}"; };
+  const auto with = [](const char* lsi) { return std::string(R"({"version": 2, "name": "p", "lsis": [)") + lsi + "]}"; };
   expect_refused(with(R"({"id": "g", "type": "gain", "parameters": {"gain": "much"}, "values": {"in": 1}})"),
-                 {"'g.gain' cannot have this value", "Give a number"});
+                 {"The value of the parameter 'g.gain' is not allowed", "Give a number"});
   expect_refused(with(R"({"id": "f", "type": "low-pass", "parameters": {"time": -1}, "values": {"in": 1}})"), {"'f.time'", "from 0"});
   expect_refused(with(R"({"id": "g", "type": "gain", "values": {"in": [1, 2]}})"), {"'g.in' needs 1 finite numbers"});
   expect_refused(with(R"({"id": "g", "type": "gain", "values": {"out": 1}})"), {"'g' has no input 'out'"});
   expect_refused(with(R"({"id": "d", "type": "delay joint values"})"), {"Nothing is wired to 'd.in'"});
 }
 
-TEST(Build, RefusesAnAlgebraicLoopAndNamesIt) {
-  const char* loop = R"({"version": 1, "name": "loop",
+TEST(Build, RefusesAlgebraicLoopAndNamesItsWires) {
+  const char* loop = R"({"version": 2, "name": "loop",
     "lsis": [{"id": "s", "type": "add", "values": {"b": 1}}, {"id": "g", "type": "gain"}, {"id": "h", "type": "gain"}, {"id": "after", "type": "gain"}],
     "wires": [{"from": "s.out", "to": "g.in"}, {"from": "g.out", "to": "h.in"}, {"from": "h.out", "to": "s.a"}, {"from": "h.out", "to": "after.in"}]})";
-  expect_refused(loop, {"g.out -> h.in, h.out -> s.a, s.out -> g.in", "Insert a delay behind 's.out'"});
+  expect_refused(loop, {"within one tick: g.out -> h.in, h.out -> s.a, s.out -> g.in", "Insert a delay after 's.out'"});
 }
 
-TEST(Build, AcceptsALoopThroughADelay) {
-  auto i = build(R"({"version": 1, "name": "count",
+TEST(Build, AcceptsCycleThroughDelay) {
+  auto i = build(R"({"version": 2, "name": "count",
     "lsis": [{"id": "d", "type": "delay", "parameters": {"initial": 5}}, {"id": "s", "type": "add", "values": {"b": 1}}],
     "wires": [{"from": "s.out", "to": "d.in"}, {"from": "d.out", "to": "s.a"}]})");
   ASSERT_TRUE(i) << i.error().text();
@@ -63,13 +63,13 @@ TEST(Build, AcceptsALoopThroughADelay) {
   EXPECT_EQ(value(*i, "s.out"), 8);
 }
 
-TEST(Build, ASizeThatNothingDecidesIsRefused) {
+TEST(Build, UndefinedSizeIsRefused) {
   expect_refused(
-      R"({"version": 1, "name": "size", "lsis": [{"id": "a", "type": "delay joint values"}, {"id": "b", "type": "delay joint values"}],
+      R"({"version": 2, "name": "size", "lsis": [{"id": "a", "type": "delay joint values"}, {"id": "b", "type": "delay joint values"}],
     "wires": [{"from": "a.out", "to": "b.in"}, {"from": "b.out", "to": "a.in"}]})",
-      {"Nothing decides the size of 'a.out'"});
+      {"The size of 'a.out' is undefined"});
   auto sized = build(
-      R"({"version": 1, "name": "size", "lsis": [{"id": "a", "type": "delay joint values", "parameters": {"count": 7}}, {"id": "b", "type": "delay joint values"}],
+      R"({"version": 2, "name": "size", "lsis": [{"id": "a", "type": "delay joint values", "parameters": {"count": 7}}, {"id": "b", "type": "delay joint values"}],
     "wires": [{"from": "a.out", "to": "b.in"}, {"from": "b.out", "to": "a.in"}]})");
   ASSERT_TRUE(sized) << sized.error().text();
   EXPECT_EQ(sized->find_output("b.out")->count, 7u);
@@ -77,10 +77,10 @@ TEST(Build, ASizeThatNothingDecidesIsRefused) {
 
 TEST(Build, OrderDoesNotDependOnTheOrderInTheFile) {
   const char* one =
-      R"({"version": 1, "name": "o", "lsis": [{"id": "b", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "c", "type": "clock"}, {"id": "z", "type": "sum"}],
+      R"({"version": 2, "name": "o", "lsis": [{"id": "b", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "c", "type": "clock"}, {"id": "z", "type": "sum"}],
     "wires": [{"from": "c.time", "to": "a.in"}, {"from": "b.time", "to": "z.in"}, {"from": "a.out", "to": "z.in"}]})";
   const char* two =
-      R"({"version": 1, "name": "o", "lsis": [{"id": "z", "type": "sum"}, {"id": "c", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "b", "type": "clock"}],
+      R"({"version": 2, "name": "o", "lsis": [{"id": "z", "type": "sum"}, {"id": "c", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "b", "type": "clock"}],
     "wires": [{"from": "a.out", "to": "z.in"}, {"from": "b.time", "to": "z.in"}, {"from": "c.time", "to": "a.in"}]})";
   auto x = build(one), y = build(two);
   ASSERT_TRUE(x && y);
@@ -88,7 +88,7 @@ TEST(Build, OrderDoesNotDependOnTheOrderInTheFile) {
   EXPECT_EQ(x->schedule(), y->schedule());
 }
 
-const char* const nested = R"({"version": 1, "name": "outer",
+const char* const nested = R"({"version": 2, "name": "outer",
   "inputs": [{"name": "x", "type": "scalar", "to": "twice.in"}],
   "outputs": [{"name": "y", "type": "scalar", "from": "twice.out"}],
   "lsis": [{"id": "twice", "type": "two gains", "parameters": {"factor": 3}}],
@@ -104,7 +104,7 @@ const char* const nested = R"({"version": 1, "name": "outer",
      "lsis": [{"id": "g", "type": "gain"}]}
   ]})";
 
-TEST(Build, OpensNestedCircuits) {
+TEST(Build, ExpandsNestedCircuits) {
   auto i = build(nested);
   ASSERT_TRUE(i) << i.error().text();
   const auto x = i->find_circuit_input("x");
@@ -117,9 +117,9 @@ TEST(Build, OpensNestedCircuits) {
   EXPECT_EQ(value(*i, "twice/second.out"), 63);
 }
 
-TEST(Build, LoopsThroughNestedCircuitsAreOnlyRealOnes) {
-  // The circuit has an independent upper and lower path; wiring one to the other makes no loop.
-  auto i = build(R"({"version": 1, "name": "o", "outputs": [{"name": "y", "type": "scalar", "from": "p.y2"}],
+TEST(Build, WireBetweenIndependentPinsOfNestedCircuitIsNoLoop) {
+  // The nested circuit has two independent paths. A wire from the output of one to the input of the other makes no algebraic loop.
+  auto i = build(R"({"version": 2, "name": "o", "outputs": [{"name": "y", "type": "scalar", "from": "p.y2"}],
     "lsis": [{"id": "p", "type": "pair"}, {"id": "c", "type": "constant", "parameters": {"value": 4}}],
     "wires": [{"from": "c.out", "to": "p.x1"}, {"from": "p.y1", "to": "p.x2"}],
     "circuits": [{"name": "pair", "inputs": [{"name": "x1", "type": "scalar", "to": "a.in"}, {"name": "x2", "type": "scalar", "to": "b.in"}],
@@ -130,14 +130,14 @@ TEST(Build, LoopsThroughNestedCircuitsAreOnlyRealOnes) {
   EXPECT_EQ(i->find_circuit_output("y")->numbers()[0], 40);
 }
 
-TEST(Build, RefusesACircuitThatContainsItself) {
-  expect_refused(R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "x"}],
+TEST(Build, RefusesCircuitThatContainsItself) {
+  expect_refused(R"({"version": 2, "name": "o", "lsis": [{"id": "a", "type": "x"}],
     "circuits": [{"name": "x", "lsis": [{"id": "b", "type": "y"}]}, {"name": "y", "lsis": [{"id": "c", "type": "x"}]}]})",
-                 {"The circuit 'x' contains itself", "Take 'a/b/c' out"});
+                 {"The circuit 'x' contains itself", "Remove 'a/b/c'"});
 }
 
-TEST(Build, RefusesAnExplosionOfCircuits) {
-  std::string text = R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "c0"}], "circuits": [)";
+TEST(Build, RefusesTooManyNestedLsis) {
+  std::string text = R"({"version": 2, "name": "o", "lsis": [{"id": "a", "type": "c0"}], "circuits": [)";
   for (int i = 0; i < 25; ++i) {
     text += R"({"name": "c)" + std::to_string(i) + R"(", "lsis": [)";
     for (const char* id : {"a", "b", "c"})
@@ -145,22 +145,22 @@ TEST(Build, RefusesAnExplosionOfCircuits) {
               (*id != 'c' ? "," : "");
     text += i < 24 ? "]}," : "]}";
   }
-  expect_refused(text + "]}", {"opens into more than"});
+  expect_refused(text + "]}", {"expands to more than"});
 }
 
-TEST(Build, RefusesPinsOfACircuitThatLeadToEveryPlaceAtOnce) {
-  std::string text = R"({"version": 1, "name": "o", "lsis": [{"id": "t", "type": "clock"}, {"id": "a", "type": "c0"}],
+TEST(Build, RefusesTooManyInputsBehindNestedPins) {
+  std::string text = R"({"version": 2, "name": "o", "lsis": [{"id": "t", "type": "clock"}, {"id": "a", "type": "c0"}],
     "wires": [{"from": "t.time", "to": "a.x"}], "circuits": [)";
   for (int i = 0; i < 28; ++i) {
     text += R"({"name": "c)" + std::to_string(i) + R"(", "inputs": [{"name": "x", "type": "scalar", "to": ["b.)";
     text += i < 27 ? R"(x", "b.x"]}], "lsis": [{"id": "b", "type": "c)" + std::to_string(i + 1) + R"("}]},)"
                    : R"(in", "b.in"]}], "lsis": [{"id": "b", "type": "gain"}]})";
   }
-  expect_refused(text + "]}", {"lead to too many places"});
+  expect_refused(text + "]}", {"The wires of nested circuits end at more than"});
 }
 
-TEST(Build, ChecksTheDeclaredTypesOfACircuitsPins) {
-  expect_refused(R"({"version": 1, "name": "o", "outputs": [{"name": "y", "type": "vector", "from": "n.out"}],
+TEST(Build, ChecksDeclaredTypesOfBoundaryPins) {
+  expect_refused(R"({"version": 2, "name": "o", "outputs": [{"name": "y", "type": "vector", "from": "n.out"}],
     "lsis": [{"id": "n", "type": "inner"}, {"id": "v", "type": "make vector", "values": {"x": 1, "y": 2, "z": 3}}],
     "wires": [{"from": "v.out", "to": "n.in"}],
     "circuits": [{"name": "inner", "inputs": [{"name": "in", "type": "vector", "to": "g.in"}], "outputs": [{"name": "out", "type": "scalar", "from": "g.out"}],
@@ -205,12 +205,12 @@ TEST(Build, DamagedTextIsRefusedOrRuns) {
   EXPECT_GT(ran, 5);
 }
 
-TEST(Build, OnDemandLsisMayNotFeedTheOthers) {
-  expect_refused(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock", "every": 0}, {"id": "g", "type": "gain"}],
+TEST(Build, OnDemandLsiMustNotFeedLsiThatRunsAtTicks) {
+  expect_refused(R"({"version": 2, "name": "o", "lsis": [{"id": "c", "type": "clock", "every": 0}, {"id": "g", "type": "gain"}],
     "wires": [{"from": "c.time", "to": "g.in"}]})",
-                 {"made only on demand"});
+                 {"computed on demand only"});
   expect_refused(
-      R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "d", "type": "delay", "every": 0}], "wires": [{"from": "c.time", "to": "d.in"}]})",
+      R"({"version": 2, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "d", "type": "delay", "every": 0}], "wires": [{"from": "c.time", "to": "d.in"}]})",
       {"cannot run on demand"});
 }
 

@@ -8,7 +8,7 @@ namespace ugoki::circuit {
 namespace {
 
 const char* const everything = R"({
-  "version": 1,
+  "version": 2,
   "name": "everything",
   "doc": "Every field of the form, with \"quotes\" and umlauts: \u00e4.",
   "inputs_at": [-220, 0.5],
@@ -49,7 +49,7 @@ const char* const everything = R"({
   ]
 })";
 
-TEST(CircuitJson, KeepsEverythingThroughTextAndBack) {
+TEST(CircuitJson, WriteAndReadKeepAllFields) {
   const Circuit first = parse(everything);
   const std::string text = write_circuit(first);
   const Circuit second = parse(text);
@@ -67,17 +67,17 @@ TEST(CircuitJson, KeepsEverythingThroughTextAndBack) {
 
 struct Bad {
   const char* text;
-  const char* place;
+  const char* location;
 };
 
 class BadCircuitText : public testing::TestWithParam<Bad> {};
 
-TEST_P(BadCircuitText, IsRefusedWithPlaceAndRemedy) {
+TEST_P(BadCircuitText, IsRefusedWithLocationAndRemedy) {
   const auto circuit = read_circuit(GetParam().text);
   ASSERT_FALSE(circuit);
   bool found = false;
   for (const Problem& p : circuit.error().problems) {
-    found = found || p.place == GetParam().place;
+    found = found || p.location == GetParam().location;
     EXPECT_FALSE(p.remedy.empty());
     EXPECT_FALSE(p.message.empty());
   }
@@ -88,36 +88,36 @@ INSTANTIATE_TEST_SUITE_P(
     Forms, BadCircuitText,
     testing::Values(Bad{"", "circuit:1"}, Bad{"{\n\"version\": 1,\n\"name\": }", "circuit:3"}, Bad{"{\"version\": 1", "circuit:1"},
                     Bad{"[]", "circuit"}, Bad{"\xff\xfe", "circuit:1"}, Bad{"{}", "circuit/version"},
-                    Bad{R"({"version": 2})", "circuit/version"}, Bad{R"({"version": "1"})", "circuit/version"},
-                    Bad{R"({"version": 1, "nam": "x"})", "circuit/nam"}, Bad{R"({"version": 1, "name": 3})", "circuit/name"},
-                    Bad{R"({"version": 1, "lsis": {}})", "circuit/lsis"}, Bad{R"({"version": 1, "lsis": [3]})", "circuit/lsis/0"},
-                    Bad{R"({"version": 1, "lsis": [{"type": "add"}]})", "circuit/lsis/0"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a b", "type": "add"}]})", "circuit/lsis/0/id"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a.b", "type": "add"}]})", "circuit/lsis/0/id"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": null}]})", "circuit/lsis/0/type"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "at": [1]}]})", "circuit/lsis/0/at"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "every": -1}]})", "circuit/lsis/0/every"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "every": 1.5}]})", "circuit/lsis/0/every"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "parameters": [1]}]})", "circuit/lsis/0/parameters"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "parameters": {"p": {}}}]})", "circuit/lsis/0/parameters/p"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "values": {"p": [1, "2"]}}]})", "circuit/lsis/0/values/p"},
-                    Bad{R"({"version": 1, "wires": [{"from": "a.x"}]})", "circuit/wires/0"},
-                    Bad{R"({"version": 1, "wires": [{"from": "a", "to": "b.y"}]})", "circuit/wires/0/from"},
-                    Bad{R"({"version": 1, "wires": [{"from": "a.", "to": "b.y"}]})", "circuit/wires/0/from"},
-                    Bad{R"({"version": 1, "wires": [{"from": 1, "to": ".y"}]})", "circuit/wires/0/to"},
-                    Bad{R"({"version": 1, "inputs": [{"name": "x", "type": "colour", "to": "a.b"}]})", "circuit/inputs/0/type"},
-                    Bad{R"({"version": 1, "inputs": [{"name": "x", "type": "scalar"}]})", "circuit/inputs/0"},
-                    Bad{R"({"version": 1, "outputs": [{"name": "x", "type": "scalar", "from": ["a.b", "a.c"]}]})",
+                    Bad{R"({"version": 3})", "circuit/version"}, Bad{R"({"version": "1"})", "circuit/version"},
+                    Bad{R"({"version": 2, "nam": "x"})", "circuit/nam"}, Bad{R"({"version": 2, "name": 3})", "circuit/name"},
+                    Bad{R"({"version": 2, "lsis": {}})", "circuit/lsis"}, Bad{R"({"version": 2, "lsis": [3]})", "circuit/lsis/0"},
+                    Bad{R"({"version": 2, "lsis": [{"type": "add"}]})", "circuit/lsis/0"},
+                    Bad{R"({"version": 2, "lsis": [{"id": "a b", "type": "add"}]})", "circuit/lsis/0/id"},
+                    Bad{R"({"version": 2, "lsis": [{"id": "a.b", "type": "add"}]})", "circuit/lsis/0/id"},
+                    Bad{R"({"version": 2, "lsis": [{"id": "a", "type": null}]})", "circuit/lsis/0/type"},
+                    Bad{R"({"version": 2, "lsis": [{"id": "a", "type": "add", "at": [1]}]})", "circuit/lsis/0/at"},
+                    Bad{R"({"version": 2, "lsis": [{"id": "a", "type": "add", "every": -1}]})", "circuit/lsis/0/every"},
+                    Bad{R"({"version": 2, "lsis": [{"id": "a", "type": "add", "every": 1.5}]})", "circuit/lsis/0/every"},
+                    Bad{R"({"version": 2, "lsis": [{"id": "a", "type": "add", "parameters": [1]}]})", "circuit/lsis/0/parameters"},
+                    Bad{R"({"version": 2, "lsis": [{"id": "a", "type": "add", "parameters": {"p": {}}}]})", "circuit/lsis/0/parameters/p"},
+                    Bad{R"({"version": 2, "lsis": [{"id": "a", "type": "add", "values": {"p": [1, "2"]}}]})", "circuit/lsis/0/values/p"},
+                    Bad{R"({"version": 2, "wires": [{"from": "a.x"}]})", "circuit/wires/0"},
+                    Bad{R"({"version": 2, "wires": [{"from": "a", "to": "b.y"}]})", "circuit/wires/0/from"},
+                    Bad{R"({"version": 2, "wires": [{"from": "a.", "to": "b.y"}]})", "circuit/wires/0/from"},
+                    Bad{R"({"version": 2, "wires": [{"from": 1, "to": ".y"}]})", "circuit/wires/0/to"},
+                    Bad{R"({"version": 2, "inputs": [{"name": "x", "type": "colour", "to": "a.b"}]})", "circuit/inputs/0/type"},
+                    Bad{R"({"version": 2, "inputs": [{"name": "x", "type": "scalar"}]})", "circuit/inputs/0"},
+                    Bad{R"({"version": 2, "outputs": [{"name": "x", "type": "scalar", "from": ["a.b", "a.c"]}]})",
                         "circuit/outputs/0/from"},
-                    Bad{R"({"version": 1, "outputs": [{"name": "x.y", "type": "scalar", "from": "a.b"}]})", "circuit/outputs/0/name"},
-                    Bad{R"({"version": 1, "notes": [{"text": "x"}]})", "circuit/notes/0"},
-                    Bad{R"({"version": 1, "notes": [{"id": "n", "size": [1]}]})", "circuit/notes/0/size"},
-                    Bad{R"({"version": 1, "probes": [{"at": [0, 0]}]})", "circuit/probes/0/pin"},
-                    Bad{R"({"version": 1, "probes": [{"pin": "a.b", "components": [-1]}]})", "circuit/probes/0/components"},
-                    Bad{R"({"version": 1, "inputs_at": 3})", "circuit/inputs_at"},
-                    Bad{R"({"version": 1, "circuits": [{"lsis": []}]})", "circuit/circuits/0"}));
+                    Bad{R"({"version": 2, "outputs": [{"name": "x.y", "type": "scalar", "from": "a.b"}]})", "circuit/outputs/0/name"},
+                    Bad{R"({"version": 2, "notes": [{"text": "x"}]})", "circuit/notes/0"},
+                    Bad{R"({"version": 2, "notes": [{"id": "n", "size": [1]}]})", "circuit/notes/0/size"},
+                    Bad{R"({"version": 2, "probes": [{"at": [0, 0]}]})", "circuit/probes/0/pin"},
+                    Bad{R"({"version": 2, "probes": [{"pin": "a.b", "components": [-1]}]})", "circuit/probes/0/components"},
+                    Bad{R"({"version": 2, "inputs_at": 3})", "circuit/inputs_at"},
+                    Bad{R"({"version": 2, "circuits": [{"lsis": []}]})", "circuit/circuits/0"}));
 
-TEST(CircuitJson, TheExampleInTheDocumentationIsACircuit) {
+TEST(CircuitJson, DocumentationExampleBuildsAndRuns) {
   std::ifstream file(UGOKI_SOURCE_DIR "/docs/circuit.md");
   std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const auto begin = text.find("```json\n") + 8;
@@ -132,7 +132,7 @@ TEST(CircuitJson, TheExampleInTheDocumentationIsACircuit) {
 }
 
 TEST(CircuitJson, RefusesDeepNesting) {
-  std::string text = R"({"version": 1)";
+  std::string text = R"({"version": 2)";
   for (int i = 0; i < 200; ++i) text += R"(, "circuits": [{"name": "c")";
   for (int i = 0; i < 200; ++i) text += "}]";
   const auto circuit = read_circuit(text + "}");
@@ -141,7 +141,7 @@ TEST(CircuitJson, RefusesDeepNesting) {
   EXPECT_FALSE(read_circuit(std::string(200000, '[')));
 }
 
-TEST(CircuitJson, EveryTruncationIsRefused) {
+TEST(CircuitJson, TruncatedTextIsRefused) {
   const std::string text = everything;
   for (std::size_t n = 0; n < text.size(); ++n) EXPECT_FALSE(read_circuit(text.substr(0, n))) << n;
 }

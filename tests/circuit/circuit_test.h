@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of circuits share: the library of signal LSIs and a short way to write circuits.
+// Common functions of the circuit tests: the library of signal LSIs, and building a circuit from JSON text.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What a user holds in hand: its text form, and its way to the LSIs keyboard, mouse and gamepad.
+// Input devices: the text form of their state, and how it reaches the LSIs keyboard, mouse and gamepad.
 
 #include "ugoki/circuit/devices.h"
 
@@ -7,7 +7,7 @@
 namespace ugoki::circuit {
 namespace {
 
-constexpr const char* desk = R"({"version": 1, "name": "desk", "lsis": [
+constexpr const char* desk = R"({"version": 2, "name": "desk", "lsis": [
   {"id": "w", "type": "keyboard", "parameters": {"key": "KeyW"}}, {"id": "jump", "type": "keyboard"}, {"id": "again", "type": "keyboard"},
   {"id": "m", "type": "mouse"}, {"id": "g", "type": "gamepad", "parameters": {"pad": "1"}}, {"id": "o", "type": "osc"},
   {"id": "far", "type": "gamepad", "parameters": {"pad": "9"}}]})";
@@ -18,7 +18,7 @@ DeviceChange read(const std::string& text) {
   return change ? *change : DeviceChange{};
 }
 
-TEST(Devices, WhatTheCircuitReadsIsToldOnceEach) {
+TEST(Devices, UseListsEachDeviceOnce) {
   auto i = build(desk);
   ASSERT_TRUE(i);
   const DeviceUse use = DeviceFeed(*i).use();
@@ -27,12 +27,12 @@ TEST(Devices, WhatTheCircuitReadsIsToldOnceEach) {
   EXPECT_EQ(write_device_use({}), R"({"keyboard":[],"mouse":false,"gamepads":[]})");
 }
 
-TEST(Devices, EveryPinGetsItsPart) {
+TEST(Devices, GiveSetsEveryPin) {
   auto i = build(desk);
   ASSERT_TRUE(i);
   const DeviceFeed feed(*i);
   DeviceState state;
-  EXPECT_TRUE(feed.has(state)) << "nothing is held at first";
+  EXPECT_TRUE(feed.has(state)) << "no key or button is pressed at first";
   apply(read(R"({"op": "input", "keyboard": ["Space", "KeyQ", "Space"], "mouse": {"x": 0.25, "y": 7, "right": true, "wheel": 2},
                  "gamepads": [null, {"axes": [0.5, -1, 0.1, 0.75], "buttons": [1, 0, 0.2, 0.7, 0, 0, 0.3, 0.9]}]})"),
         state);
@@ -47,12 +47,12 @@ TEST(Devices, EveryPinGetsItsPart) {
   for (const auto& [pin, x] : expected) EXPECT_EQ(value(*i, pin), x) << pin;
 }
 
-TEST(Devices, WhatIsNotToldStaysAndTheWheelAddsUp) {
+TEST(Devices, AbsentDevicesKeepTheirStateAndWheelAccumulates) {
   DeviceState state;
   apply(read(R"({"keyboard": ["KeyW"], "mouse": {"x": 0.25, "y": 0.5, "left": true, "wheel": 2}, "gamepads": [{"axes": [1]}]})"), state);
   const DeviceState before = state;
   apply(read(R"({"mouse": {"wheel": -3}})"), state);
-  EXPECT_EQ(state.mouse, (MouseState{0.25, 0.5, false, false, false, -1})) << "places stay, buttons are those that are told";
+  EXPECT_EQ(state.mouse, (MouseState{0.25, 0.5, false, false, false, -1})) << "x and y keep their values, buttons are replaced";
   EXPECT_EQ(state.keys, before.keys);
   EXPECT_EQ(state.gamepads, before.gamepads);
   apply(read(R"({"keyboard": [], "gamepads": []})"), state);
@@ -60,7 +60,7 @@ TEST(Devices, WhatIsNotToldStaysAndTheWheelAddsUp) {
   EXPECT_EQ(state.gamepads, DeviceState{}.gamepads);
 }
 
-TEST(Devices, OnlyWhatTheCircuitReadsIsAPress) {
+TEST(Devices, PressesObserveOnlyKeysAndButtonsOfTheCircuit) {
   auto i = build(desk);
   ASSERT_TRUE(i);
   const DeviceFeed feed(*i);
@@ -80,28 +80,28 @@ TEST(Devices, OnlyWhatTheCircuitReadsIsAPress) {
   EXPECT_FALSE(pressed("{}", R"({"gamepads": [{"buttons": [1]}]})"));
 }
 
-TEST(Devices, WrongNewsIsRefusedWithItsPlace) {
-  const auto place = [](const std::string& text) {
+TEST(Devices, InvalidMessageIsRefusedWithLocation) {
+  const auto location = [](const std::string& text) {
     const auto change = read_device_change(text);
-    return change ? std::string("accepted") : change.error().problems[0].place;
+    return change ? std::string("accepted") : change.error().problems[0].location;
   };
-  EXPECT_EQ(place(R"({"keyboard": "KeyW"})"), "input/keyboard");
-  EXPECT_EQ(place(R"({"keyboard": ["KeyW", "K W"]})"), "input/keyboard/1");
-  EXPECT_EQ(place(R"({"keyboard": [""]})"), "input/keyboard/0");
-  EXPECT_EQ(place(R"({"keyboard": [7]})"), "input/keyboard/0");
-  EXPECT_EQ(place(R"({"mouse": 3})"), "input/mouse");
-  EXPECT_EQ(place(R"({"mouse": {"x": "left"}})"), "input/mouse/x");
-  EXPECT_EQ(place(R"({"mouse": {"z": 1}})"), "input/mouse/z");
-  EXPECT_EQ(place(R"({"gamepads": [null, null, null, null, null]})"), "input/gamepads");
-  EXPECT_EQ(place(R"({"gamepads": [{"axes": [null]}]})"), "input/gamepads/0/axes/0");
-  EXPECT_EQ(place("[]").substr(0, 5), "input");
-  EXPECT_EQ(place("{"), "input:1");
+  EXPECT_EQ(location(R"({"keyboard": "KeyW"})"), "input/keyboard");
+  EXPECT_EQ(location(R"({"keyboard": ["KeyW", "K W"]})"), "input/keyboard/1");
+  EXPECT_EQ(location(R"({"keyboard": [""]})"), "input/keyboard/0");
+  EXPECT_EQ(location(R"({"keyboard": [7]})"), "input/keyboard/0");
+  EXPECT_EQ(location(R"({"mouse": 3})"), "input/mouse");
+  EXPECT_EQ(location(R"({"mouse": {"x": "left"}})"), "input/mouse/x");
+  EXPECT_EQ(location(R"({"mouse": {"z": 1}})"), "input/mouse/z");
+  EXPECT_EQ(location(R"({"gamepads": [null, null, null, null, null]})"), "input/gamepads");
+  EXPECT_EQ(location(R"({"gamepads": [{"axes": [null]}]})"), "input/gamepads/0/axes/0");
+  EXPECT_EQ(location("[]").substr(0, 5), "input");
+  EXPECT_EQ(location("{"), "input:1");
   std::string many = R"({"keyboard": [)";
   for (int k = 0; k < 65; ++k) many += std::string(k ? "," : "") + "\"F" + std::to_string(k) + "\"";
-  EXPECT_EQ(place(many + "]}"), "input/keyboard");
+  EXPECT_EQ(location(many + "]}"), "input/keyboard");
 }
 
-TEST(Devices, ARecordGivesThemAgain) {
+TEST(Devices, ReplayRepeatsDeviceInputs) {
   auto a = build(desk), b = build(desk);
   ASSERT_TRUE(a && b);
   a->start_recording();

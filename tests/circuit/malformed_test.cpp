@@ -1,4 +1,4 @@
-// Circuits that are wrong in one way each: all are refused, with the JSON path of the fault and a remedy.
+// Circuits with one error each: all are refused, with the JSON path of the error and a remedy.
 
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* const good_circuit = R"({"version": 1, "name": "good", "doc": "Everything once.",
+const char* const good_circuit = R"({"version": 2, "name": "good", "doc": "Everything once.",
   "inputs": [{"name": "x", "type": "scalar", "to": ["sum.a", "arm.in"]}],
   "outputs": [{"name": "y", "type": "scalar", "from": "limit.out"}, {"name": "z", "type": "vector", "from": "late.out"}],
   "parameters": [{"name": "top", "to": "limit.maximum"}],
@@ -25,7 +25,7 @@ const char* const good_circuit = R"({"version": 1, "name": "good", "doc": "Every
   "circuits": [{"name": "arm", "inputs": [{"name": "in", "type": "scalar", "to": "g.in"}], "outputs": [{"name": "out", "type": "scalar", "from": "g.out"}],
                 "parameters": [{"name": "factor", "to": "g.gain"}], "lsis": [{"id": "g", "type": "gain"}]}]})";
 
-/// Reads and builds. @return what is wrong; empty: nothing
+/// The problems of reading and building the circuit; empty: none.
 Error refuse(const std::string& text) {
   const Result<Circuit> circuit = read_circuit(text);
   if (!circuit) return circuit.error();
@@ -33,10 +33,10 @@ Error refuse(const std::string& text) {
   return made ? Error{} : made.error();
 }
 
-/// True if the path leads into the text: "circuit/lsis/5(arm)/lsis/0/type", perhaps with " 'arm/g'" behind. Its last part may be what
-/// is missing.
-bool leads_somewhere(const Json& top, std::string path) {
-  if (path.starts_with("circuit:")) return true;  // a line of a text that is no JSON
+/// Whether the path "circuit/lsis/5(arm)/lsis/0/type" exists in the document; " 'arm/g'" may follow it. The last part may name a missing
+/// field.
+bool path_exists(const Json& top, std::string path) {
+  if (path.starts_with("circuit:")) return true;  // a line of a text that is not JSON
   if (const auto name = path.find(" '"); name != std::string::npos) path.resize(name);
   if (path == "circuit") return true;
   if (!path.starts_with("circuit/")) return false;
@@ -75,13 +75,13 @@ void expect_refused(const Json& circuit, const std::string& text, const std::str
   const Error error = refuse(text);
   ASSERT_FALSE(error.empty()) << how << " was accepted:\n" << text;
   for (const Problem& p : error.problems) {
-    EXPECT_TRUE(leads_somewhere(circuit, p.place)) << how << ": '" << p.place << "' leads nowhere in\n" << text;
+    EXPECT_TRUE(path_exists(circuit, p.location)) << how << ": '" << p.location << "' does not exist in\n" << text;
     EXPECT_FALSE(p.message.empty()) << how;
     EXPECT_GT(p.remedy.size(), 6u) << how << ": no remedy for: " << p.message;
   }
 }
 
-/// Every object of the document: (where, itself).
+/// Calls visit(key, object) for every object of the document; `key` is the field that contains it.
 void each_object(Json& json, const std::string& key, const std::function<void(const std::string&, Json&)>& visit) {
   if (json.is_object()) visit(key, json);
   if (json.is_object())
@@ -99,7 +99,8 @@ class Malformed : public ::testing::Test {
     if (!seen_.insert(text).second) return;
     expect_refused(circuit, text, how);
   }
-  /// Each field of each object in turn; `change` gets the object and the field's name. @param change false: nothing to do here
+  /// Changes each field of each object in turn, and expects each changed circuit to be refused.
+  /// @param change  changes `field` of `object`; returns false to skip it
   void each_field(const std::string& how,
                   const std::function<bool(const std::string& where, Json& object, const std::string& field)>& change) {
     Json probe = Json::parse(good_circuit);
@@ -123,10 +124,10 @@ class Malformed : public ::testing::Test {
   std::set<std::string> seen_;
 };
 
-TEST_F(Malformed, TheGoodOneIsGood) { EXPECT_TRUE(refuse(good_circuit).empty()) << refuse(good_circuit).text(); }
+TEST_F(Malformed, UnchangedCircuitIsAccepted) { EXPECT_TRUE(refuse(good_circuit).empty()) << refuse(good_circuit).text(); }
 
-TEST_F(Malformed, ThreeHundredCircuitsAreRefusedWithPathAndRemedy) {
-  // values of a wrong kind, everywhere
+TEST_F(Malformed, AllAreRefusedWithPathAndRemedy) {
+  // Values of a wrong type, in every field.
   for (const Json& wrong : {Json(nullptr), Json::object({{"a", 1}}), Json("?"), Json(true), Json(-7.5), Json::array({Json::array()})})
     each_field("a wrong value for", [&](const std::string& where, Json& o, const std::string& f) {
       const bool free_text = f == "doc" || f == "note" || f == "label" || f == "name" || f == "unit";
@@ -138,8 +139,8 @@ TEST_F(Malformed, ThreeHundredCircuitsAreRefusedWithPathAndRemedy) {
       o[f] = wrong;
       return true;
     });
-  // fields that nobody knows
-  each_field("an unknown field beside", [&](const std::string& where, Json& o, const std::string& f) {
+  // Unknown fields.
+  each_field("an unknown field next to", [&](const std::string& where, Json& o, const std::string& f) {
     if (where == "parameters" && !o.contains("name")) {
       o["unknown parameter"] = 1;
       return true;
@@ -147,7 +148,7 @@ TEST_F(Malformed, ThreeHundredCircuitsAreRefusedWithPathAndRemedy) {
     o[f + "s?"] = 1;
     return true;
   });
-  // required fields that are missing
+  // Missing required fields.
   each_field("without", [&](const std::string& where, Json& o, const std::string& f) {
     const bool pin = o.contains("to") || o.contains("from");
     const bool needed = f == "id" || (f == "type" && (o.contains("id") || pin)) || f == "to" || f == "from" || (pin && f == "name") ||
@@ -157,7 +158,7 @@ TEST_F(Malformed, ThreeHundredCircuitsAreRefusedWithPathAndRemedy) {
     o.erase(f);
     return true;
   });
-  // ends that lead nowhere
+  // Ends of wires that do not exist.
   each_field("an end of", [&](const std::string&, Json& o, const std::string& f) {
     if (f != "from" && f != "to") return false;
     o[f] = "nobody.out";
@@ -197,9 +198,9 @@ TEST_F(Malformed, ThreeHundredCircuitsAreRefusedWithPathAndRemedy) {
       c["wires"][w]["to"] = from;
     });
   }
-  refuse_changed("a circle", [](Json& c) { c["wires"][0]["from"] = "limit.out"; });
-  refuse_changed("a circle of one", [](Json& c) { c["wires"][0]["from"] = "sum.out"; });
-  refuse_changed("a circle through a circuit", [](Json& c) {
+  refuse_changed("a cycle", [](Json& c) { c["wires"][0]["from"] = "limit.out"; });
+  refuse_changed("a cycle of one LSI", [](Json& c) { c["wires"][0]["from"] = "sum.out"; });
+  refuse_changed("a cycle through a circuit", [](Json& c) {
     c["inputs"][0]["to"] = "sum.a";
     c["wires"].push_back({{"from", "arm.out"}, {"to", "arm.in"}});
   });
@@ -228,14 +229,14 @@ TEST_F(Malformed, ThreeHundredCircuitsAreRefusedWithPathAndRemedy) {
   refuse_changed("two inputs of a name", [](Json& c) { c["inputs"].push_back({{"name", "x"}, {"type", "scalar"}, {"to", "slow.in"}}); });
   std::printf("refused so far: %zu\n", seen_.size());
 
-  // and texts that are cut off
+  // Truncated texts.
   const std::string whole = good_circuit;
   const unsigned seed = 20261121;
   std::printf("seed %u\n", seed);
   std::mt19937 random(seed);
   for (int i = 0; i < 60; ++i) {
     const std::string text = whole.substr(0, random() % (whole.size() - 1));
-    if (seen_.insert(text).second) expect_refused(Json::object(), text, "cut off");
+    if (seen_.insert(text).second) expect_refused(Json::object(), text, "truncated");
   }
   EXPECT_GE(seen_.size(), 300u);
 }

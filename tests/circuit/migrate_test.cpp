@@ -1,4 +1,4 @@
-// Circuits that older programs wrote are read for ever; what this one writes keeps every byte.
+// Migration of circuits of earlier versions, and byte-exact writing of large circuits.
 
 #include "ugoki/circuit/migrate.h"
 
@@ -16,7 +16,7 @@ std::string file_of_version(int version) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(Migration, AFileOfEveryVersionIsRead) {
+TEST(Migration, FilesOfAllVersionsAreRead) {
   ASSERT_EQ(migrations().size(), static_cast<std::size_t>(circuit_version - 1));
   for (int version = 1; version <= circuit_version; ++version) {
     const std::string text = file_of_version(version);
@@ -24,13 +24,33 @@ TEST(Migration, AFileOfEveryVersionIsRead) {
     const Result<Circuit> c = read_circuit(text);
     ASSERT_TRUE(c) << version << ": " << c.error().text();
     EXPECT_EQ(c->lsis.size(), 4u);
-    EXPECT_EQ(c->lsis[3].type, "somebody else's LSI") << "what is not installed is kept";
+    EXPECT_EQ(c->lsis[3].type, "somebody else's LSI") << "the type of an LSI that is not installed is kept";
     EXPECT_EQ(c->notes.size(), 2u);
     EXPECT_EQ(c->circuits.size(), 1u);
   }
 }
 
-TEST(Migration, StepsFollowEachOtherFromTheVersionOfTheFile) {
+TEST(Migration, FormerNamesOfVersionOneAreRenamed) {
+  const Result<Circuit> c = read_circuit(R"({"version": 1, "name": "old",
+    "outputs": [{"name": "figures", "type": "joint values", "from": "show.figures"}, {"name": "other", "type": "scalar", "from": "mine.figures"}],
+    "lsis": [{"id": "show", "type": "display"}, {"id": "mine", "type": "own/class"}, {"id": "near", "type": "nearest pair"}],
+    "wires": [{"from": "show.figures", "to": "mine.in"}, {"from": "mine.figures", "to": "near.a"}],
+    "probes": [{"pin": "show.figures", "at": [0, 0]}],
+    "circuits": [{"name": "inner", "outputs": [{"name": "figures", "type": "joint values", "from": "d.figures"}],
+                  "lsis": [{"id": "d", "type": "display"}]}]})");
+  ASSERT_TRUE(c) << c.error().text();
+  EXPECT_EQ(c->outputs[0].name, "characters");
+  EXPECT_EQ(c->outputs[0].ends, std::vector<std::string>{"show.characters"});
+  EXPECT_EQ(c->outputs[1].ends, std::vector<std::string>{"mine.figures"}) << "a pin of another class keeps its name";
+  EXPECT_EQ(c->lsis[2].type, "closest pair");
+  EXPECT_EQ(c->wires[0].from, "show.characters");
+  EXPECT_EQ(c->wires[1].from, "mine.figures");
+  EXPECT_EQ(c->probes[0].pin, "show.characters");
+  EXPECT_EQ(c->circuits[0].outputs[0].name, "figures") << "the name of an inner circuit's pin is its author's";
+  EXPECT_EQ(c->circuits[0].outputs[0].ends, std::vector<std::string>{"d.characters"});
+}
+
+TEST(Migration, StepsRunInOrderFromTheVersionOfTheFile) {
   const Migration steps[] = {[](json::Json& c) { c["seen"] = c["seen"].get<std::string>() + "1>2 "; },
                              [](json::Json& c) { c["seen"] = c["seen"].get<std::string>() + "2>3 "; }};
   for (const auto& [version, seen] : {std::pair<int, const char*>(1, "1>2 2>3 "), {2, "2>3 "}, {3, ""}}) {
@@ -41,15 +61,15 @@ TEST(Migration, StepsFollowEachOtherFromTheVersionOfTheFile) {
   }
 }
 
-TEST(Migration, AVersionToComeIsRefusedInWords) {
+TEST(Migration, LaterVersionIsRefusedWithMessage) {
   const Result<Circuit> c = read_circuit(R"({"version": 99, "name": "t"})");
   ASSERT_FALSE(c);
-  EXPECT_NE(c.error().text().find("up to version 1, this one has version 99"), std::string::npos) << c.error().text();
+  EXPECT_NE(c.error().text().find("up to version 2; this circuit has version 99"), std::string::npos) << c.error().text();
   EXPECT_FALSE(read_circuit(R"({"version": 0, "name": "t"})"));
   EXPECT_FALSE(read_circuit(R"({"version": -3, "name": "t"})"));
 }
 
-TEST(CircuitForm, TenThousandLsisKeepEveryByte) {
+TEST(CircuitForm, CircuitOfTenThousandLsisIsWrittenByteExactly) {
   Circuit big;
   big.name = "big";
   for (int i = 0; i < 10'000; ++i) {

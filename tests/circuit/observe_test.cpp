@@ -1,4 +1,4 @@
-// Probes, breakpoints, single step, records of what came from outside, threads: all without changing a bit.
+// Probes, breakpoints, single steps, recording and replay of inputs, threads. None of them may change a bit of the results.
 
 #include <condition_variable>
 #include <cstring>
@@ -14,7 +14,7 @@
 namespace ugoki::circuit {
 namespace {
 
-const char* const oscillator = R"({"version": 1, "name": "oscillator", "inputs": [{"name": "push", "type": "scalar", "to": "sum.b"}],
+const char* const oscillator = R"({"version": 2, "name": "oscillator", "inputs": [{"name": "push", "type": "scalar", "to": "sum.b"}],
   "lsis": [{"id": "x", "type": "integrator", "parameters": {"initial": 1}}, {"id": "v", "type": "integrator"}, {"id": "k", "type": "gain", "parameters": {"gain": -40}},
            {"id": "sum", "type": "add"}, {"id": "place", "type": "make vector", "values": {"y": 0, "z": 0}}],
   "wires": [{"from": "v.out", "to": "x.in"}, {"from": "k.out", "to": "sum.a"}, {"from": "sum.out", "to": "v.in"}, {"from": "x.out", "to": "k.in"},
@@ -40,13 +40,13 @@ TEST(Observe, ProbesKeepTheNewestRows) {
   }
   const ProbeRows rows = i->probes();
   ASSERT_EQ(rows.size(), 8u);
-  EXPECT_EQ(rows.first(), 17u);  // 25 rows were caught
+  EXPECT_EQ(rows.first(), 17u);  // 25 rows were sampled in total
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const std::size_t tick = 34 + 2 * r;
     EXPECT_EQ(rows.tick(r), tick);
     ASSERT_EQ(rows.numbers(r).size(), 5u);
     EXPECT_EQ(rows.numbers(r)[0], k[tick]);
-    EXPECT_EQ(rows.numbers(r)[1], x[tick]);  // as consumers saw it in that tick
+    EXPECT_EQ(rows.numbers(r)[1], x[tick]);  // the value that consumers read in that tick
     EXPECT_EQ(rows.numbers(r)[4], x[tick]);
   }
   const long before = allocations_so_far();
@@ -62,7 +62,7 @@ TEST(Observe, ProbesKeepTheNewestRows) {
   EXPECT_EQ(i->probes().numbers(0).size(), 0u);
 }
 
-TEST(Observe, BreakpointsAreMetWhereTheConditionBecomesTrue) {
+TEST(Observe, BreakpointIsHitWhenConditionBecomesTrue) {
   auto i = build(oscillator);
   ASSERT_TRUE(i);
   const std::vector<Breakpoint> breaks = {
@@ -83,10 +83,10 @@ TEST(Observe, BreakpointsAreMetWhereTheConditionBecomesTrue) {
   EXPECT_FALSE(i->set_breakpoints(wrong));
 }
 
-TEST(Observe, ConditionsAreReadAsTheyAreWritten) {
+TEST(Observe, BreakpointConditionsAreParsed) {
   struct Case {
     const char* text;
-    Breakpoint is;
+    Breakpoint expected;
   };
   const Case good[] = {{"x.out > 3", {"x.out", 0, Comparison::above, 3}},
                        {" arm/elbow.out[2]<-1e-3 ", {"arm/elbow.out", 2, Comparison::below, -1e-3}},
@@ -99,10 +99,10 @@ TEST(Observe, ConditionsAreReadAsTheyAreWritten) {
   for (const Case& c : good) {
     const Result<Breakpoint> b = read_breakpoint(c.text);
     ASSERT_TRUE(b) << c.text << b.error().text();
-    EXPECT_EQ(b->pin, c.is.pin) << c.text;
-    EXPECT_EQ(b->component, c.is.component) << c.text;
-    EXPECT_EQ(b->comparison, c.is.comparison) << c.text;
-    EXPECT_EQ(b->value, c.is.value) << c.text;
+    EXPECT_EQ(b->pin, c.expected.pin) << c.text;
+    EXPECT_EQ(b->component, c.expected.component) << c.text;
+    EXPECT_EQ(b->comparison, c.expected.comparison) << c.text;
+    EXPECT_EQ(b->value, c.expected.value) << c.text;
   }
   for (const char* bad : {"", "x.out", "x.out >", "x.out > nan", "x.out > 1 2", "> 3", "x > 3", "x. > 3", ".out > 3", "x.out[] > 3",
                           "x.out[-1] > 3", "x.out[1e9] > 3", "x.out[99999999999999999999] > 3", " changes", "x.out >= 3"}) {
@@ -112,7 +112,7 @@ TEST(Observe, ConditionsAreReadAsTheyAreWritten) {
   }
 }
 
-TEST(Observe, LsiByLsiIsTheSameAsTickByTick) {
+TEST(Observe, SteppingLsisGivesTheSameBitsAsTicks) {
   auto a = build(oscillator), b = build(oscillator);
   ASSERT_TRUE(a && b);
   EXPECT_EQ(a->next_lsi(), "k");
@@ -120,11 +120,11 @@ TEST(Observe, LsiByLsiIsTheSameAsTickByTick) {
   EXPECT_EQ(value(*a, "k.out"), -40);
   EXPECT_EQ(a->ticks(), 0u);
   const std::vector<std::byte> middle = state_of(*a);
-  for (int n = 0; n < 4; ++n) ASSERT_TRUE(a->step_lsi());  // place, sum; v, x: the tick is done
+  for (int n = 0; n < 4; ++n) ASSERT_TRUE(a->step_lsi());  // place, sum, v, x: the tick is complete
   EXPECT_EQ(a->ticks(), 1u);
   ASSERT_TRUE(b->tick());
   EXPECT_EQ(state_of(*a), state_of(*b));
-  // In the middle of a tick: saved, taken up again, completed by tick().
+  // A state saved in the middle of a tick is restored, and tick() completes the tick.
   auto c = build(oscillator);
   ASSERT_TRUE(c->restore(middle));
   EXPECT_EQ(c->next_lsi(), "place");
@@ -132,7 +132,7 @@ TEST(Observe, LsiByLsiIsTheSameAsTickByTick) {
   EXPECT_EQ(state_of(*c), state_of(*b));
 }
 
-TEST(Observe, ARecordRepeatsARunBitByBit) {
+TEST(Observe, ReplayGivesTheSameBits) {
   auto a = build(oscillator), b = build(oscillator);
   ASSERT_TRUE(a && b);
   a->start_recording();
@@ -148,7 +148,7 @@ TEST(Observe, ARecordRepeatsARunBitByBit) {
   ASSERT_TRUE(b->replay(*record));
   for (int n = 0; n < 200; ++n) ASSERT_TRUE(b->tick());
   EXPECT_EQ(state_of(*a), state_of(*b));
-  auto other = build(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}]})");
+  auto other = build(R"({"version": 2, "name": "o", "lsis": [{"id": "c", "type": "clock"}]})");
   EXPECT_FALSE(other->replay(*record));
   InputRecord wrong = *record;
   wrong.changes[0].name = "nobody";
@@ -158,7 +158,7 @@ TEST(Observe, ARecordRepeatsARunBitByBit) {
 
 TEST(Observe, ActivityNamesTheLsiThatRuns) {
   static Activity activity;
-  static std::string told;
+  static std::string reported;
   Library library;
   LsiClass c;
   c.name = "looks";
@@ -169,24 +169,24 @@ TEST(Observe, ActivityNamesTheLsiThatRuns) {
   c.step = [](const Call*) -> std::int32_t {
     char buffer[200];
     const RunningLsi& r = *running_of(activity);
-    told = std::string(buffer, describe_lsi(r, buffer));
-    told += std::string(buffer, describe_time(r, buffer));
-    told += "." + std::string(buffer, describe_inputs(r, buffer));
+    reported = std::string(buffer, describe_lsi(r, buffer));
+    reported += std::string(buffer, describe_time(r, buffer));
+    reported += "." + std::string(buffer, describe_inputs(r, buffer));
     char little[8];
     EXPECT_EQ(describe_lsi(r, little), 7u);
     return 0;
   };
   library.add(c);
-  auto i = Interpreter::build(parse(R"({"version": 1, "name": "o", "lsis": [{"id": "b", "type": "looks", "values": {"a": 2.5}}]})"),
+  auto i = Interpreter::build(parse(R"({"version": 2, "name": "o", "lsis": [{"id": "b", "type": "looks", "values": {"a": 2.5}}]})"),
                               library, nullptr, {.dt = 0.25, .check_finite = true, .activity = &activity});
   ASSERT_TRUE(i);
   for (int k = 0; k < 3; ++k) ASSERT_TRUE(i->tick());
-  EXPECT_EQ(told, "'b' (LSI 'looks') at 0.500 s (tick 2). Its inputs were 'a' = 2.5.");
+  EXPECT_EQ(reported, "'b' (LSI 'looks') at 0.500 s (tick 2). Its inputs were 'a' = 2.5.");
   EXPECT_EQ(running_of(activity), nullptr);
   EXPECT_EQ(passes_of(activity), 3u);
 }
 
-/// Threads that wait for work.
+/// A thread pool.
 class Threads final : public Executor {
  public:
   explicit Threads(int n) {
@@ -239,7 +239,7 @@ class Threads final : public Executor {
   std::vector<std::thread> threads_;
 };
 
-/// Chains side by side that meet at the end.
+/// A circuit of 12 independent chains whose results are added. @param fails  chains 3 and 8 divide by zero
 std::string wide(bool fails) {
   std::string lsis = R"({"id": "c", "type": "clock"}, {"id": "end", "type": "sum"})", wires;
   for (int k = 0; k < 12; ++k) {
@@ -252,10 +252,10 @@ std::string wide(bool fails) {
              R"(.out", "to": "end.in"},)";
   }
   wires.pop_back();
-  return R"({"version": 1, "name": "wide", "lsis": [)" + lsis + "], \"wires\": [" + wires + "]}";
+  return R"({"version": 2, "name": "wide", "lsis": [)" + lsis + "], \"wires\": [" + wires + "]}";
 }
 
-TEST(Observe, ThreadsGiveTheSameBitsAndTheSameFailure) {
+TEST(Observe, ThreadsGiveSameBitsAndSameFailure) {
   for (const int n : {2, 3, 8}) {
     Threads threads(n);
     auto one = build(wide(false)), many = build(wide(false));

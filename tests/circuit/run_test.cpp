@@ -1,4 +1,4 @@
-// What running a circuit promises.
+// Running circuits: order of state changes, rates, save and restore, failures, timing.
 
 #include <bit>
 #include <cstring>
@@ -11,16 +11,16 @@
 namespace ugoki::circuit {
 namespace {
 
-// A mass on a spring, as a circuit: x'' = -k x.
-const char* const oscillator = R"({"version": 1, "name": "oscillator",
+// Oscillator of a mass on a spring: x'' = -40 x.
+const char* const oscillator = R"({"version": 2, "name": "oscillator",
   "lsis": [{"id": "x", "type": "integrator", "parameters": {"initial": 1}}, {"id": "v", "type": "integrator"}, {"id": "k", "type": "gain", "parameters": {"gain": -40}},
            {"id": "smooth", "type": "low-pass"}, {"id": "slow", "type": "gain", "every": 10}],
   "wires": [{"from": "v.out", "to": "x.in"}, {"from": "k.out", "to": "v.in"}, {"from": "x.out", "to": "k.in"}, {"from": "x.out", "to": "smooth.in"}, {"from": "smooth.out", "to": "slow.in"}]})";
 
 TEST(Run, StateChangesTogetherAtTheTick) {
-  // two delays that swap their values: right only if both see the old ones
+  // Two delays that exchange their values. The result is correct only if both read the old value of the other.
   auto i = build(
-      R"({"version": 1, "name": "swap", "lsis": [{"id": "a", "type": "delay", "parameters": {"initial": 1}}, {"id": "b", "type": "delay", "parameters": {"initial": 2}}],
+      R"({"version": 2, "name": "swap", "lsis": [{"id": "a", "type": "delay", "parameters": {"initial": 1}}, {"id": "b", "type": "delay", "parameters": {"initial": 2}}],
     "wires": [{"from": "a.out", "to": "b.in"}, {"from": "b.out", "to": "a.in"}]})");
   ASSERT_TRUE(i);
   for (int k = 0; k < 5; ++k) {
@@ -30,7 +30,7 @@ TEST(Run, StateChangesTogetherAtTheTick) {
   }
 }
 
-TEST(Run, MatchesTheSameCalculationByHand) {
+TEST(Run, MatchesDirectCalculation) {
   auto i = build(oscillator);
   ASSERT_TRUE(i) << i.error().text();
   double x = 1, v = 0;
@@ -45,7 +45,7 @@ TEST(Run, MatchesTheSameCalculationByHand) {
   }
 }
 
-TEST(Run, RunsAtItsOwnRate) {
+TEST(Run, EveryTenthTickHoldsOutputBetween) {
   auto i = build(oscillator);
   ASSERT_TRUE(i);
   double held = 0;
@@ -58,7 +58,7 @@ TEST(Run, RunsAtItsOwnRate) {
 
 TEST(Run, OnDemandRunsOnlyWhenAsked) {
   auto i = build(
-      R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "show", "type": "gain", "every": 0, "parameters": {"gain": 2}}], "wires": [{"from": "c.time", "to": "show.in"}]})");
+      R"({"version": 2, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "show", "type": "gain", "every": 0, "parameters": {"gain": 2}}], "wires": [{"from": "c.time", "to": "show.in"}]})");
   ASSERT_TRUE(i);
   for (int k = 0; k < 6; ++k) ASSERT_TRUE(i->tick());
   EXPECT_EQ(value(*i, "show.out"), 0);
@@ -85,9 +85,9 @@ TEST(Run, SameBitsAfterSaveAndRestore) {
   EXPECT_EQ(one, two);
 }
 
-TEST(Run, RestoreRefusesForeignBytesAndStaysAsItWas) {
+TEST(Run, RestoreRefusesForeignOrDamagedBytesAndChangesNothing) {
   auto a = build(oscillator);
-  auto other = build(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}]})");
+  auto other = build(R"({"version": 2, "name": "o", "lsis": [{"id": "c", "type": "clock"}]})");
   ASSERT_TRUE(a && other);
   ASSERT_TRUE(a->tick());
   std::vector<std::byte> good, foreign;
@@ -106,18 +106,18 @@ TEST(Run, RestoreRefusesForeignBytesAndStaysAsItWas) {
   EXPECT_EQ(after, good);
 }
 
-TEST(Run, ResetGoesBackToTheFirstState) {
+TEST(Run, ResetRestoresInitialState) {
   auto a = build(oscillator);
   ASSERT_TRUE(a);
-  std::vector<std::byte> first, again;
+  std::vector<std::byte> first, after_reset;
   a->save(first);
   for (int k = 0; k < 50; ++k) ASSERT_TRUE(a->tick());
   a->reset();
-  a->save(again);
-  EXPECT_EQ(first, again);
+  a->save(after_reset);
+  EXPECT_EQ(first, after_reset);
 }
 
-TEST(Run, AdoptsTheStateOfWhatStayedTheSame) {
+TEST(Run, AdoptCopiesStateOfUnchangedLsis) {
   auto a = build(oscillator);
   ASSERT_TRUE(a);
   for (int k = 0; k < 50; ++k) ASSERT_TRUE(a->tick());
@@ -132,8 +132,8 @@ TEST(Run, AdoptsTheStateOfWhatStayedTheSame) {
   EXPECT_EQ(value(*b, "v.out"), value(*a, "v.out"));
 }
 
-TEST(Run, AFailureNamesTheLsiAndKeepsTheState) {
-  auto i = build(R"({"version": 1, "name": "o",
+TEST(Run, FailureNamesLsiAndKeepsState) {
+  auto i = build(R"({"version": 2, "name": "o",
     "lsis": [{"id": "n", "type": "delay", "parameters": {"initial": 3}}, {"id": "less", "type": "add", "values": {"b": -1}}, {"id": "inverse", "type": "divide", "values": {"a": 1}}],
     "wires": [{"from": "n.out", "to": "less.a"}, {"from": "less.out", "to": "n.in"}, {"from": "n.out", "to": "inverse.b"}]})");
   ASSERT_TRUE(i);
@@ -150,9 +150,9 @@ TEST(Run, AFailureNamesTheLsiAndKeepsTheState) {
   EXPECT_TRUE(i->tick());
 }
 
-TEST(Run, ANumberThatIsNotFiniteStopsIt) {
+TEST(Run, NumberThatIsNotFiniteStopsTheInterpreter) {
   auto i = build(
-      R"({"version": 1, "name": "o", "lsis": [{"id": "x", "type": "integrator", "parameters": {"initial": 1}}, {"id": "k", "type": "gain", "parameters": {"gain": 1e200}}],
+      R"({"version": 2, "name": "o", "lsis": [{"id": "x", "type": "integrator", "parameters": {"initial": 1}}, {"id": "k", "type": "gain", "parameters": {"gain": 1e200}}],
     "wires": [{"from": "x.out", "to": "k.in"}, {"from": "k.out", "to": "x.in"}]})");
   ASSERT_TRUE(i);
   int k = 0;
@@ -163,9 +163,9 @@ TEST(Run, ANumberThatIsNotFiniteStopsIt) {
   EXPECT_LT(value(*i, "x.out"), std::numeric_limits<double>::infinity());
 }
 
-TEST(Run, ParametersChangeWhileItRuns) {
+TEST(Run, SetParameterTakesEffectAtTheNextTick) {
   auto i = build(
-      R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "constant", "parameters": {"value": 2}}, {"id": "f", "type": "low-pass"}], "wires": [{"from": "c.out", "to": "f.in"}]})");
+      R"({"version": 2, "name": "o", "lsis": [{"id": "c", "type": "constant", "parameters": {"value": 2}}, {"id": "f", "type": "low-pass"}], "wires": [{"from": "c.out", "to": "f.in"}]})");
   ASSERT_TRUE(i && i->tick());
   ASSERT_TRUE(i->set_parameter("c.value", 9));
   ASSERT_TRUE(i->tick());
@@ -176,7 +176,7 @@ TEST(Run, ParametersChangeWhileItRuns) {
   EXPECT_FALSE(i->set_parameter("c.value", std::numeric_limits<double>::quiet_NaN()));
 }
 
-TEST(Run, TicksWithoutAllocation) {
+TEST(Run, TicksDoNotAllocate) {
   auto i = build(oscillator);
   ASSERT_TRUE(i);
   ASSERT_TRUE(i->tick());
@@ -189,7 +189,7 @@ TEST(Run, TicksWithoutAllocation) {
   EXPECT_EQ(allocations_so_far(), before);
 }
 
-TEST(Run, CountsTheTimeOfEachLsi) {
+TEST(Run, TimingCountsEachLsi) {
   auto i = build(oscillator);
   ASSERT_TRUE(i);
   i->set_timing([]() -> std::uint64_t {
@@ -200,12 +200,12 @@ TEST(Run, CountsTheTimeOfEachLsi) {
   const auto timings = i->timings();
   ASSERT_EQ(timings.size(), 5u);
   for (const Timing& t : timings) {
-    EXPECT_EQ(t.runs, t.lsi == "slow" ? 2u : t.lsi == "smooth" ? 40u : 20u) << t.lsi;  // the filter steps and advances
+    EXPECT_EQ(t.runs, t.lsi == "slow" ? 2u : t.lsi == "smooth" ? 40u : 20u) << t.lsi;  // the filter has a step and an advance
     EXPECT_EQ(t.total, 3 * t.runs);
   }
 }
 
-TEST(Run, TimesSomeTicksWithoutFavouringAnyRate) {
+TEST(Run, SampledTimingIsUnbiasedForAllRates) {
   auto i = build(oscillator);
   ASSERT_TRUE(i);
   i->set_timing(
@@ -224,8 +224,8 @@ TEST(Run, TimesSomeTicksWithoutFavouringAnyRate) {
   }
 }
 
-TEST(Run, PayloadsOfEverySizeKeepTheirPlaces) {
-  auto i = build(R"({"version": 1, "name": "o",
+TEST(Run, PayloadsOfDifferentSizesAreWiredCorrectly) {
+  auto i = build(R"({"version": 2, "name": "o",
     "lsis": [{"id": "a", "type": "make vector", "values": {"x": 1, "y": 2, "z": 3}}, {"id": "b", "type": "make vector", "values": {"x": 10, "y": 20, "z": 30}},
              {"id": "sum", "type": "add vectors"}, {"id": "late", "type": "delay vector"}, {"id": "twice", "type": "scale vector", "values": {"factor": 2}},
              {"id": "parts", "type": "split vector"}, {"id": "turn", "type": "delay rotation", "values": {"in": [0, 1, 0, 0]}},
@@ -253,8 +253,8 @@ TEST(Run, PayloadsOfEverySizeKeepTheirPlaces) {
   expect_numbers("place.out", {1, 2, 3, 0, 0, 1, 0});
 }
 
-TEST(Run, ADelayedOutputMayLeadToADirectInputOfTheSameLsi) {
-  // y = a + 1 at once; z = y of the tick before; z is wired to a
+TEST(Run, DelayedOutputMayFeedDirectInputOfTheSameLsi) {
+  // y = a + 1 in the same tick; z is y of the previous tick; z is wired to a.
   Library library;
   LsiClass c;
   c.name = "both";
@@ -274,17 +274,17 @@ TEST(Run, ADelayedOutputMayLeadToADirectInputOfTheSameLsi) {
   };
   library.add(c);
   auto i = Interpreter::build(
-      parse(R"({"version": 1, "name": "o", "lsis": [{"id": "b", "type": "both"}], "wires": [{"from": "b.z", "to": "b.a"}]})"), library,
+      parse(R"({"version": 2, "name": "o", "lsis": [{"id": "b", "type": "both"}], "wires": [{"from": "b.z", "to": "b.a"}]})"), library,
       nullptr, {});
   ASSERT_TRUE(i) << i.error().text();
   for (int k = 0; k < 4; ++k) ASSERT_TRUE(i->tick());
   EXPECT_EQ(value(*i, "b.y"), 4);
   EXPECT_FALSE(Interpreter::build(
-      parse(R"({"version": 1, "name": "o", "lsis": [{"id": "b", "type": "both"}], "wires": [{"from": "b.y", "to": "b.a"}]})"), library,
+      parse(R"({"version": 2, "name": "o", "lsis": [{"id": "b", "type": "both"}], "wires": [{"from": "b.y", "to": "b.a"}]})"), library,
       nullptr, {}));
 }
 
-// An LSI with an object that remembers, a resource, subjects and a multiple sized input.
+// A library with an LSI that has state in its object, a resource, a subject, and an input for several wires of any size.
 struct Tank {
   static constexpr const char* resource_kind = "tank";
   std::uint32_t size;
@@ -350,10 +350,10 @@ Library tank_library() {
   return library;
 }
 
-TEST(Run, ObjectsRememberThroughSaveAndRestore) {
+TEST(Run, ObjectStateIsSavedAndRestored) {
   const Library library = tank_library();
   const Tanks tanks;
-  const Circuit circuit = parse(R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "tank"}, {"id": "b", "type": "tank"}],
+  const Circuit circuit = parse(R"({"version": 2, "name": "o", "lsis": [{"id": "a", "type": "tank"}, {"id": "b", "type": "tank"}],
     "wires": [{"from": "a.level", "to": "b.in"}, {"from": "b.level", "to": "b.in"}]})");
   {
     auto i = Interpreter::build(circuit, library, &tanks, {});
@@ -372,7 +372,7 @@ TEST(Run, ObjectsRememberThroughSaveAndRestore) {
   }
   EXPECT_EQ(objects, 0);
   const auto refused = Interpreter::build(
-      parse(R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "tank", "parameters": {"name": "huge"}}]})"), library, &tanks, {});
+      parse(R"({"version": 2, "name": "o", "lsis": [{"id": "a", "type": "tank", "parameters": {"name": "huge"}}]})"), library, &tanks, {});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().text().find("There is no tank 'huge'"), std::string::npos);
 }

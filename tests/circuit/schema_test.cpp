@@ -1,4 +1,5 @@
-// docs/schema/circuit.schema.json against what the program writes and refuses. The validator below knows only what the schema uses.
+// Compares docs/schema/circuit.schema.json with the circuits that the program writes and refuses. The validator below supports only the
+// JSON Schema keywords that this schema uses.
 
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -20,7 +21,7 @@ Json load(const std::string& path) {
 class Validator {
  public:
   explicit Validator(const Json& schema) : top_(schema) {}
-  /// Empty: valid.
+  /// The first violation; empty: valid.
   std::string check(const Json& value) { return check(value, top_, "circuit"); }
 
  private:
@@ -86,7 +87,7 @@ class Validator {
   const Json& top_;
 };
 
-TEST(Schema, ValidatesWhatIsWritten) {
+TEST(Schema, AcceptsWrittenCircuits) {
   const Json schema = load("docs/schema/circuit.schema.json");
   ASSERT_FALSE(schema.is_discarded());
   Validator validator(schema);
@@ -119,18 +120,18 @@ TEST(Schema, ValidatesWhatIsWritten) {
   EXPECT_EQ(validator.check(Json::parse(write_circuit(Circuit{}))), "");
 }
 
-TEST(Schema, RefusesWhatTheReaderRefuses) {
+TEST(Schema, RefusesCircuitsThatTheReaderRefuses) {
   const Json schema = load("docs/schema/circuit.schema.json");
   Validator validator(schema);
   for (const char* text :
-       {R"({"name": "x"})", R"({"version": 99, "name": "x"})", R"({"version": 1, "name": 3})", R"({"version": 1, "names": "x"})",
-        R"({"version": 1, "lsis": {}})", R"({"version": 1, "lsis": [{"id": "a b", "type": "add"}]})",
-        R"({"version": 1, "lsis": [{"id": "a"}]})", R"({"version": 1, "lsis": [{"id": "a", "type": "add", "every": -1}]})",
-        R"({"version": 1, "lsis": [{"id": "a", "type": "add", "at": [1]}]})",
-        R"({"version": 1, "lsis": [{"id": "a", "type": "add", "values": {"a": null}}]})",
-        R"({"version": 1, "wires": [{"from": "a", "to": "b.c"}]})", R"({"version": 1, "wires": [{"from": "a.b"}]})",
-        R"({"version": 1, "inputs": [{"name": "x", "type": "number", "to": "a.b"}]})",
-        R"({"version": 1, "circuits": [{"doc": "no name"}]})"}) {
+       {R"({"name": "x"})", R"({"version": 99, "name": "x"})", R"({"version": 2, "name": 3})", R"({"version": 2, "names": "x"})",
+        R"({"version": 2, "lsis": {}})", R"({"version": 2, "lsis": [{"id": "a b", "type": "add"}]})",
+        R"({"version": 2, "lsis": [{"id": "a"}]})", R"({"version": 2, "lsis": [{"id": "a", "type": "add", "every": -1}]})",
+        R"({"version": 2, "lsis": [{"id": "a", "type": "add", "at": [1]}]})",
+        R"({"version": 2, "lsis": [{"id": "a", "type": "add", "values": {"a": null}}]})",
+        R"({"version": 2, "wires": [{"from": "a", "to": "b.c"}]})", R"({"version": 2, "wires": [{"from": "a.b"}]})",
+        R"({"version": 2, "inputs": [{"name": "x", "type": "number", "to": "a.b"}]})",
+        R"({"version": 2, "circuits": [{"doc": "no name"}]})"}) {
     EXPECT_NE(validator.check(Json::parse(text)), "") << text;
     EXPECT_FALSE(read_circuit(text)) << text;
   }

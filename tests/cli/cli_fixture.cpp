@@ -25,7 +25,7 @@ Json CliTest::json(std::vector<std::string> arguments) const {
   arguments.emplace_back("--json");
   const Output o = ugoki(arguments);
   EXPECT_EQ(o.status, 0) << o.out << o.err;
-  EXPECT_EQ(o.err, "") << "no progress bar in a pipe";
+  EXPECT_EQ(o.err, "") << "a pipe should get no progress bar";
   Json j = Json::parse(o.out, nullptr, false);
   EXPECT_FALSE(j.is_discarded()) << o.out;
   return j;
@@ -42,10 +42,10 @@ void CliTest::fails(const std::vector<std::string>& arguments, const std::string
   const Output o = ugoki(arguments);
   EXPECT_EQ(o.status, 1) << o.out << o.err;
   EXPECT_TRUE(o.err.starts_with("ugoki: ")) << o.err;
-  EXPECT_NE(o.err.find(part), std::string::npos) << "not told: " << part << "\n" << o.err;
+  EXPECT_NE(o.err.find(part), std::string::npos) << "missing in the error: " << part << "\n" << o.err;
   EXPECT_GE(std::count_if(o.err.begin(), o.err.end(), [](char c) { return c == '.' || c == '?'; }), 2)
-      << "a sentence and a remedy: " << o.err;
-  EXPECT_TRUE(contents() == before) << "a file was left behind or changed";
+      << "an error should be a sentence and a remedy: " << o.err;
+  EXPECT_TRUE(contents() == before) << "a failing command should not add or change a file";
   if (!listed.empty()) EXPECT_EQ(ugoki({"db", "list"}).out, listed);
 }
 

@@ -34,7 +34,7 @@ TEST_F(CliTest, BadUsageIsStatusTwo) {
   }
 }
 
-TEST_F(CliTest, EveryVerbHelpsWithAnExample) {
+TEST_F(CliTest, EveryVerbHasHelpWithAnExample) {
   for (const char* verb : {"studio", "new", "import", "info", "run", "judge", "db"}) {
     const Output o = ugoki({verb, "--help"});
     EXPECT_EQ(o.status, 0);
@@ -49,7 +49,7 @@ TEST_F(CliTest, EveryVerbHelpsWithAnExample) {
   EXPECT_EQ(ugoki({"--version"}).out, "ugoki 0.1.0\n");
 }
 
-TEST_F(CliTest, NewMakesProjects) {
+TEST_F(CliTest, NewCreatesProjects) {
   const std::string park = folder_ + "/park.ugoki", bare = folder_ + "/bare.ugoki";
   EXPECT_EQ(json({"new", park})["characters"], 3);
   const Json info = json({"info", park});
@@ -63,7 +63,7 @@ TEST_F(CliTest, NewMakesProjects) {
   fails({"new", folder_ + "/no/such/folder.ugoki"}, "folder.ugoki");
 }
 
-TEST_F(CliTest, ImportPrintsAndStores) {
+TEST_F(CliTest, ImportPrintsAndStoresEntries) {
   const std::string copy = folder_ + "/copy.bvh";
   const Json j = json({"import", walk(), "--tags", "walk,own", "--bvh", copy});
   ASSERT_EQ(j["files"].size(), 1u);
@@ -79,14 +79,14 @@ TEST_F(CliTest, ImportPrintsAndStores) {
   EXPECT_EQ(entries(), 3u);
   EXPECT_EQ(json({"db", "find", "own", "--kind", "motion"})["entries"][0]["summary"]["mechanism"], f["ids"]["mechanism"]);
   json({"import", walk()});
-  EXPECT_EQ(entries(), 3u) << "the same data again are the same entries";
+  EXPECT_EQ(entries(), 3u) << "importing the same data again should add no entry";
   EXPECT_EQ(json({"import", walk("other.bvh"), "--dry-run"})["files"][0].contains("ids"), false);
   EXPECT_EQ(entries(), 3u);
   const std::string table = ugoki({"import", walk()}).out;
   EXPECT_NE(table.find("walk"), std::string::npos);
 }
 
-TEST_F(CliTest, CopiesOfOneNameDoNotReplaceEachOther) {
+TEST_F(CliTest, CopiesOfEqualNameAreNumbered) {
   for (const char* name : {"a", "b", "out"}) fs::create_directory(folder_ + "/" + name);
   const std::string first = walk("a/walk.bvh"), second = write("b/walk.bvh", formats::write_bvh(samples::make_human_stand()));
   const std::string out = folder_ + "/out";
@@ -99,14 +99,14 @@ TEST_F(CliTest, CopiesOfOneNameDoNotReplaceEachOther) {
     ASSERT_TRUE(copy) << copy.error().text();
     EXPECT_EQ(copy->frames, j["files"][i]["frames"]);
   }
-  // A second run replaces what the first one wrote, and a file that is imported is never written to.
+  // A second run replaces the copies of the first one. An imported file is never overwritten.
   EXPECT_EQ(json({"import", first, "--bvh", out, "--dry-run"})["files"][0]["bvh"], out + "/walk.bvh");
   const std::string before = read(first);
   fails({"import", second, first, "--bvh", folder_ + "/a", "--dry-run"}, "a/walk.bvh");
   EXPECT_EQ(read(first), before);
 }
 
-TEST_F(CliTest, BadFilesLeaveTheLibraryAsItWas) {
+TEST_F(CliTest, BadFilesDoNotChangeTheLibrary) {
   json({"import", walk()});
   const std::string good = read(folder_ + "/walk.bvh"), listed = ugoki({"db", "list"}).out;
   std::vector<std::pair<std::string, std::string>> bad = {{"empty.bvh", ""},
@@ -126,8 +126,8 @@ TEST_F(CliTest, BadFilesLeaveTheLibraryAsItWas) {
     EXPECT_EQ(ugoki({"db", "list"}).out, listed);
   }
   fails({"import", folder_ + "/absent.bvh"}, "absent.bvh");
-  EXPECT_NE(ugoki({"import", folder_ + "/half.bvh"}).err.find("half.bvh:"), std::string::npos) << "the line is named";
-  // Among several files the good ones are stored, and the status still tells.
+  EXPECT_NE(ugoki({"import", folder_ + "/half.bvh"}).err.find("half.bvh:"), std::string::npos) << "the error should name file and line";
+  // Of several files the good ones are stored; the exit status still reports the failure.
   const Output mixed = ugoki({"import", folder_ + "/half.bvh", walk("second.bvh"), "--json"});
   EXPECT_EQ(mixed.status, 1);
   const Json j = Json::parse(mixed.out, nullptr, false);
@@ -138,9 +138,9 @@ TEST_F(CliTest, BadFilesLeaveTheLibraryAsItWas) {
   EXPECT_EQ(entries(), 6u);
 }
 
-TEST_F(CliTest, LibraryVerbs) {
+TEST_F(CliTest, LibraryIsListedShownAndDamageReported) {
   EXPECT_EQ(entries(), 0u);
-  EXPECT_FALSE(fs::exists(library_)) << "looking makes no file";
+  EXPECT_FALSE(fs::exists(library_)) << "reading should not create the library";
   const Json ids = json({"import", walk()})["files"][0]["ids"];
   const std::string motion = ids["motion"], mechanism = ids["mechanism"], measured = ids["measured"];
   EXPECT_EQ(json({"db", "show", motion})["name"], "walk");
@@ -167,30 +167,30 @@ TEST_F(CliTest, LibraryVerbs) {
   fails({"db", "list"}, "library.db");
 }
 
-TEST_F(CliTest, RunMeasuresTheSameBitsTwice) {
+TEST_F(CliTest, RunIsBitwiseReproducible) {
   const std::string clip = walk();
   const Json first = json({"run", clip});
   for (const char* key :
        {"clip", "frames", "duration_s", "steps", "steps_per_s", "tracking_rms_deg", "root_assist_rms_bw", "root_assist_force_rms_bw",
-        "root_assist_max_bw", "foot_skate_cm", "penetration_mm", "realtime_factor", "fell", "let_go_time", "mass", "height", "state_hash"})
+        "root_assist_max_bw", "foot_skate_cm", "penetration_mm", "realtime_factor", "fell", "release_time", "mass", "height", "state_hash"})
     EXPECT_TRUE(first.contains(key)) << key;
   EXPECT_EQ(first["clip"], "walk");
   EXPECT_EQ(first["steps"], std::lround(first["duration_s"].get<double>() * 500));
   EXPECT_EQ(first["state_hash"].get<std::string>().size(), 16u);
   EXPECT_EQ(json({"run", clip})["state_hash"], first["state_hash"]);
   json({"import", clip});
-  EXPECT_EQ(json({"run", "walk"})["state_hash"], first["state_hash"]) << "the same from the library";
+  EXPECT_EQ(json({"run", "walk"})["state_hash"], first["state_hash"]) << "the run of the library entry should have the same hash";
   const std::string ugx = folder_ + "/walk.ugx", frames = folder_ + "/walk.frames";
   const Json pushed = json({"run", clip, "--push", "60", "--push-time", "0.2", "--ugx", ugx, "--frames", frames});
   EXPECT_NE(pushed["state_hash"], first["state_hash"]);
-  EXPECT_EQ(json({"run", ugx})["state_hash"], pushed["state_hash"]) << "executable data hold everything";
+  EXPECT_EQ(json({"run", ugx})["state_hash"], pushed["state_hash"]) << "executable data should contain all inputs of the run";
   EXPECT_EQ(json({"info", ugx})["kind"], "executable data");
   EXPECT_TRUE(read(frames).starts_with("UKGF"));
   const Json finer = json({"run", clip, "--rate", "1000"});
   EXPECT_EQ(finer["steps"], std::lround(finer["duration_s"].get<double>() * 1000));
 }
 
-TEST_F(CliTest, RunRefusesInWords) {
+TEST_F(CliTest, RunReportsErrorsWithRemedies) {
   const std::string clip = walk(), ugx = folder_ + "/walk.ugx";
   fails({"run", folder_ + "/absent.bvh"}, "absent.bvh");
   fails({"run", "no such entry"}, "no such entry");
@@ -214,13 +214,24 @@ TEST_F(CliTest, JudgeComparesWithLimits) {
   for (const Json& part : j["parts"])
     for (const Json& m : part["measures"]) EXPECT_EQ(m["good"].get<bool>(), m["value"].get<double>() <= m["limit"].get<double>());
   EXPECT_EQ(json({"judge", clip, "--kinematic"})["parts"].size(), 1u);
-  EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--strict", "--most-penetration", "1000", "--most-skate", "1000"}).status, 0);
-  const Output strict = ugoki({"judge", clip, "--strict", "--most-tracking", "0"});
+  EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--strict", "--max-penetration", "1000", "--max-skate", "1000"}).status, 0);
+  const Output strict = ugoki({"judge", clip, "--strict", "--max-tracking", "0"});
   EXPECT_EQ(strict.status, 1);
   EXPECT_NE(strict.out.find("TOO MUCH"), std::string::npos) << strict.out;
 }
 
-TEST_F(CliTest, InterruptLeavesNoHalfWrittenFile) {
+TEST_F(CliTest, JudgeAcceptsLimitOptionsOfEarlierVersions) {
+  const std::string clip = walk(), help = ugoki({"judge", "--help"}).out;
+  for (const char* measure : {"tracking", "assist", "skate", "penetration"}) {
+    EXPECT_NE(help.find("--max-" + std::string(measure)), std::string::npos) << help;
+    EXPECT_EQ(help.find("--most-" + std::string(measure)), std::string::npos) << help;
+    const Json limits = json({"judge", clip, "--kinematic", "--most-" + std::string(measure), "1000"});
+    EXPECT_EQ(limits, json({"judge", clip, "--kinematic", "--max-" + std::string(measure), "1000"})) << measure;
+  }
+  EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--strict", "--most-penetration", "1000", "--most-skate", "1000"}).status, 0);
+}
+
+TEST_F(CliTest, InterruptLeavesNoIncompleteFile) {
   const std::string clip = walk(), frames = folder_ + "/long.frames";
   const pid_t child = start_program({"run", clip, "--duration", "80000", "--frames", frames}, environment());
   ::usleep(700'000);
@@ -230,9 +241,9 @@ TEST_F(CliTest, InterruptLeavesNoHalfWrittenFile) {
     EXPECT_EQ(entry.path().filename().string().find("frames"), std::string::npos) << entry.path();
 }
 
-TEST_F(CliTest, RealDataImportAndReturn) {
+TEST_F(CliTest, RealDataIsImportedAndWrittenBack) {
   const fs::path data = fs::path(UGOKI_SHARED_DATA) / "human";
-  if (!fs::exists(data)) GTEST_SKIP() << "no shared data beside the project";
+  if (!fs::exists(data)) GTEST_SKIP() << "no shared data next to the project";
   const Json j = json({"import", (data / "bvh/cmu_12_01_walk.bvh").string(), (data / "asf_amc/35_01.amc").string(), "--bvh", folder_});
   ASSERT_EQ(j["files"].size(), 2u);
   EXPECT_EQ(j["files"][0]["frames"], 524);

@@ -1,4 +1,4 @@
-// Bodies that touch, through `ugoki run`: stacks, slopes, heavy on light, heaps, a ball and a plate.
+// Contact between bodies, through `ugoki run`: stacks, slopes, heavy on light bodies, heaps, a ball and a plate.
 
 #include <cmath>
 #include <cstring>
@@ -15,11 +15,11 @@
 namespace ugoki::cli {
 namespace {
 
-/// One body in a scenario.
+/// One body of the scenario.
 struct Body {
   Shape shape;
   double density = 500;  // kg/m^3
-  Vec3 place;            // m
+  Vec3 location;         // m
   double heading = 0;    // degrees
   bool fixed = false;
 };
@@ -37,7 +37,7 @@ class ContactCli : public CliTest {
     LinkSpec l;
     l.name = "link";
     l.joint.type = b.fixed ? JointType::fixed : JointType::floating;
-    if (b.fixed) l.joint.X_PJ.p = b.place;
+    if (b.fixed) l.joint.X_PJ.p = b.location;
     l.inertia = solid_inertia(b.shape, b.density);
     l.shapes.push_back(b.shape);
     spec.links.push_back(l);
@@ -47,11 +47,11 @@ class ContactCli : public CliTest {
     c.id = c.name = id;
     c.mechanism = "m-" + id;
     c.control.mode = content::ControlMode::passive;
-    if (!b.fixed) c.place = {b.place.x, b.place.y, b.place.z, b.heading};
+    if (!b.fixed) c.place = {b.location.x, b.location.y, b.location.z, b.heading};
     scenario_.characters.push_back(c);
   }
 
-  /// Poses of the bodies in every display frame.
+  /// Runs the scenario and reads the poses of the bodies in every display frame.
   std::vector<std::vector<Pose>> run(double seconds) {
     scenario_.duration = seconds;
     const std::string project = path("bodies.ugoki"), frames = path("frames");
@@ -73,7 +73,7 @@ class ContactCli : public CliTest {
     while (at < bytes.size()) {
       at += 24;  // magic, version, time, number, flags
       const auto characters = take(std::uint32_t{}), contacts = take(std::uint32_t{});
-      at += 32;  // what is grabbed; what follows
+      at += 32;  // grab point and target, number of closest pairs, flag of normals
       std::vector<Pose>& poses = out.emplace_back();
       for (std::uint32_t c = 0; c < characters; ++c) {
         const auto links = take(std::uint32_t{});
@@ -95,27 +95,27 @@ class ContactCli : public CliTest {
     return out;
   }
 
-  /// m: how far any body has gone from where it was in the first frame.
+  /// m: maximum distance of a body from its position in the first frame.
   static double drift(const std::vector<std::vector<Pose>>& frames) {
-    double most = 0;
+    double maximum = 0;
     for (const auto& poses : frames)
-      for (std::size_t i = 0; i < poses.size(); ++i) most = std::max(most, norm(poses[i].p - frames.front()[i].p));
-    return most;
+      for (std::size_t i = 0; i < poses.size(); ++i) maximum = std::max(maximum, norm(poses[i].p - frames.front()[i].p));
+    return maximum;
   }
 
-  /// m: of anything in anything else or the ground, in any frame.
+  /// m: maximum overlap between bodies or with the ground, over all frames.
   double depth(const std::vector<std::vector<Pose>>& frames) const {
     const collision::Scene scene(bodies_, {scenario_.ground.height, scenario_.ground.friction, scenario_.ground.restitution});
     collision::Workspace workspace(scene);
     std::vector<collision::ContactPoint> contacts;
-    double most = 0;
+    double maximum = 0;
     for (const auto& poses : frames) {
       std::vector<std::span<const Pose>> views;
       for (const Pose& X : poses) views.emplace_back(&X, 1);
       collision::find_contacts(scene, views, 0, workspace, contacts);
-      for (const collision::ContactPoint& c : contacts) most = std::max(most, -c.distance);
+      for (const collision::ContactPoint& c : contacts) maximum = std::max(maximum, -c.distance);
     }
-    return most;
+    return maximum;
   }
 
   void add_stack(std::span<const double> densities) {
@@ -125,7 +125,7 @@ class ContactCli : public CliTest {
            {0.01 * std::sin(3.0 * static_cast<double>(bodies_.size())), 0, 0.1 + 0.2 * static_cast<double>(bodies_.size())}});
   }
 
-  /// Bodies of six kinds, 0.1 to 0.5 m.
+  /// Bodies of six shapes, 0.1 to 0.5 m.
   void add_heap(int count, unsigned seed, double height) {
     std::mt19937_64 engine(seed);
     const auto uniform = [&](double low, double high) { return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53; };
@@ -152,16 +152,16 @@ class ContactCli : public CliTest {
   }
 };
 
-TEST_F(ContactCli, AStackOfTenStands) {
+TEST_F(ContactCli, StackOfTenBoxesIsStable) {
   add_stack(std::vector<double>(10, 500.0));
   EXPECT_LT(drift(run(5)), 1e-3);
 }
-TEST_F(ContactCli, AThousandTimesHeavierStandsOnLight) {
+TEST_F(ContactCli, BoxAThousandTimesHeavierRestsOnLightBox) {
   add_stack(std::vector{100.0, 1e5});
   EXPECT_LT(drift(run(5)), 1e-3);
 }
 
-TEST_F(ContactCli, ABoxOnASlopeSlidesOrStaysWhereCoulombSays) {
+TEST_F(ContactCli, BoxOnSlopeObeysCoulombFriction) {
   for (const double part : {0.99, 1.01, 1.5}) {
     constexpr double mu = 0.5;
     const double angle = std::atan(mu * part);
@@ -173,30 +173,30 @@ TEST_F(ContactCli, ABoxOnASlopeSlidesOrStaysWhereCoulombSays) {
     box.friction = mu;
     add({box, 500, {0, 0, 0.05}});
     const auto frames = run(2);
-    const double way = frames.back()[0].p.x - frames.front()[0].p.x;
+    const double travel = frames.back()[0].p.x - frames.front()[0].p.x;
     const double expected = 0.5 * 9.81 * (std::sin(angle) - mu * std::cos(angle)) * 4;
     if (part < 1)
       EXPECT_LT(drift(frames), 1e-5);
     else
-      EXPECT_NEAR(way, expected, 0.01 * expected) << part;
+      EXPECT_NEAR(travel, expected, 0.01 * expected) << part;
     std::filesystem::remove(path("bodies.ugoki"));
   }
 }
 
-TEST_F(ContactCli, AHeapIsNotDeepInItself) {
+TEST_F(ContactCli, HeapHasNoDeepOverlap) {
   add_heap(30, 1, 0.5);
   const auto frames = run(2.5);
   EXPECT_EQ(frames.size(), 151U);
   EXPECT_LT(depth(frames), 2e-3);
 }
 using Slow_ContactCli = ContactCli;
-TEST_F(Slow_ContactCli, AHeapOfTwoHundredIsNotDeepInItself) {
+TEST_F(Slow_ContactCli, HeapOfTwoHundredHasNoDeepOverlap) {
   add_heap(200, 2, 1);
   const auto frames = run(6);
   EXPECT_LT(depth(frames), 2e-3);
 }
 
-TEST_F(Slow_ContactCli, AStackOfTenAndAThousandTimesHeavierStandForAMinute) {
+TEST_F(Slow_ContactCli, StacksAreStableForAMinute) {
   add_stack(std::vector<double>(10, 500.0));
   EXPECT_LT(drift(run(60)), 1e-3);
   std::filesystem::remove(path("bodies.ugoki"));
@@ -206,7 +206,7 @@ TEST_F(Slow_ContactCli, AStackOfTenAndAThousandTimesHeavierStandForAMinute) {
   EXPECT_LT(drift(run(60)), 1e-3);
 }
 
-TEST_F(ContactCli, AFastBallDoesNotPassAPlate) {
+TEST_F(ContactCli, FastBallDoesNotPassPlate) {
   for (const double step : {0.004, 0.002, 0.0005})
     for (const bool fixed : {true, false})
       for (const double aside : {0.0, 0.2}) {
@@ -231,7 +231,7 @@ TEST_F(ContactCli, AFastBallDoesNotPassAPlate) {
           if (std::max(std::fabs(at.y), std::fabs(at.z)) < 0.5) farthest = std::max(farthest, at.x);
         }
         EXPECT_LT(farthest, -0.02) << "step " << step << " fixed " << fixed << " aside " << aside;
-        EXPECT_GT(frames.back()[0].p.x, -1.0) << "it should have come";
+        EXPECT_GT(frames.back()[0].p.x, -1.0) << "the ball should have reached the plate";
         std::filesystem::remove(path("bodies.ugoki"));
       }
 }

@@ -1,4 +1,4 @@
-// `ugoki convert`: from every kind of file to every form that holds it, and what it refuses.
+// `ugoki convert`: from every kind of file to every format that can store it, and refused conversions.
 #include <filesystem>
 
 #include "cli_fixture.h"
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 class ConvertCliTest : public CliTest {
  protected:
-  /// Greatest distance of the joints of the sample walk from those of the same name in `m`, all frames.
+  /// m: maximum distance, over all frames, between joints of the sample walk and joints of the same name in `m`.
   static double off(const MeasuredMotion& m) {
     const MeasuredMotion walk = samples::make_human_walk();
     EXPECT_EQ(m.frames, walk.frames);
@@ -36,7 +36,7 @@ class ConvertCliTest : public CliTest {
     }
     return worst;
   }
-  /// Three markers, one of them hidden once.
+  /// Writes a recording of three markers; one of them has a gap.
   std::string markers() const {
     return write("markers.trc",
                  "PathFileType\t4\t(X/Y/Z)\tmarkers.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\t"
@@ -46,17 +46,17 @@ class ConvertCliTest : public CliTest {
   }
 };
 
-TEST_F(ConvertCliTest, GapsOfARecordingAreFilledWhenAsked) {
+TEST_F(ConvertCliTest, FillClosesGapsOfARecording) {
   const Json as_recorded = json({"convert", markers(), path("as-recorded.trc")});
   EXPECT_FALSE(formats::read_trc(read(path("as-recorded.trc")), "m")->seen(1, 1));
   const Json filled = json({"convert", markers(), path("filled.trc"), "--fill"});
   const auto back = formats::read_trc(read(path("filled.trc")), "m");
   ASSERT_TRUE(back && back->seen(1, 1));
-  EXPECT_LT(norm(back->at(1, 1) - Vec3{0.205, 0.4005, 0.9005}), 1e-6);  // half way, Z up
-  EXPECT_NE(filled["report"].dump().find("1 places in short gaps"), std::string::npos) << filled;
+  EXPECT_LT(norm(back->at(1, 1) - Vec3{0.205, 0.4005, 0.9005}), 1e-6);  // the middle of the gap; Z up
+  EXPECT_NE(filled["report"].dump().find("1 positions in short gaps"), std::string::npos) << filled;
 }
 
-TEST_F(ConvertCliTest, AMotionInEveryForm) {
+TEST_F(ConvertCliTest, MotionConvertsToEveryFormat) {
   const std::string clip = walk();
   const Json bvh = json({"convert", clip, path("again.bvh")});
   EXPECT_EQ(bvh["file"], path("again.bvh"));
@@ -83,7 +83,7 @@ TEST_F(ConvertCliTest, AMotionInEveryForm) {
   ASSERT_TRUE(places) << places.error().text();
   EXPECT_EQ(places->marker_count(), samples::make_human_walk().joint_count());
 
-  // Coordinates come back with their mechanism only.
+  // Coordinates can be read only together with their mechanism.
   does({"convert", clip, path("angles.csv"), "--radians"});
   does({"convert", clip, path("man.json")});
   const std::string head = read(path("angles.csv")).substr(0, 2000);
@@ -93,15 +93,15 @@ TEST_F(ConvertCliTest, AMotionInEveryForm) {
   EXPECT_EQ(formats::read_bvh(read(path("out.bvh")), "out.bvh")->frames, samples::make_human_walk().frames);
 }
 
-TEST_F(ConvertCliTest, AMotionOfTheLibrary) {
+TEST_F(ConvertCliTest, LibraryMotionConverts) {
   json({"import", walk()});
   const Json j = json({"convert", "walk", path("out.bvh")});
-  EXPECT_FALSE(j["report"].empty()) << "masses have no place";
+  EXPECT_FALSE(j["report"].empty()) << "the report should mention the masses";
   EXPECT_EQ(formats::read_bvh(read(path("out.bvh")), "out.bvh")->frames, samples::make_human_walk().frames);
   fails({"convert", "stroll", path("other.bvh")}, "stroll");
 }
 
-TEST_F(ConvertCliTest, MarkersStayMarkers) {
+TEST_F(ConvertCliTest, MarkersConvertAsMarkers) {
   const auto source = formats::read_trc(read(markers()), "markers.trc", {.up = formats::UpAxis::y});
   ASSERT_TRUE(source);
   does({"convert", path("markers.trc"), path("a.c3d")});
@@ -121,10 +121,10 @@ TEST_F(ConvertCliTest, MarkersStayMarkers) {
     for (std::size_t i = 0; i < back->positions.size(); ++i) EXPECT_LT(norm(back->positions[i] - source->positions[i]), 1e-6);
   }
   fails({"convert", walk(), path("a.trc")}, "no markers");
-  fails({"convert", path("markers.trc"), path("m.bvh")}, "markers");  // three are no skeleton
+  fails({"convert", path("markers.trc"), path("m.bvh")}, "markers");  // three markers are not enough for a skeleton
 }
 
-TEST_F(ConvertCliTest, AMechanismInEveryForm) {
+TEST_F(ConvertCliTest, MechanismConvertsToEveryFormat) {
   const std::string clip = walk();
   for (const char* name : {"man.json", "man.urdf", "man.xml"}) {
     SCOPED_TRACE(name);
@@ -133,17 +133,17 @@ TEST_F(ConvertCliTest, AMechanismInEveryForm) {
     EXPECT_EQ(info["kind"], "mechanism");
   }
   const Json from_json = json({"info", path("man.json")}), from_xml = json({"info", path("man.xml")});
-  EXPECT_EQ(from_json["freedoms"], from_xml["freedoms"]);
+  EXPECT_EQ(from_json["dofs"], from_xml["dofs"]);
   EXPECT_NEAR(from_json["mass_kg"].get<double>(), from_xml["mass_kg"].get<double>(), 1e-9);
   fails({"convert", path("man.json"), path("man.bvh")}, "no motion");
   fails({"convert", path("man.json"), path("man.glb")}, "no motion");
   fails({"convert", markers(), path("markers.json")}, "markers.trc");
 }
 
-TEST_F(ConvertCliTest, BadInputIsRefusedInWords) {
+TEST_F(ConvertCliTest, BadInputIsRefusedWithRemedy) {
   const std::string clip = walk();
   fails({"convert", clip, path("walk.doc")}, "walk.doc");
-  fails({"convert", clip, path("walk")}, "Files of this ending are not written");
+  fails({"convert", clip, path("walk")}, "Files with this extension cannot be written");
   fails({"convert", path("absent.bvh"), path("out.bvh")}, "absent.bvh");
   fails({"convert", write("empty.bvh", ""), path("out.glb")}, "empty.bvh");
   fails({"convert", write("half.bvh", read(clip).substr(0, 5000)), path("out.amc")}, "half.bvh:");
@@ -161,26 +161,26 @@ TEST_F(ConvertCliTest, BadInputIsRefusedInWords) {
   EXPECT_FALSE(Json::parse(o.out)["error"]["problems"].empty());
 }
 
-TEST_F(ConvertCliTest, NothingThatIsReadOrNeededIsOverwritten) {
+TEST_F(ConvertCliTest, InputsAndNeededSkeletonsAreNotOverwritten) {
   const std::string clip = walk();
   fails({"convert", clip, clip}, "walk.bvh");
   fs::create_symlink(clip, path("link.bvh"));
   fails({"convert", clip, path("link.bvh")}, "link.bvh");
   does({"convert", clip, path("man_1.amc")});
-  // man.asf belongs to man_1.amc; a motion of another skeleton must not take its place.
+  // man_1.amc needs man.asf, which a motion of another skeleton must not overwrite.
   const std::string other = write("other.bvh",
                                   "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
                                   "Yrotation\nJOINT b\n{\nOFFSET 0 1 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 "
                                   "1 0\n}\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.01\n0 0 0 0 0 0 0 0 0\n0 0 0 9 0 0 9 0 0\n");
   fails({"convert", other, path("man_2.amc")}, "man.asf");
-  does({"convert", clip, path("man_1.amc")});  // the same again
-  does({"convert", clip, path("man_3.amc")});  // the same skeleton
+  does({"convert", clip, path("man_1.amc")});  // identical files may be written again
+  does({"convert", clip, path("man_3.amc")});  // needs the same skeleton
   fails({"convert", path("man_1.amc"), path("man_1.amc")}, "man_1.amc");
 }
 
-TEST_F(ConvertCliTest, RealFiles) {
+TEST_F(ConvertCliTest, RealFilesConvert) {
   const fs::path data = UGOKI_SHARED_DATA;
-  if (!fs::exists(data / "human")) GTEST_SKIP() << "no shared data beside the project";
+  if (!fs::exists(data / "human")) GTEST_SKIP() << "no shared data next to the project";
   const struct {
     const char *file, *out;
   } files[] = {{"human/asf_amc/02_01.amc", "02_01.bvh"},

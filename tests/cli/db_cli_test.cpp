@@ -1,4 +1,4 @@
-// `ugoki db`: versions, conflicts, trash, thumbnails, sets, copies, and what is refused.
+// `ugoki db`: versions, conflicts, trash, thumbnails, sets, copies, and refused commands.
 #include <filesystem>
 
 #include "cli_fixture.h"
@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The library holds the sample walk: mechanism, measured data and motion.
+/// Fixture whose library contains the sample walk: mechanism, measured data and motion.
 class DbCliTest : public CliTest {
  protected:
   void SetUp() override {
@@ -19,7 +19,7 @@ class DbCliTest : public CliTest {
     motion_ = ids_["motion"];
     mechanism_ = ids_["mechanism"];
   }
-  /// 1 x 1 pixel.
+  /// A PNG of 1 x 1 pixel.
   std::string picture() const {
     static constexpr unsigned char png[] = {
         0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a, 0, 0, 0, 0x0d, 'I', 'H', 'D', 'R', 0,    0,    0,    1,    0,    0,    0,    1,    8,
@@ -38,7 +38,7 @@ TEST_F(DbCliTest, VersionsNotesAndConflicts) {
   const Json versions = json({"db", "history", "stroll"})["versions"];
   ASSERT_EQ(versions.size(), 3u);
   for (const Json& v : versions) EXPECT_EQ(v["by"], "anna");
-  fails({"db", "rename", "stroll", "march", "--based-on", "1"}, "anna");  // who saved since
+  fails({"db", "rename", "stroll", "march", "--based-on", "1"}, "anna");  // the author of the later version
   json({"db", "restore", "stroll", "1"});
   EXPECT_EQ(json({"db", "show", motion_})["name"], "walk");
   EXPECT_EQ(json({"db", "show", motion_})["version"], 4);
@@ -66,7 +66,7 @@ TEST_F(DbCliTest, TagsAndTrash) {
   ASSERT_EQ(tags.size(), 2u);
   EXPECT_EQ(tags[1], (Json{{"name", "own"}, {"count", 2}}));
   fails({"db", "tag", motion_, "nothing", "--add", "x"}, "nothing");
-  EXPECT_TRUE(json({"db", "list", "--tag", "x"})["entries"].empty()) << "all or none";
+  EXPECT_TRUE(json({"db", "list", "--tag", "x"})["entries"].empty()) << "either all entries should be tagged or none";
 
   json({"db", "remove", motion_});
   EXPECT_EQ(json({"db", "list", "--removed"})["entries"][0]["id"], motion_);
@@ -111,22 +111,22 @@ TEST_F(DbCliTest, CircuitsAndSets) {
   fails({"db", "add", write("broken.json", "{\"version\": ")}, "broken.json");
   fails({"db", "add", write("no-circuit.json", "{\"links\": []}")}, "no-circuit.json");
   fails({"db", "add", path("absent.json")}, "absent.json");
-  fails({"db", "collect", "none", "--tag", "nobody"}, "Nothing fits");
+  fails({"db", "collect", "none", "--tag", "nobody"}, "No entry matches");
   misunderstands({"db", "add"});
 }
 
 TEST_F(DbCliTest, SetsAndCopiesBetweenLibraries) {
   const std::string file = path("walks.ugoki-set"), other = path("other.db");
   const Json out = json({"db", "export-set", file, motion_});
-  EXPECT_EQ(out["added"], 3) << "with the mechanism that it needs, and what was measured";
+  EXPECT_EQ(out["added"], 3) << "the set should contain the needed mechanism and the measured data";
   EXPECT_EQ(json({"db", "import-set", file, "--library", other})["added"], 3);
-  EXPECT_EQ(json({"db", "import-set", file, "--library", other})["equal"], 3) << "again: nothing is new";
+  EXPECT_EQ(json({"db", "import-set", file, "--library", other})["equal"], 3) << "a second import should add nothing";
   EXPECT_EQ(json({"db", "list", "--library", other})["entries"].size(), 3u);
   const Json copied = json({"db", "copy", library_, path("third.db")});
   EXPECT_EQ(copied["added"], 3);
   EXPECT_EQ(json({"db", "copy", library_, path("third.db")})["equal"], 3);
 
-  // Changed on both sides: named, left alone, until one is told.
+  // Entries changed on both sides are reported and not changed without --theirs.
   json({"db", "note", motion_, "here"});
   json({"db", "note", motion_, "there", "--library", other});
   json({"db", "export-set", path("newer.ugoki-set"), motion_});
@@ -137,7 +137,7 @@ TEST_F(DbCliTest, SetsAndCopiesBetweenLibraries) {
   EXPECT_EQ(json({"db", "import-set", path("newer.ugoki-set"), "--library", other, "--theirs"})["saved"], 1);
   EXPECT_EQ(json({"db", "show", motion_, "--library", other})["note"], "here");
 
-  fails({"db", "export-set", path("x.ugoki-set"), "--tag", "nobody"}, "Nothing fits");
+  fails({"db", "export-set", path("x.ugoki-set"), "--tag", "nobody"}, "No entry matches");
   fails({"db", "export-set", path("x.ugoki-set"), "nothing"}, "nothing");
   fails({"db", "export-set", path("no/such/x.ugoki-set"), motion_}, "x.ugoki-set");
   fails({"db", "import-set", path("absent.ugoki-set")}, "absent.ugoki-set");
@@ -146,7 +146,7 @@ TEST_F(DbCliTest, SetsAndCopiesBetweenLibraries) {
   EXPECT_FALSE(fs::exists(path("fourth.db")));
 }
 
-TEST_F(DbCliTest, ListsByOrderAndPage) {
+TEST_F(DbCliTest, ListSortsAndPages) {
   const Json first = json({"db", "list", "--limit", "2", "--order", "newest"});
   EXPECT_EQ(first["entries"].size(), 2u);
   EXPECT_EQ(first["total"], 3);
@@ -155,14 +155,14 @@ TEST_F(DbCliTest, ListsByOrderAndPage) {
   EXPECT_TRUE(second["next"].is_null());
   EXPECT_EQ(json({"db", "search", "walk"})["entries"].size(), 3u);
   EXPECT_EQ(json({"db", "find", "wal", "--kind", "motion,mechanism"})["entries"].size(), 2u);
-  EXPECT_EQ(ugoki({"db", "find", "nobody"}).out, "Nothing fits.\n");
+  EXPECT_EQ(ugoki({"db", "find", "nobody"}).out, "No entry matches.\n");
   fails({"db", "list", "--after", "no such place"}, "");
   misunderstands({"db", "list", "--order", "size"});
   misunderstands({"db", "list", "--limit", "0"});
   misunderstands({"db", "find"});
 }
 
-TEST_F(DbCliTest, DamageIsNamed) {
+TEST_F(DbCliTest, CheckReportsDamage) {
   std::string bytes = read(library_);
   (void)json({"db", "export", mechanism_, path("body.json")});
   const std::size_t at = bytes.find(read(path("body.json")).substr(300, 40));

@@ -1,4 +1,4 @@
-// `ugoki lsi` and `ugoki circuit`, as a user meets them.
+// `ugoki lsi` and `ugoki circuit` on the command line.
 
 #include "shelf_test.h"
 
@@ -10,7 +10,7 @@ using Json = nlohmann::json;
 
 class LsiCliTest : public ShelfTest {};
 
-TEST_F(LsiCliTest, ANewLibraryBuildsAndPassesItsTest) {
+TEST_F(LsiCliTest, NewLibraryBuildsAndPassesItsTest) {
   for (const char* language : {"", "--cpp"}) {
     const std::string path = folder_ + "/spring" + (*language ? "2" : "");
     std::vector<std::string> arguments = {"lsi", "new", path};
@@ -21,7 +21,7 @@ TEST_F(LsiCliTest, ANewLibraryBuildsAndPassesItsTest) {
     EXPECT_NE(tested.out.find("passed"), std::string::npos);
     fails({"lsi", "new", path}, "already");
   }
-  // The test is one: a fault in the source makes it fail.
+  // A fault in the source must make the template's test fail.
   std::string source;
   {
     std::ifstream in(folder_ + "/spring/spring.c");
@@ -30,11 +30,11 @@ TEST_F(LsiCliTest, ANewLibraryBuildsAndPassesItsTest) {
   const auto at = source.find("-stiffness * x");
   ASSERT_NE(at, std::string::npos);
   write("spring/spring.c", source.replace(at, 1, "+"));
-  fails({"lsi", "test", folder_ + "/spring"}, "was expected");
+  fails({"lsi", "test", folder_ + "/spring"}, "expected");
   fails({"lsi", "new", folder_ + "/no name"}, "cannot be the name");
 }
 
-TEST_F(LsiCliTest, ThreeFunctionsAreBuiltInstalledRunAndRemoved) {
+TEST_F(LsiCliTest, LibraryIsBuiltInstalledRunAndRemoved) {
   const std::string source = write("three.c",
                                    "/// Doubles.\n/// @in x [m]\ndouble twice(double x) { return 2 * x; }\ndouble plus(double a, double b) "
                                    "{ return a + b; }\nvoid half(double x, double* y) { *y = x / 2; }\n");
@@ -62,7 +62,7 @@ TEST_F(LsiCliTest, ThreeFunctionsAreBuiltInstalledRunAndRemoved) {
   fails({"lsi", "remove", "three"}, "No library");
 }
 
-TEST_F(LsiCliTest, WhatIsWrongWithSeveralCircuitsIsOneAnswerThatNamesThem) {
+TEST_F(LsiCliTest, CheckReportsErrorsOfSeveralCircuitsWithTheirFiles) {
   const std::string first = write("first.json", R"({"version": 1, "name": "t", "lsis": [{"id": "a", "type": "gain"}]})");
   const std::string second = write("second.json", "{\n");
   const Output out = ugoki({"circuit", "check", first, second, "--json"});
@@ -71,11 +71,11 @@ TEST_F(LsiCliTest, WhatIsWrongWithSeveralCircuitsIsOneAnswerThatNamesThem) {
   ASSERT_FALSE(answer.is_discarded()) << out.out;
   const Json& problems = answer["error"]["problems"];
   ASSERT_EQ(problems.size(), 2u) << out.out;
-  EXPECT_EQ(problems[0]["place"], first + ":/lsis/0");
-  EXPECT_EQ(problems[1]["place"], second + ":2");
+  EXPECT_EQ(problems[0]["location"], first + ":/lsis/0");
+  EXPECT_EQ(problems[1]["location"], second + ":2");
 }
 
-TEST_F(LsiCliTest, ACrashAHangAndAWrongInterfaceAreNamed) {
+TEST_F(LsiCliTest, CrashHangAndWrongInterfaceVersionAreReported) {
   const std::string library =
       json({"lsi", "build",
             write("bad.c",
@@ -85,16 +85,16 @@ TEST_F(LsiCliTest, ACrashAHangAndAWrongInterfaceAreNamed) {
     return write("c.json", R"({"version": 1, "name": "t", "lsis": [{"id": "it", "type": ")" + type + R"(", "values": )" + values + "}]}");
   };
   fails({"circuit", "run", circuit("bad/quotient", R"({"a": 1, "b": 0})"), "--lsi", library},
-        "'it' (LSI 'bad/quotient' of library 'bad') divided a whole number by zero at 0.000 s (tick 0). Its inputs were 'a' = 1, 'b' = 0.");
-  fails({"circuit", "run", circuit("bad/slow", R"({"x": 1})"), "--lsi", library, "--patience", "0.4"}, "did not come back within 0.4 s");
+        "'it' (LSI 'bad/quotient' of library 'bad') divided an integer by zero at 0.000 s (tick 0). Its inputs were 'a' = 1, 'b' = 0.");
+  fails({"circuit", "run", circuit("bad/slow", R"({"x": 1})"), "--lsi", library, "--patience", "0.4"}, "did not return within 0.4 s");
   const std::string later = write("later.c",
                                   "#include <ugoki/lsi.h>\nstatic const ugoki_library l = {sizeof l, 9, \"l\", 0, 0, 0, 0, 0};\nconst "
                                   "ugoki_library* ugoki_lsi_library(void) { return &l; }\n");
-  fails({"lsi", "build", later}, "version 9 of the interface");
+  fails({"lsi", "build", later}, "version 9 of the LSI interface");
   fails({"lsi", "build", write("e.c", "double f(double x) {\n  return x +;\n}\n")}, "e.c:2:");
 }
 
-TEST_F(LsiCliTest, RunsStopAtBreakpointsAndAreReplayed) {
+TEST_F(LsiCliTest, RunStopsAtBreakpointAndReplaysItsRecord) {
   const std::string circuit = write(
       "c.json",
       R"({"version": 1, "name": "t", "inputs": [{"name": "x", "type": "scalar", "to": "i.in"}], "outputs": [{"name": "y", "type": "scalar", "from": "i.out"}],
@@ -104,10 +104,10 @@ TEST_F(LsiCliTest, RunsStopAtBreakpointsAndAreReplayed) {
   EXPECT_EQ(stopped["breakpoint"]["condition"], "i.out > 1");
   EXPECT_NEAR(stopped["time_s"], 0.502, 0.0021);
   EXPECT_EQ(stopped["timing"].size(), 1u);
-  const Json again = json({"circuit", "run", circuit, "--replay", folder_ + "/r.json", "--duration", stopped["time_s"].dump()});
-  EXPECT_EQ(again["outputs"]["y"], stopped["outputs"]["y"]);
-  fails({"circuit", "run", circuit, "--break", "i.out ~ 3"}, "no condition");
-  fails({"circuit", "run", circuit, "--probe", "i.no"}, "no such output");
+  const Json replayed = json({"circuit", "run", circuit, "--replay", folder_ + "/r.json", "--duration", stopped["time_s"].dump()});
+  EXPECT_EQ(replayed["outputs"]["y"], stopped["outputs"]["y"]);
+  fails({"circuit", "run", circuit, "--break", "i.out ~ 3"}, "not a condition");
+  fails({"circuit", "run", circuit, "--probe", "i.no"}, "has no output 'i.no'");
 }
 
 }  // namespace

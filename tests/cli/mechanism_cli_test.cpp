@@ -1,4 +1,4 @@
-// `ugoki mechanism`: every operation once as it is meant, and what is refused.
+// `ugoki mechanism`: a typical use of every operation, and refused commands.
 #include "cli_fixture.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/samples/samples.h"
@@ -22,20 +22,20 @@ class MechanismCliTest : public CliTest {
   std::string man_, dog_, ball_;
 };
 
-TEST_F(MechanismCliTest, CombineJoinsTwo) {
+TEST_F(MechanismCliTest, CombineJoinsTwoMechanisms) {
   const MechanismPtr man = mechanism(man_), dog = mechanism(dog_), ball = mechanism(ball_);
   const Json held =
       json({"mechanism", "combine", man_, ball_, "--at", man->link(3).name, "--position", "0,0,0.2", "-o", path("held.json")});
   EXPECT_NEAR(held["mass_kg"].get<double>(), man->mass() + ball->mass(), 1e-9);
-  EXPECT_EQ(held["freedoms"], man->nv()) << "fixed";
+  EXPECT_EQ(held["dofs"], man->nv()) << "fixed";
   EXPECT_EQ(held["links"], man->link_count() + ball->link_count());
   const Json riding = json({"mechanism", "combine", dog_, man_, "--at", dog->link(0).name, "--loop", "weld", "-o", path("riding.xml")});
   EXPECT_EQ(riding["loops"], 1);
-  EXPECT_EQ(riding["freedoms"], man->nv() + dog->nv());
+  EXPECT_EQ(riding["dofs"], man->nv() + dog->nv());
   const Json hung =
       json({"mechanism", "combine", man_, ball_, "--joint", "revolute", "--axis", "0,1,0", "--name", "both", "-o", path("b.urdf")});
   EXPECT_EQ(hung["name"], "both");
-  EXPECT_EQ(hung["freedoms"], man->nv() + 1);
+  EXPECT_EQ(hung["dofs"], man->nv() + 1);
 
   fails({"mechanism", "combine", man_, ball_, "--at", "wing", "-o", path("x.json")}, "wing");
   fails({"mechanism", "combine", man_, ball_, "--to", "wing", "-o", path("x.json")}, "wing");
@@ -59,7 +59,7 @@ TEST_F(MechanismCliTest, CutKeepsTheRestOrThePart) {
   misunderstands({"mechanism", "cut", dog_, "--at", link, "--keep", "both", "-o", path("x.json")});
 }
 
-TEST_F(MechanismCliTest, MirrorTwiceIsTheOriginal) {
+TEST_F(MechanismCliTest, MirrorTwiceYieldsTheOriginal) {
   does({"mechanism", "mirror", man_, "-o", path("once.json")});
   does({"mechanism", "mirror", path("once.json"), "-o", path("twice.json")});
   const MechanismPtr a = mechanism(man_), b = mechanism(path("twice.json"));
@@ -85,7 +85,7 @@ TEST_F(MechanismCliTest, ScaleByFactorHeightMassAndAge) {
   misunderstands({"mechanism", "scale", man_, "--factor", "2", "--age", "6", "-o", path("x.json")});
 }
 
-TEST_F(MechanismCliTest, EditDoesAllOrNothing) {
+TEST_F(MechanismCliTest, EditChangesAllOrNothing) {
   const std::string link = mechanism(man_)->link(4).name;
   does({"mechanism", "edit", man_, "--set", link + ":inertia.mass=7.5", "-o", path("edited.json")});
   const MechanismPtr edited = mechanism(path("edited.json"));
@@ -128,7 +128,7 @@ TEST_F(MechanismCliTest, BodyOfASkeleton) {
   fails({"mechanism", "body", write("bad.bvh", "HIERARCHY\nROOT"), "-o", path("x.json")}, "bad.bvh:");
 }
 
-TEST_F(MechanismCliTest, OutputsThatCannotBe) {
+TEST_F(MechanismCliTest, InvalidOutputsAreRefused) {
   fails({"mechanism", "mirror", man_, "-o", path("man.stl")}, "man.stl");
   fails({"mechanism", "mirror", man_, "-o", path("no/such/man.json")}, "man.json");
   fails({"mechanism", "mirror", man_, "-o", path("no/such/man.urdf")}, "man");

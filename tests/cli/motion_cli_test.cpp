@@ -1,4 +1,4 @@
-// `ugoki motion` and `ugoki retarget`: every operation once as it is meant, and what is refused.
+// `ugoki motion` and `ugoki retarget`: a typical use of every operation, and refused commands.
 #include <filesystem>
 
 #include "cli_fixture.h"
@@ -35,8 +35,9 @@ TEST_F(MotionCliTest, TrimReverseMirrorResample) {
   EXPECT_NEAR(part["duration_s"].get<double>(), 0.3, 1.0 / rate_);
   EXPECT_EQ(bvh(path("part.bvh")).frames, part["frames"]);
   EXPECT_EQ(json({"motion", "reverse", walk_, "-o", path("back.bvh")})["frames"], frames_);
-  const MeasuredMotion there = bvh(walk_), back = bvh(path("back.bvh"));
-  EXPECT_LT(norm(there.translations[0] - back.translations[static_cast<std::size_t>(back.frames - 1) * back.skeleton.joints.size()]), 1e-4);
+  const MeasuredMotion original = bvh(walk_), back = bvh(path("back.bvh"));
+  EXPECT_LT(norm(original.translations[0] - back.translations[static_cast<std::size_t>(back.frames - 1) * back.skeleton.joints.size()]),
+            1e-4);
   EXPECT_EQ(json({"motion", "mirror", walk_, "-o", path("image.bvh")})["frames"], frames_);
   EXPECT_EQ(json({"motion", "resample", walk_, "--rate", "25", "-o", path("slow.bvh")})["rate"], 25);
   EXPECT_EQ(bvh(path("slow.bvh")).rate, 25);
@@ -51,8 +52,8 @@ TEST_F(MotionCliTest, TrimReverseMirrorResample) {
 
 TEST_F(MotionCliTest, ScaleWarpPathReduce) {
   EXPECT_NEAR(json({"motion", "scale", walk_, "--time", "2"})["duration_s"].get<double>(), 2 * (frames_ - 1) / rate_, 2 / rate_);
-  const double way = json({"motion", "scale", walk_})["way_m"];
-  EXPECT_NEAR(json({"motion", "scale", walk_, "--length", "1.5"})["way_m"].get<double>(), 1.5 * way, 1e-9);
+  const double travel = json({"motion", "scale", walk_})["way_m"];
+  EXPECT_NEAR(json({"motion", "scale", walk_, "--length", "1.5"})["way_m"].get<double>(), 1.5 * travel, 1e-9);
   EXPECT_NEAR(json({"motion", "warp", walk_, "--point", "0", "0", "--point", "1", "0.5"})["duration_s"].get<double>(), 1, 1 / rate_);
   EXPECT_GT(json({"motion", "path", walk_, "--point", "0", "0", "--point", "1", "0", "--point", "2", "1"})["frames"], 1);
   const Json keys = json({"motion", "reduce", walk_, "--degrees", "1"});
@@ -102,26 +103,26 @@ TEST_F(MotionCliTest, JoinMixAndLayer) {
   misunderstands({"motion", "join", walk_});
 }
 
-TEST_F(MotionCliTest, OutputsAndInputs) {
+TEST_F(MotionCliTest, OutputsAndInputsAreChecked) {
   const Json j = json({"motion", "reverse", walk_, "-o", "backwards"});
   EXPECT_EQ(j["out"], "backwards");
   EXPECT_EQ(json({"db", "show", "backwards"})["kind"], "motion");
   EXPECT_EQ(json({"motion", "reverse", "backwards", "-o", path("again.glb")})["frames"], frames_);
   EXPECT_TRUE(read(path("again.glb")).starts_with("glTF"));
   const Json plain = json({"motion", "reverse", walk_});
-  EXPECT_FALSE(plain.contains("written")) << "without -o figures alone";
+  EXPECT_FALSE(plain.contains("written")) << "without -o nothing should be written";
   fails({"motion", "reverse", walk_, "-o", path("x.doc")}, "x.doc");
   fails({"motion", "reverse", walk_, "-o", path("no/such/x.bvh")}, "x.bvh");
   fails({"motion", "reverse", "no entry", "-o", path("x.bvh")}, "no entry");
   fails({"motion", "reverse", write("half.bvh", read(walk_).substr(0, 4000)), "-o", path("x.bvh")}, "half.bvh:");
   fails({"motion", "reverse", write("m.json", formats::write_mechanism(*samples::make_ball()))}, "m.json");
-  fails({"motion", "forces", write("no.c3d", "no such thing")}, "no.c3d");
+  fails({"motion", "forces", write("no.c3d", "not a C3D file")}, "no.c3d");
   fails({"motion", "forces", walk_}, "walk.bvh");
   misunderstands({"motion"});
   misunderstands({"motion", "juggle", walk_});
 }
 
-TEST_F(MotionCliTest, RetargetToAChildADogAndARobot) {
+TEST_F(MotionCliTest, RetargetToChildDogAndRobot) {
   const Json child = json({"retarget", walk_, "--height", "1.1", "-o", path("child.bvh"), "--mechanism-out", path("child.json")});
   EXPECT_LT(child["scale"].get<double>(), 0.8);
   EXPECT_EQ(child["frames"], frames_);
@@ -132,7 +133,7 @@ TEST_F(MotionCliTest, RetargetToAChildADogAndARobot) {
   EXPECT_EQ(json({"db", "show", "dog walk"})["kind"], "motion");
   EXPECT_EQ(json({"retarget", "dog walk", "--to", "human"})["written"].size(), 0u);
   EXPECT_GT(json({"retarget", walk_, "--to", path("child.json"), "--free-feet", "--path-scale", "0.5"})["frames"], 1);
-  EXPECT_NE(ugoki({"retarget", walk_, "--height", "1.1"}).out.find("Which drives which"), std::string::npos);
+  EXPECT_NE(ugoki({"retarget", walk_, "--height", "1.1"}).out.find("Mapping of links"), std::string::npos);
 
   fails({"retarget", path("absent.bvh"), "--to", "dog", "-o", path("x.bvh")}, "absent.bvh");
   fails({"retarget", walk_, "--to", path("absent.urdf"), "-o", path("x.bvh")}, "absent.urdf");

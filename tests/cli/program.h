@@ -1,5 +1,5 @@
 #pragma once
-// Runs the program as a user does: its own process, its output in pipes.
+// Runs the program as a child process and captures its output.
 
 #include <string>
 #include <vector>
@@ -13,10 +13,11 @@ struct Output {
   std::string out, err;
 };
 
-/// @param environment lines "NAME=value" on top of this process's own
+/// Runs the program and waits for its end.
+/// @param environment "NAME=value" entries, added to the environment of this process
 Output run_program(const std::vector<std::string>& arguments, const std::vector<std::string>& environment);
 
-/// The same without waiting. @return process number
+/// Starts the program without waiting. @return process id
 pid_t start_program(const std::vector<std::string>& arguments, const std::vector<std::string>& environment);
 int wait_for(pid_t child);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of installed LSIs by the command line share: a folder of their own, with a shelf in it.
+// Test fixture for installed LSIs on the command line: a folder with its own shelf (the folder of installed libraries).
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -35,7 +35,7 @@ class ShelfTest : public ::testing::Test {
     std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
     return folder_ + "/" + name;
   }
-  /// @return the error's text
+  /// Runs the program and expects exit status 1. @return the text of the error
   std::string fails(const std::vector<std::string>& arguments, const std::string& part = {}) const {
     const Output o = ugoki(arguments);
     EXPECT_EQ(o.status, 1) << o.out;

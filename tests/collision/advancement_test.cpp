@@ -1,4 +1,4 @@
-// Conservative advancement against closed forms and dense sampling.
+// Conservative advancement, compared with closed forms and dense sampling.
 
 #include "ugoki/collision/advancement.h"
 
@@ -19,10 +19,10 @@ Impact impact(const Shape& a, const BodyMotion& A, const Shape& b, const BodyMot
   return find_impact(make_collider(a), A, make_collider(b), B, dt, cache, workspace, options);
 }
 
-BodyMotion still(const Vec3& p = {}) { return {{Mat3::identity(), p}, {}, {}}; }
+BodyMotion at_rest(const Vec3& p = {}) { return {{Mat3::identity(), p}, {}, {}}; }
 BodyMotion moving(const Vec3& p, const Vec3& v, const Vec3& w = {}) { return {{Mat3::identity(), p}, w, v}; }
 
-TEST(Advancement, TwoBallsMeetWhenTheQuadraticSays) {
+TEST(Advancement, TwoBallsMeetAtTheRootOfTheQuadratic) {
   test::Random random(3);
   int hits = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -46,15 +46,15 @@ TEST(Advancement, TwoBallsMeetWhenTheQuadraticSays) {
   EXPECT_GT(hits, 100);
 }
 
-TEST(Advancement, AFallingBoxMeetsTheFloorWithItsCorner) {
-  // A box that turns about a horizontal axis while it sinks; the corner's height is h(t) = z - v t - |e| sin(phase + w t).
+TEST(Advancement, ImpactTimeOfATurningBoxCornerIsExact) {
+  // A box turns about a horizontal axis while it falls; the height of a corner is h(t) = z - v t - |e| sin(phase + w t).
   const double w = 3, v = 2, z = 1.5, e = std::sqrt(0.2 * 0.2 + 0.1 * 0.1), phase = std::atan2(0.1, 0.2);
   const Impact found = impact(Shape::box({0.2, 0.5, 0.1}), moving({0, 0, z}, {0, 0, -v}, {0, w, 0}), Shape::box({5, 5, 0.5}),
-                              still({0, 0, -0.5}), 1.0, {.tolerance = 1e-9});
+                              at_rest({0, 0, -0.5}), 1.0, {.tolerance = 1e-9});
   const auto lowest = [&](double t) {
-    double most = 0;
-    for (const double corner : {phase, -phase, pi - phase, pi + phase}) most = std::max(most, std::sin(corner + w * t));
-    return z - v * t - e * most;
+    double maximum = 0;
+    for (const double corner : {phase, -phase, pi - phase, pi + phase}) maximum = std::max(maximum, std::sin(corner + w * t));
+    return z - v * t - e * maximum;
   };
   double low = 0, high = 1;
   for (int i = 0; i < 60; ++i) (lowest(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
@@ -64,21 +64,21 @@ TEST(Advancement, AFallingBoxMeetsTheFloorWithItsCorner) {
   EXPECT_GT(found.near.n.z, 0.999999);
 }
 
-TEST(Advancement, ARodTurnsIntoAPoint) {
-  // Along x, about its middle, towards a small ball on the circle of radius 0.8 at the angle 1 rad.
+TEST(Advancement, ImpactTimeOfATurningRodIsExact) {
+  // A rod along x turns about its middle towards a small ball at the radius 0.8 m and the angle 1 rad.
   const double radius = 1e-3, w = 40, angle = 1;
   const Impact found =
       impact(Shape::capsule(radius, {-1, 0, 0}, {1, 0, 0}), {Shape::capsule(radius, {-1, 0, 0}, {1, 0, 0}).X_BS, {0, 0, w}, {}},
-             Shape::sphere(radius), still(Vec3{std::cos(angle), std::sin(angle), 0} * 0.8), 0.1, {.tolerance = 1e-9});
+             Shape::sphere(radius), at_rest(Vec3{std::cos(angle), std::sin(angle), 0} * 0.8), 0.1, {.tolerance = 1e-9});
   const double expected = (angle - std::asin(2 * radius / 0.8)) / w;
   ASSERT_EQ(found.status, ImpactStatus::impact);
   EXPECT_NEAR(found.time, expected, 1e-8);
   EXPECT_LE(found.time, expected + 1e-12);
 }
 
-TEST(Advancement, AFastBallDoesNotPassAThinPlate) {
+TEST(Advancement, FastBallDoesNotPassThinPlate) {
   for (const double speed : {3.0, 300.0, 3e4}) {
-    const Impact found = impact(Shape::sphere(0.01), moving({0, 0, 1}, {0, 0, -speed}), Shape::box({1, 1, 0.0025}), still(), 1.0);
+    const Impact found = impact(Shape::sphere(0.01), moving({0, 0, 1}, {0, 0, -speed}), Shape::box({1, 1, 0.0025}), at_rest(), 1.0);
     ASSERT_EQ(found.status, ImpactStatus::impact);
     EXPECT_NEAR(found.time * speed, 1 - 0.01 - 0.0025, 1e-5);
     EXPECT_LT(found.iterations, 20);
@@ -86,7 +86,7 @@ TEST(Advancement, AFastBallDoesNotPassAThinPlate) {
   }
 }
 
-/// Least distance at times k / count of the way, and the first time below zero.
+/// First of the sampled times dt * k / count at which a and b overlap; infinity if none.
 double first_overlap(const Collider& a, const BodyMotion& A, const Collider& b, const BodyMotion& B, double dt, int count) {
   DistanceWorkspace workspace;
   for (int k = 0; k <= count; ++k) {
@@ -97,7 +97,7 @@ double first_overlap(const Collider& a, const BodyMotion& A, const Collider& b, 
   return infinity;
 }
 
-TEST(Advancement, NothingThinOrFastGetsPast) {
+TEST(Advancement, ThinAndFastShapesAreNotMissed) {
   test::Random random(12);
   int hits = 0, misses = 0, long_ones = 0;
   for (int i = 0; i < 600; ++i) {
@@ -136,7 +136,7 @@ TEST(Advancement, NothingThinOrFastGetsPast) {
       ++misses;
     }
     if (found.status == ImpactStatus::impact) {
-      // It is an impact: they are that close then.
+      // At the time of the impact the shapes are within the tolerance.
       PairCache fresh;
       const double d =
           find_pair_distance(a, A.at(a.centre, found.time), b, B.at(b.centre, found.time), infinity, fresh, workspace).distance;
@@ -149,7 +149,7 @@ TEST(Advancement, NothingThinOrFastGetsPast) {
   EXPECT_LT(long_ones, 5);
 }
 
-/// A plate with a square window of half width 0.2 in the plane x = 0, as one mesh that is not convex.
+/// A plate with a square window of half width 0.2 m in the plane x = 0, as one non-convex mesh.
 Collider window() {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
@@ -165,18 +165,18 @@ Collider window() {
     const std::int32_t l = (k + 1) % 4;
     quad(k, 4 + k, 4 + l, l);            // back
     quad(8 + k, 8 + l, 12 + l, 12 + k);  // front
-    quad(k, l, 8 + l, 8 + k);            // inside of the window
+    quad(k, l, 8 + l, 8 + k);            // inner wall of the window
     quad(4 + k, 12 + k, 12 + l, 4 + l);  // rim
   }
   return make_collider(Shape::mesh(make_geometry(vertices, triangles, false, "window").value()));
 }
 
-TEST(Advancement, ABallFliesThroughAWindowOrHitsItsFrame) {
+TEST(Advancement, BallPassesWindowOrHitsFrame) {
   const Collider plate = window(), ball = make_collider(Shape::sphere(0.05));
   for (const double y : {0.0, 0.1, 0.14, 0.16, 0.3, 0.9, 1.1}) {
     PairCache cache;
     DistanceWorkspace workspace;
-    const Impact found = find_impact(ball, moving({-1, y, 0}, {200, 0, 0}, {30, 20, 10}), plate, still(), 0.02, cache, workspace);
+    const Impact found = find_impact(ball, moving({-1, y, 0}, {200, 0, 0}, {30, 20, 10}), plate, at_rest(), 0.02, cache, workspace);
     if (y < 0.15 || y > 1.05) {
       EXPECT_EQ(found.status, ImpactStatus::none) << y;
     } else {
@@ -189,7 +189,7 @@ TEST(Advancement, ABallFliesThroughAWindowOrHitsItsFrame) {
   }
 }
 
-TEST(Advancement, MotionBetweenTwoPosesEndsThere) {
+TEST(Advancement, MotionBetweenTwoPosesReachesBoth) {
   test::Random random(4);
   for (int i = 0; i < 200; ++i) {
     const Collider c = make_collider(random.shape());
@@ -202,12 +202,12 @@ TEST(Advancement, MotionBetweenTwoPosesEndsThere) {
   }
 }
 
-TEST(Advancement, SaysWhatIsNotFiniteOrTouchesAlready) {
+TEST(Advancement, ReportsNonFiniteMotionAndInitialTouching) {
   const Shape ball = Shape::sphere(0.1);
-  EXPECT_EQ(impact(ball, moving({0, 0, std::nan("")}, {0, 0, -1}), ball, still(), 1).status, ImpactStatus::not_finite);
-  EXPECT_EQ(impact(ball, moving({0, 0, 1}, {0, 0, -infinity}), ball, still(), 1).status, ImpactStatus::not_finite);
-  EXPECT_EQ(impact(ball, moving({0, 0, 0.1}, {0, 0, -1}), ball, still(), 1).status, ImpactStatus::touching);
-  const Impact away = impact(ball, moving({0, 0, 1}, {0, 0, 1}), ball, still(), 1);
+  EXPECT_EQ(impact(ball, moving({0, 0, std::nan("")}, {0, 0, -1}), ball, at_rest(), 1).status, ImpactStatus::not_finite);
+  EXPECT_EQ(impact(ball, moving({0, 0, 1}, {0, 0, -infinity}), ball, at_rest(), 1).status, ImpactStatus::not_finite);
+  EXPECT_EQ(impact(ball, moving({0, 0, 0.1}, {0, 0, -1}), ball, at_rest(), 1).status, ImpactStatus::touching);
+  const Impact away = impact(ball, moving({0, 0, 1}, {0, 0, 1}), ball, at_rest(), 1);
   EXPECT_EQ(away.status, ImpactStatus::none);
   EXPECT_EQ(away.time, 1);
   EXPECT_EQ(away.iterations, 1);
@@ -227,7 +227,7 @@ MechanismPtr free_body(const Shape& shape) {
   return Mechanism::make(spec).value();
 }
 
-/// A chain of bars along x, joined by revolute joints about z or y; the last one is a thin blade.
+/// A chain of bars along x with joints about z and y alternately; the last bar is a thin blade.
 MechanismPtr arm(int links, const Vec3& base, JointType type = JointType::revolute) {
   MechanismSpec spec;
   spec.name = "arm";
@@ -257,7 +257,7 @@ struct Systems {
   }
 };
 
-/// First time at which a pair of the scene is closer than `closer`, by sampling; which pair.
+/// First sampled time at which shapes of two systems are closer than `closer` [m]; infinity if none.
 double sampled_impact(const Scene& scene, const Systems& s, double dt, int count, double closer) {
   DistanceWorkspace workspace;
   for (int k = 0; k <= count; ++k) {
@@ -284,7 +284,7 @@ double sampled_impact(const Scene& scene, const Systems& s, double dt, int count
   return infinity;
 }
 
-TEST(ImpactSearch, AFastBallMeetsThePlateOfAnotherSystem) {
+TEST(ImpactSearch, FastBallHitsPlateOfAnotherSystem) {
   const Scene scene({free_body(Shape::sphere(0.01)), free_body(Shape::box({0.5, 0.5, 0.0025}))});
   Systems s;
   s.q = {{0, 0, 2, 1, 0, 0, 0}, {0, 0, 1, 1, 0, 0, 0}};
@@ -298,11 +298,11 @@ TEST(ImpactSearch, AFastBallMeetsThePlateOfAnotherSystem) {
   EXPECT_EQ(found.contact.system_b, 1);
   EXPECT_NEAR(found.contact.n.z, 1, 1e-9);
   EXPECT_NEAR(found.contact.p.z, 1.0025, 1e-5);
-  // Shorter than the way: nothing.
+  // A time step that ends before the impact finds none.
   EXPECT_EQ(search.find(s.motions, 0.9 / 300, 1e-3).status, ImpactStatus::none);
 }
 
-TEST(ImpactSearch, ThePlateAndTheBallFallOntoTheGround) {
+TEST(ImpactSearch, FirstGroundImpactIsFound) {
   const Scene scene({free_body(Shape::sphere(0.1)), free_body(Shape::box({0.1, 0.1, 0.1}, {Mat3::identity(), {3, 0, 0}}))});
   Systems s;
   s.q = {{0, 0, 2, 1, 0, 0, 0}, {0, 0, 1, 1, 0, 0, 0}};
@@ -316,8 +316,8 @@ TEST(ImpactSearch, ThePlateAndTheBallFallOntoTheGround) {
   EXPECT_EQ(found.shape_b, -1);
 }
 
-TEST(ImpactSearch, TheFirstOfManyIsFound) {
-  // Balls on a line shot at a wall each from another distance, among many that meet nothing.
+TEST(ImpactSearch, FirstOfManyImpactsIsFound) {
+  // Balls fly towards a wall from different distances, among many balls at rest.
   std::vector<MechanismPtr> systems{free_body(Shape::box({0.01, 100, 1}))};
   const MechanismPtr ball = free_body(Shape::sphere(0.1));
   for (int i = 0; i < 150; ++i) systems.push_back(ball);
@@ -341,7 +341,7 @@ TEST(ImpactSearch, TheFirstOfManyIsFound) {
   EXPECT_EQ(found.contact.system_b, first);
 }
 
-TEST(ImpactSearch, PairsThatTouchAlreadyAreLeftToTheContactSolver) {
+TEST(ImpactSearch, PairsWithinTheMarginAreIgnored) {
   const Scene scene({free_body(Shape::sphere(0.1))});
   Systems s;
   s.q = {{0, 0, 0.1002, 1, 0, 0, 0}};
@@ -352,7 +352,7 @@ TEST(ImpactSearch, PairsThatTouchAlreadyAreLeftToTheContactSolver) {
   EXPECT_EQ(search.find(s.motions, 0.1, 1e-4).status, ImpactStatus::impact);
 }
 
-TEST(ImpactSearch, BladesOfTurningArmsAreNotMissed) {
+TEST(ImpactSearch, ThinLinksOfTurningArmsAreNotMissed) {
   test::Random random(40);
   int hits = 0, misses = 0, tight = 0;
   double distances = 0;
@@ -388,7 +388,7 @@ TEST(ImpactSearch, BladesOfTurningArmsAreNotMissed) {
     if (found.status == ImpactStatus::impact) {
       EXPECT_LE(found.contact.distance, 1.1e-5);
       EXPECT_GE(found.contact.distance, 0);
-      // Sampling finds that they are so close, at that time.
+      // Sampling confirms the distance at the time of impact.
       tight += sampled_impact(scene, s, found.time, 1, 1.2e-5) <= found.time ? 1 : 0;
       EXPECT_EQ(sampled_impact(scene, s, found.time * (1 - 1e-9), 300, 0), infinity) << i;
     }

@@ -1,4 +1,4 @@
-// Exact distances of meshes, against all pairs of triangles one by one, and against an installed peer (fcl_mesh_test.cpp).
+// Exact distances of meshes, compared with brute force over all pairs of triangles. fcl_mesh_test.cpp compares them with FCL.
 
 #include "ugoki/collision/bubble.h"
 
@@ -45,10 +45,10 @@ double distance_from(const std::vector<TriangleCorners>& mesh, const Vec3& p) {
 struct Case {
   Mesh a, b;
   Pose A, B;
-  double scale;  // the greatest coordinate that takes part
+  double scale;  // max_count coordinate in the computation, for tolerances
 };
 
-/// Two small meshes: far, near, touching, piercing; large and small; far from the origin.
+/// Two small meshes of random kind and size: far apart, near, touching or piercing; sometimes far from the origin.
 Case random_case(Random& random) {
   const auto mesh = [&] {
     switch (random.below(5)) {
@@ -75,12 +75,12 @@ Case random_case(Random& random) {
 class EachWidth : public ::testing::TestWithParam<BubbleWidth> {
  protected:
   void SetUp() override {
-    if (!use_bubble_width(GetParam())) GTEST_SKIP() << "this processor does not have it";
+    if (!use_bubble_width(GetParam())) GTEST_SKIP() << "this processor does not support this SIMD width";
   }
 };
 INSTANTIATE_TEST_SUITE_P(Bubble, EachWidth, ::testing::Values(BubbleWidth::plain, BubbleWidth::avx2, BubbleWidth::avx512));
 
-TEST_P(EachWidth, SameAsAllPairsOneByOne) {
+TEST_P(EachWidth, DistanceMatchesBruteForce) {
   Random random(51);
   BubbleWorkspace workspace;
   int apart = 0, meeting = 0;
@@ -89,7 +89,7 @@ TEST_P(EachWidth, SameAsAllPairsOneByOne) {
     const SphereTree a = tree_of(c.a), b = tree_of(c.b);
     const double expected = std::ranges::min(all_distances(c.a, c.A, c.b, c.B)), tolerance = 1e-14 * c.scale;
     TrianglePair warm;
-    if (random.below(2) == 0) warm = {random.below(200) - 50, random.below(200) - 50};  // foreign
+    if (random.below(2) == 0) warm = {random.below(200) - 50, random.below(200) - 50};  // invalid or arbitrary triangles
     const BubbleDistance d = find_distance(a, c.A, b, c.B, warm, workspace);
     ASSERT_NEAR(d.distance, expected, tolerance) << "case " << i;
     ASSERT_EQ(d.lower, d.distance);
@@ -105,7 +105,7 @@ TEST_P(EachWidth, SameAsAllPairsOneByOne) {
     }
     ASSERT_EQ(warm, d.nearest);
     (expected > tolerance ? apart : meeting) += 1;
-    // Warm from its own answer: the same.
+    // A warm start from the own result gives the same distance.
     const BubbleDistance again = find_distance(a, c.A, b, c.B, warm, workspace);
     ASSERT_EQ(again.distance, d.distance);
     ASSERT_LE(again.triangle_tests, d.triangle_tests + 8);
@@ -114,7 +114,7 @@ TEST_P(EachWidth, SameAsAllPairsOneByOne) {
   EXPECT_GT(meeting, 50);
 }
 
-TEST_P(EachWidth, ErrorKnobAndMargin) {
+TEST_P(EachWidth, RelativeErrorAndFarthestAreRespected) {
   Random random(52);
   BubbleWorkspace workspace;
   int fewer = 0, beyond = 0;
@@ -149,17 +149,17 @@ TEST_P(EachWidth, ErrorKnobAndMargin) {
   EXPECT_GT(beyond, 100);
 }
 
-TEST_P(EachWidth, AllPairsWithinAMargin) {
+TEST_P(EachWidth, PairsWithinMarginMatchBruteForce) {
   Random random(53);
   BubbleWorkspace workspace;
   std::vector<TriangleContact> out(40000);
-  std::size_t most = 0;
+  std::size_t max_count = 0;
   for (int i = 0; i < 80; ++i) {
     const Case c = random_case(random);
     const SphereTree a = tree_of(c.a), b = tree_of(c.b);
     std::vector<double> all = all_distances(c.a, c.A, c.b, c.B), sorted = all;
     std::ranges::sort(sorted);
-    // Half way between two distances, so that rounding does not matter.
+    // The margin is half way between two distances, so that rounding does not matter.
     const auto k = static_cast<std::size_t>(random.below(static_cast<int>(std::min<std::size_t>(sorted.size() - 1, 2000)) + 1));
     const double margin = k + 1 < sorted.size() ? 0.5 * (sorted[k] + sorted[k + 1]) : 2 * sorted[k] + 1;
     const auto expected = static_cast<std::size_t>(std::ranges::count_if(all, [&](double d) { return d < margin; }));
@@ -179,7 +179,7 @@ TEST_P(EachWidth, AllPairsWithinAMargin) {
     }
     std::ranges::sort(pairs, [](const TrianglePair& x, const TrianglePair& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
     ASSERT_EQ(std::ranges::adjacent_find(pairs), pairs.end()) << "a pair was found twice";
-    most = std::max(most, found.count);
+    max_count = std::max(max_count, found.count);
     if (expected > 1) {
       const PairsFound part = find_pairs_within(a, c.A, b, c.B, margin, std::span(out).first(expected - 1), workspace);
       ASSERT_EQ(part.count, expected - 1);
@@ -187,11 +187,11 @@ TEST_P(EachWidth, AllPairsWithinAMargin) {
       ASSERT_TRUE(find_pairs_within(a, c.A, b, c.B, margin, std::span(out).first(expected), workspace).complete);
     }
   }
-  EXPECT_GT(most, 500U);
+  EXPECT_GT(max_count, 500U);
 }
 
-/// A knot that swims in the hole of a torus.
-Pose swim(int step) {
+/// Pose of a knot that moves inside the hole of a torus.
+Pose knot_pose(int step) {
   const double t = 0.01 * step;
   return {rotation_about({0, 0, 1}, 2 * t) * rotation_about({1, 0, 0}, 3 * t), {0.06 * sin(5 * t), 0.06 * cos(7 * t), 0.06 * sin(11 * t)}};
 }
@@ -205,7 +205,7 @@ TEST(Bubble, SameBitsInEveryRunAndWidth) {
     TrianglePair warm;
     std::vector<double> run;
     for (int i = 0; i < 300; ++i) {
-      const BubbleDistance d = find_distance(a, {}, b, swim(i), warm, workspace);
+      const BubbleDistance d = find_distance(a, {}, b, knot_pose(i), warm, workspace);
       run.insert(run.end(), {d.distance, d.pa.x, d.pb.y, d.n.z, static_cast<double>(d.nearest.a)});
     }
     runs.push_back(run);
@@ -213,36 +213,36 @@ TEST(Bubble, SameBitsInEveryRunAndWidth) {
   for (const auto& run : runs) EXPECT_EQ(run, runs.front());
 }
 
-TEST(Bubble, NothingIsAllocatedOnceWarm) {
+TEST(Bubble, AllocatesNothingAfterWarmUp) {
   const SphereTree a = tree_of(test::bumpy_torus(3000)), b = tree_of(test::torus_knot(3000));
   BubbleWorkspace workspace;
   TrianglePair warm;
   std::vector<TriangleContact> out(500);
-  (void)find_distance(a, {}, b, swim(0), warm, workspace);
-  (void)find_pairs_within(a, {}, b, swim(0), 0.2, out, workspace);
+  (void)find_distance(a, {}, b, knot_pose(0), warm, workspace);
+  (void)find_pairs_within(a, {}, b, knot_pose(0), 0.2, out, workspace);
   const long before = allocations_so_far();
   double sum = 0;
   for (int i = 0; i < 300; ++i) {
-    sum += find_distance(a, {}, b, swim(i), warm, workspace).distance;
-    sum += find_pairs_within(a, {}, b, swim(i), 0.2, out, workspace).count > 0 ? 1 : 0;
+    sum += find_distance(a, {}, b, knot_pose(i), warm, workspace).distance;
+    sum += find_pairs_within(a, {}, b, knot_pose(i), 0.2, out, workspace).count > 0 ? 1 : 0;
   }
   EXPECT_EQ(allocations_so_far(), before);
   EXPECT_GT(sum, 10);
 }
 
-// In motion, in a hole, near by and far away: the last pair leads to the same distance as none, with less work.
-TEST_P(EachWidth, WarmStartInMotion) {
+// Moving meshes in a hole, near each other and far apart: a warm start gives the same distance as a cold start, with fewer tests.
+TEST_P(EachWidth, WarmStartNeedsLessWorkInMotion) {
   const SphereTree a = tree_of(test::bumpy_torus(6000)), b = tree_of(test::torus_knot(6000));
   BubbleWorkspace workspace;
-  for (const Vec3& place : {Vec3{0, 0, 0}, Vec3{1.9, 0, 0}, Vec3{1, 0, 0.85}, Vec3{4, 1, 2}, Vec3{-30, 3, 8}}) {
+  for (const Vec3& location : {Vec3{0, 0, 0}, Vec3{1.9, 0, 0}, Vec3{1, 0, 0.85}, Vec3{4, 1, 2}, Vec3{-30, 3, 8}}) {
     TrianglePair warm;
     long with = 0, without = 0;
     for (int i = 0; i < 80; ++i) {
-      Pose X = swim(i);
-      X.p += place;
+      Pose X = knot_pose(i);
+      X.p += location;
       TrianglePair cold;
       const BubbleDistance d = find_distance(a, {}, b, X, cold, workspace), w = find_distance(a, {}, b, X, warm, workspace);
-      ASSERT_NEAR(d.distance, w.distance, 1e-14 * (1 + norm(place))) << "step " << i;
+      ASSERT_NEAR(d.distance, w.distance, 1e-14 * (1 + norm(location))) << "step " << i;
       without += d.bound_tests;
       if (i > 0) with += w.bound_tests;
     }
@@ -250,7 +250,7 @@ TEST_P(EachWidth, WarmStartInMotion) {
   }
 }
 
-TEST(Bubble, HostilePosesAndEmptyTrees) {
+TEST(Bubble, InvalidPosesAndEmptyTreesAreReported) {
   const SphereTree a = tree_of(test::box_mesh({1, 1, 1})), none;
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   BubbleWorkspace workspace;
@@ -277,8 +277,8 @@ TEST(Bubble, HostilePosesAndEmptyTrees) {
   EXPECT_NEAR(far.distance, 2e8 - 2, 1e-7);
 }
 
-// Everything lies at the same place many times over: as many pairs as there are, answered all the same.
-TEST(Bubble, ManyTrianglesAtOnePlace) {
+// Thousands of coincident triangles: bounds cannot separate them, and the search still returns the correct distance.
+TEST(Bubble, ManyCoincidentTrianglesAreSearched) {
   Mesh heap;
   for (int i = 0; i < 3000; ++i) {
     const auto first = static_cast<std::int32_t>(heap.vertices.size());

@@ -85,18 +85,18 @@ struct Pair {
   }
 };
 std::span<const ManifoldPoint> points(const Manifold& m) { return {m.points.data(), static_cast<std::size_t>(m.count)}; }
-double least(const Manifold& m) {
+double minimum(const Manifold& m) {
   double d = 1e300;
   for (const ManifoldPoint& p : points(m)) d = std::min(d, p.distance);
   return d;
 }
-/// The points carry a weight above the origin: it lies inside their polygon, seen from above.
+/// True if the polygon of the contact points, seen from above, contains the origin: the contacts can carry a weight above the origin.
 bool carries(const Manifold& m, double margin = 1e-6) {
   for (int i = 0; i < 64; ++i) {
     const double angle = 2 * pi * i / 64;
-    double most = -1e300;
-    for (const ManifoldPoint& p : points(m)) most = std::max(most, p.p.x * std::cos(angle) + p.p.y * std::sin(angle));
-    if (most < margin) return false;
+    double maximum = -1e300;
+    for (const ManifoldPoint& p : points(m)) maximum = std::max(maximum, p.p.x * std::cos(angle) + p.p.y * std::sin(angle));
+    if (maximum < margin) return false;
   }
   return true;
 }
@@ -113,7 +113,7 @@ Shape random_convex(Random& r, int kind) {
   }
 }
 
-TEST(ContactShapes, LeastDistanceOfConvexPairsIsTheCertifiedDistance) {
+TEST(ContactShapes, MinimumDistanceOfConvexPairsMatchesSignedDistance) {
   Random r(71);
   int found = 0, lying = 0;
   for (int i = 0; i < 6000 && !testing::Test::HasFailure(); ++i) {
@@ -130,7 +130,7 @@ TEST(ContactShapes, LeastDistanceOfConvexPairsIsTheCertifiedDistance) {
     SCOPED_TRACE(testing::Message() << "case " << i << " kinds " << ka << " " << kb << " distance " << d.distance);
     if (d.upper < margin - bias - 1e-9) {
       ASSERT_GT(m.count, 0);
-      EXPECT_NEAR(least(m), d.distance, bias + 1e-8);
+      EXPECT_NEAR(minimum(m), d.distance, bias + 1e-8);
       ++found;
       lying += m.count > 1 ? 1 : 0;
     } else if (d.lower > margin + 1e-9) {
@@ -149,12 +149,12 @@ TEST(ContactShapes, LeastDistanceOfConvexPairsIsTheCertifiedDistance) {
   EXPECT_GT(lying, 100);
 }
 
-TEST(ContactShapes, ABoxAsHullHasTheBoxsManifold) {
+TEST(ContactShapes, BoxHullHasTheManifoldOfABox) {
   Random r(73);
   int several = 0;
   for (int i = 0; i < 4000 && !testing::Test::HasFailure(); ++i) {
     const Vec3 h{r.in(0.1, 0.3), r.in(0.1, 0.3), r.in(0.1, 0.3)}, k{r.in(0.6, 0.9), r.in(0.6, 0.9), r.in(0.1, 0.5)};
-    // lying on each other, a little turned and tilted
+    // One box rests on the other, turned and slightly tilted.
     const Pose A{rotation_about({0, 0, 1}, r.in(-pi, pi)) * rotation_about(r.unit(), i % 4 == 0 ? 0.0 : r.in(0.002, 0.02)),
                  {r.in(-0.1, 0.1), r.in(-0.1, 0.1), h.z + k.z + r.in(-0.004, 0.004)}};
     Pair boxes(Shape::box(h), Shape::box(k)), hulls(box_hull(h), box_hull(k)), mixed(box_hull(h), Shape::box(k));
@@ -200,7 +200,7 @@ TEST(ContactShapes, EveryShapeRestsOnEveryOther) {
             EXPECT_GE(m.count, 3);
             EXPECT_LE(m.count, 16);
             EXPECT_TRUE(carries(m, 0.15));
-            EXPECT_NEAR(least(m), gap, 1e-6);
+            EXPECT_NEAR(minimum(m), gap, 1e-6);
             for (const ManifoldPoint& p : points(m)) {
               EXPECT_LT(norm(p.n - Vec3{0, 0, exchanged ? -1.0 : 1.0}), 1e-6);
               EXPECT_NEAR(p.distance, gap, 1e-6);
@@ -210,7 +210,7 @@ TEST(ContactShapes, EveryShapeRestsOnEveryOther) {
     }
 }
 
-TEST(ContactShapes, RoundThingsTouchSurfacesAtOnePoint) {
+TEST(ContactShapes, RoundShapesTouchSurfacesAtTheirLowestPoint) {
   for (const Shape& b : {box_surface({1, 1, 0.5}, 8, at(0, 0, -0.5)), plain(1, 30), box_surface({1, 1, 0.5}, 1, at(0, 0, -0.5))})
     for (const Shape& a : {Shape::sphere(0.2), Shape::ellipsoid({0.3, 0.25, 0.2})})
       for (const double gap : {-0.004, 0.005})
@@ -219,7 +219,7 @@ TEST(ContactShapes, RoundThingsTouchSurfacesAtOnePoint) {
           const Manifold& m = pair.find(at(x, 0.07, 0.2 + gap), {}, 0.01);
           SCOPED_TRACE(testing::Message() << int(a.type) << " on " << int(b.type) << " at " << x << " gap " << gap);
           ASSERT_GE(m.count, 1);
-          EXPECT_NEAR(least(m), gap, 1e-7);
+          EXPECT_NEAR(minimum(m), gap, 1e-7);
           for (const ManifoldPoint& p : points(m)) {
             EXPECT_LT(norm(p.n - Vec3{0, 0, 1}), 0.05);
             EXPECT_LT(std::hypot(p.p.x - x, p.p.y - 0.07), 0.08);
@@ -227,7 +227,7 @@ TEST(ContactShapes, RoundThingsTouchSurfacesAtOnePoint) {
         }
 }
 
-TEST(ContactShapes, NoEdgeInsideAPlaneStopsWhatSlidesOverIt) {
+TEST(ContactShapes, CoplanarTrianglesGiveNoEdgeContacts) {
   for (const Shape& b : {box_surface({1, 1, 0.5}, 8, at(0, 0, -0.5)), plain(1, 17)})
     for (const Shape& a : {Shape::box({0.1, 0.1, 0.05}), Shape::cylinder(0.1, 0.05), box_hull({0.1, 0.1, 0.05}),
                            Shape::capsule(0.05, {-0.1, 0, 0}, {0.1, 0, 0}), Shape::sphere(0.05)}) {
@@ -241,8 +241,8 @@ TEST(ContactShapes, NoEdgeInsideAPlaneStopsWhatSlidesOverIt) {
     }
 }
 
-TEST(ContactShapes, AMeshWithAHoleLetsThroughWhatItsHullWouldNot) {
-  // four walls around a shaft of 0.4 x 0.4
+TEST(ContactShapes, HoleOfAMeshIsFreeOfContacts) {
+  // Four walls around a shaft of 0.4 m x 0.4 m.
   std::vector<Vec3> p;
   std::vector<Triangle> t;
   const double in = 0.2, wide = 0.5;
@@ -262,12 +262,12 @@ TEST(ContactShapes, AMeshWithAHoleLetsThroughWhatItsHullWouldNot) {
   EXPECT_EQ(pair.find({}, {}, 0.01).count, 0);
   const Manifold& wall = pair.find(at(0.055, 0, 0), {}, 0.01);
   ASSERT_GE(wall.count, 1);
-  EXPECT_NEAR(least(wall), -0.005, 1e-6);
+  EXPECT_NEAR(minimum(wall), -0.005, 1e-6);
   for (const ManifoldPoint& q : points(wall)) EXPECT_LT(norm(q.n - Vec3{-1, 0, 0}), 1e-6);
 }
 
-/// On the sides and corners of a curved mesh as well, from outside and where it is pierced a little.
-TEST(ContactShapes, TheNearestPointOfACurvedMeshIsAContact) {
+/// Also on the sides and corners of a curved mesh; the body is slightly outside, or penetrates slightly.
+TEST(ContactShapes, ClosestPointOfACurvedMeshIsAContact) {
   Random random(11);
   const test::Mesh torus = test::bumpy_torus(1500);
   const Collider mesh = make_collider(Shape::mesh(make_geometry(torus.vertices, torus.triangles, false, "torus").value()));
@@ -282,37 +282,37 @@ TEST(ContactShapes, TheNearestPointOfACurvedMeshIsAContact) {
                             Shape::ellipsoid({r, 0.6 * r, 0.8 * r}),
                             box_hull({r, 0.7 * r, 0.4 * r})};
     const Collider body = make_collider(shapes[i % 6]);
-    const Vec3 way = random.unit();
-    Pose X{random.pose(1).R, random.vec(0.5) - way * 3};
+    const Vec3 direction = random.unit();
+    Pose X{random.pose(1).R, random.vec(0.5) - direction * 3};
     PairCache cache;
     const double farthest = 1e9;
     double distance = 1;
-    for (int k = 0; k < 200 && distance > 1e-6; ++k) {  // until it touches
+    for (int k = 0; k < 200 && distance > 1e-6; ++k) {  // advance until the body touches the mesh
       distance = find_pair_distance(body, X, mesh, Pose{}, farthest, cache, distances).distance;
-      X.p += way * distance;
+      X.p += direction * distance;
     }
-    if (distance > 1e-6) continue;  // it has missed
+    if (distance > 1e-6) continue;  // the body misses the mesh
     const double in = r * random.in(-0.05, 0.02);
-    X.p += way * in;
+    X.p += direction * in;
     distance = find_pair_distance(body, X, mesh, Pose{}, farthest, cache, distances).distance;
     GilbertCache gilbert;
     Manifold found;
     find_manifold(body, X, mesh, Pose{}, 0.1, gilbert, workspace, found);
-    double least = 1e9;
-    for (int k = 0; k < found.count; ++k) least = std::min(least, found.points[static_cast<std::size_t>(k)].distance);
+    double minimum = 1e9;
+    for (int k = 0; k < found.count; ++k) minimum = std::min(minimum, found.points[static_cast<std::size_t>(k)].distance);
     if (distance > 1e-9)
-      ASSERT_NEAR(least, distance, 1e-4 * r) << "case " << i << ", shape " << i % 6;
+      ASSERT_NEAR(minimum, distance, 1e-4 * r) << "case " << i << ", shape " << i % 6;
     else
-      ASSERT_LE(least, 1e-9) << "case " << i << ", shape " << i % 6;
+      ASSERT_LE(minimum, 1e-9) << "case " << i << ", shape " << i % 6;
   }
 }
 
-TEST(ContactShapes, OnTheGround) {
+TEST(ContactShapes, GroundContactsHaveKnownDistances) {
   struct Case {
     Shape shape;
     Pose X;
     double distance;
-    int least_points;
+    int min_points;
   };
   const Pose tilted{rotation_about({1, 0, 0}, 0.3), {0, 0, 1}};
   const Case cases[] = {
@@ -331,16 +331,16 @@ TEST(ContactShapes, OnTheGround) {
     std::int32_t hint = 0;
     find_ground_manifold(a, c.X * c.shape.X_BS, 0.0, c.distance + 0.01, hint, work, m);
     SCOPED_TRACE(testing::Message() << int(c.shape.type));
-    EXPECT_GE(m.count, c.least_points);
-    EXPECT_NEAR(least(m), c.distance, 1e-9);
+    EXPECT_GE(m.count, c.min_points);
+    EXPECT_NEAR(minimum(m), c.distance, 1e-9);
     EXPECT_NEAR(distance_to_ground(c.shape, c.X, 0), c.distance, 1e-9);
-    if (c.least_points >= 4) {
+    if (c.min_points >= 4) {
       EXPECT_TRUE(carries(m));
     }
   }
 }
 
-TEST(ContactShapes, ACoherentStepAllocatesNothingAndRepeatsBitForBit) {
+TEST(ContactShapes, CoherentStepsAllocateNothingAndAreReproducible) {
   std::vector<MechanismPtr> systems;
   const Shape shapes[] = {Shape::cylinder(0.2, 0.3),
                           Shape::ellipsoid({0.2, 0.3, 0.25}),

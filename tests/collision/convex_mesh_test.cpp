@@ -1,4 +1,4 @@
-// Convex shapes against meshes: against Gilbert's method for every triangle, and boxes against meshes of boxes.
+// Distance of a convex shape and a mesh, compared with Gilbert's method for every triangle, and with the distance of two meshes.
 
 #include "ugoki/collision/convex_mesh.h"
 
@@ -29,7 +29,7 @@ Support random_shape(Random& random, double scale) {
   }
 }
 
-double one_by_one(const Support& s, const Pose& A, const Mesh& m, const Pose& B) {
+double brute_force(const Support& s, const Pose& A, const Mesh& m, const Pose& B) {
   double best = std::numeric_limits<double>::infinity();
   for (const Triangle& t : m.triangles) {
     Hull h;
@@ -44,7 +44,7 @@ double one_by_one(const Support& s, const Pose& A, const Mesh& m, const Pose& B)
   return best;
 }
 
-TEST(ConvexMesh, SameAsAllTrianglesOneByOne) {
+TEST(ConvexMesh, MatchesBruteForceOverTriangles) {
   Random random(71);
   ConvexMeshWorkspace workspace;
   int apart = 0, touching = 0;
@@ -59,7 +59,7 @@ TEST(ConvexMesh, SameAsAllTrianglesOneByOne) {
     Pose A = random.pose(scale * random.in(0.1, 3)), B = random.pose(scale);
     A.p.x += far;
     B.p.x += far;
-    const double expected = one_by_one(s, A, m, B), tolerance = 1e-10 * scale + 1e-13 * far;
+    const double expected = brute_force(s, A, m, B), tolerance = 1e-10 * scale + 1e-13 * far;
     ConvexMeshCache cache;
     if (random.below(2) == 0) cache.triangle = random.below(300) - 20;
     const BubbleDistance d = find_distance(s, A, tree, B, cache, workspace);
@@ -94,8 +94,8 @@ TEST(ConvexMesh, SameAsAllTrianglesOneByOne) {
   EXPECT_GT(touching, 30);
 }
 
-// A solid box and the surface of a box: the same numbers as two meshes, unless one holds the other.
-TEST(ConvexMesh, SameAsTheMeshOfTheShape) {
+// A solid box and the mesh of a box have the same distance from another mesh, unless one contains the other.
+TEST(ConvexMesh, MatchesTheMeshOfTheSameShape) {
   Random random(72);
   ConvexMeshWorkspace workspace;
   BubbleWorkspace bubble;
@@ -111,7 +111,7 @@ TEST(ConvexMesh, SameAsTheMeshOfTheShape) {
   }
 }
 
-TEST(ConvexMesh, NothingIsAllocatedOnceWarmAndHostileInputIsAnswered) {
+TEST(ConvexMesh, AllocatesNothingAfterWarmUpAndReportsInvalidInput) {
   const SphereTree torus = tree_of(test::bumpy_torus(2000));
   ConvexMeshWorkspace workspace;
   ConvexMeshCache cache;

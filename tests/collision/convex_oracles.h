@@ -1,5 +1,5 @@
 #pragma once
-// What proves a distance or depth of convex shapes, by other means than the code that found it; and random convex shapes.
+// Oracles for distances and depths of convex shapes, independent of the code under test; and random convex shapes.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 
 namespace ugoki::collision::test {
 
-/// Greatest n . x over the core, every vertex looked at.
+/// Maximum of n . x over the core [m], computed over all vertices.
 inline double reach(const Support& s, const Pose& X, const Vec3& n) {
   const Vec3 m = transpose_times(X.R, n);
   double r = 0;
@@ -32,7 +32,7 @@ inline double reach(const Support& s, const Pose& X, const Vec3& n) {
   return r + dot(n, X.p);
 }
 
-/// How far p [world] lies outside of the core (a lower bound of it; at most 0 inside), m.
+/// Lower bound [m] of the distance from p (world) to the core; at most 0 if p is inside.
 inline double outside(const Support& s, const Pose& X, const Vec3& p) {
   const Vec3 q = transpose_times(X.R, p - X.p), h = s.size;
   switch (s.kind) {
@@ -67,8 +67,8 @@ inline double outside(const Support& s, const Pose& X, const Vec3& p) {
 
 inline double size_of(const Support& s) { return s.kind == SupportKind::half_space ? 0 : bounding_radius(s); }
 
-/// A convex pair's distance is proved by a point of each and by a slab between them that is as thick as the points are apart.
-/// The worst of the three errors, m.
+/// Error [m] of a claimed distance of two convex shapes. The distance is proved if pa and pb are points of the shapes and a slab with
+/// normal n between the shapes is as thick as the distance of pa and pb. Returns the maximum violation of these conditions.
 inline double certificate(const Support& a, const Pose& A, const Support& b, const Pose& B, double distance, const Vec3& pa, const Vec3& pb,
                           const Vec3& n) {
   const double core = distance + a.radius + b.radius;
@@ -83,7 +83,7 @@ inline Hull hull_of(const std::vector<Vec3>& points) {
   return h ? std::move(*h) : Hull{};
 }
 
-/// A point set of n points on an ellipsoid.
+/// n random points on an ellipsoid with the given semi-axes.
 inline std::vector<Vec3> on_ellipsoid(Random& random, int n, const Vec3& axes) {
   std::vector<Vec3> points;
   for (int i = 0; i < n; ++i) {
@@ -93,7 +93,7 @@ inline std::vector<Vec3> on_ellipsoid(Random& random, int n, const Vec3& axes) {
   return points;
 }
 
-/// A set of hulls to draw supports from: 4 ... 400 vertices, round ones, plates 1e-4 thick, needles, flat ones and a segment.
+/// Hulls for random_support(): round ones with 4 ... 400 vertices, a plate 1e-4 thick, a needle, a flat one and a segment.
 inline std::vector<Hull> some_hulls(Random& random) {
   std::vector<Hull> hulls;
   for (const int n : {4, 5, 8, 12, 17, 40, 120, 400}) hulls.push_back(hull_of(on_ellipsoid(random, n, {0.5, 0.4, 0.3})));
@@ -105,7 +105,8 @@ inline std::vector<Hull> some_hulls(Random& random) {
   return hulls;
 }
 
-/// Any bounded support; hulls are taken from `hulls`.
+/// A random bounded support; hulls are chosen from `hulls`.
+/// @param polytope only spheres, capsules, boxes and hulls
 inline Support random_support(Random& random, const std::vector<Hull>& hulls, bool polytope = false) {
   switch (random.below(polytope ? 5 : 7)) {
     case 0: return Support::sphere(random.in(0.05, 0.4));

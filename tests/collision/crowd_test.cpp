@@ -1,4 +1,4 @@
-// find_contacts of a crowd, whose pairs come from the superior tree, against going through all pairs.
+// find_contacts() of a crowd, which gets its pairs from the superior tree, compared with testing all pairs.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace ugoki::collision {
 namespace {
 
-/// `links` links, each with a shape, that hang on each other; on the world by a joint of the given type.
+/// A chain of `links` links with one shape each; the first link is attached to the world by a joint of the given type.
 MechanismPtr chain(test::Random& random, int links, JointType first) {
   MechanismSpec spec;
   spec.name = "chain";
@@ -30,7 +30,7 @@ MechanismPtr chain(test::Random& random, int links, JointType first) {
   return Mechanism::make(std::move(spec)).value();
 }
 
-/// Mechanisms that drift and turn, with their poses.
+/// Moving mechanisms with their state and poses.
 struct Crowd {
   std::vector<MechanismPtr> systems;
   std::vector<std::vector<double>> q, v;
@@ -52,7 +52,7 @@ struct Crowd {
     }
     for (const auto& x : X) views.emplace_back(x);
   }
-  /// Most go on, some turn round, some stand still.
+  /// Moves the mechanisms by one step. Some reverse their velocity, some do not move (moved = 0).
   void step(test::Random& random, double dt) {
     for (std::size_t s = 0; s < systems.size(); ++s) {
       if (random.below(20) == 0)
@@ -64,12 +64,12 @@ struct Crowd {
   }
 };
 
-using Told = std::tuple<int, int, int, int, double, double, double, double, double, double, double>;
-Told told(const ContactPoint& c, int system_a, int system_b) {
+using ContactRecord = std::tuple<int, int, int, int, double, double, double, double, double, double, double>;
+ContactRecord record_of(const ContactPoint& c, int system_a, int system_b) {
   return {system_a, c.link_a, system_b, c.link_b, c.p.x, c.p.y, c.p.z, c.n.x, c.n.y, c.n.z, c.distance};
 }
 
-/// Scenes of one or two systems each, which are gone through pair by pair.
+/// Brute force: a scene for each system and for each pair of systems, too small for the broad phase.
 class AllPairs {
  public:
   AllPairs(const Crowd& crowd, const std::vector<int>& self, const SceneOptions& options) {
@@ -88,14 +88,14 @@ class AllPairs {
         pairs_.push_back(
             {a, b, Scene({crowd.systems[static_cast<std::size_t>(a)], crowd.systems[static_cast<std::size_t>(b)]}, {}, alone)});
   }
-  std::vector<Told> find(const Crowd& crowd, double margin, bool only_moved) {
-    std::vector<Told> out;
+  std::vector<ContactRecord> find(const Crowd& crowd, double margin, bool only_moved) {
+    std::vector<ContactRecord> out;
     std::vector<ContactPoint> contacts;
     const auto add = [&](const Scene& scene, std::span<const std::span<const Pose>> X, std::span<const char> moved, int a, int b) {
       workspace_.forget();
       find_contacts(scene, X, margin, workspace_, contacts, only_moved ? moved : std::span<const char>());
       for (const ContactPoint& c : contacts)
-        out.push_back(told(c, a < 0 ? c.system_a : a, a < 0 || c.system_b < 0 ? c.system_b : c.system_b == 0 ? a : b));
+        out.push_back(record_of(c, a < 0 ? c.system_a : a, a < 0 || c.system_b < 0 ? c.system_b : c.system_b == 0 ? a : b));
     };
     add(ground_, crowd.views, crowd.moved, -1, -1);
     for (const auto& [s, scene] : self_)
@@ -116,34 +116,34 @@ class AllPairs {
   std::vector<std::tuple<int, int, Scene>> pairs_;
 };
 
-void compare(Crowd crowd, test::Random& random, const std::vector<int>& self, const SceneOptions& options, std::size_t least) {
+void compare(Crowd crowd, test::Random& random, const std::vector<int>& self, const SceneOptions& options, std::size_t minimum) {
   Scene scene(crowd.systems, {}, options);
   for (const int s : self) scene.set_self_collision(s, true);
-  ASSERT_TRUE(BroadPhase::pays(scene));
+  ASSERT_TRUE(BroadPhase::is_faster(scene));
   AllPairs all(crowd, self, options);
   Workspace workspace(scene);
   std::vector<ContactPoint> contacts;
-  std::size_t most = 0;
+  std::size_t max_found = 0;
   for (int step = 0; step < 12; ++step) {
     crowd.step(random, step % 5 == 4 ? 0.5 : 0.02);
     const double margin = step % 3 == 0 ? -0.01 : 0.05;
     const bool only_moved = step % 2 == 0;
-    workspace.forget();  // warm starts would be of other steps
+    workspace.forget();  // warm starts of other steps would change the last bits
     find_contacts(scene, crowd.views, margin, workspace, contacts, only_moved ? crowd.moved : std::span<const char>());
-    std::vector<Told> found;
-    for (const ContactPoint& c : contacts) found.push_back(told(c, c.system_a, c.system_b));
+    std::vector<ContactRecord> found;
+    for (const ContactPoint& c : contacts) found.push_back(record_of(c, c.system_a, c.system_b));
     ASSERT_EQ(found, all.find(crowd, margin, only_moved)) << "step " << step;
-    most = std::max(most, found.size());
+    max_found = std::max(max_found, found.size());
   }
-  EXPECT_GT(most, least);
+  EXPECT_GT(max_found, minimum);
 }
 
-TEST(Crowd, ContactsAreThoseOfAllPairsToTheLastBit) {
+TEST(Crowd, ContactsMatchBruteForceBitwise) {
   test::Random random(77);
   compare(Crowd(random, 150, 0), random, {}, {}, 100);
 }
 
-TEST(Crowd, ALongChainMeetsItselfAsAllPairsSay) {
+TEST(Crowd, SelfContactsOfLongChainsMatchBruteForce) {
   test::Random random(78);
   compare(Crowd(random, 10, 2), random, {1, 5, 8}, {}, 100);
   SceneOptions apart;
@@ -151,7 +151,7 @@ TEST(Crowd, ALongChainMeetsItselfAsAllPairsSay) {
   compare(Crowd(random, 3, 2), random, {0, 1}, apart, 30);
 }
 
-TEST(Crowd, SwitchesAndOtherScenesAreSeen) {
+TEST(Crowd, WorkspaceFollowsSwitchesAndOtherScenes) {
   test::Random random(79);
   Crowd crowd(random, 150, 1);
   crowd.step(random, 0.1);
@@ -187,7 +187,7 @@ TEST(Crowd, CoherentStepsAllocateNothing) {
     find_contacts(scene, crowd.views, 0.02, workspace, contacts);
     if (step > 100) allocated += allocations_so_far() - before;
   }
-  EXPECT_LE(allocated, 2) << "pairs that come near for the first time";
+  EXPECT_LE(allocated, 2) << "allocations are allowed only for pairs that come near for the first time";
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ Nearest nearest(const Shape& a, const Pose& A, const Shape& b, const Pose& B) {
   return out;
 }
 
-/// What makes (d, n, pa, pb) the signed distance, whatever way it was found: the points lie in the shapes, differ by n d,
-/// and no plane across n could separate the shapes more. Together that proves optimality where the shapes are apart.
+/// Checks that (d, n, pa, pb) is the signed distance, however it was computed: the points are in the shapes and differ by n d, and the slab
+/// with normal n between the shapes has the thickness d. For shapes that are apart this proves that d is the minimum.
 void expect_certified(const Shape& a, const Pose& A, const Shape& b, const Pose& B, const Nearest& r, double tolerance = 1e-11) {
   EXPECT_TRUE(std::isfinite(r.d));
   EXPECT_NEAR(norm(r.n), 1, 1e-12);
@@ -65,11 +65,11 @@ TEST(Distance, CapsuleBox) {
   const Shape box = Shape::box({1, 1, 1}), capsule = Shape::capsule(0.1, {-0.5, 0, 0}, {0.5, 0, 0});
   EXPECT_NEAR(nearest(capsule, at(0, 0, 2), box, {}).d, 0.9, 1e-15);
   EXPECT_NEAR(nearest(capsule, at(1.8, 0, 0), box, {}).d, 0.2, 1e-15);
-  // over the edge x = z = 1 at 45 degrees: the segment touches the edge's diagonal plane at distance (1.5 - 1) sqrt 2
+  // Over the edge x = z = 1, at 45 degrees: the middle of the segment is at the distance (1.5 - 1) sqrt 2 from the edge.
   const Nearest edge = nearest(capsule, turned({0, 1, 0}, pi / 4, {1.5, 0, 1.5}), box, {});
   EXPECT_NEAR(edge.d, 0.5 * std::sqrt(2.0) - 0.1, 1e-14);
   EXPECT_LT(norm(edge.n - Vec3{std::sqrt(0.5), 0, std::sqrt(0.5)}), 1e-14);
-  // the same segment sunk: out across the edge
+  // The same segment inside the box: the shortest way out is across the edge.
   const Nearest sunk = nearest(capsule, turned({0, 1, 0}, pi / 4, {0.9, 0, 0.9}), box, {});
   EXPECT_NEAR(sunk.d, -0.1 * std::sqrt(2.0) - 0.1, 1e-14);
   EXPECT_LT(norm(sunk.n - Vec3{std::sqrt(0.5), 0, std::sqrt(0.5)}), 1e-14);
@@ -81,13 +81,13 @@ TEST(Distance, BoxBox) {
   EXPECT_NEAR(nearest(box, at(3, 3, 0), box, {}).d, std::sqrt(2.0), 1e-15);
   EXPECT_NEAR(nearest(box, at(3, 3, 3), box, {}).d, std::sqrt(3.0), 1e-15);
   EXPECT_NEAR(nearest(box, at(1.5, 0.2, 0), box, {}).d, -0.5, 1e-15);
-  // edge against edge: both turned by 45 degrees about axes at right angles
+  // Edge against edge: both boxes are turned by 45 degrees, about perpendicular axes.
   const Pose lower = turned({1, 0, 0}, pi / 4, {0, 0, 0});
   EXPECT_NEAR(nearest(box, turned({0, 1, 0}, pi / 4, {0, 0, 3}), box, lower).d, 3 - 2 * std::sqrt(2.0), 1e-14);
   EXPECT_NEAR(nearest(box, turned({0, 1, 0}, pi / 4, {0, 0, 2.7}), box, lower).d, 2.7 - 2 * std::sqrt(2.0), 1e-14);
 }
 
-TEST(Distance, GroundIsSupport) {
+TEST(Distance, GroundDistanceMatchesSupport) {
   Random random;
   for (int i = 0; i < 3000; ++i) {
     const Shape s = random.shape();
@@ -116,9 +116,9 @@ TEST(Distance, CertifiedAtRandomPoses) {
   EXPECT_GT(together, 3000);
 }
 
-// Apart: projections onto the two shapes in turn converge to the nearest pair. Together: no direction out of many
-// separates more than the one found (its own separation is checked above), nor any near it.
-TEST(Distance, BruteForceAgrees) {
+// Separate shapes: alternating projections onto the two shapes converge to the closest points. Overlapping shapes: none of many random
+// directions, and none near n, separates the shapes more than n.
+TEST(Distance, MatchesBruteForce) {
   Random random(7);
   for (int i = 0; i < 1500 && !testing::Test::HasFailure(); ++i) {
     const Shape a = random.shape(), b = random.shape();
@@ -142,7 +142,7 @@ TEST(Distance, BruteForceAgrees) {
   }
 }
 
-TEST(Distance, MirroredWhenExchanged) {
+TEST(Distance, ExchangedShapesGiveMirroredResults) {
   Random random(11);
   for (int i = 0; i < 5000 && !testing::Test::HasFailure(); ++i) {
     const Shape a = random.shape(), b = random.shape();
@@ -153,7 +153,7 @@ TEST(Distance, MirroredWhenExchanged) {
   }
 }
 
-TEST(Distance, SameInEveryFrame) {
+TEST(Distance, IndependentOfTheFrame) {
   Random random(13);
   for (int i = 0; i < 5000 && !testing::Test::HasFailure(); ++i) {
     const Shape a = random.shape(), b = random.shape();
@@ -168,12 +168,12 @@ TEST(Distance, SameInEveryFrame) {
 TEST(Distance, DegeneratePosesHaveFiniteUnitNormals) {
   const Shape ball = Shape::sphere(0.2), box = Shape::box({0.3, 0.2, 0.1});
   const Shape capsule = Shape::capsule(0.1, {0, 0, -0.4}, {0, 0, 0.4});
-  const Shape point_capsule = Shape::capsule(0.1, {0.2, 0, 0}, {0.2, 0, 0});  // both caps on one point
+  const Shape point_capsule = Shape::capsule(0.1, {0.2, 0, 0}, {0.2, 0, 0});  // a capsule of length 0
   const Shape shapes[] = {ball, capsule, point_capsule, box};
   const Pose poses[] = {{},             // coincident centres
                         at(0, 0, 0.4),  // centre on a cap
                         at(0.3, 0, 0),
-                        at(0, 0.2, 0.1),    // centre on a face, on an edge
+                        at(0, 0.2, 0.1),    // centre on an edge
                         at(0.3, 0.2, 0.1),  // on a corner
                         at(0.2, 0, 0),
                         at(0.4, 0, 0),
@@ -181,7 +181,7 @@ TEST(Distance, DegeneratePosesHaveFiniteUnitNormals) {
                         at(0, 0, 0.2),                         // touching exactly
                         turned({0, 0, 1}, 0.3, {}),            // parallel and turned
                         turned({1, 0, 0}, pi / 2, {}),         // crossing
-                        turned({1, 0, 0}, 1e-9, {0, 0.4, 0}),  // parallel to rounding
+                        turned({1, 0, 0}, 1e-9, {0, 0.4, 0}),  // almost parallel
                         turned({1, 0, 0}, pi, {0, 0.01, 0})};
   for (const Shape& a : shapes) {
     for (const Shape& b : shapes) {

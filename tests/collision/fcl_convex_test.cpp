@@ -1,4 +1,4 @@
-// The same distances of convex shapes by an installed peer, to the accuracy that it has.
+// Distances of convex shapes compared with FCL (Flexible Collision Library), to FCL's accuracy.
 
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ fcl::Transform3d to_fcl(const Pose& X) {
 TEST(Fcl, SameConvexDistances) {
   test::Random random(31);
   const std::vector<Hull> all = test::some_hulls(random);
-  const std::vector<Hull> hulls(all.begin(), all.begin() + 8);  // it does not take flat ones
+  const std::vector<Hull> hulls(all.begin(), all.begin() + 8);  // FCL does not accept flat hulls
   int compared = 0, close = 0;
   for (int i = 0; i < 3000; ++i) {
     Support a = test::random_support(random, hulls), b = test::random_support(random, hulls);
@@ -56,7 +56,8 @@ TEST(Fcl, SameConvexDistances) {
     GilbertCache cache;
     const GilbertResult r = gilbert_distance(a, A, b, B, cache);
     if (r.distance < 0.01) continue;
-    // Its solvers stop too early now and then, never both, and never below the truth by more than their tolerance.
+    // Each of FCL's two solvers occasionally stops too early, with a distance that is too large; the minimum of both is used. A distance
+    // is never too small by more than the tolerance.
     double theirs = 1e300;
     const fcl::CollisionObjectd one(to_fcl(a), to_fcl(A)), two(to_fcl(b), to_fcl(B));
     for (const auto solver : {fcl::GST_LIBCCD, fcl::GST_INDEP}) {
@@ -78,7 +79,7 @@ TEST(Fcl, SameConvexDistances) {
 #else
 
 TEST(Fcl, SameConvexDistances) {
-  GTEST_SKIP() << "The Flexible Collision Library (libfcl-dev) is not installed; it is only a second opinion.";
+  GTEST_SKIP() << "The Flexible Collision Library (libfcl-dev) is not installed; this comparison needs it.";
 }
 
 #endif

@@ -1,4 +1,4 @@
-// The same distances of meshes by an installed peer, the Flexible Collision Library.
+// Distances of meshes compared with FCL (Flexible Collision Library).
 
 #include <gtest/gtest.h>
 
@@ -62,7 +62,7 @@ TEST(FclMesh, SameDistances) {
 
 #else
 
-TEST(FclMesh, SameDistances) { GTEST_SKIP() << "libfcl-dev is not installed"; }
+TEST(FclMesh, SameDistances) { GTEST_SKIP() << "The Flexible Collision Library (libfcl-dev) is not installed; this comparison needs it."; }
 
 #endif
 

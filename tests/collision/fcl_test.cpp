@@ -1,4 +1,4 @@
-// The same distances by an installed peer, the Flexible Collision Library.
+// Distances of spheres, capsules and boxes compared with FCL (Flexible Collision Library).
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST(Fcl, SameDistancesAndSigns) {
       ++penetrating;
       continue;
     }
-    // Each of its two solvers now and then stops too early (too great by 2e-6, or by 1e-2); never both in the same case.
+    // Each of FCL's two solvers occasionally stops too early (a distance too large by 2e-6 m, or by 1e-2 m), but never both in one case.
     double theirs = 1e300;
     for (const auto solver : {fcl::GST_LIBCCD, fcl::GST_INDEP}) {
       fcl::DistanceRequestd request(true);
@@ -71,7 +71,7 @@ TEST(Fcl, SameDistancesAndSigns) {
 #else
 
 TEST(Fcl, SameDistancesAndSigns) {
-  GTEST_SKIP() << "The Flexible Collision Library (libfcl-dev) is not installed; it is only a second opinion.";
+  GTEST_SKIP() << "The Flexible Collision Library (libfcl-dev) is not installed; this comparison needs it.";
 }
 
 #endif

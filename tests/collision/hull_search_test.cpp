@@ -1,4 +1,4 @@
-// The search of two hulls from what the last query left: certified in motions of every size, at every distance, on degenerate hulls.
+// Warm-started search of two hulls: distances certified in motions of all sizes, at all distances, for regular and degenerate hulls.
 
 #include "../allocations/allocation_count.h"
 #include "convex_oracles.h"
@@ -8,9 +8,9 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr double allowed = 1e-9;  // of the sizes
+constexpr double allowed = 1e-9;  // error relative to the sum of the sizes
 
-/// Hulls of 2 ... 3000 vertices, plates 1e-4 thick, needles, boxes, a wedge, flat ones, a segment; times `scale`.
+/// Hulls of 2 ... 3000 vertices, scaled by `scale`: round ones, plates 1e-4 thick, needles, boxes, flat ones, a fan, a segment.
 std::vector<Hull> all_kinds(test::Random& random, double scale) {
   std::vector<std::vector<Vec3>> sets;
   for (const int n : {4, 6, 12, 17, 40, 400, 3000}) sets.push_back(test::on_ellipsoid(random, n, {0.5, 0.4, 0.3}));
@@ -38,20 +38,20 @@ std::vector<Hull> all_kinds(test::Random& random, double scale) {
 
 /// Distance of p from the points, segment or triangle of `count` corners.
 double distance_from(const Vec3& p, const std::vector<Vec3>& corners) {
-  double least = norm(p - corners[0]);
+  double minimum = norm(p - corners[0]);
   for (std::size_t i = 0; i < corners.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
       const Vec3 e = corners[i] - corners[k];
       const double t = dot(e, e) > 0 ? std::clamp(dot(p - corners[k], e) / dot(e, e), 0.0, 1.0) : 0;
-      least = std::min(least, norm(p - corners[k] - e * t));
+      minimum = std::min(minimum, norm(p - corners[k] - e * t));
     }
-  if (corners.size() < 3) return least;
+  if (corners.size() < 3) return minimum;
   const Vec3 e = corners[1] - corners[0], f = corners[2] - corners[0], q = p - corners[0], n = cross(e, f);
   const double s = dot(cross(q, f), n), t = dot(cross(e, q), n), nn = dot(n, n);
-  return nn > 0 && s >= 0 && t >= 0 && s + t <= nn ? std::min(least, std::fabs(dot(q, n)) / std::sqrt(nn)) : least;
+  return nn > 0 && s >= 0 && t >= 0 && s + t <= nn ? std::min(minimum, std::fabs(dot(q, n)) / std::sqrt(nn)) : minimum;
 }
 
-/// How far the nearest points lie from the features that the cache names.
+/// Maximum distance [m] of the closest points from the features (vertices, edges or triangles) that the cache contains.
 double off_features(const GilbertCache& cache, const Support& a, const Pose& A, const Support& b, const Pose& B, const GilbertResult& r) {
   std::vector<Vec3> on_a, on_b;
   for (int k = 0; k < cache.count; ++k) {
@@ -61,7 +61,7 @@ double off_features(const GilbertCache& cache, const Support& a, const Pose& A, 
   return std::max(distance_from(r.pa + r.n * a.radius, on_a), distance_from(r.pb - r.n * b.radius, on_b));
 }
 
-/// Nothing known of the trend, or that the motion is brisk, or what has nothing to do with these hulls.
+/// A random cache: empty; with a fast-motion trend; or with an arbitrary or invalid trend.
 GilbertCache any_cache(test::Random& random) {
   GilbertCache cache;
   const int kind = random.below(4);
@@ -76,36 +76,36 @@ GilbertCache any_cache(test::Random& random) {
   return cache;
 }
 
+/// Statistics over all queries.
 struct Tally {
-  int separated = 0, quick = 0, most = 0;
-  double worst = 0, off = 0;
+  int separated = 0, quick = 0, maximum = 0;  // separated results; of these after at most 2 support points; maximum of support points
+  double worst = 0, off = 0;                  // maximum relative error, and maximum relative distance from the cached features
 };
 
-/// One pair, moved in steps from 1e-6 to 0.3 (of the size, and radians) and sometimes not at all. Every answer proved.
+/// Moves one pair in steps of 1e-6 to 0.3 (of the size, and rad), sometimes 0. Every result must be certified.
 void certify_motion(test::Random& random, const Support& a, const Support& b, double scale, Tally& tally) {
   const double gaps[] = {1, 0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 0};
   const double gap = gaps[random.below(9)] * scale, offset = random.below(4) == 0 ? 1000 * scale : 0;
   Pose A = random.pose(0.3 * scale), B = random.pose(0.3 * scale);
-  if (random.below(2) == 0) B.R = A.R;  // parallel faces and edges, where the shapes have them
+  if (random.below(2) == 0) B.R = A.R;  // makes faces and edges of equal shapes parallel
   A.p += random.unit() * offset;
   const Vec3 n = random.below(3) == 0 ? A.R.column(random.below(3)) : random.unit();
   B.p = A.p + random.vec(0.1 * scale);
   B.p += n * (test::reach(a, A, n) + test::reach(b, B, -n) + a.radius + b.radius + gap);
   const double stride = std::pow(10.0, random.in(-6, -0.5));
-  const Vec3 turn = random.unit(), way = random.unit() * (stride * scale * random.in(0, 1));
+  const Vec3 turn = random.unit(), drift = random.unit() * (stride * scale * random.in(0, 1));
   GilbertCache cache = any_cache(random);
   for (int step = 0; step < 8; ++step) {
     const GilbertResult r = gilbert_distance(a, A, b, B, cache);
     ASSERT_TRUE(r.status == GilbertStatus::separated || r.status == GilbertStatus::touching) << int(r.status);
     ASSERT_TRUE(is_finite(r.pa) && is_finite(r.pb) && is_finite(r.n) && r.distance - r.distance == 0);
-    tally.most = std::max(tally.most, r.iterations);
+    tally.maximum = std::max(tally.maximum, r.iterations);
     if (r.status == GilbertStatus::separated) {
       ++tally.separated;
       tally.quick += step > 0 && r.iterations <= 2 ? 1 : 0;
       const double size = test::size_of(a) + test::size_of(b) + 1e-6 * norm(A.p);
       const double error =
           std::max(test::certificate(a, A, b, B, r.distance, r.pa, r.pb, r.n), r.distance - r.lower) / std::max(size, 1e-300);
-      // The certificate's |n| - 1 is no length.
       tally.worst = std::max(tally.worst, error);
       const double off = off_features(cache, a, A, b, B, r) / std::max(size, 1e-300);
       tally.off = std::max(tally.off, off);
@@ -114,7 +114,7 @@ void certify_motion(test::Random& random, const Support& a, const Support& b, do
     }
     if (random.below(4) == 0) continue;
     B.R = rotation_about(turn, stride) * B.R;
-    B.p += way;
+    B.p += drift;
   }
 }
 
@@ -135,18 +135,18 @@ void certify_motions(int motions, unsigned seed) {
     }
   }
   EXPECT_GT(tally.separated, motions * 12);
-  EXPECT_LT(tally.most, 100);
+  EXPECT_LT(tally.maximum, 100);
   std::printf(
-      "  %d poses apart (seed %u), %d of them after at most 2 rings; worst error %.2g of the size, at most %d support points; "
-      "nearest points at most %.2g off the features named\n",
-      tally.separated, seed, tally.quick, tally.worst, tally.most, tally.off);
+      "  %d poses apart (seed %u), %d of them with at most 2 support points; worst error %.2g of the size, at most %d support points; "
+      "closest points at most %.2g of the size off the cached features\n",
+      tally.separated, seed, tally.quick, tally.worst, tally.maximum, tally.off);
 }
 
-TEST(HullSearch, MotionsCertified) { certify_motions(1500, 301); }
-TEST(Slow_HullSearch, AMillionPosesInMotionCertified) { certify_motions(50'000, 302); }
+TEST(HullSearch, MotionsAreCertified) { certify_motions(1500, 301); }
+TEST(Slow_HullSearch, MotionsAreCertifiedInALongRun) { certify_motions(50'000, 302); }
 
-/// In slow motion the rings do it, not the general search.
-TEST(HullSearch, TakesOverInSlowMotion) {
+/// If the hulls move little between queries, HullSearch finds the closest points in at least 99 % of the queries, so that the general search is not needed.
+TEST(HullSearch, HandlesSlowMotionWithoutGeneralSearch) {
   test::Random random(31);
   for (const int n : {4, 16, 64, 1000, 8000}) {
     const Hull ha = test::hull_of(test::on_ellipsoid(random, n, {0.5, 0.4, 0.3})),
@@ -160,8 +160,8 @@ TEST(HullSearch, TakesOverInSlowMotion) {
       const double t = i * 0.01;
       const Pose A{R, {}}, B{R.transposed(), {1.3 * std::cos(t), 1.3 * std::sin(t), 0.2 * std::sin(3 * t)}};
       GilbertCache tried = cache;
-      GilbertResult rings;
-      if (HullSearch(a, A, b, B, tried, {}).run(rings)) ++found;
+      GilbertResult found_by_search;
+      if (HullSearch(a, A, b, B, tried, {}).run(found_by_search)) ++found;
       const GilbertResult r = gilbert_distance(a, A, b, B, cache);
       ASSERT_EQ(r.status, GilbertStatus::separated);
     }
@@ -169,8 +169,8 @@ TEST(HullSearch, TakesOverInSlowMotion) {
   }
 }
 
-/// Where the motion passes vertices at nearly every query, the foretold look and its fans find the nearest points, not the ordinary way.
-TEST(HullLeap, FollowsBriskMotionOfBigHulls) {
+/// In fast motion, which passes vertices at nearly every query, HullLeap finds the closest points in at least 90 % of the queries.
+TEST(HullLeap, HandlesFastMotionOfLargeHulls) {
   test::Random random(33);
   for (const int n : {1000, 4000, 16000}) {
     const Hull ha = test::hull_of(test::on_ellipsoid(random, n, {0.5, 0.4, 0.3})),
@@ -178,7 +178,7 @@ TEST(HullLeap, FollowsBriskMotionOfBigHulls) {
     const Support a = Support::of(ha), b = Support::of(hb, 0.01);
     Mat3 R = Mat3::identity();
     GilbertCache cache;
-    int leaps = 0, looks = 0;
+    int leaps = 0, support_points = 0;
     long allocated = 0;
     for (int i = 0; i < 1000; ++i) {
       R = rotation_about({0.6, 0, 0.8}, 1.5 * pi / 180) * R;
@@ -186,18 +186,18 @@ TEST(HullLeap, FollowsBriskMotionOfBigHulls) {
       const Pose A{R, {0.1 * std::sin(t), 0, 0}}, B{R.transposed(), {1.3 * std::cos(t), 1.3 * std::sin(t), 0.2 * std::sin(3 * t)}};
       GilbertCache tried = cache, cold;
       GilbertResult leapt;
-      if (cache.trend.pace > brisk && HullLeap(a, A, b, B, tried, {}).run(leapt)) ++leaps;
+      if (cache.trend.pace > fast_pace && HullLeap(a, A, b, B, tried, {}).run(leapt)) ++leaps;
       const long before = allocations_so_far();
       const GilbertResult r = gilbert_distance(a, A, b, B, cache);
       allocated += allocations_so_far() - before;
-      const GilbertResult anew = gilbert_distance(a, A, b, B, cold);
+      const GilbertResult rebuilt = gilbert_distance(a, A, b, B, cold);
       ASSERT_EQ(r.status, GilbertStatus::separated);
-      ASSERT_NEAR(r.distance, anew.distance, 1e-12);
+      ASSERT_NEAR(r.distance, rebuilt.distance, 1e-12);
       ASSERT_LE(test::certificate(a, A, b, B, r.distance, r.pa, r.pb, r.n), 1e-12);
-      looks += r.iterations;
+      support_points += r.iterations;
     }
     EXPECT_GE(leaps, 900) << n << " vertices";
-    EXPECT_LE(looks, 3300) << n << " vertices";
+    EXPECT_LE(support_points, 3300) << n << " vertices";
     EXPECT_EQ(allocated, 0);
   }
 }
@@ -207,8 +207,8 @@ bool same(const GilbertResult& r, const GilbertResult& s) {
          r.pb == s.pb && r.n == s.n;
 }
 
-/// Every search that this machine can run, and the one that every machine runs.
-TEST(HullSearch, SameBitsInEveryWidthOfRegisters) {
+/// Compares every variant that this machine can run with the portable one.
+TEST(HullSearch, SameBitsForEveryRegisterWidth) {
   test::Random random(32);
   const std::vector<Hull> hulls = all_kinds(random, 1);
   for (int i = 0; i < 6000; ++i) {

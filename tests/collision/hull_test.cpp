@@ -1,4 +1,4 @@
-// Hulls as they run: their arrays, the walk to the extreme vertex, and refusal of arrays that are no hull.
+// Hulls: consistency of their arrays, the walk to the extreme vertex, and refusal of invalid arrays.
 
 #include <set>
 
@@ -7,8 +7,8 @@
 namespace ugoki::collision {
 namespace {
 
-/// Every edge is known from both ends, faces are flat and below nothing, Euler's formula holds.
-void expect_sound(const Hull& h) {
+/// Checks that every edge is listed at both ends, that faces are planar with no vertex outside of them, and Euler's formula.
+void expect_consistent(const Hull& h) {
   std::set<std::pair<int, int>> edges;
   for (int v = 0; v < static_cast<int>(h.vertices.size()); ++v)
     for (const std::int32_t w : h.neighbours_of(v)) EXPECT_TRUE(edges.insert({v, w}).second);
@@ -24,18 +24,18 @@ void expect_sound(const Hull& h) {
   for (const Vec3& v : h.vertices) EXPECT_LE(norm(v - h.centre), h.radius * (1 + 1e-15));
 }
 
-TEST(Hull, ArraysAreSound) {
+TEST(Hull, ArraysAreConsistent) {
   test::Random random(5);
-  for (const Hull& h : test::some_hulls(random)) expect_sound(h);
-  for (const int n : {17, 100, 1000}) expect_sound(test::hull_of(test::on_ellipsoid(random, n, {2, 1, 3})));
+  for (const Hull& h : test::some_hulls(random)) expect_consistent(h);
+  for (const int n : {17, 100, 1000}) expect_consistent(test::hull_of(test::on_ellipsoid(random, n, {2, 1, 3})));
 }
 
 TEST(Hull, MeasuresOfAKnownSolid) {
   std::vector<Vec3> corners;
   for (int i = 0; i < 8; ++i)
     corners.push_back({1 + ((i & 1) != 0 ? 2.0 : 0), -3 + ((i & 2) != 0 ? 4.0 : 0), 5 + ((i & 4) != 0 ? 6.0 : 0)});
-  for (int i = 0; i < 8; ++i) corners.push_back(corners[static_cast<std::size_t>(i)]);  // each twice
-  corners.push_back({2, -1, 8});                                                        // and one inside
+  for (int i = 0; i < 8; ++i) corners.push_back(corners[static_cast<std::size_t>(i)]);  // duplicates
+  corners.push_back({2, -1, 8});                                                        // a point inside
   const Hull h = test::hull_of(corners);
   EXPECT_EQ(h.vertices.size(), 8u);
   EXPECT_EQ(h.faces(), 6);
@@ -87,7 +87,7 @@ TEST(Hull, WalkFindsTheExtremeVertexFromAnywhere) {
   }
 }
 
-TEST(Hull, RefusesArraysThatAreNoHull) {
+TEST(Hull, RefusesInvalidArrays) {
   test::Random random(8);
   const Hull good = test::hull_of(test::on_ellipsoid(random, 30, {1, 1, 1}));
   const auto refused = [&](auto change) {

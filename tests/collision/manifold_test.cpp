@@ -21,13 +21,13 @@ Manifold manifold(const Shape& a, const Pose& A, const Shape& b, const Pose& B, 
   return out;
 }
 std::vector<ManifoldPoint> points(const Manifold& m) { return {m.points.begin(), m.points.begin() + m.count}; }
-double least(const Manifold& m) {
+double minimum(const Manifold& m) {
   double d = 1e300;
   for (const ManifoldPoint& p : points(m)) d = std::min(d, p.distance);
   return d;
 }
 
-TEST(Manifold, LeastDistanceIsTheTrueDistance) {
+TEST(Manifold, MinimumDistanceEqualsTrueDistance) {
   Random random(23);
   int found = 0;
   for (int i = 0; i < 30000 && !testing::Test::HasFailure(); ++i) {
@@ -43,7 +43,7 @@ TEST(Manifold, LeastDistanceIsTheTrueDistance) {
     const double tolerance = boxes ? 1e-4 * smallest : 1e-9;
     if (d < margin - tolerance) {
       ASSERT_GT(m.count, 0);
-      EXPECT_NEAR(least(m), d, tolerance + 1e-6 * 0.3);
+      EXPECT_NEAR(minimum(m), d, tolerance + 1e-6 * 0.3);
       ++found;
     } else if (d > margin) {
       EXPECT_EQ(m.count, 0);
@@ -72,7 +72,7 @@ TEST(Manifold, ExchangedShapesHaveMirroredPoints) {
     const bool boxes = a.type == ShapeType::box && b.type == ShapeType::box;
     ASSERT_EQ(m.count > 0, t.count > 0);
     if (m.count == 0) continue;
-    EXPECT_NEAR(least(m), least(t), boxes ? 1e-4 * 0.5 : 1e-12);
+    EXPECT_NEAR(minimum(m), minimum(t), boxes ? 1e-4 * 0.5 : 1e-12);
     if (!boxes) {
       EXPECT_EQ(m.count, t.count) << "case " << i;
     }
@@ -88,7 +88,7 @@ TEST(Manifold, ParallelCapsulesTouchAtTwoPoints) {
     EXPECT_NEAR(m.points[0].distance + m.points[1].distance, -0.02, 1e-4);
     EXPECT_LT(norm(m.points[0].n - Vec3{0, 0, 1}), 0.02);
   }
-  // crossing near one end: there, and at the end farther from it
+  // The capsules cross near one end: contacts are at the crossing and at the farther end.
   const Manifold crossed = manifold(short_one, turned({0, 0, 1}, 0.1, {0.1, 0.02, 0.19}), long_one, {}, 0.05);
   ASSERT_EQ(crossed.count, 2);
   EXPECT_NEAR(crossed.points[0].distance, -0.01, 1e-12);
@@ -98,7 +98,7 @@ TEST(Manifold, ParallelCapsulesTouchAtTwoPoints) {
   EXPECT_EQ(manifold(short_one, at(1.49, 0, 0), long_one, {}, 0.05).count, 1);  // in line, cap on cap
 }
 
-TEST(Manifold, CapsuleOnBox) {
+TEST(Manifold, CapsuleOnBoxHasTwoPoints) {
   const Shape box = Shape::box({1, 1, 0.5}), capsule = Shape::capsule(0.1, {-0.5, 0, 0}, {0.5, 0, 0});
   const auto expect_two = [&](const Pose& X, double x0, double x1, double d) {
     const Manifold m = manifold(capsule, X, box, {}, 0.05);
@@ -113,12 +113,12 @@ TEST(Manifold, CapsuleOnBox) {
   };
   expect_two(at(0, 0, 0.62), -0.5, 0.5, 0.02);                                             // above
   expect_two(at(0, 0, 0.58), -0.5, 0.5, -0.02);                                            // pressed in
-  expect_two(at(0, 0, 0.45), -0.5, 0.5, -0.15);                                            // its axis inside
+  expect_two(at(0, 0, 0.45), -0.5, 0.5, -0.15);                                            // its axis is inside the box
   expect_two(at(0.8, 0, 0.58), 0.3, 1.0, -0.02);                                           // overhanging
   EXPECT_EQ(manifold(capsule, turned({0, 1, 0}, 1, {0, 0, 0.9}), box, {}, 0.2).count, 1);  // on one end
-  // along an edge, pressed on it diagonally
+  // Parallel to an edge and pressed on it diagonally.
   EXPECT_EQ(manifold(capsule, at(0, 1.05, 0.55), box, {}, 0.05).count, 2);
-  // the other way round the normals point the other way
+  // Exchanged shapes: the normal is reversed.
   const Manifold mirrored = manifold(box, {}, capsule, at(0, 0, 0.58), 0.05);
   ASSERT_EQ(mirrored.count, 2);
   EXPECT_LT(norm(mirrored.points[0].n + Vec3{0, 0, 1}), 1e-12);
@@ -141,22 +141,22 @@ TEST(Manifold, BoxOnBoxHasFourCorners) {
       EXPECT_LT(norm(middle - Vec3{0.1, 0.2, 0.5 + gap / 2}), 1e-12);
     }
   }
-  // tilted by less than a box can show: still the face, although an edge separates better by a hair
+  // Tilted by at most 1e-5 rad: the face contact remains, although an edge separates the boxes slightly better.
   for (const double angle : {0.0, 0.2, 0.6}) {
     for (const double tilt : {1e-9, 1e-7, 1e-5}) {
-      Pose A = turned({0, 0, 1}, angle, {0.85, 0.9, 0.595});  // overhanging a corner
+      Pose A = turned({0, 0, 1}, angle, {0.85, 0.9, 0.595});  // overhangs a corner
       A.R = rotation_about(normalized(Vec3{1, 0.4, 0}), tilt) * A.R;
       EXPECT_EQ(manifold(small, A, large, {}, 0.05).count, 4) << angle << " " << tilt;
     }
   }
-  // boxes of the same size, turned so that the common face is an octagon: four of its corners
+  // Boxes of the same size, turned so that the common face is an octagon: four of its corners remain.
   const Shape cube = Shape::box({0.5, 0.5, 0.5});
   const Manifold octagon = manifold(cube, turned({0, 0, 1}, pi / 4, {0, 0, 0.99}), cube, {}, 0.05);
   EXPECT_EQ(octagon.count, 4);
   EXPECT_EQ(manifold(cube, at(0, 0, 0.99), cube, {}, 0.05).count, 4);
 }
 
-TEST(Manifold, EdgeOnEdge) {
+TEST(Manifold, EdgeOnEdgeHasOnePoint) {
   const Shape cube = Shape::box({1, 1, 1});
   const Manifold m = manifold(cube, turned({0, 1, 0}, pi / 4, {0, 0, 2.8}), cube, turned({1, 0, 0}, pi / 4, {}), 0.05);
   ASSERT_EQ(m.count, 1);
@@ -165,7 +165,7 @@ TEST(Manifold, EdgeOnEdge) {
   EXPECT_LT(norm(m.points[0].n - Vec3{0, 0, 1}), 1e-12);
 }
 
-TEST(Manifold, Ground) {
+TEST(Manifold, GroundContactPoints) {
   Manifold m;
   find_ground_manifold(Shape::sphere(0.1), at(1, 2, 0.15), 0, 0.1, m);
   ASSERT_EQ(m.count, 1);
@@ -188,7 +188,7 @@ TEST(Manifold, Ground) {
   EXPECT_EQ(m.count, 8);  // every corner within the margin
 }
 
-TEST(Manifold, GroundLeastDistanceIsTrue) {
+TEST(Manifold, GroundMinimumDistanceEqualsTrueDistance) {
   Random random(31);
   for (int i = 0; i < 3000; ++i) {
     const Shape s = random.shape();
@@ -198,13 +198,13 @@ TEST(Manifold, GroundLeastDistanceIsTrue) {
     find_ground_manifold(s, X * s.X_BS, -0.1, 0.2, m);
     EXPECT_EQ(m.count > 0, d < 0.2);
     if (m.count > 0) {
-      EXPECT_NEAR(least(m), d, 1e-13);
+      EXPECT_NEAR(minimum(m), d, 1e-13);
     }
   }
 }
 
-// A box slides across another one, over its rim, turning a little: while its features stay, its points move no faster
-// than it does itself, and its depth is continuous even where features change.
+// A box slides across another box and over its rim, turning slowly. Contact points whose feature persists move no faster than the box, up
+// to a factor; the depth is continuous even where features change.
 TEST(Manifold, SlidingBoxMovesItsPointsContinuously) {
   const Shape box = Shape::box({0.2, 0.15, 0.1}), table = Shape::box({0.5, 0.5, 0.5});
   const double step = 1e-4;
@@ -214,7 +214,7 @@ TEST(Manifold, SlidingBoxMovesItsPointsContinuously) {
     const Pose A = turned({0.1, 0.05, 1}, 0.5 * x, {x, 0.1, 0.597});
     const Manifold now = manifold(box, A, table, {}, 0.02);
     if (steps > 0) {
-      ASSERT_NEAR(least(now), least(before), 5 * step) << x;
+      ASSERT_NEAR(minimum(now), minimum(before), 5 * step) << x;
       std::set<std::uint32_t> old_features, new_features;
       for (const ManifoldPoint& p : points(now)) {
         new_features.insert(p.feature);
@@ -228,7 +228,7 @@ TEST(Manifold, SlidingBoxMovesItsPointsContinuously) {
     }
     before = now;
   }
-  EXPECT_LT(changes, 25) << "features flicker";
+  EXPECT_LT(changes, 25) << "features alternate from step to step";
 }
 
 TEST(Manifold, DegeneratePosesGiveFinitePoints) {

@@ -1,5 +1,5 @@
-// The nearest point of a surface against all triangles; inside and outside against the winding of the surface about the point; depths
-// against all vertices and against boxes, whose depth is known.
+// Nearest points of a surface compared with brute force over all triangles; inside and outside compared with the winding number; depths
+// compared with all vertices and with boxes of known depth.
 
 #include "ugoki/collision/mesh_point.h"
 
@@ -18,7 +18,7 @@ using test::Mesh;
 using test::Random;
 using test::tree_of;
 
-/// Solid angle of the surface over 4 pi. Source: van Oosterom, Strackee (1983).
+/// Winding number of a closed surface about p: its solid angle divided by 4 pi. Source: van Oosterom, Strackee (1983).
 double winding(const Mesh& m, const Vec3& p) {
   double sum = 0;
   for (const Triangle& t : m.triangles) {
@@ -30,7 +30,7 @@ double winding(const Mesh& m, const Vec3& p) {
   return sum / (4 * pi);
 }
 
-double least_distance(const Mesh& m, const Vec3& p) {
+double min_distance(const Mesh& m, const Vec3& p) {
   double best = 1e300;
   for (const Triangle& t : m.triangles)
     best =
@@ -41,7 +41,7 @@ double least_distance(const Mesh& m, const Vec3& p) {
   return best;
 }
 
-TEST(MeshPoint, DistanceAndSideOneByOne) {
+TEST(MeshPoint, DistanceAndSideMatchBruteForce) {
   Random random(61);
   BubbleWorkspace workspace;
   for (const double scale : {1e-3, 1.0, 1e3}) {
@@ -57,7 +57,7 @@ TEST(MeshPoint, DistanceAndSideOneByOne) {
         if (random.below(2) == 0) warm = random.below(1000) - 100;
         const SurfacePoint x = find_nearest_point(tree, p, warm, workspace);
         ASSERT_GE(x.triangle, 0);
-        ASSERT_NEAR(x.distance, least_distance(m, p), 1e-13 * 100 * scale);
+        ASSERT_NEAR(x.distance, min_distance(m, p), 1e-13 * 100 * scale);
         ASSERT_NEAR(norm(p - x.q), x.distance, 1e-13 * 100 * scale);
         ASSERT_EQ(x.inside, std::fabs(winding(m, p)) > 0.5)
             << "at distance " << x.distance << " of feature " << static_cast<int>(x.feature);
@@ -70,7 +70,7 @@ TEST(MeshPoint, DistanceAndSideOneByOne) {
   }
 }
 
-TEST(MeshPoint, OpenAndHostile) {
+TEST(MeshPoint, OpenMeshesAndInvalidPoints) {
   BubbleWorkspace workspace;
   Mesh open = test::box_mesh({1, 1, 1});
   open.triangles.pop_back();
@@ -84,7 +84,7 @@ TEST(MeshPoint, OpenAndHostile) {
   EXPECT_EQ(find_nearest_point({}, {}, warm, workspace).triangle, -1);
 }
 
-TEST(MeshPenetration, DeepestOfAllVertices) {
+TEST(MeshPenetration, DepthMatchesDeepestOfAllVertices) {
   Random random(62);
   BubbleWorkspace workspace;
   int penetrating = 0;
@@ -115,8 +115,8 @@ TEST(MeshPenetration, DeepestOfAllVertices) {
   EXPECT_GT(penetrating, 15);
 }
 
-// A small box that sinks into a large one: the depth of its lower corners, along the vertical, on whichever side it is asked.
-TEST(MeshPenetration, BoxIntoBox) {
+// A small box sinks into a large one: the depth is that of its lower corners, along the vertical, for both orders of the boxes.
+TEST(MeshPenetration, BoxInBoxHasKnownDepth) {
   const SphereTree floor = tree_of(test::box_mesh({5, 5, 1})), box = tree_of(test::box_mesh({0.3, 0.2, 0.1}));
   BubbleWorkspace workspace;
   for (const double depth : {0.05, 0.01, 1e-4, 1e-6}) {

@@ -1,5 +1,5 @@
 #pragma once
-// Sphere trees of the shared meshes.
+// Sphere trees of the meshes in meshes.h.
 
 #include <gtest/gtest.h>
 

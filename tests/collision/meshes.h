@@ -1,5 +1,5 @@
 #pragma once
-// Meshes that the tests of trees and searches share.
+// Meshes shared by the tests of sphere trees and mesh distances.
 
 #include <cmath>
 #include <vector>
@@ -14,7 +14,7 @@ struct Mesh {
   std::vector<Triangle> triangles;
 };
 
-/// A closed tube of about n triangles: f(u, v) with the period 2 pi in both, u along it.
+/// A closed tube of about n triangles, the surface f(u, v): u runs along the tube, v around it, both with the period 2 pi.
 template <class F>
 Mesh make_tube(int n, F f) {
   const int around = std::max(3, static_cast<int>(std::sqrt(n / 8.0))), along = std::max(3, n / 2 / around);
@@ -23,15 +23,15 @@ Mesh make_tube(int n, F f) {
     for (int j = 0; j < around; ++j) out.vertices.push_back(f(2 * pi * i / along, 2 * pi * j / around));
   for (int i = 0; i < along; ++i)
     for (int j = 0; j < around; ++j) {
-      const int next = (i + 1) % along, beside = (j + 1) % around;
-      const int a = i * around + j, b = next * around + j, c = next * around + beside, d = i * around + beside;
+      const int i1 = (i + 1) % along, j1 = (j + 1) % around;
+      const int a = i * around + j, b = i1 * around + j, c = i1 * around + j1, d = i * around + j1;
       out.triangles.push_back({a, b, c});
       out.triangles.push_back({a, c, d});
     }
   return out;
 }
 
-/// Radius 1 to the middle of the tube, which is 0.4 thick, more or less.
+/// A torus of radius 1 (to the middle of the tube) with a tube of radius about 0.4.
 inline Mesh bumpy_torus(int n) {
   return make_tube(n, [](double u, double v) {
     const double r = 0.4 * (1 + 0.08 * sin(7 * u) * sin(5 * v)), out = 1 + r * cos(v);
@@ -39,7 +39,7 @@ inline Mesh bumpy_torus(int n) {
   });
 }
 
-/// A trefoil; fits through the hole of the torus.
+/// A trefoil knot that fits through the hole of bumpy_torus().
 inline Mesh torus_knot(int n) {
   const auto middle = [](double t) {
     const double q = 0.1 * (2 + cos(3 * t));
@@ -52,7 +52,7 @@ inline Mesh torus_knot(int n) {
   });
 }
 
-/// Triangles anywhere within `size`, some of them needles, some parallel to the first ones.
+/// n random triangles within `size` of the origin; a quarter of them are needles.
 inline Mesh soup(Random& random, int n, double size) {
   Mesh out;
   for (int i = 0; i < n; ++i) {

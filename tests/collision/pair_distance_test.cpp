@@ -1,4 +1,4 @@
-// Distances whatever the shapes, against each other's methods; and the switch between hulls and surfaces.
+// Distances of all kinds of shapes: the methods compared with each other; the switch between hulls and triangles.
 
 #include "ugoki/collision/pair_distance.h"
 
@@ -13,14 +13,14 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Boxes whose surfaces together are one mesh: outside of all of them, its distance is that of the nearest box.
-struct Boxes {
+/// A mesh made of the surfaces of several boxes. Outside of all boxes its distance is that of the nearest box.
+struct BoxMesh {
   std::vector<Shape> parts;
   Collider collider;
 };
 
-Boxes make_boxes(const std::vector<Shape>& parts) {
-  Boxes out;
+BoxMesh make_box_mesh(const std::vector<Shape>& parts) {
+  BoxMesh out;
   out.parts = parts;
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
@@ -43,24 +43,24 @@ Boxes make_boxes(const std::vector<Shape>& parts) {
   return out;
 }
 
-/// A U, open to the top, 1 m wide.
-Boxes horseshoe() {
-  return make_boxes({Shape::box({0.5, 0.1, 0.1}, {Mat3::identity(), {0, 0, 0}}),
-                     Shape::box({0.1, 0.1, 0.5}, {Mat3::identity(), {-0.4, 0, 0.4}}),
-                     Shape::box({0.1, 0.1, 0.5}, {Mat3::identity(), {0.4, 0, 0.4}})});
+/// A U-shaped mesh, open to the top (+z), 1 m wide.
+BoxMesh horseshoe() {
+  return make_box_mesh({Shape::box({0.5, 0.1, 0.1}, {Mat3::identity(), {0, 0, 0}}),
+                        Shape::box({0.1, 0.1, 0.5}, {Mat3::identity(), {-0.4, 0, 0.4}}),
+                        Shape::box({0.1, 0.1, 0.5}, {Mat3::identity(), {0.4, 0, 0.4}})});
 }
-/// Three bars through one point.
-Boxes jack(double size) {
+/// Three perpendicular bars through the origin.
+BoxMesh jack(double size) {
   const double thin = 0.1 * size;
-  return make_boxes({Shape::box({size, thin, thin}), Shape::box({thin, size, thin}), Shape::box({thin, thin, size})});
+  return make_box_mesh({Shape::box({size, thin, thin}), Shape::box({thin, size, thin}), Shape::box({thin, thin, size})});
 }
 
-/// Least distance of any two of their boxes.
-double by_parts(const Boxes& a, const Pose& A, const Boxes& b, const Pose& B) {
-  double least = infinity;
+/// Minimum distance over all pairs of boxes.
+double brute_force(const BoxMesh& a, const Pose& A, const BoxMesh& b, const Pose& B) {
+  double minimum = infinity;
   for (const Shape& p : a.parts)
-    for (const Shape& q : b.parts) least = std::min(least, closed_form_distance(p, A * p.X_BS, q, B * q.X_BS).distance);
-  return least;
+    for (const Shape& q : b.parts) minimum = std::min(minimum, closed_form_distance(p, A * p.X_BS, q, B * q.X_BS).distance);
+  return minimum;
 }
 
 TEST(PairDistance, ClosedFormsAgreeWithGilbert) {
@@ -83,9 +83,9 @@ TEST(PairDistance, ClosedFormsAgreeWithGilbert) {
   EXPECT_GT(overlaps, 500);
 }
 
-/// Boxes, and capsules on boxes, that are turned against each other by next to nothing, side by side at every gap: the distance is
-/// certified by the direction to 1e-9 of the size, also from far away.
-TEST(PairDistance, ClosedFormsKeepTheirDigitsWhereFacesAreAllButParallel) {
+/// Boxes, and capsules and boxes, turned against each other by 1e-9 ... 1e-4 rad, at gaps from 1e-9 m to 1000 m: the direction n certifies
+/// the distance to 1e-9 of the size.
+TEST(PairDistance, ClosedFormsAreAccurateForNearlyParallelFaces) {
   test::Random random(31);
   for (int i = 0; i < 40000; ++i) {
     const Shape box = Shape::box({random.in(0.05, 0.5), random.in(0.05, 0.5), random.in(0.05, 0.5)});
@@ -107,9 +107,9 @@ TEST(PairDistance, ClosedFormsKeepTheirDigitsWhereFacesAreAllButParallel) {
   }
 }
 
-TEST(PairDistance, SurfacesAgreeWithTheirPartsNearAndFar) {
+TEST(PairDistance, NonConvexMeshesMatchTheirConvexParts) {
   test::Random random(7);
-  const Boxes a = horseshoe(), b = jack(0.3);
+  const BoxMesh a = horseshoe(), b = jack(0.3);
   DistanceWorkspace workspace;
   int by_method[5]{};
   for (int i = 0; i < 60; ++i) {
@@ -118,7 +118,7 @@ TEST(PairDistance, SurfacesAgreeWithTheirPartsNearAndFar) {
     const Vec3 drift = random.vec(0.02), spin = random.vec(0.02);
     for (int step = 0; step < 40; ++step) {
       B = {to_matrix(exp_map(spin)) * B.R, B.p + drift};
-      const double expected = by_parts(a, A, b, B);
+      const double expected = brute_force(a, A, b, B);
       const PairDistance d = find_pair_distance(a.collider, A, b.collider, B, infinity, cache, workspace);
       ++by_method[static_cast<int>(d.method)];
       if (expected <= 0) continue;
@@ -128,13 +128,13 @@ TEST(PairDistance, SurfacesAgreeWithTheirPartsNearAndFar) {
       ASSERT_LT(norm(d.pa - d.pb - d.n * d.distance), 1e-9);
     }
   }
-  EXPECT_GT(by_method[static_cast<int>(DistanceMethod::hulls)], 50);  // where vertices of the hulls are nearest
+  EXPECT_GT(by_method[static_cast<int>(DistanceMethod::hulls)], 50);  // exact where vertices of the hulls are nearest
   EXPECT_GT(by_method[static_cast<int>(DistanceMethod::bubble)], 500);
 }
 
-TEST(PairDistance, ConvexShapesAgreeWithThePartsOfAMesh) {
+TEST(PairDistance, ConvexShapeAndMeshMatchTheMeshParts) {
   test::Random random(17);
-  const Boxes a = horseshoe();
+  const BoxMesh a = horseshoe();
   DistanceWorkspace workspace;
   int compared = 0;
   for (int i = 0; i < 400; ++i) {
@@ -155,8 +155,8 @@ TEST(PairDistance, ConvexShapesAgreeWithThePartsOfAMesh) {
   EXPECT_GT(compared, 100);
 }
 
-TEST(PairDistance, MeshesThatOverlapHaveADepth) {
-  const Boxes a = make_boxes({Shape::box({0.5, 0.5, 0.5})}), b = make_boxes({Shape::box({0.2, 0.2, 0.2})});
+TEST(PairDistance, OverlappingMeshesHaveADepth) {
+  const BoxMesh a = make_box_mesh({Shape::box({0.5, 0.5, 0.5})}), b = make_box_mesh({Shape::box({0.2, 0.2, 0.2})});
   PairCache cache;
   DistanceWorkspace workspace;
   const PairDistance d = find_pair_distance(b.collider, {Mat3::identity(), {0.02, 0.01, 0.65}}, a.collider, {}, infinity, cache, workspace);
@@ -164,23 +164,23 @@ TEST(PairDistance, MeshesThatOverlapHaveADepth) {
   EXPECT_NEAR(d.n.z, 1, 1e-12);
 }
 
-TEST(PairDistance, WhatIsFarEnoughIsLeftAtABound) {
+TEST(PairDistance, DistancesAboveTheCutoffAreOnlyBounded) {
   test::Random random(8);
-  const Boxes a = horseshoe(), b = jack(0.3);
+  const BoxMesh a = horseshoe(), b = jack(0.3);
   PairCache cache;
   DistanceWorkspace workspace;
   int bounds = 0, exact = 0, hulls = 0;
   for (int i = 0; i < 3000; ++i) {
     const Pose A = random.pose(0.1), B = random.pose(1.2);
-    const double enough = random.in(0.01, 1), expected = by_parts(a, A, b, B);
+    const double cutoff = random.in(0.01, 1), expected = brute_force(a, A, b, B);
     if (expected <= 0) continue;
-    const PairDistance d = find_pair_distance(a.collider, A, b.collider, B, enough, cache, workspace);
+    const PairDistance d = find_pair_distance(a.collider, A, b.collider, B, cutoff, cache, workspace);
     if (d.exact) {
       ++exact;
       ASSERT_NEAR(d.distance, expected, 1e-10);
     } else {
       ++bounds;
-      ASSERT_GE(d.lower, enough * (1 - 1e-12));
+      ASSERT_GE(d.lower, cutoff * (1 - 1e-12));
       ASSERT_LE(d.lower, expected + 1e-10);
     }
     hulls += d.method == DistanceMethod::hulls ? 1 : 0;
@@ -190,36 +190,36 @@ TEST(PairDistance, WhatIsFarEnoughIsLeftAtABound) {
   EXPECT_GT(hulls, 100);
 }
 
-TEST(PairDistance, TheSwitchDoesNotChatter) {
-  // Up and down about the height at which the hulls are as far apart as is of interest, by a little each step.
-  const Boxes a = horseshoe(), b = jack(0.2);
+TEST(PairDistance, SwitchHasHysteresis) {
+  // The jack moves up and down by 2 mm around the height at which the distance of the hulls equals the cutoff.
+  const BoxMesh a = horseshoe(), b = jack(0.2);
   PairCache cache;
   DistanceWorkspace workspace;
-  const double enough = 0.05;
+  const double cutoff = 0.05;
   int changes = 0, steps_near = 0;
   bool last = false;
   test::Random random(1);
   for (int i = 0; i < 2000; ++i) {
-    const double height = 0.9 + 0.2 + enough + random.in(-0.002, 0.002);  // tops of the horseshoe and the jack's arm
-    const PairDistance d = find_pair_distance(b.collider, {Mat3::identity(), {0, 0, height}}, a.collider, {}, enough, cache, workspace);
-    ASSERT_TRUE(d.method == DistanceMethod::bubble || d.lower >= enough);
+    const double height = 0.9 + 0.2 + cutoff + random.in(-0.002, 0.002);  // tops of the horseshoe and the jack's arm
+    const PairDistance d = find_pair_distance(b.collider, {Mat3::identity(), {0, 0, height}}, a.collider, {}, cutoff, cache, workspace);
+    ASSERT_TRUE(d.method == DistanceMethod::bubble || d.lower >= cutoff);
     changes += cache.near != last ? 1 : 0;
     last = cache.near;
     steps_near += last ? 1 : 0;
   }
   EXPECT_LE(changes, 1);
   EXPECT_GT(steps_near, 1900);
-  // It comes back: far away again, the hulls do.
-  const PairDistance far = find_pair_distance(b.collider, {Mat3::identity(), {0, 0, 3}}, a.collider, {}, enough, cache, workspace);
+  // The switch returns: for distant shapes the hulls suffice again.
+  const PairDistance far = find_pair_distance(b.collider, {Mat3::identity(), {0, 0, 3}}, a.collider, {}, cutoff, cache, workspace);
   EXPECT_FALSE(cache.near);
-  EXPECT_GE(far.lower, enough);
-  EXPECT_EQ(find_pair_distance(b.collider, {Mat3::identity(), {0, 0, 3}}, a.collider, {}, enough, cache, workspace).method,
+  EXPECT_GE(far.lower, cutoff);
+  EXPECT_EQ(find_pair_distance(b.collider, {Mat3::identity(), {0, 0, 3}}, a.collider, {}, cutoff, cache, workspace).method,
             DistanceMethod::hulls);
 }
 
-TEST(PairDistance, ThroughTheHoleBubbleMeasures) {
-  // The jack hangs between the arms of the horseshoe, well inside its hull.
-  const Boxes a = horseshoe(), b = jack(0.2);
+TEST(PairDistance, BubbleMeasuresInsideTheHull) {
+  // The jack is between the arms of the horseshoe, well inside its hull.
+  const BoxMesh a = horseshoe(), b = jack(0.2);
   PairCache cache;
   DistanceWorkspace workspace;
   const PairDistance d = find_pair_distance(b.collider, {Mat3::identity(), {0.05, 0, 0.5}}, a.collider, {}, 1, cache, workspace);
@@ -228,8 +228,8 @@ TEST(PairDistance, ThroughTheHoleBubbleMeasures) {
   EXPECT_NEAR(d.n.x, -1, 1e-9);
 }
 
-TEST(PairDistance, PosesThatAreNotFiniteAreToldApart) {
-  const Boxes a = horseshoe(), b = jack(0.2);
+TEST(PairDistance, NonFinitePosesGiveNoResult) {
+  const BoxMesh a = horseshoe(), b = jack(0.2);
   const Collider ball = make_collider(Shape::sphere(0.1)), drum = make_collider(Shape::cylinder(0.1, 0.2));
   DistanceWorkspace workspace;
   Pose bad;
@@ -241,7 +241,7 @@ TEST(PairDistance, PosesThatAreNotFiniteAreToldApart) {
     EXPECT_FALSE(d.exact);
     EXPECT_EQ(d.method, DistanceMethod::none);
     EXPECT_EQ(d.lower, -infinity);
-    // And the memory of the pair is not spoiled by it.
+    // The pair's cache is still usable.
     const PairDistance good = find_pair_distance(*x, {Mat3::identity(), {3, 0, 0}}, *y, {}, infinity, cache, workspace);
     EXPECT_TRUE(good.exact);
     EXPECT_GT(good.distance, 1);
@@ -249,7 +249,7 @@ TEST(PairDistance, PosesThatAreNotFiniteAreToldApart) {
 }
 
 TEST(PairDistance, StepsAllocateNothing) {
-  const Boxes a = horseshoe(), b = jack(0.2);
+  const BoxMesh a = horseshoe(), b = jack(0.2);
   const Collider drum = make_collider(Shape::cylinder(0.1, 0.2)), egg = make_collider(Shape::ellipsoid({0.1, 0.2, 0.3}));
   PairCache one, two;
   DistanceWorkspace workspace;

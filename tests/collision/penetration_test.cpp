@@ -1,4 +1,4 @@
-// Depth of penetration: against all separating axes of polytopes, closed forms, symmetry, and as a continuous signed distance.
+// Depth of penetration: compared with all separating axes of polytopes and with closed forms; symmetry; continuity of the signed distance.
 
 #include <limits>
 
@@ -8,13 +8,13 @@
 namespace ugoki::collision {
 namespace {
 
-/// Depth of overlapping polytopes by the separating-axis theorem: the least overlap over all face normals and all crosses of edges.
+/// Depth of overlapping polytopes by the separating-axis theorem: minimum overlap over all face normals and all cross products of edges.
 double by_all_axes(const Hull& a, const Pose& A, const Hull& b, const Pose& B) {
   const Support sa = Support::of(a), sb = Support::of(b);
-  double least = 1e300;
-  const auto look = [&](const Vec3& n) { least = std::min(least, test::reach(sa, A, n) + test::reach(sb, B, -n)); };
-  for (const Vec3& n : a.normals) look(A.R * n);
-  for (const Vec3& n : b.normals) look(-(B.R * n));
+  double minimum = 1e300;
+  const auto try_axis = [&](const Vec3& n) { minimum = std::min(minimum, test::reach(sa, A, n) + test::reach(sb, B, -n)); };
+  for (const Vec3& n : a.normals) try_axis(A.R * n);
+  for (const Vec3& n : b.normals) try_axis(-(B.R * n));
   const auto edges = [](const Hull& h, const Pose& X) {
     std::vector<Vec3> out;
     for (int v = 0; v < static_cast<int>(h.vertices.size()); ++v)
@@ -27,13 +27,13 @@ double by_all_axes(const Hull& a, const Pose& A, const Hull& b, const Pose& B) {
     for (const Vec3& v : of_b) {
       const Vec3 n = cross(u, v);
       if (norm(n) < 1e-8) continue;
-      look(n / norm(n));
-      look(-n / norm(n));
+      try_axis(n / norm(n));
+      try_axis(-n / norm(n));
     }
-  return least;
+  return minimum;
 }
 
-/// What any answer must satisfy: the shapes come apart along n by just the depth, and the points lie in both.
+/// Violation [m] of the conditions on every result: translating along n by the depth separates the shapes, and pa, pb are in the shapes.
 double error_of(const Support& a, const Pose& A, const Support& b, const Pose& B, const SignedDistance& s) {
   const double core = s.distance + a.radius + b.radius;
   if (core > 0) return test::certificate(a, A, b, B, s.distance, s.pa, s.pb, s.n);
@@ -42,7 +42,7 @@ double error_of(const Support& a, const Pose& A, const Support& b, const Pose& B
                    norm(s.pa - s.pb - s.n * s.distance), std::fabs(norm(s.n) - 1)});
 }
 
-TEST(Penetration, SameAsTheLeastOverlapOfAllAxes) {
+TEST(Penetration, MatchesTheSeparatingAxisTheorem) {
   test::Random random(21);
   PenetrationWorkspace workspace;
   int compared = 0;
@@ -62,7 +62,7 @@ TEST(Penetration, SameAsTheLeastOverlapOfAllAxes) {
   EXPECT_GT(compared, 700);
 }
 
-TEST(Penetration, EveryPairOfTypesIsBoundedAndWarmIsAsCold) {
+TEST(Penetration, AllShapePairsAreBoundedAndWarmStartsAgree) {
   test::Random random(22);
   const std::vector<Hull> hulls = test::some_hulls(random);
   PenetrationWorkspace workspace;
@@ -77,7 +77,7 @@ TEST(Penetration, EveryPairOfTypesIsBoundedAndWarmIsAsCold) {
     const bool curved = a.kind >= SupportKind::cylinder || b.kind >= SupportKind::cylinder;
     deep += s.distance < 0 ? 1 : 0;
     if (s.status == DistanceStatus::not_converged) {
-      // Two round bodies, one deep in the other: nearly every direction is a way out, and the bounds say how much is known.
+      // Two round bodies, one deep in the other: nearly all directions have the same depth; only the bounds are valid.
       ++open;
       ASSERT_TRUE(curved);
       ASSERT_LE((s.upper - s.lower) / size, 1e-3);
@@ -85,7 +85,7 @@ TEST(Penetration, EveryPairOfTypesIsBoundedAndWarmIsAsCold) {
     }
     worst = std::max(worst, (s.upper - s.lower) / size);
     ASSERT_LE((s.upper - s.lower) / size, 1e-9) << i;
-    // Of a curved surface the depth is exact to the tolerance, its place to the tolerance's root.
+    // For curved surfaces the depth is accurate to the tolerance, the points only to the square root of the tolerance.
     ASSERT_LE(error_of(a, A, b, B, s) / size, curved && s.distance < 0 ? 2e-5 : 1e-9)
         << i << " kinds " << int(a.kind) << " " << int(b.kind);
     const SignedDistance again = signed_distance(a, A, b, B, cache, workspace);
@@ -110,7 +110,7 @@ TEST(Penetration, SymmetricAndIndependentOfTheFrame) {
   }
 }
 
-TEST(Penetration, ClosedForms) {
+TEST(Penetration, MatchesClosedForms) {
   PenetrationWorkspace workspace;
   const auto depth = [&](const Support& a, const Pose& A, const Support& b, const Pose& B) {
     GilbertCache cache;
@@ -133,7 +133,7 @@ TEST(Penetration, ClosedForms) {
   EXPECT_NEAR(depth(Support::ellipsoid({1, 2, 3}), {}, Support::sphere(0.1), {I, {0.9, 0, 0}}), 0.2, 1e-9);
 }
 
-TEST(Penetration, FlatShapesAndTouchingOnes) {
+TEST(Penetration, FlatAndTouchingShapesHaveKnownDepth) {
   PenetrationWorkspace workspace;
   const Hull square = test::hull_of({{1, 1, 0}, {1, -1, 0}, {-1, 1, 0}, {-1, -1, 0}});
   const Hull rod = test::hull_of({{0, 0, -1}, {0, 0, 1}, {0, 0, 0.5}, {0, 0, -0.5}});
@@ -143,14 +143,14 @@ TEST(Penetration, FlatShapesAndTouchingOnes) {
     Pose B;
     double depth;
   };
-  const Case cases[] = {{&square, &square, {}, 0},                   // one in the other's plane
-                        {&square, &square, {I, {0.5, 0.5, 0}}, 0},   // the same, shifted
+  const Case cases[] = {{&square, &square, {}, 0},                   // coincident
+                        {&square, &square, {I, {0.5, 0.5, 0}}, 0},   // coplanar and overlapping
                         {&square, &square, {I, {2, 0, 0}}, 0},       // edges touch
                         {&square, &square, {I, {2, 2, 0}}, 0},       // corners touch
                         {&square, &square, {turned, {0, 0, 0}}, 1},  // crossed
                         {&square, &square, {turned, {0, 0, 1}}, 0},  // an edge touches the face
                         {&square, &rod, {I, {0, 0, 0}}, 1},          // through its middle
-                        {&square, &rod, {turned, {0, 0, 0}}, 0},     // lies in it
+                        {&square, &rod, {turned, {0, 0, 0}}, 0},     // in its plane
                         {&rod, &rod, {}, 0},                         // on the same line
                         {&rod, &rod, {I, {0, 0, 2}}, 0},             // end to end
                         {&rod, &rod, {turned, {0, 0, 0}}, 0}};       // crossed
@@ -166,8 +166,9 @@ TEST(Penetration, FlatShapesAndTouchingOnes) {
     }
 }
 
-/// Bodies of 1e-6 ... 1e6 m against each other, thin ones, far away, coincident or aligned: always numbers, always a true bracket.
-TEST(Penetration, AllMagnitudesAndRatios) {
+/// Bodies of 1e-6 ... 1e6 m in all combinations, also thin, distant, coincident or aligned: results are finite, and lower <= true value <=
+/// upper.
+TEST(Penetration, AllSizesAndRatiosAreFiniteAndBounded) {
   test::Random random(27);
   const std::vector<Hull> some = test::some_hulls(random);
   std::vector<Hull> hulls;
@@ -200,18 +201,18 @@ TEST(Penetration, AllMagnitudesAndRatios) {
     GilbertCache cache;
     const SignedDistance s = signed_distance(a, A, b, B, cache, workspace);
     ASSERT_TRUE(std::isfinite(s.distance) && is_finite(s.n) && is_finite(s.pa) && is_finite(s.pb)) << i;
-    // Coordinates at a distance are rounded to 2e-16 of it.
+    // Far from the origin, coordinates are rounded to 2e-16 of their magnitude.
     const double digits = size + 1e-5 * (norm(A.p) + norm(B.p));
     const double apart = -test::reach(a, A, -s.n) - test::reach(b, B, s.n) - a.radius - b.radius;
-    // Where the search ends open (a needle of 1e-7 of its length), `lower` may come from an earlier direction.
+    // If the search did not converge (needles as thin as 1e-7 of their length), `lower` may belong to an earlier direction.
     const double allowed = s.status == DistanceStatus::not_converged ? 1e-7 : 1e-9;
-    ASSERT_LE(s.lower, apart + allowed * digits) << i;  // a slab as thick as `lower` lies between them, or they come apart so
+    ASSERT_LE(s.lower, apart + allowed * digits) << i;  // n proves the lower bound: the slab along n is at least as thick
     ASSERT_GE(s.upper, s.lower - 1e-12 * digits) << i;
     if (s.status != DistanceStatus::not_converged) ASSERT_LE(s.upper - s.lower, 1e-9 * digits) << i;
   }
 }
 
-/// A body that moves by dx cannot change its distance by more: through contact too, warm all the way.
+/// A body that moves by dx changes its distance by at most dx, also during penetration, with a warm start in each step.
 TEST(Penetration, SignedDistanceIsContinuousThroughContact) {
   test::Random random(24);
   const std::vector<Hull> hulls = test::some_hulls(random);
@@ -220,12 +221,12 @@ TEST(Penetration, SignedDistanceIsContinuousThroughContact) {
     const Support a = test::random_support(random, hulls), b = test::random_support(random, hulls);
     const Pose A = random.pose(0.1);
     const Mat3 R = random.pose(1).R;
-    const Vec3 way = random.unit();
+    const Vec3 direction = random.unit();
     GilbertCache cache;
     double last = 0;
     for (int i = 0; i <= 300; ++i) {
       const double t = 1.5 - 0.01 * i;
-      const SignedDistance s = signed_distance(a, A, b, {R, way * t}, cache, workspace);
+      const SignedDistance s = signed_distance(a, A, b, {R, direction * t}, cache, workspace);
       ASSERT_TRUE(is_finite(s.n) && is_finite(s.pa) && is_finite(s.pb));
       if (i > 0) ASSERT_LE(std::fabs(s.distance - last), 0.01 + 1e-7) << "run " << run << " step " << i;
       last = s.distance;

@@ -1,5 +1,5 @@
 #pragma once
-// Random shapes and poses, and the support function that the oracles share.
+// Random shapes and poses, and support functions shared by the oracles.
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ class Random {
     const Mat3 R = rotation_about(axis, in(-pi, pi));
     return {R, vec(size)};
   }
-  /// One number at a time, so that every compiler makes the same shapes.
+  /// A random shape. Each random value is drawn in a statement of its own, so that every compiler makes the same shapes.
   Shape shape(ShapeType type) {
     switch (type) {
       case ShapeType::sphere: {
@@ -53,7 +53,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Greatest n . x over the shape.
+/// Maximum of n . x over the shape, m.
 inline double support(const Shape& s, const Pose& X_WB, const Vec3& n) {
   const Pose X = X_WB * s.X_BS;
   const Vec3 m = transpose_times(X.R, n);
@@ -78,7 +78,7 @@ inline Vec3 project(const Shape& s, const Pose& X_WB, const Vec3& p) {
   return X * q;
 }
 
-/// Separation of a from b along n (from b towards a).
+/// Thickness [m] of the slab with normal n (from b towards a) between a and b; negative if they overlap along n.
 inline double separation(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, const Vec3& n) {
   return -support(a, X_WA, -n) - support(b, X_WB, n);
 }

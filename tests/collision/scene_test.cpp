@@ -41,9 +41,9 @@ MechanismPtr body(const Shape& shape, JointType joint = JointType::floating) {
   return make({"body", {link("body", "", joint, {}, {shape})}});
 }
 
-/// A figure of 31 links with capsules for limbs and boxes for feet, arms hanging: as dense in contacts as a human is.
-MechanismPtr figure() {
-  MechanismSpec spec{"figure", {}};
+/// A character of 31 links with capsules for limbs and boxes for feet, arms hanging: its shapes are as close together as those of a human.
+MechanismPtr character() {
+  MechanismSpec spec{"character", {}};
   const auto capsule = [](double r, double length) { return Shape::capsule(r, {0, 0, -r}, {0, 0, r - length}); };
   spec.links.push_back(link("pelvis", "", JointType::floating, {}, {Shape::box({0.1, 0.15, 0.08})}));
   const char* spine[] = {"spine1", "spine2", "chest", "neck", "head"};
@@ -71,7 +71,7 @@ MechanismPtr figure() {
     for (int f = 0; f < 4; ++f)
       add("finger" + std::to_string(f), side + "hand", JointType::revolute, at(0, -0.03 + 0.02 * f, -0.13), capsule(0.009, 0.07));
   }
-  // one more, so that there are 31
+  // A fixed link that completes the 31.
   spec.links.push_back(link("pack", "chest", JointType::fixed, at(-0.14, 0, 0), {Shape::box({0.06, 0.12, 0.15})}));
   return make(std::move(spec));
 }
@@ -138,14 +138,14 @@ TEST(Scene, BetweenSystems) {
   EXPECT_TRUE(contacts(separate, posed, 0.02).empty());
 }
 
-TEST(Scene, NothingBelowTheGroundWithoutGround) {
+TEST(Scene, NoGroundContactsWithoutGround) {
   SceneOptions options;
   options.with_ground = false;
   const Scene scene({body(Shape::sphere(0.5))}, {}, options);
   EXPECT_TRUE(contacts(scene, Posed(scene), 1).empty());
 }
 
-TEST(Scene, ShapesThatDoNotCollideAreLeftOut) {
+TEST(Scene, NonCollidingShapesAreIgnored) {
   Shape ghost = Shape::sphere(0.5);
   ghost.collides = false;
   const Scene scene({body(ghost)});
@@ -153,7 +153,7 @@ TEST(Scene, ShapesThatDoNotCollideAreLeftOut) {
   EXPECT_TRUE(contacts(scene, Posed(scene), 1).empty());
 }
 
-TEST(Scene, WhatNothingMovesIsNoContact) {
+TEST(Scene, ImmovableShapesDoNotCollideWithEachOther) {
   const MechanismPtr wall = body(Shape::box({1, 1, 1}), JointType::fixed);
   const Scene scene({wall, wall, body(Shape::sphere(0.5))});
   Posed posed(scene);
@@ -174,32 +174,32 @@ std::set<std::pair<std::string, std::string>> pairs_of(const Scene& scene) {
 }
 using Names = std::set<std::pair<std::string, std::string>>;
 
-TEST(Scene, SelfPairsLeaveOutNeighbours) {
+TEST(Scene, SelfPairsExcludeAdjacentLinks) {
   const Shape bead = Shape::sphere(0.1);
   // chain a - b - c - d, far apart
   const Scene chain(
       {make({"chain",
              {link("a", "", JointType::floating, {}, {bead}), link("b", "a", JointType::revolute, at(1, 0, 0), {bead}),
               link("c", "b", JointType::fixed, at(1, 0, 0), {bead}), link("d", "c", JointType::revolute, at(1, 0, 0), {bead})}})});
-  EXPECT_EQ(pairs_of(chain), (Names{{"a", "d"}}));  // b and c are one body, a neighbour of both a and d
+  EXPECT_EQ(pairs_of(chain), (Names{{"a", "d"}}));  // b and c are one body, adjacent to both a and d
 
-  // brothers hang at one point, or apart
-  const auto brothers = [&](double apart) {
-    return Scene({make({"brothers",
+  // Siblings attached at the same point cannot collide, siblings attached at different points can.
+  const auto siblings = [&](double apart) {
+    return Scene({make({"siblings",
                         {link("a", "", JointType::floating, {}, {bead}),
                          link("b", "a", JointType::spherical, at(1, apart, 0), {Shape::sphere(0.1, at(0, 1, 0))}),
                          link("c", "a", JointType::spherical, at(1, 0, 0), {Shape::sphere(0.1, at(0, -1, 0))})}})});
   };
-  EXPECT_EQ(pairs_of(brothers(0)), Names{});
-  EXPECT_EQ(pairs_of(brothers(0.1)), (Names{{"b", "c"}}));
+  EXPECT_EQ(pairs_of(siblings(0)), Names{});
+  EXPECT_EQ(pairs_of(siblings(0.1)), (Names{{"b", "c"}}));
 
-  // floating bodies of one mechanism share no joint, although both start at the origin
+  // Floating bodies of one mechanism share no joint, although both start at the origin: they can collide.
   const Scene loose({make(
       {"loose",
        {link("a", "", JointType::floating, {}, {Shape::sphere(0.1, at(1, 0, 0))}), link("b", "", JointType::floating, {}, {bead})}})});
   EXPECT_EQ(pairs_of(loose), (Names{{"a", "b"}}));
 
-  // grandchildren that overlap in the neutral position
+  // Links that overlap in the neutral position cannot collide, although no joint connects them.
   const Scene thick(
       {make({"thick",
              {link("a", "", JointType::floating, {}, {Shape::sphere(0.5)}), link("b", "a", JointType::revolute, at(0.4, 0, 0), {bead}),
@@ -207,7 +207,7 @@ TEST(Scene, SelfPairsLeaveOutNeighbours) {
   EXPECT_EQ(pairs_of(thick), (Names{{"a", "d"}, {"b", "d"}}));
 }
 
-TEST(Scene, LoopsAreOneBodyAtTheirCut) {
+TEST(Scene, VirtualLinkBelongsToTheBodyOfItsRealLink) {
   const Shape bead = Shape::sphere(0.1);
   MechanismSpec spec{"loop",
                      {link("a", "", JointType::floating, {}, {bead}), link("b", "a", JointType::revolute, at(1, 0, 0), {bead}),
@@ -215,20 +215,20 @@ TEST(Scene, LoopsAreOneBodyAtTheirCut) {
                       link("c2", "d", JointType::revolute, at(1, 0, 0), {bead})}};
   spec.links.back().real = "c";
   const Scene scene({make(std::move(spec))});
-  // d hangs on c through the virtual link; c2 is c
+  // The virtual link c2 is the same body as c, so that d is connected to c.
   EXPECT_EQ(pairs_of(scene), (Names{{"a", "c"}, {"a", "c2"}, {"b", "d"}}));
 }
 
-TEST(Scene, SelfCollisionIsSwitchedWhileRunning) {
-  Scene scene({figure()});
+TEST(Scene, SelfCollisionCanBeSwitchedAtRunTime) {
+  Scene scene({character()});
   EXPECT_EQ(scene.systems()[0]->link_count(), 31);
   Posed posed(scene);
   posed.move(0, at(0, 0, 3));
   EXPECT_FALSE(scene.self_collision(0));
   EXPECT_TRUE(contacts(scene, posed, 0.02).empty());
   scene.set_self_collision(0, true);
-  for (const ContactPoint& c : contacts(scene, posed, 0.02)) EXPECT_GT(c.distance, 0);  // overlapping pairs are left out
-  // a hand swings into the thigh
+  for (const ContactPoint& c : contacts(scene, posed, 0.02)) EXPECT_GT(c.distance, 0);  // pairs that overlap at rest are excluded
+  // A hand moves into the thigh.
   const int hand = scene.systems()[0]->find_link("left_hand"), thigh = scene.systems()[0]->find_link("left_thigh");
   Pose& X = posed.poses[0][static_cast<std::size_t>(hand)];
   X.p.y = 0.14;
@@ -240,7 +240,7 @@ TEST(Scene, SelfCollisionIsSwitchedWhileRunning) {
   EXPECT_TRUE(contacts(scene, posed, 0.02).empty());
 }
 
-// Against the plainest search: every pair of shapes, no bounds.
+// Compared with brute force over all pairs of shapes, without bounds.
 TEST(Scene, BroadPhaseMissesNothing) {
   test::Random random(41);
   for (int i = 0; i < 300 && !testing::Test::HasFailure(); ++i) {
@@ -269,8 +269,8 @@ TEST(Scene, BroadPhaseMissesNothing) {
   }
 }
 
-TEST(Scene, SameContactsEveryTime) {
-  Scene scene({figure(), body(Shape::box({0.3, 0.3, 0.3})), body(Shape::sphere(0.1))});
+TEST(Scene, ContactsAreReproducible) {
+  Scene scene({character(), body(Shape::box({0.3, 0.3, 0.3})), body(Shape::sphere(0.1))});
   scene.set_self_collision(0, true);
   Posed posed(scene);
   posed.move(0, at(0, 0, 0.9));
@@ -285,8 +285,8 @@ TEST(Scene, SameContactsEveryTime) {
   }
 }
 
-TEST(Scene, KeysStayWhileTheFigureSinks) {
-  const Scene scene({figure()});
+TEST(Scene, KeysPersistWhileTheCharacterMoves) {
+  const Scene scene({character()});
   Posed posed(scene);
   posed.move(0, at(0, 0, 1.008));
   std::set<std::uint64_t> before, after;
@@ -297,8 +297,8 @@ TEST(Scene, KeysStayWhileTheFigureSinks) {
   EXPECT_EQ(before, after);
 }
 
-TEST(Scene, PosesThatAreNotFiniteHaveNoContacts) {
-  Scene scene({figure(), body(Shape::sphere(0.1))});
+TEST(Scene, NonFinitePosesHaveNoContacts) {
+  Scene scene({character(), body(Shape::sphere(0.1))});
   scene.set_self_collision(0, true);
   Posed posed(scene);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -307,19 +307,19 @@ TEST(Scene, PosesThatAreNotFiniteHaveNoContacts) {
   EXPECT_TRUE(contacts(scene, posed, 0.05).empty());
 }
 
-TEST(Scene, EmptyScene) {
+TEST(Scene, EmptySceneHasNoContacts) {
   const Scene scene({}, {});
   EXPECT_TRUE(contacts(scene, Posed(scene), 0.05).empty());
 }
 
 TEST(Scene, NoAllocationAfterWarmUp) {
-  Scene scene({figure(), body(Shape::box({0.3, 0.3, 0.3})), body(Shape::box({0.4, 0.1, 0.1}))});
+  Scene scene({character(), body(Shape::box({0.3, 0.3, 0.3})), body(Shape::box({0.4, 0.1, 0.1}))});
   scene.set_self_collision(0, true);
   Posed posed(scene);
   posed.move(0, at(0, 0, 3));
   Workspace workspace(scene);
   std::vector<ContactPoint> out;
-  find_contacts(scene, posed.spans, 0.05, workspace, out);  // warm-up, nothing touches
+  find_contacts(scene, posed.spans, 0.05, workspace, out);  // warm-up without contacts
   posed.move(0, at(0, 0, -2.1));
   posed.move(1, at(0.2, 0, 0.2));
   posed.move(2, at(0.2, 0, 0.55));
@@ -345,25 +345,25 @@ double microseconds(const Scene& scene, const Posed& posed, std::size_t& count) 
   return best;
 }
 
-TEST(SlowScene, AFigureCostsMicroseconds) {
-  Scene scene({figure()});
+TEST(SlowScene, OneCharacterTakesMicroseconds) {
+  Scene scene({character()});
   Posed standing(scene), lying(scene);
   standing.move(0, at(0, 0, 1.01));
   lying.move(0, Pose{rotation_about({0, 1, 0}, pi / 2), {0, 0, 0.08}});
   std::size_t count = 0;
   const double feet = microseconds(scene, standing, count);
   std::printf("standing: %.2f us, %zu contacts\n", feet, count);
-  const double whole = microseconds(scene, lying, count);
-  std::printf("lying: %.2f us, %zu contacts\n", whole, count);
+  const double all_links = microseconds(scene, lying, count);
+  std::printf("lying: %.2f us, %zu contacts\n", all_links, count);
   scene.set_self_collision(0, true);
   const double self = microseconds(scene, standing, count);
   std::printf("standing, self-collision (%zu pairs): %.2f us, %zu contacts\n", scene.self_pairs(0).size(), self, count);
-  const double everything = microseconds(scene, lying, count);
-  std::printf("lying, self-collision: %.2f us, %zu contacts\n", everything, count);
+  const double all_links_and_self = microseconds(scene, lying, count);
+  std::printf("lying, self-collision: %.2f us, %zu contacts\n", all_links_and_self, count);
 #ifdef NDEBUG
-  // wide of what is measured on an idle machine, so that only a real loss of speed fails
+  // Limits (microseconds) are well above the times of an idle machine, so that only a large loss of speed fails.
   EXPECT_LT(feet, 4);
-  EXPECT_LT(everything, 20);
+  EXPECT_LT(all_links_and_self, 20);
 #endif
 }
 

@@ -1,4 +1,4 @@
-// The superior tree over a scene: the pairs of find_contacts.
+// The superior tree over a scene, compared with find_contacts() and with brute force.
 
 #include "ugoki/collision/scene_tree.h"
 
@@ -29,7 +29,7 @@ MechanismPtr chain(test::Random& random, const Vec3& base, bool fixed_first) {
   return Mechanism::make(spec).value();
 }
 
-TEST(SceneTree, AnswersAreThoseOfFindContactsAndOfAllPairs) {
+TEST(SceneTree, MatchesFindContactsAndBruteForce) {
   test::Random random(2);
   SceneOptions options;
   options.with_ground = false;
@@ -48,7 +48,7 @@ TEST(SceneTree, AnswersAreThoseOfFindContactsAndOfAllPairs) {
   }
   std::vector<ContactPoint> contacts;
   std::vector<NearPair> pairs;
-  std::size_t most = 0;
+  std::size_t max_pairs = 0;
   for (int step = 0; step < 300; ++step) {
     std::vector<std::span<const Pose>> poses;
     for (std::size_t s = 0; s < q.size(); ++s) {
@@ -59,9 +59,9 @@ TEST(SceneTree, AnswersAreThoseOfFindContactsAndOfAllPairs) {
     tree.update(poses);
     const double margin = 0.2;
     tree.pairs_within(margin, pairs);
-    most = std::max(most, pairs.size());
+    max_pairs = std::max(max_pairs, pairs.size());
     find_contacts(scene, poses, margin, workspace, contacts);
-    // Each pair with a contact is in the list, each pair of the list has a contact.
+    // Each pair in the list has a contact, and each contact belongs to a pair in the list.
     const auto links = [&](const NearPair& p) {
       const SceneShape &a = scene.shapes()[static_cast<std::size_t>(p.bodies.a)], &b = scene.shapes()[static_cast<std::size_t>(p.bodies.b)];
       return std::array<int, 4>{a.system, a.link, b.system, b.link};
@@ -78,24 +78,25 @@ TEST(SceneTree, AnswersAreThoseOfFindContactsAndOfAllPairs) {
         return std::array<int, 4>{c.system_a, c.link_a, c.system_b, c.link_b} == links(p);
       })) << step;
     }
-    // Nearest pairs by measuring all.
+    // Closest pairs by measuring all pairs.
     for (const auto& [a, b] : std::vector<std::pair<int, int>>{{0, 1}, {2, 0}, {2, 2}}) {
-      double least = infinity;
+      double minimum = infinity;
       for (int i = scene.first_shape(a); i < scene.first_shape(a + 1); ++i)
         for (int j = scene.first_shape(b); j < scene.first_shape(b + 1); ++j) {
-          const auto can = [&](const ShapePair& p) { return p.a == i && p.b == j; };
-          if (a == b && std::ranges::none_of(scene.self_pairs(a), can)) continue;
+          const auto is_pair = [&](const ShapePair& p) { return p.a == i && p.b == j; };
+          if (a == b && std::ranges::none_of(scene.self_pairs(a), is_pair)) continue;
           const SceneShape &s = scene.shapes()[static_cast<std::size_t>(i)], &t = scene.shapes()[static_cast<std::size_t>(j)];
           PairCache cache;
-          least = std::min(least, find_pair_distance(s, poses[static_cast<std::size_t>(a)][static_cast<std::size_t>(s.link)] * s.shape.X_BS,
-                                                     t, poses[static_cast<std::size_t>(b)][static_cast<std::size_t>(t.link)] * t.shape.X_BS,
-                                                     infinity, cache, distances)
-                                      .distance);
+          minimum =
+              std::min(minimum, find_pair_distance(s, poses[static_cast<std::size_t>(a)][static_cast<std::size_t>(s.link)] * s.shape.X_BS,
+                                                   t, poses[static_cast<std::size_t>(b)][static_cast<std::size_t>(t.link)] * t.shape.X_BS,
+                                                   infinity, cache, distances)
+                                    .distance);
         }
-      EXPECT_NEAR(tree.nearest(a, b).near.distance, least, 1e-10) << step;
+      EXPECT_NEAR(tree.nearest(a, b).near.distance, minimum, 1e-10) << step;
     }
   }
-  EXPECT_GT(most, 5u);
+  EXPECT_GT(max_pairs, 5u);
 }
 
 }  // namespace

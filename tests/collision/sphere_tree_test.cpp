@@ -1,4 +1,4 @@
-// Trees of spheres: every bound holds its triangles, the cuts are even, hostile meshes and bytes are refused.
+// Sphere trees: every bound contains its triangles, the splits are even, invalid meshes and damaged bytes are refused.
 
 #include "ugoki/collision/sphere_tree.h"
 
@@ -25,7 +25,7 @@ Vec3 lane(const float (*v)[block_lanes], int i) {
   return {static_cast<double>(v[0][i]), static_cast<double>(v[1][i]), static_cast<double>(v[2][i])};
 }
 
-/// Checks the bounds of a lane against all triangles below it, and collects those.
+/// Checks that the bounds of a lane contain all triangles below it, and appends the indices of these triangles to `below`.
 void check_below(const SphereTree& tree, std::int32_t block, int i, std::vector<std::int32_t>& below) {
   const BoundBlock& b = tree.blocks[at(block)];
   std::vector<std::int32_t> mine;
@@ -46,11 +46,11 @@ void check_below(const SphereTree& tree, std::int32_t block, int i, std::vector<
       ASSERT_LE(std::fabs(dot(v - box, z)), static_cast<double>(b.half[2][i]));
     }
   }
-  ASSERT_LE(on_surface, 1e-6 * tree.radius) << "the centre of a sphere lies on the surface";
+  ASSERT_LE(on_surface, 1e-6 * tree.radius) << "the centre of a sphere must be on the surface";
   below.insert(below.end(), mine.begin(), mine.end());
 }
 
-TEST(SphereTree, BoundsHoldTheirTriangles) {
+TEST(SphereTree, BoundsContainTheirTriangles) {
   Random random(41);
   std::vector<Mesh> meshes{test::bumpy_torus(2000), test::torus_knot(900), test::box_mesh({1, 1e-4, 1}),
                            test::scaled(test::torus_knot(500), 1e-3), test::scaled(test::bumpy_torus(300), 1e3, {1000, -1000, 500})};
@@ -74,7 +74,7 @@ TEST(SphereTree, BoundsHoldTheirTriangles) {
   }
 }
 
-TEST(SphereTree, TightAndEven) {
+TEST(SphereTree, BoundsAreTightAndBlocksAreFull) {
   const SphereTreeReport r = report_of(tree_of(test::bumpy_torus(20000)));
   ASSERT_GE(r.spheres_at.size(), 5U);
   for (std::size_t d = 1; d < r.spheres_at.size(); ++d) {
@@ -86,7 +86,7 @@ TEST(SphereTree, TightAndEven) {
   EXPECT_LT(r.bytes, r.triangles * 250);
 }
 
-TEST(SphereTree, ClosedMeshesKnowTheirInside) {
+TEST(SphereTree, ClosedMeshesAreOrientedOutwards) {
   const SphereTree torus = tree_of(test::bumpy_torus(1000));
   EXPECT_TRUE(torus.closed);
   for (std::size_t i = 0; i < torus.triangles.size(); ++i)
@@ -98,7 +98,7 @@ TEST(SphereTree, ClosedMeshesKnowTheirInside) {
       ASSERT_TRUE(turned);
     }
   Mesh box = test::box_mesh({1, 2, 3});
-  for (Triangle& t : box.triangles) std::swap(t[0], t[1]);  // looks inwards
+  for (Triangle& t : box.triangles) std::swap(t[0], t[1]);  // oriented inwards
   const SphereTree turned = tree_of(box);
   ASSERT_TRUE(turned.closed);
   for (std::size_t v = 0; v < turned.vertices.size(); ++v) {
@@ -110,7 +110,7 @@ TEST(SphereTree, ClosedMeshesKnowTheirInside) {
   EXPECT_FALSE(tree_of(box).closed);
 }
 
-TEST(SphereTree, HostileMeshesAreRefusedWithASentence) {
+TEST(SphereTree, InvalidMeshesAreRefusedWithAMessage) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   const auto error = [](const Mesh& m) {
     const Result<SphereTree> made = make_sphere_tree(m.vertices, m.triangles, "hand.stl");
@@ -121,14 +121,14 @@ TEST(SphereTree, HostileMeshesAreRefusedWithASentence) {
     Mesh m = test::box_mesh({1, 1, 1});
     m.vertices[3].y = bad;
     EXPECT_NE(error(m).find("hand.stl"), std::string::npos);
-    EXPECT_NE(error(m).find("vertex 3"), std::string::npos);
+    EXPECT_NE(error(m).find("Vertex 3"), std::string::npos);
   }
   for (const std::int32_t bad : {-1, 8, std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::min()}) {
     Mesh m = test::box_mesh({1, 1, 1});
     m.triangles[5][1] = bad;
-    EXPECT_NE(error(m).find("names the vertex"), std::string::npos);
+    EXPECT_NE(error(m).find("refers to vertex"), std::string::npos);
   }
-  // All in one point, or on a line: no bound to fit, nothing to divide, and no crash.
+  // All vertices at one point, or on a line: the tree is built although there is no area and no spread.
   Mesh point, line;
   for (int i = 0; i < 100; ++i) {
     point.vertices.push_back({1, 2, 3});
@@ -145,7 +145,7 @@ TEST(SphereTree, HostileMeshesAreRefusedWithASentence) {
   }
 }
 
-TEST(SphereTree, BytesAndBack) {
+TEST(SphereTree, BytesRoundTrip) {
   for (const Mesh& m : {test::bumpy_torus(700), test::box_mesh({1, 1, 1})}) {
     const SphereTree tree = tree_of(m);
     const std::vector<std::uint8_t> bytes = write_bytes(tree);
@@ -157,8 +157,8 @@ TEST(SphereTree, BytesAndBack) {
   }
 }
 
-/// The checksum put right, so that the checks behind it are seen.
-void mend(std::vector<std::uint8_t>& bytes) {
+/// Recomputes the checksum, so that the checks after the checksum are tested.
+void repair(std::vector<std::uint8_t>& bytes) {
   Hash64 hash;
   hash.add_bytes(bytes.data() + 16, bytes.size() - 16);
   const std::uint64_t sum = hash.value();
@@ -177,10 +177,10 @@ TEST(SphereTree, DamagedBytesAreRefused) {
     broken[where] = static_cast<std::uint8_t>(broken[where] ^ (1 << random.below(8)));
     ASSERT_FALSE(read_sphere_tree(broken).has_value()) << where;
     if (where >= 16) {
-      mend(broken);
+      repair(broken);
       const Result<SphereTree> read = read_sphere_tree(broken);
       if (!read) continue;
-      ++accepted;  // a number changed; the tree can still be walked, and has every triangle once
+      ++accepted;  // only a value changed: the tree can still be searched and contains every triangle once
       std::vector<int> leaves(read->triangles.size(), 0);
       for (const BoundBlock& b : read->blocks)
         for (int k = 0; k < b.count; ++k)
@@ -191,8 +191,8 @@ TEST(SphereTree, DamagedBytesAreRefused) {
   EXPECT_GT(accepted, 1000);
 }
 
-// As much as is allowed, and more than that.
-TEST(Slow_SphereTree, MillionsOfTriangles) {
+// Nearly the maximum count of triangles, and more than the maximum.
+TEST(Slow_SphereTree, MaximumSizeIsAcceptedAndLargerSizesAreRefused) {
   const SphereTree tree = tree_of(test::bumpy_torus(1'990'000));
   EXPECT_GT(tree.triangles.size(), 1'900'000U);
   EXPECT_LT(report_of(tree).bytes, tree.triangles.size() * 250);

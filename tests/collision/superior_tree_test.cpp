@@ -1,4 +1,4 @@
-// The superior tree against measuring all pairs.
+// The queries of the superior tree, compared with measuring all pairs.
 
 #include "ugoki/collision/superior_tree.h"
 
@@ -13,10 +13,11 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Bodies of one shape each, some loose, some in chains, that move by small steps.
+/// Groups of bodies, one shape each, that move by small steps.
 class World {
  public:
-  /// @param size m, of the place; @param spread m, of a group
+  /// @param size m, half width of the region of the groups
+  /// @param spread m, half width of the region of a group's bodies
   World(unsigned seed, int groups, int links, double size) : World(seed, groups, links, size, 0.1 * size) {}
   World(unsigned seed, int groups, int links, double size, double spread) : random_(seed) {
     for (int g = 0; g < groups; ++g) {
@@ -50,17 +51,17 @@ class World {
   std::vector<Vec3> spin_, drift_;
 };
 
-/// The closed forms, as a question to the tree.
-class Closed : public PairFunction {
+/// The closed-form distances as a PairFunction. Above the cutoff it returns the weakest bound that is allowed.
+class ClosedForms : public PairFunction {
  public:
-  explicit Closed(const World& world) : world_(world) {}
-  PairDistance distance(int a, int b, double enough, PairCache&) override {
+  explicit ClosedForms(const World& world) : world_(world) {}
+  PairDistance distance(int a, int b, double cutoff, PairCache&) override {
     ++calls;
     const auto i = static_cast<std::size_t>(a), k = static_cast<std::size_t>(b);
     PairDistance out;
     out = closed_form_distance(world_.shapes[i], world_.poses[i], world_.shapes[k], world_.poses[k]);
-    out.exact = out.distance <= enough;
-    if (!out.exact) out.lower = enough;  // as little as may be said
+    out.exact = out.distance <= cutoff;
+    if (!out.exact) out.lower = cutoff;  // the weakest allowed bound
     return out;
   }
   int calls = 0;
@@ -70,7 +71,7 @@ class Closed : public PairFunction {
 };
 
 NearPair brute_nearest(const World& w, int group_a, int group_b, const PairFilter& filter) {
-  Closed f(w);
+  ClosedForms f(w);
   NearPair best;
   best.near.distance = infinity;
   PairCache cache;
@@ -85,7 +86,7 @@ NearPair brute_nearest(const World& w, int group_a, int group_b, const PairFilte
 }
 
 std::vector<NearPair> brute_within(const World& w, double margin, const PairFilter& filter) {
-  Closed f(w);
+  ClosedForms f(w);
   std::vector<NearPair> out;
   PairCache cache;
   for (int a = 0; a < static_cast<int>(w.bodies.size()); ++a)
@@ -99,13 +100,13 @@ std::vector<NearPair> brute_within(const World& w, double margin, const PairFilt
   return out;
 }
 
-TEST(SuperiorTree, NearestPairOfTwoGroupsIsThatOfAllPairs) {
+TEST(SuperiorTree, ClosestPairMatchesBruteForce) {
   long calls = 0, pairs = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {
     World w(seed, 2, seed % 3 == 0 ? 1 : 20, seed % 4 == 0 ? 0.3 : 2.0);
     SuperiorTree tree(w.bodies);
-    NearestPair query(0, 1);
-    Closed f(w);
+    ClosestPair query(0, 1);
+    ClosedForms f(w);
     for (int step = 0; step < 300; ++step) {
       w.move(step % 97 == 0 ? 20 : 1);
       tree.update(w.poses);
@@ -120,11 +121,11 @@ TEST(SuperiorTree, NearestPairOfTwoGroupsIsThatOfAllPairs) {
   EXPECT_LT(calls * 15, pairs);
 }
 
-TEST(SuperiorTree, NearestPairAfterStepsThatWereNotAskedAbout) {
+TEST(SuperiorTree, ClosestPairIsCorrectAfterStepsWithoutQueries) {
   World w(5, 3, 12, 1.5);
   SuperiorTree tree(w.bodies);
-  NearestPair one(0, 2), two(2, 1);
-  Closed f(w);
+  ClosestPair one(0, 2), two(2, 1);
+  ClosedForms f(w);
   for (int step = 0; step < 500; ++step) {
     w.move();
     tree.update(w.poses);
@@ -137,15 +138,15 @@ TEST(SuperiorTree, NearestPairAfterStepsThatWereNotAskedAbout) {
   }
 }
 
-TEST(SuperiorTree, SelfCollisionLeavesOutWhatIsExcluded) {
+TEST(SuperiorTree, SelfCollisionIgnoresExcludedPairs) {
   World w(9, 2, 20, 1.0);
   PairFilter filter;
   std::vector<BodyPair> excluded;
   for (int i = 0; i + 1 < 20; ++i) excluded.push_back({i + 1, i});
   filter.exclude(excluded);
   SuperiorTree tree(w.bodies);
-  NearestPair query(0, 0, filter);
-  Closed f(w);
+  ClosestPair query(0, 0, filter);
+  ClosedForms f(w);
   for (int step = 0; step < 300; ++step) {
     w.move();
     tree.update(w.poses);
@@ -163,7 +164,7 @@ void expect_same(const std::vector<NearPair>& found, const std::vector<NearPair>
   }
 }
 
-TEST(SuperiorTree, PairsWithinAMarginAreThoseOfAllPairs) {
+TEST(SuperiorTree, PairsWithinMarginMatchBruteForce) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     World w(100 + seed, seed % 2 == 0 ? 60 : 4, seed % 2 == 0 ? 1 : 15, 3.0);
     PairFilter filter;
@@ -172,28 +173,28 @@ TEST(SuperiorTree, PairsWithinAMarginAreThoseOfAllPairs) {
     filter.exclude({{16, 18}, {3, 40}, {22, 20}});
     SuperiorTree tree(w.bodies);
     PairsWithin query(filter);
-    Closed f(w);
+    ClosedForms f(w);
     std::vector<NearPair> found;
-    std::size_t most = 0;
+    std::size_t maximum = 0;
     for (int step = 0; step < 200; ++step) {
       w.move(step % 61 == 0 ? 30 : 1);
       tree.update(w.poses);
       const double margin = step < 150 ? 0.2 : step < 175 ? -0.05 : 0.5;
       query.find(tree, margin, f, found);
       expect_same(found, brute_within(w, margin, filter), step);
-      most = std::max(most, found.size());
+      maximum = std::max(maximum, found.size());
     }
-    EXPECT_GT(most, 20u);
+    EXPECT_GT(maximum, 20u);
   }
 }
 
-TEST(SuperiorTree, TheSameBitsInEveryRunAndFromAnyMomentOn) {
+TEST(SuperiorTree, ResultsDoNotDependOnHistory) {
   World w(31, 10, 8, 2.0);
   PairFilter filter;
   filter.inside_group.assign(10, 1);
   SuperiorTree tree(w.bodies);
   PairsWithin query(filter);
-  Closed f(w);
+  ClosedForms f(w);
   std::vector<NearPair> found, again;
   for (int step = 0; step < 150; ++step) {
     w.move();
@@ -211,9 +212,9 @@ TEST(SuperiorTree, TheSameBitsInEveryRunAndFromAnyMomentOn) {
 TEST(SuperiorTree, CoherentStepsAllocateNothing) {
   World w(77, 2, 20, 2.0);
   SuperiorTree tree(w.bodies);
-  NearestPair nearest(0, 1);
+  ClosestPair nearest(0, 1);
   PairsWithin within({});
-  Closed f(w);
+  ClosedForms f(w);
   std::vector<NearPair> found;
   found.reserve(400);
   for (int step = 0; step < 2000; ++step) {
@@ -228,56 +229,56 @@ TEST(SuperiorTree, CoherentStepsAllocateNothing) {
   }
 }
 
-TEST(SuperiorTree, CoherentStepsTouchFewPairs) {
+TEST(SuperiorTree, CoherentStepsExamineFewPairs) {
   World w(8, 2, 200, 4.0, 3.0);
   SuperiorTree tree(w.bodies);
-  NearestPair nearest(0, 1);
-  Closed f(w);
-  long touched = 0, front = 0;
+  ClosestPair nearest(0, 1);
+  ClosedForms f(w);
+  long examined = 0, front = 0;
   for (int step = 0; step < 200; ++step) {
     w.move(0.3);
     tree.update(w.poses);
     (void)nearest.find(tree, f);
-    touched += nearest.counts().touched;
+    examined += nearest.counts().candidates;
     front += nearest.counts().front;
   }
-  EXPECT_LT(touched, 200 * 200);
-  EXPECT_LT(front, 200 * 4000);  // of 40000 pairs
+  EXPECT_LT(examined, 200 * 200);
+  EXPECT_LT(front, 200 * 4000);  // 40000 pairs in each step
 }
 
-TEST(SuperiorTree, WhereNothingMovesNothingFarIsMeasuredTwice) {
+TEST(SuperiorTree, DistantPairsAtRestAreNotMeasuredAgain) {
   World w(55, 2, 20, 1.0, 1.0);
   SuperiorTree tree(w.bodies);
-  NearestPair nearest(0, 1);
+  ClosestPair nearest(0, 1);
   PairsWithin within({});
-  Closed f(w), g(w);
+  ClosedForms f(w), g(w);
   std::vector<NearPair> found;
   for (int step = 0; step < 10; ++step) {
     tree.update(w.poses);
     f.calls = g.calls = 0;
     (void)nearest.find(tree, f);
-    within.find(tree, step < 3 ? -1 : 0.05, g, found);  // asked about for the first time when all is at rest
+    within.find(tree, step < 3 ? -1 : 0.05, g, found);  // the margin of the last steps is first used when the bodies are already at rest
   }
   EXPECT_EQ(f.calls, 1);
   EXPECT_EQ(g.calls, static_cast<int>(found.size()));
 }
 
-TEST(SuperiorTree, BodiesAtPosesThatAreNotFiniteAreLeftOut) {
+TEST(SuperiorTree, BodiesAtNonFinitePosesAreIgnored) {
   World w(13, 2, 6, 1.0);
   SuperiorTree tree(w.bodies);
-  NearestPair nearest(0, 1);
+  ClosestPair nearest(0, 1);
   PairsWithin within({});
-  Closed f(w);
+  ClosedForms f(w);
   std::vector<NearPair> found;
   for (int step = 0; step < 60; ++step) {
     w.move();
     World broken = w;
-    Closed g(broken);
+    ClosedForms g(broken);
     const bool bad = step / 10 % 2 == 1;
     if (bad) broken.poses[2].p.y = step < 30 ? infinity : -std::nan("");
     if (bad) broken.poses[7].R.xx = std::nan("");
     tree.update(broken.poses);
-    // What is left: the others.
+    // Expected: the closest pair of the remaining bodies.
     NearPair expected;
     expected.near.distance = infinity;
     PairCache cache;
@@ -293,11 +294,11 @@ TEST(SuperiorTree, BodiesAtPosesThatAreNotFiniteAreLeftOut) {
   }
 }
 
-TEST(SuperiorTree, FewBodiesOrNone) {
+TEST(SuperiorTree, EmptyTreeAndSingleBodyHaveNoPairs) {
   SuperiorTree none{std::span<const TreeBody>{}};
   none.update({});
   World w(1, 1, 1, 1);
-  Closed f(w);
+  ClosedForms f(w);
   std::vector<NearPair> found;
   PairsWithin within({});
   within.find(none, 1, f, found);
@@ -306,17 +307,17 @@ TEST(SuperiorTree, FewBodiesOrNone) {
   one.update(w.poses);
   within.find(one, 1, f, found);
   EXPECT_TRUE(found.empty());
-  NearestPair self(0, 0), other(0, 3);
+  ClosestPair self(0, 0), other(0, 3);
   EXPECT_EQ(self.find(one, f).bodies.a, -1);
   EXPECT_EQ(other.find(one, f).near.distance, infinity);
 }
 
-TEST(SuperiorTree, FarFromTheOriginAndAfterLongWays) {
+TEST(SuperiorTree, ExactFarFromTheOriginAndAfterLongTravel) {
   World w(21, 2, 10, 1.0);
   for (Pose& X : w.poses) X.p += {3e4, -2e4, 1e4};
   SuperiorTree tree(w.bodies);
-  NearestPair query(0, 1);
-  Closed f(w);
+  ClosestPair query(0, 1);
+  ClosedForms f(w);
   for (int step = 0; step < 400; ++step) {
     for (std::size_t i = 0; i < w.poses.size(); ++i) w.poses[i].p += Vec3{900.0 + (i % 2 == 0 ? 0.01 : 0.0), 0, 0};
     tree.update(w.poses);

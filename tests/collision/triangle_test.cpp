@@ -1,5 +1,5 @@
-// Distance of two triangles, certified by its own witnesses: they lie on the triangles (so the distance is not too small) and the
-// plane between them separates the triangles (so it is not too great).
+// Distance of two triangles, certified by its closest points: they are on the triangles (so the distance is not too small), and the slab
+// between them separates the triangles (so the distance is not too large).
 
 #include "ugoki/collision/triangle_distance.h"
 
@@ -22,10 +22,10 @@ double size_of(const TriangleCorners& a, const TriangleCorners& b) {
   return size;
 }
 
-using Long = Vec3T<long double>;  // 64 bits: the normal of a needle needs them
+using Long = Vec3T<long double>;  // 64-bit mantissa, for the normals of needles
 Long to_long(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-/// Distance of p from the triangle by projection on its plane and sides, each written out.
+/// Distance of a point from a triangle by projection on its plane and on each side.
 double distance_from(const TriangleCorners& triangle, const Vec3& point) {
   const Long t[3] = {to_long(triangle[0]), to_long(triangle[1]), to_long(triangle[2])}, p = to_long(point);
   long double best2 = 1e300L;
@@ -39,7 +39,7 @@ double distance_from(const TriangleCorners& triangle, const Vec3& point) {
   if (dot(n, n) > 0) {
     bool inside = true;
     for (std::size_t k = 0; k < 3; ++k) inside = inside && dot(cross(n, t[(k + 1) % 3] - t[k]), p - t[k]) >= 0;
-    // The normal of a needle is known to rounding over its thinness: what that can hide is not counted as an error.
+    // The normal of a needle is inaccurate by rounding divided by its relative thickness. This part of the height is not counted.
     const Long up = n * (dot(n, p - t[0]) / dot(n, n));
     const long double longest =
         std::sqrt(std::max({dot(t[1] - t[0], t[1] - t[0]), dot(t[2] - t[1], t[2] - t[1]), dot(t[0] - t[2], t[0] - t[2])}));
@@ -49,7 +49,7 @@ double distance_from(const TriangleCorners& triangle, const Vec3& point) {
   return static_cast<double>(std::sqrt(best2));
 }
 
-/// By how much the distance is proved wrong, by its witnesses and its separating plane, as a part of the greatest coordinate.
+/// Error of a distance that its closest points and its separating slab prove, as a fraction of the maximum coordinate.
 double proved_error(const TriangleCorners& a, const TriangleCorners& b, const TriangleDistance& d) {
   const double size = size_of(a, b), reach = size + norm(a[0]);
   const double error = std::max({distance_from(a, d.pa), distance_from(b, d.pb), std::fabs(norm(d.pa - d.pb) - d.distance)});
@@ -58,7 +58,7 @@ double proved_error(const TriangleCorners& a, const TriangleCorners& b, const Tr
   double lower = 1e300;
   for (const Vec3& v : a)
     for (const Vec3& w : b) lower = std::min(lower, dot(n, v - w));
-  // The normal is known as well as the witnesses are, over the distance; it stands on arms as long as the triangles.
+  // The error of the normal is that of the closest points divided by the distance; its effect grows with the size of the triangles.
   const double known = 1e-15 * reach * std::max(1.0, size / d.distance);
   return std::max(error, d.distance - lower - known) / reach;
 }
@@ -72,7 +72,7 @@ TriangleCorners random_triangle(Random& random, double size) {
   }
 }
 
-TEST(Triangle, CertifiedInAllPositions) {
+TEST(Triangle, DistanceIsCertifiedInAllPositions) {
   Random random(31);
   double worst = 0;
   int meeting = 0;
@@ -80,7 +80,7 @@ TEST(Triangle, CertifiedInAllPositions) {
     const double size = std::pow(10.0, random.in(-3, 3));
     const Vec3 offset = random.below(4) == 0 ? random.unit() * 1000 : Vec3{};
     TriangleCorners a = random_triangle(random, size), b = random_triangle(random, size);
-    if (random.below(3) == 0) {  // parallel to a, in part in its plane
+    if (random.below(3) == 0) {  // parallel to a, partly in its plane
       const Vec3 moved = random.below(2) == 0 ? (a[1] - a[0]) * random.in(-2, 2) : random.vec(size);
       for (std::size_t k = 0; k < 3; ++k) b[k] = a[k] * random.in(0.999999, 1.000001) + moved;
     }
@@ -104,7 +104,7 @@ TEST(Triangle, CertifiedInAllPositions) {
 TEST(Triangle, PiercingIsExactlyZero) {
   Random random(32);
   for (int i = 0; i < 20000; ++i) {
-    // The first side of b passes through a's inside: not near a's sides, not near its own ends.
+    // The first side of b pierces the interior of a, away from the sides of a and from its own ends.
     TriangleCorners a = random_triangle(random, 1);
     for (Vec3& v : a) v = random.vec(1);
     const Vec3 n = cross(a[1] - a[0], a[2] - a[0]);
@@ -121,8 +121,8 @@ TEST(Triangle, PiercingIsExactlyZero) {
   }
 }
 
-// Gaps from 1 to 1e-6 and 0 between parallel faces, crossing sides, a corner over a face; scaled, turned and far away.
-TEST(Triangle, KnownGaps) {
+// Gaps from 1 to 1e-6, and 0, between parallel faces, crossing sides, and a corner and a face; at several scales and offsets.
+TEST(Triangle, KnownGapsAreExact) {
   Random random(33);
   for (const double gap : {1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 0.0})
     for (const double scale : {1e-3, 1.0, 1e3})
@@ -146,7 +146,7 @@ TEST(Triangle, KnownGaps) {
         }
 }
 
-TEST(Triangle, WithoutAreaAndWithoutExtent) {
+TEST(Triangle, DegenerateTriangles) {
   const Vec3 p{1, 2, 3}, e{1, 0, 0};
   const TriangleCorners point{p, p, p}, segment{p, p + e, p + e * 0.5}, flat{Vec3{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
   EXPECT_NEAR(triangle_distance(point, flat).distance, 3, 1e-15);

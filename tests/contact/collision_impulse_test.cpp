@@ -29,7 +29,7 @@ MechanismPtr pendulum(double length, double mass, double radius) {
   return Mechanism::make(std::move(spec)).value();
 }
 
-TEST(CollisionImpulse, TwoBallsAsInTheClosedForm) {
+TEST(CollisionImpulse, TwoBallsMatchClosedForm) {
   for (const double e : {1.0, 0.6, 0.0}) {
     Party party;
     const MechanismPtr a = body("a", Shape::sphere(0.1), 1000), b = body("b", Shape::sphere(0.2), 700);
@@ -50,7 +50,7 @@ TEST(CollisionImpulse, TwoBallsAsInTheClosedForm) {
   }
 }
 
-TEST(CollisionImpulse, ABallOnAPendulumAsInTheClosedForm) {
+TEST(CollisionImpulse, BallAgainstPendulumMatchesClosedForm) {
   Party party;
   const double l = 0.8, m = 2, r = 0.1;
   const MechanismPtr bob = pendulum(l, m, r), ball = body("ball", Shape::sphere(r), 900);
@@ -67,8 +67,8 @@ TEST(CollisionImpulse, ABallOnAPendulumAsInTheClosedForm) {
   EXPECT_NEAR(party.states[1].v[3], 2 - p / ball->mass(), 1e-12);
 }
 
-/// k balls swing in from the left: k balls leave on the right.
-TEST(CollisionImpulse, NewtonsCradleOfFive) {
+/// If k balls arrive from the left, k balls leave on the right.
+TEST(CollisionImpulse, NewtonsCradleOfFiveBalls) {
   for (int k = 1; k <= 4; ++k) {
     Party party;
     std::vector<ContactPoint> contacts;
@@ -88,9 +88,9 @@ TEST(CollisionImpulse, NewtonsCradleOfFive) {
   }
 }
 
-/// Balls of one mass in a row, several pairs approaching at once: one collision after the other only ever exchanges two velocities, so
-/// that at the end they are sorted. All collisions at once would give velocities that nobody had before.
-TEST(CollisionImpulse, TouchingBallsOfOneMassSortTheirVelocities) {
+/// Balls of equal mass in a row, with several pairs approaching. Each sequential collision exchanges two velocities, so that in the end the
+/// velocities are sorted. Simultaneous collisions would produce velocities that no ball had before.
+TEST(CollisionImpulse, TouchingBallsOfEqualMassSortTheirVelocities) {
   RandomSource random(3);
   const MechanismPtr ball = body("ball", Shape::sphere(0.1), 1000);
   for (int round = 0; round < 50; ++round) {
@@ -110,7 +110,7 @@ TEST(CollisionImpulse, TouchingBallsOfOneMassSortTheirVelocities) {
   }
 }
 
-TEST(CollisionImpulse, ABoxThatLandsFlatRisesFlatHoweverManyCornersItHas) {
+TEST(CollisionImpulse, BoxLandingFlatReboundsWithoutRotation) {
   Party party;
   const MechanismPtr box = body("box", Shape::box({0.2, 0.1, 0.05}), 500);
   party.add(box, State(*box));
@@ -136,7 +136,7 @@ TEST(CollisionImpulse, ElasticCollisionsOfRandomMechanismsConserveEnergyAndMomen
       const ImpactReport report = party.collide(party.contacts, {0, 0, false});
       ASSERT_EQ(report.status, ImpactStatus::ok) << "seed " << seed << " kind " << kind;
       EXPECT_NEAR(party.energy(), energy, 1e-12 * energy) << "seed " << seed << " kind " << kind;
-      const bool free = std::ranges::none_of(party.loops, [](const auto& l) {  // nothing holds on to the world
+      const bool free = std::ranges::none_of(party.loops, [](const auto& l) {  // no loop is attached to the world
         return l && std::ranges::any_of(l->loops(), [](const Loop& x) { return x.link_a < 0 || x.link_b < 0; });
       });
       const Vec6 change = party.momentum() - momentum;
@@ -164,15 +164,15 @@ TEST(CollisionImpulse, PlasticCollisionsEndWithoutApproach) {
   }
 }
 
-/// The paper's matrices, dense: M_G = H^T M H and J H.
-TEST(CollisionImpulse, ClosedSystemsAnswerAsTheirGeneralizedInertiaSays) {
+/// Compares with the paper's matrices M_G = H^T M H and J H, calculated as dense matrices.
+TEST(CollisionImpulse, ClosedSystemsMatchGeneralizedInertia) {
   RandomSource random(5);
   int compared = 0;
   for (unsigned seed = 1; seed < 30; ++seed) {
     RandomParty party(random, seed, 1, 0.7, false, 1, true);
     ContactPoint& c = party.contacts[0];
     if (party.approach(c) < 0) c.n = -c.n;
-    double open = 0;  // what is left of J v: rows that follow from others only nearly are not for this comparison
+    double open = 0;  // m/s | rad/s: maximum |J v| of the loops; cases with nearly dependent rows are skipped
     for (std::size_t i = 0; i < party.loops[0]->loops().size(); ++i) {
       dynamics::LoopRows rows(party.loops[0]->loops());
       dynamics::update_loop_rows(*party.mechanisms[0], *party.workspaces[0], party.loops[0]->loops(), party.states[0].q, party.states[0].v,
@@ -189,7 +189,7 @@ TEST(CollisionImpulse, ClosedSystemsAnswerAsTheirGeneralizedInertiaSays) {
     if (open > 1e-9) continue;
     ++compared;
     const double u = -party.approach(c);
-    // v' of the closed system minimises kinetic energy of the change under J_loops dv = 0: solved with dense multipliers.
+    // v' of the closed system minimises the kinetic energy of the change dv subject to J_loops dv = 0. Solved here on a dense basis H.
     double inverse_mass = 0;
     std::vector<std::vector<double>> response(2);
     for (std::size_t s = 0; s < 2; ++s) {
@@ -273,8 +273,8 @@ TEST(CollisionImpulse, ClosedSystemsAnswerAsTheirGeneralizedInertiaSays) {
   EXPECT_GE(compared, 20);
 }
 
-/// Five pendulums side by side in the stepper: the outer ones swing in turn.
-TEST(CollisionImpulse, ACradleSwingsInTheStepper) {
+/// Five adjacent pendulums in the stepper: the first and the last swing alternately.
+TEST(CollisionImpulse, CradleSwingsInTheStepper) {
   std::vector<MechanismPtr> balls;
   for (int i = 0; i < 5; ++i) {
     MechanismSpec spec = pendulum(1, 1, 0.1)->spec();

@@ -6,7 +6,7 @@
 namespace ugoki::contact {
 namespace {
 
-TEST(ContactEvents, ABouncingBallTouchesWithTheImpulseOfItsMomentum) {
+TEST(ContactEvents, BouncingBallReportsImpulseOfItsMomentum) {
   Shape shape = Shape::sphere(0.1);
   shape.restitution = 0.5;
   World w({body("ball", shape, 500)}, {}, {});
@@ -26,7 +26,7 @@ TEST(ContactEvents, ABouncingBallTouchesWithTheImpulseOfItsMomentum) {
   EXPECT_EQ(seen[0].touch.link_a, 0);
   EXPECT_EQ(seen[0].touch.system_b, -1);
   EXPECT_NEAR(seen[0].touch.point.z, 0, 5e-3);
-  EXPECT_EQ(events.touches().size(), 1U) << "it lies on the ground";
+  EXPECT_EQ(events.touches().size(), 1U) << "the ball rests on the ground";
   EXPECT_EQ(seen.size() % 2, 1U);
   EXPECT_GT(events.touches()[0].duration, 0.5);
 }

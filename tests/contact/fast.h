@@ -1,5 +1,5 @@
 #pragma once
-// A world of fast things without gravity, for the tests that nothing passes anything.
+// A world of fast bodies without gravity, for tests that no body passes through another.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 
 namespace ugoki::contact {
 
-/// A ball, box, capsule, cylinder, ellipsoid or hull of some `r` [m].
+/// A random ball, box, capsule, cylinder, ellipsoid or hull; r [m] sets its size.
 inline Shape any_shape(testing::RandomSource& random, double r) {
   std::vector<Vec3> points;
   for (int k = 0; k < 16; ++k) points.push_back(random.direction() * (2 * r));
@@ -26,7 +26,7 @@ inline Shape any_shape(testing::RandomSource& random, double r) {
   return shapes[random.below(6)];
 }
 
-/// Steps as the LSIs do: contacts by distance, those of fast things, the guarded step.
+/// Steps as the dynamics LSI does: contacts by distance, swept contacts, guarded step.
 struct Fast {
   World w;
   SweptContacts swept;
@@ -47,7 +47,7 @@ struct Fast {
     swept.add(motions, w.spans, dt, 0.02, w.contacts);
     ASSERT_EQ(guard.step(w.systems, w.contacts, dt).status, StepStatus::ok);
   }
-  /// A plate that turns by radians in a step may have any side anywhere afterwards.
+  /// Whether body s turns by less than 1 rad in a step. For a plate that turns further, the side of a body is not defined.
   [[nodiscard]] bool turns_little(std::size_t s, double dt) const {
     const std::vector<double>& v = w.states[s].v;
     return v.size() < 6 || dt * norm(Vec3{v[0], v[1], v[2]}) < 1;

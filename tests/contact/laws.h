@@ -1,5 +1,5 @@
 #pragma once
-// The laws of contact, checked on what a step gives.
+// Checks the results of a step against the laws of unilateral contact and Coulomb friction.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,9 @@
 
 namespace ugoki::contact {
 
-/// Velocities after a step at the contacts before it, and forces. Nothing may turn fast: what does moves on after contacts have acted.
+/// Checks the velocities after a step at the contacts before it, and the contact forces. No system may have moved in inertial substeps,
+/// because these change the velocities after the contacts have acted.
+/// @param tolerance m/s
 inline void check_laws(World& w, double dt, double tolerance) {
   std::vector<dynamics::Workspace> before;
   for (int s = 0; s < w.stepper.system_count(); ++s) before.push_back(w.stepper.workspace(s));
@@ -43,7 +45,7 @@ inline void check_laws(World& w, double dt, double tolerance) {
       EXPECT_GT(un - wanted, -tolerance - 1e-3 * pn * inverse_mass) << i;
       if (pn * inverse_mass > tolerance) EXPECT_LT(un - wanted, tolerance) << i;
     }
-    if (norm(ut) > 100 * tolerance && pn * inverse_mass > 100 * tolerance) {  // slides: full friction against it
+    if (norm(ut) > 100 * tolerance && pn * inverse_mass > 100 * tolerance) {  // sliding: friction has its maximum and is opposed to u_t
       EXPECT_NEAR(norm(pt), c.friction * pn, 1e-2 * c.friction * pn + tolerance / inverse_mass) << i;
       EXPECT_LT(dot(pt, ut), -0.99 * norm(pt) * norm(ut)) << i;
     }

@@ -1,4 +1,4 @@
-// Chains and rings of links among contacts: their energy, the laws of contact, falls.
+// Chains and rings of links with contacts: energy, the laws of contact, falling.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace ugoki::contact {
 namespace {
 
-/// Free chains, chains with limited joints and rings that loops close, of capsules, fall onto the ground and each other.
+/// A heap of capsule chains with free joints, chains with limited joints, and rings closed by loops, above the ground.
 World linked_heap(int count, unsigned seed, bool limited) {
   testing::RandomSource random(seed);
   std::vector<MechanismPtr> systems;
@@ -32,8 +32,8 @@ World linked_heap(int count, unsigned seed, bool limited) {
       l.joint.axis = {0, 0, 1};
       if (i % 3 == 1 && k > 0 && limited) {
         l.joint.axis = random.direction();
-        l.joint.freedoms[0].lower = -0.5;
-        l.joint.freedoms[0].upper = 0.7;
+        l.joint.dofs[0].lower = -0.5;
+        l.joint.dofs[0].upper = 0.7;
       }
       const Shape shape = Shape::capsule(0.03, {0.04, 0, 0}, {length - 0.04, 0, 0});
       l.inertia = solid_inertia(shape, random.uniform(300, 1000));
@@ -64,7 +64,7 @@ World linked_heap(int count, unsigned seed, bool limited) {
   return w;
 }
 
-/// J
+/// J: kinetic and potential energy of all systems.
 double energy_of(const World& w) {
   double sum = 0;
   for (std::size_t s = 0; s < w.states.size(); ++s) {
@@ -76,7 +76,7 @@ double energy_of(const World& w) {
   return sum;
 }
 
-TEST(Linked, ChainsAndRingsThatNothingDampsNeitherWhirlUpNorDie) {
+TEST(Linked, UndampedChainsAndRingsKeepTheirEnergyWithinBounds) {
   StepperOptions options;
   options.gravity = {};
   for (const double dt : {0.002, 1.0 / 60})
@@ -90,27 +90,27 @@ TEST(Linked, ChainsAndRingsThatNothingDampsNeitherWhirlUpNorDie) {
           w.states[0].q = heap.states[static_cast<std::size_t>(i)].q;
           testing::RandomSource random(seed);
           for (double& x : w.states[0].v) x = random.uniform(-spin, spin);
-          ASSERT_EQ(w.step(dt).status, StepStatus::ok);  // rings close
+          ASSERT_EQ(w.step(dt).status, StepStatus::ok);  // the first step closes the rings
           const double begin = energy_of(w);
-          double most = 0, least = 1e300;
+          double maximum = 0, minimum = 1e300;
           for (double t = 0; t < 5; t += dt) {
             ASSERT_EQ(w.step(dt).status, StepStatus::ok) << "spin " << spin << " dt " << dt << " family " << i << " at " << t;
-            most = std::max(most, energy_of(w) / begin);
-            least = std::min(least, energy_of(w) / begin);
+            maximum = std::max(maximum, energy_of(w) / begin);
+            minimum = std::min(minimum, energy_of(w) / begin);
           }
-          EXPECT_LT(most, 1.25) << "spin " << spin << " dt " << dt << " family " << i << " seed " << seed;
-          EXPECT_GT(least, 0.8) << "spin " << spin << " dt " << dt << " family " << i << " seed " << seed;
+          EXPECT_LT(maximum, 1.25) << "spin " << spin << " dt " << dt << " family " << i << " seed " << seed;
+          EXPECT_GT(minimum, 0.8) << "spin " << spin << " dt " << dt << " family " << i << " seed " << seed;
         }
       }
 }
 
-TEST(Linked, ObeyTheLawsOfContactToo) {
+TEST(Linked, ContactsObeyUnilateralContactAndCoulomb) {
   World w = linked_heap(9, 5, true);
   const auto fastest = [&] {
-    double most = 0;
+    double maximum = 0;
     for (const State& s : w.states)
-      for (const double x : s.v) most = std::max(most, std::fabs(x));
-    return most;
+      for (const double x : s.v) maximum = std::max(maximum, std::fabs(x));
+    return maximum;
   };
   int checked = 0;
   for (int i = 0; i < 1500; ++i) {
@@ -118,7 +118,8 @@ TEST(Linked, ObeyTheLawsOfContactToo) {
     const StepReport report = w.step(0.002);
     ASSERT_EQ(report.status, StepStatus::ok);
     ASSERT_LT(report.loop_gap, 1e-9);
-    if (report.residual > 1e-7 || std::max(before, fastest()) > 9) continue;  // what is faster moves on after contacts have acted
+    if (report.residual > 1e-7 || std::max(before, fastest()) > 9)
+      continue;  // faster systems move in inertial substeps after the contacts have acted
     check_laws(w, 0.002, 1e-4);
     if (HasFailure()) FAIL() << "step " << i;
     ++checked;
@@ -132,17 +133,17 @@ TEST(Linked, FallAndComeToRest) {
       World w = linked_heap(9, seed, true);
       GuardedStep guard(w.scene, w.stepper);
       const double begin = energy_of(w);
-      double most = 0, lowest = 0;
+      double maximum = 0, lowest = 0;
       for (double t = 0; t < 3; t += dt) {
         w.find();
         const StepReport report = guard.step(w.systems, w.contacts, dt);
         ASSERT_EQ(report.status, StepStatus::ok);
         ASSERT_LT(report.loop_gap, 1e-9);
         lowest = std::min(lowest, w.lowest());
-        most = std::max(most, energy_of(w) / begin);
+        maximum = std::max(maximum, energy_of(w) / begin);
       }
       EXPECT_GT(lowest, -1e-3) << "dt " << dt << " seed " << seed;
-      EXPECT_LT(most, 1.001) << "dt " << dt << " seed " << seed;
+      EXPECT_LT(maximum, 1.001) << "dt " << dt << " seed " << seed;
       EXPECT_LT(energy_of(w), 0.03 * begin) << "dt " << dt << " seed " << seed;
     }
 }

@@ -1,4 +1,4 @@
-// Closed link systems among contacts.
+// Closed link systems in the stepper, with and without contacts.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,9 @@ LinkSpec bar(const std::string& name, const std::string& parent, const Vec3& at,
   return l;
 }
 
-/// Four bars, closed as a square where they are equal and q = (.., pi/2, pi/2, pi/2); the last pin is a loop, or a virtual link.
+/// Four bars in a ring. With equal lengths and q = (.., pi/2, pi/2, pi/2) they form a closed square. The last pin is a loop, or a virtual
+/// link.
+/// @param third m: length of the third bar
 MechanismSpec square(bool virtual_link, JointType base, double third = 0.4) {
   MechanismSpec spec;
   spec.name = "square";
@@ -83,9 +85,9 @@ struct Simulation {
   static constexpr double pi = 3.14159265358979323846;
 };
 
-TEST(StepperLoops, AClosedChainMovesAsItsOwnDynamicsSay) {
-  // Pinned at one corner, the bars unequal, so that its angles are not proportional; against the integrators' closed system at a
-  // first-order distance.
+TEST(StepperLoops, ClosedChainMatchesClosedDynamics) {
+  // Pinned at one corner, with unequal bars, so that the angles are not proportional. The error against the integrators' closed system must
+  // be of first order in the step.
   Simulation sim(square(false, JointType::revolute, 0.5));
   sim.state.q[0] = 0.6;
   dynamics::OpenSystemOptions options;
@@ -99,22 +101,22 @@ TEST(StepperLoops, AClosedChainMovesAsItsOwnDynamicsSay) {
   ASSERT_EQ(integrator.advance(0.3).status, dynamics::IntegrationStatus::reached);
   double difference[2] = {};
   for (const int refined : {1, 4}) {
-    Simulation again(square(false, JointType::revolute, 0.5));
-    again.state.q = q;
+    Simulation stepped(square(false, JointType::revolute, 0.5));
+    stepped.state.q = q;
     const double dt = 1e-3 / refined;
     for (int i = 0; i < 300 * refined; ++i) {
-      const StepReport report = again.step(dt, false);
+      const StepReport report = stepped.step(dt, false);
       ASSERT_EQ(report.status, StepStatus::ok);
       ASSERT_LT(report.loop_gap, 1e-12);
     }
     double& worst = difference[refined == 1 ? 0 : 1];
-    for (std::size_t i = 0; i < q.size(); ++i) worst = std::max(worst, std::fabs(again.state.q[i] - integrator.q()[i]));
+    for (std::size_t i = 0; i < q.size(); ++i) worst = std::max(worst, std::fabs(stepped.state.q[i] - integrator.q()[i]));
   }
   EXPECT_LT(difference[0], 0.02);
-  EXPECT_GT(difference[0] / difference[1], 3) << "first order in the step";
+  EXPECT_GT(difference[0] / difference[1], 3) << "the error should be of first order in the step";
 }
 
-TEST(StepperLoops, RandomClosedMechanismsMoveAsTheirOwnDynamicsSayToFirstOrder) {
+TEST(StepperLoops, RandomClosedMechanismsMatchClosedDynamicsToFirstOrder) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     const testing::RandomLoops closed(seed);
     testing::RandomSource same(seed), random(seed + 1000);
@@ -158,7 +160,7 @@ TEST(StepperLoops, RandomClosedMechanismsMoveAsTheirOwnDynamicsSayToFirstOrder) 
   }
 }
 
-TEST(StepperLoops, AFrameFallsAndComesToRest) {
+TEST(StepperLoops, ClosedFrameFallsAndComesToRest) {
   for (const bool virtual_link : {false, true}) {
     Simulation sim(square(virtual_link, JointType::floating));
     sim.state.q[2] = 0.8;
@@ -171,7 +173,7 @@ TEST(StepperLoops, AFrameFallsAndComesToRest) {
     EXPECT_LT(gap, 1e-12);
     double speed = 0;
     for (const double x : sim.state.v) speed = std::max(speed, std::fabs(x));
-    EXPECT_LT(speed, 0.05) << "it lies";
+    EXPECT_LT(speed, 0.05) << "the frame should be at rest";
     EXPECT_FALSE(sim.contacts.empty());
     for (const collision::ContactPoint& c : sim.contacts) EXPECT_GT(c.distance, -2e-3);
     Vec3 force;
@@ -180,7 +182,8 @@ TEST(StepperLoops, AFrameFallsAndComesToRest) {
   }
 }
 
-/// A door that hangs on an oblique axis; a second hinge up the axis, as a loop, says nothing new, so that every row of its is rounding.
+/// A door on an oblique hinge axis. An optional loop is a second hinge on the same axis. It is redundant, so that its rows are only
+/// rounding.
 MechanismSpec door(std::optional<LoopType> second) {
   MechanismSpec spec;
   spec.name = "door";
@@ -200,7 +203,7 @@ MechanismSpec door(std::optional<LoopType> second) {
   return spec;
 }
 
-TEST(StepperLoops, ARingThatBeginsOpenClosesWithoutABang) {
+TEST(StepperLoops, OpenRingClosesAtBoundedSpeed) {
   Simulation sim(square(false, JointType::revolute, 0.5));
   sim.state.q = {0.6, 1.2, 1.9, 1.3};
   double gap = 1, fastest = 0;
@@ -214,7 +217,7 @@ TEST(StepperLoops, ARingThatBeginsOpenClosesWithoutABang) {
   EXPECT_LT(fastest, 6) << "rad/s";
 }
 
-TEST(StepperLoops, AHingeThatSaysNothingNewChangesNothing) {
+TEST(StepperLoops, RedundantHingeHasNoEffect) {
   for (const LoopType type : {LoopType::ball, LoopType::revolute, LoopType::cylindrical}) {
     Simulation with(door(type)), without(door({}));
     with.state.q[0] = without.state.q[0] = 0.8;
@@ -223,11 +226,11 @@ TEST(StepperLoops, AHingeThatSaysNothingNewChangesNothing) {
       ASSERT_EQ(without.step(2e-3, false).status, StepStatus::ok);
       ASSERT_NEAR(with.state.q[0], without.state.q[0], 1e-9) << i << " type " << static_cast<int>(type);
     }
-    EXPECT_GT(std::fabs(with.state.q[0] - 0.8), 0.3) << "it swings";
+    EXPECT_GT(std::fabs(with.state.q[0] - 0.8), 0.3) << "the door should swing";
   }
 }
 
-TEST(StepperLoops, JointsThatLoopsOfTheirKindDoubleMoveAsWithoutThem) {
+TEST(StepperLoops, LoopsThatDuplicateJointsHaveNoEffect) {
   for (unsigned seed = 1; seed <= 500; ++seed) {
     testing::RandomSource random(seed);
     const double away = std::pow(10.0, random.below(4));
@@ -243,21 +246,22 @@ TEST(StepperLoops, JointsThatLoopsOfTheirKindDoubleMoveAsWithoutThem) {
     std::vector<double> a(before.v.size()), b(before.v.size());
     ASSERT_EQ(closed.calc_acceleration(0, before.q, before.v, a), -1) << seed;
     ASSERT_EQ(open.calc_acceleration(0, before.q, before.v, b), -1) << seed;
-    double most = 1;  // m/s^2 | rad/s^2
-    for (const double x : b) most = std::max(most, std::fabs(x));
-    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-9 * most * away) << "seed " << seed << " freedom " << i;
+    double maximum = 1;  // m/s^2 | rad/s^2
+    for (const double x : b) maximum = std::max(maximum, std::fabs(x));
+    for (std::size_t i = 0; i < a.size(); ++i)
+      ASSERT_NEAR(a[i], b[i], 1e-9 * maximum * away) << "seed " << seed << " degree of freedom " << i;
 
     ASSERT_EQ(with.step(1e-3, false).status, StepStatus::ok) << seed;
     ASSERT_EQ(without.step(1e-3, false).status, StepStatus::ok) << seed;
     double change = 1;  // m/s | rad/s
     for (std::size_t i = 0; i < before.v.size(); ++i) change = std::max(change, std::fabs(without.state.v[i] - before.v[i]));
     for (std::size_t i = 0; i < before.v.size(); ++i)
-      ASSERT_NEAR(with.state.v[i], without.state.v[i], 1e-9 * change * away) << "seed " << seed << " freedom " << i;
+      ASSERT_NEAR(with.state.v[i], without.state.v[i], 1e-9 * change * away) << "seed " << seed << " degree of freedom " << i;
   }
 }
 
-TEST(StepperLoops, AWatchAndACraneInOneMechanismBothStayClosed) {
-  // Two closed squares of bars side by side, a hundred thousand times as large the one as the other, move as each does alone.
+TEST(StepperLoops, LoopsOfVeryDifferentScaleStayClosedInOneMechanism) {
+  // Two closed squares of bars in one mechanism, one a hundred thousand times larger than the other, must move as each does alone.
   const auto scaled = [](double size, const std::string& name) {
     MechanismSpec spec = square(false, JointType::revolute, 0.5);
     for (LinkSpec& l : spec.links) {
@@ -314,7 +318,8 @@ TEST(StepperLoops, AWatchAndACraneInOneMechanismBothStayClosed) {
 }
 
 TEST(StepperLoops, CoupledGearsTurnTogether) {
-  // Two gears share the middle wheel. Their rows are constant, so that velocities hold as exactly as positions.
+  // Two gears share the middle wheel b. The constraint rows of linear gears do not depend on the positions, so positions and velocities
+  // both satisfy the gear ratios to rounding error.
   MechanismSpec spec;
   spec.name = "gears";
   spec.links = {bar("a", "", {0, 0, 0}, 0.4), bar("b", "", {1, 0, 0}, 0.2), bar("c", "", {2, 0, 0}, 0.3)};

@@ -1,5 +1,5 @@
 #pragma once
-// Systems that collide, for the tests of the paper's impulse: made by hand, or random trees and loops.
+// Colliding systems for the tests of the paper's impulse: built by hand, or random trees and loops.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace ugoki::contact {
 using collision::ContactPoint;
 using testing::RandomSource;
 
-/// Systems with their states, ready for impacts.
+/// Systems with their states, prepared for CollisionImpulse.
 struct Party {
   std::vector<MechanismPtr> mechanisms;
   std::vector<State> states;
@@ -44,7 +44,7 @@ struct Party {
     update();
     return report;
   }
-  double energy() {  // v^T M v / 2, armatures included
+  double energy() {  // J: v^T M v / 2, including armatures
     update();
     double sum = 0;
     for (std::size_t i = 0; i < mechanisms.size(); ++i) {
@@ -83,7 +83,7 @@ inline ContactPoint between(int a, int link_a, int b, int link_b, const Vec3& p,
   return c;
 }
 
-/// Random trees, loops and free bodies that touch at random points.
+/// Random trees, closed systems and free bodies that touch at random points.
 struct RandomParty : Party {
   std::vector<ContactPoint> contacts;
 
@@ -92,7 +92,7 @@ struct RandomParty : Party {
       const bool closed = kind == 2 || (kind == 1 && side == 0);
       if (closed) {
         testing::RandomLoops r(seed + static_cast<unsigned>(side) * 1000);
-        r.m = *Mechanism::make(testing::without_armature(r.m->spec()));  // rotors keep some momentum for themselves
+        r.m = *Mechanism::make(testing::without_armature(r.m->spec()));  // armatures store momentum that link momentum does not include
         std::vector<Loop> some;
         if (one_loop) some.push_back(r.loops[seed % r.loops.size()]);
         for (std::size_t i = 0; i < r.loops.size() && !one_loop; i += 3)

@@ -1,4 +1,4 @@
-// Nothing passes anything, however fast, thin and free to move: balls and plates, several plates, blades.
+// No body passes through another, however fast, thin or free to move: balls and plates, several plates, blades.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace ugoki::contact {
 namespace {
 
-/// On which side of plate `plate` body `s` is: -1, 1; 0 where it is beyond its edges.
+/// Side of plate `plate` on which body `s` is: -1 or 1; 0 if the body is beyond the plate's edges.
 int side_of(Fast& f, std::size_t s, std::size_t plate, double half) {
   const Vec3 at = f.pose(plate).inverse() * f.pose(s).p;
   if (std::max(std::fabs(at.y), std::fabs(at.z)) > half) return 0;
@@ -29,9 +29,9 @@ int balls_through_free_plates(std::span<const double> speeds, std::span<const do
                 Shape ball = Shape::sphere(radius), sheet = Shape::box({t / 2, 0.5, 0.5});
                 ball.restitution = sheet.restitution = e;
                 Fast f({body("ball", ball, 8000), body("plate", sheet, 7800)});
-                const Vec3 way{std::cos(slant), 0.6 * std::sin(slant), 0.8 * std::sin(slant)};
-                put(f.w.states[0], Vec3{-t / 2 - radius, 0.1, -0.07} - way * (0.8 * std::max(1.0, spin == 0 ? 1.0 : speed * 1e-4)));
-                for (int k = 0; k < 3; ++k) f.w.states[0].v[static_cast<std::size_t>(3 + k)] = speed * way[k];
+                const Vec3 direction{std::cos(slant), 0.6 * std::sin(slant), 0.8 * std::sin(slant)};
+                put(f.w.states[0], Vec3{-t / 2 - radius, 0.1, -0.07} - direction * (0.8 * std::max(1.0, spin == 0 ? 1.0 : speed * 1e-4)));
+                for (int k = 0; k < 3; ++k) f.w.states[0].v[static_cast<std::size_t>(3 + k)] = speed * direction[k];
                 f.w.states[1].v[1] = spin;
                 ++cases;
                 int side = -1;
@@ -65,7 +65,7 @@ TEST(Slow_Passage, BallsDoNotPassFreePlates) {
   EXPECT_GT(checked, 4 * cases);
 }
 
-/// Anything that turns, at plates that turn, from anywhere.
+/// Shoots random rotating bodies at rotating plates from random directions. @return number of bodies that passed through a plate
 int passages_of_random_bodies(int count, unsigned seed) {
   testing::RandomSource random(seed);
   int passed = 0;
@@ -79,12 +79,12 @@ int passages_of_random_bodies(int count, unsigned seed) {
     Fast f({body("body", shape, random.uniform(500, 8000)), Mechanism::make(std::move(wall)).value()});
     const double steps[] = {1.0 / 60, 1.0 / 120, 0.002, 0.001}, dt = steps[random.below(4)];
     const double lean = random.uniform(-1, 1), turn = random.uniform(-3, 3);
-    const Vec3 way{std::cos(lean), std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn)};
+    const Vec3 direction{std::cos(lean), std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn)};
     const Vec3 target{0, random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)};
-    put(f.w.states[0], target - way * (0.25 + random.uniform(0, 0.2)));
+    put(f.w.states[0], target - direction * (0.25 + random.uniform(0, 0.2)));
     for (int k = 0; k < 3; ++k) {
       f.w.states[0].v[static_cast<std::size_t>(k)] = random.uniform(-50, 50);
-      f.w.states[0].v[static_cast<std::size_t>(3 + k)] = speed * way[k];
+      f.w.states[0].v[static_cast<std::size_t>(3 + k)] = speed * direction[k];
       if (!fixed) f.w.states[1].v[static_cast<std::size_t>(k)] = random.uniform(-3, 3);
     }
     const int side = side_of(f, 0, 1, 1);
@@ -95,8 +95,8 @@ int passages_of_random_bodies(int count, unsigned seed) {
       if (now == 0) break;
       if (now == side) continue;
       ++passed;
-      ADD_FAILURE() << "body " << i << " of seed " << seed << " passed in step " << k << " of " << dt << " s, " << f.guard.parts()
-                    << " parts";
+      ADD_FAILURE() << "body " << i << " of seed " << seed << " passed in step " << k << " of " << dt << " s, " << f.guard.substeps()
+                    << " substeps";
       break;
     }
   }
@@ -122,7 +122,7 @@ TEST(Passage, SwordsDoNotPassFreeBodies) {
             f.w.states[0].v[0] = speed;
             for (int k = 0; k < 60; ++k) {
               f.step(dt);
-              // It is ahead of the blade until it has flown off.
+              // The body stays in front of the blade until it has flown away.
               const Vec3 at = f.pose(0).inverse() * f.pose(1).p;
               if (at.x < 0.15 || at.x > 1.25 || std::fabs(at.z) > 0.02) break;
               if (at.y < 0 && at.y > -0.5) {
@@ -136,7 +136,7 @@ TEST(Passage, SwordsDoNotPassFreeBodies) {
   EXPECT_EQ(passed, 0);
 }
 
-TEST(Passage, ABallDoesNotPassSeveralPlatesInARow) {
+TEST(Passage, BallDoesNotPassSeveralPlatesInARow) {
   for (const double dt : {1.0 / 60, 0.002, 0.001})
     for (const double gap : {0.006, 0.05, 0.3})
       for (const double e : {0.0, 1.0}) {

@@ -1,4 +1,4 @@
-// Stacks, slopes, unequal masses and heaps: the solver at scale, and the laws of contact checked on its results.
+// Stacks, slopes, unequal masses and heaps: larger scenes, and checks of the laws of contact.
 
 #include <gtest/gtest.h>
 
@@ -15,8 +15,9 @@
 namespace ugoki::contact {
 namespace {
 
+/// Maximum displacement of any body since the beginning.
 struct Drift {
-  double across = 0, down = 0;  // m
+  double across = 0, down = 0;  // m: horizontal, vertical
 };
 Drift drift(const World& w, const std::vector<State>& begin) {
   Drift d;
@@ -27,7 +28,7 @@ Drift drift(const World& w, const std::vector<State>& begin) {
   return d;
 }
 
-/// Boxes of 0.2 m on each other, each aside by up to `aside`.
+/// A stack of 0.2 m boxes, each displaced sideways by up to `aside` [m].
 World stack(std::span<const double> densities, double aside) {
   std::vector<MechanismPtr> boxes;
   for (const double d : densities) boxes.push_back(body("box", Shape::box({0.1, 0.1, 0.1}), d));
@@ -56,19 +57,19 @@ void stands(World& w, double seconds, double dt = 0.002) {
 const std::vector<double> ten(10, 500.0), heavy_on_light = {100, 100000}, heavy_on_nine = {100, 100, 100, 100, 100,
                                                                                            100, 100, 100, 100, 1e5};
 
-TEST(Scale, AStackOfTenStands) {
+TEST(Scale, StackOfTenBoxesIsStable) {
   for (const double aside : {0.0, 0.02}) {
     World w = stack(ten, aside);
     stands(w, 5);
   }
 }
-TEST(Scale, AThousandTimesHeavierStandsOnLight) {
+TEST(Scale, BoxAThousandTimesHeavierRestsOnLightBox) {
   World w = stack(heavy_on_light, 0.01);
   stands(w, 5);
   World tower = stack(heavy_on_nine, 0);
   stands(tower, 1);
 }
-TEST(Slow_Scale, AStackOfTenStandsForAMinute) {
+TEST(Slow_Scale, StackOfTenBoxesIsStableForAMinute) {
   for (const double aside : {0.0, 0.02}) {
     World w = stack(ten, aside);
     stands(w, 60);
@@ -77,8 +78,8 @@ TEST(Slow_Scale, AStackOfTenStandsForAMinute) {
   stands(w, 60);
 }
 
-/// Gravity tilted by an angle is a slope: sliding with g (sin - mu cos), or staying, within 1 %.
-TEST(Scale, SlopesAtOnePercentAroundTheAngleOfFriction) {
+/// Tilted gravity acts as a slope: a box slides with g (sin - mu cos) or stays; checked 1 % above and below the friction angle.
+TEST(Scale, BoxSlidesOnlyAboveFrictionAngleWithinOnePercent) {
   for (const double mu : {0.2, 0.5, 1.0}) {
     for (const double part : {0.99, 1.01, 1.5}) {
       Shape shape = Shape::box({0.2, 0.15, 0.05});
@@ -95,13 +96,13 @@ TEST(Scale, SlopesAtOnePercentAroundTheAngleOfFriction) {
       } else {
         const double expected = 0.5 * 9.81 * (std::sin(angle) - mu * std::cos(angle));
         EXPECT_NEAR(moved, expected, 0.01 * expected) << mu << " " << part;
-        EXPECT_NEAR(std::atan2(w.states[0].q[1], w.states[0].q[0]), std::atan2(0.8, 0.6), 1e-4) << "the cone is round";
+        EXPECT_NEAR(std::atan2(w.states[0].q[1], w.states[0].q[0]), std::atan2(0.8, 0.6), 1e-4) << "the friction cone should be isotropic";
       }
     }
   }
 }
 
-TEST(Scale, ARollingBallComesToRestWhereItsResistanceSays) {
+TEST(Scale, RollingResistanceStopsBallAtExpectedDistance) {
   Shape ball = Shape::sphere(0.1);
   ball.friction = 0.9;
   StepperOptions options;
@@ -109,20 +110,20 @@ TEST(Scale, ARollingBallComesToRestWhereItsResistanceSays) {
   World w({body("ball", ball, 500)}, {}, options);
   put(w.states[0], {0, 0, 0.1});
   w.states[0].v[3] = 1;
-  w.states[0].v[1] = 10;  // rolls
+  w.states[0].v[1] = 10;  // rad/s: rolling
   for (int i = 0; i < 3000; ++i) ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
   // M = c r N:  deceleration c g / (1 + 2/5)
   EXPECT_NEAR(w.states[0].q[0], 0.5 / (0.05 * 9.81 / 1.4), 0.01);
   EXPECT_LT(std::fabs(w.states[0].v[3]), 1e-6);
 }
 
-TEST(Scale, ASpinningBodyKeepsItsEnergyAndMomentum) {
+TEST(Scale, SpinningBodyConservesEnergyAndMomentum) {
   StepperOptions options;
   options.gravity = {};
   World w({body("plate", Shape::box({0.02, 0.1, 0.3}), 800)}, {-10, 0, 0}, options);
   State& s = w.states[0];
   s.v[0] = 1;
-  s.v[1] = 40;  // about the middle axis: it tumbles
+  s.v[1] = 40;  // rad/s about the axis of medium inertia: unstable rotation
   s.v[2] = 1;
   const Sym3 I = w.stepper.mechanism(0).link(0).inertia.about_centre();
   const auto energy = [&] {
@@ -130,17 +131,17 @@ TEST(Scale, ASpinningBodyKeepsItsEnergyAndMomentum) {
     return 0.5 * dot(v, I * v);
   };
   const double before = energy();
-  double least = s.v[1];
+  double minimum = s.v[1];
   for (int i = 0; i < 5000; ++i) {
     ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
-    least = std::min(least, s.v[1]);
+    minimum = std::min(minimum, s.v[1]);
   }
-  EXPECT_LT(least, -35) << "it should have turned over";
+  EXPECT_LT(minimum, -35) << "it should have turned over";
   EXPECT_NEAR(energy(), before, 1e-9 * before);
 }
 
-/// Its frame is away from its centre, and goes round it by radians in a step.
-TEST(Scale, ABodyThatSpinsFastAboutAnotherPointThanItsFrameKeepsItsMomentum) {
+/// The body's frame is not at its centre of mass and turns about it by radians in a step.
+TEST(Scale, FastSpinWithOffsetFrameConservesMomentum) {
   StepperOptions options;
   options.gravity = {};
   for (const double spin : {40.0, 300.0, 5000.0}) {
@@ -197,7 +198,7 @@ TEST(Scale, ContactsObeyTheLawsOfUnilateralContactAndCoulomb) {
   EXPECT_GT(checked, 500) << "most steps should converge";
 }
 
-/// Boxes, balls, capsules, cylinders, hulls and ellipsoids of 0.1 to 0.5 m, the lowest at `height`.
+/// A heap of boxes, balls, capsules, cylinders, hulls and ellipsoids of 0.1 to 0.5 m; the lowest is at `height` [m].
 World mixed_heap(int count, unsigned seed, double height) {
   testing::RandomSource random(seed);
   std::vector<MechanismPtr> bodies;
@@ -236,7 +237,7 @@ World mixed_heap(int count, unsigned seed, double height) {
   return w;
 }
 
-/// Falls, and at every instant nothing is deeper than 2 mm in anything; at the end it lies.
+/// Drops a heap and checks that no overlap ever exceeds 2 mm and that the heap is at rest in the end.
 void falls_and_rests(int count, unsigned seed, double height, double dt, double seconds) {
   World w = mixed_heap(count, seed, height);
   GuardedStep guard(w.scene, w.stepper);
@@ -254,23 +255,23 @@ void falls_and_rests(int count, unsigned seed, double height, double dt, double 
   EXPECT_GT(lowest, -1.5e-3) << "seed " << seed << " height " << height << " dt " << dt;
   EXPECT_GT(lowest_at_rest, -1e-3) << "seed " << seed;
   if (count < 100) return;
-  int at_rest = 0;  // round bodies may still roll away over the ground
+  int at_rest = 0;  // number of bodies at rest; round bodies may still roll over the ground
   for (std::size_t s = 0; s < late.size(); ++s)
     at_rest += std::hypot(w.states[s].q[0] - late[s].q[0], w.states[s].q[1] - late[s].q[1], w.states[s].q[2] - late[s].q[2]) < 0.02 ? 1 : 0;
   EXPECT_GT(at_rest, 0.75 * count) << "seed " << seed;
 }
-TEST(Scale, AHeapIsNeverDeepInItself) {
+TEST(Scale, HeapHasNoDeepOverlap) {
   falls_and_rests(30, 1, 0.5, 0.002, 2.5);
   falls_and_rests(15, 2, 3, 0.001, 2.5);
 }
-TEST(Slow_Scale, AHeapOfTwoHundredIsNeverDeepInItself) {
+TEST(Slow_Scale, HeapOfTwoHundredHasNoDeepOverlap) {
   falls_and_rests(200, 1, 0.1, 0.002, 6);
   falls_and_rests(200, 2, 3, 0.002, 6);
   falls_and_rests(200, 3, 1, 0.001, 5);
 }
 
-/// Among them falls in which six passes left bodies 14 mm deep, and overlaps grew by a little in every step.
-TEST(Slow_Scale, HeapsOfTwoHundredAreNotDeepWhileTheyFall) {
+/// Includes seeds in which six passes left overlaps of 14 mm, and overlaps that grew slowly in every step.
+TEST(Slow_Scale, HeapsOfTwoHundredHaveNoDeepOverlapWhileFalling) {
   for (unsigned seed = 11; seed < 15; ++seed)
     for (const double height : {0.1, 1.0, 3.0}) {
       World w = mixed_heap(200, seed, height);
@@ -285,7 +286,7 @@ TEST(Slow_Scale, HeapsOfTwoHundredAreNotDeepWhileTheyFall) {
     }
 }
 
-TEST(Scale, AStepTakenAgainIsTheStepWithAllContacts) {
+TEST(Scale, RepeatedStepEqualsStepWithAllContacts) {
   World w = heap(12, 3);
   int compared = 0;
   for (int i = 0; i < 400; ++i) {
@@ -302,7 +303,7 @@ TEST(Scale, AStepTakenAgainIsTheStepWithAllContacts) {
     };
     ASSERT_EQ(w.stepper.step(w.systems, std::span(w.contacts).first(known), 0.002).status, StepStatus::ok);
     restore();
-    const StepReport again = w.stepper.again(w.systems, w.contacts, 0.002);
+    const StepReport again = w.stepper.repeat(w.systems, w.contacts, 0.002);
     ASSERT_EQ(again.status, StepStatus::ok);
     EXPECT_EQ(w.stepper.contact_forces().size(), w.contacts.size());
     const std::vector<State> after = w.states;
@@ -320,7 +321,7 @@ TEST(Scale, AStepTakenAgainIsTheStepWithAllContacts) {
   EXPECT_GT(compared, 300);
 }
 
-TEST(Slow_Scale, AHeapOfTwoHundredComesToRest) {
+TEST(Slow_Scale, HeapOfTwoHundredComesToRest) {
   World w = heap(200, 1);
   double lowest_at_rest = 0, fastest = 0, fastest_roller = 0;
   const int steps = 35 * 500;
@@ -336,10 +337,10 @@ TEST(Slow_Scale, AHeapOfTwoHundredComesToRest) {
   }
   EXPECT_GT(lowest_at_rest, -5e-4);
   EXPECT_LT(fastest, 0.05);
-  EXPECT_LT(fastest_roller, 0.2);  // nothing stops a ball or a capsule that rolls away over the ground
+  EXPECT_LT(fastest_roller, 0.2);  // m/s: rolling balls and capsules may still move over the ground
 }
 
-TEST(Scale, AHeapRepeatsBitByBitAndAllocatesNothing) {
+TEST(Scale, HeapIsBitwiseReproducibleAndAllocatesNothing) {
   const auto run = [](bool count) {
     World w = heap(40, 5);
     for (int i = 0; i < 700; ++i) EXPECT_EQ(w.step(0.002).status, StepStatus::ok);
@@ -357,7 +358,7 @@ TEST(Scale, AHeapRepeatsBitByBitAndAllocatesNothing) {
   EXPECT_EQ(run(true), run(false));
 }
 
-TEST(Scale, AGuardedHeapRepeatsBitByBitAndAllocatesNothing) {
+TEST(Scale, GuardedHeapIsBitwiseReproducibleAndAllocatesLittle) {
   const auto run = [] {
     World w = mixed_heap(25, 6, 0.3);
     GuardedStep guard(w.scene, w.stepper);
@@ -371,8 +372,8 @@ TEST(Scale, AGuardedHeapRepeatsBitByBitAndAllocatesNothing) {
       again += guard.passes() > 1 ? 1 : 0;
       EXPECT_EQ(w.stepper.contact_forces().size(), guard.contacts().size());
     }
-    EXPECT_GT(again, 5) << "the guard should have had something to do";
-    EXPECT_LE(allocated, 4) << "pairs that come near for the first time";
+    EXPECT_GT(again, 5) << "the guard should have repeated some steps";
+    EXPECT_LE(allocated, 4) << "only pairs that approach each other for the first time may allocate";
     Hash64 hash;
     for (const State& s : w.states) {
       hash.add(s.q);

@@ -9,7 +9,7 @@
 namespace ugoki::contact {
 namespace {
 
-/// A chain of capsules on a floating base: a rag that falls.
+/// A chain of capsules on a floating base, like a falling ragdoll.
 MechanismPtr rag(int links) {
   MechanismSpec spec;
   spec.name = "rag";
@@ -20,7 +20,7 @@ MechanismPtr rag(int links) {
     l.joint.type = i == 0 ? JointType::floating : i % 2 ? JointType::spherical : JointType::revolute;
     l.joint.axis = {0, 1, 0};
     if (i > 0) l.joint.X_PJ.p = {0.3, 0, 0};
-    for (int k = 0; k < l.joint.nv() && i > 0; ++k) l.joint.freedoms[static_cast<std::size_t>(k)] = {-1.0, 1.0, 0.5, 0, 0, 0, 0, 1e9};
+    for (int k = 0; k < l.joint.nv() && i > 0; ++k) l.joint.dofs[static_cast<std::size_t>(k)] = {-1.0, 1.0, 0.5, 0, 0, 0, 0, 1e9};
     const Shape shape = Shape::capsule(0.05, {0, 0, 0}, {0.3, 0, 0});
     l.inertia = solid_inertia(shape, 1000);
     l.shapes.push_back(shape);
@@ -37,15 +37,15 @@ TEST(Stepper, BoxComesToRestAndStays) {
   EXPECT_NEAR(z, 0.1, 6e-4);
   for (int i = 0; i < 5000; ++i) ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
   EXPECT_NEAR(w.states[0].q[0], x, 1e-5);
-  EXPECT_NEAR(w.states[0].q[2], z, 5e-4);  // it may sink into the slop, never deeper
+  EXPECT_NEAR(w.states[0].q[2], z, 5e-4);  // m: it may sink by the compliance of the contact, not deeper
   EXPECT_GT(w.lowest(), -6e-4);
   Vec3 force;
   for (const Vec3& f : w.stepper.contact_forces()) force += f;
   EXPECT_NEAR(force.z, 9.81 * w.stepper.mechanism(0).mass(), 1e-3 * 9.81 * w.stepper.mechanism(0).mass());
 }
 
-// Gravity tilted by an angle is a slope: slides with g (sin - mu cos) where tan(angle) > mu, stays where it is less.
-TEST(Stepper, BoxOnSlopeDoesWhatCoulombSays) {
+// Tilted gravity acts as a slope: the box slides with g (sin - mu cos) if tan(angle) > mu, and stays otherwise.
+TEST(Stepper, BoxOnSlopeObeysCoulombFriction) {
   Shape shape = Shape::box({0.2, 0.2, 0.1});
   shape.friction = 0.5;
   for (const double angle : {0.44, 0.49}) {
@@ -62,7 +62,7 @@ TEST(Stepper, BoxOnSlopeDoesWhatCoulombSays) {
   }
 }
 
-TEST(Stepper, ElasticBallsExchangeMomentumAsInTheClosedForm) {
+TEST(Stepper, ElasticBallsMatchClosedForm) {
   Shape ball = Shape::sphere(0.1);
   ball.restitution = 1;
   ball.friction = 0;
@@ -78,7 +78,7 @@ TEST(Stepper, ElasticBallsExchangeMomentumAsInTheClosedForm) {
   EXPECT_NEAR(w.states[0].v[3] + 3 * w.states[1].v[3], 2.0, 1e-12);
 }
 
-TEST(Stepper, BouncingBallLosesTheSquareOfItsRestitution) {
+TEST(Stepper, BounceHeightScalesWithSquareOfRestitution) {
   Shape ball = Shape::sphere(0.1);
   ball.restitution = 0.8;
   World w({body("ball", ball, 300)}, {}, {});
@@ -93,7 +93,7 @@ TEST(Stepper, BouncingBallLosesTheSquareOfItsRestitution) {
   EXPECT_NEAR(highest - 0.1, 0.64, 0.02);
 }
 
-TEST(Stepper, RagFallsWithoutExplosionAndRests) {
+TEST(Stepper, FallingRagdollStaysBoundedAndComesToRest) {
   World w({rag(12)}, {}, {});
   w.states[0].q[2] = 1.0;
   for (int i = 0; i < w.stepper.mechanism(0).nv(); ++i) w.states[0].v[static_cast<std::size_t>(i)] = 0.3 * (i % 5 - 2);
@@ -112,39 +112,39 @@ TEST(Stepper, RagFallsWithoutExplosionAndRests) {
   }
 }
 
-TEST(Stepper, JointLimitAndDryFrictionHold) {
+TEST(Stepper, JointLimitAndDryFrictionHoldTheLoad) {
   MechanismSpec spec;
   spec.name = "arm";
   LinkSpec l;
   l.name = "arm";
   l.joint.type = JointType::revolute;
   l.joint.axis = {0, 1, 0};
-  l.joint.freedoms[0].upper = 0.5;
+  l.joint.dofs[0].upper = 0.5;
   l.inertia = Inertia::from_centre(1, {0.5, 0, 0}, {0.01, 0.01, 0.01, 0, 0, 0});
   spec.links.push_back(l);
   World limited({Mechanism::make(spec).value()}, {-10, 0, 0}, {});
   for (int i = 0; i < 2000; ++i) ASSERT_EQ(limited.step(0.002).status, StepStatus::ok);
   EXPECT_NEAR(limited.states[0].q[0], 0.5, 2e-3);
-  spec.links[0].joint.freedoms[0] = {};
-  spec.links[0].joint.freedoms[0].friction = 5.0;  // its weight gives 4.9 N m
+  spec.links[0].joint.dofs[0] = {};
+  spec.links[0].joint.dofs[0].friction = 5.0;  // N m; the weight produces 4.9 N m
   World rubbed({Mechanism::make(spec).value()}, {-10, 0, 0}, {});
   for (int i = 0; i < 1000; ++i) ASSERT_EQ(rubbed.step(0.002).status, StepStatus::ok);
   EXPECT_NEAR(rubbed.states[0].q[0], 0, 1e-6);
-  spec.links[0].joint.freedoms[0].friction = 3.0;  // too little: what is left of the weight moves it
+  spec.links[0].joint.dofs[0].friction = 3.0;  // N m: too little to hold the weight
   World sliding({Mechanism::make(spec).value()}, {-10, 0, 0}, {});
   for (int i = 0; i < 10; ++i) ASSERT_EQ(sliding.step(0.002).status, StepStatus::ok);
   const double vdot = (0.5 * 9.81 - 3.0) / (0.01 + 0.25);
   EXPECT_NEAR(sliding.states[0].v[0], 0.02 * vdot, 0.01 * 0.02 * vdot);
 }
 
-TEST(Stepper, ImplicitDamperIsStableHoweverStiff) {
+TEST(Stepper, StiffImplicitDamperIsStable) {
   MechanismSpec spec;
   spec.name = "door";
   LinkSpec l;
   l.name = "door";
   l.joint.type = JointType::revolute;
-  l.joint.freedoms[0].damping = 1e5;
-  l.joint.freedoms[0].stiffness = 1e6;
+  l.joint.dofs[0].damping = 1e5;
+  l.joint.dofs[0].stiffness = 1e6;
   l.inertia = Inertia::from_centre(1, {0.5, 0, 0}, {0.01, 0.01, 0.01, 0, 0, 0});
   spec.links.push_back(l);
   World w({Mechanism::make(spec).value()}, {-10, 0, 0}, {});
@@ -153,7 +153,7 @@ TEST(Stepper, ImplicitDamperIsStableHoweverStiff) {
   EXPECT_NEAR(w.states[0].q[0], std::exp(-10.0), 1e-3);  // overdamped: rate k/d = 10
 }
 
-TEST(Stepper, SteadyStepsDoNotAllocateAndRepeatBitByBit) {
+TEST(Stepper, SteadyStepsDoNotAllocateAndAreBitwiseReproducible) {
   const auto run = [](bool count) {
     World w({rag(10), body("ball", Shape::sphere(0.1), 400)}, {}, {});
     w.states[0].q[2] = 0.5;
@@ -173,7 +173,7 @@ TEST(Stepper, SteadyStepsDoNotAllocateAndRepeatBitByBit) {
   EXPECT_EQ(run(true), run(false));
 }
 
-TEST(Stepper, NotFiniteForceStopsWithTheLastGoodState) {
+TEST(Stepper, NonFiniteForceKeepsTheLastGoodState) {
   World w({body("box", Shape::box({0.2, 0.2, 0.2}), 500)}, {}, {});
   w.states[0].q[2] = 1;
   ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
@@ -182,7 +182,7 @@ TEST(Stepper, NotFiniteForceStopsWithTheLastGoodState) {
   const StepReport report = w.step(0.002);
   EXPECT_EQ(report.status, StepStatus::not_finite);
   EXPECT_EQ(report.system, 0);
-  EXPECT_GE(report.freedom, 0);
+  EXPECT_GE(report.dof, 0);
   EXPECT_EQ(w.states[0].q, q);
   EXPECT_EQ(w.states[0].v, v);
 }

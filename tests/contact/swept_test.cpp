@@ -1,4 +1,4 @@
-// Fast thin things do not get past each other, and bounce as their restitution says.
+// Fast thin bodies do not pass through each other, and they bounce with their coefficient of restitution.
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ MechanismPtr plate() {
   return Mechanism::make(std::move(spec)).value();
 }
 
-TEST(Swept, ABallOf300MetresASecondDoesNotPassAPlateOf5Millimetres) {
+TEST(Swept, BallAt300MetresPerSecondDoesNotPassPlateOf5Millimetres) {
   for (const double dt : {0.002, 0.001}) {
     for (const double e : {0.0, 0.5, 1.0}) {
       for (int i = 0; i < 20; ++i) {
@@ -52,15 +52,15 @@ TEST(Swept, ABallOf300MetresASecondDoesNotPassAPlateOf5Millimetres) {
           ASSERT_EQ(swept_step(w, swept, dt).status, StepStatus::ok);
           ASSERT_LT(w.states[0].q[0], -0.0225 + 1e-4) << "dt " << dt << " e " << e << " start " << i;
         }
-        EXPECT_NEAR(w.states[0].v[3], -300 * e, e > 0 ? 3e-7 : 0.02) << "the softness is pushed out again";
+        EXPECT_NEAR(w.states[0].v[3], -300 * e, e > 0 ? 3e-7 : 0.02) << "compliance leaves a small velocity of recovery";
         EXPECT_NEAR(w.states[0].v[4], 20, 1e-9);
       }
     }
   }
 }
 
-/// The plate is free to move and turn; the ball hits it aslant, away from its middle.
-TEST(Swept, ABallDoesNotPassAFreePlateEither) {
+/// The plate is free to move and turn; the ball hits it obliquely and off-centre.
+TEST(Swept, BallDoesNotPassFreePlate) {
   for (const double radius : {0.002, 0.02}) {
     for (const double e : {0.0, 0.5, 1.0}) {
       for (const double slant : {0.0, 0.35, 0.7}) {
@@ -71,9 +71,9 @@ TEST(Swept, ABallDoesNotPassAFreePlateEither) {
         World w({body("ball", ball, 8000), body("plate", sheet, 7800)}, {-100, 0, 0}, options);
         SweptContacts swept(w.scene);
         GuardedStep guard(w.scene, w.stepper);
-        const Vec3 way{std::cos(slant), 0.6 * std::sin(slant), 0.8 * std::sin(slant)};
-        put(w.states[0], Vec3{-0.0025 - radius, 0.1, -0.07} - way * 0.8);
-        for (int k = 0; k < 3; ++k) w.states[0].v[static_cast<std::size_t>(3 + k)] = 300 * way[k];
+        const Vec3 direction{std::cos(slant), 0.6 * std::sin(slant), 0.8 * std::sin(slant)};
+        put(w.states[0], Vec3{-0.0025 - radius, 0.1, -0.07} - direction * 0.8);
+        for (int k = 0; k < 3; ++k) w.states[0].v[static_cast<std::size_t>(3 + k)] = 300 * direction[k];
         for (int step = 0; step < 8; ++step) {
           std::vector<collision::SystemMotion> motions;
           for (std::size_t i = 0; i < 2; ++i) {
@@ -81,19 +81,19 @@ TEST(Swept, ABallDoesNotPassAFreePlateEither) {
             motions.push_back({w.states[i].q, w.states[i].v});
           }
           const Vec3 at = w.poses[1][0].inverse() * w.poses[0][0].p;
-          if (std::max(std::fabs(at.y), std::fabs(at.z)) > 0.5) break;  // it has left the plate over its edge
+          if (std::max(std::fabs(at.y), std::fabs(at.z)) > 0.5) break;  // m: it has left the plate over its edge
           ASSERT_LT(at.x, -0.0025 - radius + 2e-3) << "radius " << radius << " e " << e << " slant " << slant << " step " << step;
           collision::find_contacts(w.scene, w.spans, 0.02, w.workspace, w.contacts);
           swept.add(motions, w.spans, 0.002, 0.02, w.contacts);
           ASSERT_EQ(guard.step(w.systems, w.contacts, 0.002).status, StepStatus::ok);
         }
-        EXPECT_GT(w.states[1].v[3], 0) << "it should have been hit";
+        EXPECT_GT(w.states[1].v[3], 0) << "the plate should have been hit";
       }
     }
   }
 }
 
-TEST(Swept, WhatFliesPastAPlateIsNotStopped) {
+TEST(Swept, BallThatMissesPlateIsNotStopped) {
   StepperOptions options;
   options.gravity = {};
   World w({body("ball", Shape::sphere(0.02), 1000), plate()}, {-100, 0, 0}, options);
@@ -105,7 +105,7 @@ TEST(Swept, WhatFliesPastAPlateIsNotStopped) {
   EXPECT_NEAR(w.states[0].q[0], -1.5 + 6, 1e-9);
 }
 
-TEST(Swept, TwoFastBallsMeetAsInTheClosedForm) {
+TEST(Swept, TwoFastBallsMatchClosedForm) {
   Shape shape = Shape::sphere(0.05);
   shape.restitution = 1;
   shape.friction = 0;
@@ -125,8 +125,8 @@ TEST(Swept, TwoFastBallsMeetAsInTheClosedForm) {
   EXPECT_NEAR(w.states[2].v[5], 400, 1e-9);
 }
 
-/// Also where it turns by more than a right angle in a step.
-TEST(Swept, ASwordDoesNotPassAPoleABallOrAPlate) {
+/// Includes speeds at which the sword turns by more than 90 degrees in a step.
+TEST(Swept, SwordDoesNotPassPoleBallOrPlate) {
   for (const double speed : {5.0, 20.0, 60.0, 150.0}) {
     for (const double dt : {1.0 / 60, 0.002}) {
       for (const double angle : {0.7, 1.3, 2.3}) {
@@ -145,15 +145,16 @@ TEST(Swept, ASwordDoesNotPassAPoleABallOrAPlate) {
             ASSERT_EQ(swept_step(w, swept, dt).status, StepStatus::ok);
             ASSERT_LT(w.states[0].q[0], angle + 1e-3) << "speed " << speed << " dt " << dt << " step " << k;
           }
-          EXPECT_GT(w.states[0].q[0], angle - 0.06) << "it should have come near";
+          EXPECT_GT(w.states[0].q[0], angle - 0.06) << "the sword should have come near the obstacle";
         }
       }
     }
   }
 }
 
-/// The pole rolls along the blade at thousands of radians a second: its points at the end are nowhere near where they were.
-TEST(Swept, ABladePushesALightPoleThatRollsOnIt) {
+/// The pole rolls along the blade at thousands of rad/s, so that its surface points at the end of a step are far from their initial
+/// positions.
+TEST(Swept, BladePushesLightRollingPole) {
   World w({sword(0.004), body("pole", Shape::cylinder(0.004, 0.3), 1000)}, {-100, 0, 0}, {});
   SweptContacts swept(w.scene);
   GuardedStep guard(w.scene, w.stepper);
@@ -172,7 +173,7 @@ TEST(Swept, ABladePushesALightPoleThatRollsOnIt) {
     ASSERT_EQ(guard.step(w.systems, w.contacts, 0.002).status, StepStatus::ok);
     fastest = std::max(fastest, std::fabs(w.states[1].v[2]));
   }
-  EXPECT_GT(fastest, 1000) << "it should roll";
+  EXPECT_GT(fastest, 1000) << "the pole should roll";
   EXPECT_GT(lowest, -2e-3);
 }
 

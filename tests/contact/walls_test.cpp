@@ -1,5 +1,4 @@
-// Nothing passes walls that are not convex: bent sheets, bowls, plates with a hole (beside it; through it everything does), tubes from
-// the inside.
+// No body passes through non-convex walls: bent sheets, bowls, plates with a hole (except through the hole), and tubes from the inside.
 
 #include <gtest/gtest.h>
 
@@ -16,11 +15,12 @@ using testing::RandomSource;
 
 enum class Wall { bent, bowl, holed, tube };
 
-struct Made {
+/// A test wall.
+struct TestWall {
   Shape shape;
-  /// m, of a point in the wall's frame: how far it is beyond the wall's middle; NaN where there is no wall near
+  /// m: signed distance of a point [m, wall's frame] from the middle surface of the wall; NaN: no wall near the point
   std::function<double(const Vec3&)> side;
-  /// A point of its middle and the normal there.
+  /// A point [m, wall's frame] of the middle surface and the normal at that point, for two parameters in 0 ... 1.
   std::function<std::pair<Vec3, Vec3>(double, double)> at;
 };
 
@@ -32,21 +32,21 @@ GeometryPtr prepared(const std::vector<Vec3>& vertices, const std::vector<Triang
   return geometry::prepare(made, "wall").value();
 }
 
-/// A sheet over a grid of cells, `thick`, about the surface at(u, v) with its normal; cells may be left out.
+/// A sheet of thickness `thick` [m] on both sides of the surface at(u, v), made of a grid of cells; cells may be left out.
 template <class At>
 Shape make_sheet(int n, double thick, At&& at, const std::function<bool(int, int)>& is_left_out = {}) {
   Geometry g;
-  const auto there = [&](int i, int j) { return i >= 0 && j >= 0 && i < n && j < n && !(is_left_out && is_left_out(i, j)); };
+  const auto is_cell = [&](int i, int j) { return i >= 0 && j >= 0 && i < n && j < n && !(is_left_out && is_left_out(i, j)); };
   const auto index = [&](int i, int j, int side) { return (i * (n + 1) + j) * 2 + side; };
   std::vector<int> used((static_cast<std::size_t>(n) + 1) * (static_cast<std::size_t>(n) + 1) * 2, -1);
   const auto vertex = [&](int i, int j, int side) {
-    int& place = used[static_cast<std::size_t>(index(i, j, side))];
-    if (place < 0) {
-      place = static_cast<int>(g.vertices.size());
+    int& location = used[static_cast<std::size_t>(index(i, j, side))];
+    if (location < 0) {
+      location = static_cast<int>(g.vertices.size());
       const auto [p, normal] = at(2.0 * i / n - 1, 2.0 * j / n - 1);
       g.vertices.push_back(p + normal * ((side == 0 ? -0.5 : 0.5) * thick));
     }
-    return place;
+    return location;
   };
   const auto quad = [&](int a, int b, int c, int d) {
     g.triangles.push_back({a, b, c});
@@ -54,21 +54,21 @@ Shape make_sheet(int n, double thick, At&& at, const std::function<bool(int, int
   };
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
-      if (!there(i, j)) continue;
+      if (!is_cell(i, j)) continue;
       const auto v = [&](int di, int dj, int side) { return vertex(i + di, j + dj, side); };
       quad(v(0, 0, 1), v(1, 0, 1), v(1, 1, 1), v(0, 1, 1));
       quad(v(0, 0, 0), v(0, 1, 0), v(1, 1, 0), v(1, 0, 0));
-      if (!there(i, j - 1)) quad(v(0, 0, 0), v(1, 0, 0), v(1, 0, 1), v(0, 0, 1));
-      if (!there(i, j + 1)) quad(v(1, 1, 0), v(0, 1, 0), v(0, 1, 1), v(1, 1, 1));
-      if (!there(i - 1, j)) quad(v(0, 1, 0), v(0, 0, 0), v(0, 0, 1), v(0, 1, 1));
-      if (!there(i + 1, j)) quad(v(1, 0, 0), v(1, 1, 0), v(1, 1, 1), v(1, 0, 1));
+      if (!is_cell(i, j - 1)) quad(v(0, 0, 0), v(1, 0, 0), v(1, 0, 1), v(0, 0, 1));
+      if (!is_cell(i, j + 1)) quad(v(1, 1, 0), v(0, 1, 0), v(0, 1, 1), v(1, 1, 1));
+      if (!is_cell(i - 1, j)) quad(v(0, 1, 0), v(0, 0, 0), v(0, 0, 1), v(0, 1, 1));
+      if (!is_cell(i + 1, j)) quad(v(1, 0, 0), v(1, 1, 0), v(1, 1, 1), v(1, 0, 1));
     }
   return Shape::mesh(prepared(g.vertices, g.triangles));
 }
 
 constexpr double ring = 0.5, bore = 0.12, nowhere = std::numeric_limits<double>::quiet_NaN();  // m
 
-/// A torus within a torus: what is between them is the wall, what is within the inner one is shut in.
+/// A closed tube: the wall is the volume between two tori; bodies are enclosed in the inner torus.
 Shape make_tube(double thick) {
   constexpr int along = 28, around = 14;
   Geometry g;
@@ -91,8 +91,8 @@ Shape make_tube(double thick) {
   return Shape::mesh(prepared(g.vertices, g.triangles));
 }
 
-Made make_wall(Wall kind, double thick) {
-  const auto bent = [](double u, double v) {  // a piece of a cylinder about z
+TestWall make_wall(Wall kind, double thick) {
+  const auto bent = [](double u, double v) {  // part of a cylinder about z
     const Vec3 n{std::cos(0.8 * u), std::sin(0.8 * u), 0};
     return std::pair(n * 0.5 + Vec3{0, 0, 0.5 * v}, n);
   };
@@ -129,14 +129,14 @@ struct Count {
   int cases = 0, passed = 0, checked = 0;
 };
 
-/// Anything fast, from either side, at any place of a wall that is fixed or free.
+/// Shoots fast random bodies from both sides at random points of fixed and free walls and checks that none passes.
 Count throw_at_walls(Wall kind, int count, unsigned seed, bool only_fixed = false) {
   RandomSource random(seed);
   Count out;
   for (int i = 0; i < count; ++i) {
     const double r = random.uniform(0.005, 0.04), thick = random.uniform(0.001, 0.01), speed = std::pow(10.0, random.uniform(1.5, 3));
     Shape shape = any_shape(random, r);
-    const Made wall = make_wall(kind, thick);
+    const TestWall wall = make_wall(kind, thick);
     Shape sheet = wall.shape;
     shape.restitution = random.below(2) == 0 ? 0 : random.uniform(0, 1);
     const bool fixed = random.below(2) == 0 || only_fixed;
@@ -144,12 +144,12 @@ Count throw_at_walls(Wall kind, int count, unsigned seed, bool only_fixed = fals
     if (fixed) spec.links[0].joint.type = JointType::fixed;
     Fast f({body("body", shape, random.uniform(500, 8000)), Mechanism::make(std::move(spec)).value()});
     const double steps[] = {1.0 / 60, 1.0 / 120, 0.002, 0.001}, dt = steps[random.below(4)];
-    Vec3 start, way;
+    Vec3 start, heading;
     double from = -1;
     if (kind == Wall::tube) {
       const double u = random.uniform(0, 6.28);
       start = Vec3{ring * std::cos(u), ring * std::sin(u), 0};
-      way = random.direction();
+      heading = random.direction();
     } else {
       double u = 0, v = 0;
       do {
@@ -158,29 +158,29 @@ Count throw_at_walls(Wall kind, int count, unsigned seed, bool only_fixed = fals
       } while (kind == Wall::holed && std::max(std::fabs(u), std::fabs(v)) < 0.4);
       const auto [target, n] = wall.at(u, v);
       const Vec3 side = random.below(2) == 0 ? n : n * -1.0;
-      do way = normalized(random.vec(0.7) - side);
-      while (dot(way, side) > -0.4);
-      start = target - way * (0.15 + random.uniform(0, 0.1));
+      do heading = normalized(random.vec(0.7) - side);
+      while (dot(heading, side) > -0.4);
+      start = target - heading * (0.15 + random.uniform(0, 0.1));
       from = dot(start - target, n);
     }
     put(f.w.states[0], start);
     for (int k = 0; k < 3; ++k) {
       f.w.states[0].v[static_cast<std::size_t>(k)] = random.uniform(-50, 50);
-      f.w.states[0].v[static_cast<std::size_t>(3 + k)] = speed * way[k];
+      f.w.states[0].v[static_cast<std::size_t>(3 + k)] = speed * heading[k];
       if (!fixed) f.w.states[1].v[static_cast<std::size_t>(k)] = random.uniform(-3, 3);
     }
     ++out.cases;
     for (int k = 0; k < (kind == Wall::tube ? 12 : 6); ++k) {
       f.step(dt);
       if (!f.turns_little(1, dt)) break;
-      const Inertia& inertia = f.w.stepper.mechanism(0).link(0).inertia;  // hulls' frames are not at their centres
+      const Inertia& inertia = f.w.stepper.mechanism(0).link(0).inertia;  // the frame of a hull is not at its centre of mass
       const double now = wall.side(f.pose(1).inverse() * (f.pose(0) * (inertia.h / inertia.mass)));
       if (std::isnan(now)) break;
       ++out.checked;
       if (now * from > 0 || std::fabs(now) < 0.002) continue;
       ++out.passed;
       ADD_FAILURE() << "wall " << static_cast<int>(kind) << " of seed " << seed << ", case " << i << ": " << name_of(shape.type)
-                    << " passed in step " << k << " of " << dt << " s, " << f.guard.parts() << " parts";
+                    << " passed in step " << k << " of " << dt << " s, " << f.guard.substeps() << " substeps";
       break;
     }
   }
@@ -195,38 +195,38 @@ void nothing_passes(int count, unsigned seed) {
   }
 }
 TEST(Walls, FastBodiesDoNotPassThem) { nothing_passes(40, 1); }
-/// Of tubes only fixed ones: from those that are free half of the time 7 of 1500 bodies got out, up to as long as the tube is wide.
+/// Only fixed tubes are tested: in tests with half of the tubes free, 7 of 1500 bodies, up to as long as the tube is wide, got out.
 TEST(Slow_Walls, FastBodiesDoNotPassThem) {
   for (const Wall kind : {Wall::bent, Wall::bowl, Wall::holed, Wall::tube})
     EXPECT_EQ(throw_at_walls(kind, 1000, 2, kind == Wall::tube).passed, 0);
 }
 
-TEST(Walls, WhatIsAimedAtTheHolePassesAsIfThereWereNoWall) {
+TEST(Walls, BodiesAimedAtTheHolePassUndisturbed) {
   RandomSource random(3);
   for (int i = 0; i < 60; ++i) {
     const double speed = std::pow(10.0, random.uniform(1, 3)), dt = i % 2 == 0 ? 1.0 / 60 : 0.002, r = random.uniform(0.01, 0.04);
     const Shape shapes[] = {Shape::sphere(r), Shape::box({r, 0.6 * r, 0.7 * r}), Shape::capsule(0.5 * r, {0, 0, -r}, {0, 0, r})};
     Fast f({body("body", shapes[i % 3], 1000), body("wall", make_wall(Wall::holed, 0.005).shape, 2000)});
-    const Vec3 way = normalized(Vec3{1, random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)});
-    const Vec3 start = Vec3{0, random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02)} - way * random.uniform(0.2, 1);
+    const Vec3 heading = normalized(Vec3{1, random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)});
+    const Vec3 start = Vec3{0, random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02)} - heading * random.uniform(0.2, 1);
     put(f.w.states[0], start);
-    for (int k = 0; k < 3; ++k) f.w.states[0].v[static_cast<std::size_t>(3 + k)] = speed * way[k];
+    for (int k = 0; k < 3; ++k) f.w.states[0].v[static_cast<std::size_t>(3 + k)] = speed * heading[k];
     const int steps = static_cast<int>(1.5 / (speed * dt)) + 1;
     for (int k = 0; k < steps; ++k) f.step(dt);
     const Vec3 now{f.w.states[0].q[0], f.w.states[0].q[1], f.w.states[0].q[2]};
-    EXPECT_LT(norm(now - start - way * (speed * dt * steps)), 1e-9 * norm(now)) << "case " << i;
+    EXPECT_LT(norm(now - start - heading * (speed * dt * steps)), 1e-9 * norm(now)) << "case " << i;
     EXPECT_GT(now.x, 0.1);
   }
 }
 
-/// The blade turns about the axis of a piece of a cylinder, and about one beside it.
-TEST(Walls, ASwordDoesNotPassABentSheet) {
+/// The blade turns about the axis of a cylindrical sheet, and about a parallel axis.
+TEST(Walls, SwordDoesNotPassBentSheet) {
   for (const double speed : {5.0, 20.0, 60.0, 150.0})
     for (const double dt : {1.0 / 60, 0.002})
       for (const double angle : {0.9, 1.7, 2.6})
         for (const double thick : {0.001, 0.005}) {
-          const Made wall = make_wall(Wall::bent, thick);
-          // its middle in the blade's way, its axis along the world's x
+          const TestWall wall = make_wall(Wall::bent, thick);
+          // the middle of the sheet is in the path of the blade, its axis along the world's x
           MechanismSpec spec = body("wall", wall.shape, 5000)->spec();
           spec.links[0].joint.type = JointType::fixed;
           const Mat3 R = rotation_about({0, 0, 1}, angle) * rotation_about({0, 1, 0}, 0.5 * 3.14159265358979) *
@@ -239,7 +239,7 @@ TEST(Walls, ASwordDoesNotPassABentSheet) {
             f.step(dt);
             ASSERT_LT(f.w.states[0].q[0], angle + 0.35) << "speed " << speed << " dt " << dt << " angle " << angle << " step " << k;
           }
-          EXPECT_GT(f.w.states[0].q[0], angle - 0.35) << "it should have come near";
+          EXPECT_GT(f.w.states[0].q[0], angle - 0.35) << "the sword should have come near the sheet";
         }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Bodies and a world of them for the tests of collision force.
+// Bodies, and a world that contains them, for the tests of collision force.
 
 #include <algorithm>
 #include <string>
@@ -23,7 +23,7 @@ inline MechanismPtr body(const std::string& name, const Shape& shape, double den
   return Mechanism::make(std::move(spec)).value();
 }
 
-/// A blade of 1.2 m on a hinge at the origin, `thick` [m] thin.
+/// A blade of 1.2 m length and thickness `thick` [m] on a hinge at the origin.
 inline MechanismPtr sword(double thick) {
   MechanismSpec spec;
   spec.name = "sword";

@@ -1,4 +1,4 @@
-// Edits of a stored circuit: circuit.edit.
+// The command circuit.edit, which changes a stored circuit.
 
 #include <gtest/gtest.h>
 
@@ -21,19 +21,22 @@ const char* const nested =
 
 class CircuitEditTest : public ::testing::Test {
  protected:
+  /// Runs circuit.edit. @param more further fields of the command, beginning with a comma
   Result<CommandEffect> edit(const std::string& changes, const std::string& more = {}) {
     return apply_command(document, R"({"type": "circuit.edit", "changes": )" + changes + more + "}", catalogue, next_id);
   }
+  /// Expects success and keeps the result. @return the label
   std::string good(const std::string& changes, const std::string& more = {}) {
     auto effect = edit(changes, more);
     EXPECT_TRUE(effect) << changes << "\n" << (effect ? "" : effect.error().text());
     if (effect) document = std::move(effect->scenario);
     return effect ? effect->label : std::string();
   }
-  void bad(const std::string& changes, const std::string& place) {
+  /// Expects that the command is refused with this location.
+  void bad(const std::string& changes, const std::string& location) {
     const auto effect = edit(changes);
     ASSERT_FALSE(effect) << changes;
-    EXPECT_EQ(effect.error().problems.front().place, place) << effect.error().text();
+    EXPECT_EQ(effect.error().problems.front().location, location) << effect.error().text();
     EXPECT_FALSE(effect.error().problems.front().remedy.empty());
   }
 
@@ -43,7 +46,7 @@ class CircuitEditTest : public ::testing::Test {
   std::uint64_t next_id = 1;
 };
 
-TEST_F(CircuitEditTest, BeginsWithTheGeneratedCircuit) {
+TEST_F(CircuitEditTest, FirstEditStartsFromTheDefaultCircuit) {
   const Result<circuit::Circuit> before = circuit::read_circuit(default_circuit(document));
   EXPECT_EQ(good(R"([{"list": "lsis", "put": {"id": "k", "type": "constant", "at": [10, 20]}}])", R"(, "label": "Add constant")"),
             "Add constant");
@@ -54,14 +57,14 @@ TEST_F(CircuitEditTest, BeginsWithTheGeneratedCircuit) {
   EXPECT_EQ(after->wires, before->wires);
 }
 
-TEST_F(CircuitEditTest, WhatIsNotNamedStaysByteForByte) {
+TEST_F(CircuitEditTest, UnnamedItemsStayByteForByte) {
   document.circuit = nested;
   good(R"([{"list": "lsis", "put": {"id": "a", "type": "clock", "at": [1, 2]}}])");
   good(R"([{"list": "lsis", "put": {"id": "a", "type": "clock"}}])");
   EXPECT_EQ(document.circuit, nested);
 }
 
-TEST_F(CircuitEditTest, TakesPutsAndSetsAtEveryDepth) {
+TEST_F(CircuitEditTest, PutTakeAndSetWorkAtEveryDepth) {
   document.circuit = nested;
   good(R"([{"in": ["arm"], "list": "lsis", "put": {"id": "h", "type": "gain"}},
            {"in": ["arm"], "list": "wires", "put": {"from": "g.out", "to": "h.in"}},
@@ -88,13 +91,13 @@ TEST_F(CircuitEditTest, TakesPutsAndSetsAtEveryDepth) {
   EXPECT_TRUE(circuit::read_circuit(document.circuit)->circuits[0].circuits[0].doc.empty());
 }
 
-TEST_F(CircuitEditTest, ACircuitThatDoesNotRunCanBeKept) {
+TEST_F(CircuitEditTest, CircuitThatCannotRunCanBeStored) {
   good(R"([{"list": "lsis", "put": {"id": "s", "type": "add"}}, {"list": "wires", "put": {"from": "s.out", "to": "s.a"}}])");
   good(R"([{"list": "lsis", "put": {"id": "m", "type": "not installed"}}])");
   EXPECT_TRUE(generate(document, resources));
 }
 
-TEST_F(CircuitEditTest, RefusalsNameTheirPlaceAndChangeNothing) {
+TEST_F(CircuitEditTest, RefusedEditsNameTheLocationAndChangeNothing) {
   document.circuit = nested;
   const Scenario before = document;
   bad("{}", "command/changes");
@@ -114,14 +117,15 @@ TEST_F(CircuitEditTest, RefusalsNameTheirPlaceAndChangeNothing) {
   EXPECT_EQ(document, before);
 }
 
-TEST_F(CircuitEditTest, AStoredCircuitMustHaveTheFormOfOne) {
+TEST_F(CircuitEditTest, StoredCircuitMustHaveAValidForm) {
   const auto effect =
       apply_command(document, R"({"type": "circuit.set", "circuit": {"version": 1, "name": "x", "legs": 4}})", catalogue, next_id);
   ASSERT_FALSE(effect);
-  EXPECT_EQ(effect.error().problems[0].place, "circuit/legs");
+  EXPECT_EQ(effect.error().problems[0].location, "circuit/legs");
 }
 
-/// 10,000 LSIs and as many wires, as the page sends them: moving all of them is linear, and the undo step holds only what changed.
+/// 10,000 LSIs and almost as many wires, changed as the web page changes them. Moving one LSI gives a small undo delta. Moving all of them
+/// in one command would take too long if its cost were quadratic.
 TEST_F(CircuitEditTest, TenThousandLsisAreEditedInLinearTime) {
   circuit::Circuit big;
   big.name = "big";
@@ -144,7 +148,7 @@ TEST_F(CircuitEditTest, TenThousandLsisAreEditedInLinearTime) {
   EXPECT_LT(to_text(make_delta(*after, *before)).size(), 200u);
   good(moves + "]");
   EXPECT_EQ(circuit::read_circuit(document.circuit)->lsis[9'999].at.y, 2);
-  EXPECT_EQ(circuit::write_circuit(*circuit::read_circuit(text)), text) << "reading and writing keep every byte";
+  EXPECT_EQ(circuit::write_circuit(*circuit::read_circuit(text)), text) << "reading and writing preserve every byte";
 }
 
 }  // namespace

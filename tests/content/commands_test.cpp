@@ -14,7 +14,7 @@ using testing::make_scenario;
 
 class CommandsTest : public ::testing::Test {
  protected:
-  /// Applies to the document and expects success.
+  /// Applies the command to the document and expects success. @return the label
   std::string good(const std::string& command) {
     auto effect = apply_command(document, command, catalogue, next_id);
     EXPECT_TRUE(effect) << command << "\n" << (effect ? "" : effect.error().text());
@@ -23,14 +23,14 @@ class CommandsTest : public ::testing::Test {
     created = std::move(effect->created);
     return effect->label;
   }
-  /// Expects refusal and the document untouched.
-  void bad(const std::string& command, ErrorCode code, const std::string& place) {
+  /// Expects that the command is refused with this code and location, and that no id is used.
+  void bad(const std::string& command, ErrorCode code, const std::string& location) {
     const std::uint64_t before = next_id;
     const auto effect = apply_command(document, command, catalogue, next_id);
     ASSERT_FALSE(effect) << command;
     const Problem& p = effect.error().problems.front();
     EXPECT_EQ(p.code, code) << p.text();
-    EXPECT_EQ(p.place, place) << p.text();
+    EXPECT_EQ(p.location, location) << p.text();
     EXPECT_FALSE(p.remedy.empty()) << p.text();
     EXPECT_EQ(next_id, before);
   }
@@ -53,7 +53,7 @@ TEST_F(CommandsTest, AddsClips) {
   ASSERT_EQ(created.size(), 1u);
   const ScenarioClip* k = clip(created[0]);
   ASSERT_NE(k, nullptr);
-  EXPECT_DOUBLE_EQ(k->length, 2);  // the motion's own
+  EXPECT_DOUBLE_EQ(k->length, 2);  // default: the motion's duration
   EXPECT_EQ(document.characters[0].track.back().id, created[0]);
   good(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 7, "speed": 0.5, "offset": 1})");
   EXPECT_DOUBLE_EQ(clip(created[0])->length, 2);
@@ -76,7 +76,7 @@ TEST_F(CommandsTest, MovesTrimsStretchesSlips) {
   EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k1", "offset": 0.5})"), "Slip clip");
   EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k1", "speed": 1.25, "length": 0.8})"), "Stretch clip");
   EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k1", "start": 4.5})"), "Move clip");
-  EXPECT_EQ(document.characters[0].track[1].id, "k1") << "clips are kept in order";
+  EXPECT_EQ(document.characters[0].track[1].id, "k1") << "clips are sorted by start";
   EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k2", "loop": false, "length": 1})"), "Stop looping clip");
 }
 
@@ -90,7 +90,7 @@ TEST_F(CommandsTest, SplitsClips) {
   EXPECT_NEAR(second->offset, 0.5 + 0.4 * 1.5, 1e-12);
   EXPECT_EQ(second->blend, 0);
   good(R"({"type": "clip.split", "character": "human", "id": "k2", "time": 4.25})");
-  EXPECT_NEAR(clip(created[0])->offset, 0.25, 1e-12) << "within one round of the loop";
+  EXPECT_NEAR(clip(created[0])->offset, 0.25, 1e-12) << "the offset is reduced to one cycle of the loop";
   bad(R"({"type": "clip.split", "character": "human", "id": "k1", "time": 2})", ErrorCode::range, "command/time");
 }
 
@@ -100,10 +100,10 @@ TEST_F(CommandsTest, EditsCharacters) {
   EXPECT_EQ(document.characters.back().name, "ball");
   EXPECT_EQ(document.characters.back().place.x, 1);
   EXPECT_EQ(good(R"({"type": "character.set", "id": "human", "place": {"y": 5}})"), "Place character");
-  EXPECT_EQ(document.characters[0].place, (ScenarioPlace{1, 5, 0, 90})) << "objects are merged";
+  EXPECT_EQ(document.characters[0].place, (ScenarioPlace{1, 5, 0, 90})) << "fields that the command does not give are kept";
   EXPECT_EQ(good(R"({"type": "character.set", "id": "human", "name": "Ann"})"), "Rename character");
   EXPECT_EQ(good(R"({"type": "character.remove", "id": "human"})"), "Remove character");
-  EXPECT_EQ(document.events.size(), 1u) << "its events go with it";
+  EXPECT_EQ(document.events.size(), 1u) << "the events of the character are removed as well";
   EXPECT_TRUE(document.camera.follow.empty());
 }
 
@@ -125,7 +125,7 @@ TEST_F(CommandsTest, EditsSettingsAndCircuit) {
   EXPECT_EQ(document.ground.friction, 0.4);
   EXPECT_EQ(document.ground.height, 0);
   EXPECT_EQ(good(R"({"type": "circuit.set", "circuit": {"version": 1, "name": "mine"}})"), "Change circuit");
-  EXPECT_EQ(document.circuit, R"({"version":1,"name":"mine"})");
+  EXPECT_EQ(document.circuit, R"({"version":2,"name":"mine"})") << "converted to the present version";
   EXPECT_EQ(good(R"({"type": "circuit.set", "circuit": null})"), "Use default circuit");
   EXPECT_TRUE(document.circuit.empty());
 }
@@ -141,7 +141,7 @@ TEST_F(CommandsTest, GroupsAreOneEdit) {
   EXPECT_EQ(document, before);
 }
 
-TEST_F(CommandsTest, RefusesWhatDoesNotFit) {
+TEST_F(CommandsTest, RefusesInvalidCommands) {
   bad("", ErrorCode::truncated, "command:1");
   bad("[]", ErrorCode::syntax, "command");
   bad("{}", ErrorCode::structure, "command/type");
@@ -161,14 +161,14 @@ TEST_F(CommandsTest, RefusesWhatDoesNotFit) {
   bad(std::string(200, '{'), ErrorCode::range, "command");
 }
 
-TEST_F(CommandsTest, NamesTheResourcesItBringsIn) {
+TEST_F(CommandsTest, ListsTheResourcesThatACommandNames) {
   EXPECT_EQ(resources_named(
                 R"({"type": "group", "commands": [{"type": "clip.add", "motion": "n-1"}, {"type": "character.add", "mechanism": "m-2"}]})"),
             (std::vector<std::string>{"n-1", "m-2"}));
   EXPECT_TRUE(resources_named("nonsense").empty());
 }
 
-TEST_F(CommandsTest, DeltasLeadBothWaysThroughRandomEdits) {
+TEST_F(CommandsTest, DeltasOfRandomEditsWorkInBothDirections) {
   constexpr unsigned seed = 4711;
   SCOPED_TRACE(seed);
   testing::RandomCommands random(seed);
@@ -187,7 +187,7 @@ TEST_F(CommandsTest, DeltasLeadBothWaysThroughRandomEdits) {
   EXPECT_GT(accepted, 200);
 }
 
-TEST(Delta, RefusesWhatDoesNotFit) {
+TEST(Delta, RefusesADeltaThatDoesNotFitTheDocument) {
   const Json target = {{"a", 1}, {"list", {1, 2, 3}}};
   for (const char* text :
        {"{}", "[]", "3", R"({"x": 1})", R"({"o": {"b": {"v": 1}}})", R"({"o": []})", R"({"a": [[0, {"v": 1}]]})",

@@ -16,6 +16,7 @@ namespace {
 using testing::make_resources;
 using testing::make_scenario;
 
+/// Position coordinates that a clip of a character has at time `t` [s].
 std::vector<double> pose_at(const Executable& e, std::size_t character, std::size_t clip, double t) {
   const ExecutableCharacter& c = e.characters[character];
   std::vector<double> q(static_cast<std::size_t>(e.mechanisms[static_cast<std::size_t>(c.mechanism)]->nq()));
@@ -24,7 +25,7 @@ std::vector<double> pose_at(const Executable& e, std::size_t character, std::siz
   return q;
 }
 
-TEST(Executable, HoldsWhatTheDocumentSays) {
+TEST(Executable, ContainsTheDocumentsContent) {
   const auto bytes = generate(make_scenario(), make_resources());
   ASSERT_TRUE(bytes) << bytes.error().text();
   const auto e = read_executable(*bytes, "park.ugx");
@@ -40,14 +41,14 @@ TEST(Executable, HoldsWhatTheDocumentSays) {
   EXPECT_EQ(e->events[1].character, 1);
   EXPECT_EQ(e->events[1].velocity, (Vec3{-6, 0, 2}));
   EXPECT_FALSE(e->circuit.empty());
-  EXPECT_EQ(e->characters[1].q0, (std::vector<double>{3, 0, 0.11, 1, 0, 0, 0})) << "no clips: neutral where it stands";
+  EXPECT_EQ(e->characters[1].q0, (std::vector<double>{3, 0, 0.11, 1, 0, 0, 0})) << "without clips: neutral pose at the character's place";
 }
 
 TEST(Executable, EqualInputGivesEqualBytes) {
   EXPECT_EQ(generate(make_scenario(), make_resources()).value(), generate(make_scenario(), make_resources()).value());
 }
 
-TEST(Executable, TakesOnlyWhatItUses) {
+TEST(Executable, ContainsOnlyUsedResources) {
   Scenario s = make_scenario();
   s.characters.pop_back();
   s.events.pop_back();
@@ -59,7 +60,7 @@ TEST(Executable, TakesOnlyWhatItUses) {
   EXPECT_NE(ugx->find("mechanism/m-walker"), nullptr);
 }
 
-TEST(Executable, FirstClipStandsWhereTheCharacterIsPlaced) {
+TEST(Executable, FirstClipStartsAtTheCharactersPlace) {
   const auto bytes = generate(make_scenario(), make_resources());
   const auto e = read_executable(*bytes, "park.ugx");
   ASSERT_TRUE(e);
@@ -70,7 +71,7 @@ TEST(Executable, FirstClipStandsWhereTheCharacterIsPlaced) {
   EXPECT_NEAR(root.heading, pi / 2, 1e-12);
 }
 
-TEST(Executable, EachClipGoesOnWhereTheOneBeforeLeavesOff) {
+TEST(Executable, EachClipContinuesAtTheEndOfThePreviousOne) {
   const auto bytes = generate(make_scenario(), make_resources());
   const auto e = read_executable(*bytes, "park.ugx");
   ASSERT_TRUE(e);
@@ -84,21 +85,21 @@ TEST(Executable, EachClipGoesOnWhereTheOneBeforeLeavesOff) {
   }
 }
 
-TEST(Executable, LoopsGoOnFromRoundToRound) {
+TEST(Executable, LoopedClipIsContinuousAcrossCycles) {
   const auto bytes = generate(make_scenario(), make_resources());
   const auto e = read_executable(*bytes, "park.ugx");
   ASSERT_TRUE(e);
   const Mechanism& walker = *e->mechanisms[static_cast<std::size_t>(e->characters[0].mechanism)];
-  double greatest = 0, path = 0;
+  double max_step = 0, path = 0;  // m
   Placement last = root_placement(walker, pose_at(*e, 0, 1, 2));
   for (double t = 2.001; t < 5.5; t += 0.001) {
     const Placement now = root_placement(walker, pose_at(*e, 0, 1, t));
     const double step = std::hypot(now.x - last.x, now.y - last.y);
-    greatest = std::max(greatest, step);
+    max_step = std::max(max_step, step);
     path += step;
     last = now;
   }
-  EXPECT_LT(greatest, 0.0015) << "1.2 m/s without a jump";
+  EXPECT_LT(max_step, 0.0015) << "1.2 m/s is 0.0012 m per sample; a jump would be larger";
   EXPECT_NEAR(path, 1.2 * 3.5, 0.01);
 }
 
@@ -122,18 +123,18 @@ TEST(Executable, RefusesTruncatedAndFlippedBytes) {
   for (std::size_t size = 0; size < bytes->size(); size += size < 2000 ? 1 : 997) {
     const auto e = read_executable(std::span(*bytes).first(size), "cut.ugx");
     ASSERT_FALSE(e) << size;
-    EXPECT_TRUE(e.error().problems.front().place.starts_with("cut.ugx")) << e.error().text();
+    EXPECT_TRUE(e.error().problems.front().location.starts_with("cut.ugx")) << e.error().text();
     EXPECT_FALSE(e.error().problems.front().remedy.empty());
   }
   std::mt19937 random(20260302);
   for (int round = 0; round < 300; ++round) {
     std::vector<std::byte> spoiled = *bytes;
     spoiled[random() % spoiled.size()] ^= std::byte(1 + random() % 255);
-    (void)read_executable(spoiled, "flipped.ugx");  // padding may change without harm; nothing may crash
+    (void)read_executable(spoiled, "flipped.ugx");  // may succeed if only padding changed; must not crash
   }
 }
 
-/// The same container with one section replaced and all checksums right.
+/// The same file with one section replaced and valid checksums.
 std::vector<std::byte> with_section(const std::vector<std::byte>& bytes, std::string_view name, std::vector<std::byte> data) {
   UgxWriter writer;
   const auto ugx = read_ugx(bytes);
@@ -150,21 +151,21 @@ std::vector<std::byte> to_bytes(std::string_view text) {
   return {p, p + text.size()};
 }
 
-TEST(Executable, RefusesHostileSectionsWithRightChecksums) {
+TEST(Executable, RefusesHostileSectionsWithValidChecksums) {
   const auto bytes = generate(make_scenario(), make_resources());
   ASSERT_TRUE(bytes);
   Scenario unknown = make_scenario();
   unknown.characters[0].track[0].motion = "n-other";
   Scenario misfit = make_scenario();
   misfit.characters[1].track = {{"k9", "n-walk", 0, 1, 0, 1, 0, false}};
-  std::vector<std::byte> nan_places(3 * 4 * sizeof(double), std::byte(0xff));
+  std::vector<std::byte> nan_placements(3 * 4 * sizeof(double), std::byte(0xff));
   const std::pair<const char*, std::vector<std::byte>> cases[] = {
       {"scenario", to_bytes("")},
       {"scenario", to_bytes("{\"version\": 1, \"characters\": 3}")},
       {"scenario", to_bytes(write_scenario(unknown))},
       {"scenario", to_bytes(write_scenario(misfit))},
       {"placements", {}},
-      {"placements", nan_places},
+      {"placements", nan_placements},
       {"mechanism/m-walker", to_bytes("{}")},
       {"mechanism/m-walker", to_bytes("\xff\xff")},
       {"motion/n-walk", to_bytes("not a motion")},
@@ -174,13 +175,13 @@ TEST(Executable, RefusesHostileSectionsWithRightChecksums) {
     const auto e = read_executable(with_section(*bytes, name, data), "hostile.ugx");
     ASSERT_FALSE(e) << name;
     for (const Problem& p : e.error().problems) {
-      EXPECT_TRUE(p.place.starts_with("hostile.ugx")) << p.text();
+      EXPECT_TRUE(p.location.starts_with("hostile.ugx")) << p.text();
       EXPECT_FALSE(p.remedy.empty()) << p.text();
     }
   }
 }
 
-TEST(Clip, PlacementsFormAGroup) {
+TEST(Clip, PlacementsObeyTheGroupLaws) {
   const Placement a = {1, 2, 3, 0.4}, b = {-2, 0.5, 1, 2.1}, c = {0.3, -4, 0, -1};
   const auto expect_near = [](const Placement& x, const Placement& y) {
     EXPECT_NEAR(x.x, y.x, 1e-13);
@@ -196,7 +197,7 @@ TEST(Clip, PlacementsFormAGroup) {
   EXPECT_NEAR(norm(p.p - pp.p), 0, 1e-13);
 }
 
-TEST(Clip, DisplacesTiltedRootJoints) {
+TEST(Clip, DisplacingATiltedRootJointMovesItsPose) {
   MechanismSpec spec = testing::make_walker()->spec();
   spec.links[0].joint.X_PJ = {rotation_about(normalized(Vec3{1, 2, 3}), 0.7), {0.3, -0.2, 0.5}};
   const auto tilted = Mechanism::make(spec);

@@ -1,5 +1,5 @@
 #pragma once
-// A small cast for the tests of content and project: a two-link walker on a floating root, its motions, and a ball.
+// Small content for the tests of content and project: a two-link walker with a floating root, its motions, and a ball.
 
 #include <memory>
 #include <string>
@@ -42,7 +42,7 @@ inline MechanismPtr make_ball() {
   return Mechanism::make(spec).value();
 }
 
-/// `seconds` of walking `distance` metres along the heading, turning by `turn` rad on the way; starts at (3, 4).
+/// A walk that lasts `seconds`, covers `distance` metres along the heading and turns by `turn` rad. It starts at (3, 4) m, heading 0.5 rad.
 inline Motion make_walk(const std::string& name, double seconds, double distance, double turn, bool cyclic) {
   Motion motion;
   motion.name = name;

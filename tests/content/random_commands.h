@@ -1,5 +1,5 @@
 #pragma once
-// Random commands on a scenario: most of them fit, some do not.
+// Random commands for a scenario. Most are valid; some are refused.
 
 #include <random>
 #include <string>
@@ -12,6 +12,7 @@ class RandomCommands {
  public:
   explicit RandomCommands(unsigned seed) : random_(seed) {}
 
+  /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
     switch (pick(14)) {
       case 0:
@@ -43,6 +44,7 @@ class RandomCommands {
     }
   }
 
+  /// Random number from 0 to `n` - 1.
   std::size_t pick(std::size_t n) { return random_() % n; }
 
  private:

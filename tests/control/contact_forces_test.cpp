@@ -18,16 +18,16 @@ std::vector<Support> two_feet(double friction) {
   return out;
 }
 
-/// Projected coordinate descent on the primal problem: slow, simple, another way.
+/// Independent reference: projected coordinate descent on the primal problem, slow but simple.
 double primal_optimum(const std::vector<Support>& supports, const Vec3& origin, const Vec6& w, double lever, double eps) {
   std::vector<Vec6> G;
-  std::vector<double> prices;
+  std::vector<double> costs;
   for (const Support& s : supports) {
     const Vec3 t1 = any_perpendicular(s.n), t2 = cross(s.n, t1);
     for (const Vec3& t : {t1, -t1, t2, -t2}) {
       const Vec3 e = s.n + t * s.friction;
       G.push_back({cross(s.p - origin, e) / lever, e});
-      prices.push_back(eps * s.price);
+      costs.push_back(eps * s.cost);
     }
   }
   std::vector<double> beta(G.size(), 0.0);
@@ -35,7 +35,7 @@ double primal_optimum(const std::vector<Support>& supports, const Vec3& origin, 
   for (int sweep = 0; sweep < 200000; ++sweep) {
     double change = 0;
     for (std::size_t k = 0; k < G.size(); ++k) {
-      const double next = std::max(0.0, beta[k] + (dot(G[k], r) - prices[k] * beta[k]) / (dot(G[k], G[k]) + prices[k]));
+      const double next = std::max(0.0, beta[k] + (dot(G[k], r) - costs[k] * beta[k]) / (dot(G[k], G[k]) + costs[k]));
       r -= G[k] * (next - beta[k]);
       change = std::max(change, std::fabs(next - beta[k]));
       beta[k] = next;
@@ -43,11 +43,11 @@ double primal_optimum(const std::vector<Support>& supports, const Vec3& origin, 
     if (change < 1e-12) break;
   }
   double value = 0.5 * dot(r, r);
-  for (std::size_t k = 0; k < beta.size(); ++k) value += 0.5 * prices[k] * beta[k] * beta[k];
+  for (std::size_t k = 0; k < beta.size(); ++k) value += 0.5 * costs[k] * beta[k] * beta[k];
   return value;
 }
 
-TEST(ContactForces, StandingWeightIsSharedAndNothingIsMissing) {
+TEST(ContactForces, StandingWeightIsSharedWithoutMissingWrench) {
   ContactForceProblem problem;
   const std::vector<Support> feet = two_feet(0.7);
   std::vector<Vec3> forces(feet.size());
@@ -57,12 +57,12 @@ TEST(ContactForces, StandingWeightIsSharedAndNothingIsMissing) {
   for (const Vec3& f : forces) EXPECT_GE(f.z, 0);
 }
 
-TEST(ContactForces, IsTheOptimumThatAnotherMethodFinds) {
+TEST(ContactForces, MatchesIndependentOptimizer) {
   std::mt19937_64 engine(5);
   for (int trial = 0; trial < 60; ++trial) {
     std::vector<Support> feet = two_feet(trial % 2 ? 0.7 : 0.3);
     if (trial % 3 == 0)
-      for (Support& s : feet) s.price = 1 + 50 * std::fabs(random_number(engine, 1));
+      for (Support& s : feet) s.cost = 1 + 50 * std::fabs(random_number(engine, 1));
     const Vec6 w{{random_number(engine, 200), random_number(engine, 200), random_number(engine, 50)},
                  {random_number(engine, 400), random_number(engine, 400), 400 + random_number(engine, 800)}};
     const Vec3 origin{random_number(engine, 0.2), random_number(engine, 0.2), 0.9};
@@ -71,8 +71,8 @@ TEST(ContactForces, IsTheOptimumThatAnotherMethodFinds) {
     std::vector<Vec3> forces(feet.size());
     const Vec6 missing = problem.solve(feet, origin, w, lever, eps, forces);
     EXPECT_LT(problem.iterations(), 30);
-    // value of the primal objective from the forces: recover beta by projecting on the pyramid is not unique, so bound it
-    // through the missing wrench: y = missing / lever is the dual optimum, and the optimal value is w.y/2
+    // The primal objective cannot be calculated from the forces, because beta is not unique. It follows from the missing wrench instead:
+    // y = missing / lever is the dual optimum, and the optimal value is w.y/2.
     const double value = 0.5 * (dot(w.w, missing.w) / (lever * lever) + dot(w.v, missing.v));
     const double wanted = primal_optimum(feet, origin, w, lever, eps);
     EXPECT_NEAR(value, wanted, 1e-6 * (1 + std::fabs(wanted))) << "trial " << trial;
@@ -84,7 +84,7 @@ TEST(ContactForces, IsTheOptimumThatAnotherMethodFinds) {
   }
 }
 
-TEST(ContactForces, PullingDownOrFlyingIsAllMissing) {
+TEST(ContactForces, DownwardForceOrNoSupportIsAllMissing) {
   ContactForceProblem problem;
   const std::vector<Support> feet = two_feet(0.7);
   std::vector<Vec3> forces(feet.size());

@@ -11,7 +11,7 @@
 namespace ugoki::control {
 namespace {
 
-/// A trunk on two straight legs with box feet: hips and ankles are ball joints.
+/// A trunk on two straight legs with box feet; hips and ankles are ball joints.
 MechanismPtr biped() {
   MechanismSpec spec;
   spec.name = "biped";
@@ -71,12 +71,12 @@ TEST(MotionControl, StandsOnItsOwnFeet) {
     s.step({});
     if (i > 500) worst = std::max(worst, s.last.size_bw);
   }
-  EXPECT_FALSE(s.last.let_go);
+  EXPECT_FALSE(s.last.released);
   EXPECT_LT(worst, 0.01);
   EXPECT_NEAR(s.state.q[2], 0.91, 0.005);
 }
 
-TEST(MotionControl, SwaysUnderAPushAndComesBack) {
+TEST(MotionControl, RecoversFromAPush) {
   Simulation s;
   for (int i = 0; i < 500; ++i) s.step({});
   double sway = 0;
@@ -84,44 +84,44 @@ TEST(MotionControl, SwaysUnderAPushAndComesBack) {
     s.step(i < 100 ? Vec3{100, 0, 0} : Vec3{});
     sway = std::max(sway, (s.X[0] * Vec3{0, 0, 0.4}).x);
   }
-  EXPECT_FALSE(s.last.let_go);
+  EXPECT_FALSE(s.last.released);
   EXPECT_GT(sway, 0.005);
   EXPECT_LT(std::fabs(s.state.q[0]), 0.02);
   const double at_end = (s.X[0] * Vec3{0, 0, 0.4}).x;
-  EXPECT_LT(std::fabs(at_end), 0.3 * sway) << "most of the way is taken back";
-  for (const double v : s.state.v) EXPECT_LT(std::fabs(v), 0.02) << "and it is at rest";
+  EXPECT_LT(std::fabs(at_end), 0.3 * sway) << "most of the sway should be recovered";
+  for (const double v : s.state.v) EXPECT_LT(std::fabs(v), 0.02) << "the character should be at rest";
 }
 
-TEST(MotionControl, LetsGoBeyondTheCapAndGetsNoHiddenHelp) {
+TEST(MotionControl, ReleasesControlAboveTheCapWithoutHiddenAssist) {
   ControlOptions options;
   options.assist_limit = 0.2;
   Simulation s(options);
   for (int i = 0; i < 500; ++i) s.step({});
   for (int i = 0; i < 1500; ++i) {
     s.step(i < 100 ? Vec3{1500, 0, 0} : Vec3{});
-    EXPECT_LE(norm(s.last.assist.v), (0.2 + 1e-9) * 9.81 * s.m->mass()) << "what is applied stays below the cap";
-    if (!s.last.let_go) continue;
+    EXPECT_LE(norm(s.last.assist.v), (0.2 + 1e-9) * 9.81 * s.m->mass()) << "the applied assist should stay below the cap";
+    if (!s.last.released) continue;
     EXPECT_EQ(norm(s.last.assist.v) + norm(s.last.assist.w), 0);
     for (const double t : s.state.tau) EXPECT_EQ(t, 0);
   }
-  EXPECT_TRUE(s.last.let_go);
-  EXPECT_LT(s.state.q[2], 0.4);  // it lies on the ground
-  // Put back on its feet at rest it stays limp.
+  EXPECT_TRUE(s.last.released);
+  EXPECT_LT(s.state.q[2], 0.4);  // m: the character has fallen to the ground
+  // Put back on its feet at rest, the character remains a ragdoll.
   s.state.q = s.m->neutral();
   s.state.q[2] = 0.91;
   s.state.v.assign(s.state.v.size(), 0.0);
   s.memory.overload = 0;
   for (double& shift : s.memory.shift) shift = 0;
   for (int i = 0; i < 1000; ++i) s.step(i < 10 ? Vec3{50, 20, 0} : Vec3{});
-  EXPECT_TRUE(s.last.let_go);
+  EXPECT_TRUE(s.last.released);
   EXPECT_LT(s.state.q[2], 0.6);
 }
 
-TEST(MotionControl, AssistIsNeverAboveItsCapAndHoldsWhatHasNoFeet) {
+TEST(MotionControl, AssistStaysBelowCapAndCarriesUnsupportedCharacter) {
   ControlOptions options;
   options.assist_limit = 1.2;
   Simulation s(options);
-  s.state.q[2] = s.reference[2] = 2.0;  // hangs in the air: the assist carries the weight, and says so
+  s.state.q[2] = s.reference[2] = 2.0;  // m: in the air; the assist carries the weight and reports it
   for (int i = 0; i < 500; ++i) {
     s.step({});
     EXPECT_LE(s.last.size_bw, 1.2 + 1e-12);
@@ -130,37 +130,37 @@ TEST(MotionControl, AssistIsNeverAboveItsCapAndHoldsWhatHasNoFeet) {
   EXPECT_NEAR(s.state.q[2], 2.0, 0.01);
 }
 
-TEST(MotionControl, FallsFreelyWhereNothingCarriesItAndStandsAgain) {
+TEST(MotionControl, FallsFreelyWithoutSupportAndStandsAgain) {
   Simulation s;
-  s.state.q[2] = 1.11;  // 0.2 m too high, as is the reference
+  s.state.q[2] = 1.11;  // m: 0.2 m too high, like the reference
   s.reference[2] = 1.11;
   for (int i = 0; i < 50; ++i) {
     s.step({});
-    if (i < 30) EXPECT_LT(s.last.size_bw, 0.01) << i;  // later the assist slows it down a little
+    if (i < 30) EXPECT_LT(s.last.size_bw, 0.01) << i;  // later the assist slows the fall a little
   }
   EXPECT_NEAR(s.state.q[2], 1.11 - 0.5 * 9.81 * 0.1 * 0.1, 0.002);
   for (int i = 0; i < 1500; ++i) s.step({});
-  EXPECT_FALSE(s.last.let_go);
+  EXPECT_FALSE(s.last.released);
   EXPECT_NEAR(s.state.q[2], 0.91, 0.01);
   EXPECT_LT(s.last.size_bw, 0.01);
-  EXPECT_NEAR(s.memory.shift[2], -0.2, 0.01);  // its path has come down with it
+  EXPECT_NEAR(s.memory.shift[2], -0.2, 0.01);  // m: the root trajectory has shifted down with the fall
 }
 
-TEST(MotionControl, LetsGoWhereItFallsTooDeep) {
+TEST(MotionControl, ReleasesControlAfterFallingTooDeep) {
   Simulation s;
   s.state.q[2] = s.reference[2] = 2.5;
   int steps = 0;
-  while (!s.last.let_go && steps < 1000) {
+  while (!s.last.released && steps < 1000) {
     s.step({});
     ++steps;
   }
-  EXPECT_TRUE(s.last.let_go);
+  EXPECT_TRUE(s.last.released);
   EXPECT_LT(s.state.q[2], 2.5 - 0.5 * 0.5 * s.control.lever());
   EXPECT_GT(s.state.q[2], 0.91);
 }
 
-TEST(MotionControl, FliesAsAJumpDoes) {
-  // The reference jumps: up at 2 m/s, free flight, down again; the figure starts with it.
+TEST(MotionControl, FliesFreelyDuringAJump) {
+  // The reference jumps: up at 2 m/s, free flight, landing. The character starts with the same state.
   Simulation s;
   const double g = 9.81, up = 2;
   s.state.v[5] = up;

@@ -1,4 +1,4 @@
-// Batches against one instance at a time; lanes that must not touch each other; the same bits in every width of registers.
+// Batches compared with single-instance functions; independence of lanes; identical bits for every SIMD register width.
 
 #include "ugoki/dynamics/batch.h"
 
@@ -20,7 +20,7 @@ using testing::RandomSource;
 
 constexpr Vec3 gravity{0.7, -0.3, -9.81};
 
-/// Runs `body` with each width that this processor has, then goes back to the widest.
+/// Calls `body` with each SIMD width that this processor supports, then selects the widest again.
 template <class Body>
 void for_each_width(const Body& body) {
   for (const SimdWidth width : {SimdWidth::plain, SimdWidth::avx2, SimdWidth::avx512}) {
@@ -31,6 +31,7 @@ void for_each_width(const Body& body) {
   use_simd(widest_simd());
 }
 
+/// Random states, joint forces and external wrenches of several instances of one random mechanism.
 struct Crowd {
   MechanismPtr m;
   std::vector<State> states;
@@ -73,7 +74,7 @@ double relative_difference(std::span<const double> a, std::span<const double> b)
 }
 
 template <class Real>
-void expect_as_one_at_a_time(double tolerance) {
+void expect_matches_single_instances(double tolerance) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Crowd crowd(seed, 3 + static_cast<int>(seed), static_cast<int>(1 + seed * 3));
@@ -107,39 +108,39 @@ void expect_as_one_at_a_time(double tolerance) {
   }
 }
 
-// Rounding times the condition number of these trees, up to 1e5.
-TEST(Batch, DoublesAreAsOneAtATime) { expect_as_one_at_a_time<double>(1e-10); }
-TEST(Batch, FloatsAreAsOneAtATimeToTheirAccuracy) { expect_as_one_at_a_time<float>(2e-2); }
+// The tolerances are rounding error times the condition number of these trees, which is up to 1e5.
+TEST(Batch, DoubleResultsMatchSingleInstances) { expect_matches_single_instances<double>(1e-10); }
+TEST(Batch, FloatResultsMatchSingleInstancesToSinglePrecision) { expect_matches_single_instances<float>(2e-2); }
 
 template <class Real>
-void expect_lanes_apart() {
+void expect_lanes_independent() {
   const Crowd crowd(4, 12, 37);
-  BatchWorkspace<Real> alone = crowd.batch<Real>(), beside = crowd.batch<Real>();
+  BatchWorkspace<Real> clean = crowd.batch<Real>(), poisoned = crowd.batch<Real>();
   constexpr Real nan = std::numeric_limits<Real>::quiet_NaN(), huge = std::numeric_limits<Real>::max();
   const auto lanes = static_cast<std::size_t>(BatchWorkspace<Real>::lanes);
   const auto poison = [&](std::vector<Real>& x) {
     for (std::size_t k = 0; k < x.size(); ++k)
       if (k % lanes % 3 == 1) x[k] = k / lanes % 2 == 0 ? nan : huge;
   };
-  for (std::vector<Real>* x : {&beside.q, &beside.v, &beside.tau, &beside.external}) poison(*x);
-  step_semi_implicit(alone, gravity, 1e-3);
-  step_semi_implicit(beside, gravity, 1e-3);
-  calc_inverse_dynamics(alone, gravity);
-  calc_inverse_dynamics(beside, gravity);
+  for (std::vector<Real>* x : {&poisoned.q, &poisoned.v, &poisoned.tau, &poisoned.external}) poison(*x);
+  step_semi_implicit(clean, gravity, 1e-3);
+  step_semi_implicit(poisoned, gravity, 1e-3);
+  calc_inverse_dynamics(clean, gravity);
+  calc_inverse_dynamics(poisoned, gravity);
   for (auto x : {&BatchWorkspace<Real>::q, &BatchWorkspace<Real>::v, &BatchWorkspace<Real>::vdot, &BatchWorkspace<Real>::tau})
-    for (std::size_t k = 0; k < (alone.*x).size(); ++k) {
+    for (std::size_t k = 0; k < (clean.*x).size(); ++k) {
       if (k % lanes % 3 == 1) continue;
-      ASSERT_EQ((alone.*x)[k], (beside.*x)[k]) << k;
+      ASSERT_EQ((clean.*x)[k], (poisoned.*x)[k]) << k;
     }
 }
-TEST(Batch, WhatOneLaneHoldsDoesNotTouchAnother) {
+TEST(Batch, NanInOneLaneDoesNotAffectOthers) {
   for_each_width([](SimdWidth) {
-    expect_lanes_apart<double>();
-    expect_lanes_apart<float>();
+    expect_lanes_independent<double>();
+    expect_lanes_independent<float>();
   });
 }
 
-TEST(Batch, SingularInstancesAreFlaggedAndStay) {
+TEST(Batch, SingularInstancesAreFlaggedAndNotMoved) {
   MechanismSpec spec;
   spec.name = "spinner";
   LinkSpec l;
@@ -151,7 +152,7 @@ TEST(Batch, SingularInstancesAreFlaggedAndStay) {
   l.parent = "rod";
   l.joint.type = JointType::spherical;
   l.joint.X_PJ.p = {1, 0, 0};
-  l.inertia = Inertia{1.0, {}, {}};  // a point at the ball's centre
+  l.inertia = Inertia{1.0, {}, {}};  // a point mass at the ball's centre: no inertia about it
   spec.links.push_back(l);
   const MechanismPtr m = Mechanism::make(std::move(spec)).value();
   BatchWorkspace<double> b(*m, 3);
@@ -162,7 +163,7 @@ TEST(Batch, SingularInstancesAreFlaggedAndStay) {
   EXPECT_EQ(b.v, v);
 }
 
-/// Everything the kernels give for one crowd, as bits.
+/// Hash of the bits of all kernel results for one crowd.
 std::string hash_of_all(const Crowd& crowd) {
   Hash64 hash;
   Workspace ws(*crowd.m);
@@ -194,7 +195,7 @@ std::string hash_of_all(const Crowd& crowd) {
   return hash.hex();
 }
 
-TEST(Batch, SameBitsInEveryWidth) {
+TEST(Batch, ResultsAreBitIdenticalForAllSimdWidths) {
   const Crowd crowd(10, 14, 21);
   std::string first;
   int widths = 0;

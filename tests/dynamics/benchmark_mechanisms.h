@@ -1,8 +1,8 @@
 #pragma once
-// Closed link systems with known solutions, built in code: for the tests and the benchmarks of every method for closed links.
+// Closed link systems with known solutions, built in code. Used by the tests and benchmarks of all methods for closed links.
 //
-// Planar ones move in the x-y plane, y up, and turn about z; they are bodies in space like all others, so that each revolute
-// closure of theirs has three redundant rows. A bar lies along its own x axis from its joint.
+// Planar systems move in the x-y plane (y is up) and rotate about z. Their bodies are three-dimensional, so each of their revolute
+// loops has three redundant rows. A bar extends from its joint along its own x axis.
 
 #include <cmath>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace ugoki::testing {
 
-/// A mechanism with its initial state, loops closed.
+/// A mechanism with an initial state in which its loops are closed.
 struct ClosedCase {
   MechanismPtr mechanism;
   std::vector<double> q, v;
@@ -21,18 +21,18 @@ struct ClosedCase {
 
 inline constexpr Vec3 gravity_y{0, -9.81, 0};
 
-/// A uniform thin bar along x, from its joint to `length`.
+/// A uniform thin bar along x, from x = 0 to x = `length`.
 inline Inertia bar_inertia(double mass, double length) {
   const double I = mass * length * length / 12;
   return Inertia::from_centre(mass, {length / 2, 0, 0}, {0, I, I, 0, 0, 0});
 }
 
-/// A body with its centre at (x, y) and moment of inertia I about z through it.
+/// A body with its centre of mass at (x, y) and moment of inertia I about the z axis through the centre of mass.
 inline Inertia planar_inertia(double mass, double x, double y, double I) {
   return Inertia::from_centre(mass, {x, y, 0}, {I / 2, I / 2, I, 0, 0, 0});
 }
 
-/// A link that turns about z at the point (x, y) of its parent.
+/// A link with a revolute joint about z at the point (x, y) of its parent.
 inline LinkSpec hinged(std::string name, std::string parent, double x, double y, const Inertia& inertia) {
   LinkSpec l;
   l.name = std::move(name);
@@ -60,13 +60,15 @@ inline ClosedCase closed_case(MechanismSpec spec, std::vector<double> q, std::ve
   return {Mechanism::make(std::move(spec)).value(), std::move(q), std::move(v), gravity};
 }
 
+/// Dimensions of a planar four-bar linkage.
 struct FourBar {
   double crank = 0.3, coupler = 1.0, rocker = 0.8, ground = 0.9;   ///< m
   double crank_mass = 1.0, coupler_mass = 1.5, rocker_mass = 2.0;  ///< kg, uniform bars
 };
 
-/// Crank at the origin, coupler on it, rocker at (ground, 0); the loop closes at the coupler's and the rocker's ends, the coupler above
-/// the ground. `angle` and `speed` are the crank's; the coupler's and the rocker's follow from closed forms.
+/// Four-bar linkage: crank at the origin, coupler on the crank, rocker at (ground, 0). The loop joins the ends of coupler and rocker,
+/// on the branch with the coupler above the ground. `angle` [rad] and `speed` [rad/s] are those of the crank; the values of coupler
+/// and rocker follow from closed forms.
 inline ClosedCase four_bar(const FourBar& f, double angle, double speed, const Vec3& gravity = gravity_y) {
   MechanismSpec spec;
   spec.name = "four-bar";
@@ -74,14 +76,14 @@ inline ClosedCase four_bar(const FourBar& f, double angle, double speed, const V
                 hinged("coupler", "crank", f.crank, 0, bar_inertia(f.coupler_mass, f.coupler)),
                 hinged("rocker", "", f.ground, 0, bar_inertia(f.rocker_mass, f.rocker))};
   spec.loops = {pin("pin", "coupler", {f.coupler, 0, 0}, "rocker", {f.rocker, 0, 0})};
-  // The pin is where the circles about the crank's end and the rocker's joint meet
+  // The pin is an intersection of two circles: about the crank's end, and about the rocker's joint
   const double x = f.crank * std::cos(angle), y = f.crank * std::sin(angle);
   const double dx = f.ground - x, dy = -y, d = std::sqrt(dx * dx + dy * dy);
   const double along = (f.coupler * f.coupler - f.rocker * f.rocker + d * d) / (2 * d);
   const double across = std::sqrt(f.coupler * f.coupler - along * along);
   const double px = x + (along * dx - across * dy) / d, py = y + (along * dy + across * dx) / d;
   const double coupler = std::atan2(py - y, px - x), rocker = std::atan2(py, px - f.ground);
-  // Velocities: crank's end + coupler = rocker's end
+  // Velocities: the end of the coupler moves with the end of the rocker
   const double s = std::sin(coupler - rocker);
   const double coupler_speed = f.crank * speed * std::sin(rocker - angle) / (f.coupler * s);
   const double rocker_speed = f.crank * speed * std::sin(coupler - angle) / (f.rocker * s);
@@ -89,7 +91,7 @@ inline ClosedCase four_bar(const FourBar& f, double angle, double speed, const V
 }
 
 /// IFToMM benchmark A02 (Bayo & Avello 1994; Gonzalez et al. 2006): a ladder of N parallelograms, 2 N + 1 bars of 1 m and 1 kg,
-/// upright at the start with 1 m/s at the top. Horizontal positions are change points, where N freedoms come in for an instant.
+/// upright at the start with 1 m/s at the top. Horizontal configurations are change points with N additional instantaneous DOFs.
 inline ClosedCase n_four_bar(int n) {
   MechanismSpec spec;
   spec.name = std::to_string(n) + "-four-bar";
@@ -108,7 +110,7 @@ inline ClosedCase n_four_bar(int n) {
   return closed_case(std::move(spec), std::move(q), std::move(v), gravity_y);
 }
 
-/// N four-bars in series: each hangs, with its ground bar, on the coupler of the one before; N freedoms, N loops. A swinging chain.
+/// N four-bar linkages in series, a swinging chain with N DOFs and N loops: the coupler of one linkage is the ground of the next.
 inline ClosedCase four_bars_in_series(int n) {
   MechanismSpec spec;
   spec.name = std::to_string(n) + " four-bars in series";
@@ -118,7 +120,7 @@ inline ClosedCase four_bars_in_series(int n) {
   std::string ground;
   for (int k = 0; k < n; ++k) {
     const std::string i = std::to_string(k);
-    // The next one hangs from the coupler's middle, turned so that the chain goes on downwards
+    // The joints of the next four-bar are on the coupler of this one
     LinkSpec crank = hinged("crank" + i, ground, 0, 0, bar_inertia(f.crank_mass, f.crank));
     LinkSpec coupler = hinged("coupler" + i, "crank" + i, f.crank, 0, bar_inertia(f.coupler_mass, f.coupler));
     LinkSpec rocker = hinged("rocker" + i, ground, f.ground, 0, bar_inertia(f.rocker_mass, f.rocker));
@@ -131,8 +133,8 @@ inline ClosedCase four_bars_in_series(int n) {
   return closed_case(std::move(spec), std::move(q), std::move(v), gravity_y);
 }
 
-/// Crank at the origin, rod on it, a slider along x; the loop is the pin between rod and slider.
-/// With crank = rod the position angle = pi / 2 is a change point (the slider in the crank's axis).
+/// Slider-crank: crank at the origin, rod on the crank, a slider along x. The loop is the pin between rod and slider.
+/// If crank and rod have equal lengths, angle = pi / 2 is a change point: the slider is on the crank's axis.
 inline ClosedCase slider_crank(double crank, double rod, double angle, double speed, const Vec3& gravity = gravity_y) {
   MechanismSpec spec;
   spec.name = "slider-crank";
@@ -141,15 +143,15 @@ inline ClosedCase slider_crank(double crank, double rod, double angle, double sp
   slider.joint.axis = {1, 0, 0};
   spec.links = {hinged("crank", "", 0, 0, bar_inertia(1, crank)), hinged("rod", "crank", crank, 0, bar_inertia(0.8, rod)), slider};
   spec.loops = {pin("pin", "slider", {}, "rod", {rod, 0, 0})};
-  const double s = std::asin(crank * std::sin(angle) / rod);  // the rod below the x axis by s
+  const double s = std::asin(crank * std::sin(angle) / rod);  // angle between the rod and the x axis, below the axis
   const double s_speed = crank * std::cos(angle) * speed / (rod * std::cos(s));
   const double x = crank * std::cos(angle) + rod * std::cos(s);
   const double x_speed = -crank * std::sin(angle) * speed - rod * std::sin(s) * s_speed;
   return closed_case(std::move(spec), {angle, -s - angle, x}, {speed, -s_speed - speed, x_speed}, gravity);
 }
 
-/// Andrews' squeezing mechanism: 7 bodies, 1 freedom (Schiehlen 1990, Multibody Systems Handbook; IVP test set). Order of v: beta,
-/// Theta, gamma, delta, phi, epsilon, Omega.
+/// Constants and forces of Andrews' squeezing mechanism: 7 bodies, 1 DOF (Schiehlen 1990, Multibody Systems Handbook; IVP test set).
+/// The order of v is beta, Theta, gamma, delta, phi, epsilon, Omega. SI units.
 struct Andrews {
   static constexpr double xa = -.06934, ya = -.00227, xb = -.03635, yb = .03273, xc = .014, yc = .072;
   static constexpr double c0 = 4530, l0 = .07785, drive = .033;
@@ -193,13 +195,13 @@ inline ClosedCase andrews(LoopType type = LoopType::revolute) {
 }
 
 /// Bricard's mechanism (IFToMM benchmark A04): five bars of 1 m and 1 kg and the ground along six edges of a cube, six revolute joints.
-/// Over-constrained in space: Gruebler's count gives no freedom, and it has one.
+/// Over-constrained: Gruebler's formula gives no DOF, but the mechanism has one.
 inline ClosedCase bricard() {
   const Vec3 along[6] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
   MechanismSpec spec;
   spec.name = "Bricard's mechanism";
   const double side = 0.1, I_along = side * side / 6, I_across = (1 + side * side) / 12;
-  for (int i = 0; i < 5; ++i) {  // the ground is the sixth edge; at q = 0 all links have the world's axes
+  for (int i = 0; i < 5; ++i) {  // the ground is the sixth edge; at q = 0 the axes of all links are those of the world
     LinkSpec l;
     l.name = "bar" + std::to_string(i);
     l.parent = i == 0 ? "" : "bar" + std::to_string(i - 1);
@@ -214,7 +216,7 @@ inline ClosedCase bricard() {
   LoopSpec last;
   last.name = "last hinge";
   last.type = LoopType::revolute;
-  last.X_AJ.p = -along[5];  // where the ground's edge begins; it ends at the origin
+  last.X_AJ.p = -along[5];  // start of the ground's edge, whose end is the origin
   last.link_b = "bar4";
   last.X_BJ.p = along[4];
   last.axis = cross(along[4], along[5]);
@@ -222,9 +224,10 @@ inline ClosedCase bricard() {
   return closed_case(std::move(spec), std::vector<double>(5, 0.0), std::vector<double>(5, 0.0), gravity_y);
 }
 
-/// IFToMM benchmark A05, the stiff flyball governor: a shaft about z, a slider along it, two rods with balls; rods and springs are hinged 5
-/// cm off the axis (which the published curve tells), the springs at the rods' middles. An open link system with forces; v: shaft, slider,
-/// two rods (below the horizontal).
+/// Constants and forces of the stiff flyball governor (IFToMM benchmark A05): a shaft about z, a slider along the shaft, two rods with
+/// balls, and two spring-dampers from the slider to the middles of the rods. The hinges of rods and springs are 5 cm from the axis (a
+/// value deduced from the published curve). It is an open link system with forces. The order of v is shaft, slider, two rods; rod
+/// angles are measured downwards from the horizontal.
 struct Governor {
   static constexpr double stiffness = 8e5, damping = 4e4, rest = 0.5, top = 1.0, arm = 0.5, side = 0.05;
 
@@ -264,7 +267,7 @@ inline ClosedCase governor() {
     rod.parent = "shaft";
     rod.joint.type = JointType::revolute;
     rod.joint.X_PJ = {rotation_about({0, 0, 1}, k * pi), {k == 0 ? Governor::side : -Governor::side, 0, Governor::top}};
-    rod.joint.axis = {0, 1, 0};  // turns x towards -z
+    rod.joint.axis = {0, 1, 0};  // a positive angle turns x towards -z
     rod.inertia = Inertia::from_centre(rod_mass, {0.5, 0, 0}, Sym3{2 * across, 1.0 / 12 + across, 1.0 / 12 + across, 0, 0, 0} * rod_mass);
     rod.inertia += Inertia::from_centre(5, {1, 0, 0}, {});
     spec.links.push_back(rod);

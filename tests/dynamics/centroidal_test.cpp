@@ -30,11 +30,11 @@ struct Scene {
 
 double size(const Vec6& x) { return norm(x.w) + norm(x.v); }
 
-TEST(Centroidal, IsTheSumOverTheLinks) {
+TEST(Centroidal, EqualsSumOverLinks) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Scene c(seed);
     const Centroidal g = calc_centroidal(*c.m, c.ws);
-    // each link by itself: position, velocity and spin of its own centre of mass, from calc_velocities
+    // Sum over the links: position, velocity and angular momentum of each link's centre of mass, from calc_velocities()
     std::vector<Pose> X(c.ws.X_WB.size());
     std::vector<Vec6> V(X.size());
     calc_poses(*c.m, c.s.q, X);
@@ -65,7 +65,7 @@ TEST(Centroidal, IsTheSumOverTheLinks) {
   }
 }
 
-TEST(CentroidalMatrix, TimesVelocityIsTheMomentumAndItsRateFollows) {
+TEST(CentroidalMatrix, TimesVelocityIsMomentumAndRateMatchesExternalForces) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Scene c(seed);
     const std::size_t n = c.s.v.size();
@@ -76,7 +76,7 @@ TEST(CentroidalMatrix, TimesVelocityIsTheMomentumAndItsRateFollows) {
     const Centroidal g = calc_centroidal(*c.m, c.ws);
     EXPECT_LT(size(h - g.momentum), 1e-12 * (1 + size(h))) << "seed " << seed;
 
-    // under joint forces, gravity and wrenches the momentum changes by the latter two about the centre
+    // The momentum about the centre of mass changes by gravity and external wrenches, not by joint forces
     std::vector<double> vdot(n);
     ASSERT_TRUE(calc_forward_dynamics(*c.m, c.ws, c.s.tau, gravity, c.s.external, vdot));
     const Vec6 bias = calc_centroidal_momentum_rate(*c.m, c.ws, {});
@@ -98,16 +98,16 @@ TEST(CentroidalMatrix, TimesVelocityIsTheMomentumAndItsRateFollows) {
     const auto slope = [&](double k) { return (momentum_at(k) - momentum_at(-k)) * (0.5 / k); };
     const Vec6 measured = slope(5e-5) * (4.0 / 3) - slope(1e-4) * (1.0 / 3);
     EXPECT_LT(size(rate - measured), 1e-6 * (1 + size(rate))) << "seed " << seed;
-    if (seed % 2 == 1) continue;  // the base of the others is held by the world
+    if (seed % 2 == 1) continue;  // odd seeds have a fixed base, on which the world exerts forces
     for (std::size_t i = 0; i < 6; ++i) c.s.tau[i] = 0;
     ASSERT_TRUE(calc_forward_dynamics(*c.m, c.ws, c.s.tau, gravity, c.s.external, vdot));
-    Vec6 wanted{{}, gravity * g.mass};
-    for (const Vec6& e : c.s.external) wanted += Vec6{e.w - cross(g.centre, e.v), e.v};
-    EXPECT_LT(size(calc_centroidal_momentum_rate(*c.m, c.ws, vdot) - wanted), 1e-9 * (1 + size(wanted))) << "seed " << seed;
+    Vec6 expected{{}, gravity * g.mass};
+    for (const Vec6& e : c.s.external) expected += Vec6{e.w - cross(g.centre, e.v), e.v};
+    EXPECT_LT(size(calc_centroidal_momentum_rate(*c.m, c.ws, vdot) - expected), 1e-9 * (1 + size(expected))) << "seed " << seed;
   }
 }
 
-TEST(PotentialGradient, IsTheForceThatHoldsAndTheSlopeOfTheEnergy) {
+TEST(PotentialGradient, EqualsStaticJointForcesAndEnergyDerivative) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Scene c(seed);
     const std::size_t n = c.s.v.size();

@@ -1,4 +1,5 @@
-// Closed link systems with known motions: published benchmarks, closed forms, energy and gaps over long runs, singular positions.
+// Closed link systems with known motions: published benchmarks, closed forms, energy and gaps over long runs, singular
+// configurations.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +14,7 @@ namespace {
 
 using namespace ugoki::testing;
 
-/// Numbers of a table in ../shared/data/benchmarks; empty where it is absent.
+/// Values of a table in ../shared/data/benchmarks, row by row; empty if the file does not exist.
 std::vector<std::vector<double>> read_curve(const std::string& name) {
   std::ifstream file(std::string(UGOKI_SHARED_DATA) + "/benchmarks/" + name);
   std::vector<std::vector<double>> rows;
@@ -27,9 +28,9 @@ std::vector<std::vector<double>> read_curve(const std::string& name) {
   return rows;
 }
 
-// IVP test set, digits of PSIDE at tolerance 1e-14. The textbook's equations, integrated in extended precision with 60,000 steps of order
-// 4, give the digits below them: the published ones are those of 1e-12 s later.
-TEST(ClosedBenchmark, AndrewsSqueezingMechanismAt30Milliseconds) {
+// `q`, `v`, `a`: published solution of the IVP test set, computed with PSIDE at tolerance 1e-14. `extended_q`, `extended_v`: the textbook's
+// equations integrated in extended precision with 60,000 steps of order 4. The published values agree with those 1e-12 s later.
+TEST(ClosedBenchmark, AndrewsMechanismMatchesPublishedStateAt30Milliseconds) {
   const double q[7] = {15.81077119629904,   -15.75637105984298, 0.04082224013073101, 0.5244099658805304,
                        -0.5347301163226948, 1.048080741042263,  0.5347301163226948};
   const double v[7] = {1139.920302151208, -1424.379294994111, 11.03291221937134, 0.5735699284790808,
@@ -47,7 +48,7 @@ TEST(ClosedBenchmark, AndrewsSqueezingMechanismAt30Milliseconds) {
   ClosedMotion motion(c, options, [](const auto& at, const auto&, auto& tau) { Andrews::forces(at, tau); });
   const double start = motion.energy() + Andrews::spring_energy(c.q) - Andrews::drive * c.q[0];
   ASSERT_TRUE(motion.advance(0.03));
-  for (int i = 0; i < 7; ++i) {  // eight digits, or those of 2e-12 s earlier or later
+  for (int i = 0; i < 7; ++i) {  // eight digits, or a time shift of 2e-12 s
     EXPECT_NEAR(motion.q(i), q[i], std::max(1e-9, 2e-12 * std::fabs(v[i]))) << i;
     EXPECT_NEAR(motion.v(i), v[i], std::max(1e-8 * std::fabs(v[i]), 2e-12 * std::fabs(a[i]))) << i;
     EXPECT_NEAR(motion.q(i), extended_q[i], 2e-11) << i;
@@ -58,7 +59,7 @@ TEST(ClosedBenchmark, AndrewsSqueezingMechanismAt30Milliseconds) {
   EXPECT_LT(motion.gap(), 1e-15);
 }
 
-// The reference passes its change points, the horizontal positions, 20 times in 10 s.
+// The reference motion passes its change points, the horizontal configurations, 20 times in 10 s.
 TEST(ClosedBenchmark, TwoFourBarsFollowTheReferenceCurve) {
   const auto curve = read_curve("A02_N2_B0.csv");
   if (curve.empty()) GTEST_SKIP() << "no ../shared/data/benchmarks";
@@ -73,7 +74,8 @@ TEST(ClosedBenchmark, TwoFourBarsFollowTheReferenceCurve) {
   }
 }
 
-/// Angle and speed of the ladder's uprights after `duration`: a pendulum of one angle, by small steps of its own equation.
+/// Angle and speed of the uprights of n_four_bar(n) after `duration`. The ladder moves as a pendulum with one angle, whose equation is
+/// integrated here by Runge-Kutta steps of order 4.
 std::pair<double, double> ladder_as_pendulum(int n, double angle, double speed, double duration) {
   const double inertia = (n + 1) / 3.0 + n, weight = 9.81 * ((n + 1) / 2.0 + n);
   const int steps = 200000;
@@ -88,8 +90,8 @@ std::pair<double, double> ladder_as_pendulum(int n, double angle, double speed, 
   return {angle, speed};
 }
 
-// Starts exactly in the change point, where J alone leaves three freedoms.
-TEST(ClosedBenchmark, AMotionThatStartsInAChangePointGoesOnOnItsBranch) {
+// The motion starts exactly at the change point, where J has rank 2 less and permits three DOFs.
+TEST(ClosedBenchmark, MotionStartedAtChangePointStaysOnItsBranch) {
   ClosedCase c = n_four_bar(2);
   for (std::size_t i = 0; i < c.q.size(); ++i) {
     c.q[i] = 0;
@@ -124,7 +126,7 @@ TEST(SlowClosedBenchmark, FortyFourBarsKeepTheirEnergy) {
   std::printf("forty four-bars: energy drift %.2e J, gap %.2e m\n", drift.energy, drift.gap);
 }
 
-// IFToMM A05: explicit steps, small because the springs are stiff. The curve has ten decimals.
+// IFToMM A05, with explicit steps that are small because the springs are stiff. The reference curve has ten decimals.
 void expect_governor_on_its_curve(std::size_t points) {
   auto curve = read_curve("A05_s.csv");
   if (curve.empty()) GTEST_SKIP() << "no ../shared/data/benchmarks";
@@ -146,11 +148,11 @@ TEST(ClosedBenchmark, BricardsMechanismKeepsItsEnergy) {
   ASSERT_TRUE(drift.reached);
   EXPECT_LT(drift.energy, 1e-6);
   EXPECT_LT(drift.gap, 1e-13);
-  EXPECT_EQ(motion.system.closed.freedoms(), 1);
-  EXPECT_GT(std::fabs(motion.q(0)), 0.1);  // it moves
+  EXPECT_EQ(motion.system.closed.dofs(), 1);
+  EXPECT_GT(std::fabs(motion.q(0)), 0.1);  // the mechanism moves
 }
 
-/// A crank that goes round and round, with the couplers' weight; 1 ms steps.
+/// A rotating crank with heavy bars, in steps of 1 ms.
 void expect_long_run_without_drift(int steps) {
   ClosedMotion motion(four_bar({}, 0.5, 3), 1e-3);
   const Drift drift(motion, steps * 1e-3, 100);
@@ -162,7 +164,7 @@ void expect_long_run_without_drift(int steps) {
 TEST(ClosedBenchmark, AFourBarKeepsItsEnergyForTenThousandSteps) { expect_long_run_without_drift(10000); }
 TEST(SlowClosedBenchmark, AFourBarKeepsItsEnergyForAMillionSteps) { expect_long_run_without_drift(1000000); }
 
-TEST(ClosedBenchmark, MassesOfOneToAMillionInOneLoop) {
+TEST(ClosedBenchmark, MassRatioOfAMillionInOneLoopConservesEnergy) {
   for (const FourBar& bars : {FourBar{.crank_mass = 1e-3, .coupler_mass = 1e3, .rocker_mass = 1e-3},
                               FourBar{.crank_mass = 1e3, .coupler_mass = 1e-3, .rocker_mass = 1e3}}) {
     ClosedMotion motion(four_bar(bars, 0.5, 3), 1e-3);
@@ -174,14 +176,14 @@ TEST(ClosedBenchmark, MassesOfOneToAMillionInOneLoop) {
   }
 }
 
-/// Energy of the slider-crank with crank = rod = r as a function of the crank's angle and speed alone.
+/// Energy of the slider-crank with crank and rod of length r, as a function of the crank's angle and speed alone, J.
 double equal_slider_crank_energy(double r, double angle, double speed) {
   const double s = std::sin(angle), c = std::cos(angle);
   const double inertia = r * r / 3 + 0.8 * (r * r * (2.25 * s * s + 0.25 * c * c) + r * r / 12) + 0.7 * 4 * r * r * s * s;
   return 0.5 * inertia * speed * speed + 9.81 * 0.5 * r * s * (1 + 0.8);
 }
 
-// Both branches cross where the slider is in the crank's axis; the crank's speed follows from the energy.
+// The two branches of the motion cross where the slider is on the crank's axis. The crank's speed follows from the energy.
 TEST(ClosedBenchmark, SliderCrankPassesItsChangePoints) {
   const double r = 0.5;
   for (const double start : {0.2, pi / 2, pi / 2 - 1e-9, pi / 2 - 1e-4}) {
@@ -198,41 +200,41 @@ TEST(ClosedBenchmark, SliderCrankPassesItsChangePoints) {
       EXPECT_NEAR(motion.q(2), 2 * r * std::cos(motion.q(0)), 1e-9);
       EXPECT_LT(motion.gap(), 1e-13);
     }
-    EXPECT_GT(motion.q(0), 20);  // it goes round
+    EXPECT_GT(motion.q(0), 20);  // the crank makes full turns
   }
 }
 
-// The crank in line with the rod: the slider cannot move it, so theta_G must not be the slider.
-TEST(ClosedBenchmark, SliderCrankAtItsDeadPoint) {
+// Crank and rod are in line. The slider cannot move the crank there, so theta_G must not be the slider.
+TEST(ClosedBenchmark, SliderCrankMovesThroughItsDeadPoint) {
   const double l = 1, r = 0.3;
   ClosedCase c = slider_crank(r, l, 0, 4, {});
   ClosedWorkspace cw(*c.mechanism);
   update_closed(*c.mechanism, c.q, c.v, cw);
-  ASSERT_EQ(cw.freedoms(), 1);
+  ASSERT_EQ(cw.dofs(), 1);
   EXPECT_NE(cw.theta_G()[0], 2);
   std::vector<double> tau{0, 0, 50}, vdot(3);
   ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.mechanism, cw, tau, {}, {}, vdot));
   EXPECT_NEAR(vdot[0], 0, 1e-10);                      // a push along the rod does not turn the crank
-  EXPECT_NEAR(vdot[2], -r * 16 * (1 + r / l), 1e-10);  // the textbook's r w^2 (1 + r / l)
+  EXPECT_NEAR(vdot[2], -r * 16 * (1 + r / l), 1e-10);  // textbook formula: r w^2 (1 + r / l)
   ClosedMotion motion(c, 1e-3);
   const Drift drift(motion, 5, 50);
   EXPECT_LT(drift.energy, 1e-9);
   EXPECT_LT(drift.gap, 1e-13);
 }
 
-// Whatever freedoms are chosen as theta_G, the motion is the same; a new choice changes neither q nor v.
-TEST(ClosedBenchmark, TheChoiceOfThetaGLeavesNoTrace) {
+// The motion does not depend on the choice of theta_G, and a new choice changes neither q nor v.
+TEST(ClosedBenchmark, ChoiceOfThetaGDoesNotAffectMotion) {
   const ClosedCase c = four_bars_in_series(2);
   ClosedMotion kept(c, 1e-3);
   ClosedMotion changed(c, 1e-3);
   int choices = 0;
   for (int k = 1; k <= 250; ++k) {
     ASSERT_TRUE(kept.advance(1e-3 * k));
-    // theta_G by hand: other ones each time
+    // Every seven steps, exchange one DOF of theta_G with one of theta_S
     ClosedWorkspace& cw = changed.system.closed;
     if (k % 7 == 0 && cw.rank == 4) {
       const auto other = static_cast<std::size_t>(k) % 4;
-      std::swap(cw.freedom_order[4 + other % 2], cw.freedom_order[other]);
+      std::swap(cw.dof_order[4 + other % 2], cw.dof_order[other]);
       ++choices;
     }
     ASSERT_TRUE(changed.advance(1e-3 * k));

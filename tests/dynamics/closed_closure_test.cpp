@@ -1,4 +1,4 @@
-// Closing loops in position and velocity, and saying what loops do to a mechanism.
+// Closing of loops at position and velocity level, and the diagnosis of loops.
 
 #include "ugoki/dynamics/loop_closure.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 using namespace ugoki::testing;
 
-constexpr double held = std::numeric_limits<double>::infinity();
+constexpr double held = std::numeric_limits<double>::infinity();  // weight of a DOF that must not move
 
 double gap_at(const Mechanism& m, ClosedWorkspace& cw, const std::vector<double>& q) {
   const std::vector<double> v(static_cast<std::size_t>(m.nv()));
@@ -25,7 +25,7 @@ double gap_at(const Mechanism& m, ClosedWorkspace& cw, const std::vector<double>
   return measure_gap(cw).gap;
 }
 
-TEST(LoopClosure, FourBarFromFarStartsClosesAtTheClosedForm) {
+TEST(LoopClosure, FourBarAssemblesFromDistantStartsToClosedFormSolution) {
   const FourBar bars;
   const MechanismPtr m = four_bar(bars, 0.5, 0).mechanism;
   ClosedWorkspace cw(*m);
@@ -36,7 +36,7 @@ TEST(LoopClosure, FourBarFromFarStartsClosesAtTheClosedForm) {
     std::vector<double> q{crank, random.uniform(-3, 3), random.uniform(-3, 3)};
     const std::vector<double> weights{held, 1, 1};
     ASSERT_TRUE(assemble(*m, q, cw, weights).closed);
-    EXPECT_EQ(q[0], crank);  // what is held stays
+    EXPECT_EQ(q[0], crank);  // a held DOF does not move
     EXPECT_LT(gap_at(*m, cw, q), 1e-13);
     // Freudenstein's equation relates crank and rocker of every closed four-bar
     const double k1 = bars.ground / bars.crank, k2 = bars.ground / bars.rocker;
@@ -46,7 +46,7 @@ TEST(LoopClosure, FourBarFromFarStartsClosesAtTheClosedForm) {
   }
 }
 
-TEST(LoopClosure, EveryLoopTypeClosesFromFar) {
+TEST(LoopClosure, EveryLoopTypeAssemblesFromDistantStarts) {
   int closed_systems = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(seed);
@@ -70,8 +70,8 @@ TEST(LoopClosure, EveryLoopTypeClosesFromFar) {
   EXPECT_EQ(closed_systems, 60);
 }
 
-// Two hinges that meet with their axes against each other have no gap, and are not what was meant.
-TEST(LoopClosure, AxesMeetTheRightWayRound) {
+// Two axes that are antiparallel leave no gap, but the intended configuration has parallel axes.
+TEST(LoopClosure, AssembledAxesAreNotAntiparallel) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(seed);
     RandomLoops c(seed);
@@ -90,8 +90,8 @@ TEST(LoopClosure, AxesMeetTheRightWayRound) {
   }
 }
 
-// From near, the least movement in the weighted norm: at right angles to everything that the loops leave free.
-TEST(LoopClosure, MovesAsLittleAsTheWeightsAllow) {
+// Near a closed configuration the correction has the minimum weighted norm: it is orthogonal to all motions that the loops permit.
+TEST(LoopClosure, PositionCorrectionIsMinimalInWeightedNorm) {
   const ClosedCase c = four_bars_in_series(3);
   const Mechanism& m = *c.mechanism;
   ClosedWorkspace cw(m);
@@ -104,7 +104,7 @@ TEST(LoopClosure, MovesAsLittleAsTheWeightsAllow) {
   start = q;
   ASSERT_TRUE(close_positions(m, q, cw, weights).closed);
   update_closed(m, q, c.v, cw);
-  const auto g = static_cast<std::size_t>(cw.freedoms());
+  const auto g = static_cast<std::size_t>(cw.dofs());
   ASSERT_EQ(g, 3U);
   for (std::size_t k = 0; k < g; ++k) {
     double along = 0;
@@ -113,7 +113,7 @@ TEST(LoopClosure, MovesAsLittleAsTheWeightsAllow) {
   }
 }
 
-TEST(LoopClosure, VelocitiesCloseWithTheLeastChange) {
+TEST(LoopClosure, VelocityCorrectionIsMinimalInWeightedNorm) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     RandomLoops c(seed);
@@ -123,16 +123,16 @@ TEST(LoopClosure, VelocitiesCloseWithTheLeastChange) {
     std::vector<double> weights, v = c.state.v;
     for (std::size_t i = 0; i < v.size(); ++i) weights.push_back(random.uniform(0.2, 5));
     close_velocities(*c.m, c.state.q, v, cw, weights);
-    const std::size_t n = v.size(), g = static_cast<std::size_t>(cw.freedoms());
+    const std::size_t n = v.size(), g = static_cast<std::size_t>(cw.dofs());
     for (std::size_t k = 0; k < cw.active.size(); ++k) {
       double rate = 0;
-      for (std::size_t i = 0; i < n; ++i) rate += cw.J[k * n + i] / cw.freedom_scale[i] * v[i];
+      for (std::size_t i = 0; i < n; ++i) rate += cw.J[k * n + i] / cw.dof_scale[i] * v[i];
       EXPECT_NEAR(rate, 0, 1e-11);
     }
     for (std::size_t a = 0; a < g; ++a) {
       double along = 0;
       for (std::size_t i = 0; i < n; ++i)
-        along += cw.H[i * g + a] * weights[i] / (cw.freedom_scale[i] * cw.freedom_scale[i]) * (v[i] - c.state.v[i]);
+        along += cw.H[i * g + a] * weights[i] / (cw.dof_scale[i] * cw.dof_scale[i]) * (v[i] - c.state.v[i]);
       EXPECT_NEAR(along, 0, 1e-9);
     }
     const std::vector<double> once = v;
@@ -141,7 +141,7 @@ TEST(LoopClosure, VelocitiesCloseWithTheLeastChange) {
   }
 }
 
-TEST(LoopClosure, HeldVelocitiesDriveTheOthers) {
+TEST(LoopClosure, HeldVelocitiesDetermineTheOthers) {
   for (const double angle : {0.3, 1.7, 3.0, 5.0}) {
     const ClosedCase c = four_bar({}, angle, 3);
     ClosedWorkspace cw(*c.mechanism);
@@ -155,12 +155,12 @@ TEST(LoopClosure, HeldVelocitiesDriveTheOthers) {
   }
 }
 
-TEST(LoopClosure, ThetaGStaysWhereItIs) {
+TEST(LoopClosure, ProjectionDoesNotMoveThetaG) {
   const ClosedCase c = four_bars_in_series(4);
   ClosedWorkspace cw(*c.mechanism);
   std::vector<double> q = c.q, v = c.v;
   ASSERT_TRUE(project_closed_state(*c.mechanism, q, v, cw).closed);
-  EXPECT_EQ(q, c.q);  // closed at rounding: nothing moves
+  EXPECT_EQ(q, c.q);  // already closed to rounding: nothing moves
   const std::vector<int> G(cw.theta_G().begin(), cw.theta_G().end());
   for (std::size_t i = 0; i < q.size(); ++i) q[i] += 1e-3 * static_cast<double>(i % 3);
   const std::vector<double> before = q;
@@ -169,11 +169,11 @@ TEST(LoopClosure, ThetaGStaysWhereItIs) {
   for (const int g : G) EXPECT_EQ(q[static_cast<std::size_t>(g)], before[static_cast<std::size_t>(g)]);
 }
 
-TEST(LoopClosure, ALoopThatCannotCloseIsExplained) {
+TEST(LoopClosure, LoopThatCannotCloseIsExplained) {
   FourBar bars;
   ClosedCase c = four_bar(bars, 0.5, 0);
   MechanismSpec spec = c.mechanism->spec();
-  spec.links[1].joint.X_PJ.p.x = 0.1;  // a crank of 0.1 m and a coupler of 0.2 m do not reach
+  spec.links[1].joint.X_PJ.p.x = 0.1;  // a crank of 0.1 m and a coupler of 0.2 m are too short
   spec.loops[0].X_AJ.p.x = 0.2;
   spec.links[2].joint.X_PJ.p.x = 1.5;
   const MechanismPtr m = Mechanism::make(spec).value();
@@ -183,58 +183,60 @@ TEST(LoopClosure, ALoopThatCannotCloseIsExplained) {
   EXPECT_NEAR(closure.gap, 1.5 - 0.8 - 0.3, 1e-6);
   const std::string text = explain_gap(*m, cw, closure).text();
   EXPECT_EQ(text,
-            "loop pin: it stays open by 0.40 in its translation along x. Around it, from joint to joint: coupler 0.2000 m, crank 0.1000 m, "
-            "rocker 0.8000 m, the world 1.5000 m. the world is 0.4000 m longer than all the others together. Shorten it, or lengthen the "
+            "loop pin: The loop cannot be closed: a gap of 0.40 m remains in its translation along x. Lengths of its links, from joint to "
+            "joint: coupler 0.2000 m, crank 0.1000 m, rocker 0.8000 m, the world 1.5000 m. "
+            "The longest, the world, is 0.4000 m longer than all the others together. Shorten the longest, or lengthen the "
             "others.");
 }
 
-TEST(LoopDiagnosis, APlanarFourBarHasThreeRedundantRows) {
+TEST(LoopDiagnosis, PlanarFourBarHasThreeRedundantRows) {
   const ClosedCase c = four_bar({}, 0.5, 0);
   ClosedWorkspace cw(*c.mechanism);
   const LoopDiagnosis d = diagnose_loops(*c.mechanism, c.q, cw);
   EXPECT_EQ(d.rows, 5);
   EXPECT_EQ(d.rank, 2);
-  EXPECT_EQ(d.freedoms, 1);
+  EXPECT_EQ(d.dofs, 1);
   EXPECT_FALSE(d.is_singular_here());
   const std::string text = describe(d, cw);
-  for (const char* part : {"1 degree of freedom: 3 freedoms of joints less 2 independent rows of 5.", "loop pin: translation along z"})
+  for (const char* part :
+       {"1 degree of freedom: 3 degrees of freedom of joints less 2 independent rows of 5.", "loop pin: translation along z"})
     EXPECT_NE(text.find(part), std::string::npos) << text;
   EXPECT_EQ(d.redundant, (std::vector<int>{2, 3, 4})) << text;
 }
 
 TEST(LoopDiagnosis, ChangePointsAreSingularAndOverConstraintIsNot) {
-  // N-four-bar lying flat: N freedoms more (IFToMM A02)
+  // N-four-bar with all bars horizontal: N additional DOFs (IFToMM A02)
   for (const int n : {1, 2}) {
     ClosedCase c = n_four_bar(n);
     for (std::size_t i = 0; i < c.q.size(); ++i) c.q[i] = 0;
     ClosedWorkspace cw(*c.mechanism);
     const LoopDiagnosis d = diagnose_loops(*c.mechanism, c.q, cw);
-    EXPECT_EQ(d.freedoms, 1);
-    EXPECT_EQ(d.freedoms_here, n + 1);
+    EXPECT_EQ(d.dofs, 1);
+    EXPECT_EQ(d.dofs_here, n + 1);
     EXPECT_EQ(d.vanishing.size(), static_cast<std::size_t>(n));
     EXPECT_EQ(d.redundant.size(), static_cast<std::size_t>(3 * n));
-    EXPECT_NE(describe(d, cw).find("A singular position: here " + std::to_string(n + 1) + " degrees of freedom"), std::string::npos);
+    EXPECT_NE(describe(d, cw).find("Singular configuration: " + std::to_string(n + 1) + " degrees of freedom here"), std::string::npos);
   }
-  // Bricard: five rows of a hinge on five freedoms, one of them redundant everywhere
+  // Bricard: the five rows of the last hinge act on five DOFs; one row is redundant everywhere
   const ClosedCase c = bricard();
   ClosedWorkspace cw(*c.mechanism);
   const LoopDiagnosis d = diagnose_loops(*c.mechanism, c.q, cw);
   EXPECT_EQ(d.rank, 4);
-  EXPECT_EQ(d.freedoms, 1);
+  EXPECT_EQ(d.dofs, 1);
   EXPECT_EQ(d.redundant.size(), 1U);
   EXPECT_FALSE(d.is_singular_here());
 }
 
-TEST(LoopDiagnosis, SliderCrankOfEqualLengthsChangesBranchWithTheSliderAtTheCrank) {
+TEST(LoopDiagnosis, EqualLengthSliderCrankIsSingularAtItsChangePoint) {
   ClosedCase c = slider_crank(0.5, 0.5, 0.2, 0);
   c.q = {pi / 2, -pi, 0};
   ClosedWorkspace cw(*c.mechanism);
   const LoopDiagnosis d = diagnose_loops(*c.mechanism, c.q, cw);
-  EXPECT_EQ(d.freedoms, 1);
-  EXPECT_EQ(d.freedoms_here, 2);
+  EXPECT_EQ(d.dofs, 1);
+  EXPECT_EQ(d.dofs_here, 2);
 }
 
-TEST(LoopDiagnosis, AStructureHasNoFreedom) {
+TEST(LoopDiagnosis, BracedFourBarHasNoDof) {
   MechanismSpec spec = four_bar({}, 0.5, 0).mechanism->spec();
   LoopSpec brace = spec.loops[0];
   brace.name = "brace";
@@ -249,19 +251,19 @@ TEST(LoopDiagnosis, AStructureHasNoFreedom) {
   ClosedWorkspace cw(*m);
   EXPECT_LT(gap_at(*m, cw, q), 1e-14);
   const LoopDiagnosis d = diagnose_loops(*m, q, cw);
-  EXPECT_EQ(d.freedoms, 0);
+  EXPECT_EQ(d.dofs, 0);
   EXPECT_NE(describe(d, cw).find("0 degrees of freedom"), std::string::npos);
 }
 
-// Links that two loops hold in the same way: the second loop is redundant, whichever is opened.
-TEST(LoopDiagnosis, OpeningALoopGivesItsFreedomsBack) {
+// Each opened loop of the ladder gives back its two planar degrees of freedom.
+TEST(LoopDiagnosis, OpeningLoopsRestoresDofs) {
   const ClosedCase c = n_four_bar(3);
   ClosedWorkspace cw(*c.mechanism);
-  EXPECT_EQ(diagnose_loops(*c.mechanism, c.q, cw).freedoms, 1);
+  EXPECT_EQ(diagnose_loops(*c.mechanism, c.q, cw).dofs, 1);
   set_closed(*c.mechanism, cw, 1, false);
-  EXPECT_EQ(diagnose_loops(*c.mechanism, c.q, cw).freedoms, 3);
+  EXPECT_EQ(diagnose_loops(*c.mechanism, c.q, cw).dofs, 3);
   for (int i : {0, 2}) set_closed(*c.mechanism, cw, i, false);
-  EXPECT_EQ(diagnose_loops(*c.mechanism, c.q, cw).freedoms, 7);
+  EXPECT_EQ(diagnose_loops(*c.mechanism, c.q, cw).dofs, 7);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Closed link systems by articulated bodies with multipliers, against a dense solution in joint space.
+// Forward dynamics of closed link systems (articulated bodies with multipliers) compared with a dense solution in joint space.
 
 #include "ugoki/dynamics/closed_links.h"
 
@@ -21,13 +21,13 @@ using testing::RandomLoops;
 using testing::RandomSource;
 
 using testing::Dense;
-using testing::greatest_difference;
+using testing::max_difference;
 using testing::solve_by_kkt;
 
 constexpr Vec3 gravity{0, 0, -9.81};
 
-// Links held to the world by points or as wholes, as feet and hands are: up to five of them.
-TEST(ClosedLinks, LinksHeldToTheWorldAreTheDenseSolution) {
+// Up to five links are attached to the world by ball or weld loops, as feet and hands are.
+TEST(ClosedLinks, LinksFixedToTheWorldMatchDenseSolution) {
   int full = 0;
   std::size_t pairs = 0;
   for (unsigned seed = 1; seed < 120; ++seed) {
@@ -36,13 +36,13 @@ TEST(ClosedLinks, LinksHeldToTheWorldAreTheDenseSolution) {
                                    JointType::spherical};
     const MechanismPtr m = *Mechanism::make(seed % 2 == 0 ? testing::random_spec(random, 20, types, seed % 3 != 0)
                                                           : testing::twins_spec(random, seed % 3 != 0, types));
-    if (m->nv() > 50) continue;  // elimination over all freedoms and rows loses its digits
+    if (m->nv() > 50) continue;  // the dense elimination becomes inaccurate
     State s(*m);
     testing::randomize(random, *m, s);
     Workspace ws(*m);
     update_kinematics(*m, s.q, s.v, ws);
     pairs += ws.twins.pairs.size();
-    if (seed % 4 != 0) std::ranges::fill(s.external, Vec6{});  // nothing else acts: then twins run in lanes
+    if (seed % 4 != 0) std::ranges::fill(s.external, Vec6{});  // without external wrenches, twins run in lanes
     std::vector<Loop> loops;
     for (int i = 0, n = 1 + random.below(5); i < n; ++i) {
       Loop l{.type = random.below(2) == 0 ? LoopType::weld : LoopType::ball, .link_b = random.below(m->link_count())};
@@ -58,9 +58,9 @@ TEST(ClosedLinks, LinksHeldToTheWorldAreTheDenseSolution) {
     std::vector<double> vdot(s.v.size());
     ASSERT_EQ(calc_closed_forward_dynamics(*m, links, s.q, s.v, s.tau, gravity, s.external, vdot), ClosedStatus::ok);
     EXPECT_EQ(links.rank(), dense.rank) << "seed " << seed;
-    EXPECT_LT(greatest_difference(vdot, dense.vdot), 1e-8) << "seed " << seed;
+    EXPECT_LT(max_difference(vdot, dense.vdot), 1e-8) << "seed " << seed;
     if (links.rank() < links.rows().count()) continue;
-    ++full;  // then the multipliers are unique: forces on link b along the axes of J_A
+    ++full;  // full rank: the multipliers are unique. Apply them to link b as wrenches along the axes of J_A
     std::vector<Vec6> external = s.external;
     for (std::size_t i = 0; i < loops.size(); ++i)
       for (int r = 0; r < loops[i].rows(); ++r) {
@@ -70,13 +70,13 @@ TEST(ClosedLinks, LinksHeldToTheWorldAreTheDenseSolution) {
       }
     std::vector<double> open(s.v.size());
     ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, gravity, external, open));
-    EXPECT_LT(greatest_difference(open, vdot), 1e-8) << "multipliers, seed " << seed;
+    EXPECT_LT(max_difference(open, vdot), 1e-8) << "multipliers, seed " << seed;
   }
   EXPECT_GT(full, 10);
   EXPECT_GT(pairs, 20U);
 }
 
-TEST(ClosedLinks, ForwardDynamicsIsTheDenseSolution) {
+TEST(ClosedLinks, ForwardDynamicsMatchesDenseSolution) {
   for (unsigned seed = 1; seed < 200; ++seed) {
     RandomLoops c(seed);
     RandomSource random(seed + 5000);
@@ -87,7 +87,7 @@ TEST(ClosedLinks, ForwardDynamicsIsTheDenseSolution) {
     for (int i = 0; i < count; ++i) closed[static_cast<std::size_t>(random.below(static_cast<int>(closed.size())))] = 1;
     Workspace ws(*c.m);
     ClosedLinks links(*c.m, c.loops, closed);
-    // velocities that open no loop, as a closed system has them
+    // Project the velocities to J v = 0, as in a closed system
     update_kinematics(*c.m, c.state.q, c.state.v, ws);
     ASSERT_EQ(factor_closed_links(*c.m, ws, links, c.state.q, c.state.v), ClosedStatus::ok);
     project_velocity(*c.m, ws, links, c.state.v);
@@ -97,17 +97,17 @@ TEST(ClosedLinks, ForwardDynamicsIsTheDenseSolution) {
     calc_closed_forward_dynamics(*c.m, ws, links, c.state.tau, gravity, c.state.external, vdot);
     const Dense dense = solve_by_kkt(*c.m, c.state, c.loops, closed);
     EXPECT_EQ(links.rank(), dense.rank) << "seed " << seed;
-    EXPECT_LT(greatest_difference(vdot, dense.vdot), 1e-8) << "seed " << seed;
+    EXPECT_LT(max_difference(vdot, dense.vdot), 1e-8) << "seed " << seed;
     std::vector<double> direct(vdot.size());
     ASSERT_EQ(calc_closed_forward_dynamics(*c.m, links, c.state.q, c.state.v, c.state.tau, gravity, c.state.external, direct),
               ClosedStatus::ok);
     EXPECT_EQ(links.rank(), dense.rank) << "from the state, seed " << seed;
-    EXPECT_LT(greatest_difference(direct, dense.vdot), 1e-8) << "from the state, seed " << seed;
+    EXPECT_LT(max_difference(direct, dense.vdot), 1e-8) << "from the state, seed " << seed;
   }
 }
 
-TEST(ClosedLinks, MultipliersAreTheForcesInTheLoops) {
-  // The open tree under tau + J^T lambda accelerates as the closed system does.
+TEST(ClosedLinks, MultipliersAreLoopForces) {
+  // The open tree under tau + J^T lambda has the same acceleration as the closed system.
   for (unsigned seed = 1; seed < 100; ++seed) {
     RandomLoops c(seed);
     Workspace ws(*c.m);
@@ -133,11 +133,11 @@ TEST(ClosedLinks, MultipliersAreTheForcesInTheLoops) {
         size = std::max(size, std::fabs(lambda));
       }
     ASSERT_TRUE(calc_forward_dynamics(*c.m, ws, tau, gravity, c.state.external, open));
-    EXPECT_LT(greatest_difference(vdot, open), 1e-10 * size) << "seed " << seed;
+    EXPECT_LT(max_difference(vdot, open), 1e-10 * size) << "seed " << seed;
   }
 }
 
-TEST(ClosedLinks, ClosingIsAnImpulseThatTakesEnergyAndOpensNothing) {
+TEST(ClosedLinks, VelocityProjectionIsADissipativeImpulseAndKeepsLoopsClosed) {
   for (unsigned seed = 1; seed < 100; ++seed) {
     RandomLoops c(seed);
     Workspace ws(*c.m);
@@ -147,7 +147,7 @@ TEST(ClosedLinks, ClosingIsAnImpulseThatTakesEnergyAndOpensNothing) {
     update_kinematics(*c.m, c.state.q, c.state.v, ws);
     std::vector<double> M(before.size() * before.size()), J(before.size());
     calc_inertia_matrix(*c.m, ws, M);
-    const auto energy = [&](std::span<const double> v) {  // armature included
+    const auto energy = [&](std::span<const double> v) {  // including the armatures
       double twice = 0;
       for (std::size_t i = 0; i < v.size(); ++i)
         for (std::size_t j = 0; j < v.size(); ++j) twice += v[i] * M[i * v.size() + j] * v[j];
@@ -155,7 +155,7 @@ TEST(ClosedLinks, ClosingIsAnImpulseThatTakesEnergyAndOpensNothing) {
     };
     ASSERT_EQ(factor_closed_links(*c.m, ws, links, c.state.q, c.state.v), ClosedStatus::ok);
     project_velocity(*c.m, ws, links, c.state.v);
-    // M (v' - v) = J^T impulse; J v' = 0; the energy lost is that of the velocity taken away
+    // Check M (v' - v) = J^T impulse and J v' = 0; the energy lost is the kinetic energy of the velocity change
     std::vector<double> momentum(before.size());
     double lost = 0, rate = 0, size = 1;
     for (std::size_t i = 0; i < before.size(); ++i) {
@@ -180,7 +180,7 @@ TEST(ClosedLinks, ClosingIsAnImpulseThatTakesEnergyAndOpensNothing) {
   }
 }
 
-TEST(ClosedLinks, PositionsCloseToRounding) {
+TEST(ClosedLinks, PositionProjectionClosesLoopsToRounding) {
   int hard = 0;
   for (unsigned seed = 1; seed < 200; ++seed) {
     RandomLoops c(seed);
@@ -200,10 +200,10 @@ TEST(ClosedLinks, PositionsCloseToRounding) {
     else
       EXPECT_LT(gap, 1e-13) << "seed " << seed;
   }
-  EXPECT_LE(hard, 4) << "near a singular position Newton's steps may not come down";
+  EXPECT_LE(hard, 4) << "near a singular configuration Newton's method may not converge";
 }
 
-/// A planar four-bar linkage in space, cut at its last pin; with a virtual link or with a loop.
+/// A planar four-bar linkage, cut at its last pin. The cut is closed by a virtual link or by a loop.
 MechanismSpec four_bar(bool virtual_link) {
   MechanismSpec spec;
   spec.name = "four-bar";
@@ -238,7 +238,7 @@ MechanismSpec four_bar(bool virtual_link) {
   return spec;
 }
 
-TEST(ClosedLinks, VirtualLinkWithoutMassIsTheLoop) {
+TEST(ClosedLinks, MasslessVirtualLinkIsEquivalentToLoop) {
   const MechanismPtr cut = *Mechanism::make(four_bar(true)), loop = *Mechanism::make(four_bar(false));
   Workspace ws_cut(*cut), ws_loop(*loop);
   ClosedLinks links_cut(*cut), links_loop(*loop);
@@ -247,7 +247,7 @@ TEST(ClosedLinks, VirtualLinkWithoutMassIsTheLoop) {
   s.v = {2, -0.5, 0.3};
   double gap = 0;
   ASSERT_EQ(project_position(*loop, ws_loop, links_loop, s.q, s.v, gap), ClosedStatus::ok);
-  EXPECT_EQ(links_loop.rank(), 2) << "three of the five rows follow from the others in a planar loop";
+  EXPECT_EQ(links_loop.rank(), 2) << "three of the five rows of a planar loop are redundant";
   project_velocity(*loop, ws_loop, links_loop, s.v);
   State t(*cut);
   std::ranges::copy(s.q, t.q.begin());
@@ -277,7 +277,7 @@ TEST(ClosedLinks, VirtualLinkWithoutMassIsTheLoop) {
   }
 }
 
-TEST(ClosedLinks, SameBitsInEveryWidth) {
+TEST(ClosedLinks, ResultsAreBitIdenticalForAllSimdWidths) {
   const SimdWidth widest = widest_simd();
   for (unsigned seed = 1; seed < 20; ++seed) {
     RandomLoops c(seed);
@@ -319,9 +319,9 @@ TEST(ClosedLinks, StepsAllocateNothing) {
   EXPECT_EQ(allocations_so_far(), before);
 }
 
-TEST(ClosedLinks, WhatHasNoInertiaIsNamed) {
+TEST(ClosedLinks, DofWithoutInertiaIsReported) {
   MechanismSpec spec = four_bar(false);
-  spec.links[1].inertia = {};  // the coupler; its joint moves nothing
+  spec.links[1].inertia = {};  // the coupler: its joint moves (almost) no mass
   spec.links.push_back(spec.links[2]);
   spec.links.back().name = "weight";
   spec.links.back().parent = "coupler";
@@ -335,7 +335,7 @@ TEST(ClosedLinks, WhatHasNoInertiaIsNamed) {
   EXPECT_EQ(calc_closed_forward_dynamics(**made, links, q, v, {}, gravity, {}, vdot), ClosedStatus::singular_inertia);
   update_kinematics(**made, q, v, ws);
   EXPECT_EQ(factor_closed_links(**made, ws, links, q, v), ClosedStatus::singular_inertia);
-  EXPECT_GE(links.singular_freedom(), 0);
+  EXPECT_GE(links.singular_dof(), 0);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ class ForcedSystem : public dynamics::ClosedReferenceSystem {
   JointForces forces_;
 };
 
-/// A case in motion. Steps of Dormand and Prince (order 5), fixed unless the options say otherwise.
+/// Integrates a ClosedCase, by default with fixed steps of the Dormand-Prince method (order 5).
 class ClosedMotion {
  public:
   explicit ClosedMotion(const ClosedCase& c, double step, JointForces forces = {}) : ClosedMotion(c, fixed(step), std::move(forces)) {}
@@ -40,13 +40,13 @@ class ClosedMotion {
     integrator.start(0, c.q, c.v);
   }
 
-  /// To time t. @return false on a failure
+  /// Integrates to time t. @return false on failure
   bool advance(double t) { return integrator.advance(t).status == dynamics::IntegrationStatus::reached; }
 
   [[nodiscard]] double q(int i) const { return integrator.q()[static_cast<std::size_t>(i)]; }
   [[nodiscard]] double v(int i) const { return integrator.v()[static_cast<std::size_t>(i)]; }
   double energy() { return system.calc_energy(integrator.q(), integrator.v()); }
-  /// Greatest gap of any row [m | rad].
+  /// Maximum gap of any row [m | rad].
   double gap() {
     update_gaps(system.mechanism(), integrator.q(), system.closed);
     return measure_gap(system.closed).gap;
@@ -63,7 +63,7 @@ class ClosedMotion {
   dynamics::Integrator integrator;
 };
 
-/// Greatest drift of the energy [J] and greatest gap [m | rad] at `samples` times up to `duration`.
+/// Integrates for `duration` and measures, at `samples` times, the maximum drift of the energy [J] and the maximum gap [m | rad].
 struct Drift {
   double energy = 0, gap = 0;
 

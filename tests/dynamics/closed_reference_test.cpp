@@ -1,4 +1,4 @@
-// Closed link systems the paper's way, against bodies in maximal coordinates, published numbers, closed forms and invariants.
+// The paper's method for closed link systems, compared with maximal coordinates, published values, closed forms and invariants.
 
 #include "ugoki/dynamics/closed_reference.h"
 
@@ -16,7 +16,7 @@ using namespace ugoki::testing;
 
 constexpr Vec3 gravity{0, 0, -9.81};
 
-/// A random tree with up to four random loops, closed in position and velocity, under random forces.
+/// A random tree with up to four random loops, closed at position and velocity level, under random forces.
 struct RandomSystem {
   RandomLoops random;
   MechanismPtr m;
@@ -48,10 +48,10 @@ struct RandomSystem {
   }
 };
 
-double greatest(std::span<const double> x) {
-  double most = 0;
-  for (const double value : x) most = std::max(most, std::fabs(value));
-  return most;
+double maximum(std::span<const double> x) {
+  double maximum = 0;
+  for (const double value : x) maximum = std::max(maximum, std::fabs(value));
+  return maximum;
 }
 
 std::vector<double> loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> tau, std::span<const double> vdot) {
@@ -60,7 +60,7 @@ std::vector<double> loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::sp
   return out;
 }
 
-TEST(ClosedReference, RandomSystemsMoveAsFreeBodiesUnderConditionsDo) {
+TEST(ClosedReference, RandomSystemsMatchMaximalCoordinates) {
   for (unsigned seed = 1; seed <= 80; ++seed) {
     SCOPED_TRACE(seed);
     RandomSystem c(seed);
@@ -73,24 +73,24 @@ TEST(ClosedReference, RandomSystemsMoveAsFreeBodiesUnderConditionsDo) {
       size = std::max({size, norm(expected[i].w), norm(expected[i].v)});
       error = std::max({error, norm(got[i].w - expected[i].w), norm(got[i].v - expected[i].v)});
     }
-    EXPECT_LT(error / size, 1e-7);  // of the differences along fast motions
-    EXPECT_EQ(c.cw.freedoms(), 6 * c.m->link_count() - bodies.rank());
+    EXPECT_LT(error / size, 1e-7);  // the error of the finite differences
+    EXPECT_EQ(c.cw.dofs(), 6 * c.m->link_count() - bodies.rank());
   }
 }
 
-// The freedoms that H spans open no loop: along one the gap grows as the square of the way.
-TEST(ClosedReference, ColumnsOfHAreMotionsOfTheClosedSystem) {
+// Motion along a column of H keeps the loops closed to first order: the gap grows with the square of the displacement.
+TEST(ClosedReference, ColumnsOfHKeepLoopsClosed) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     RandomSystem c(seed);
-    const auto g = static_cast<std::size_t>(c.cw.freedoms());
+    const auto g = static_cast<std::size_t>(c.cw.dofs());
     const std::vector<double> H = c.cw.H;
     const std::vector<int> G(c.cw.theta_G().begin(), c.cw.theta_G().end());
     for (std::size_t k = 0; k < g; ++k) {
       std::vector<double> column(c.s.v.size()), q(c.s.q.size());
       for (std::size_t i = 0; i < column.size(); ++i) column[i] = H[i * g + k];
       EXPECT_EQ(column[static_cast<std::size_t>(G[k])], 1.0);
-      const double size = std::max(1.0, greatest(column));
+      const double size = std::max(1.0, maximum(column));
       double gap[2];
       for (int half = 0; half < 2; ++half) {
         integrate(*c.m, c.s.q, column, (half ? 0.5e-4 : 1e-4) / size, q);
@@ -104,14 +104,14 @@ TEST(ClosedReference, ColumnsOfHAreMotionsOfTheClosedSystem) {
   }
 }
 
-TEST(ClosedReference, AccelerationsStayOnTheLoops) {
+TEST(ClosedReference, AccelerationsKeepLoopsClosed) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     RandomSystem c(seed);
     std::vector<double> vdot(c.s.v.size()), q(c.s.q.size()), mean(vdot.size());
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.m, c.cw, c.s.tau, gravity, c.s.external, vdot));
     double gap[2];
-    for (int half = 0; half < 2; ++half) {  // to second order: what is left is of the third
+    for (int half = 0; half < 2; ++half) {  // move to second order in time: the gap must be of third order
       const double t = half ? 1e-4 : 2e-4;
       for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = c.s.v[i] + 0.5 * t * vdot[i];
       integrate(*c.m, c.s.q, mean, t, q);
@@ -123,19 +123,20 @@ TEST(ClosedReference, AccelerationsStayOnTheLoops) {
   }
 }
 
-TEST(ClosedReference, InverseDynamicsIsTheInverse) {
+TEST(ClosedReference, InverseDynamicsInvertsForwardDynamicsWithMinimumNorm) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     RandomSystem c(seed);
     const std::size_t n = c.s.v.size();
     std::vector<double> vdot(n), tau(n), again(n), weights;
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.m, c.cw, c.s.tau, gravity, c.s.external, vdot));
-    // drives at all freedoms of theta_G give the accelerations again
+    // Drives at all DOFs of theta_G: the resulting forces reproduce the accelerations
     std::vector<int> driven(c.cw.theta_G().begin(), c.cw.theta_G().end());
     ASSERT_TRUE(calc_closed_inverse_dynamics(*c.m, c.cw, vdot, gravity, c.s.external, {}, driven, {}, tau));
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.m, c.cw, tau, gravity, c.s.external, again));
-    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(again[i], vdot[i], 1e-8 * std::max(1.0, greatest(vdot)));
-    // more drives: no other forces that do the same are smaller in the weighted norm (tau^T W x = 0 for all x with S^T x = 0)
+    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(again[i], vdot[i], 1e-8 * std::max(1.0, maximum(vdot)));
+    // Drives at all DOFs: the forces have the minimum weighted norm among all forces with the same effect. Hence tau^T W x = 0 for all x
+    // with S^T x = 0.
     RandomSource source(seed);
     driven.clear();
     for (int i = 0; i < static_cast<int>(n); ++i) {
@@ -144,26 +145,26 @@ TEST(ClosedReference, InverseDynamicsIsTheInverse) {
     }
     ASSERT_TRUE(calc_closed_inverse_dynamics(*c.m, c.cw, vdot, gravity, c.s.external, {}, driven, weights, tau));
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.m, c.cw, tau, gravity, c.s.external, again));
-    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(again[i], vdot[i], 1e-8 * std::max(1.0, greatest(vdot)));
-    const std::vector<double> J = c.cw.J;  // rows J do no work on the freedoms: J H = 0, so each is such an x
+    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(again[i], vdot[i], 1e-8 * std::max(1.0, maximum(vdot)));
+    const std::vector<double> J = c.cw.J;  // J H = 0, so each row of J is such an x
     for (std::size_t k = 0; k < c.cw.active.size(); ++k) {
       double work = 0, size = 1e-300;
       for (std::size_t i = 0; i < n; ++i) {
-        const double x = J[k * n + i] / c.cw.freedom_scale[i];
+        const double x = J[k * n + i] / c.cw.dof_scale[i];
         work += tau[i] * weights[i] * x;
         size += std::fabs(tau[i] * weights[i] * x);
       }
       EXPECT_LT(std::fabs(work) / std::max(size, 1e-3), 1e-8);
     }
-    // too few drives are refused
-    if (c.cw.freedoms() > 0) {
+    // Too few drives are rejected
+    if (c.cw.dofs() > 0) {
       driven.assign(c.cw.theta_G().begin() + 1, c.cw.theta_G().end());
       EXPECT_FALSE(calc_closed_inverse_dynamics(*c.m, c.cw, vdot, gravity, c.s.external, {}, driven, {}, tau));
     }
   }
 }
 
-TEST(ClosedReference, LoopForcesBalanceEveryJointAndAreSmallest) {
+TEST(ClosedReference, LoopForcesBalanceEveryJoint) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);
     RandomSystem c(seed);
@@ -171,7 +172,7 @@ TEST(ClosedReference, LoopForcesBalanceEveryJointAndAreSmallest) {
     std::vector<double> vdot(n), force(rows), tau(n), row(n);
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.m, c.cw, c.s.tau, gravity, c.s.external, vdot));
     calc_loop_forces(*c.m, c.cw, c.s.tau, gravity, c.s.external, vdot, force);
-    // put on the links as wrenches they leave the open system exactly what it needs
+    // Applied to the links as wrenches, the loop forces make the joint forces of the open system equal to tau
     std::vector<Vec6> external = c.s.external;
     const Vec3 p0 = c.cw.open.p0;
     for (std::size_t i = 0; i < c.closed.size(); ++i)
@@ -185,14 +186,14 @@ TEST(ClosedReference, LoopForcesBalanceEveryJointAndAreSmallest) {
     for (std::size_t i = 0; i < c.closed.size(); ++i)
       if (c.closed[i].type == LoopType::gear) {
         const auto k = static_cast<std::size_t>(c.cw.rows.first[i]);
-        tau[static_cast<std::size_t>(c.closed[i].freedom_a)] -= force[k];
-        tau[static_cast<std::size_t>(c.closed[i].freedom_b)] += force[k] * c.cw.rows.slope[i];
+        tau[static_cast<std::size_t>(c.closed[i].dof_a)] -= force[k];
+        tau[static_cast<std::size_t>(c.closed[i].dof_b)] += force[k] * c.cw.rows.slope[i];
       }
-    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(tau[i], c.s.tau[i], 1e-9 * std::max({1.0, greatest(force), greatest(c.s.tau)}));
+    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(tau[i], c.s.tau[i], 1e-9 * std::max({1.0, maximum(force), maximum(c.s.tau)}));
   }
 }
 
-// Two identical four-bars on the same three links: each carries half, and the rows across the plane carry nothing.
+// Two identical pins close the same four-bar: each carries half of the force.
 TEST(ClosedReference, RedundantLoopsShareTheirForcesEqually) {
   ClosedCase one = four_bar({}, 0.7, 2);
   MechanismSpec spec = one.mechanism->spec();
@@ -203,12 +204,12 @@ TEST(ClosedReference, RedundantLoopsShareTheirForcesEqually) {
   for (const MechanismPtr& mechanism : {one.mechanism, m}) {
     ClosedWorkspace cw(*mechanism);
     update_closed(*mechanism, one.q, one.v, cw);
-    EXPECT_EQ(cw.freedoms(), 1);
+    EXPECT_EQ(cw.dofs(), 1);
     std::vector<double> tau{1, 0.3, -0.2}, vdot(3);
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*mechanism, cw, tau, gravity_y, {}, vdot));
     calc_loop_forces(*mechanism, cw, tau, gravity_y, {}, vdot, mechanism == m ? both : single);
   }
-  EXPECT_GT(greatest(single), 1);
+  EXPECT_GT(maximum(single), 1);
   for (std::size_t k = 0; k < 5; ++k) {
     EXPECT_NEAR(both[k], 0.5 * single[k], 1e-11);
     EXPECT_NEAR(both[k + 5], 0.5 * single[k], 1e-11);
@@ -220,7 +221,7 @@ TEST(ClosedReference, AndrewsMechanismStartsWithThePublishedAccelerationsAndForc
     const ClosedCase c = andrews(type);
     ClosedWorkspace cw(*c.mechanism);
     update_closed(*c.mechanism, c.q, c.v, cw);
-    EXPECT_EQ(cw.freedoms(), 1);
+    EXPECT_EQ(cw.dofs(), 1);
     std::vector<double> tau(7), vdot(7), force(static_cast<std::size_t>(cw.rows.count()));
     Andrews::forces(c.q, tau);
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.mechanism, cw, tau, {}, {}, vdot));
@@ -235,8 +236,8 @@ TEST(ClosedReference, AndrewsMechanismStartsWithThePublishedAccelerationsAndForc
   }
 }
 
-// A loop cut at a virtual link, a second body for the rocker without mass, is the same pin.
-TEST(ClosedReference, AVirtualLinkClosesALoopAsAPinDoes) {
+// A loop that is cut at a massless virtual link of the rocker has the same motion and force as the pin.
+TEST(ClosedReference, VirtualLinkIsEquivalentToPin) {
   const ClosedCase c = four_bar({}, 0.7, 2);
   MechanismSpec spec = c.mechanism->spec();
   spec.loops.clear();
@@ -254,11 +255,11 @@ TEST(ClosedReference, AVirtualLinkClosesALoopAsAPinDoes) {
   v.push_back(v[2] - v[0] - v[1]);
   tau.push_back(0);
   update_closed(*m, q, v, cut);
-  EXPECT_EQ(cut.freedoms(), 1);
+  EXPECT_EQ(cut.dofs(), 1);
   ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*m, cut, tau, gravity_y, {}, with_twin));
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(with_twin[i], vdot[i], 1e-11 * greatest(vdot));
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(with_twin[i], vdot[i], 1e-11 * maximum(vdot));
   const std::vector<double> twin_force = loop_forces(*m, cut, tau, with_twin);
-  Vec3 on_rocker, on_twin;  // the pin's link b is the rocker, the weld's link b the virtual link on the coupler's side
+  Vec3 on_rocker, on_twin;  // link b of the pin is the rocker; link b of the weld is the virtual link
   for (std::size_t r = 0; r < 3; ++r) {
     on_rocker += pinned.rows.W[r].v * force[r];
     on_twin += cut.rows.W[r].v * twin_force[r];
@@ -272,12 +273,12 @@ TEST(ClosedReference, RankDoesNotDependOnTheUnitOfLength) {
     ClosedWorkspace cw(*c.mechanism);
     EXPECT_EQ(find_full_rank(*c.mechanism, c.q, cw), 2) << scale;
     update_closed(*c.mechanism, c.q, c.v, cw);
-    EXPECT_EQ(cw.freedoms(), 1) << scale;
-    EXPECT_LT(greatest(cw.K), 4) << scale;
+    EXPECT_EQ(cw.dofs(), 1) << scale;
+    EXPECT_LT(maximum(cw.K), 4) << scale;
   }
 }
 
-TEST(ClosedReference, NumbersThatAreNotFiniteAreRefusedAndForgotten) {
+TEST(ClosedReference, NonFiniteInputIsRejectedWithoutLastingEffect) {
   const ClosedCase c = four_bar({}, 0.7, 2);
   ClosedWorkspace cw(*c.mechanism);
   const std::vector<double> tau(3);
@@ -297,12 +298,12 @@ TEST(ClosedReference, StepsAllocateNothing) {
     ClosedMotion motion(c, 1e-3);
     ASSERT_TRUE(motion.advance(0.01));
     const long before = allocations_so_far();
-    ASSERT_TRUE(motion.advance(0.8));  // the ladder passes a change point
+    ASSERT_TRUE(motion.advance(0.8));  // the N-four-bar passes a change point
     EXPECT_EQ(allocations_so_far(), before) << c.mechanism->name();
   }
 }
 
-TEST(ClosedReference, GivesTheSameBitsTwice) {
+TEST(ClosedReference, RunsAreBitwiseRepeatable) {
   const auto run = [] {
     ClosedMotion motion(four_bar({}, 0.5, 3), 1e-3);
     EXPECT_TRUE(motion.advance(0.2));

@@ -1,4 +1,4 @@
-// Closed link systems in motion: energy, gaps, loops made and broken.
+// Integration of closed link systems: energy, gaps, loops closed and opened while running.
 
 #include "ugoki/dynamics/closed_system.h"
 
@@ -29,9 +29,9 @@ struct Drift {
   IntegrationStatus status = IntegrationStatus::reached;
 };
 
-/// Runs for `seconds`, looking at the energy and the gap `looks` times.
+/// Integrates for `seconds` and measures energy drift and gaps at `samples` times.
 /// @param step s; 0: adaptive
-Drift run(const ClosedCase& c, IntegrationMethod method, double step, double seconds, int looks) {
+Drift run(const ClosedCase& c, IntegrationMethod method, double step, double seconds, int samples) {
   ClosedSystem system(c.mechanism, options_of(c));
   std::vector<double> q = c.q, v = c.v;
   Drift drift;
@@ -49,8 +49,8 @@ Drift run(const ClosedCase& c, IntegrationMethod method, double step, double sec
   const double energy = system.calc_energy(q, v);
   Workspace ws(*c.mechanism);
   LoopRows rows(c.mechanism->loops());
-  for (int i = 1; i <= looks; ++i) {
-    const IntegrationReport report = integrator.advance(seconds * i / looks);
+  for (int i = 1; i <= samples; ++i) {
+    const IntegrationReport report = integrator.advance(seconds * i / samples);
     if (report.status != IntegrationStatus::reached) {
       drift.status = report.status;
       return drift;
@@ -71,7 +71,7 @@ TEST(ClosedSystem, ConservativeFourBarKeepsItsEnergy) {
   EXPECT_LT(drift.gap, 1e-12);
 }
 
-TEST(Slow_ClosedSystem, ConservativeFourBarForAMillionSteps) {
+TEST(Slow_ClosedSystem, ConservativeFourBarKeepsItsEnergyForAMillionSteps) {
   const ClosedCase c = testing::four_bar({}, 0.4, 6);
   const Drift drift = run(c, IntegrationMethod::gauss_legendre_6, 1e-3, 1000, 10000);
   EXPECT_EQ(drift.status, IntegrationStatus::reached);
@@ -80,7 +80,7 @@ TEST(Slow_ClosedSystem, ConservativeFourBarForAMillionSteps) {
   RecordProperty("energy_drift_J", std::to_string(drift.energy * 1e9) + "e-9");
 }
 
-TEST(ClosedSystem, MassRatioOfAMillionInOneLoop) {
+TEST(ClosedSystem, MassRatioOfAMillionKeepsLoopClosed) {
   testing::FourBar f;
   f.coupler_mass = 1e6;
   const Drift drift = run(testing::four_bar(f, 0.4, 1), IntegrationMethod::dormand_prince_54, 1e-3, 2, 200);
@@ -108,7 +108,7 @@ TEST(ClosedSystem, LaddersAndBricardKeepTheirEnergy) {
   EXPECT_LT(drift.gap, 1e-11);
 }
 
-TEST(Slow_ClosedSystem, LaddersAndBricardForTenSeconds) {
+TEST(Slow_ClosedSystem, LaddersAndBricardKeepTheirEnergyForTenSeconds) {
   for (const int n : {2, 40}) {
     const Drift drift = run(testing::n_four_bar(n), IntegrationMethod::dormand_prince_54, 0, 10, 1000);
     EXPECT_EQ(drift.status, IntegrationStatus::reached) << n;
@@ -119,15 +119,15 @@ TEST(Slow_ClosedSystem, LaddersAndBricardForTenSeconds) {
   EXPECT_LT(drift.energy, 1e-6);
 }
 
-/// Momentum about the world's origin, the wrench of gravity not counted.
+/// Linear momentum, and angular momentum about the world's origin.
 Vec6 momentum_of(const Mechanism& m, std::span<const double> q, std::span<const double> v) {
   Workspace ws(m);
   update_kinematics(m, q, v, ws);
   return momentum(m, ws);
 }
 
-TEST(ClosedSystem, HandGrabsARailAndLetsGo) {
-  // Two links hang from a pin; the free hand grabs a rail in mid-swing, hangs on it, and lets go.
+TEST(ClosedSystem, GraspingARailLosesImpactEnergyAndReleasingLosesNone) {
+  // Two links hang from a pin. The free end (the hand) grasps a rail while swinging, stays attached to it, and releases it.
   MechanismSpec spec;
   spec.name = "swinger";
   for (const char* name : {"upper", "lower"}) {
@@ -148,7 +148,8 @@ TEST(ClosedSystem, HandGrabsARailAndLetsGo) {
   std::vector<double> q(integrator.q().begin(), integrator.q().end()), v(integrator.v().begin(), integrator.v().end());
   const double swinging = system.calc_energy(q, v);
 
-  // The rail is a line through where the hand is: the hand may slide along it.
+  // The rail is a line through the hand's position, across the plane of motion. A planar mechanism cannot slide along it, so it acts as a
+  // pin.
   Workspace ws(*m);
   update_kinematics(*m, q, v, ws);
   const Pose X_WL = ws.X_WB[1];
@@ -157,7 +158,6 @@ TEST(ClosedSystem, HandGrabsARailAndLetsGo) {
   rail.axis = {0, 0, 1};
   rail.X_AJ = {Mat3::identity(), hand};
   rail.X_BJ = {Mat3::identity(), {0.5, 0, 0}};
-  // (in the plane a hand on a rail across it is a pin)
   const Vec6 before = momentum_of(*m, q, v);
   const std::vector<double> v_before = v;
   const ClosingReport report = system.close(system.add_loop(rail), q, v);
@@ -165,7 +165,7 @@ TEST(ClosedSystem, HandGrabsARailAndLetsGo) {
   EXPECT_LT(report.gap, 1e-14);
   EXPECT_GT(report.energy_lost, 0.01);
 
-  // Energy: what is missing is what the impulse took, half of impulse times the speed at which the gap would have opened.
+  // The energy lost is half the product of the impulse and the hand's speed before closing.
   const double hanging = system.calc_energy(q, v);
   EXPECT_NEAR(swinging - hanging, report.energy_lost, 1e-10);
   update_kinematics(*m, q, v_before, ws);
@@ -176,10 +176,10 @@ TEST(ClosedSystem, HandGrabsARailAndLetsGo) {
     impulse += system.links().rows().W[k].v * system.links().multipliers()[k];
   }
   EXPECT_NEAR(report.energy_lost, -0.5 * dot(impulse, hand_speed), 1e-10);
-  // Momentum about the pin, which can give no moment: the change is the moment of the hand's impulse.
+  // The pin exerts no moment, so the angular momentum about the pin changes by the moment of the hand's impulse.
   const Vec6 after = momentum_of(*m, q, v);
   EXPECT_NEAR(after.w.z - before.w.z, cross(hand, impulse).z, 1e-10);
-  // Two pins and two links: nothing can move.
+  // Two links between two pins cannot move.
   for (const double speed : v) EXPECT_NEAR(speed, 0, 1e-12);
 
   integrator.start(0.3, q, v);
@@ -188,14 +188,14 @@ TEST(ClosedSystem, HandGrabsARailAndLetsGo) {
   q.assign(integrator.q().begin(), integrator.q().end());
   v.assign(integrator.v().begin(), integrator.v().end());
   system.open(0);
-  EXPECT_NEAR(system.calc_energy(q, v), hanging, 1e-12) << "letting go changes nothing at once";
+  EXPECT_NEAR(system.calc_energy(q, v), hanging, 1e-12) << "releasing does not change the energy";
   integrator.start(0.5, q, v);
   ASSERT_EQ(integrator.advance(1.5).status, IntegrationStatus::reached);
   EXPECT_NEAR(system.calc_energy(integrator.q(), integrator.v()), hanging, 1e-10);
-  EXPECT_GT(norm(Vec3{integrator.v()[0], integrator.v()[1], 0}), 0.5) << "it swings again";
+  EXPECT_GT(norm(Vec3{integrator.v()[0], integrator.v()[1], 0}), 0.5) << "the links swing again after the release";
 }
 
-TEST(ClosedSystem, FloatingChainGrabsItselfAndKeepsItsMomentum) {
+TEST(ClosedSystem, ClosingAFloatingChainConservesMomentum) {
   MechanismSpec spec;
   spec.name = "ring";
   for (int i = 0; i < 6; ++i) {

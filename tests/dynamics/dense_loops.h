@@ -1,5 +1,5 @@
 #pragma once
-// Closed link systems solved in joint space as one dense system: slow, and independent of the recursions.
+// Forward dynamics of closed link systems in joint space as one dense linear system: a slow reference, independent of the recursions.
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 
 namespace ugoki::testing {
 
-/// Solves A x = b, symmetric and perhaps rank-deficient but consistent, by elimination with full pivoting.
-/// @return the rank
+/// Solves A x = b by elimination with full pivoting. A is symmetric and may be rank-deficient; the equations must be consistent.
+/// @return the rank of A
 inline int solve_dense(std::vector<double> A, std::vector<double> b, std::vector<double>& x) {
   const std::size_t n = b.size();
   std::vector<std::size_t> column(n);
@@ -47,12 +47,13 @@ inline int solve_dense(std::vector<double> A, std::vector<double> b, std::vector
   return static_cast<int>(rank);
 }
 
+/// Result of solve_by_kkt().
 struct Dense {
   std::vector<double> vdot, force;  ///< force = J^T lambda
-  int rank = 0;
+  int rank = 0;                     ///< number of independent rows of J
 };
 
-/// M vdot - J^T lambda = tau - b, J vdot = -dJ/dt v.
+/// Solves M vdot - J^T lambda = tau - b, J vdot = -dJ/dt v for vdot and lambda. @param closed [loops] the loops that take part
 inline Dense solve_by_kkt(const Mechanism& m, const State& s, const std::vector<Loop>& loops, std::span<const char> closed,
                           const Vec3& gravity = {0, 0, -9.81}) {
   dynamics::Workspace ws(m);
@@ -90,7 +91,8 @@ inline Dense solve_by_kkt(const Mechanism& m, const State& s, const std::vector<
   return out;
 }
 
-inline double greatest_difference(std::span<const double> a, std::span<const double> b) {
+/// Maximum absolute difference, divided by the maximum absolute entry of b (at least 1).
+inline double max_difference(std::span<const double> a, std::span<const double> b) {
   double difference = 0, size = 1;
   for (std::size_t i = 0; i < a.size(); ++i) {
     difference = std::max(difference, std::fabs(a[i] - b[i]));

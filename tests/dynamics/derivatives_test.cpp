@@ -18,7 +18,7 @@ using Complex = std::complex<double>;
 using Reference = testing::ReferenceDynamics<Complex>;
 
 constexpr Vec3 gravity{0.3, -0.4, -9.81};
-constexpr double step = 1e-30;
+constexpr double step = 1e-30;  // complex steps have no cancellation, so the step can be tiny
 
 std::vector<Complex> complex_of(std::span<const double> x) { return {x.begin(), x.end()}; }
 
@@ -36,13 +36,14 @@ struct Case {
     for (double& x : vdot) x = random.uniform(-8, 8);
   }
 
-  /// d tau_i / d_j by complex step. @param what 0: q, 1: v, 2: vdot
-  std::vector<double> reference(int what, bool pushed) const {
+  /// Derivative of tau with respect to one variable by complex steps, [n * n] row-major.
+  /// @param variable 0: q, 1: v, 2: vdot @param pushed with external wrenches
+  std::vector<double> reference(int variable, bool pushed) const {
     const std::size_t n = s.v.size();
     std::vector<double> out(n * n);
     for (std::size_t j = 0; j < n; ++j) {
       std::vector<Complex> dq(n), v = complex_of(s.v), a = complex_of(vdot);
-      (what == 0 ? dq : what == 1 ? v : a)[j] += Complex(0, step);
+      (variable == 0 ? dq : variable == 1 ? v : a)[j] += Complex(0, step);
       const std::vector<Complex> tau =
           Reference::inverse(*m, s.q, dq, v, a, gravity, pushed ? std::span<const Vec6>(s.external) : std::span<const Vec6>{});
       for (std::size_t i = 0; i < n; ++i) out[i * n + j] = tau[i].imag() / step;
@@ -51,7 +52,7 @@ struct Case {
   }
 };
 
-double greatest(std::span<const double> x) {
+double maximum(std::span<const double> x) {
   double out = 0;
   for (const double v : x) out = std::max(out, std::fabs(v));
   return out;
@@ -60,10 +61,10 @@ double greatest(std::span<const double> x) {
 double relative_error(std::span<const double> a, std::span<const double> b) {
   double out = 0;
   for (std::size_t i = 0; i < a.size(); ++i) out = std::max(out, std::fabs(a[i] - b[i]));
-  return out / std::max(greatest(b), 1.0);
+  return out / std::max(maximum(b), 1.0);
 }
 
-/// Errors of both derivatives and of M against the reference.
+/// Maximum relative error of both derivatives and of M, compared with the reference.
 double inverse_error(const Case& c, bool pushed) {
   const std::size_t n = c.s.v.size();
   Workspace ws(*c.m);
@@ -79,7 +80,7 @@ double inverse_error(const Case& c, bool pushed) {
       {relative_error(dq, c.reference(0, pushed)), relative_error(dv, c.reference(1, pushed)), relative_error(M, c.reference(2, pushed))});
 }
 
-// The reference knows nothing of spatial vectors; complex steps make its derivatives exact to rounding.
+// The reference does not use spatial vectors. Complex steps make its derivatives exact to rounding.
 TEST(ReferenceDynamics, AgreesWithNewtonEuler) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const Case c(seed, 12, {}, seed % 2 == 0);
@@ -128,8 +129,8 @@ TEST(InverseDerivatives, EmptyAccelerationMeansZero) {
   EXPECT_EQ(a.above_v, b.above_v);
 }
 
-// The derivative of vdot = M^-1 (tau - b) by implicit differentiation of the reference: M d vdot = -d tau, residual small.
-TEST(ForwardDerivatives, InvertTheReference) {
+// The derivatives of vdot = M^-1 (tau - b) must satisfy the implicitly differentiated reference equations, M d vdot = -d tau.
+TEST(ForwardDerivatives, SatisfyTheReferenceEquations) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Case c(seed, 12, {}, seed % 2 == 0);
@@ -172,7 +173,7 @@ TEST(ForwardDerivatives, AllocateNothing) {
   EXPECT_EQ(allocations_so_far(), before);
 }
 
-TEST(ForwardDerivatives, NameTheFreedomWithoutInertia) {
+TEST(ForwardDerivatives, ReportTheDofWithoutInertia) {
   MechanismSpec spec;
   spec.name = "spinner";
   for (int i = 0; i < 2; ++i) {
@@ -180,7 +181,7 @@ TEST(ForwardDerivatives, NameTheFreedomWithoutInertia) {
     l.name = i == 0 ? "base" : "rod";
     if (i > 0) l.parent = "base";
     l.joint.type = JointType::revolute;
-    l.inertia = i == 0 ? Inertia::from_centre(1, {1, 0, 0}, {}) : Inertia{1.0, {}, {}};  // a point on its axis
+    l.inertia = i == 0 ? Inertia::from_centre(1, {1, 0, 0}, {}) : Inertia{1.0, {}, {}};  // a point mass on the joint's axis
     spec.links.push_back(l);
   }
   const MechanismPtr m = Mechanism::make(std::move(spec)).value();

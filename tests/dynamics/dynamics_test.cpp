@@ -15,20 +15,20 @@ using testing::without_armature;
 
 constexpr Vec3 gravity{0, 0, -9.81};
 
-double greatest(std::span<const double> x) {
+double maximum(std::span<const double> x) {
   double out = 0;
   for (const double v : x) out = std::max(out, std::fabs(v));
   return out;
 }
 
-void expect_near(std::span<const double> a, std::span<const double> b, double relative, const char* what) {
-  const double scale = std::max({greatest(a), greatest(b), 1.0});
+void expect_near(std::span<const double> a, std::span<const double> b, double relative, const char* label) {
+  const double scale = std::max({maximum(a), maximum(b), 1.0});
   ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], relative * scale) << what << ", freedom " << i;
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], relative * scale) << label << ", degree of freedom " << i;
 }
 
-// Forward dynamics by articulated bodies, by the factor of M and by the paper's unit vectors are three ways to one answer;
-// 1e-9 leaves room for the condition number of M (up to 1e5 here).
+// Forward dynamics by articulated bodies, by the factor of M and by the paper's unit vectors must agree. The tolerance of 1e-9 allows
+// for the condition number of M (up to 1e5 here).
 TEST(ForwardDynamics, ThreeMethodsAgree) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -50,7 +50,7 @@ TEST(ForwardDynamics, ThreeMethodsAgree) {
   }
 }
 
-TEST(InertiaMatrix, IsTheKineticEnergysHessian) {
+TEST(InertiaMatrix, IsTheHessianOfKineticEnergy) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     RandomSource random(seed);
     const MechanismPtr m = Mechanism::make(without_armature(random_spec(random, 12))).value();
@@ -68,8 +68,9 @@ TEST(InertiaMatrix, IsTheKineticEnergysHessian) {
   }
 }
 
-// d/dt of kinetic plus potential energy is the power of the joint forces: checks b(q, v), every joint's velocity product included.
-TEST(ForwardDynamics, PowerBalancesEnergyForEveryJointType) {
+// The rate of kinetic plus potential energy must equal the power of the joint forces. This checks b(q, v), including the velocity
+// products of every joint type.
+TEST(ForwardDynamics, EnergyRateEqualsJointPowerForEveryJointType) {
   for (int type = 1; type < 9; ++type) {
     const JointType only[] = {static_cast<JointType>(type)};
     RandomSource random(static_cast<unsigned>(type));
@@ -98,7 +99,7 @@ TEST(ForwardDynamics, PowerBalancesEnergyForEveryJointType) {
   }
 }
 
-TEST(Momentum, RateIsTheExternalWrench) {
+TEST(Momentum, RateEqualsExternalWrench) {
   RandomSource random(7);
   const MechanismPtr m = Mechanism::make(without_armature(random_spec(random, 15))).value();
   Workspace ws(*m);
@@ -108,8 +109,8 @@ TEST(Momentum, RateIsTheExternalWrench) {
   update_kinematics(*m, s.q, s.v, ws);
   for (int i = 0; i < 6; ++i) s.tau[static_cast<std::size_t>(i)] = 0;  // the floating base is not driven
   ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.tau, {}, s.external, vdot));
-  Vec6 wanted;
-  for (const Vec6& f : s.external) wanted += f;
+  Vec6 expected;
+  for (const Vec6& f : s.external) expected += f;
   const double h = 1e-5;
   const auto momentum_at = [&](double t) {
     std::vector<double> q(s.q.size()), v(s.v.size()), mean(s.v.size());
@@ -122,8 +123,8 @@ TEST(Momentum, RateIsTheExternalWrench) {
     return momentum(*m, ws);
   };
   const Vec6 rate = (momentum_at(h) - momentum_at(-h)) * (0.5 / h);
-  EXPECT_LT(norm(rate.v - wanted.v), 1e-5 * norm(wanted.v) + 1e-4);
-  EXPECT_LT(norm(rate.w - wanted.w), 1e-5 * norm(wanted.w) + 1e-3);
+  EXPECT_LT(norm(rate.v - expected.v), 1e-5 * norm(expected.v) + 1e-4);
+  EXPECT_LT(norm(rate.w - expected.w), 1e-5 * norm(expected.w) + 1e-3);
 }
 
 TEST(PointJacobian, IsTheDerivativeOfThePosition) {
@@ -188,13 +189,13 @@ TEST(Factor, SolvesAndTransposedFactorGivesTheDelassusMatrix) {
   EXPECT_NEAR(direct, through, 1e-10 * std::fabs(direct));
 }
 
-TEST(ForwardDynamics, SingularInertiaIsReportedNotDivided) {
+TEST(ForwardDynamics, SingularInertiaIsReported) {
   MechanismSpec spec;
   spec.name = "spinner";
   LinkSpec l;
   l.name = "rod";
   l.joint.type = JointType::revolute;
-  l.inertia = Inertia{1.0, {}, {}};  // a point on the axis: no inertia about it
+  l.inertia = Inertia{1.0, {}, {}};  // a point mass on the axis: no inertia about it
   spec.links.push_back(l);
   const MechanismPtr m = Mechanism::make(std::move(spec)).value();
   Workspace ws(*m);

@@ -1,11 +1,11 @@
 #pragma once
-// Jacobi's elliptic functions by the arithmetic-geometric mean (Abramowitz, Stegun 16.4, 17.6), for closed forms in tests.
+// Jacobi's elliptic functions by the arithmetic-geometric mean (Abramowitz, Stegun 16.4, 17.6), for closed-form solutions in tests.
 
 #include <cmath>
 
 namespace ugoki::testing {
 
-/// Complete integral K(k).
+/// Complete elliptic integral of the first kind K(k), modulus k.
 inline double elliptic_K(double k) {
   double a = 1, g = std::sqrt(1 - k * k);
   for (int i = 0; i < 40; ++i) {
@@ -16,9 +16,11 @@ inline double elliptic_K(double k) {
   return std::acos(-1.0) / (2 * a);
 }
 
+/// Values of Jacobi's elliptic functions.
 struct Jacobi {
   double sn, cn, dn;
 };
+/// sn(u, k), cn(u, k) and dn(u, k), modulus k.
 inline Jacobi jacobi(double u, double k) {
   double a[20], c[20];
   a[0] = 1;

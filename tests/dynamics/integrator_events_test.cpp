@@ -1,4 +1,4 @@
-// Step events, projections and failures of the integrators.
+// Events, projections and failures of the integrators.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using Status = IntegrationStatus;
 
 constexpr double g = 9.81;
 
-/// Masses falling onto the ground: event i is the fall of mass i through height 0.
+/// Falling masses: event i occurs when mass i falls through height 0.
 class Falling final : public OpenSystem {
  public:
   explicit Falling(int count) : OpenSystem(testing::sliders(count)) {}
@@ -29,7 +29,7 @@ class Falling final : public OpenSystem {
   }
 };
 
-TEST(StepEvents, BouncingBallMeetsTheGroundWhenItMust) {
+TEST(StepEvents, BouncingBallImpactTimesMatchClosedForm) {
   for (const Method method : all_methods) {
     Falling system(1);
     IntegratorOptions options = fixed(method, method == Method::semi_implicit_euler ? 1e-5 : 0.03);
@@ -56,7 +56,7 @@ TEST(StepEvents, BouncingBallMeetsTheGroundWhenItMust) {
   }
 }
 
-TEST(StepEvents, GoOnWithoutBeingChanged) {
+TEST(StepEvents, AdvanceAfterEventContinuesTheMotion) {
   Falling system(1);
   Integrator integrator(system, adaptive(Method::dormand_prince_54, 1e-10));
   const double height[] = {1.0}, rest[] = {0.0};
@@ -67,7 +67,7 @@ TEST(StepEvents, GoOnWithoutBeingChanged) {
   EXPECT_EQ(integrator.statistics().events, 1);
 }
 
-TEST(StepEvents, OnesTogetherAreAllReportedAndTheEarliestFirst) {
+TEST(StepEvents, SimultaneousEventsAreAllReportedInTimeOrder) {
   Falling system(4);
   Integrator integrator(system, adaptive(Method::dormand_prince_54, 1e-10));
   const double height[] = {2.0, 1.0, 2.0, 0.5}, rest[] = {0, 0, 0, 0};
@@ -83,7 +83,7 @@ TEST(StepEvents, OnesTogetherAreAllReportedAndTheEarliestFirst) {
   EXPECT_EQ(integrator.advance(3).status, Status::reached);
 }
 
-TEST(StepEvents, AStartOnTheEventIsNone) {
+TEST(StepEvents, StartOnEventIsNotReported) {
   Falling system(1);
   Integrator integrator(system, adaptive(Method::dormand_prince_54, 1e-10));
   const double ground[] = {0.0}, down[] = {-1.0};
@@ -91,7 +91,7 @@ TEST(StepEvents, AStartOnTheEventIsNone) {
   EXPECT_EQ(integrator.advance(1).status, Status::reached);
 }
 
-TEST(StepEvents, AFunctionWithoutValueStopsAtTheLastGoodState) {
+TEST(StepEvents, NonFiniteEventFunctionStopsAtLastGoodState) {
   class Lost final : public OpenSystem {
    public:
     Lost() : OpenSystem(testing::sliders(1)) {}
@@ -110,8 +110,8 @@ TEST(StepEvents, AFunctionWithoutValueStopsAtTheLastGoodState) {
   EXPECT_NEAR(integrator.q()[0], -0.5 * g * 0.09, 1e-12);
 }
 
-/// A dip below and back within one step is seen; only the direction asked for counts.
-TEST(StepEvents, ShortDipsAndDirections) {
+/// A mass rises above a height and falls below it again within one step. Both crossings are found, each by the event of its direction.
+TEST(StepEvents, TwoCrossingsWithinOneStepAreFoundByDirection) {
   class Thrown final : public OpenSystem {
    public:
     Thrown() : OpenSystem(testing::sliders(1)) {}
@@ -136,7 +136,7 @@ TEST(StepEvents, ShortDipsAndDirections) {
   EXPECT_EQ(integrator.advance(1).status, Status::reached);
 }
 
-/// A mass in the plane, held on a circle by its acceleration and brought back to it by the projection.
+/// A mass in a plane on a circle of radius 1. The acceleration keeps it on the circle, and project() corrects the drift.
 class OnCircle final : public MotionSystem {
  public:
   static MechanismPtr make_mechanism() {
@@ -175,14 +175,14 @@ class OnCircle final : public MotionSystem {
   bool corrected_;
 };
 
-TEST(Projections, KeepALoopClosed) {
+TEST(Projections, KeepAConstraintSatisfied) {
   const auto gap = [](bool corrected) {
     OnCircle system(corrected);
     Integrator integrator(system, fixed(Method::runge_kutta_4, 1e-2));
     const double q[] = {1, 0, 0}, v[] = {0, 0, 0};
     integrator.start(0, q, v);
     EXPECT_EQ(integrator.advance(20).status, Status::reached);
-    // what was computed at the end of a step holds at the next one's start only if the state was not moved
+    // The acceleration at the end of a step is reused at the start of the next step only if project() did not move the state
     EXPECT_NEAR(static_cast<double>(integrator.statistics().accelerations), (corrected ? 5.0 : 4.0) * 2000, 1);
     return std::fabs(std::hypot(integrator.q()[0], integrator.q()[1]) - 1);
   };
@@ -190,7 +190,7 @@ TEST(Projections, KeepALoopClosed) {
   EXPECT_LT(gap(true), 1e-15);
 }
 
-TEST(Failures, ProjectionThatFailsLeavesTheLastGoodState) {
+TEST(Failures, FailedProjectionKeepsLastGoodState) {
   for (const Method method : {Method::runge_kutta_4, Method::dormand_prince_54}) {
     OnCircle system(true);
     IntegratorOptions options = adaptive(method, 1e-8);
@@ -208,7 +208,7 @@ TEST(Failures, ProjectionThatFailsLeavesTheLastGoodState) {
   }
 }
 
-/// A drive that becomes NaN, or an inertia without value, after a while.
+/// A system whose drive becomes NaN, or whose inertia becomes singular, at t = 0.505 s.
 class Failing final : public OpenSystem {
  public:
   Failing(bool singular) : OpenSystem(testing::pendulum({1, 1})), singular_(singular) {}
@@ -225,7 +225,7 @@ class Failing final : public OpenSystem {
   bool singular_;
 };
 
-TEST(Failures, NameTimeFreedomAndLinkAndKeepTheLastGoodState) {
+TEST(Failures, ReportTimeDofAndLinkAndKeepLastGoodState) {
   for (const bool singular : {false, true})
     for (const Method method : all_methods) {
       Failing system(singular);
@@ -237,10 +237,10 @@ TEST(Failures, NameTimeFreedomAndLinkAndKeepTheLastGoodState) {
       integrator.start(0, q, v);
       const IntegrationReport r = integrator.advance(1);
       EXPECT_EQ(r.status, singular ? Status::singular : Status::not_finite) << static_cast<int>(method) << " " << name_of(r.status);
-      EXPECT_GE(r.freedom, 0);
-      EXPECT_EQ(r.link, r.freedom);
+      EXPECT_GE(r.dof, 0);
+      EXPECT_EQ(r.link, r.dof);
       if (singular) {
-        EXPECT_EQ(r.freedom, 1);
+        EXPECT_EQ(r.dof, 1);
       }
       EXPECT_GT(r.time, 0.47);
       EXPECT_LE(r.time, 0.52);
@@ -249,8 +249,8 @@ TEST(Failures, NameTimeFreedomAndLinkAndKeepTheLastGoodState) {
     }
 }
 
-// Accelerations that are known to nine digits only, as those of nearly singular systems: no failure of the iteration.
-TEST(Failures, NoiseIsNone) {
+// Accelerations with only nine accurate digits, as in nearly singular systems, do not make Newton's method fail.
+TEST(Failures, NoisyAccelerationsDoNotStopImplicitMethods) {
   class Noisy final : public OpenSystem {
    public:
     Noisy() : OpenSystem(testing::pendulum({1, 1})) {}
@@ -269,7 +269,7 @@ TEST(Failures, NoiseIsNone) {
   }
 }
 
-TEST(Failures, NotFiniteStartIsRefused) {
+TEST(Failures, NonFiniteStartIsRejected) {
   OpenSystem system(testing::pendulum({1, 1}));
   const double q[] = {1, 1}, v[] = {0, std::numeric_limits<double>::infinity()};
   for (const Method method : all_methods) {
@@ -277,12 +277,12 @@ TEST(Failures, NotFiniteStartIsRefused) {
     integrator.start(0, q, v);
     const IntegrationReport r = integrator.advance(1);
     EXPECT_EQ(r.status, Status::not_finite);
-    EXPECT_EQ(r.freedom, 1);
+    EXPECT_EQ(r.dof, 1);
     EXPECT_EQ(r.time, 0);
   }
 }
 
-TEST(Failures, StepsTooManyTooSmallOrTooLargeAreSaid) {
+TEST(Failures, TooManyTooSmallAndTooLargeStepsAreReported) {
   OpenSystem system(testing::pendulum({1, 1}));
   const double q[] = {1, 1}, v[] = {0, 0};
   IntegratorOptions few = adaptive(Method::dormand_prince_54, 1e-10);

@@ -1,5 +1,5 @@
 #pragma once
-// Mechanisms with known motions, for the tests of the integrators.
+// Mechanisms with known motions, and integrator options, for the tests of the integrators.
 
 #include <cmath>
 
@@ -14,14 +14,16 @@ inline constexpr dynamics::IntegrationMethod all_methods[] = {
     dynamics::IntegrationMethod::dormand_prince_54, dynamics::IntegrationMethod::gauss_legendre_6,
     dynamics::IntegrationMethod::radau_iia_5};
 
+/// Options for fixed steps.
 inline dynamics::IntegratorOptions fixed(dynamics::IntegrationMethod method, double step) {
   dynamics::IntegratorOptions o;
   o.method = method;
   o.step = step;
   o.adaptive = false;
-  o.relative_tolerance = o.absolute_tolerance = 1e-13;  // of Newton's iterations
+  o.relative_tolerance = o.absolute_tolerance = 1e-13;  // tolerance of Newton's method in the implicit methods
   return o;
 }
+/// Options for adaptive steps.
 inline dynamics::IntegratorOptions adaptive(dynamics::IntegrationMethod method, double tolerance) {
   dynamics::IntegratorOptions o;
   o.method = method;
@@ -29,6 +31,7 @@ inline dynamics::IntegratorOptions adaptive(dynamics::IntegrationMethod method, 
   return o;
 }
 
+/// A link that is a point mass at `centre` in the link's frame.
 inline LinkSpec point_link(const char* name, const char* parent, JointType type, const Vec3& axis, const Vec3& centre, double mass) {
   LinkSpec l;
   l.name = name;
@@ -39,7 +42,8 @@ inline LinkSpec point_link(const char* name, const char* parent, JointType type,
   return l;
 }
 
-/// Point masses on massless rods in the x-z plane, angles from straight down, chained.
+/// A chain of point masses on massless rods that swing in the x-z plane. The first angle is measured from straight down, each further
+/// angle from the rod before.
 inline MechanismPtr pendulum(std::initializer_list<double> lengths) {
   MechanismSpec spec;
   spec.name = "pendulum";
@@ -56,14 +60,14 @@ inline MechanismPtr pendulum(std::initializer_list<double> lengths) {
   return Mechanism::make(std::move(spec)).value();
 }
 
-/// Masses that slide up and down side by side: q is the height.
-inline MechanismPtr sliders(int count, const Freedom& freedom = {}) {
+/// Independent masses of 1 kg on vertical prismatic joints: q is the height of each, m.
+inline MechanismPtr sliders(int count, const Dof& dof = {}) {
   MechanismSpec spec;
   spec.name = "sliders";
   for (int i = 0; i < count; ++i) {
     LinkSpec l = point_link("", "", JointType::prismatic, {0, 0, 1}, {}, 1.0);
     l.name = "mass" + std::to_string(i);
-    l.joint.freedoms[0] = freedom;
+    l.joint.dofs[0] = dof;
     spec.links.push_back(l);
   }
   return Mechanism::make(std::move(spec)).value();

@@ -34,7 +34,7 @@ double order_of(Method method) {
   }
 }
 
-/// A pendulum released at rest from `amplitude`: angle at time t (Whittaker, Analytical dynamics, section 44).
+/// Angle at time t of a pendulum released at rest from `amplitude` (Whittaker, Analytical dynamics, section 44). rad, m, s
 double pendulum_angle(double length, double amplitude, double t) {
   const double k = std::sin(amplitude / 2);
   return 2 * std::asin(k * testing::jacobi(testing::elliptic_K(k) + std::sqrt(g / length) * t, k).sn);
@@ -92,7 +92,7 @@ TEST(Integrators, PendulumFollowsEllipticFunctions) {
   EXPECT_LT(error(adaptive(Method::radau_iia_5, 1e-9)), 1e-6);
 }
 
-/// A single rigid body that turns freely about its centre.
+/// A single free rigid body.
 MechanismPtr free_body() {
   MechanismSpec spec;
   spec.name = "handle";
@@ -104,9 +104,9 @@ MechanismPtr free_body() {
   return Mechanism::make(std::move(spec)).value();
 }
 
-// Spin about the intermediate axis turns over and over (Dzhanibekov): w in body axes is known in elliptic functions
-// (Landau, Lifshitz, Mechanics, section 37); angular momentum stays where it is in the world.
-TEST(Integrators, FreeBodyTurnsOverAsInTheClosedForm) {
+// A body that rotates about its intermediate axis flips repeatedly (Dzhanibekov effect). Its angular velocity in body axes is known in
+// elliptic functions (Landau, Lifshitz, Mechanics, section 37). Its angular momentum in the world is constant.
+TEST(Integrators, FreeBodyRotationMatchesClosedForm) {
   const MechanismPtr m = free_body();
   OpenSystem system(m, {.gravity = {}, .joint_forces = {}});
   State s(*m);
@@ -120,7 +120,7 @@ TEST(Integrators, FreeBodyTurnsOverAsInTheClosedForm) {
     return Vec3{std::sqrt((twice_E * I3 - L2) / (I1 * (I3 - I1))) * j.cn, std::sqrt((twice_E * I3 - L2) / (I2 * (I3 - I2))) * j.sn,
                 std::sqrt((L2 - twice_E * I1) / (I3 * (I3 - I1))) * j.dn};
   };
-  const auto run = [&](const IntegratorOptions& options, double wanted) {
+  const auto run = [&](const IntegratorOptions& options, double tolerance) {
     Integrator integrator(system, options);
     integrator.start(0, s.q, s.v);
     Workspace ws(*m);
@@ -130,14 +130,14 @@ TEST(Integrators, FreeBodyTurnsOverAsInTheClosedForm) {
       const double t = 0.1 * i;
       ASSERT_EQ(integrator.advance(t).status, Status::reached);
       const std::span<const double> v = integrator.v();
-      EXPECT_LT(norm(Vec3{v[0], v[1], v[2]} - spin_at(t)), wanted) << "t " << t;
+      EXPECT_LT(norm(Vec3{v[0], v[1], v[2]} - spin_at(t)), tolerance) << "t " << t;
       turns += v[1] * last < 0;
       last = v[1];
       update_kinematics(*m, integrator.q(), v, ws);
       const Vec6 h = calc_centroidal(*m, ws).momentum;
-      EXPECT_LT(norm(h.w - Vec3{0, -10, 0.14}), 2 * wanted) << "t " << t;
+      EXPECT_LT(norm(h.w - Vec3{0, -10, 0.14}), 2 * tolerance) << "t " << t;
       EXPECT_LT(norm(h.v - Vec3{1, 2, 3}), 1e-12);
-      EXPECT_NEAR(kinetic_energy(*m, ws), 0.5 * twice_E + 7, 40 * wanted);
+      EXPECT_NEAR(kinetic_energy(*m, ws), 0.5 * twice_E + 7, 40 * tolerance);
     }
     EXPECT_EQ(turns, 2);
   };
@@ -146,8 +146,8 @@ TEST(Integrators, FreeBodyTurnsOverAsInTheClosedForm) {
   run(fixed(Method::runge_kutta_4, 1e-3), 1e-5);
 }
 
-// The reference of the IFToMM library of benchmarks, problem A01: a mass on a rod, released level.
-TEST(Integrators, PlanarPendulumReference) {
+// Reference curve of the IFToMM library of benchmarks, problem A01: a mass on a massless rod, released from the horizontal.
+TEST(Integrators, PlanarPendulumMatchesReferenceCurve) {
   std::ifstream file(UGOKI_SHARED_DATA "/benchmarks/A01_P1.csv");
   if (!file) GTEST_SKIP() << "no reference data at " UGOKI_SHARED_DATA;
   const MechanismPtr m = testing::pendulum({1.0});
@@ -201,7 +201,7 @@ TEST(SlowIntegrators, DoublePendulumKeepsItsEnergyForAMillionSteps) {
       ASSERT_EQ(integrator.advance(i).status, Status::reached);
       worst = std::max(worst, std::fabs(system.calc_energy(integrator.q(), integrator.v()) - before) / std::fabs(before));
     }
-    std::printf("method %d: greatest relative change of energy %.3g, %ld accelerations\n", static_cast<int>(method), worst,
+    std::printf("method %d: maximum relative change of energy %.3g, %ld accelerations\n", static_cast<int>(method), worst,
                 integrator.statistics().accelerations);
     if (method == Method::gauss_legendre_6) {
       EXPECT_LT(worst, 1e-10);
@@ -230,7 +230,7 @@ TEST(Integrators, TighterToleranceGivesSmallerError) {
       steps = integrator.statistics().steps;
       if (steps_at_first == 0) steps_at_first = steps;
     }
-    // an estimate of order h^5 asks for 10^(6/5) = 16 times the steps at a tolerance 10^6 times smaller; a wrong one for far more
+    // With an error estimate of order h^5, a tolerance 10^6 times smaller needs 10^(6/5) = 16 times the steps; a wrong estimate needs more
     EXPECT_LT(steps, 16 * steps_at_first);
   }
 }
@@ -258,12 +258,12 @@ TEST(Integrators, ContinuousSolutionHasItsOrder) {
       return std::sqrt(sum);
     };
     const double order = std::log2(error(0.1) / error(0.05));
-    const double wanted = method == Method::semi_implicit_euler ? 2 : method == Method::dormand_prince_54 ? 5 : 4;
-    EXPECT_GT(order, wanted - 0.35) << static_cast<int>(method);
+    const double expected_order = method == Method::semi_implicit_euler ? 2 : method == Method::dormand_prince_54 ? 5 : 4;
+    EXPECT_GT(order, expected_order - 0.35) << static_cast<int>(method);
   }
 }
 
-TEST(Integrators, GiveTheSameBitsTwiceHoweverTheTimeIsCut) {
+TEST(Integrators, ResultsAreBitIdenticalForAnySplitOfTheTime) {
   const auto run = [](Method method, int pieces) {
     RandomSource random(4);
     const MechanismPtr m = Mechanism::make(random_spec(random, 12)).value();

@@ -33,7 +33,7 @@ struct Scene {
   std::size_t n() const { return s.v.size(); }
   Vec3 point(const Workspace& at) const { return at.X_WB[static_cast<std::size_t>(b)] * local; }
 
-  /// Kinematics a time t along the motion q (+) (v + vdot t / 2) t: first and second derivatives at t = 0 are those of the scene.
+  /// Kinematics at time t of the motion q (+) (v + vdot t / 2) t. Its velocity and acceleration at t = 0 are those of the scene.
   Workspace at_time(double t) const {
     Workspace out(*m);
     std::vector<double> q(s.q.size()), v(n()), mean(n());
@@ -47,7 +47,7 @@ struct Scene {
   }
 };
 
-/// d f / dt at 0: central differences, extrapolated (Richardson) to fourth order.
+/// Derivative of f at t = 0 by central differences with Richardson extrapolation to fourth order.
 template <class F>
 auto rate_of(F f, double h = 1e-3) {
   const auto slope = [&](double k) { return (f(k) - f(-k)) * (0.5 / k); };
@@ -70,7 +70,8 @@ Vec6 product(std::span<const double> J, std::span<const double> x) {
   return {{y[0], y[1], y[2]}, {y[3], y[4], y[5]}};
 }
 
-/// The twist whose integral is the pose X(t): R' R^T and p', by differences.
+/// Twist of the moving pose X(t) at t = 0 by finite differences: angular velocity from R' R^T, linear velocity p'.
+/// @param body true: in body axes; false: in world axes
 Vec6 twist_of(const std::function<Pose(double)>& X, bool body) {
   const Mat3 R = X(0).R;
   const Mat3 W = rate_of([&](double t) { return X(t).R; }) * R.transposed();
@@ -87,13 +88,13 @@ TEST(Jacobian, TimesVelocityIsTheRateOfThePose) {
       const bool body = frame == JacobianFrame::body;
       calc_jacobian(c.ws, c.b, frame, c.point(c.ws), J);
       const Vec6 V = product(c.ws, c.b, J, c.s.v);
-      const Vec6 wanted = twist_of(
+      const Vec6 expected = twist_of(
           [&](double t) {
             const Pose X = c.at_time(t).X_WB[static_cast<std::size_t>(c.b)];
             return body ? X : Pose{X.R, X * c.local};
           },
           body);
-      EXPECT_LT(size(V - wanted), 1e-7 * (1 + size(wanted))) << "seed " << seed << " body " << body;
+      EXPECT_LT(size(V - expected), 1e-7 * (1 + size(expected))) << "seed " << seed << " body " << body;
     }
   }
 }
@@ -106,12 +107,12 @@ TEST(Jacobian, RateIsTheDerivativeOfItsEntries) {
     for (const JacobianFrame frame : {JacobianFrame::world, JacobianFrame::body}) {
       calc_jacobian_rate(c.ws, S_dot, c.b, frame, c.point(c.ws), J_dot);
       for (std::size_t k = 0; k < chain_of_link(c.ws, c.b).size(); ++k) {
-        const Vec6 wanted = rate_of([&](double t) {
+        const Vec6 expected = rate_of([&](double t) {
           const Workspace at = c.at_time(t);
           calc_jacobian(at, c.b, frame, c.point(at), J);
           return J[k];
         });
-        EXPECT_LT(size(J_dot[k] - wanted), 1e-7 * (1 + size(wanted))) << "seed " << seed << " column " << k;
+        EXPECT_LT(size(J_dot[k] - expected), 1e-7 * (1 + size(expected))) << "seed " << seed << " column " << k;
       }
       const Vec6 bias = calc_jacobian_bias(*c.m, c.ws, c.b, frame, c.point(c.ws));
       EXPECT_LT(size(product(c.ws, c.b, J_dot, c.s.v) - bias), 1e-11 * (1 + size(bias))) << "seed " << seed;
@@ -131,25 +132,25 @@ TEST(RelativeJacobian, TimesVelocityIsTheRateOfTheRelativePose) {
       std::vector<double> J(6 * c.n()), J_dot(6 * c.n());
       std::vector<Vec6> S_dot(c.n());
       calc_relative_jacobian(c.ws, a, c.b, c.point(c.ws), J);
-      const Vec6 V = product(J, c.s.v), wanted = twist_of(pose, false);
-      EXPECT_LT(size(V - wanted), 1e-7 * (1 + size(wanted))) << "seed " << seed;
+      const Vec6 V = product(J, c.s.v), expected = twist_of(pose, false);
+      EXPECT_LT(size(V - expected), 1e-7 * (1 + size(expected))) << "seed " << seed;
 
       calc_subspace_rates(*c.m, c.ws, S_dot);
       calc_relative_jacobian_rate(c.ws, S_dot, a, c.b, c.point(c.ws), J_dot);
       const Vec6 rate = product(J, c.vdot) + product(J_dot, c.s.v);
-      const Vec6 rate_wanted = rate_of([&](double t) {
+      const Vec6 expected_rate = rate_of([&](double t) {
         const Workspace at = c.at_time(t);
         std::vector<double> J_at(6 * c.n()), v(c.n());
         for (std::size_t i = 0; i < v.size(); ++i) v[i] = c.s.v[i] + t * c.vdot[i];
         calc_relative_jacobian(at, a, c.b, c.point(at), J_at);
         return product(J_at, v);
       });
-      EXPECT_LT(size(rate - rate_wanted), 1e-7 * (1 + size(rate_wanted))) << "seed " << seed;
+      EXPECT_LT(size(rate - expected_rate), 1e-7 * (1 + size(expected_rate))) << "seed " << seed;
     }
   }
 }
 
-TEST(Jacobian, ExpandsToAllFreedoms) {
+TEST(Jacobian, ExpandsToAllDofs) {
   const Scene c(3);
   std::vector<Vec6> J(c.n());
   std::vector<double> full(6 * c.n()), relative(6 * c.n());

@@ -15,12 +15,12 @@ using testing::adaptive;
 using testing::RandomSource;
 using Method = IntegrationMethod;
 
-/// A random tree with springs (different on each component), dampers, dry friction, limits and drives.
+/// A random tree with springs (a different one for each DOF), limits and effort limits. @param losses adds dampers and dry friction
 MechanismPtr sprung(unsigned seed, bool losses) {
   RandomSource random(seed);
   MechanismSpec spec = random_spec(random, 7, {}, seed % 2 == 0);
   for (LinkSpec& l : spec.links)
-    for (Freedom& f : l.joint.freedoms) {
+    for (Dof& f : l.joint.dofs) {
       f.stiffness = random.uniform(5, 50);
       f.rest = random.uniform(-0.3, 0.3);
       f.lower = -0.6;
@@ -43,7 +43,7 @@ State start_of(const MechanismPtr& m, unsigned seed) {
   return s;
 }
 
-// Springs and limits without losses conserve energy in every joint type: their forces are the gradient of what is reported.
+// Springs and limits without losses conserve energy for every joint type: their forces are the negative gradient of the reported energy.
 TEST(JointForces, AreTheGradientOfTheReportedEnergy) {
   JointForceOptions options;
   options.limit_dissipation = 0;
@@ -65,14 +65,15 @@ TEST(JointForces, AreTheGradientOfTheReportedEnergy) {
         return r.spring_energy + r.limit_energy;
       };
       const double h = 1e-5;
-      EXPECT_NEAR(-(energy(h) - energy(-h)) / (2 * h), tau[i], 1e-5 * (1 + std::fabs(tau[i]))) << "seed " << seed << " freedom " << i;
+      EXPECT_NEAR(-(energy(h) - energy(-h)) / (2 * h), tau[i], 1e-5 * (1 + std::fabs(tau[i])))
+          << "seed " << seed << " degree of freedom " << i;
     }
   }
   EXPECT_GT(limits, 20);
 }
 
-// With losses: d energy / dt = drive power - loss, all joint forces on.
-TEST(JointForces, PowerBalances) {
+// With all joint forces, the rate of the energy equals drive power minus loss.
+TEST(JointForces, EnergyRateEqualsDrivePowerMinusLoss) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const MechanismPtr m = sprung(seed, true);
     const State s = start_of(m, seed);
@@ -92,12 +93,12 @@ TEST(JointForces, PowerBalances) {
       integrate(*m, s.q, mean, t, q);
       return system.calc_energy(q, v);
     };
-    const double h = 1e-6, rate = (energy(h) - energy(-h)) / (2 * h), wanted = report.drive_power - report.loss;
-    EXPECT_NEAR(rate, wanted, 1e-5 * (1 + std::fabs(wanted))) << "seed " << seed;
+    const double h = 1e-6, rate = (energy(h) - energy(-h)) / (2 * h), expected = report.drive_power - report.loss;
+    EXPECT_NEAR(rate, expected, 1e-5 * (1 + std::fabs(expected))) << "seed " << seed;
   }
 }
 
-TEST(JointForces, SlopesAreTheirDerivatives) {
+TEST(JointForces, SlopesMatchFiniteDifferences) {
   const JointForceOptions options;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const MechanismPtr m = sprung(seed, true);
@@ -105,7 +106,7 @@ TEST(JointForces, SlopesAreTheirDerivatives) {
     std::vector<double> dq(s.v.size()), dv(s.v.size()), high(s.v.size()), low(s.v.size()), q(s.q.size()), unit(s.v.size());
     calc_joint_force_slopes(*m, s.q, s.v, options, dq, dv);
     for (std::size_t i = 0; i < dq.size(); ++i) {
-      if (m->link(m->link_of_freedom(static_cast<int>(i))).joint.type == JointType::spherical) continue;
+      if (m->link(m->link_of_dof(static_cast<int>(i))).joint.type == JointType::spherical) continue;
       const double h = 1e-6;
       std::vector<double> v = s.v;
       v[i] += h;
@@ -128,7 +129,7 @@ TEST(OpenSystem, JacobianIsTheSlopeOfItsAcceleration) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     MechanismSpec spec = sprung(seed, true)->spec();
     for (LinkSpec& l : spec.links)
-      if (l.joint.type == JointType::spherical) l.joint.type = JointType::universal;  // the slopes of those are exact
+      if (l.joint.type == JointType::spherical) l.joint.type = JointType::universal;  // the derivatives of spherical joints are approximate
     const MechanismPtr m = Mechanism::make(std::move(spec)).value();
     const State s = start_of(m, seed);
     OpenSystem system(m, {.joint_forces = {}, .exact_jacobian = true});
@@ -140,9 +141,9 @@ TEST(OpenSystem, JacobianIsTheSlopeOfItsAcceleration) {
     for (const double x : dq) scale = std::max(scale, std::fabs(x));
     for (std::size_t j = 0; j < n; ++j) {
       const double h = 1e-6;
-      const auto expect_column = [&](std::span<const double> wanted, const char* what) {
+      const auto expect_column = [&](std::span<const double> expected, const char* label) {
         for (std::size_t i = 0; i < n; ++i)
-          EXPECT_NEAR((high[i] - low[i]) / (2 * h), wanted[i * n + j], 1e-5 * scale) << "seed " << seed << what << i << " " << j;
+          EXPECT_NEAR((high[i] - low[i]) / (2 * h), expected[i * n + j], 1e-5 * scale) << "seed " << seed << label << i << " " << j;
       };
       unit[j] = 1;
       integrate(*m, s.q, unit, h, q);
@@ -161,9 +162,9 @@ TEST(OpenSystem, JacobianIsTheSlopeOfItsAcceleration) {
   }
 }
 
-// A mass that runs into its limit comes back with Hunt and Crossley's restitution, 1 - 2/3 c v for small c v.
-TEST(JointForces, LimitsGiveBackWhatTheySay) {
-  Freedom f;
+// A mass rebounds from a joint limit with the restitution of Hunt and Crossley, 1 - 2/3 c v for small c v.
+TEST(JointForces, LimitRestitutionMatchesHuntCrossley) {
+  Dof f;
   f.upper = 0.5;
   for (const double dissipation : {0.0, 0.05}) {
     OpenSystem system(testing::sliders(1, f), {.gravity = {}, .joint_forces = {.limit_dissipation = dissipation}});
@@ -176,9 +177,9 @@ TEST(JointForces, LimitsGiveBackWhatTheySay) {
   }
 }
 
-// A spring of one angle: x = rest + a cos(w t), exactly known; dry friction brakes by f / m until the motion creeps.
-TEST(JointForces, SpringAndFrictionMoveAMassAsInTheClosedForm) {
-  Freedom spring;
+// A mass on a spring moves as x = rest + a cos(w t). Dry friction decelerates a mass by f / m until it creeps.
+TEST(JointForces, SpringAndFrictionMatchClosedForm) {
+  Dof spring;
   spring.stiffness = 40;
   spring.rest = 0.2;
   OpenSystem swinging(testing::sliders(1, spring), {.gravity = {}, .joint_forces = {}});
@@ -188,7 +189,7 @@ TEST(JointForces, SpringAndFrictionMoveAMassAsInTheClosedForm) {
   ASSERT_EQ(a.advance(3).status, IntegrationStatus::reached);
   EXPECT_NEAR(a.q()[0], 0.2 + 0.5 * std::cos(std::sqrt(40.0) * 3), 1e-8);
 
-  Freedom rough;
+  Dof rough;
   rough.friction = 2;
   OpenSystem braked(testing::sliders(1, rough), {.gravity = {}, .joint_forces = {.friction_speed = 1e-4}});
   Integrator b(braked, adaptive(Method::radau_iia_5, 1e-8));
@@ -201,7 +202,7 @@ TEST(JointForces, SpringAndFrictionMoveAMassAsInTheClosedForm) {
   EXPECT_NEAR(b.q()[0], 0.25, 1e-3);
 }
 
-// Seven joints of all kinds with springs and limits, long run: nothing leaks.
+// Seven joints of random types with springs and limits, without losses, conserve energy.
 TEST(JointForces, SprungTreesKeepTheirEnergy) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const MechanismPtr m = sprung(seed, false);

@@ -1,4 +1,4 @@
-// The fast kernels, one instance at a time: against the paper's unit vectors, over all joint types and widths of registers.
+// The fast kernels on single instances, compared with the paper's unit-vector method for all joint types and SIMD register widths.
 
 #include "ugoki/dynamics/kernels.h"
 
@@ -22,11 +22,11 @@ using testing::RandomSource;
 
 constexpr Vec3 gravity{0.7, -0.3, -9.81};
 
-void expect_near(std::span<const double> a, std::span<const double> b, double relative, const char* what) {
+void expect_near(std::span<const double> a, std::span<const double> b, double relative, const char* label) {
   double scale = 1;
   for (const double x : b) scale = std::max(scale, std::fabs(x));
   ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], relative * scale) << what << ", freedom " << i;
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], relative * scale) << label << ", degree of freedom " << i;
 }
 
 TEST(Kernels, AgreeWithTheUnitVectorMethod) {
@@ -62,8 +62,8 @@ TEST(Kernels, AgreeWithTheUnitVectorMethod) {
   EXPECT_GT(pairs, 300U);
 }
 
-// Legs and arms in lanes: the same bits in every width of registers.
-TEST(Kernels, SameBitsInEveryWidth) {
+// Mechanisms with twins (equal subtrees in two lanes) give identical bits for every SIMD register width.
+TEST(Kernels, ResultsAreBitIdenticalForAllSimdWidths) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     RandomSource random(seed);
     const MechanismPtr m = Mechanism::make(testing::twins_spec(random, seed % 2 == 0)).value();
@@ -85,8 +85,8 @@ TEST(Kernels, SameBitsInEveryWidth) {
   }
 }
 
-// Its entries are written to their places in several pieces.
-TEST(Kernels, InertiaMatrixOfManyLinks) {
+// The matrix has more entries than the kernel gathers before it writes them out (inertia_entries_at_once).
+TEST(Kernels, InertiaMatrixOfManyLinksMatchesReference) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     RandomSource random(seed);
     const MechanismPtr m = Mechanism::make(testing::varied_spec(random, 90, seed % 2 == 0)).value();
@@ -102,8 +102,8 @@ TEST(Kernels, InertiaMatrixOfManyLinks) {
   }
 }
 
-// A leg whose tip has no moment of inertia about its joint is singular, whichever of the two it is.
-TEST(Kernels, SingularTwinsAreFound) {
+// A mechanism with two legs is singular if the tip of either leg has no moment of inertia about its joint.
+TEST(Kernels, SingularTwinsAreReported) {
   for (const std::string side : {"none", "left", "right"}) {
     MechanismSpec spec;
     LinkSpec hip;
@@ -148,9 +148,9 @@ MechanismPtr make_chain(int links) {
   return Mechanism::make(std::move(spec)).value();
 }
 
-// A nearly straight chain is 3 km long, and a curled one carries every load through all its joints: torques are compared with
-// the greatest moment that the weight makes, which is what their rounding is a part of.
-TEST(Kernels, ChainOfTenThousandJointsKeepsItsDigits) {
+// The chain is 3 km long and nearly straight. Rounding errors of the torques are proportional to the maximum moment of the weight, so
+// errors are compared with that moment.
+TEST(Kernels, ChainOfTenThousandJointsKeepsItsAccuracy) {
   const MechanismPtr m = make_chain(10'000);
   Workspace ws(*m);
   State s(*m);
@@ -165,10 +165,11 @@ TEST(Kernels, ChainOfTenThousandJointsKeepsItsDigits) {
   ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, gravity, {}, vdot));
   calc_inverse_dynamics(*m, ws, s.q, s.v, vdot, gravity, {}, tau);
   for (std::size_t i = 0; i < tau.size(); ++i) worst = std::max(worst, std::fabs(tau[i] - s.tau[i]));
-  EXPECT_LT(worst, 1e-9 * scale) << "greatest load " << scale;
+  EXPECT_LT(worst, 1e-9 * scale) << "maximum load " << scale;
 }
 
-// What holds the first joint dies away along the falling chain, and what turns the last one dies away towards the first.
+// In a falling chain held at one end, accelerations relative to free fall decay along the chain. With a torque on the last joint,
+// accelerations decay towards the first joint. In both cases tiny values must become zero before they are subnormal.
 TEST(Kernels, ChainOfTenThousandJointsMakesNoSubnormalNumbers) {
   const MechanismPtr m = make_chain(10'000);
   Workspace ws(*m);
@@ -176,14 +177,14 @@ TEST(Kernels, ChainOfTenThousandJointsMakesNoSubnormalNumbers) {
   RandomSource random(13);
   for (double& q : s.q) q = random.uniform(-0.3, 0.3);
   std::vector<double> vdot(s.v.size());
-  const auto expect_none = [&](const char* what) {
-    ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, what[0] == 'h' ? gravity : Vec3{}, {}, vdot));
+  const auto expect_no_subnormals = [&](const char* label, const Vec3& acting_gravity) {
+    ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, acting_gravity, {}, vdot));
     for (std::size_t i = 0; i < vdot.size(); ++i)
-      ASSERT_TRUE(vdot[i] == 0 || std::fabs(vdot[i]) >= std::numeric_limits<double>::min()) << what << ", joint " << i << ": " << vdot[i];
+      ASSERT_TRUE(vdot[i] == 0 || std::fabs(vdot[i]) >= std::numeric_limits<double>::min()) << label << ", joint " << i << ": " << vdot[i];
   };
-  expect_none("held at one end");
+  expect_no_subnormals("held at one end", gravity);
   s.tau.back() = 1;
-  expect_none("turned at the other");
+  expect_no_subnormals("torque on the last joint", Vec3{});
 }
 
 TEST(Kernels, AllocateNothing) {
@@ -206,8 +207,8 @@ TEST(Kernels, AllocateNothing) {
 }
 
 #ifdef UGOKI_NM
-// A unit that is compiled for wide registers must not define functions that the linker could take for those of other units:
-// on an older processor they would be illegal instructions.
+// Translation units compiled for wide registers must not define weak symbols. The linker could use such a function in other units,
+// and on an older processor its instructions would be illegal.
 TEST(Kernels, DefineNoWeakSymbols) {
   FILE* const pipe = popen(UGOKI_NM " " UGOKI_DYNAMICS_LIBRARY, "r");
   ASSERT_NE(pipe, nullptr);

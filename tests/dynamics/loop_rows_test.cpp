@@ -1,4 +1,4 @@
-// Rows of every loop type: Jacobian rows and velocity products against differences along the motion.
+// Constraint rows of every loop type: Jacobian rows and velocity products compared with finite differences along the motion.
 
 #include "ugoki/dynamics/loop_rows.h"
 
@@ -16,10 +16,10 @@ using testing::RandomSource;
 struct Case : testing::RandomLoops {
   using RandomLoops::RandomLoops;
 
-  /// Rows after moving along the constant acceleration `vdot` for the time t.
+  /// Rows after motion with constant acceleration `vdot` for time t. @param rates [rows, out] J v at that time; null: not computed
   LoopRows rows_at(double t, std::span<const double> vdot, std::vector<double>* rates = nullptr) const {
     State s = state;
-    for (std::size_t i = 0; i < s.v.size(); ++i) s.v[i] += 0.5 * t * vdot[i];  // mean velocity: second order
+    for (std::size_t i = 0; i < s.v.size(); ++i) s.v[i] += 0.5 * t * vdot[i];  // mean velocity: accurate to second order
     integrate(*m, state.q, s.v, t, s.q);
     for (std::size_t i = 0; i < s.v.size(); ++i) s.v[i] = state.v[i] + t * vdot[i];
     Workspace ws(*m);
@@ -40,7 +40,7 @@ struct Case : testing::RandomLoops {
   }
 };
 
-TEST(LoopRows, GapsVanishWhereTheFramesMeet) {
+TEST(LoopRows, GapsAreZeroWhereFramesCoincide) {
   for (unsigned seed = 1; seed < 20; ++seed) {
     const Case c(seed);
     const LoopRows rows = c.rows_at(0, c.state.v);
@@ -53,7 +53,7 @@ TEST(LoopRows, GapsVanishWhereTheFramesMeet) {
 TEST(LoopRows, JacobianIsTheRateOfTheGap) {
   const double h = 1e-5;
   for (unsigned seed = 1; seed < 20; ++seed) {
-    // Rotation rows are exact where the loop is closed, all others everywhere.
+    // Rotation rows are the exact rate of their gap only if the loop is closed; all other rows are exact everywhere.
     for (const bool closed : {true, false}) {
       const Case c(seed, closed);
       const std::vector<double> zero(c.state.v.size());
@@ -71,7 +71,7 @@ TEST(LoopRows, JacobianIsTheRateOfTheGap) {
   }
 }
 
-TEST(LoopRows, VelocityProductsAreTheRateOfTheRows) {
+TEST(LoopRows, VelocityProductsMatchRateOfVelocityRows) {
   const double h = 1e-6;
   for (unsigned seed = 1; seed < 20; ++seed) {
     const Case c(seed, false);

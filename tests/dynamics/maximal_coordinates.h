@@ -1,7 +1,8 @@
 #pragma once
-// A second way to the motion of closed link systems, which shares nothing with the first but the joints' subspaces: every link is a
-// free body in space, joints and loops are conditions between two bodies, and Gauss's principle of least constraint gives the
-// accelerations: of all that satisfy the conditions, those nearest to the free bodies' own, in the norm of the masses.
+// A reference method for the accelerations of closed link systems in maximal coordinates. It shares only the joints' motion subspaces
+// with the production code. Every link is a free body; joints and loops are conditions between two bodies. By Gauss's principle of least
+// constraint, the accelerations are those that satisfy the conditions and are nearest, in the norm of the masses, to the accelerations of
+// the free bodies.
 
 #include <array>
 #include <cmath>
@@ -11,11 +12,12 @@
 
 namespace ugoki::testing {
 
+/// A mechanism with loops in maximal coordinates. `m` and `loops` must outlive it.
 class MaximalCoordinates {
  public:
   MaximalCoordinates(const Mechanism& m, const std::vector<Loop>& loops) : m_(m), loops_(loops) {}
 
-  /// Angular acceleration and that of the centre of mass of every link, world axes. Armature is not included.
+  /// [links] Angular acceleration, and linear acceleration of the centre of mass, in world axes. Armature is not included.
   std::vector<Vec6> accelerations(const State& s, const Vec3& gravity) {
     const std::size_t n = 6 * static_cast<std::size_t>(m_.link_count());
     place(s.q);
@@ -23,7 +25,7 @@ class MaximalCoordinates {
     std::vector<double> a = free_accelerations(s, V, gravity);
     const std::vector<std::vector<double>> rows = conditions(s.q);
     const std::vector<double> rates = rates_of_conditions(s, V);
-    // Gram-Schmidt in the norm of the inverse masses: each condition in turn corrects what the earlier ones left free
+    // Gram-Schmidt in the norm of the inverse masses: each condition corrects only the part not determined by the conditions before it
     std::vector<std::vector<double>> basis, images;
     for (std::size_t k = 0; k < rows.size(); ++k) {
       std::vector<double> c = rows[k];
@@ -57,17 +59,17 @@ class MaximalCoordinates {
     return out;
   }
 
-  /// Independent conditions, those of the joints included, at the last call.
+  /// Number of independent conditions in the last call, those of the joints included.
   [[nodiscard]] int rank() const { return rank_; }
 
-  /// The same accelerations from q, v, vdot by differences along the motion, for comparison.
+  /// The accelerations that result from q, v, vdot, by finite differences along the motion; for comparison with accelerations().
   std::vector<Vec6> accelerations_of(const State& s, const std::vector<double>& vdot) {
     constexpr double h = 3e-4, weight[4] = {1.0 / 12, -8.0 / 12, 8.0 / 12, -1.0 / 12};
-    constexpr int place_of[4] = {-2, -1, 1, 2};
+    constexpr int offset_of[4] = {-2, -1, 1, 2};
     std::vector<Vec6> out(static_cast<std::size_t>(m_.link_count()));
     State at = s;
     for (int k = 0; k < 4; ++k) {
-      const double t = h * place_of[k];
+      const double t = h * offset_of[k];
       std::vector<double> mean(s.v.size());
       for (std::size_t i = 0; i < mean.size(); ++i) {
         mean[i] = s.v[i] + 0.5 * t * vdot[i];
@@ -99,7 +101,7 @@ class MaximalCoordinates {
     const Link& l = m_.link(link);
     return pose(link) * (l.inertia.h / l.inertia.mass);
   }
-  /// About the centre, world axes.
+  /// Rotational inertia about the centre of mass, world axes.
   [[nodiscard]] Mat3 central_inertia(int link) const {
     const Link& l = m_.link(link);
     const Vec3 c = l.inertia.h / l.inertia.mass;
@@ -131,7 +133,7 @@ class MaximalCoordinates {
     return out;
   }
 
-  /// Adds the wrench (moment about p, force) to the forces on a body about its centre.
+  /// Adds sign times the wrench f (moment about p, force) to the wrench in F on a body about its centre of mass.
   void add_wrench(std::vector<double>& F, int link, const Vec3& p, const Vec6& f, double sign) const {
     if (link < 0) return;
     const auto k = static_cast<std::size_t>(6 * link);
@@ -162,7 +164,7 @@ class MaximalCoordinates {
     return times_inverse_mass(F);
   }
 
-  /// D with D_i . S_j = 1 for i = j and 0 otherwise, in the span of S.
+  /// Dual basis D of S in the span of S: D_i . S_j = 1 if i = j, otherwise 0.
   static std::vector<Vec6> dual_basis(const std::vector<Vec6>& S) {
     std::vector<Vec6> D = S;
     const std::size_t n = S.size();
@@ -172,7 +174,7 @@ class MaximalCoordinates {
         G[i * n + j] = dot(S[i], S[j]);
         inverse_G[i * n + j] = i == j ? 1 : 0;
       }
-    for (std::size_t k = 0; k < n; ++k) {  // Gauss-Jordan: a Gram matrix needs no exchanges
+    for (std::size_t k = 0; k < n; ++k) {  // Gauss-Jordan elimination; a Gram matrix needs no pivoting
       const double pivot = G[k * n + k];
       for (std::size_t j = 0; j < n; ++j) {
         G[k * n + j] /= pivot;
@@ -194,8 +196,8 @@ class MaximalCoordinates {
     return D;
   }
 
-  /// Six conditions (as many of them independent as motions are forbidden): the part of the velocity of b relative to a, at the point p in
-  /// the axes R, that is not in the span of `allowed`.
+  /// Appends six conditions: the velocity of b relative to a, at the point p in the axes R, has no component outside the span of `allowed`.
+  /// The number of independent conditions is 6 minus the number of allowed motions.
   void forbid(std::vector<std::vector<double>>& rows, int a, int b, const Vec3& p, const Mat3& R, const std::vector<Vec6>& allowed) const {
     const std::vector<Vec6> dual = dual_basis(allowed);
     for (int k = 0; k < 6; ++k) {
@@ -203,7 +205,7 @@ class MaximalCoordinates {
       (k < 3 ? f.w[k] : f.v[k - 3]) = 1;
       const Vec6 unit = f;
       for (std::size_t j = 0; j < allowed.size(); ++j) f -= allowed[j] * dot(dual[j], unit);
-      // f is orthogonal to the allowed motions when the projector is symmetric, and it is
+      // f is now orthogonal to the allowed motions, because the projector is symmetric
       std::vector<double> row(6 * static_cast<std::size_t>(m_.link_count()));
       const Vec6 f_W{R * f.w, R * f.v};
       add_wrench(row, b, p, f_W, 1);
@@ -253,34 +255,34 @@ class MaximalCoordinates {
 
   void add_gear(std::vector<std::vector<double>>& rows, const Loop& loop) const {
     std::vector<double> row(6 * static_cast<std::size_t>(m_.link_count()));
-    const auto add = [&](int freedom, double factor) {
-      const int i = m_.link_of_freedom(freedom);
+    const auto add = [&](int dof, double factor) {
+      const int i = m_.link_of_dof(dof);
       const Link& l = m_.link(i);
       Vec6 S[6];
       const int nv = joint_subspace(l.joint, q_.data() + l.q_index, S);
-      const Vec6 f = dual_basis(std::vector<Vec6>(S, S + nv))[static_cast<std::size_t>(freedom - l.v_index)];
+      const Vec6 f = dual_basis(std::vector<Vec6>(S, S + nv))[static_cast<std::size_t>(dof - l.v_index)];
       const Vec6 f_W{pose(i).R * f.w, pose(i).R * f.v};
       add_wrench(row, i, pose(i).p, f_W, factor);
       add_wrench(row, l.parent, pose(i).p, f_W, -factor);
     };
-    const Link& lb = m_.link(m_.link_of_freedom(loop.freedom_b));
+    const Link& lb = m_.link(m_.link_of_dof(loop.dof_b));
     double x[6];
     joint_displacement(lb.joint, q_.data() + lb.q_index, x);
-    const double xb = x[loop.freedom_b - lb.v_index];
+    const double xb = x[loop.dof_b - lb.v_index];
     double slope = 0;
     for (int k = 1; k < 5; ++k) slope += k * loop.polynomial[static_cast<std::size_t>(k)] * std::pow(xb, k - 1);
-    add(loop.freedom_a, 1);
-    add(loop.freedom_b, -slope);
+    add(loop.dof_a, 1);
+    add(loop.dof_b, -slope);
     rows.push_back(std::move(row));
   }
 
-  /// (d condition / dt) V, by differences of order 4 along the motion.
+  /// (d condition / dt) V, by finite differences of order 4 along the motion.
   std::vector<double> rates_of_conditions(const State& s, const std::vector<double>& V) {
     constexpr double h = 3e-4, weight[4] = {1.0 / 12, -8.0 / 12, 8.0 / 12, -1.0 / 12};
-    constexpr int place_of[4] = {-2, -1, 1, 2};
+    constexpr int offset_of[4] = {-2, -1, 1, 2};
     std::vector<double> out, q(s.q.size());
     for (int k = 0; k < 4; ++k) {
-      integrate(m_, s.q, s.v, h * place_of[k], q);
+      integrate(m_, s.q, s.v, h * offset_of[k], q);
       const std::vector<std::vector<double>> rows = conditions(q);
       out.resize(rows.size());
       for (std::size_t i = 0; i < rows.size(); ++i) out[i] += weight[k] / h * dot_product(rows[i], V);

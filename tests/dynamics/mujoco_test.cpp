@@ -1,4 +1,4 @@
-// Inverse dynamics, inertia matrix and forward dynamics against MuJoCo on random trees written as MJCF.
+// Bias forces, inertia matrix and forward dynamics compared with MuJoCo on random trees written as MJCF.
 
 #include <gtest/gtest.h>
 
@@ -36,14 +36,14 @@ void write_body(const Mechanism& m, int i, std::string& out) {
   const Sym3 I = l.inertia.about_centre();
   out += "<body name='" + l.name + "' pos='" + numbers({p.x, p.y, p.z}) + "' quat='" + numbers({r.w, r.x, r.y, r.z}) + "'>";
   const Vec3 a = l.joint.axis;
-  const std::string armature = "armature='" + to_text(l.joint.freedoms[0].armature) + "'";
+  const std::string armature = "armature='" + to_text(l.joint.dofs[0].armature) + "'";
   if (l.joint.type == JointType::floating) out += "<freejoint/>";
   if (l.joint.type == JointType::revolute) out += "<joint type='hinge' axis='" + numbers({a.x, a.y, a.z}) + "' " + armature + "/>";
   if (l.joint.type == JointType::prismatic) out += "<joint type='slide' axis='" + numbers({a.x, a.y, a.z}) + "' " + armature + "/>";
   if (l.joint.type == JointType::spherical) out += "<joint type='ball' " + armature + "/>";
   out += "<inertial pos='" + numbers({c.x, c.y, c.z}) + "' mass='" + to_text(l.inertia.mass) + "' diaginertia='" +
          numbers({I.xx, I.yy, I.zz}) + "'/>";
-  for (int k = l.child; k >= 0; k = m.link(k).brother) write_body(m, k, out);
+  for (int k = l.child; k >= 0; k = m.link(k).sibling) write_body(m, k, out);
   out += "</body>";
 }
 
@@ -54,13 +54,13 @@ TEST(AgainstMuJoCo, RandomTrees) {
     RandomSource random(seed);
     MechanismSpec spec = random_spec(random, 2 + random.below(20), joints);
     for (LinkSpec& l : spec.links) {
-      // principal axes along the link's: MuJoCo finds others only to about 1e-8
+      // Principal axes parallel to the link's axes; MuJoCo computes other principal axes only to about 1e-8
       l.inertia = solid_inertia(Shape::box(random.vec(0.2) + Vec3{0.3, 0.3, 0.3}, {Mat3::identity(), random.vec(0.3)}), 800);
-      for (Freedom& f : l.joint.freedoms) f.armature = l.joint.freedoms[0].armature;
+      for (Dof& f : l.joint.dofs) f.armature = l.joint.dofs[0].armature;
       if (l.joint.type == JointType::floating)
-        for (Freedom& f : l.joint.freedoms) f.armature = 0;
+        for (Dof& f : l.joint.dofs) f.armature = 0;
     }
-    spec.links[0].joint.X_PJ = {};  // MuJoCo's free joint is placed by its coordinates alone
+    spec.links[0].joint.X_PJ = {};  // the pose of MuJoCo's free joint is given by its coordinates alone
     const MechanismPtr m = Mechanism::make(std::move(spec)).value();
     std::string xml = "<mujoco><compiler balanceinertia='false' boundmass='0' boundinertia='0'/><option gravity='0 0 -9.81'/><worldbody>";
     write_body(*m, 0, xml);
@@ -75,7 +75,7 @@ TEST(AgainstMuJoCo, RandomTrees) {
     ASSERT_EQ(model->nv, m->nv());
     ASSERT_EQ(model->nq, m->nq());
 
-    // MuJoCo numbers its bodies in the same depth-first order of brothers only if our tree does; go by names.
+    // MuJoCo may number its bodies in another order, so bodies are matched by name.
     State s(*m);
     randomize(random, *m, s);
     Workspace ws(*m);
@@ -84,7 +84,7 @@ TEST(AgainstMuJoCo, RandomTrees) {
       if (l.joint.nv() == 0) continue;
       const int body = mj_name2id(model, mjOBJ_BODY, l.name.c_str());
       const int joint = model->body_jntadr[body];
-      // theirs: position' before angular velocity in a free joint
+      // MuJoCo's free joint has linear velocity before angular velocity
       for (int k = 0; k < l.joint.nq(); ++k) q_at[static_cast<std::size_t>(l.q_index + k)] = model->jnt_qposadr[joint] + k;
       for (int k = 0; k < l.joint.nv(); ++k)
         v_at[static_cast<std::size_t>(l.v_index + k)] = model->jnt_dofadr[joint] + (l.joint.type == JointType::floating ? (k + 3) % 6 : k);
@@ -100,13 +100,13 @@ TEST(AgainstMuJoCo, RandomTrees) {
     ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.tau, {0, 0, -9.81}, {}, vdot));
     double scale = 1;
     for (const double x : vdot) scale = std::max(scale, std::fabs(x));
-    for (std::size_t i = 0; i < vdot.size(); ++i) EXPECT_NEAR(vdot[i], data->qacc[v_at[i]], 1e-8 * scale) << "freedom " << i;
+    for (std::size_t i = 0; i < vdot.size(); ++i) EXPECT_NEAR(vdot[i], data->qacc[v_at[i]], 1e-8 * scale) << "degree of freedom " << i;
 
     std::vector<double> b(s.v.size());
     calc_inverse_dynamics(*m, ws, {}, {0, 0, -9.81}, {}, b);
     double b_scale = 1;
     for (const double x : b) b_scale = std::max(b_scale, std::fabs(x));
-    for (std::size_t i = 0; i < b.size(); ++i) EXPECT_NEAR(b[i], data->qfrc_bias[v_at[i]], 1e-8 * b_scale) << "freedom " << i;
+    for (std::size_t i = 0; i < b.size(); ++i) EXPECT_NEAR(b[i], data->qfrc_bias[v_at[i]], 1e-8 * b_scale) << "degree of freedom " << i;
 
     const std::size_t n = s.v.size();
     std::vector<double> M(n * n), theirs(n * n);

@@ -12,12 +12,13 @@ inline constexpr LoopType all_types[] = {LoopType::weld,      LoopType::ball,   
                                          LoopType::prismatic, LoopType::cylindrical, LoopType::planar,
                                          LoopType::universal, LoopType::distance,    LoopType::gear};
 
-/// A tree with one loop of each type, whose frames meet at the state `at`, so that all gaps are zero there.
+/// A random tree with one loop of each type. At `state` the frames of each loop coincide, so all gaps except the gear's are zero.
 struct RandomLoops {
   MechanismPtr m;
   State state;
   std::vector<Loop> loops;
 
+  /// @param closed false: the loops have random gaps at `state`
   explicit RandomLoops(unsigned seed, bool closed = true) {
     RandomSource random(seed);
     m = *Mechanism::make(random_spec(random, 12));
@@ -39,8 +40,8 @@ struct RandomLoops {
       l.length = 0.7;
       if (type == LoopType::distance) X_B.p += ws.X_WB[static_cast<std::size_t>(l.link_b)].R.transposed() * (random.direction() * 0.7);
       if (type == LoopType::gear) {
-        l.freedom_a = coordinate_freedom(m->nv() - 1);
-        l.freedom_b = coordinate_freedom(l.freedom_a - 1);
+        l.dof_a = coordinate_dof(m->nv() - 1);
+        l.dof_b = coordinate_dof(l.dof_a - 1);
         l.polynomial = {0.3, -2, 0.5, 0.1, -0.2};
       }
       if (!closed) X_B = X_B * Pose{to_matrix(exp_map(random.vec(0.3))), random.vec(0.2)};
@@ -49,19 +50,20 @@ struct RandomLoops {
     }
   }
 
-  /// The last freedom up to f that is a coordinate of its own.
-  int coordinate_freedom(int f) const {
-    const auto type = [&] { return m->link(m->link_of_freedom(f)).joint.type; };
+  /// The largest DOF index up to f whose joint is neither spherical nor floating, so that the DOF is the rate of one coordinate.
+  int coordinate_dof(int f) const {
+    const auto type = [&] { return m->link(m->link_of_dof(f)).joint.type; };
     while (f > 0 && (type() == JointType::spherical || type() == JointType::floating)) --f;
     return f;
   }
 };
 
-/// A random tree, and the same with joints that loops of their own kind double: these say nothing new, so that all their rows are
-/// rounding. `away` [m]: how far from the origin it may begin.
+/// A random tree, and the same tree with loops that duplicate joints. The joint already satisfies its loop, so the gaps and motions of
+/// all rows are rounding errors.
 struct DoubledJoints {
   MechanismSpec tree, doubled;
 
+  /// @param away m: maximum distance along each axis of the first joint from the world origin
   explicit DoubledJoints(RandomSource& random, bool floating_base, double away) {
     constexpr std::pair<JointType, LoopType> kinds[] = {
         {JointType::revolute, LoopType::revolute},       {JointType::prismatic, LoopType::prismatic},

@@ -8,6 +8,7 @@
 
 namespace ugoki::testing {
 
+/// Seeded source of random values.
 class RandomSource {
  public:
   explicit RandomSource(unsigned seed) : engine_(seed) {}
@@ -21,14 +22,14 @@ class RandomSource {
   std::mt19937_64 engine_;
 };
 
-/// A body of random density in a random box: always a possible inertia.
+/// Inertia of a random box with random density, pose and size: always physically possible.
 inline Inertia random_inertia(RandomSource& random) {
   const Vec3 edges{random.uniform(0.05, 0.3), random.uniform(0.05, 0.3), random.uniform(0.05, 0.3)};
   const Shape box = Shape::box(edges, {random.rotation(), random.vec(0.3)});
   return solid_inertia(box, random.uniform(200, 2000));
 }
 
-/// `only`: the joint types to draw from; empty: all.
+/// A random tree of links with random joints and inertias. @param only joint types to choose from; empty: all
 inline MechanismSpec random_spec(RandomSource& random, int links, std::span<const JointType> only = {}, bool floating_base = true) {
   MechanismSpec spec;
   spec.name = "random";
@@ -43,7 +44,7 @@ inline MechanismSpec random_spec(RandomSource& random, int links, std::span<cons
     l.joint.axis = random.direction();
     l.joint.axis2 = normalized(cross(l.joint.axis, random.direction()) + l.joint.axis * 0.2);
     l.joint.pitch = random.uniform(-0.2, 0.2);
-    for (Freedom& f : l.joint.freedoms) f.armature = random.below(3) == 0 ? random.uniform(0, 0.1) : 0;
+    for (Dof& f : l.joint.dofs) f.armature = random.below(3) == 0 ? random.uniform(0, 0.1) : 0;
     l.inertia = random_inertia(random);
     spec.links.push_back(std::move(l));
   }
@@ -52,10 +53,11 @@ inline MechanismSpec random_spec(RandomSource& random, int links, std::span<cons
 
 inline MechanismSpec without_armature(MechanismSpec spec) {
   for (LinkSpec& l : spec.links)
-    for (Freedom& f : l.joint.freedoms) f.armature = 0;
+    for (Dof& f : l.joint.dofs) f.armature = 0;
   return spec;
 }
 
+/// Sets a random configuration, velocity, joint forces and external wrenches.
 inline void randomize(RandomSource& random, const Mechanism& m, State& s) {
   std::vector<double> step(static_cast<std::size_t>(m.nv()));
   for (double& x : step) x = random.uniform(-1.5, 1.5);

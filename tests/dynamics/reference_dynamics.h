@@ -1,7 +1,8 @@
 #pragma once
-// Inverse dynamics of open link systems by Kane's method, in a scalar of any kind, written from the definitions of the joints in
-// mechanism/joint.h alone: poses as functions of time (jets of second order), accelerations of centres of mass as their second
-// derivatives, joint forces by virtual work. With complex numbers it gives derivatives to rounding (complex step: Squire, Trapp 1998).
+// Reference inverse dynamics of open link systems by Kane's method, for any scalar type. It uses only the definitions of the joints in
+// mechanism/joint.h. Poses are functions of time (jets of second order), the accelerations of centres of mass are their second
+// derivatives, and joint forces follow from virtual work. With complex scalars it gives derivatives exact to rounding (complex step
+// method: Squire, Trapp 1998).
 
 #include <array>
 #include <cmath>
@@ -12,7 +13,7 @@
 
 namespace ugoki::testing {
 
-/// Value, first and second derivative in time.
+/// A value with its first and second time derivatives.
 template <class T>
 struct Jet {
   T x{}, d{}, dd{};
@@ -31,6 +32,7 @@ struct Jet {
   }
 };
 
+/// The reference algorithm for scalar type T.
 template <class T>
 struct ReferenceDynamics {
   using J = Jet<T>;
@@ -66,7 +68,7 @@ struct ReferenceDynamics {
     const J o = constant(T(0));
     return {{{o, o - a[2], a[1]}, {a[2], o, o - a[0]}, {o - a[1], a[0], o}}};
   }
-  /// Rodrigues' formula with constant axis.
+  /// Rotation by a time-dependent angle about a constant axis (Rodrigues' formula).
   static M3 turn(const Vec3& axis, const J& angle) {
     const M3 K = skew(vec(axis)), K2 = times(K, K);
     const J s = sine(angle), c = constant(T(1)) - cosine(angle);
@@ -75,7 +77,7 @@ struct ReferenceDynamics {
       for (std::size_t j = 0; j < 3; ++j) out[i][j] = out[i][j] + K[i][j] * s + K2[i][j] * c;
     return out;
   }
-  /// exp of a small rotation vector up to its square: exact to second order in time and to first in the (imaginary) disturbance.
+  /// exp of a small rotation vector up to its square: exact to second order in time, and to first order in an imaginary disturbance.
   static M3 small_turn(const V3& u) {
     const M3 K = skew(u), K2 = times(K, K);
     M3 out = mat(Mat3::identity());
@@ -84,7 +86,7 @@ struct ReferenceDynamics {
     return out;
   }
 
-  /// Pose of B in J while q moves on from the coordinates q (+) dq with velocity v and acceleration a.
+  /// Pose of the moving frame B in the joint frame J at q (+) dq, as a function of time with velocity v and acceleration a.
   static Frame joint_frame(const Joint& joint, const double* q, const T* dq, const T* v, const T* a) {
     std::array<J, 6> x;
     for (int k = 0; k < joint.nv(); ++k) {
@@ -142,8 +144,9 @@ struct ReferenceDynamics {
   static T dot_of(const Plain& a, const Plain& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
   struct LinkMotion {
-    Plain centre, velocity, acceleration, w, alpha;  // of the centre of mass; angular
-    std::array<Plain, 3> inertia;                    // about it, world axes
+    Plain centre, velocity, acceleration;  // centre of mass, its velocity and its acceleration
+    Plain w, alpha;                        // angular velocity and acceleration
+    std::array<Plain, 3> inertia;          // about the centre of mass, world axes
   };
 
   static LinkMotion motion_of(const Frame& X, const Inertia& inertia) {
@@ -173,7 +176,7 @@ struct ReferenceDynamics {
     return out;
   }
 
-  /// tau at q (+) dq.
+  /// Joint forces tau at the configuration q (+) dq. [nv] N | N m
   static std::vector<T> inverse(const Mechanism& m, std::span<const double> q, const std::vector<T>& dq, const std::vector<T>& v,
                                 const std::vector<T>& vdot, const Vec3& gravity, std::span<const Vec6> external) {
     const std::vector<Frame> X = frames(m, q, dq, v, vdot);
@@ -209,7 +212,7 @@ struct ReferenceDynamics {
         const LinkMotion partial = motion_of(Y[i], m.links()[i].inertia);
         tau[j] += dot_of(partial.velocity, force[i]) + dot_of(partial.w, moment[i]);
       }
-      tau[j] += T(m.freedom(static_cast<int>(j)).armature) * vdot[j];
+      tau[j] += T(m.dof(static_cast<int>(j)).armature) * vdot[j];
     }
     return tau;
   }

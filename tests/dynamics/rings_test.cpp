@@ -1,5 +1,5 @@
-// Rings of links whose joints move only in a plane, only about a point or only in a direction: most of their loops' rows are moved by
-// nothing, and in frames that are turned anyhow these rows hold rounding.
+// Rings of links whose joints permit only planar motion, only rotation about one point, or only translation. No joint moves along most
+// rows of their loops. In rotated frames the entries of such rows are rounding errors instead of exact zeros.
 
 #include <gtest/gtest.h>
 
@@ -23,10 +23,13 @@ struct Ring {
   std::vector<Loop> loops;
 };
 
+/// A random rotation, or the identity.
 Mat3 turned(RandomSource& random, bool turn) { return turn ? random.rotation() : Mat3::identity(); }
 
-/// Its links have frames that are turned anyhow (`turn`), so that what is exactly zero in the plane's own frame is rounding in theirs.
-/// @param flat above zero: within so many radians of a change point @param ratio of masses
+/// A random ring: a chain of links and one loop that closes it.
+/// @param turn gives all frames random rotations, so that exact zeros become rounding errors
+/// @param flat rad: above zero, the configuration is within this angle of a change point
+/// @param ratio each mass is multiplied by a random factor between 1 / ratio and ratio
 Ring make_ring(unsigned seed, RingKind kind, LoopType type, bool floating, bool turn, double flat, double ratio) {
   RandomSource random(seed);
   const int count = 4 + random.below(4);
@@ -59,8 +62,8 @@ Ring make_ring(unsigned seed, RingKind kind, LoopType type, bool floating, bool 
       angles.push_back(angle);
     }
     l.inertia = testing::random_inertia(random);
-    const double part = std::pow(ratio, random.uniform(-1, 1));
-    l.inertia = {l.inertia.mass * part, l.inertia.h * part, l.inertia.I * part};
+    const double factor = std::pow(ratio, random.uniform(-1, 1));
+    l.inertia = {l.inertia.mass * factor, l.inertia.h * factor, l.inertia.I * factor};
     X.push_back(here);
     spec.links.push_back(l);
     heading = flat > 0 ? flat * random.uniform(-1, 1) + (random.below(2) == 0 ? 0 : 3.14159265358979) : random.uniform(-3, 3);
@@ -75,7 +78,7 @@ Ring make_ring(unsigned seed, RingKind kind, LoopType type, bool floating, bool 
   Workspace ws(*out.m);
   update_kinematics(*out.m, out.state.q, out.state.v, ws);
   Loop l{.type = type, .link_a = floating ? 0 : -1, .link_b = count - 1};
-  const Pose X_0 = floating ? ws.X_WB[0] * X[0].inverse() : Pose{};  // of the whole ring
+  const Pose X_0 = floating ? ws.X_WB[0] * X[0].inverse() : Pose{};  // displacement of the entire ring
   const Mat3 R_J = turned(random, turn);
   const Vec3 in_plane = R * normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), 0});
   Vec3 loop_axis = axis;
@@ -92,10 +95,14 @@ Ring make_ring(unsigned seed, RingKind kind, LoopType type, bool floating, bool 
   return out;
 }
 
-/// Of accelerations beside the dense solution; of the rows that hold; of forces with those of the loops. All relative.
+/// Relative errors of the forward dynamics of a ring.
 struct Errors {
-  double to_dense = 0, row = 0, balance = 0;
-  int rank = 0, dense_rank = 0, staged_rank = 0;
+  double to_dense = 0;  ///< accelerations, compared with the dense solution
+  double row = 0;       ///< acceleration along the independent rows, which must be zero
+  double balance = 0;   ///< joint forces, when the loop forces are included
+  int rank = 0;         ///< rank found by the function that starts from q and v
+  int dense_rank = 0;   ///< rank found by the dense solution
+  int staged_rank = 0;  ///< rank found by factor_closed_links()
 };
 
 Errors errors_of(Ring& r) {
@@ -113,7 +120,7 @@ Errors errors_of(Ring& r) {
             ClosedStatus::ok);
   out.rank = links.rank();
   out.dense_rank = dense.rank;
-  out.to_dense = testing::greatest_difference(vdot, dense.vdot);
+  out.to_dense = testing::max_difference(vdot, dense.vdot);
   update_kinematics(*r.m, r.state.q, r.state.v, ws);
   LoopRows rows(r.loops);
   update_loop_rows(*r.m, ws, r.loops, r.state.q, r.state.v, rows);
@@ -142,18 +149,18 @@ Errors errors_of(Ring& r) {
 constexpr LoopType types[] = {LoopType::weld,        LoopType::ball,   LoopType::revolute,  LoopType::prismatic,
                               LoopType::cylindrical, LoopType::planar, LoopType::universal, LoopType::distance};
 
-/// The rank of a ring's loop in general position, where only the plane's rows count.
+/// Rank of a planar ring's loop in general position. Rows of motions out of the plane do not count.
 int rank_in_the_plane(LoopType type) {
   return type == LoopType::weld ? 3 : type == LoopType::planar ? 0 : type == LoopType::distance ? 1 : 2;
 }
 
-TEST(Rings, RowsThatNothingMovesGetNoMultiplier) {
+TEST(Rings, RowsThatNoJointMovesGetNoMultiplier) {
   for (const RingKind kind : {RingKind::planar, RingKind::spherical, RingKind::sliding})
     for (const LoopType type : types)
       for (const double ratio : {1.0, 1000.0})
         for (unsigned seed = 0; seed < 60; ++seed) {
           Ring r = make_ring(seed, kind, type, seed % 2 == 0, seed % 8 > 1, 0, ratio);
-          if (seed % 4 == 0) r.state.q[0] += 100;  // m: a floating base, far from the world's origin
+          if (seed % 4 == 0) r.state.q[0] += 100;  // m: move the floating base far from the world's origin
           const Errors e = errors_of(r);
           const auto where = [&] {
             return std::string(name_of(type)) + ", kind " + std::to_string(static_cast<int>(kind)) + ", seed " + std::to_string(seed);
@@ -166,8 +173,9 @@ TEST(Rings, RowsThatNothingMovesGetNoMultiplier) {
         }
 }
 
-/// There a dense solution has no digits left: forces balance, rows hold, and no more than one row is given up.
-TEST(Rings, NearChangePointsForcesBalance) {
+/// Near a change point the dense solution is too inaccurate for a comparison. Instead: forces balance, independent rows are satisfied, and
+/// at most one row is dropped.
+TEST(Rings, ForcesBalanceNearChangePoints) {
   for (const LoopType type : types)
     for (const double flat : {0.1, 1e-3, 1e-5, 1e-7})
       for (unsigned seed = 0; seed < 100; ++seed) {

@@ -1,17 +1,17 @@
 #pragma once
-// Random trees for the kernels, which treat what lies along the coordinate axes in ways of their own: joint axes, offsets, centres
-// of mass, principal axes.
+// Random trees for the tests of the kernels. The kernels have special code for joint axes, offsets, centres of mass and principal axes
+// along the coordinate axes, so these occur often here.
 
 #include "random_mechanism.h"
 
 namespace ugoki::testing {
 
-/// Some of the coordinates zero, or all, or none.
+/// v with a random subset of its coordinates (perhaps none or all) set to zero.
 inline Vec3 thinned(RandomSource& random, const Vec3& v) {
   const int kept = random.below(8);
   return {(kept & 1) != 0 ? v.x : 0, (kept & 2) != 0 ? v.y : 0, (kept & 4) != 0 ? v.z : 0};
 }
-/// Also of boxes that are not turned, and of such with their centre on an axis or at the origin.
+/// Inertia of a random box. Often the box is parallel to the axes, and its centre may be on an axis or at the origin.
 inline Inertia varied_inertia(RandomSource& random) {
   if (random.below(3) == 0) return random_inertia(random);
   const Vec3 edges{random.uniform(0.05, 0.3), random.uniform(0.05, 0.3), random.uniform(0.05, 0.3)};
@@ -19,8 +19,8 @@ inline Inertia varied_inertia(RandomSource& random) {
   return solid_inertia(box, random.uniform(200, 2000));
 }
 
-/// All joint types; coordinate axes and their opposites among the others, joint frames turned and not.
-/// @param only the joint types to draw from; empty: all
+/// A random tree in which many joint axes are coordinate axes or their opposites, and many joint frames are not rotated.
+/// @param only joint types to choose from; empty: all
 inline MechanismSpec varied_spec(RandomSource& random, int links, bool floating_base, std::span<const JointType> only = {}) {
   MechanismSpec spec = random_spec(random, links, only, floating_base);
   for (LinkSpec& l : spec.links) {
@@ -37,8 +37,8 @@ inline MechanismSpec varied_spec(RandomSource& random, int links, bool floating_
   return spec;
 }
 
-/// A trunk that carries limbs in twos: the same joints, axes perhaps the other way round, other places, inertias and armatures. Links
-/// of both limbs follow each other in turn.
+/// A random trunk that carries pairs of limbs. Both limbs of a pair have the same joints; axes may be reversed, and positions, inertias
+/// and armatures differ. In the order of links, the two limbs alternate.
 inline MechanismSpec twins_spec(RandomSource& random, bool floating_base, std::span<const JointType> only = {}) {
   MechanismSpec spec = varied_spec(random, 2 + random.below(6), floating_base, only);
   const int trunk = static_cast<int>(spec.links.size());
@@ -53,7 +53,7 @@ inline MechanismSpec twins_spec(RandomSource& random, bool floating_base, std::s
         twin.parent = l.parent.empty() ? base : name_of(l.parent);
         twin.joint.X_PJ.p = thinned(random, random.vec(0.4));
         if (random.below(2) == 0) twin.joint.axis = -l.joint.axis;
-        for (Freedom& f : twin.joint.freedoms) f.armature = random.below(3) == 0 ? random.uniform(0, 0.1) : 0;
+        for (Dof& f : twin.joint.dofs) f.armature = random.below(3) == 0 ? random.uniform(0, 0.1) : 0;
         twin.inertia = varied_inertia(random);
         spec.links.push_back(twin);
       }

@@ -29,14 +29,14 @@ class Files : public testing::Test {
 };
 
 template <class T>
-void expect_refused(const Result<T>& r, const std::string& place) {
+void expect_refused(const Result<T>& r, const std::string& location) {
   ASSERT_FALSE(r.has_value());
-  EXPECT_EQ(r.error().problems.at(0).place, place);
+  EXPECT_EQ(r.error().problems.at(0).location, location);
   EXPECT_FALSE(r.error().problems[0].message.empty());
   EXPECT_FALSE(r.error().problems[0].remedy.empty());
 }
 
-TEST_F(Files, GiveBackEveryByte) {
+TEST_F(Files, WriteThenReadRestoresEveryByte) {
   std::string all;
   for (int i = 0; i < 1'000'000; ++i) all += static_cast<char>(i * 7 + i / 256);
   for (const std::string& text : {std::string(), std::string("\0\r\n\xFF", 4), all}) {
@@ -45,10 +45,10 @@ TEST_F(Files, GiveBackEveryByte) {
     ASSERT_TRUE(back.has_value());
     EXPECT_TRUE(*back == text);
   }
-  EXPECT_EQ(entries(), 1U) << "no temporary file stays";
+  EXPECT_EQ(entries(), 1U) << "the temporary file is removed";
 }
 
-TEST_F(Files, RefusalsSayWhichFileAndWhatToDo) {
+TEST_F(Files, ErrorsNameTheFileAndARemedy) {
   expect_refused(read_file(path("none")), path("none"));
   expect_refused(read_file(folder_), folder_);
   expect_refused(write_file(folder_, "x"), folder_);
@@ -62,9 +62,9 @@ TEST_F(Files, RefusalsSayWhichFileAndWhatToDo) {
   expect_refused(write_file(path(std::string(300, 'a')), "x"), path(std::string(300, 'a')));
 }
 
-TEST_F(Files, AnEndlessFileIsCutOff) { expect_refused(read_file("/dev/zero", 1'000'000), "/dev/zero"); }
+TEST_F(Files, ReadingAnEndlessFileStopsAtTheSizeLimit) { expect_refused(read_file("/dev/zero", 1'000'000), "/dev/zero"); }
 
-TEST_F(Files, AFailedWriteLeavesTheOldFileWhole) {
+TEST_F(Files, FailedWriteKeepsTheOldFile) {
   ASSERT_TRUE(write_file(path("a"), "old").has_value());
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -76,10 +76,10 @@ TEST_F(Files, AFailedWriteLeavesTheOldFileWhole) {
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   expect_refused(result, path("a"));
   EXPECT_EQ(*read_file(path("a")), "old");
-  EXPECT_EQ(entries(), 1U) << "no temporary file stays";
+  EXPECT_EQ(entries(), 1U) << "the temporary file is removed";
 }
 
-TEST_F(Files, KeepPermissionsAndLinks) {
+TEST_F(Files, WritingKeepsPermissionsAndSymbolicLinks) {
   ASSERT_TRUE(write_file(path("real"), "1").has_value());
   fs::permissions(path("real"), fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
   fs::create_symlink("real", path("link"));
@@ -89,7 +89,7 @@ TEST_F(Files, KeepPermissionsAndLinks) {
   EXPECT_EQ(fs::status(path("real")).permissions(), fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
 }
 
-TEST_F(Files, WithoutPermissionNothingIsWritten) {
+TEST_F(Files, WritingWithoutPermissionIsRefused) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
   fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
   expect_refused(write_file(path("a"), "x"), path("a"));

@@ -1,8 +1,9 @@
-"""Checks an FMU from outside: its zip, the rules of modelDescription.xml, then (checker.c) the calling sequence of its binary.
+"""Checks an FMU independently of the project: its zip, the rules for modelDescription.xml, and with checker.c the calls of its binary.
 
     check_fmu.py CHECKER FILE.fmu [STEP]
 
-Uses nothing of the program: the standard library's zip and XML readers, and a C program with declarations of its own.
+STEP is the communication step, s; by default that of the DefaultExperiment. Prints "WRONG: ..." for each fault; the exit status is then 1.
+It uses no code of the project: only Python's zip and XML readers, and a C program with its own declarations of the FMI functions.
 """
 import os
 import re
@@ -16,7 +17,7 @@ TYPES2 = {"Real", "Integer", "Boolean", "String", "Enumeration"}
 TYPES3 = {"Float32", "Float64", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64",
           "Boolean", "String", "Binary", "Enumeration", "Clock"}
 CAUSALITIES = {"parameter", "calculatedParameter", "input", "output", "local", "independent", "structuralParameter"}
-# What may be combined (FMI 2.0 table on page 49; FMI 3.0 section 2.4.7.4).
+# Allowed combinations of causality and variability (FMI 2.0, table on page 49; FMI 3.0, section 2.4.7.4).
 ALLOWED = {"parameter": {"fixed", "tunable"}, "calculatedParameter": {"fixed", "tunable"}, "input": {"discrete", "continuous"},
            "output": {"constant", "discrete", "continuous"}, "local": {"constant", "fixed", "tunable", "discrete", "continuous"},
            "independent": {"continuous"}}
@@ -24,17 +25,18 @@ problems = []
 
 
 def need(condition, text):
+    """Records the fault `text` if the condition is false."""
     if not condition:
         problems.append(text)
 
 
 def scalar_variables(root, version):
-    """(name, type, reference, causality, variability, initial, start, count, element with limits)"""
+    """One tuple for each variable: (name, type, reference, causality, variability, initial, start, count, XML element with min and max)."""
     out = []
     for outer in root.find("ModelVariables"):
         inner = outer
         if version == 2:
-            need(outer.tag == "ScalarVariable" and len(outer) >= 1, f"<{outer.tag}> is no variable")
+            need(outer.tag == "ScalarVariable" and len(outer) >= 1, f"<{outer.tag}> is not a variable")
             inner = outer[0]
         kind = inner.tag
         need(kind in (TYPES2 if version == 2 else TYPES3), f"unknown type {kind}")
@@ -75,7 +77,7 @@ def check_variables(variables, root, version):
         if causality == "parameter":
             need(initial in (None, "exact") and start is not None, f"{name}: a parameter has an exact start")
         if causality == "output" and initial == "calculated":
-            need(start is None, f"{name}: what is calculated has no start")
+            need(start is None, f"{name}: a calculated output has no start")
         if inner.get("unit"):
             need(inner.get("unit") in units, f"{name}: the unit {inner.get('unit')} is not defined")
         if inner.get("declaredType"):
@@ -88,7 +90,7 @@ def check_variables(variables, root, version):
             for x in numbers:
                 need(x >= float(inner.get("min", "-inf")) and x <= float(inner.get("max", "inf")), f"{name}: the start is out of its range")
         if inner.get("min") and inner.get("max"):
-            need(float(inner.get("min")) <= float(inner.get("max")), f"{name}: the range is upside down")
+            need(float(inner.get("min")) <= float(inner.get("max")), f"{name}: min is above max")
     need(independent == 1 if version == 3 else independent <= 1, "one variable is independent")
 
 
@@ -111,15 +113,15 @@ def check_structure(variables, root, version):
                       and v[6] is None]
     need(sorted(i for i, _ in listed) == sorted(outputs), "the outputs of ModelStructure are not the outputs")
     missing = set(calculated) - set(initial)
-    others = [key[i] for i in set(initial) - set(calculated) if i in key]  # derivatives of states may be inside
+    others = [key[i] for i in set(initial) - set(calculated) if i in key]  # derivatives of states are allowed
     need(not missing and len(initial) == len(set(initial)) and all(i in key for i in initial)
          and all(v[3] == "local" and v[5] in ("approx", "calculated") for v in others),
-         "the initial unknowns are not what is calculated at the start")
+         "the initial unknowns are not the variables that are calculated at the start")
     if version == 2:
         need(initial == sorted(initial), "InitialUnknowns are in the order of their indices")
     for _, unknown in listed:
         for d in unknown.get("dependencies", "").split():
-            need(int(d) in key, f"a dependency on {d}, which is no variable")
+            need(int(d) in key, f"a dependency on {d}, which is not a variable")
             need(int(d) in key and key[int(d)][3] != "output", f"a dependency on {d}, which is an output")
     return outputs
 
@@ -129,7 +131,7 @@ def main():
     with zipfile.ZipFile(path) as archive, tempfile.TemporaryDirectory() as folder:
         need(archive.testzip() is None, "the zip is damaged")
         names = archive.namelist()
-        need(len(names) == len(set(names)), "an entry is there twice")
+        need(len(names) == len(set(names)), "an entry exists twice")
         need(all(not n.startswith("/") and ".." not in n and "\\" not in n for n in names), "a name leads out of the zip")
         archive.extractall(folder)
         root = ET.parse(folder + "/modelDescription.xml").getroot()

@@ -1,9 +1,13 @@
-/* Walks an FMU's binary through the state machine of FMI 2.0 or 3.0 co-simulation, in the right order and in wrong ones.
+/* Calls the functions of an FMU's binary through the state machine of FMI 2.0 or 3.0 co-simulation, in the right order and in wrong orders.
  *
  *     checker VERSION BINARY TOKEN RESOURCES STEP SAVES SERIALIZES  < table of variables
  *
- * Written from the text of the standards, with declarations of its own; nothing of the program is used. A line of the table: type causality
- * variability reference count start. Status 0: all as the standard wants it; 1: not, with a line for each. A crash is one too. */
+ * STEP is the communication step, s. SAVES and SERIALIZES are 1 if the FMU can save and serialise its state, otherwise 0. Each line of the
+ * table describes a variable: type causality variability reference count start.
+ *
+ * It is written from the text of the standards with its own declarations and uses no code of the project. Exit status 0: the FMU behaves as
+ * the standard requires; 1: it does not, with a line for each failed check; 2: wrong arguments. A crash of the binary also fails the check.
+ */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <math.h>
@@ -15,6 +19,7 @@
 #include <string.h>
 
 enum { OK = 0, WARNING = 1, DISCARD = 2, ERR = 3 };
+/* A variable of the FMU. */
 typedef struct {
   char type[24], causality[24], variability[24];
   unsigned reference;
@@ -23,10 +28,11 @@ typedef struct {
 } Variable;
 
 static Variable variables[4096];
-static size_t variable_count, logged;
-static int version, checks, wrong;
+static size_t variable_count, logged; /* logged: messages of the FMU so far */
+static int version, checks, wrong;    /* version of FMI: 2 or 3 */
 static void* library;
 
+/* Counts a check; prints a line if the condition is false. */
 #define CHECK(condition, ...)                        \
   do {                                               \
     ++checks;                                        \
@@ -38,6 +44,7 @@ static void* library;
     }                                                \
   } while (0)
 
+/* Address of fmi2NAME or fmi3NAME; ends the program if it is missing. */
 static void* function(const char* name) {
   char full[80];
   snprintf(full, sizeof full, "fmi%d%s", version, name);
@@ -47,7 +54,8 @@ static void* function(const char* name) {
   return f;
 }
 
-static void tell2(void* environment, const char* instance, int status, const char* category, const char* message, ...) {
+/* Loggers. Every message must have a status of warning or worse and a text. */
+static void log2_message(void* environment, const char* instance, int status, const char* category, const char* message, ...) {
   char text[1000];
   va_list arguments;
   va_start(arguments, message);
@@ -56,7 +64,7 @@ static void tell2(void* environment, const char* instance, int status, const cha
   CHECK(environment == &logged && instance && category && status >= WARNING && strlen(text) > 5, "message '%s'", text);
   ++logged;
 }
-static void tell3(void* environment, int status, const char* category, const char* message) {
+static void log3_message(void* environment, int status, const char* category, const char* message) {
   CHECK(environment == &logged && category && status >= WARNING && message && strlen(message) > 5, "message '%s'", message);
   ++logged;
 }
@@ -68,7 +76,7 @@ typedef struct {
   void (*finished)(void*, int);
   void* environment;
 } Callbacks2;
-static const Callbacks2 callbacks = {tell2, calloc, free, NULL, &logged};
+static const Callbacks2 callbacks = {log2_message, calloc, free, NULL, &logged};
 
 static void* instantiate(const char* name, const char* token, const char* resources) {
   if (version == 2) {
@@ -77,7 +85,7 @@ static void* instantiate(const char* name, const char* token, const char* resour
   }
   void* (*f)(const char*, const char*, const char*, bool, bool, bool, bool, const unsigned*, size_t, void*, void*, void*) =
       function("InstantiateCoSimulation");
-  return f(name, token, resources, false, false, false, false, NULL, 0, &logged, (void*)tell3, NULL);
+  return f(name, token, resources, false, false, false, false, NULL, 0, &logged, (void*)log3_message, NULL);
 }
 static int enter_initialization(void* c, double start, bool has_stop, double stop) {
   if (version == 2) {
@@ -89,6 +97,7 @@ static int enter_initialization(void* c, double start, bool has_stop, double sto
   int (*enter)(void*, bool, double, double, bool, double) = function("EnterInitializationMode");
   return enter(c, false, 0, start, has_stop, stop);
 }
+/* Calls a function that has only the instance as parameter. */
 static int simple(void* c, const char* name) {
   int (*f)(void*) = function(name);
   return f(c);
@@ -118,6 +127,7 @@ static size_t bytes_of(const Variable* v) {
   if (strstr(v->type, "16")) return 2;
   return 1;
 }
+/* NAME of the functions GetNAME and SetNAME for a variable. */
 static const char* access_type(const Variable* v) {
   return strcmp(v->type, "Enumeration") != 0 ? v->type : version == 2 ? "Integer" : "Int64";
 }
@@ -141,12 +151,13 @@ static int set_as(void* c, const char* type, const unsigned* references, size_t 
   int (*f)(void*, const unsigned*, size_t, const void*, size_t) = function(name);
   return f(c, references, n, values, count);
 }
+/* Gets and sets one variable, with its values in `memory`. */
 static char memory[1 << 20];
 static int get(void* c, const Variable* v) { return get_as(c, access_type(v), &v->reference, 1, memory, v->count); }
 static int set(void* c, const Variable* v) { return set_as(c, access_type(v), &v->reference, 1, memory, v->count); }
 
 static bool is(const char* text, const char* word) { return strcmp(text, word) == 0; }
-/* Values of all variables one after the other, texts by their characters. */
+/* Writes the values of all variables to `to`, strings as their characters. Returns the number of bytes. */
 static size_t read_all(void* c, char* to) {
   size_t at = 0;
   for (size_t i = 0; i < variable_count; ++i) {
@@ -163,13 +174,14 @@ static size_t read_all(void* c, char* to) {
   }
   return at;
 }
+/* Value of a real variable in `memory`; 0 for other types. */
 static double real_of(const Variable* v) {
   double x = 0;
   if (is(v->type, "Real") || is(v->type, "Float64")) memcpy(&x, memory, sizeof x);
   return x;
 }
 
-/* Inputs that vary with time. */
+/* Sets the real inputs to values that depend on the time `now`. */
 static void set_inputs(void* c, double now) {
   for (size_t i = 0; i < variable_count; ++i) {
     const Variable* v = &variables[i];
@@ -180,6 +192,7 @@ static void set_inputs(void* c, double now) {
   }
 }
 
+/* Calls with unknown references, wrong types, wrong sizes and invalid values; each must return an error. `when`: the mode, for messages. */
 static void wrong_calls(void* c, const char* when, bool may_set) {
   size_t before = logged;
   for (size_t i = 0; i < variable_count; ++i) {
@@ -204,7 +217,7 @@ static void wrong_calls(void* c, const char* when, bool may_set) {
     }
   }
   CHECK(get_as(c, version == 2 ? "Real" : "Float64", NULL, 1, memory, 1) == ERR, "null references, %s", when);
-  CHECK(logged > before, "errors are told, %s", when);
+  CHECK(logged > before, "errors are logged, %s", when);
 }
 
 static void* save(void* c) {
@@ -224,7 +237,7 @@ static int release(void* c, void** state) {
 
 static char first[1 << 20], second[1 << 20];
 
-/* Steps from `now`; what is read after each goes into `to`. */
+/* Computes steps from `now`, and writes the values of all variables after each step to `to`. Returns the number of bytes. */
 static size_t run(void* c, double now, double size, int steps, char* to) {
   size_t at = 0;
   for (int i = 0; i < steps; ++i) {
@@ -257,18 +270,18 @@ int main(int argc, char** argv) {
     CHECK(is(platform(), "default"), "types platform");
   }
 
-  /* What must not become an instance. */
+  /* Instantiation with wrong arguments must fail. */
   size_t before = logged;
   CHECK(instantiate("a", "another token", resources) == NULL, "a wrong token");
   CHECK(instantiate("", token, resources) == NULL, "an empty name");
   CHECK(instantiate("a", token, version == 2 ? "file:///nowhere" : "/nowhere/") == NULL, "wrong resources");
-  CHECK(logged >= before + 3, "refusals are told");
+  CHECK(logged >= before + 3, "refusals are logged");
 
   void* c = instantiate("one", token, resources);
   CHECK(c != NULL, "instantiate");
   if (!c) return 1;
 
-  /* Instantiated: nothing of the later states may be called. */
+  /* Instantiated: functions of later states must be refused. */
   CHECK(step(c, 0, size) == ERR, "a step before initialization");
   CHECK(simple(c, "ExitInitializationMode") == ERR, "exit before enter");
   CHECK(simple(c, "Terminate") == ERR, "terminate before initialization");
@@ -283,7 +296,7 @@ int main(int argc, char** argv) {
   CHECK(simple(c, "ExitInitializationMode") == OK, "exit");
   CHECK(simple(c, "ExitInitializationMode") == ERR, "exit twice");
 
-  /* Stepping. */
+  /* Step mode. */
   wrong_calls(c, "stepping", true);
   for (size_t i = 0; i < variable_count; ++i) {
     if (!is(variables[i].causality, "parameter") || is_text(&variables[i])) continue;
@@ -292,9 +305,9 @@ int main(int argc, char** argv) {
           variables[i].variability, variables[i].reference);
   }
   CHECK(step(c, 5 * size, size) == ERR, "a step at another time");
-  CHECK(step(c, 0, 0) == ERR, "a step of no size");
+  CHECK(step(c, 0, 0) == ERR, "a step of size 0");
   CHECK(step(c, 0, -size) == ERR, "a step backwards");
-  CHECK(step(c, NAN, size) == ERR, "a step at no time");
+  CHECK(step(c, NAN, size) == ERR, "a step at a time that is not a number");
   const size_t bytes = run(c, 0, size, 5, first);
   for (size_t i = 0; i < variable_count; ++i)
     if (is(variables[i].causality, "independent")) {
@@ -302,25 +315,25 @@ int main(int argc, char** argv) {
             real_of(&variables[i]));
     }
 
-  /* A second instance does the same, alone. */
+  /* A second instance gives the same values and is independent. */
   void* other = instantiate("two", token, resources);
   CHECK(other && other != c, "a second instance");
   CHECK(enter_initialization(other, 0, true, 8 * size) == OK && simple(other, "ExitInitializationMode") == OK, "its start");
-  CHECK(run(other, 0, size, 5, second) == bytes && memcmp(first, second, bytes) == 0, "two instances give the same");
+  CHECK(run(other, 0, size, 5, second) == bytes && memcmp(first, second, bytes) == 0, "two instances give the same values");
 
   if (saves) {
     void* state = save(c);
     void* kept = state;
     const size_t n = run(c, 5 * size, size, 3, first);
     CHECK(restore(c, state) == OK, "restore");
-    CHECK(run(c, 5 * size, size, 3, second) == n && memcmp(first, second, n) == 0, "the same after going back");
-    CHECK(restore(c, (void*)first) == ERR && restore(c, NULL) == ERR, "what is no state");
+    CHECK(run(c, 5 * size, size, 3, second) == n && memcmp(first, second, n) == 0, "the same values after restoring the state");
+    CHECK(restore(c, (void*)first) == ERR && restore(c, NULL) == ERR, "handles that are not states");
     if (serializes) {
       size_t length = 0;
       int (*length_of)(void*, void*, size_t*) = function(version == 2 ? "SerializedFMUstateSize" : "SerializedFMUStateSize");
       int (*serialize)(void*, void*, char*, size_t) = function(version == 2 ? "SerializeFMUstate" : "SerializeFMUState");
       int (*deserialize)(void*, const char*, size_t, void**) = function(version == 2 ? "DeSerializeFMUstate" : "DeserializeFMUState");
-      CHECK(length_of(c, state, &length) == OK && length > 0, "its length");
+      CHECK(length_of(c, state, &length) == OK && length > 0, "the length of the state");
       char* text = malloc(length);
       CHECK(serialize(c, state, text, length - 1) == ERR, "too little room");
       CHECK(serialize(c, state, text, length) == OK, "serialize");
@@ -329,17 +342,17 @@ int main(int argc, char** argv) {
         CHECK(deserialize(other, text, cut, &copy) == ERR, "a state cut off at %zu", cut);
       CHECK(deserialize(other, text, length, &copy) == OK && copy, "deserialize");
       CHECK(restore(other, copy) == OK, "restore in another instance");
-      CHECK(run(other, 5 * size, size, 3, second) == n && memcmp(first, second, n) == 0, "the same in the other instance");
+      CHECK(run(other, 5 * size, size, 3, second) == n && memcmp(first, second, n) == 0, "the same values in the other instance");
       CHECK(release(other, &copy) == OK && copy == NULL, "release");
       free(text);
     }
     CHECK(release(c, &state) == OK && state == NULL, "release");
-    CHECK(release(c, &state) == OK, "release of nothing");
+    CHECK(release(c, &state) == OK, "release of a null state");
     CHECK(release(c, &kept) == ERR, "release twice");
   }
   if (saves) CHECK(step(other, 8 * size, size) == ERR, "a step beyond the stop time");
 
-  /* Another way to cut the time gives the same in the end, as far as inputs allow: half steps without inputs. */
+  /* With constant inputs, 8 small steps and 2 large steps must give the same outputs. */
   void* halves = instantiate("halves", token, resources);
   void* wholes = instantiate("wholes", token, resources);
   for (void** each = (void*[]){halves, wholes, NULL}; *each; ++each)
@@ -359,7 +372,7 @@ int main(int argc, char** argv) {
   free_instance(halves);
   free_instance(wholes);
 
-  /* The end, and a new beginning. */
+  /* End of the simulation and reset. */
   CHECK(simple(c, "Terminate") == OK, "terminate");
   CHECK(step(c, 8 * size, size) == ERR, "a step after the end");
   CHECK(simple(c, "Terminate") == ERR, "terminate twice");
@@ -369,8 +382,9 @@ int main(int argc, char** argv) {
   CHECK(enter_initialization(c, 0, false, 0) == OK && simple(c, "ExitInitializationMode") == OK, "again");
   run(c, 0, size, 5, first);
   void* fresh = instantiate("fresh", token, resources);
-  CHECK(enter_initialization(fresh, 0, false, 0) == OK && simple(fresh, "ExitInitializationMode") == OK, "a fresh one");
-  CHECK(run(fresh, 0, size, 5, second) == bytes && memcmp(first, second, bytes) == 0, "after a reset it is as new");
+  CHECK(enter_initialization(fresh, 0, false, 0) == OK && simple(fresh, "ExitInitializationMode") == OK, "a new instance");
+  CHECK(run(fresh, 0, size, 5, second) == bytes && memcmp(first, second, bytes) == 0,
+        "an instance after reset gives the same values as a new one");
 
   free_instance(fresh);
   free_instance(other);
@@ -378,8 +392,8 @@ int main(int argc, char** argv) {
   CHECK(step(c, 0, size) == ERR, "a step after it was freed");
   free_instance(c);
   free_instance(NULL);
-  CHECK(step(NULL, 0, size) == ERR, "a step of nothing");
-  CHECK(simple(NULL, "Reset") == ERR, "a reset of nothing");
+  CHECK(step(NULL, 0, size) == ERR, "a step of a null instance");
+  CHECK(simple(NULL, "Reset") == ERR, "a reset of a null instance");
   printf("%d checks, %d wrong, %zu messages, %zu outputs\n", checks, wrong, logged, same);
   return wrong == 0 ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-// modelDescription.xml: what is refused, and how variables become pins.
+// modelDescription.xml: invalid descriptions, and how variables become pins and parameters.
 
 #include "fmi_test.h"
 #include "ugoki/fmi/declare.h"
@@ -7,27 +7,29 @@
 namespace ugoki::fmi {
 namespace {
 
+/// Returns `text` with the first occurrence of `from` replaced by `to`. The test fails if `text` does not contain `from`.
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const auto at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   if (at != std::string::npos) text.replace(at, from.size(), to);
   return text;
 }
-std::string told(const std::string& xml) {
+/// Error text of read_model_description() for this XML; "read" if the XML is read without an error.
+std::string reported(const std::string& xml) {
   const auto d = read_model_description(xml, "x.fmu/modelDescription.xml");
   return d ? "read" : d.error().text();
 }
 
-TEST(Description, WhatIsRefusedIsSaidWithItsLine) {
+TEST(Description, InvalidDescriptionsAreRefusedWithReason) {
   const std::string good = description_of("bouncing_ball", 3), two = description_of("bouncing_ball", 2);
-  EXPECT_EQ(told(good), "read");
-  EXPECT_EQ(told(two), "read");
+  EXPECT_EQ(reported(good), "read");
+  EXPECT_EQ(reported(two), "read");
   const std::vector<std::pair<std::string, std::string>> cases{
       {replaced(good, "fmiVersion=\"3.0\"", "fmiVersion=\"3.0-beta.4\""), "FMI '3.0-beta.4'"},
-      {replaced(two, "fmiVersion=\"2.0\"", "fmiVersion=\"1.0\""), "FMI '1.0'; FMI 2.0 and 3.0 are read"},
+      {replaced(two, "fmiVersion=\"2.0\"", "fmiVersion=\"1.0\""), "FMI '1.0'; only FMI 2.0 and 3.0 are supported"},
       {replaced(good, "<CoSimulation", "<ModelExchange"), "for model exchange only"},
       {replaced(good, "<CoSimulation", "<ScheduledExecution"), "for scheduled execution only"},
-      {replaced(good, "modelIdentifier=\"BouncingBall\"", "modelIdentifier=\"../../evil\""), "no C identifier"},
+      {replaced(good, "modelIdentifier=\"BouncingBall\"", "modelIdentifier=\"../../evil\""), "not a C identifier"},
       {replaced(good, "instantiationToken", "guid"), "no instantiationToken"},
       {replaced(good, "name=\"v\"", "name=\"h\""), "Two variables are called 'h'"},
       {replaced(good, "valueReference=\"3\"", "valueReference=\"1\""), "Two variables have the value reference 1"},
@@ -35,51 +37,52 @@ TEST(Description, WhatIsRefusedIsSaidWithItsLine) {
       {replaced(good, "valueReference=\"3\"", "valueReference=\"99999999999\""), "'v' has no value reference"},
       {replaced(good, "causality=\"parameter\"", "causality=\"perimeter\""), "unknown causality, 'perimeter'"},
       {replaced(good, "variability=\"tunable\"", "variability=\"tuneable\""), "unknown variability"},
-      {replaced(good, "start=\"-9.81\"", "start=\"much\""), "no value of its type: 'much'"},
-      {replaced(good, "start=\"-9.81\"", "start=\"NaN\""), "no value of its type: 'NaN'"},
-      {replaced(good, "min=\"0.5\"", "min=\"5\""), "upside down"},
-      {replaced(good, "min=\"0.5\"", "min=\"few\""), "is no number"},
+      {replaced(good, "start=\"-9.81\"", "start=\"much\""), "not valid for its type: 'much'"},
+      {replaced(good, "start=\"-9.81\"", "start=\"NaN\""), "not valid for its type: 'NaN'"},
+      {replaced(good, "min=\"0.5\"", "min=\"5\""), "is above its maximum"},
+      {replaced(good, "min=\"0.5\"", "min=\"few\""), "is not a number"},
       {replaced(good, "fixedInternalStepSize=\"1e-3\"", "fixedInternalStepSize=\"-1\""), "not a positive time"},
       {replaced(good, "declaredType=\"Position\"", "declaredType=\"Positron\""), "'Positron', which is not declared"},
       {replaced(good, "canGetAndSetFMUState=\"true\"", "canGetAndSetFMUState=\"perhaps\""), "neither true nor false"},
       {replaced(good, "<Float64 name=\"g\"",
                 "<Clock name=\"c\" valueReference=\"90\" causality=\"input\" intervalVariability=\"triggered\"/><Float64 name=\"g\""),
        "The input 'c' is a clock"},
-      {good.substr(0, good.size() / 2), "no XML"},
-      {"", "no XML"},
-      {"<a/>", "no <fmiModelDescription>"},
+      {good.substr(0, good.size() / 2), "not valid XML"},
+      {"", "not valid XML"},
+      {"<a/>", "<fmiModelDescription> is missing"},
   };
   for (const auto& [xml, sentence] : cases)
-    EXPECT_NE(told(xml).find(sentence), std::string::npos) << told(xml) << "\nshould say: " << sentence;
+    EXPECT_NE(reported(xml).find(sentence), std::string::npos) << reported(xml) << "\nexpected: " << sentence;
 }
 
-TEST(Description, HostileXmlEndsSoon) {
-  // Entities are not opened, depth is no recursion, arrays have bounds.
+TEST(Description, HostileXmlIsRefusedQuickly) {
+  // Entities are not expanded, nesting is not read by recursion, and arrays have bounds.
   const std::string good = description_of("naughty", 3);
   std::string bomb = R"(<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>)";
-  EXPECT_NE(told(bomb + "<fmiModelDescription fmiVersion=\"&b;\"/>").find("FMI '&b;'"), std::string::npos);
+  EXPECT_NE(reported(bomb + "<fmiModelDescription fmiVersion=\"&b;\"/>").find("FMI '&b;'"), std::string::npos);
   std::string deep;
   for (int i = 0; i < 1'000'000; ++i) deep += "<a>";
-  EXPECT_NE(told(deep).find("no XML"), std::string::npos);
+  EXPECT_NE(reported(deep).find("not valid XML"), std::string::npos);
   std::string closed = deep;
   for (int i = 0; i < 1'000'000; ++i) closed += "</a>";
-  EXPECT_NE(told(closed).find("no <fmiModelDescription>"), std::string::npos);
-  EXPECT_NE(told(replaced(good, "<Dimension start=\"3\"/>", "<Dimension start=\"4000000000\"/><Dimension start=\"4000000000\"/>"))
+  EXPECT_NE(reported(closed).find("<fmiModelDescription> is missing"), std::string::npos);
+  EXPECT_NE(reported(replaced(good, "<Dimension start=\"3\"/>", "<Dimension start=\"4000000000\"/><Dimension start=\"4000000000\"/>"))
                 .find("too large"),
             std::string::npos);
-  EXPECT_NE(told(replaced(good, "start=\"2\"", "start=\"1e300\"")).find("refers to no structural parameter"), std::string::npos);
-  EXPECT_NE(told(replaced(good, "<Dimension valueReference=\"7\"/>", "<Dimension valueReference=\"77\"/>"))
-                .find("refers to no structural parameter"),
+  EXPECT_NE(reported(replaced(good, "start=\"2\"", "start=\"1e300\"")).find("does not refer to a structural parameter"), std::string::npos);
+  EXPECT_NE(reported(replaced(good, "<Dimension valueReference=\"7\"/>", "<Dimension valueReference=\"77\"/>"))
+                .find("does not refer to a structural parameter"),
             std::string::npos);
-  EXPECT_NE(told(replaced(good, "start=\"0 0 0\"", "start=\"0 0\"")).find("2 starts for 3 elements"), std::string::npos);
+  EXPECT_NE(reported(replaced(good, "start=\"0 0 0\"", "start=\"0 0\"")).find("2 start values for 3 elements"), std::string::npos);
 }
 
-TEST(Description, WhatHasNoPinIsNoted) {
+TEST(Description, VariablesWithoutPinTypeAreNoted) {
   const auto d = read_model_description(description_of("feedthrough", 3), "x");
   ASSERT_TRUE(d) << d.error().text();
   const Declarations declared = declare(*d);
   ASSERT_EQ(declared.notes.size(), 1u);
-  EXPECT_EQ(declared.notes[0], "'Binary_input', 'Binary_output' are binary values or clocks, which no pin carries; they are left out.");
+  EXPECT_EQ(declared.notes[0],
+            "'Binary_input', 'Binary_output' are binary values or clocks, for which there is no pin type; they are left out.");
   EXPECT_EQ(declared.classes.size(), 1u);
   const circuit::LsiClass& c = declared.classes[0].lsi_class;
   const circuit::Parameter& text = c.parameters[static_cast<std::size_t>(c.find_parameter("String_parameter"))];
@@ -87,7 +90,7 @@ TEST(Description, WhatHasNoPinIsNoted) {
   EXPECT_EQ(std::get<std::string>(text.initial), "Set me!");
 }
 
-TEST(Description, EnumerationsOfParametersAreChoices) {
+TEST(Description, EnumerationParametersAreChoices) {
   const std::string xml = R"(<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t"><CoSimulation modelIdentifier="m"/>
     <TypeDefinitions><EnumerationType name="Mode"><Item name="off" value="-1"/><Item name="on" value="4"/></EnumerationType></TypeDefinitions>
     <ModelVariables><Enumeration name="a.mode" valueReference="1" causality="parameter" variability="tunable" declaredType="Mode" start="4"/>

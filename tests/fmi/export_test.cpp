@@ -1,4 +1,4 @@
-// Circuits as FMUs: checked by a program that knows nothing of ours, and imported again.
+// Circuits exported as FMUs: checked by an independent program (check_fmu.py, checker.c), and imported again.
 
 #include <cmath>
 #include <cstring>
@@ -16,7 +16,7 @@ namespace {
 
 using circuit::Interpreter;
 
-/// A pendulum of an integrator pair with a drive: inputs, delayed and feed-through outputs, parameters of several kinds.
+/// A driven pendulum of two integrators: has inputs, delayed and feed-through outputs, and parameters of several kinds.
 constexpr const char* pendulum = R"({"version": 1, "name": "driven pendulum", "doc": "Swings, and can be pushed.",
   "inputs": [{"name": "push", "type": "scalar", "unit": "rad/s^2", "to": "acceleration.a"}, {"name": "gate", "type": "scalar", "to": "gated.condition"}],
   "outputs": [{"name": "angle", "type": "scalar", "unit": "rad", "from": "angle.out"}, {"name": "speed", "type": "scalar", "from": "speed.out"},
@@ -32,7 +32,8 @@ constexpr const char* pendulum = R"({"version": 1, "name": "driven pendulum", "d
             {"from": "pull.out", "to": "acceleration.b"}, {"from": "acceleration.out", "to": "sum.a"}, {"from": "noise.out", "to": "sum.b"},
             {"from": "angle.out", "to": "gated.on"}, {"from": "speed.out", "to": "gated.off"}, {"from": "angle.out", "to": "slow.in"}]})";
 
-/// Vectors, a rotation, a nested circuit, a device, a text, an integer and a choice; an event that cannot be a variable.
+/// Pins and parameters of many types: vectors, a rotation, a nested circuit, a device, a text, an integer, a choice, and an event, which
+/// cannot be a variable.
 constexpr const char* mixed = R"({"version": 1, "name": "2 mixed / pins", "doc": "<&\"'>",
   "inputs": [{"name": "place", "type": "vector", "to": ["moved.a", "far.in"]}, {"name": "turn", "type": "rotation", "to": "turned.in"},
              {"name": "knock", "type": "event", "to": "hit.in"}, {"name": "time", "type": "scalar", "to": "curve.in"}],
@@ -59,12 +60,13 @@ class Export : public FmiTest, public ::testing::WithParamInterface<int> {
   Result<Exported> try_export(const circuit::Circuit& c, double dt) const {
     return export_fmu(c, lsi::standard_library(), {}, {.version = GetParam(), .dt = dt, .binary = binary_});
   }
-  /// @return path
+  /// @return path of the exported FMU
   std::string exported(const std::string& circuit, double dt) const {
     const Result<Exported> out = try_export(parse(circuit), dt);
     EXPECT_TRUE(out) << (out ? "" : out.error().text());
     return out ? write(out->identifier + ".fmu", out->bytes) : "";
   }
+  /// Runs the independent check.
   static void check(const std::string& fmu) {
     const auto ran = plugin::run_program(
         {"/usr/bin/python3", std::string(UGOKI_SOURCE_DIR) + "/tests/fmi/check_fmu.py", UGOKI_FMI_CHECKER, fmu}, std::chrono::seconds(60));
@@ -87,7 +89,7 @@ TEST_P(Export, PassesAnIndependentCheckOfTheStandard) {
 }
 
 /// The example circuits of every signal LSI.
-TEST_P(ExampleExport, PassesTheCheck) {
+TEST_P(ExampleExport, PassesAnIndependentCheckOfTheStandard) {
   int count = 0;
   for (const auto& e : std::filesystem::directory_iterator(std::string(UGOKI_SOURCE_DIR) + "/examples/lsi")) {
     if (!e.is_regular_file()) continue;
@@ -96,14 +98,14 @@ TEST_P(ExampleExport, PassesTheCheck) {
     if (!example) continue;
     const circuit::Circuit own = parse(json::to_text((*example)["circuit"]));
     auto runs = Interpreter::build(own, lsi::standard_library(), nullptr, {.dt = 0.01});
-    if (!runs || !runs->tick()) continue;  // divides by its input, which begins at 0
+    if (!runs || !runs->tick()) continue;  // stops at its first tick, for example a division by the input, which is 0
     check(exported(json::to_text((*example)["circuit"]), 0.01));
     ++count;
   }
   EXPECT_GT(count, 50);
 }
 
-TEST_P(Export, ComesBackWithTheSameNumbers) {
+TEST_P(Export, ImportedAgainGivesTheSameBits) {
   const std::string fmu = exported(pendulum, 0.01);
   const auto live = library(fmu);
   auto own = Interpreter::build(parse(pendulum), lsi::standard_library(), nullptr, {.dt = 0.01});
@@ -120,7 +122,8 @@ TEST_P(Export, ComesBackWithTheSameNumbers) {
   std::mt19937 random(5);
   double push = 0, gate = 0;
   for (int n = 0; n < 500; ++n) {
-    // Inputs change at every 10th tick. Right then an output that shows an input at once lags by the one step that co-simulation takes.
+    // Inputs change at every 10th tick. In that tick a feed-through output of the imported FMU still shows the old input, because
+    // co-simulation passes inputs with the next step.
     const bool changes = n % 10 == 0 && n > 0;
     if (changes) {
       push = static_cast<double>(random() % 100) * 0.01;
@@ -135,23 +138,23 @@ TEST_P(Export, ComesBackWithTheSameNumbers) {
     ASSERT_TRUE(own->tick());
     ASSERT_TRUE(other->tick()) << other->stopped()->text();
     for (std::size_t k = 0; k < pins.size(); ++k) {
-      const bool at_once = k == 2 || k == 3;
-      if (changes && at_once) continue;
+      const bool is_feed_through = k == 2 || k == 3;
+      if (changes && is_feed_through) continue;
       ASSERT_EQ(shown[k], own->probes().numbers(0)[k]) << n << " " << names[k];
     }
   }
 }
 
-TEST_P(Export, ParametersTextsAndChoicesWorkInIt) {
+TEST_P(Export, ParametersTextsAndChoicesReachTheCircuit) {
   const auto live = library(exported(mixed, 0.01));
   const circuit::LsiClass* c = live.library()->find("c2_mixed_pins/c2_mixed_pins");
   ASSERT_NE(c, nullptr);
   const circuit::Parameter& shape = c->parameters[static_cast<std::size_t>(c->find_parameter("shape"))];
   EXPECT_EQ(shape.kind, circuit::ParameterKind::choice);
   EXPECT_EQ(shape.choices, (std::vector<std::string>{"even", "normal"}));
-  const std::string place =
+  const std::string arrays =
       GetParam() == 2 ? R"("place[1]": 4, "place[2]": 5, "place[3]": 6)" : R"("place": [4, 5, 6], "turn": [1, 0, 0, 0])";
-  const std::string inputs = "\"values\": {" + place + ", \"time (input)\": 0.5, \"key:pressed\": 1}";
+  const std::string inputs = "\"values\": {" + arrays + ", \"time (input)\": 0.5, \"key:pressed\": 1}";
   auto own = Interpreter::build(parse(mixed), lsi::standard_library(), nullptr, {.dt = 0.01});
   for (const std::string shape_word : {"even", "normal"}) {
     const std::string text = ", \"parameters\": {\"points\": \"0:0, 1:8\", \"seed\": 7, \"shape\": \"" + shape_word + "\"}, " + inputs;
@@ -171,8 +174,8 @@ TEST_P(Export, ParametersTextsAndChoicesWorkInIt) {
   }
 }
 
-/// A damped oscillator in closed form; the FMU is of integrators with small steps.
-TEST_P(Export, TheExampleOfTwoPendulumsSwings) {
+/// Compared with the closed form of a damped oscillator.
+TEST_P(Export, TwoPendulumsExampleMatchesClosedForm) {
   const std::string folder = std::string(UGOKI_SOURCE_DIR) + "/examples/fmu/";
   const std::string fmu = exported(text_of(folder + "pendulum.json"), 0.001);
   check(fmu);
@@ -185,7 +188,7 @@ TEST_P(Export, TheExampleOfTwoPendulumsSwings) {
     widest = std::max(widest, std::fabs(value(*i, "second.angle")));
     const double t = 0.001 * n, decay = 0.05, omega = std::sqrt(9.81 - decay * decay);
     const double angle = 0.2 * std::exp(-decay * t) * (std::cos(omega * t) + decay / omega * std::sin(omega * t));
-    ASSERT_NEAR(value(*i, "first.angle"), angle, 0.2 * 9.81 * 0.001 * t + 1e-4) << n;  // the integrators' error of first order
+    ASSERT_NEAR(value(*i, "first.angle"), angle, 0.2 * 9.81 * 0.001 * t + 1e-4) << n;  // first-order error of the integrators
   }
   EXPECT_GT(widest, 0.05);
 }
@@ -205,7 +208,7 @@ TEST_P(Export, SeveralTicksMakeACommunicationStep) {
   }
 }
 
-TEST_P(Export, ACircuitThatStopsSaysWhyInTheOtherTool) {
+TEST_P(Export, StoppedCircuitReportsItsReason) {
   const auto live = library(exported(R"({"version": 1, "name": "rooted", "inputs": [{"name": "x", "type": "scalar", "to": "r.in"}],
       "outputs": [{"name": "y", "type": "scalar", "from": "r.out"}], "lsis": [{"id": "r", "type": "square root"}]})",
                                      0.01));
@@ -221,7 +224,7 @@ TEST_P(Export, EqualCircuitsGiveEqualBytes) {
   EXPECT_FALSE(a->bytes == c->bytes);
 }
 
-TEST_P(Export, NativeCodeOfOthersIsNotPacked) {
+TEST_P(Export, LsisOfInstalledLibrariesAreRefused) {
   circuit::LsiClass spring;
   spring.name = "springs/spring";
   spring.from = "springs";
@@ -239,19 +242,19 @@ TEST_P(Export, NativeCodeOfOthersIsNotPacked) {
 TEST_P(Export, LsisThatNeedContentAreRefused) {
   const auto refused = try_export(alone("status"), 0.01);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().text().find("'u' (LSI 'status') works on the mechanisms and motions of content"), std::string::npos)
+  EXPECT_NE(refused.error().text().find("'u' (LSI 'status') uses the mechanisms and motions of content"), std::string::npos)
       << refused.error().text();
 }
 
-TEST_P(Export, WhatCannotBeAVariableIsNamed) {
+TEST_P(Export, PinsThatCannotBeVariablesAreNoted) {
   const auto out = try_export(parse(mixed), 0.01);
   ASSERT_TRUE(out);
   ASSERT_EQ(out->notes.size(), 2u);
-  EXPECT_EQ(out->notes[0], "The input 'knock' (event) is no number and is left out.");
+  EXPECT_EQ(out->notes[0], "The input 'knock' (event) has no numeric values and is left out.");
 }
 
-/// The checker itself sees faults: units whose description or calls are wrong.
-TEST_P(Export, TheCheckSeesFaults) {
+/// The checker itself must find faults: FMUs with duplicate names, duplicate value references or a wrong token.
+TEST_P(Export, CheckerFindsFaults) {
   const auto status = [&](const std::string& description) {
     const auto ran = plugin::run_program({"/usr/bin/python3", std::string(UGOKI_SOURCE_DIR) + "/tests/fmi/check_fmu.py", UGOKI_FMI_CHECKER,
                                           unit("dahlquist", "Dahlquist", GetParam(), description), "0.1"},

@@ -1,4 +1,4 @@
-// FMUs with the interfaces of the Reference-FMUs, run as LSIs and compared with closed forms and independent integrations.
+// FMUs with the interfaces of the Reference-FMUs, run as LSIs. Results are compared with closed forms and independent integrations.
 
 #include <cmath>
 #include <cstring>
@@ -15,7 +15,8 @@ using circuit::Interpreter;
 class Import : public FmiTest, public ::testing::WithParamInterface<int> {};
 INSTANTIATE_TEST_SUITE_P(Versions, Import, ::testing::Values(2, 3), [](const auto& each) { return "Fmi" + std::to_string(each.param); });
 
-/// Height and speed at time t of a ball dropped from 1 m, by the geometric series of its bounces.
+/// Height, m, and velocity, m/s, at time t, s, of a ball dropped from 1 m, from its successive parabolas. @param g gravity, m/s^2
+/// @param e coefficient of restitution
 std::pair<double, double> ball(double t, double g, double e) {
   double begin = std::sqrt(2 / g), v = std::sqrt(2 * g);
   if (t < begin) return {1 - g * t * t / 2, -g * t};
@@ -42,21 +43,21 @@ TEST_P(Import, BouncingBallFollowsItsParabolas) {
   }
 }
 
-TEST_P(Import, ParametersAreSetBeforeAndWhileItRuns) {
+TEST_P(Import, ParametersCanBeSetBeforeAndDuringTheRun) {
   const auto live = library(unit("bouncing_ball", "BouncingBall", GetParam()));
   auto moon = build(alone("BouncingBall", R"(, "parameters": {"g": -1.62, "e": 0.9})"), live, 0.01);
   ASSERT_TRUE(moon) << moon.error().text();
   moon->run(150);
   EXPECT_NEAR(value(*moon, "u.h"), ball(1.5, 1.62, 0.9).first, 1e-9);
-  // The tunable coefficient is changed after the first bounce at 0.45 s: what follows is another ball.
+  // The coefficient of restitution is changed at 0.3 s, before the first bounce at 0.45 s; this bounce is then elastic.
   auto tuned = build(alone("BouncingBall"), live, 0.01);
   tuned->run(30);
   ASSERT_TRUE(tuned->set_parameter("u.e", 1.0));
   tuned->run(60);
   const double g = 9.81, t = 0.9 - std::sqrt(2 / g), v = std::sqrt(2 * g);
   EXPECT_NEAR(value(*tuned, "u.h"), v * t - g * t * t / 2, 1e-9);
-  EXPECT_FALSE(tuned->set_parameter("u.g", -1.0));  // fixed
-  EXPECT_FALSE(tuned->set_parameter("u.e", 0.1));   // out of its range
+  EXPECT_FALSE(tuned->set_parameter("u.g", -1.0));  // the parameter is fixed
+  EXPECT_FALSE(tuned->set_parameter("u.e", 0.1));   // the value is out of its range
 }
 
 TEST_P(Import, PinsCarryUnitsAndRanges) {
@@ -77,7 +78,7 @@ TEST_P(Import, PinsCarryUnitsAndRanges) {
   EXPECT_EQ(all->outputs.size(), 5u);
 }
 
-TEST_P(Import, VariablesInsideCanBeSeen) {
+TEST_P(Import, LocalVariablesAreOutputsOfASecondLsi) {
   const auto live = library(unit("bouncing_ball", "BouncingBall", GetParam()));
   auto i = build(alone("BouncingBall/BouncingBall, all variables"), live, 0.01);
   ASSERT_TRUE(i) << i.error().text();
@@ -87,7 +88,7 @@ TEST_P(Import, VariablesInsideCanBeSeen) {
   EXPECT_EQ(value(*i, "u.v_min"), 0.1);
 }
 
-/// Fourth-order Runge-Kutta with tiny steps.
+/// State of the van der Pol oscillator at time t, s, from (2, 0): fourth-order Runge-Kutta with steps of 1e-4 s.
 std::pair<double, double> van_der_pol(double t, double mu) {
   double a = 2, b = 0;
   const int n = static_cast<int>(std::lround(t / 1e-4));
@@ -109,7 +110,7 @@ TEST_P(Import, VanDerPolFollowsAnIndependentIntegration) {
     ASSERT_TRUE(i) << i.error().text();
     ASSERT_EQ(i->run(500), 500u);
     const auto [x0, x1] = van_der_pol(5, mu);
-    EXPECT_NEAR(value(*i, "u.x0"), x0, 1e-6) << mu;  // Heun's error, h^2 times the curvature of a relaxation
+    EXPECT_NEAR(value(*i, "u.x0"), x0, 1e-6) << mu;  // error of Heun's method in the FMU, with steps of 1e-4 s
     EXPECT_NEAR(value(*i, "u.x1"), x1, 1e-6) << mu;
   }
 }
@@ -118,18 +119,19 @@ TEST_P(Import, DahlquistDecays) {
   const auto live = library(unit("dahlquist", "Dahlquist", GetParam()));
   auto i = build(alone("Dahlquist", R"(, "parameters": {"k": 2})"), live, 0.1);
   ASSERT_TRUE(i) << i.error().text();
-  for (int n = 0; n <= 20; ++n, i->tick()) EXPECT_NEAR(value(*i, "u.x"), std::exp(-2 * 0.1 * n), 1e-4) << n;  // Euler's error
+  for (int n = 0; n <= 20; ++n, i->tick())
+    EXPECT_NEAR(value(*i, "u.x"), std::exp(-2 * 0.1 * n), 1e-4) << n;  // error of Euler's method in the FMU
 }
 
-TEST_P(Import, EveryIsTheCommunicationStep) {
+TEST_P(Import, EverySetsTheCommunicationStep) {
   const auto live = library(unit("dahlquist", "Dahlquist", GetParam()));
   auto i = build(alone("Dahlquist", R"(, "every": 10)"), live, 0.01);
   ASSERT_TRUE(i) << i.error().text();
   i->run(11);
   const double first = value(*i, "u.x");
-  EXPECT_NEAR(first, std::exp(-0.2), 1e-4);  // computed up to the next of its ticks
+  EXPECT_NEAR(first, std::exp(-0.2), 1e-4);  // at its tick it computes up to its next tick
   i->run(9);
-  EXPECT_EQ(value(*i, "u.x"), first);  // held between
+  EXPECT_EQ(value(*i, "u.x"), first);  // constant between its ticks
 }
 
 TEST_P(Import, StairCountsAndEndsTheSimulation) {
@@ -143,11 +145,11 @@ TEST_P(Import, StairCountsAndEndsTheSimulation) {
   }
   EXPECT_FALSE(i->tick());
   EXPECT_EQ(i->stopped()->tick, 44u);
-  EXPECT_EQ(i->stopped()->reason.substr(0, 55), "The FMU asks for the end of the simulation at 9.000000 ");
-  const std::vector<std::string> said = take_messages();
-  ASSERT_EQ(said.size(), 1u);
-  EXPECT_EQ(said[0].substr(0, 34), "'u' says: The last step of the sta");
-  // Back to the start by the FMU's own reset.
+  EXPECT_EQ(i->stopped()->reason.substr(0, 55), "The FMU requests the end of the simulation at 9.000000 ");
+  const std::vector<std::string> messages = take_messages();
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_EQ(messages[0].substr(0, 37), "'u' reports: The last step of the sta");
+  // Interpreter::reset calls the reset of the FMU.
   i->reset();
   EXPECT_EQ(value(*i, "u.counter"), 1);
   EXPECT_EQ(i->run(10), 10u);
@@ -183,11 +185,11 @@ TEST_P(Import, FeedthroughCarriesEveryType) {
   EXPECT_EQ(c->outputs.size(), GetParam() == 2 ? 5u : 14u);
   auto i = build(alone("Feedthrough", ", \"values\": {" + values + "}"), live, 0.1);
   ASSERT_TRUE(i) << i.error().text();
-  for (int n = 0; n < 2; ++n, i->tick())  // values without wire are there from the first moment on
+  for (int n = 0; n < 2; ++n, i->tick())  // values of inputs without wire reach the FMU during the initialisation
     for (const circuit::OutputPin& pin : c->outputs) EXPECT_EQ(value(*i, "u." + pin.name), wanted(pin.name)) << pin.name;
 }
 
-TEST_P(Import, WiresParametersAndTextsReachIt) {
+TEST_P(Import, WiresParametersAndTextsReachTheFmu) {
   const auto live = library(unit("feedthrough", "Feedthrough", GetParam()));
   auto i = build(
       parse(
@@ -200,17 +202,17 @@ TEST_P(Import, WiresParametersAndTextsReachIt) {
   ASSERT_TRUE(i->set_parameter("u.Float64_tunable_parameter", 3));
   i->tick();
   EXPECT_EQ(value(*i, "u.Float64_continuous_output"), 2.6 + 0.5 + 30);
-  EXPECT_EQ(value(*i, "u.Float64_discrete_output"), 5000);  // the text's length
-  EXPECT_EQ(value(*i, "u.Int32_output"), 3);                // the nearest whole number
+  EXPECT_EQ(value(*i, "u.Float64_discrete_output"), 5000);  // 1000 times the length of the text
+  EXPECT_EQ(value(*i, "u.Int32_output"), 3);                // rounded to the nearest integer
   EXPECT_EQ(value(*i, "u.Boolean_output"), 1);
   const double huge = 3e9;
   std::memcpy(i->find_circuit_input("x").data(), &huge, sizeof huge);
   EXPECT_FALSE(i->tick());
-  EXPECT_NE(i->stopped()->reason.find("The input 'Int32_input' cannot hold 3"), std::string::npos) << i->stopped()->reason;
+  EXPECT_NE(i->stopped()->reason.find("The input 'Int32_input' has the value 3"), std::string::npos) << i->stopped()->reason;
 }
 
-TEST_P(Import, GoesBackToASavedState) {
-  for (const bool serializes : {true, false}) {  // without, the states are kept by the FMU
+TEST_P(Import, SavedStateIsRestored) {
+  for (const bool serializes : {true, false}) {  // without serialisation, saved states are kept inside the FMU
     std::string description = description_of("bouncing_ball", GetParam());
     const std::string can = GetParam() == 2 ? "canSerializeFMUstate=\"true\"" : "canSerializeFMUState=\"true\"";
     ASSERT_NE(description.find(can), std::string::npos);
@@ -227,7 +229,7 @@ TEST_P(Import, GoesBackToASavedState) {
     for (int n = 0; n < 100; ++n, i->tick()) again.push_back(value(*i, "u.h"));
     EXPECT_EQ(once, again);
     EXPECT_TRUE(take_messages().empty());
-    // Into another instance: only as bytes.
+    // Only a serialised state can be restored in another instance.
     auto other = build(alone("BouncingBall"), live, 0.01);
     ASSERT_TRUE(other->restore(saved));
     again.clear();
@@ -237,14 +239,14 @@ TEST_P(Import, GoesBackToASavedState) {
   }
 }
 
-TEST_P(Import, WithoutSavedStatesItSaysSoAndStartsAfresh) {
+TEST_P(Import, WithoutSavedStatesItRestartsWithAMessage) {
   std::string description = description_of("dahlquist", GetParam());
   for (std::string can : {"canGetAndSetFMU", "canSerializeFMU"}) {
     can += GetParam() == 2 ? "state=\"true\"" : "State=\"true\"";
     description.erase(description.find(can), can.size());
   }
   const auto live = library(unit("dahlquist", "Dahlquist", GetParam(), description));
-  EXPECT_NE(live.library()->find("Dahlquist")->doc.find("starts afresh"), std::string::npos);
+  EXPECT_NE(live.library()->find("Dahlquist")->doc.find("starts from its initial state"), std::string::npos);
   auto i = build(alone("Dahlquist"), live, 0.1);
   i->run(5);
   std::vector<std::byte> saved;
@@ -252,13 +254,13 @@ TEST_P(Import, WithoutSavedStatesItSaysSoAndStartsAfresh) {
   i->run(5);
   ASSERT_TRUE(i->restore(saved));
   i->tick();
-  EXPECT_NEAR(value(*i, "u.x"), std::exp(-0.1), 1e-4);  // one step from its beginning
-  const std::vector<std::string> said = take_messages();
-  ASSERT_EQ(said.size(), 1u);
-  EXPECT_NE(said[0].find("'u' starts afresh"), std::string::npos);
+  EXPECT_NEAR(value(*i, "u.x"), std::exp(-0.1), 1e-4);  // one step from its initial state
+  const std::vector<std::string> messages = take_messages();
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_NE(messages[0].find("'u' starts from its initial state"), std::string::npos);
 }
 
-TEST_P(Import, RecordsAndReplays) {
+TEST_P(Import, RecordedInputsAreReplayed) {
   const auto live = library(unit("naughty", "naughty", GetParam()));
   const auto c = parse(
       R"({"version": 1, "name": "test", "inputs": [{"name": "x", "type": "scalar", "to": "u.deed"}], "lsis": [{"id": "u", "type": "naughty"}]})");
@@ -277,7 +279,7 @@ TEST_P(Import, RecordsAndReplays) {
   EXPECT_EQ(value(*second, "u.body:sum"), value(*first, "u.body:sum"));
 }
 
-TEST_P(Import, WhatAnFmuReportsStopsTheCircuitWithASentence) {
+TEST_P(Import, ErrorsOfAnFmuStopTheCircuitWithItsMessage) {
   const auto live = library(unit("naughty", "naughty", GetParam()));
   const auto stop_of = [&](int deed) {
     auto i = build(alone("naughty", ", \"values\": {\"deed\": " + std::to_string(deed) + "}"), live, 0.1);
@@ -286,31 +288,33 @@ TEST_P(Import, WhatAnFmuReportsStopsTheCircuitWithASentence) {
     return i->stopped() ? i->stopped()->text() : std::string();
   };
   EXPECT_NE(stop_of(4).find("0.000 s (tick 0): The FMU reports an error in its step: The gear is broken"), std::string::npos);
-  EXPECT_NE(stop_of(5).find("beyond repair (fatal): The house is on fire."), std::string::npos);
+  EXPECT_NE(stop_of(5).find("(fatal: this instance cannot be used any more): The house is on fire."), std::string::npos);
   const std::string discarded = stop_of(6);
-  EXPECT_NE(discarded.find("The FMU cannot compute the step beyond 0.025000 s"), std::string::npos) << discarded;
+  EXPECT_NE(discarded.find("The FMU cannot compute beyond 0.025000 s"), std::string::npos) << discarded;
   const std::string not_a_number = stop_of(3);
-  EXPECT_NE(not_a_number.find("Number 0 of its output 'out' is not finite"), std::string::npos) << not_a_number;
+  EXPECT_NE(not_a_number.find("of its output 'out' is not finite"), std::string::npos) << not_a_number;
 }
 
-TEST_F(FmiTest, AnFmuMayReturnEarly) {
+TEST_F(FmiTest, StepThatReturnsEarlyIsContinued) {
   const auto live = library(unit("naughty", "naughty", 3));
   auto i = build(alone("naughty", R"(, "values": {"deed": 8})"), live, 0.1);
   ASSERT_TRUE(i) << i.error().text();
   i->tick();
   EXPECT_EQ(std::fmod(value(*i, "u.body:sum"), 8), 0);
-  EXPECT_GT(value(*i, "u.body:sum"), 8);  // several parts of one step
+  EXPECT_GT(value(*i, "u.body:sum"), 8);  // several substeps in one step
 }
 
-/// Runs to and fro between -1 and 1 with this speed, from 0.
-double to_and_fro(double t, double speed) {
+/// Triangle wave between -1 and 1 with this speed, 1/s, starting at 0 upwards.
+double triangle_wave(double t, double speed) {
   const double s = std::fmod(t * speed + 1, 4);
   return s <= 2 ? s - 1 : 3 - s;
 }
 
+/// The model "events".
 class Events : public FmiTest {
  protected:
   plugin::LiveLibrary live_ = library(unit("events", "events", 3));
+  /// Sets an input of the circuit.
   static void give(Interpreter& i, const char* input, double x) { std::memcpy(i.find_circuit_input(input).data(), &x, sizeof x); }
   Result<Interpreter> build_wired(double rate) const {
     return build(parse(R"({"version": 1, "name": "test", "inputs": [{"name": "gear", "type": "scalar", "to": "u.gear"},
@@ -321,28 +325,28 @@ class Events : public FmiTest {
   }
 };
 
-TEST_F(Events, AreHandledWhereTheyAre) {
+TEST_F(Events, AreHandledAtTheirTime) {
   auto i = build(alone("events", R"(, "parameters": {"rate": 0.7})"), live_, 0.1);
   ASSERT_TRUE(i) << i.error().text();
   for (int n = 0; n < 80; ++n) {
     const double t = 0.1 * n, quarters = std::floor(t / 0.25 + 1e-9), turns = std::floor((t * 0.7 + 1) / 2);
-    EXPECT_NEAR(value(*i, "u.x"), to_and_fro(t, 0.7), 1e-12) << n;
+    EXPECT_NEAR(value(*i, "u.x"), triangle_wave(t, 0.7), 1e-12) << n;
     EXPECT_EQ(value(*i, "u.held"), 0.25 * quarters) << n;
-    EXPECT_EQ(value(*i, "u.events"), 1 + quarters + turns) << n;  // none twice; the first one ends the initialisation
+    EXPECT_EQ(value(*i, "u.events"), 1 + quarters + turns) << n;  // each event is counted once; the first one is that of the initialisation
     ASSERT_TRUE(i->tick()) << i->stopped()->text();
   }
 }
 
-TEST_F(Events, ComeFromDiscreteInputsAndParametersThatChange) {
+TEST_F(Events, AreCausedByChangesOfDiscreteInputsAndParameters) {
   auto i = build_wired(0.001);
   ASSERT_TRUE(i) << i.error().text();
-  const auto events_of_a_step = [&] {  // between two quarters of a second
+  const auto events_of_a_step = [&] {  // call it only for steps without a time event (every 0.25 s)
     const double before = value(*i, "u.events");
     EXPECT_TRUE(i->tick());
     return value(*i, "u.events") - before;
   };
   give(*i, "gear", 1);
-  EXPECT_EQ(events_of_a_step(), 1);  // what it is given first
+  EXPECT_EQ(events_of_a_step(), 1);  // the first values of the inputs cause an event
   EXPECT_EQ(events_of_a_step(), 0);
   i->run(4);
   give(*i, "gear", 3);
@@ -354,7 +358,7 @@ TEST_F(Events, ComeFromDiscreteInputsAndParametersThatChange) {
   EXPECT_EQ(value(*i, "u.in_use"), 0.006);
 }
 
-TEST_F(Events, AreTheSameAfterGoingBack) {
+TEST_F(Events, AreTheSameAfterRestoringAState) {
   auto i = build_wired(0.7), other = build_wired(0.7);
   ASSERT_TRUE(i && other);
   give(*i, "gear", 2);
@@ -378,7 +382,7 @@ TEST_F(Events, AreTheSameAfterGoingBack) {
   EXPECT_EQ(follow(*other), once);
 }
 
-TEST_F(Events, ThatGoWrongStopTheCircuitWithASentence) {
+TEST_F(Events, ThatFailStopTheCircuitWithAReason) {
   const auto stop_of = [&](int deed) {
     auto i = build_wired(1);
     EXPECT_TRUE(i) << i.error().text();
@@ -388,12 +392,12 @@ TEST_F(Events, ThatGoWrongStopTheCircuitWithASentence) {
     i->run(5);
     return i->stopped() ? i->stopped()->text() : std::string();
   };
-  EXPECT_NE(stop_of(1).find("cannot handle its event at 0.250000 s: Its events do not come to an end"), std::string::npos) << stop_of(1);
-  EXPECT_NE(stop_of(2).find("asks for the end of the simulation at 0.250000 s"), std::string::npos) << stop_of(2);
+  EXPECT_NE(stop_of(1).find("cannot handle its event at 0.250000 s: Its events do not end"), std::string::npos) << stop_of(1);
+  EXPECT_NE(stop_of(2).find("requests the end of the simulation at 0.250000 s"), std::string::npos) << stop_of(2);
   EXPECT_NE(stop_of(3).find("cannot handle its event at 0.250000 s: The event is too hard"), std::string::npos) << stop_of(3);
 }
 
-TEST_F(FmiTest, ArraysAreVectorsAndRowsOfNumbers) {
+TEST_F(FmiTest, ArraysAreVectorsOrJointValues) {
   const auto live = library(unit("naughty", "naughty", 3));
   const circuit::LsiClass* c = live.library()->find("naughty");
   ASSERT_NE(c, nullptr);
@@ -411,7 +415,7 @@ TEST_F(FmiTest, ArraysAreVectorsAndRowsOfNumbers) {
   EXPECT_EQ(matrix->numbers()[2], 15);
 }
 
-TEST_P(Import, TwoInstancesDoNotShare) {
+TEST_P(Import, InstancesAreIndependent) {
   const auto live = library(unit("dahlquist", "Dahlquist", GetParam()));
   auto i = build(
       parse(
@@ -423,17 +427,17 @@ TEST_P(Import, TwoInstancesDoNotShare) {
   EXPECT_NEAR(value(*i, "b.x"), std::exp(-3), 1e-3);
 }
 
-TEST_P(Import, OnlyOncePerProcess) {
+TEST_P(Import, SecondInstanceIsRefusedIfOnlyOneIsAllowed) {
   std::string description = description_of("dahlquist", GetParam());
   description.insert(description.find("modelIdentifier"), "canBeInstantiatedOnlyOncePerProcess=\"true\" ");
   const auto live = library(unit("dahlquist", "Dahlquist", GetParam(), description));
   const auto i = build(
       parse(R"({"version": 1, "name": "test", "lsis": [{"id": "a", "type": "Dahlquist"}, {"id": "b", "type": "Dahlquist"}]})"), live, 0.1);
   ASSERT_FALSE(i);
-  EXPECT_NE(i.error().text().find("can be there once only"), std::string::npos) << i.error().text();
+  EXPECT_NE(i.error().text().find("can have only one instance in a process"), std::string::npos) << i.error().text();
 }
 
-TEST_P(Import, WrongTokenIsRefusedWithItsWords) {
+TEST_P(Import, WrongTokenIsRefusedWithTheReasonOfTheFmu) {
   std::string description = description_of("dahlquist", GetParam());
   description.replace(description.find("{8c4e810f"), 9, "{8c4e8100");
   const auto live = library(unit("dahlquist", "Dahlquist", GetParam(), description));
@@ -442,7 +446,7 @@ TEST_P(Import, WrongTokenIsRefusedWithItsWords) {
   EXPECT_NE(i.error().text().find("The FMU does not start: The name or the "), std::string::npos) << i.error().text();
 }
 
-TEST_F(FmiTest, StepsThatTheFmuCannotTakeAreRefused) {
+TEST_F(FmiTest, StepsThatAreNoMultipleOfTheInternalStepAreRefused) {
   std::string description = description_of("stair", 3);
   const std::string any = "canHandleVariableCommunicationStepSize=\"true\"";
   description.erase(description.find(any), any.size());
@@ -453,7 +457,7 @@ TEST_F(FmiTest, StepsThatTheFmuCannotTakeAreRefused) {
   EXPECT_NE(i.error().text().find("computes in steps of 0.2 s"), std::string::npos) << i.error().text();
 }
 
-TEST_P(Import, NothingIsLeftBehind) {
+TEST_P(Import, TemporaryFoldersAreRemoved) {
   const auto count = [] {
     std::size_t n = 0;
     for (const auto& e : std::filesystem::directory_iterator(std::filesystem::temp_directory_path()))

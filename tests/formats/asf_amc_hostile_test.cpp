@@ -1,4 +1,4 @@
-// Broken and hostile ASF and AMC files.
+// Broken and hostile ASF and AMC files are rejected with file:line, a message and a remedy.
 #include "expect.h"
 #include "ugoki/formats/asf.h"
 
@@ -28,7 +28,7 @@ const std::string good_asf =
     " end\n";                                      // 32
 
 const std::string good_amc =
-    "#!OML:ASF figure\n:FULLY-SPECIFIED\n:DEGREES\n"               // 1-3
+    "#!OML:ASF character\n:FULLY-SPECIFIED\n:DEGREES\n"            // 1-3
     "1\nroot 1 2 3 4 5 6\nthigh 7 8\nshin 9\n"                     // 4-7
     "2\nroot 1.5 2.5 3.5 4.5 5.5 6.5\nthigh 7.5 8.5\nshin 9.5\n";  // 8-11
 
@@ -52,7 +52,7 @@ struct Case {
   int line;
 };
 
-TEST(AsfHostile, EachFaultIsNamedInItsLine) {
+TEST(AsfHostile, EachFaultIsReportedAtItsLine) {
   ASSERT_TRUE(read(good_asf).has_value());
   const std::vector<Case> cases = {
       {"empty", "", 1},
@@ -93,14 +93,14 @@ TEST(AsfHostile, EachFaultIsNamedInItsLine) {
       {"huge length", asf_with("length 7", "length 7e200"), 15},
       {"axis of two numbers", asf_with("axis 0 0 20 XYZ", "axis 0 20 XYZ"), 16},
       {"axis order unknown", asf_with("axis 0 0 20 XYZ", "axis 0 0 20 XYW"), 16},
-      {"unknown freedom", asf_with("dof rx ry", "dof rx rw"), 17},
-      {"freedom twice", asf_with("dof rx ry", "dof rx rx"), 17},
-      {"fewer limits than freedoms", asf_with("   (-70 70)\n", ""), 18},
-      {"half a limit", asf_with("(-70 70)", "(-70)"), 18},
-      {"more limits than freedoms", asf_with("(-70 70)", "(-70 70) (1 2)"), 18},
-      {"limits upside down", asf_with("(-70 70)", "(70 -70)"), 19},
+      {"unknown degree of freedom", asf_with("dof rx ry", "dof rx rw"), 17},
+      {"degree of freedom twice", asf_with("dof rx ry", "dof rx rx"), 17},
+      {"fewer limits than degrees of freedom", asf_with("   (-70 70)\n", ""), 18},
+      {"incomplete pair of limits", asf_with("(-70 70)", "(-70)"), 18},
+      {"more limits than degrees of freedom", asf_with("(-70 70)", "(-70 70) (1 2)"), 18},
+      {"lower limit above upper limit", asf_with("(-70 70)", "(70 -70)"), 19},
       {"limits of letters", asf_with("(-160 20)", "(-160 far)"), 18},
-      {"limits without freedoms", asf_with("  dof rx ry\n", ""), 17},
+      {"limits without degrees of freedom", asf_with("  dof rx ry\n", ""), 17},
       {"negative mass", asf_with("dof rx ry", "bodymass -1"), 17},
       {"hierarchy without begin", asf_with(":hierarchy\n begin\n", ":hierarchy\n"), 29},
       {"hierarchy begun twice", asf_with(":hierarchy\n begin\n", ":hierarchy\n begin\n begin\n"), 30},
@@ -110,12 +110,12 @@ TEST(AsfHostile, EachFaultIsNamedInItsLine) {
       {"root as child", asf_with("thigh shin\n", "thigh shin root\n"), 31},
       {"two parents", asf_with("thigh shin\n", "thigh shin\n root shin\n"), 32},
       {"its own parent", asf_with("root thigh\n", "shin thigh\n"), 12},
-      {"bone that hangs on nothing", asf_with("  thigh shin\n", ""), 21},
+      {"bone without parent", asf_with("  thigh shin\n", ""), 21},
   };
   for (const Case& c : cases) expect_refused_at(read(c.text), c.line, c.what);
 }
 
-TEST(AmcHostile, EachFaultIsNamedInItsLine) {
+TEST(AmcHostile, EachFaultIsReportedAtItsLine) {
   ASSERT_TRUE(read_motion(good_amc).has_value());
   const std::vector<Case> cases = {
       {"empty", "", 1},
@@ -129,8 +129,8 @@ TEST(AmcHostile, EachFaultIsNamedInItsLine) {
       {"bone missing", amc_with("thigh 7 8\n", ""), 4},
       {"bone missing in the last frame", amc_with("shin 9.5\n", ""), 8},
       {"root missing", amc_with("root 1 2 3 4 5 6\n", ""), 4},
-      {"fewer numbers than freedoms", amc_with("thigh 7 8", "thigh 7"), 6},
-      {"more numbers than freedoms", amc_with("thigh 7 8", "thigh 7 8 9"), 6},
+      {"fewer numbers than degrees of freedom", amc_with("thigh 7 8", "thigh 7"), 6},
+      {"more numbers than degrees of freedom", amc_with("thigh 7 8", "thigh 7 8 9"), 6},
       {"no numbers", amc_with("thigh 7 8", "thigh"), 6},
       {"NaN", amc_with("thigh 7 8", "thigh 7 nan"), 6},
       {"infinity", amc_with("thigh 7 8", "thigh 7 -inf"), 6},
@@ -142,8 +142,8 @@ TEST(AmcHostile, EachFaultIsNamedInItsLine) {
       {"negative frame", amc_with("1\nroot", "-1\nroot"), 4},
       {"fractional frame", amc_with("1\nroot", "1.5\nroot"), 4},
       {"frame beyond integers", amc_with("2\nroot", "99999999999999999999999\nroot"), 8},
-      {"frame far away", amc_with("2\nroot", "2000000000\nroot"), 8},
-      {"frame more than a second away", amc_with("2\nroot", "123\nroot"), 8},
+      {"frame number far beyond the previous one", amc_with("2\nroot", "2000000000\nroot"), 8},
+      {"gap of more than a second", amc_with("2\nroot", "123\nroot"), 8},
       {"numbers after the frame number", amc_with("2\nroot", "2 3\nroot"), 8},
       {"header between frames", amc_with("2\nroot", ":RADIANS\n2\nroot"), 8},
       {"names of another skeleton", amc_with("root 1", "Hips 1"), 5},
@@ -151,7 +151,7 @@ TEST(AmcHostile, EachFaultIsNamedInItsLine) {
   for (const Case& c : cases) expect_refused_at(read_motion(c.text), c.line, c.what);
 }
 
-TEST(AmcHostile, FramesOutOfOrderAreCalledSo) {
+TEST(AmcHostile, FramesOutOfOrderAreReported) {
   for (const char* number : {"0", "1"}) {
     const auto result = read_motion(amc_with("2\nroot", std::string(number) + "\nroot"));
     expect_refused_at(result, 8, number);
@@ -159,12 +159,12 @@ TEST(AmcHostile, FramesOutOfOrderAreCalledSo) {
   }
 }
 
-TEST(AsfHostile, CutOffAnywhere) {
+TEST(AsfHostile, TruncationAtAnyByteIsRejected) {
   for (std::size_t n = 0; n + 1 < good_asf.size(); ++n)
     expect_refused(read(good_asf.substr(0, n)), "cut after " + std::to_string(n) + " bytes");
 }
 
-TEST(AmcHostile, CutOffAnywhere) {
+TEST(AmcHostile, TruncationAtAnyByteIsRejected) {
   const std::size_t one_frame = good_amc.find("2\nroot");
   for (std::size_t n = 0; n < good_amc.size(); ++n) {
     const auto result = read_motion(good_amc.substr(0, n));
@@ -175,17 +175,17 @@ TEST(AmcHostile, CutOffAnywhere) {
   }
 }
 
-TEST(AsfHostile, CirclesDoNotLoop) {
+TEST(AsfHostile, CycleOfBonesIsRejected) {
   std::string text = good_asf;
   const std::string bone = " begin\n  name X\n  direction 0 1 0\n  length 1\n end\n";
   for (const char* name : {"a", "b", "c"}) text.insert(text.find(":hierarchy"), replaced(bone, "X", name));
   text.insert(text.rfind(" end"), "  a b\n  b c\n  c a\n");
   const auto result = read(text);
-  expect_refused(result, "circle");
+  expect_refused(result, "cycle");
   EXPECT_EQ(result.error().problems.size(), 3U);
 }
 
-TEST(AsfHostile, LongChainsNeedNoStack) {
+TEST(AsfHostile, LongChainOfBonesIsReadWithoutRecursion) {
   std::string bones, tree = "root b0\n";
   for (int i = 0; i < 9'000; ++i) {
     bones += "begin\nname b" + std::to_string(i) + "\ndirection 0 1 0\nlength 1\nend\n";

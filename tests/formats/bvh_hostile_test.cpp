@@ -1,4 +1,4 @@
-// Broken and hostile BVH files: refused with file:line, a sentence and a remedy, quickly and without much memory.
+// Broken and hostile BVH files are rejected with file:line, a message and a remedy, in little time and memory.
 #include <set>
 
 #include "expect.h"
@@ -33,7 +33,7 @@ std::string with(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-TEST(BvhHostile, TheGoodFileIsGood) { ASSERT_TRUE(read(good).has_value()); }
+TEST(BvhHostile, ValidFileIsAccepted) { ASSERT_TRUE(read(good).has_value()); }
 
 struct Case {
   const char* what;
@@ -41,7 +41,7 @@ struct Case {
   int line;
 };
 
-TEST(BvhHostile, EachFaultIsNamedInItsLine) {
+TEST(BvhHostile, EachFaultIsReportedAtItsLine) {
   const std::vector<Case> cases = {
       {"empty", "", 1},
       {"blank", " \n\t\r\n", 1},
@@ -119,14 +119,14 @@ TEST(BvhHostile, EachFaultIsNamedInItsLine) {
   for (const Case& c : cases) expect_refused_at(read(c.text), c.line, c.what);
 }
 
-TEST(BvhHostile, APromiseLargerThanTheTextIsRefusedBeforeMemoryIsTaken) {
+TEST(BvhHostile, FrameCountBeyondTheTextIsRejectedBeforeAllocation) {
   const auto result = read(with("Frames: 2", "Frames: 40000000"));  // 360 million numbers
   expect_refused_at(result, 18, "40 million frames");
-  EXPECT_NE(result.error().problems[0].message.find("ends long before"), std::string::npos) << result.error().text();
+  EXPECT_NE(result.error().problems[0].message.find("too short"), std::string::npos) << result.error().text();
 }
 
-TEST(BvhHostile, CutOffAnywhere) {
-  // At every byte: either refused in a line, or the last token only lost digits and is still a whole file.
+TEST(BvhHostile, TruncationAtAnyByteIsRejected) {
+  // A truncated file is rejected with a line, unless the last number only lost digits, which leaves a valid file.
   int refused = 0;
   for (std::size_t n = 0; n < good.size(); ++n) {
     const auto result = read(good.substr(0, n));
@@ -140,8 +140,8 @@ TEST(BvhHostile, CutOffAnywhere) {
   EXPECT_GE(refused, static_cast<int>(good.size()) - 3);
 }
 
-TEST(BvhHostile, EveryTokenReplaced) {
-  // Whatever stands in the place of a token, reading ends with a motion or a refusal that has a line.
+TEST(BvhHostile, ReplacedTokenGivesMotionOrErrorWithLine) {
+  // Whatever replaces a token, the reader returns a motion or an error with a line.
   for (const std::string& bad : {std::string("{"), std::string("}"), std::string("nan"), std::string("-1"), std::string("MOTION"),
                                  std::string("End"), std::string(5000, '9'), std::string("\xFF\xC0"), std::string()}) {
     std::size_t begin = 0;
@@ -163,7 +163,7 @@ std::string nested(std::size_t depth) {
   return text;
 }
 
-TEST(BvhHostile, DeepAndWideTrees) {
+TEST(BvhHostile, DepthAndJointCountAreLimited) {
   ASSERT_TRUE(read(nested(900)).has_value());
   expect_refused(read(nested(1'001)), "nested 1001 deep");
   expect_refused(read(nested(200'000)), "nested 200000 deep");
@@ -172,7 +172,7 @@ TEST(BvhHostile, DeepAndWideTrees) {
   expect_refused(read(wide + "}\nMOTION\nFrames: 1\nFrame Time: 1\n0\n"), "10002 joints");
 }
 
-TEST(BvhHostile, ManyRigidJointsCannotTakeMuchMemory) {
+TEST(BvhHostile, ManyRigidJointsInManyFramesAreRejected) {
   std::string text = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n";
   for (int i = 0; i < 9'000; ++i) text += "JOINT a { OFFSET 0 0 0\n}\n";
   text += "}\nMOTION\nFrames: 100000\nFrame Time: 1\n";
@@ -180,7 +180,7 @@ TEST(BvhHostile, ManyRigidJointsCannotTakeMuchMemory) {
   expect_refused(read(text), "9000 rigid joints in 100000 frames");
 }
 
-TEST(BvhHostile, ManyFaultsAreReportedButNotThousands) {
+TEST(BvhHostile, AtMostTwentyProblemsAreReported) {
   std::string text = good;
   text.replace(text.find("Frames: 2"), 9, "Frames: 300");
   for (int i = 0; i < 298 * 9; ++i) text += "bad\n";

@@ -1,4 +1,4 @@
-// BVH: closed forms, the dialect, and writing back.
+// BVH: poses against closed forms, variants of the format, and round trips through the writer.
 #include "ugoki/formats/bvh.h"
 
 #include <random>
@@ -10,7 +10,8 @@ namespace {
 
 constexpr double degree = pi / 180;
 
-/// A root and one arm of 2 units along the file's y; `channels` for the arm.
+/// A file with a root and an arm of 2 units along the file's y axis. @param channels CHANNELS line of the arm
+/// @param numbers values of the single frame
 std::string arm(const std::string& channels, const std::string& numbers) {
   return "HIERARCHY\nROOT Hips\n{\n\tOFFSET 0 0 0\n\tCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
          "\tJOINT Arm\n\t{\n\t\tOFFSET 0 1 0\n\t\t" +
@@ -23,13 +24,14 @@ MeasuredMotion read(const std::string& text, const BvhOptions& options = {.metre
   return result ? std::move(*result) : MeasuredMotion{};
 }
 
+/// World position of the first end site of a joint.
 Vec3 tip(const MeasuredMotion& m, std::size_t joint, int frame = 0) {
   std::vector<Pose> X;
   m.calc_joint_poses(frame, X);
   return X[joint] * m.skeleton.joints[joint].end_sites.at(0);
 }
 
-TEST(BvhReader, TurnsAxesAndPutsTheRootWhereItsPositionSays) {
+TEST(BvhReader, ConvertsAxesAndPlacesRootAtItsPositionChannels) {
   const MeasuredMotion m = read(arm("CHANNELS 3 Zrotation Xrotation Yrotation", "10 20 30 0 0 0 0 0 0"));
   ASSERT_EQ(m.joint_count(), 2);
   EXPECT_EQ(m.name, "test");
@@ -42,31 +44,31 @@ TEST(BvhReader, TurnsAxesAndPutsTheRootWhereItsPositionSays) {
   EXPECT_TRUE(m.skeleton.joints[0].translates);
   EXPECT_FALSE(m.skeleton.joints[1].translates);
   EXPECT_EQ(m.skeleton.joints[1].rotation_order, "ZXY");
-  ASSERT_EQ(m.skeleton.joints[1].freedoms.size(), 3U);
-  EXPECT_EQ(m.skeleton.joints[1].freedoms[0].axis, (Vec3{1, 0, 0}));  // file's z is our x
+  ASSERT_EQ(m.skeleton.joints[1].dofs.size(), 3U);
+  EXPECT_EQ(m.skeleton.joints[1].dofs[0].axis, (Vec3{1, 0, 0}));  // the file's z axis is our x axis
 }
 
-TEST(BvhReader, OneChannelTurnsAboutOneAxis) {
-  // 90 degrees about the file's z turns the arm from the file's y to its -x: our -y
+TEST(BvhReader, SingleRotationChannelRotatesAboutItsAxis) {
+  // 90 degrees about the file's z axis rotate the arm from the file's y to its -x, which is our -y.
   const MeasuredMotion m = read(arm("CHANNELS 1 Zrotation", "0 0 0 0 0 0 90"));
   expect_near(tip(m, 1), {0, -2, 1}, 1e-14, "turned arm");
   EXPECT_EQ(m.skeleton.joints[1].rotation_order, "Z");
 }
 
-TEST(BvhReader, NoChannelIsARigidJoint) {
+TEST(BvhReader, JointWithZeroChannelsIsRigid) {
   const MeasuredMotion m = read(arm("CHANNELS 0", "0 0 0 0 90 0"));
-  EXPECT_TRUE(m.skeleton.joints[1].freedoms.empty());
-  expect_near(tip(m, 1), {3, 0, 0}, 1e-14, "90 degrees about the file's x turn the whole figure forward");
+  EXPECT_TRUE(m.skeleton.joints[1].dofs.empty());
+  expect_near(tip(m, 1), {3, 0, 0}, 1e-14, "90 degrees about the file's x rotate the character forward");
 }
 
-TEST(BvhReader, MissingChannelsLineIsARigidJointToo) {
+TEST(BvhReader, JointWithoutChannelsLineIsRigid) {
   const MeasuredMotion m = read(arm("", "0 0 0 0 0 0"));
-  EXPECT_TRUE(m.skeleton.joints[1].freedoms.empty());
+  EXPECT_TRUE(m.skeleton.joints[1].dofs.empty());
 }
 
-TEST(BvhReader, TheFirstRotationIsOutermostInEveryOrder) {
+TEST(BvhReader, FirstRotationChannelIsOutermostInEveryOrder) {
   const double a = 20 * degree, b = -35 * degree, c = 70 * degree;
-  // Elementary matrices in the file's own axes, independent of the reader's quaternions.
+  // Rotation matrices in the file's axes, independent of the reader's quaternions.
   const auto elementary = [](char axis, double t) {
     const double s = std::sin(t), k = std::cos(t);
     return axis == 'X'   ? Mat3{1, 0, 0, 0, k, -s, 0, s, k}
@@ -82,7 +84,7 @@ TEST(BvhReader, TheFirstRotationIsOutermostInEveryOrder) {
   }
 }
 
-TEST(BvhReader, PositionChannelsReplaceTheOffsetTheyMeasure) {
+TEST(BvhReader, PositionChannelsReplaceComponentsOfOffset) {
   const MeasuredMotion all = read(arm("CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation", "0 0 0 0 0 0 4 5 6 0 0 0"));
   EXPECT_EQ(all.translations[1], (Vec3{6, 4, 5}));
   const MeasuredMotion one = read(arm("CHANNELS 2 Zposition Zrotation", "0 0 0 0 0 0 4 0"));
@@ -92,16 +94,16 @@ TEST(BvhReader, PositionChannelsReplaceTheOffsetTheyMeasure) {
   EXPECT_EQ(only.translations[1], (Vec3{3, 1, 2}));
 }
 
-TEST(BvhReader, PositionComesBeforeRotationWhateverTheOrder) {
+TEST(BvhReader, TranslationPrecedesRotationForAnyChannelOrder) {
   std::string text = arm("CHANNELS 0", "0 90 0 10 20 30");
   const std::string usual = "Xposition Yposition Zposition Zrotation Xrotation Yrotation";
   text.replace(text.find(usual), usual.size(), "Zrotation Xrotation Yrotation Xposition Yposition Zposition");
   const MeasuredMotion m = read(text);
   EXPECT_EQ(m.translations[0], (Vec3{30, 10, 20}));
-  expect_near(tip(m, 1), {33, 10, 20}, 1e-13, "root turned about its own place");
+  expect_near(tip(m, 1), {33, 10, 20}, 1e-13, "root rotated about its own position");
 }
 
-TEST(BvhReader, AcceptsWhatProgramsWrite) {
+TEST(BvhReader, AcceptsCommonVariantsOfTheFormat) {
   const std::string body =
       "hierarchy\r\n# made by hand\r\nRoot  Left Hip : main {\r\n  Offset\t0 0 0\r\n  channels 3 XROTATION yrotation Zrotation\r\n"
       "  Joint mixamorig:Spine {\r\n  OFFSET +1.5e0 -.5 2.\r\n  CHANNELS 3\r\n   Zrotation Xrotation\r\n Yrotation\r\n  End site\r\n{ "
@@ -124,7 +126,7 @@ TEST(BvhReader, AcceptsWhatProgramsWrite) {
   EXPECT_EQ(read(old_mac).frames, 2);
 }
 
-TEST(BvhReader, AnEndSiteWithChildrenOrChannelsIsAJoint) {
+TEST(BvhReader, EndSiteWithChildrenOrChannelsBecomesJoint) {
   const std::string text =
       "HIERARCHY\nROOT A\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
       "End Site\n{\nOFFSET 0 1 0\nCHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n"
@@ -147,10 +149,10 @@ TEST(BvhReader, ReadsSeveralRoots) {
   ASSERT_EQ(m.joint_count(), 2);
   EXPECT_EQ(m.skeleton.joints[1].parent, -1);
   EXPECT_EQ(m.translations[1], (Vec3{6, 4, 5}));
-  EXPECT_LT(greatest_distance(m, read(write_bvh(m)), 1), 1e-9);
+  EXPECT_LT(max_distance(m, read(write_bvh(m)), 1), 1e-9);
 }
 
-TEST(BvhReader, MakesNamesUniqueAndSaysSo) {
+TEST(BvhReader, RenamesDuplicateNamesAndNotesIt) {
   const std::string joint = "OFFSET 0 1 0\nCHANNELS 1 Xrotation\n";
   ReadNotes notes;
   const MeasuredMotion m = read("HIERARCHY\nROOT A\n{\n" + joint + "JOINT A_2\n{\n" + joint + "}\nJOINT A\n{\n" + joint + "}\nJOINT\n{\n" +
@@ -164,7 +166,7 @@ TEST(BvhReader, MakesNamesUniqueAndSaysSo) {
   EXPECT_EQ(notes.remarks.size(), 2U);
 }
 
-TEST(BvhReader, KnowsTheRateBehindARoundedFrameTime) {
+TEST(BvhReader, RecoversRateFromRoundedFrameTime) {
   const std::pair<const char*, double> cases[] = {{"0.0083333", 120},
                                                   {".0083333", 120},
                                                   {"0.008333", 120},
@@ -195,7 +197,7 @@ TEST(BvhReader, KnowsTheRateBehindARoundedFrameTime) {
   }
 }
 
-TEST(BvhReader, GuessesTheUnitFromTheSize) {
+TEST(BvhReader, GuessesUnitFromSkeletonSize) {
   const std::pair<double, double> cases[] = {{1.75, 1}, {17, 0.1}, {175, 0.01}, {1700, 0.001}, {68, 0.0254}, {30.5, 0.0254 / 0.45}};
   for (const auto& [height, unit] : cases) {
     std::string file = arm("CHANNELS 0", "0 0 0 0 0 0");
@@ -213,17 +215,17 @@ TEST(BvhReader, GuessesTheUnitFromTheSize) {
   EXPECT_FALSE(notes.unit_guessed);
 }
 
-TEST(BvhReader, ZUpFilesAreTakenAsTheyAre) {
+TEST(BvhReader, ZUpFilesKeepTheirAxes) {
   const MeasuredMotion m = read(arm("CHANNELS 1 Zrotation", "10 20 30 0 0 0 90"), {.metres_per_unit = 1, .z_up = true});
   EXPECT_EQ(m.translations[0], (Vec3{10, 20, 30}));
-  expect_near(tip(m, 1), {8, 21, 30}, 1e-13, "arm along y turned about z");
-  EXPECT_LT(greatest_distance(m, read(write_bvh(m, {.z_up = true}), {.metres_per_unit = 1, .z_up = true}), 1), 1e-7);
-  EXPECT_LT(greatest_distance(m, read(write_bvh(m)), 1), 1e-7);
+  expect_near(tip(m, 1), {8, 21, 30}, 1e-13, "arm along y rotated about z");
+  EXPECT_LT(max_distance(m, read(write_bvh(m, {.z_up = true}), {.metres_per_unit = 1, .z_up = true}), 1), 1e-7);
+  EXPECT_LT(max_distance(m, read(write_bvh(m)), 1), 1e-7);
 }
 
 // ---- writing
 
-/// A chain of five joints, one for each kind of order, with random poses; the middle angles often at the gimbal pole.
+/// Six joints with different rotation orders and random poses; in two of three frames the middle angle is at the gimbal pole (90 degrees).
 MeasuredMotion wild_motion(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> any(-180, 180), near_pole(-1e-9, 1e-9);
@@ -246,24 +248,23 @@ MeasuredMotion wild_motion(unsigned seed) {
   for (int f = 0; f < m.frames; ++f)
     for (int i = 0; i < 6; ++i) {
       const auto& j = m.skeleton.joints[static_cast<std::size_t>(i)];
-      const bool free = i == 0 || j.translates;
-      m.translations.push_back(free ? Vec3{any(random) / 100, any(random) / 100, any(random) / 100} : j.offset);
+      const bool translates = i == 0 || j.translates;
+      m.translations.push_back(translates ? Vec3{any(random) / 100, any(random) / 100, any(random) / 100} : j.offset);
       const double middle = f % 3 == 0 ? 90 + near_pole(random) : f % 3 == 1 ? -90 : any(random);
       m.rotations.push_back(to_quat(from_euler(Vec3{any(random), middle, any(random)} * degree, i % 2 == 0 ? "XYZ" : "YZX")));
     }
   return m;
 }
 
-TEST(BvhWriter, KeepsEveryPositionEvenAtTheGimbalPole) {
+TEST(BvhWriter, RoundTripKeepsPositionsAtGimbalPole) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const MeasuredMotion m = wild_motion(seed);
-    EXPECT_LT(greatest_distance(m, read(write_bvh(m), {.metres_per_unit = 0.01}), 1), 1e-8) << "seed " << seed;
-    EXPECT_LT(greatest_distance(m, read(write_bvh(m, {.metres_per_unit = 0.0254}), {.metres_per_unit = 0.0254}), 1), 1e-8)
-        << "seed " << seed;
+    EXPECT_LT(max_distance(m, read(write_bvh(m), {.metres_per_unit = 0.01}), 1), 1e-8) << "seed " << seed;
+    EXPECT_LT(max_distance(m, read(write_bvh(m, {.metres_per_unit = 0.0254}), {.metres_per_unit = 0.0254}), 1), 1e-8) << "seed " << seed;
   }
 }
 
-TEST(BvhWriter, KeepsRotationOrdersUnitAndRate) {
+TEST(BvhWriter, RoundTripKeepsRotationOrdersAndRate) {
   const MeasuredMotion m = wild_motion(1);
   const MeasuredMotion back = read(write_bvh(m), {.metres_per_unit = 0.01});
   EXPECT_EQ(back.rate, 50);
@@ -274,21 +275,21 @@ TEST(BvhWriter, KeepsRotationOrdersUnitAndRate) {
   };
   EXPECT_EQ(order("joint 0"), "ZXY");
   EXPECT_EQ(order("joint 1"), "XYZ");
-  EXPECT_EQ(order("joint 2"), "ZXY") << "ZXZ is no order of three axes";
-  EXPECT_EQ(order("joint 4"), "YZX") << "Y completed";
+  EXPECT_EQ(order("joint 2"), "ZXY") << "ZXZ repeats an axis: replaced by ZXY";
+  EXPECT_EQ(order("joint 4"), "YZX") << "an order of one axis is completed";
   EXPECT_EQ(order("joint 5"), "YZX");
   EXPECT_EQ(back.skeleton.joints[0].end_sites.size(), 2U);
 }
 
-TEST(BvhWriter, KeepsTheNumbersOfAPlainFile) {
+TEST(BvhWriter, RoundTripKeepsNumbersOfSimpleFile) {
   const std::string text = arm("CHANNELS 3 Zrotation Xrotation Yrotation", "10 20 30 1 2 3 -4.5 5.25 6.125");
   const std::string written = write_bvh(read(text));
   EXPECT_NE(written.find("\n10 20 30 1 2 3 -4.5 5.25 6.125\n"), std::string::npos) << written;
   EXPECT_NE(written.find("Frame Time: 0.01\n"), std::string::npos);
 }
 
-TEST(BvhWriter, AnglesDoNotJump) {
-  // A joint that turns three times about each axis of its order passes 180 degrees and stays continuous.
+TEST(BvhWriter, AnglesContinueBeyond180Degrees) {
+  // The arm rotates 400 frames of 3 degrees about its outermost axis; the last angle is 399 * 3 = 1197 degrees.
   MeasuredMotion m = read(arm("CHANNELS 3 Zrotation Xrotation Yrotation", "0 0 0 0 0 0 0 0 0"));
   m.frames = 400;
   m.translations.clear();
@@ -303,10 +304,10 @@ TEST(BvhWriter, AnglesDoNotJump) {
   EXPECT_TRUE(last.starts_with("0 0 0 0 0 0 1197 ")) << last;
 }
 
-TEST(BvhWriter, MoreOrFewerDecimals) {
+TEST(BvhWriter, DecimalsSetThePrecision) {
   const MeasuredMotion m = wild_motion(3);
   EXPECT_LT(write_bvh(m, {.decimals = 3}).size(), write_bvh(m).size());
-  EXPECT_LT(greatest_distance(m, read(write_bvh(m, {.decimals = 15}), {.metres_per_unit = 0.01}), 1), 1e-13);
+  EXPECT_LT(max_distance(m, read(write_bvh(m, {.decimals = 15}), {.metres_per_unit = 0.01}), 1), 1e-13);
   EXPECT_EQ(write_bvh(m, {.decimals = -7}), write_bvh(m, {.decimals = 1}));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// C3D files put together byte by byte for tests, after the format's user guide; knows nothing of the reader or writer.
+// Builds C3D files byte by byte for tests, following the C3D user guide, independently of the reader and writer under test.
 
 #include <bit>
 #include <cmath>
@@ -11,10 +11,13 @@
 
 namespace ugoki {
 
+/// Options of a small C3D file; finish() returns its bytes.
 struct C3dBytes {
   enum class Kind { intel = 84, dec = 85, mips = 86 };
   Kind kind = Kind::intel;
-  bool real = true, unsigned_analog = false, not_a_number = false;
+  bool real = true;              ///< floating-point data; otherwise 16-bit integers
+  bool unsigned_analog = false;  ///< analog samples are unsigned words of 40000
+  bool not_a_number = false;     ///< marker 0 has x = NaN in frame 0
   std::string units = "mm", y_screen = "+Z";
 
   static C3dBytes sample(Kind kind, bool real) {
@@ -24,7 +27,8 @@ struct C3dBytes {
     return file;
   }
 
-  /// Two markers, two channels of two samples a frame, three frames from number 5, 50 Hz, two events, one force platform.
+  /// The file: two markers, two analog channels of two samples in each frame, three frames numbered from 5, 50 Hz, two events, one force
+  /// platform. Marker i of frame f is at (10 f + 100 i, -20 f, 900 + 100 i) mm; marker 1 is not seen in frame 1.
   [[nodiscard]] std::vector<std::byte> finish() const {
     std::vector<std::byte> p(4);
     p[0] = std::byte{1};
@@ -103,7 +107,8 @@ struct C3dBytes {
 
   void number(std::vector<std::byte>& out, double value) const {
     std::uint32_t bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-    if (kind == Kind::dec && value != 0 && std::isfinite(value)) bits += 2U << 23;  // DEC counts exponents from two less
+    if (kind == Kind::dec && value != 0 && std::isfinite(value))
+      bits += 2U << 23;  // a DEC value is a quarter of the IEEE value of the same bits
     const auto b = [&](int k) { out.push_back(static_cast<std::byte>(bits >> (8 * k) & 0xff)); };
     if (kind == Kind::intel) b(0), b(1), b(2), b(3);
     if (kind == Kind::mips) b(3), b(2), b(1), b(0);

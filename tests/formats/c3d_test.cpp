@@ -1,4 +1,4 @@
-// C3D files of every processor and number form, put together byte by byte here, independent of the writer.
+// C3D files of every processor and number format, built byte by byte (c3d_bytes.h), independently of the writer.
 #include "ugoki/formats/c3d.h"
 
 #include <cstring>
@@ -18,10 +18,10 @@ Result<MarkerMotion> read(const C3dBytes& file, const MarkerOptions& options = {
   return read_c3d(bytes, "walk.c3d", options, notes);
 }
 
-TEST(C3d, EveryProcessorAndNumberFormGivesTheSameRecording) {
+TEST(C3d, EveryProcessorAndNumberFormatGivesTheSameRecording) {
   for (const Kind kind : {Kind::intel, Kind::dec, Kind::mips}) {
     for (const bool real : {false, true}) {
-      SCOPED_TRACE(std::to_string(static_cast<int>(kind)) + (real ? " real" : " whole"));
+      SCOPED_TRACE(std::to_string(static_cast<int>(kind)) + (real ? " floating point" : " integer"));
       const auto m = read(C3dBytes::sample(kind, real));
       ASSERT_TRUE(m.has_value()) << text_of(m.error());
       EXPECT_EQ(m->name, "walk");
@@ -30,7 +30,7 @@ TEST(C3d, EveryProcessorAndNumberFormGivesTheSameRecording) {
       EXPECT_DOUBLE_EQ(m->rate, 50);
       EXPECT_DOUBLE_EQ(m->unit, 0.001);
       EXPECT_EQ(m->labels, (std::vector<std::string>{"LASI", "RASI"}));
-      // sample() has marker i of frame f at (10 f + 100 i, -20 f, 900 + 100 i) mm, Z up; RASI is not seen in frame 1.
+      // Marker i of frame f is at (10 f + 100 i, -20 f, 900 + 100 i) mm, Z up; RASI is not seen in frame 1.
       for (int f = 0; f < 3; ++f) {
         for (int i = 0; i < 2; ++i) {
           const bool hidden = f == 1 && i == 1;
@@ -43,7 +43,7 @@ TEST(C3d, EveryProcessorAndNumberFormGivesTheSameRecording) {
       EXPECT_EQ(m->analog[0].label, "Fz");
       EXPECT_EQ(m->analog[0].unit, "N");
       EXPECT_DOUBLE_EQ(m->analog_rate, 100);
-      // Raw value of sample s, channel c: 100 s + c; offset 10, scale 0.5 and 2, general scale 3.
+      // The raw value of sample s of channel c is 100 s + c; the offset is 10, the scales 0.5 and 2, the general scale 3.
       ASSERT_EQ(m->samples.size(), 12U);
       for (int s = 0; s < 6; ++s) {
         EXPECT_NEAR(m->samples[static_cast<std::size_t>(2 * s)], (100.0 * s - 10) * 0.5 * 3, 1e-3);
@@ -62,7 +62,7 @@ TEST(C3d, EveryProcessorAndNumberFormGivesTheSameRecording) {
   }
 }
 
-TEST(C3d, UnsignedAnalogSamplesKeepTheirUpperHalf) {
+TEST(C3d, UnsignedAnalogSamplesAbove32767AreRead) {
   C3dBytes file = C3dBytes::sample(Kind::intel, false);
   file.unsigned_analog = true;
   const auto m = read(file);
@@ -70,18 +70,18 @@ TEST(C3d, UnsignedAnalogSamplesKeepTheirUpperHalf) {
   EXPECT_NEAR(m->samples[0], (40000.0 - 10) * 0.5 * 3, 1e-3);
 }
 
-TEST(C3d, AFileThatTellsYUpIsTurned) {
+TEST(C3d, YScreenParameterSetsTheUpAxis) {
   C3dBytes file = C3dBytes::sample(Kind::intel, true);
   file.y_screen = "+Y";
   const auto m = read(file);
   ASSERT_TRUE(m.has_value());
-  expect_near(m->at(2, 0), {0.9, 0.02, -0.04}, 1e-7, "Y up");  // (x, y, z) of the file is (z, x, y) here
+  expect_near(m->at(2, 0), {0.9, 0.02, -0.04}, 1e-7, "Y up");  // (x, y, z) of the file is (z, x, y) in our axes
   const auto forced = read(file, {.up = UpAxis::z});
   ASSERT_TRUE(forced.has_value());
   expect_near(forced->at(2, 0), {0.02, -0.04, 0.9}, 1e-7, "forced");
 }
 
-TEST(C3d, AnIncredibleUnitIsNotBelieved) {
+TEST(C3d, UnknownUnitIsGuessedAndNoted) {
   C3dBytes file = C3dBytes::sample(Kind::intel, true);
   file.units = "km";
   ReadNotes notes;
@@ -90,7 +90,7 @@ TEST(C3d, AnIncredibleUnitIsNotBelieved) {
   EXPECT_TRUE(notes.unit_guessed);
 }
 
-TEST(C3d, NumbersThatAreNotFiniteAreNotSeen) {
+TEST(C3d, PositionsThatAreNotFiniteAreNotSeen) {
   C3dBytes file = C3dBytes::sample(Kind::intel, true);
   file.not_a_number = true;
   ReadNotes notes;
@@ -102,7 +102,7 @@ TEST(C3d, NumbersThatAreNotFiniteAreNotSeen) {
   EXPECT_FALSE(notes.remarks.empty());
 }
 
-TEST(C3d, WhatIsWrittenIsReadBack) {
+TEST(C3d, RoundTripKeepsRecording) {
   const auto m = read(C3dBytes::sample(Kind::mips, false));
   ASSERT_TRUE(m.has_value());
   for (const bool z_up : {true, false}) {
@@ -130,7 +130,7 @@ TEST(C3d, WhatIsWrittenIsReadBack) {
   }
 }
 
-TEST(C3d, ManyMarkersAndFramesKeepTheirNumbers) {
+TEST(C3d, RoundTripKeepsMoreThan255MarkersAnd65535Frames) {
   MarkerMotion m;
   m.name = "crowd";
   m.unit = 0.001;
@@ -141,9 +141,9 @@ TEST(C3d, ManyMarkersAndFramesKeepTheirNumbers) {
   m.positions.resize(140000);
   m.residuals.resize(140000);
   for (std::size_t i = 0; i < m.positions.size(); ++i) m.positions[i] = {static_cast<double>(i) * 1e-5, 0.25, 1};
-  const auto long_one = write_c3d(m);
-  ASSERT_TRUE(long_one.has_value());
-  const auto back = read_c3d(*long_one, "crowd.c3d");
+  const auto long_file = write_c3d(m);
+  ASSERT_TRUE(long_file.has_value());
+  const auto back = read_c3d(*long_file, "crowd.c3d");
   ASSERT_TRUE(back.has_value()) << text_of(back.error());
   EXPECT_EQ(back->frames, 70000);
   expect_near(back->at(69999, 1), m.at(69999, 1), 1e-6, "last");
@@ -158,19 +158,19 @@ TEST(C3d, ManyMarkersAndFramesKeepTheirNumbers) {
   EXPECT_EQ(wide_back->labels, m.labels);
 }
 
-TEST(C3d, BrokenFilesAreRefusedWithPlaceAndRemedy) {
+TEST(C3d, BrokenFilesAreRejectedWithLocationAndRemedy) {
   const std::vector<std::byte> good = C3dBytes::sample(Kind::intel, true).finish();
   const auto refused = [](std::span<const std::byte> bytes, const std::string& what) {
     const auto m = read_c3d(bytes, "bad.c3d");
     ASSERT_FALSE(m.has_value()) << what;
     const Problem& p = m.error().problems.at(0);
-    EXPECT_TRUE(p.place.starts_with("bad.c3d: ")) << what << ": " << p.text();
+    EXPECT_TRUE(p.location.starts_with("bad.c3d: ")) << what << ": " << p.text();
     EXPECT_TRUE(p.message.ends_with('.')) << p.text();
     EXPECT_FALSE(p.remedy.empty()) << p.text();
   };
   const std::size_t data_end = good.size() - 512 + 3 * (2 * 4 + 4) * 4;
   refused({}, "empty");
-  for (std::size_t size = 1; size < data_end; size += 37) refused(std::span(good).first(size), "cut at " + std::to_string(size));
+  for (std::size_t size = 1; size < data_end; size += 37) refused(std::span(good).first(size), "truncated at " + std::to_string(size));
   const auto with = [&](std::size_t at, int value) {
     std::vector<std::byte> bytes = good;
     bytes.at(at) = static_cast<std::byte>(value);
@@ -183,16 +183,16 @@ TEST(C3d, BrokenFilesAreRefusedWithPlaceAndRemedy) {
   refused(with(8, 0xff), "more frames than data");
   refused(with(16, 0x77), "data beyond the end");
   refused(with(3, 0x10), "more markers than data");
-  refused(with(4, 5), "analog measurements that are no multiple");
+  refused(with(4, 5), "analog measurements that are not a multiple of the samples");
 }
 
-TEST(C3d, AnyByteMayBeWrong) {
+TEST(C3d, AnyWrongByteGivesFiniteDataOrError) {
   const std::vector<std::byte> good = C3dBytes::sample(Kind::intel, true).finish();
   for (std::size_t at = 0; at < good.size(); ++at) {
     for (const int value : {0, 1, 127, 128, 255}) {
       std::vector<std::byte> bytes = good;
       bytes[at] = static_cast<std::byte>(value);
-      const auto m = read_c3d(bytes, "bad.c3d");  // no crash; what is accepted is sound
+      const auto m = read_c3d(bytes, "bad.c3d");  // no crash, and every accepted value is finite
       if (!m) continue;
       ASSERT_EQ(m->positions.size(), static_cast<std::size_t>(m->frames) * m->labels.size());
       for (const Vec3& x : m->positions) ASSERT_TRUE(is_finite(x));
@@ -201,7 +201,7 @@ TEST(C3d, AnyByteMayBeWrong) {
   }
 }
 
-TEST(C3d, SharedRecordings) {
+TEST(C3d, SharedRecordingsHaveExpectedMarkersFramesAndRate) {
   const std::string folder = std::string(UGOKI_SOURCE_DIR) + "/../shared/data/human/c3d/";
   struct Expected {
     const char* file;
@@ -220,7 +220,7 @@ TEST(C3d, SharedRecordings) {
     EXPECT_EQ(m->rate, e.rate);
     double top = 0;
     for (const Vec3& x : m->positions) top = std::max(top, x.z);
-    EXPECT_GT(top, 1.4);  // heads are up
+    EXPECT_GT(top, 1.4);  // m: the highest marker is on the head of a standing person
     EXPECT_LT(top, 2.1);
   }
 }

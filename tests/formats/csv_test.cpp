@@ -28,7 +28,7 @@ MarkerMotion markers() {
   return m;
 }
 
-TEST(Csv, MarkersComeBackToTheBit) {
+TEST(Csv, MarkerRoundTripKeepsBits) {
   const MarkerMotion m = markers();
   const auto back = read_csv(write_csv(m), "hop.csv");
   ASSERT_TRUE(back.has_value()) << back.error().text();
@@ -41,7 +41,7 @@ TEST(Csv, MarkersComeBackToTheBit) {
   for (std::size_t i = 0; i < m.positions.size(); ++i) EXPECT_LT(norm(rounded->positions[i] - m.positions[i]), 1e-4);
 }
 
-TEST(Csv, FilesOfOtherProgramsAreRead) {
+TEST(Csv, SemicolonFilesWithUnitsAreRead) {
   const auto back = read_csv(
       "# made elsewhere\r\nframe;time;LASI_X [mm];LASI_Y [mm];LASI_Z "
       "[mm];note\r\n1;0.00;100;200;900;1\r\n2;0.01;110;;900;1\r\n3;0.02;120;200;905;0\r\n",
@@ -53,7 +53,8 @@ TEST(Csv, FilesOfOtherProgramsAreRead) {
   EXPECT_FALSE(back->seen(1, 0));
 }
 
-MechanismPtr everything() {
+/// A mechanism with one link of every joint type.
+MechanismPtr one_of_every_joint() {
   MechanismSpec spec{.name = "everything", .links = {}};
   for (int i = 0; i < 9; ++i) {
     LinkSpec l;
@@ -65,8 +66,8 @@ MechanismPtr everything() {
   return *Mechanism::make(spec);
 }
 
-TEST(Csv, CoordinatesComeBack) {
-  const MechanismPtr m = everything();
+TEST(Csv, CoordinateRoundTripKeepsValues) {
+  const MechanismPtr m = one_of_every_joint();
   std::mt19937_64 engine(3);
   std::uniform_real_distribution<double> in(-2, 2);
   Motion motion;
@@ -98,13 +99,13 @@ TEST(Csv, CoordinatesComeBack) {
   EXPECT_EQ(csv_kind(write_csv(markers())), CsvKind::points);
 }
 
-TEST(Csv, RefusalsHaveLineAndRemedy) {
-  const MechanismPtr m = everything();
+TEST(Csv, ErrorsHaveLocationAndRemedy) {
+  const MechanismPtr m = one_of_every_joint();
   const auto refuse = [](const std::string& text) {
     const auto r = read_csv(text, "x.csv");
     EXPECT_FALSE(r.has_value()) << text;
     if (r) return std::string();
-    for (const Problem& p : r.error().problems) EXPECT_FALSE(p.place.empty() || p.message.empty() || p.remedy.empty());
+    for (const Problem& p : r.error().problems) EXPECT_FALSE(p.location.empty() || p.message.empty() || p.remedy.empty());
     return r.error().text();
   };
   EXPECT_NE(refuse("").find("empty"), std::string::npos);
@@ -114,7 +115,7 @@ TEST(Csv, RefusalsHaveLineAndRemedy) {
   EXPECT_NE(refuse("time,a.x,a.y,a.z\n0,1,2,q\n").find("'q'"), std::string::npos);
   EXPECT_NE(refuse("time,a.x,a.y,a.z\n0,1,2,1e300\n").find("x.csv:2"), std::string::npos);
   EXPECT_NE(refuse("time,a.x,a.y,a.z\n0,1,2,3\n1,1,2,3\n5,1,2,3\n").find("evenly"), std::string::npos);
-  EXPECT_NE(refuse("time,a.x,a.x,a.y,a.z\n0,1,1,2,3\n").find("two columns"), std::string::npos);
+  EXPECT_NE(refuse("time,a.x,a.x,a.y,a.z\n0,1,1,2,3\n").find("Two columns"), std::string::npos);
   EXPECT_NE(refuse("time,\"a.x,a.y,a.z\n0,1,2,3\n").find("quotes"), std::string::npos);
   EXPECT_NE(refuse("knee[deg]\n3\n").find("NAME.x"), std::string::npos);
   EXPECT_FALSE(read_csv("time,nose[deg]\n0,1\n", "x.csv", *m).has_value());
@@ -122,6 +123,7 @@ TEST(Csv, RefusalsHaveLineAndRemedy) {
   EXPECT_FALSE(read_csv("time,link7.qw,link7.qx\n0,3,0\n", "x.csv", *m).has_value());
 }
 
+/// A random motion of nine joints in a binary tree, with end sites, two translating joints and one that does not rotate.
 MeasuredMotion tree() {
   std::mt19937_64 engine(9);
   std::uniform_real_distribution<double> in(-1, 1);
@@ -149,7 +151,7 @@ MeasuredMotion tree() {
   return m;
 }
 
-TEST(AmcWriter, JointsComeBackWithPositionsAndRotations) {
+TEST(AmcWriter, RoundTripKeepsPositionsAndRotations) {
   for (const bool two_roots : {false, true}) {
     MeasuredMotion m = tree();
     if (two_roots) m.skeleton.joints[2].parent = -1;

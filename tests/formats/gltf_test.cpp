@@ -23,7 +23,8 @@ std::string base64(const std::vector<float>& numbers) {
   return out;
 }
 
-/// Two nodes, the upper one 1 m up, the lower one 2 m above it and moved by an animation of this interpolation: times 0, 1, 2 s.
+/// A file with a node "arm" 1 m up and its child "hand" at 2 m along the arm's y. An animation with keys at 0, 1, 2 s moves the hand, or
+/// rotates the arm if `path` is "rotation".
 std::string arm(const std::string& interpolation, const std::string& path, const std::vector<float>& values) {
   const std::size_t components = path == "rotation" ? 4 : 3;
   std::vector<float> numbers = {0, 1, 2};
@@ -54,9 +55,10 @@ Vec3 hand_at(const MeasuredMotion& m, int frame) {
   return X[1].p;
 }
 
-// The file's (x, y, z) is (z, x, y) of ours. The arm is turned by 90 degrees about the file's Z: its Y points along -X.
+// (x, y, z) of the file is (z, x, y) in our axes. The arm is rotated by 90 degrees about the file's z axis, so that its y axis points
+// along -x of the file.
 
-TEST(Gltf, LinearKeysAreJoinedByStraightLines) {
+TEST(Gltf, LinearKeysAreInterpolatedLinearly) {
   const auto m = read(arm("LINEAR", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0}), {.rate = 4});
   ASSERT_TRUE(m.has_value()) << text_of(m.error());
   ASSERT_EQ(m->size(), 1U);
@@ -68,13 +70,13 @@ TEST(Gltf, LinearKeysAreJoinedByStraightLines) {
   EXPECT_TRUE((*m)[0].skeleton.joints[1].translates);
 }
 
-TEST(Gltf, StepsHoldAndCubicsFollowTheirTangents) {
+TEST(Gltf, StepKeysHoldAndCubicKeysFollowTangents) {
   const auto step = read(arm("STEP", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0}), {.rate = 4});
   ASSERT_TRUE(step.has_value());
   expect_near(hand_at((*step)[0], 3), {0, -2, 1}, 1e-6, "held");
   expect_near(hand_at((*step)[0], 4), {0, -4, 1}, 1e-6, "next");
-  // In-tangent, value, out-tangent of each key. In the first second y leaves 0 with slope 1: s (1 - s)^2; z arrives at 0 with slope 1: s^2
-  // (s - 1).
+  // Each key has an in-tangent, a value and an out-tangent. In the first second y starts at 0 with slope 1, y = s (1 - s)^2, and z ends
+  // at 0 with slope 1, z = s^2 (s - 1).
   const auto cubic = read(
       arm("CUBICSPLINE", "translation", {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}), {.rate = 4});
   ASSERT_TRUE(cubic.has_value()) << text_of(cubic.error());
@@ -84,7 +86,7 @@ TEST(Gltf, StepsHoldAndCubicsFollowTheirTangents) {
   }
 }
 
-TEST(Gltf, RotationsTurnAlongTheShortestArc) {
+TEST(Gltf, RotationsFollowTheShortestArc) {
   const float h = 0.70710678f;
   const auto m = read(arm("LINEAR", "rotation", {0, 0, 0, 1, 0, 0, -h, -h, 0, 0, 0, 1}), {.rate = 2});
   ASSERT_TRUE(m.has_value()) << text_of(m.error());
@@ -94,7 +96,7 @@ TEST(Gltf, RotationsTurnAlongTheShortestArc) {
   expect_near(hand_at((*m)[0], 2), {0, -2, 1}, 1e-6, "turned");
 }
 
-TEST(Gltf, WhatIsWrittenIsReadBack) {
+TEST(Gltf, RoundTripKeepsPositions) {
   const float h = 0.70710678f;
   for (const std::string& text :
        {arm("LINEAR", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0}), arm("LINEAR", "rotation", {0, 0, 0, 1, h, 0, 0, h, 0, h, 0, h})}) {
@@ -105,17 +107,17 @@ TEST(Gltf, WhatIsWrittenIsReadBack) {
     const auto back = read_gltf(bytes, "arm.glb");
     ASSERT_TRUE(back.has_value()) << text_of(back.error());
     EXPECT_EQ((*back)[0].rate, 10);
-    EXPECT_LT(greatest_distance((*m)[0], (*back)[0], 1), 1e-6);
+    EXPECT_LT(max_distance((*m)[0], (*back)[0], 1), 1e-6);
   }
 }
 
-TEST(Gltf, BrokenFilesAreRefusedWithPlaceAndRemedy) {
+TEST(Gltf, BrokenFilesAreRejectedWithLocationAndRemedy) {
   const std::string good = arm("LINEAR", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0});
-  const auto refused = [](const std::string& text, const std::string& what, const std::string& place) {
+  const auto refused = [](const std::string& text, const std::string& what, const std::string& location) {
     const auto m = read(text);
     ASSERT_FALSE(m.has_value()) << what;
     const Problem& p = m.error().problems.at(0);
-    EXPECT_NE(p.place.find(place), std::string::npos) << what << ": " << p.text();
+    EXPECT_NE(p.location.find(location), std::string::npos) << what << ": " << p.text();
     EXPECT_TRUE(p.message.ends_with('.')) << p.text();
     EXPECT_FALSE(p.remedy.empty()) << p.text();
   };
@@ -126,7 +128,7 @@ TEST(Gltf, BrokenFilesAreRefusedWithPlaceAndRemedy) {
     return text.replace(at, from.size(), to);
   };
   refused("", "empty", "arm.gltf");
-  refused(good.substr(0, 300), "cut", "arm.gltf");
+  refused(good.substr(0, 300), "truncated", "arm.gltf");
   refused("{}", "no asset", "asset/version");
   refused(with("\"2.0\"", "\"1.0\""), "version 1", "asset/version");
   refused(with("\"children\": [1]", "\"children\": [7]"), "no such child", "nodes/0/children");
@@ -145,7 +147,7 @@ TEST(Gltf, BrokenFilesAreRefusedWithPlaceAndRemedy) {
   refused(glb, "short GLB", "header");
 }
 
-TEST(Gltf, SharedFiles) {
+TEST(Gltf, SharedFilesHaveExpectedJointsAndRoundTrip) {
   const std::string folder = std::string(UGOKI_SOURCE_DIR) + "/../shared/data/";
   struct Expected {
     const char* file;
@@ -165,9 +167,9 @@ TEST(Gltf, SharedFiles) {
     EXPECT_EQ(m->size(), e.animations) << e.file;
     EXPECT_EQ((*m)[0].joint_count(), e.joints) << e.file;
     EXPECT_EQ((*m)[0].frames, e.first_frames) << e.file;
-    const auto back = read_gltf(write_glb((*m)[0]), "again.glb", {.rate = (*m)[0].rate, .metres_per_unit = 1});
+    const auto back = read_gltf(write_glb((*m)[0]), "copy.glb", {.rate = (*m)[0].rate, .metres_per_unit = 1});
     ASSERT_TRUE(back.has_value()) << text_of(back.error());
-    EXPECT_LT(greatest_distance((*m)[0], (*back)[0], 5), 1e-5) << e.file;
+    EXPECT_LT(max_distance((*m)[0], (*back)[0], 5), 1e-5) << e.file;
   }
 }
 

@@ -1,4 +1,4 @@
-// The JSON form of a mechanism: exact round trip, human forms, refusals with a path.
+// The JSON form of a mechanism: exact round trip, hand-written documents, errors with a JSON path.
 #include "ugoki/formats/mechanism_json.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 bool same(const void* a, const void* b, std::size_t n) { return std::memcmp(a, b, n) == 0; }
 bool same(const Pose& a, const Pose& b) { return same(&a, &b, sizeof a); }
 
-/// One link of every joint type, with numbers that have no short decimal form, a loop, all shapes.
+/// A mechanism with links of every joint type, loops of every type, several shapes, and values without a short decimal form.
 MechanismSpec rich() {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> any(-2, 2), some(0.1, 2);
@@ -32,7 +32,7 @@ MechanismSpec rich() {
     l.joint.axis2 = normalized(Vec3{any(random), any(random), any(random)});
     l.joint.pitch = any(random);
     for (int k = 0; k < l.joint.nv(); k += 1 + i % 2) {
-      Freedom& f = l.joint.freedoms[static_cast<std::size_t>(k)];
+      Dof& f = l.joint.dofs[static_cast<std::size_t>(k)];
       f = {-some(random), some(random), some(random), some(random), any(random), some(random), some(random), some(random)};
       if (k == 1) f.lower = -std::numeric_limits<double>::infinity();
     }
@@ -64,8 +64,8 @@ MechanismSpec rich() {
     l.axis = normalized(Vec3{any(random), any(random), any(random)});
     l.axis2 = normalized(Vec3{any(random), any(random), any(random)});
     l.length = some(random);
-    l.freedom_a = l.type == LoopType::gear ? 2 : 0;
-    l.freedom_b = l.type == LoopType::gear ? 1 : 0;
+    l.dof_a = l.type == LoopType::gear ? 2 : 0;
+    l.dof_b = l.type == LoopType::gear ? 1 : 0;
     l.polynomial = {any(random), any(random), -0.0, 0, any(random)};
     l.closed = i % 2 == 0;
     spec.loops.push_back(l);
@@ -73,7 +73,7 @@ MechanismSpec rich() {
   return spec;
 }
 
-TEST(MechanismJson, GivesBackTheSameBits) {
+TEST(MechanismJson, RoundTripKeepsEveryBit) {
   const auto made = Mechanism::make(rich());
   ASSERT_TRUE(made.has_value()) << made.error().text();
   const std::string text = write_mechanism(**made);
@@ -95,8 +95,8 @@ TEST(MechanismJson, GivesBackTheSameBits) {
     EXPECT_TRUE(same(&x.axis, &y.axis, sizeof x.axis));
     EXPECT_TRUE(same(&x.axis2, &y.axis2, sizeof x.axis2));
     EXPECT_TRUE(same(&x.length, &y.length, sizeof x.length));
-    EXPECT_EQ(x.freedom_a, y.freedom_a);
-    EXPECT_EQ(x.freedom_b, y.freedom_b);
+    EXPECT_EQ(x.dof_a, y.dof_a);
+    EXPECT_EQ(x.dof_b, y.dof_b);
     EXPECT_TRUE(same(&x.polynomial, &y.polynomial, sizeof x.polynomial));
     EXPECT_EQ(x.closed, y.closed);
     EXPECT_EQ(x.of_virtual_link, y.of_virtual_link);
@@ -114,8 +114,7 @@ TEST(MechanismJson, GivesBackTheSameBits) {
     EXPECT_TRUE(same(&x.joint.axis, &y.joint.axis, sizeof(Vec3)));
     EXPECT_TRUE(same(&x.joint.axis2, &y.joint.axis2, sizeof(Vec3)));
     EXPECT_EQ(x.joint.pitch, y.joint.pitch);
-    for (int k = 0; k < x.joint.nv(); ++k)
-      EXPECT_EQ(x.joint.freedoms[static_cast<std::size_t>(k)], y.joint.freedoms[static_cast<std::size_t>(k)]);
+    for (int k = 0; k < x.joint.nv(); ++k) EXPECT_EQ(x.joint.dofs[static_cast<std::size_t>(k)], y.joint.dofs[static_cast<std::size_t>(k)]);
     EXPECT_EQ(x.inertia, y.inertia);
     ASSERT_EQ(x.shapes.size(), y.shapes.size());
     for (std::size_t k = 0; k < x.shapes.size(); ++k) {
@@ -131,32 +130,45 @@ TEST(MechanismJson, GivesBackTheSameBits) {
       EXPECT_EQ(s.visible, t.visible);
     }
   }
-  EXPECT_EQ(write_mechanism(b), text) << "the text of the text is the text";
+  EXPECT_EQ(write_mechanism(b), text) << "writing the mechanism that was read gives the same text";
 }
 
-TEST(MechanismJson, ReadsWhatAPersonWrites) {
+TEST(MechanismJson, FormerFieldNamesAreRead) {
+  std::string text = write_mechanism(**Mechanism::make(rich()));
+  const std::string present = text;
+  std::size_t renamed = 0;
+  for (const auto& [now, former] : {std::pair<std::string, std::string>("\"dofs\":", "\"freedoms\":"), {"\"dof\":", "\"freedom\":"}})
+    for (std::size_t at = text.find(now); at != std::string::npos; at = text.find(now, at + former.size()), ++renamed)
+      text.replace(at, now.size(), former);
+  ASSERT_GT(renamed, 4u);
+  const auto back = read_mechanism(text, "old.json");
+  ASSERT_TRUE(back.has_value()) << back.error().text();
+  EXPECT_EQ(write_mechanism(**back), present);
+}
+
+TEST(MechanismJson, HandWrittenDocumentIsRead) {
   const auto m = read_mechanism(R"({
     "format": "ugoki-mechanism", "version": 1, "name": "pendulum",
     "links": [{"name": "rod",
-               "joint": {"type": "revolute", "axis": [0, 1, 0], "position": [0, 0, 2], "rotation": [0, 0, 0, 2], "freedoms": [{"damping": 0.1}]},
+               "joint": {"type": "revolute", "axis": [0, 1, 0], "position": [0, 0, 2], "rotation": [0, 0, 0, 2], "dofs": [{"damping": 0.1}]},
                "inertia": {"mass": 2, "centre": [0, 0, -0.5], "about_centre": [0.1, 0.1, 0.01, 0, 0, 0]},
                "shapes": [{"type": "capsule", "radius": 0.05, "half_length": 0.5, "position": [0, 0, -0.5]}]}]})",
                                 "pendulum.json");
   ASSERT_TRUE(m.has_value()) << m.error().text();
   const Link& rod = (*m)->link(0);
-  EXPECT_EQ(rod.joint.X_PJ.R, (Mat3{-1, 0, 0, 0, -1, 0, 0, 0, 1})) << "the quaternion is made unit";
+  EXPECT_EQ(rod.joint.X_PJ.R, (Mat3{-1, 0, 0, 0, -1, 0, 0, 0, 1})) << "the quaternion is normalised";
   EXPECT_EQ(rod.inertia.h, (Vec3{0, 0, -1}));
   EXPECT_DOUBLE_EQ(rod.inertia.I.xx, 0.6);
-  EXPECT_EQ(rod.joint.freedoms[0].damping, 0.1);
-  EXPECT_EQ(rod.joint.freedoms[0].lower, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(rod.joint.dofs[0].damping, 0.1);
+  EXPECT_EQ(rod.joint.dofs[0].lower, -std::numeric_limits<double>::infinity());
   const std::string text = write_mechanism(**m);
-  EXPECT_EQ(text.find("axis2"), std::string::npos) << "defaults are left out: " << text;
+  EXPECT_EQ(text.find("axis2"), std::string::npos) << "defaults are omitted: " << text;
   EXPECT_EQ(text.find("collides"), std::string::npos);
 }
 
 std::string document(const std::string& link) { return "{\"format\": \"ugoki-mechanism\",\n\"version\": 1,\n\"links\": [" + link + "]}"; }
 
-TEST(MechanismJson, RefusesWithTheJsonPath) {
+TEST(MechanismJson, ErrorsHaveTheJsonPath) {
   const std::pair<std::string, std::string> cases[] = {
       {"[]", "a.json:/"},
       {"{}", "a.json:format"},
@@ -176,9 +188,9 @@ TEST(MechanismJson, RefusesWithTheJsonPath) {
       {document("{\"name\": \"x\", \"joint\": {\"type\": \"revolute\", \"rotation\": [1, 0]}}"), "a.json:links/0/joint/rotation"},
       {document("{\"name\": \"x\", \"joint\": {\"type\": \"revolute\", \"rotation\": [[1, 0, 0], [0, 1, 0], 7]}}"),
        "a.json:links/0/joint/rotation/2"},
-      {document("{\"name\": \"x\", \"joint\": {\"type\": \"revolute\", \"freedoms\": [{}, {}]}}"), "a.json:links/0/joint/freedoms"},
-      {document("{\"name\": \"x\", \"joint\": {\"type\": \"revolute\", \"freedoms\": [{\"damping\": null}]}}"),
-       "a.json:links/0/joint/freedoms/0/damping"},
+      {document("{\"name\": \"x\", \"joint\": {\"type\": \"revolute\", \"dofs\": [{}, {}]}}"), "a.json:links/0/joint/dofs"},
+      {document("{\"name\": \"x\", \"joint\": {\"type\": \"revolute\", \"dofs\": [{\"damping\": null}]}}"),
+       "a.json:links/0/joint/dofs/0/damping"},
       {document("{\"name\": \"x\", \"inertia\": {\"mass\": \"heavy\"}}"), "a.json:links/0/inertia/mass"},
       {document("{\"name\": \"x\", \"inertia\": {\"centre\": [0,0,0], \"first_moment\": [0,0,0]}}"), "a.json:links/0/inertia"},
       {document("{\"name\": \"x\", \"shapes\": {}}"), "a.json:links/0/shapes"},
@@ -187,8 +199,8 @@ TEST(MechanismJson, RefusesWithTheJsonPath) {
       {document("{\"name\": \"x\", \"virtual\": {\"real\": 5}}"), "a.json:links/0/virtual/real"},
       {R"({"format": "ugoki-mechanism", "version": 1, "links": [{"name": "x"}], "loops": [{"name": "l", "type": "knot"}]})",
        "a.json:loops/0/type"},
-      {R"({"format": "ugoki-mechanism", "version": 1, "links": [{"name": "x"}], "loops": [{"type": "gear", "a": {"freedom": 0.5}}]})",
-       "a.json:loops/0/a/freedom"},
+      {R"({"format": "ugoki-mechanism", "version": 1, "links": [{"name": "x"}], "loops": [{"type": "gear", "a": {"dof": 0.5}}]})",
+       "a.json:loops/0/a/dof"},
       {document("{\"name\": \"x\",}"), "a.json:3"},
       {document("{\"name\": \"x\", \"inertia\": {\"mass\": NaN}}"), "a.json:3"},
       {document("{\"name\": \"x\", \"inertia\": {\"mass\": 1e999}}"), "a.json:3"},
@@ -200,15 +212,15 @@ TEST(MechanismJson, RefusesWithTheJsonPath) {
       {document("{\"name\": \"x\"}, {\"name\": \"x\"}"), "a.json: link x"},
       {document(""), "a.json: mechanism (no name)"},
   };
-  for (const auto& [text, place] : cases) {
+  for (const auto& [text, location] : cases) {
     const auto result = read_mechanism(text, "a.json");
     ASSERT_FALSE(result.has_value()) << text;
-    EXPECT_EQ(result.error().problems.at(0).place, place) << text << "\n" << result.error().text();
+    EXPECT_EQ(result.error().problems.at(0).location, location) << text << "\n" << result.error().text();
     EXPECT_FALSE(result.error().problems[0].remedy.empty()) << text;
   }
 }
 
-TEST(MechanismJson, DeepNestingAndCutsDoNotHarm) {
+TEST(MechanismJson, DeepNestingAndTruncationAreRejected) {
   EXPECT_FALSE(read_mechanism(std::string(1'000'000, '['), "deep.json").has_value());
   EXPECT_FALSE(read_mechanism(std::string(200'000, '[') + std::string(200'000, ']'), "deep.json").has_value());
   const auto made = Mechanism::make(rich());

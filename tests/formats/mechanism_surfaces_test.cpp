@@ -13,7 +13,7 @@
 namespace ugoki::formats {
 namespace {
 
-/// A tetrahedron with a dent, or whole.
+/// A tetrahedron; if it is not convex, one face is dented.
 GeometryPtr tetrahedron(bool convex) {
   std::vector<Vec3> p = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   std::vector<Triangle> t = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
@@ -24,6 +24,7 @@ GeometryPtr tetrahedron(bool convex) {
   return make_geometry(p, t, convex, "test").value();
 }
 
+/// The geometry with its prepared collision data.
 GeometryPtr prepared(const GeometryPtr& g) {
   collision::Hull hull;
   if (!g->convex)
@@ -57,7 +58,7 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-TEST(MechanismSurfaces, ComeBackBitForBitWithWhatWasPrepared) {
+TEST(MechanismSurfaces, RoundTripKeepsSurfacesAndPreparedDataBitForBit) {
   const MechanismPtr made = scene();
   const std::string text = write_mechanism(*made);
   const auto back = read_mechanism(text, "s.json");
@@ -81,13 +82,13 @@ TEST(MechanismSurfaces, ComeBackBitForBitWithWhatWasPrepared) {
     EXPECT_TRUE(same_bytes(p.spheres.blocks, y.prepared->spheres.blocks));
     EXPECT_TRUE(same_bytes(p.spheres.vertices, y.prepared->spheres.vertices));
   }
-  EXPECT_EQ(b[1].geometry, b[2].geometry) << "one mesh is stored, and kept in memory, once";
+  EXPECT_EQ(b[1].geometry, b[2].geometry) << "equal meshes are stored, and kept in memory, once";
   EXPECT_TRUE(same_bytes(a[3].field->heights, b[3].field->heights));
   EXPECT_EQ(a[3].field->hash, b[3].field->hash);
   EXPECT_EQ(write_mechanism(**back), text);
 }
 
-TEST(MechanismSurfaces, ReadWhatAPersonWrites) {
+TEST(MechanismSurfaces, HandWrittenListsAreRead) {
   const auto m = read_mechanism(R"({"format": "ugoki-mechanism", "version": 1, "name": "m", "links": [{"name": "a", "shapes": [
       {"type": "mesh", "geometry": "roof"}, {"type": "height_field", "height_field": "hill"}]}],
     "geometries": [{"name": "roof", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -100,16 +101,16 @@ TEST(MechanismSurfaces, ReadWhatAPersonWrites) {
   EXPECT_EQ((*m)->link(0).shapes[1].field->point(1, 1).z, 1);
 }
 
-TEST(MechanismSurfaces, BrokenOnesAreRefusedWithTheirPath) {
+TEST(MechanismSurfaces, BrokenSurfacesAreRejectedWithTheirPath) {
   const std::string text = write_mechanism(*scene());
   struct Case {
-    const char *what, *with, *path;
+    const char *from, *to, *path;
   };
-  const auto changed = [&](const std::string& what, const std::string& with) {
+  const auto changed = [&](const std::string& from, const std::string& to) {
     std::string out = text;
-    const std::size_t at = out.find(what);
-    EXPECT_NE(at, std::string::npos) << what;
-    if (at != std::string::npos) out.replace(at, what.size(), with);
+    const std::size_t at = out.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    if (at != std::string::npos) out.replace(at, from.size(), to);
     return out;
   };
   const Case cases[] = {
@@ -130,22 +131,22 @@ TEST(MechanismSurfaces, BrokenOnesAreRefusedWithTheirPath) {
       {"\"height_field\": \"", "\"height_field\": \"x", "links/0/shapes/3/height_field"},
   };
   for (const Case& c : cases) {
-    const auto result = read_mechanism(changed(c.what, c.with), "a.json");
-    ASSERT_FALSE(result.has_value()) << c.what << " -> " << c.with;
+    const auto result = read_mechanism(changed(c.from, c.to), "a.json");
+    ASSERT_FALSE(result.has_value()) << c.from << " -> " << c.to;
     const Problem& p = result.error().problems[0];
-    EXPECT_TRUE(p.place.starts_with(std::string("a.json:") + c.path)) << p.place << " for " << c.what << " -> " << c.with;
+    EXPECT_TRUE(p.location.starts_with(std::string("a.json:") + c.path)) << p.location << " for " << c.from << " -> " << c.to;
     EXPECT_FALSE(p.message.empty());
   }
-  // Every shortened and every changed text is answered.
+  // Random changes of the text give a mechanism or an error, never a crash.
   std::mt19937_64 random(7);
   for (int i = 0; i < 2000; ++i) {
-    std::string hurt = text;
-    for (int k = 0; k < 3; ++k) hurt[random() % hurt.size()] = "A/0\"{]z9,"[random() % 9];
-    (void)read_mechanism(hurt, "a.json");
+    std::string damaged = text;
+    for (int k = 0; k < 3; ++k) damaged[random() % damaged.size()] = "A/0\"{]z9,"[random() % 9];
+    (void)read_mechanism(damaged, "a.json");
   }
 }
 
-TEST(Base64, IsItsOwnInverseAndRefusesTheRest) {
+TEST(Base64, RoundTripKeepsBytesAndInvalidTextIsRejected) {
   std::mt19937_64 random(3);
   for (std::size_t n = 0; n < 70; ++n) {
     std::vector<std::uint8_t> bytes(n);

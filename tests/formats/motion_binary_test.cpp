@@ -1,4 +1,4 @@
-// Motions as bytes: every bit comes back; damage is found.
+// Binary form of motions: the round trip keeps every bit, and damage is detected.
 #include "ugoki/formats/motion_binary.h"
 
 #include <gtest/gtest.h>
@@ -41,14 +41,14 @@ MeasuredMotion a_measured_motion() {
   arm.parent = 0;
   arm.offset = {0.1, 0.2, 0.3};
   arm.rotation_order = "XY";
-  arm.freedoms = {{{1, 0, 0}, true, -1, std::numeric_limits<double>::infinity()}, {{0, 1, 0}}};
+  arm.dofs = {{{1, 0, 0}, true, -1, std::numeric_limits<double>::infinity()}, {{0, 1, 0}}};
   m.skeleton.joints = {root, arm};
   m.translations = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {-0.0, 1e-310, 12}};
   m.rotations = {{}, {0, 1, 0, 0}, {0.6, 0, 0.8, 0}, {}};
   return m;
 }
 
-TEST(MotionBinary, GivesBackEveryBit) {
+TEST(MotionBinary, RoundTripKeepsEveryBit) {
   const Motion m = a_motion();
   const auto back = read_motion(write_motion(m), "x");
   ASSERT_TRUE(back.has_value()) << back.error().text();
@@ -67,7 +67,7 @@ TEST(MotionBinary, GivesBackEveryBit) {
   EXPECT_EQ(write_motion(*back), write_motion(m));
 }
 
-TEST(MotionBinary, MeasuredMotionGivesBackEveryBit) {
+TEST(MotionBinary, MeasuredMotionRoundTripKeepsEveryBit) {
   const MeasuredMotion m = a_measured_motion();
   const auto bytes = write_measured_motion(m);
   const auto back = read_measured_motion(bytes, "x");
@@ -75,7 +75,7 @@ TEST(MotionBinary, MeasuredMotionGivesBackEveryBit) {
   EXPECT_EQ(write_measured_motion(*back), bytes);
   ASSERT_EQ(back->joint_count(), 2);
   EXPECT_EQ(back->skeleton.joints[1].rotation_order, "XY");
-  EXPECT_EQ(back->skeleton.joints[1].freedoms[0].upper, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(back->skeleton.joints[1].dofs[0].upper, std::numeric_limits<double>::infinity());
   EXPECT_EQ(back->skeleton.joints[0].end_sites[0], (Vec3{1, 2, 3}));
   EXPECT_TRUE(back->skeleton.joints[0].translates);
   EXPECT_EQ(back->translations[2], (Vec3{7, 8, 9}));
@@ -83,8 +83,8 @@ TEST(MotionBinary, MeasuredMotionGivesBackEveryBit) {
   EXPECT_EQ(back->skeleton.mass, 71);
 }
 
-/// The bytes with a right checksum, so that what is behind the checksum is tested too.
-std::vector<std::byte> summed(std::vector<std::byte> bytes) {
+/// The bytes with the correct size and checksum, so that a test reaches the checks after the checksum.
+std::vector<std::byte> with_checksum(std::vector<std::byte> bytes) {
   Hash64 hash;
   hash.add_bytes(bytes.data() + 32, bytes.size() - 32);
   const std::uint64_t size = bytes.size() - 32, sum = hash.value();
@@ -93,14 +93,14 @@ std::vector<std::byte> summed(std::vector<std::byte> bytes) {
   return bytes;
 }
 
-TEST(MotionBinary, TheLayoutIsTheDocumentedOne) {
+TEST(MotionBinary, LayoutMatchesDocumentation) {
   const auto bytes = write_motion(a_motion());
   EXPECT_EQ(std::memcmp(bytes.data(), "UGOKIMOT\1\0\0\0\0\0\0\0", 16), 0);
   EXPECT_EQ(std::memcmp(bytes.data() + 32, "\4\0\0\0\0\0\0\0walk", 12), 0);
-  EXPECT_EQ(summed(bytes), bytes);
+  EXPECT_EQ(with_checksum(bytes), bytes);
 }
 
-TEST(MotionBinary, FindsEveryCutAndEveryFlippedBit) {
+TEST(MotionBinary, DetectsEveryTruncationAndFlippedBit) {
   for (const auto& good : {write_motion(a_motion()), write_measured_motion(a_measured_motion())}) {
     const bool measured = good[5] == std::byte{'M'} && good[6] == std::byte{'E'};
     const auto refused = [&](const std::vector<std::byte>& bytes) {
@@ -110,28 +110,28 @@ TEST(MotionBinary, FindsEveryCutAndEveryFlippedBit) {
       } else {
         if (auto r = read_motion(bytes, "row 7"); !r) error = std::move(r.error());
       }
-      return !error.empty() && error.problems[0].place.starts_with("row 7: byte ") && !error.problems[0].remedy.empty();
+      return !error.empty() && error.problems[0].location.starts_with("row 7: byte ") && !error.problems[0].remedy.empty();
     };
     for (std::size_t n = 0; n < good.size(); ++n) {
       const std::vector<std::byte> cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(n));
       EXPECT_TRUE(refused(cut)) << n;
       if (n > 32) {
-        EXPECT_TRUE(refused(summed(cut))) << n << " with a right checksum";
+        EXPECT_TRUE(refused(with_checksum(cut))) << n << " with a correct checksum";
       }
     }
     for (std::size_t n = 0; n < good.size(); ++n) {
-      if (n >= 12 && n < 16) continue;  // reserved
+      if (n >= 12 && n < 16) continue;  // reserved bytes are not checked
       auto bad = good;
       bad[n] ^= std::byte{0x10};
       EXPECT_TRUE(refused(bad)) << n;
     }
     auto longer = good;
     longer.push_back(std::byte{0});
-    EXPECT_TRUE(refused(summed(longer)));
+    EXPECT_TRUE(refused(with_checksum(longer)));
   }
 }
 
-TEST(MotionBinary, RefusesImpossibleContents) {
+TEST(MotionBinary, RejectsInvalidContents) {
   Motion m = a_motion();
   m.q[1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(read_motion(write_motion(m), "x").has_value());
@@ -150,7 +150,7 @@ TEST(MotionBinary, RefusesImpossibleContents) {
   d = a_measured_motion();
   d.rotations[0].w = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(read_measured_motion(write_measured_motion(d), "x").has_value());
-  EXPECT_FALSE(read_measured_motion(write_motion(a_motion()), "x").has_value()) << "another kind";
+  EXPECT_FALSE(read_measured_motion(write_motion(a_motion()), "x").has_value()) << "wrong kind of motion";
 }
 
 }  // namespace

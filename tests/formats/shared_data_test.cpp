@@ -1,4 +1,5 @@
-// Real files: frames, joints, duration; world positions by another way of computing; the round trip through BVH.
+// Recorded BVH, ASF and AMC files: frame counts, joints and durations; world positions compared with an independent computation; round
+// trip through BVH.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -15,7 +16,7 @@ namespace {
 const std::string folder = std::string(UGOKI_SHARED_DATA) + "/human/";
 
 #define NEEDS_SHARED_DATA() \
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are not here (" << folder << ")"
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are not available (" << folder << ")"
 
 std::string load(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
@@ -50,7 +51,7 @@ MeasuredMotion read_amc_file(const std::string& name) {
   return m ? std::move(*m) : MeasuredMotion{};
 }
 
-// ---- independent kinematics: 4x4 matrices in the file's own axes and units, straight from the text
+// ---- independent kinematics: 4x4 matrices in file axes and units, parsed directly from the text
 
 struct Matrix4 {
   double a[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
@@ -87,11 +88,11 @@ Matrix4 turned(char axis, double degrees) {
   m.a[q][q] = c;
   return m;
 }
-/// The place of a matrix in our axes and metres: x forward (file z), y left (file x), z up (file y).
-Vec3 place(const Matrix4& m, double unit) { return Vec3{m.a[2][3], m.a[0][3], m.a[1][3]} * unit; }
+/// Translation of a matrix [file units] as a position in our axes [m]: x forward (file z), y left (file x), z up (file y).
+Vec3 position_of(const Matrix4& m, double unit) { return Vec3{m.a[2][3], m.a[0][3], m.a[1][3]} * unit; }
 
-/// World places of all joints and end sites of a BVH text in file order, each joint's end sites after its own place.
-struct BvhPlaces {
+/// World positions of all joints and end sites of a BVH text, in file order.
+struct BvhPositions {
   struct Node {
     int parent;
     bool end;
@@ -102,7 +103,7 @@ struct BvhPlaces {
   std::vector<double> numbers;
   std::size_t channel_count = 0;
 
-  explicit BvhPlaces(const std::string& text) {
+  explicit BvhPositions(const std::string& text) {
     std::istringstream in(text);
     std::vector<int> stack;
     std::string w;
@@ -143,13 +144,14 @@ struct BvhPlaces {
       }
       const Matrix4 local = moved(p[0], p[1], p[2]) * rotation;
       world.push_back(n.parent < 0 ? local : world[static_cast<std::size_t>(n.parent)] * local);
-      out.push_back(place(world.back(), unit));
+      out.push_back(position_of(world.back(), unit));
     }
     return out;
   }
 };
 
-std::vector<Vec3> places_of(const MeasuredMotion& m, const BvhPlaces& order, int frame) {
+/// World positions [m] of a motion in one frame, in the order of `order`.
+std::vector<Vec3> positions_of(const MeasuredMotion& m, const BvhPositions& order, int frame) {
   std::vector<Pose> X;
   m.calc_joint_poses(frame, X);
   std::vector<Vec3> out;
@@ -173,24 +175,24 @@ std::vector<Vec3> places_of(const MeasuredMotion& m, const BvhPlaces& order, int
 void check_bvh(const std::string& name, int stride) {
   SCOPED_TRACE(name);
   const MeasuredMotion m = read_bvh_file(name);
-  const BvhPlaces other(load(folder + "bvh/" + name));
-  ASSERT_EQ(static_cast<std::size_t>(m.frames), other.frames());
+  const BvhPositions reference(load(folder + "bvh/" + name));
+  ASSERT_EQ(static_cast<std::size_t>(m.frames), reference.frames());
   double worst = 0;
   for (int f = 0; f < m.frames; f += stride) {
-    const auto a = places_of(m, other, f), b = other.at(static_cast<std::size_t>(f), m.skeleton.unit);
+    const auto a = positions_of(m, reference, f), b = reference.at(static_cast<std::size_t>(f), m.skeleton.unit);
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, norm(a[i] - b[i]));
   }
-  EXPECT_LT(worst, 1e-12) << "another way of computing the places";  // lengths below 10 m, some 30 products of eps each
+  EXPECT_LT(worst, 1e-12) << "independent computation of the positions";  // m: rounding of about 30 products of lengths below 10 m
   const std::string written = write_bvh(m);
   const auto back = read_bvh(written, name);
   ASSERT_TRUE(back.has_value()) << back.error().text();
   EXPECT_EQ(back->skeleton.unit, m.skeleton.unit);
   EXPECT_EQ(back->rate, m.rate);
-  EXPECT_LT(greatest_distance(m, *back, stride), 1e-6) << "round trip";
+  EXPECT_LT(max_distance(m, *back, stride), 1e-6) << "round trip";
 }
 
-// ---- independent kinematics of ASF/AMC: the formula that the CMU database gives (M = B R_dof C^-1 C ...)
+// ---- independent kinematics of ASF/AMC by the formula of the CMU motion capture database: C R_dof C^-1 for each bone
 
 struct CmuBone {
   std::string parent;
@@ -227,9 +229,9 @@ std::map<std::string, CmuBone> read_cmu_bones(const std::string& text) {
 
 Matrix4 cmu_axis(const double* a) { return turned('Z', a[2]) * turned('Y', a[1]) * turned('X', a[0]); }
 
-/// World rotation at and end of the bone, in the file's axes and units.
+/// World transforms of the start and the end of a bone, in file axes and units.
 struct CmuPose {
-  Matrix4 start, world;  ///< where the bone starts; its end
+  Matrix4 start, end;
 };
 
 CmuPose cmu_pose(const std::map<std::string, CmuBone>& bones, const std::map<std::string, std::vector<double>>& frame,
@@ -244,7 +246,7 @@ CmuPose cmu_pose(const std::map<std::string, CmuBone>& bones, const std::map<std
   double r[3] = {0, 0, 0};
   for (std::size_t i = 0; i < b.dof.size(); ++i) r[b.dof[i][1] - 'x'] = frame.at(name)[i];
   const Matrix4 C = cmu_axis(b.axis);
-  const Matrix4 start = parent.world * C * turned('Z', r[2]) * turned('Y', r[1]) * turned('X', r[0]) * C.transposed();
+  const Matrix4 start = parent.end * C * turned('Z', r[2]) * turned('Y', r[1]) * turned('X', r[0]) * C.transposed();
   return {start, start * moved(b.direction[0] * b.length, b.direction[1] * b.length, b.direction[2] * b.length)};
 }
 
@@ -254,7 +256,7 @@ void check_amc(const std::string& name, int stride) {
   ASSERT_GT(m.frames, 0);
   EXPECT_EQ(m.joint_count(), 31);
   EXPECT_EQ(m.rate, 120);
-  EXPECT_GT(rest_height(m.skeleton), 1.2) << "people's skeletons, without the top of the head";
+  EXPECT_GT(rest_height(m.skeleton), 1.2) << "height of a person without the top of the head, m";
   EXPECT_LT(rest_height(m.skeleton), 2.1);
 
   const auto bones = read_cmu_bones(load(folder + "asf_amc/" + skeleton_of(name)));
@@ -271,8 +273,8 @@ void check_amc(const std::string& name, int stride) {
     for (std::size_t i = 0; i < X.size(); ++i) {
       const SkeletonJoint& j = m.skeleton.joints[i];
       const CmuPose p = cmu_pose(bones, frame, j.name);
-      worst = std::max(worst, norm(X[i].p - place(p.start, m.skeleton.unit)));
-      if (!j.end_sites.empty()) worst = std::max(worst, norm(X[i] * j.end_sites[0] - place(p.world, m.skeleton.unit)));
+      worst = std::max(worst, norm(X[i].p - position_of(p.start, m.skeleton.unit)));
+      if (!j.end_sites.empty()) worst = std::max(worst, norm(X[i] * j.end_sites[0] - position_of(p.end, m.skeleton.unit)));
     }
   };
   while (std::getline(in, line)) {
@@ -294,7 +296,7 @@ void check_amc(const std::string& name, int stride) {
   const auto back = read_bvh(write_bvh(m), name);
   ASSERT_TRUE(back.has_value()) << back.error().text();
   EXPECT_EQ(back->skeleton.unit, m.skeleton.unit);
-  EXPECT_LT(greatest_distance(m, *back, stride), 1e-6) << "round trip";
+  EXPECT_LT(max_distance(m, *back, stride), 1e-6) << "round trip";
 }
 
 struct Expected {
@@ -303,7 +305,7 @@ struct Expected {
   double rate;
 };
 
-TEST(SharedBvh, FramesJointsAndRateAreThoseOfTheFiles) {
+TEST(SharedBvh, FramesJointsAndRateMatchTheFiles) {
   NEEDS_SHARED_DATA();
   const Expected all[] = {{"01_01.bvh", 2752, 31, 120},
                           {"131_01.bvh", 994, 31, 120},
@@ -324,26 +326,26 @@ TEST(SharedBvh, FramesJointsAndRateAreThoseOfTheFiles) {
   }
 }
 
-TEST(SharedBvh, PlacesByAnotherWayAndRoundTrip) {
+TEST(SharedBvh, PositionsMatchIndependentComputationAndRoundTrip) {
   NEEDS_SHARED_DATA();
   for (const std::string& name : files("bvh", ".bvh")) check_bvh(name, name == "01_01.bvh" ? 40 : 10);
 }
 
-TEST(SharedAmc, PlacesByTheCmuFormulaAndRoundTrip) {
+TEST(SharedAmc, PositionsMatchCmuFormulaAndRoundTrip) {
   NEEDS_SHARED_DATA();
   EXPECT_EQ(files("asf_amc", ".amc").size(), 18U);
   for (const std::string& name : files("asf_amc", ".amc")) {
     const auto size = std::filesystem::file_size(folder + "asf_amc/" + name);
-    if (size < 800'000) check_amc(name, 25);  // the larger ones in the slow tier
+    if (size < 800'000) check_amc(name, 25);  // larger files are covered by SlowSharedAmc
   }
 }
 
-TEST(SlowSharedBvh, EveryFrame) {
+TEST(SlowSharedBvh, PositionsMatchInEveryFrame) {
   NEEDS_SHARED_DATA();
   for (const std::string& name : files("bvh", ".bvh")) check_bvh(name, 1);
 }
 
-TEST(SlowSharedAmc, EveryFrame) {
+TEST(SlowSharedAmc, PositionsMatchInEveryFrame) {
   NEEDS_SHARED_DATA();
   for (const std::string& name : files("asf_amc", ".amc")) check_amc(name, 1);
 }

@@ -1,4 +1,4 @@
-// Numbers, names and lines.
+// Number parsing, names, and line counting of text formats.
 #include "ugoki/formats/text.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace ugoki::formats {
 namespace {
 
-TEST(Numbers, TheFastPathGivesTheSameBitsAsTheSlowOne) {
+TEST(Numbers, FastPathMatchesParseDoubleBitForBit) {
   std::mt19937_64 random(7);
   for (int i = 0; i < 200'000; ++i) {
     const int digits = 1 + static_cast<int>(random() % 30), point = static_cast<int>(random() % 20);
@@ -29,13 +29,13 @@ TEST(Numbers, TheFastPathGivesTheSameBitsAsTheSlowOne) {
   }
 }
 
-TEST(Numbers, RefusesWhatIsNone) {
+TEST(Numbers, MalformedOrTooLargeNumbersAreRejected) {
   for (const char* text : {"", "-", ".", "-.", "1.2.3", "1e", "0x10", "nan", "inf", "1,5", "1e400", "2e9", "--1", "1-", "e5", "+-1"})
     EXPECT_FALSE(measured_number(text).has_value()) << text;
   for (const char* text : {"1.", ".5", "+2", "-0", "1e3", "1E-3", "00012"}) EXPECT_TRUE(measured_number(text).has_value()) << text;
 }
 
-TEST(Numbers, FaultsSayWhatIsWrong) {
+TEST(Numbers, FaultMessageNamesTheCause) {
   EXPECT_NE(number_fault("1,5").message.find("comma"), std::string::npos);
   EXPECT_NE(number_fault("-1.#IND").message.find("finite"), std::string::npos);
   EXPECT_NE(number_fault("NaN").message.find("finite"), std::string::npos);
@@ -43,7 +43,7 @@ TEST(Numbers, FaultsSayWhatIsWrong) {
   EXPECT_EQ(number_fault("").code, ErrorCode::truncated);
 }
 
-TEST(Names, BecomeValidUtf8) {
+TEST(Names, InvalidUtf8IsReadAsLatin1) {
   EXPECT_EQ(utf8("Hips"), "Hips");
   EXPECT_EQ(utf8("\xE5\x8B\x95\xE3\x81\x8D"), "\xE5\x8B\x95\xE3\x81\x8D");
   EXPECT_EQ(utf8("Jos\xE9"), "Jos\xC3\xA9");
@@ -51,7 +51,7 @@ TEST(Names, BecomeValidUtf8) {
   EXPECT_EQ(utf8("\xED\xA0\x80").size(), 6U) << "surrogate";
 }
 
-TEST(Lines, AreCountedWithAnyLineEnd) {
+TEST(Lines, EveryKindOfLineEndIsCountedOnce) {
   Scanner s("a\nb\r\nc\rd\n\n e");
   for (const auto& [word, line] : {std::pair{"a", 1}, {"b", 2}, {"c", 3}, {"d", 4}, {"e", 6}}) {
     EXPECT_EQ(s.word(), word);
@@ -60,7 +60,7 @@ TEST(Lines, AreCountedWithAnyLineEnd) {
   EXPECT_TRUE(s.word().empty());
 }
 
-TEST(Names, StemOfAPath) {
+TEST(Names, StemOmitsFoldersAndExtension) {
   EXPECT_EQ(stem_of("a/b.c/02_01.amc"), "02_01");
   EXPECT_EQ(stem_of("C:\\x\\walk.one.bvh"), "walk.one");
   EXPECT_EQ(stem_of(".bvh"), ".bvh");

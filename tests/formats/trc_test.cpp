@@ -26,7 +26,7 @@ std::string with(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-TEST(Trc, ReadsMarkersInOurAxes) {
+TEST(Trc, MarkersAreConvertedToOurAxes) {
   const auto m = read_trc(good, "walk.trc");
   ASSERT_TRUE(m.has_value()) << text_of(m.error());
   EXPECT_EQ(m->labels, (std::vector<std::string>{"Head", "Heel"}));
@@ -39,7 +39,7 @@ TEST(Trc, ReadsMarkersInOurAxes) {
   EXPECT_FALSE(m->seen(1, 0));
 }
 
-TEST(Trc, CommasAndWindowsLinesReadTheSame) {
+TEST(Trc, CommasAndWindowsLineEndsGiveTheSameMarkers) {
   std::string other;
   for (const char c : good) other += c == '\t' ? "," : c == '\n' ? "\r\n" : std::string(1, c);
   const auto a = read_trc(good, "walk.trc"), b = read_trc(other, "walk.trc");
@@ -48,7 +48,7 @@ TEST(Trc, CommasAndWindowsLinesReadTheSame) {
   EXPECT_EQ(a->labels, b->labels);
 }
 
-TEST(Trc, WhatIsWrittenIsReadBack) {
+TEST(Trc, RoundTripKeepsMarkers) {
   const auto m = read_trc(good, "walk.trc");
   ASSERT_TRUE(m.has_value());
   for (const bool z_up : {false, true}) {
@@ -61,7 +61,7 @@ TEST(Trc, WhatIsWrittenIsReadBack) {
   }
 }
 
-TEST(Trc, BrokenFilesAreRefusedInTheirLine) {
+TEST(Trc, BrokenFilesAreRejectedAtTheirLine) {
   struct Case {
     const char* what;
     std::string text;
@@ -70,24 +70,24 @@ TEST(Trc, BrokenFilesAreRefusedInTheirLine) {
   for (const Case& c :
        {Case{"empty", "", 1},
         {"another format", "HIERARCHY\n", 1},
-        {"cut in the head", good.substr(0, 60), 2},
+        {"truncated header", good.substr(0, 60), 2},
         {"no rate", with("50\t50\t2", "fast\t50\t2"), 3},
         {"rate nan", with("50\t50\t2", "nan\t50\t2"), 3},
         {"other number of markers", with("\t2\t2\tmm", "\t2\t3\tmm"), 4},
-        {"two of one name", with("Heel", "Head"), 4},
+        {"duplicate marker name", with("Heel", "Head"), 4},
         {"no names", with("Frame#\tTime\tHead\t\t\tHeel\t\t", "Frame#\tTime"), 4},
         {"not a number", with("1700\t3", "high\t3"), 7},
         {"infinite", with("1700\t3", "inf\t3"), 7},
         {"huge", with("1700\t3", "1e300\t3"), 7},
         {"no frame number", with("8\t0.14", "x\t0.14"), 8},
         {"too many numbers", with("20\t300", "20\t300\t7"), 7},
-        {"more frames promised, last row not whole", with("\t300.5", "").replace(good.find("50\t50\t2"), 8, "50\t50\t9"), 8},
-        {"fewer frames promised", with("50\t50\t2", "50\t50\t1"), 8}}) {
+        {"more frames declared, last row incomplete", with("\t300.5", "").replace(good.find("50\t50\t2"), 8, "50\t50\t9"), 8},
+        {"fewer frames declared", with("50\t50\t2", "50\t50\t1"), 8}}) {
     expect_refused_at(read_trc(c.text, "bad.trc"), c.line, c.what);
   }
 }
 
-TEST(Trc, SharedRecordings) {
+TEST(Trc, SharedRecordingsHaveExpectedMarkersFramesAndRate) {
   const std::string folder = std::string(UGOKI_SOURCE_DIR) + "/../shared/data/";
   struct Expected {
     const char* file;

@@ -65,7 +65,7 @@ class Changes {
   static std::string where(std::string_view table, const std::string& key) {
     return table == "property" ? " WHERE name = " + key : " WHERE rowid = " + key;
   }
-  /// What the database refuses stays as it is.
+  /// Runs a statement. A change that the database refuses has no effect.
   void run(const std::string& sql, std::string_view value, std::string_view key, bool blob = false) {
     auto statement = database_.prepare(sql);
     if (!statement) return;
@@ -73,7 +73,7 @@ class Changes {
     if (sql.find("?2") != std::string::npos) blob ? statement->bind_blob(2, bytes_of(value)) : statement->bind(2, value);
     (void)statement->run();
   }
-  /// Other data, under their own hash everywhere.
+  /// Replaces a blob by other data, and its hash in every table that refers to it.
   void set_blob(std::string_view key, std::string_view value) {
     const std::string number(key.substr(0, 9)), hash = sha256(bytes_of(value));
     if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos) return;
@@ -94,7 +94,7 @@ class Changes {
   store::Database& database_;
 };
 
-/// Whether a line names what it changes.
+/// Whether a line is a valid change.
 bool is_change(std::string_view line) {
   const std::string_view first = next_word(line);
   if (first == "-") return is_identifier(next_word(line));

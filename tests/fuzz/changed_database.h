@@ -1,8 +1,8 @@
 #pragma once
-// Good files that are databases, changed before a reader gets them. The input is a list of changes, one a line:
-//   TABLE.COLUMN KEY VALUE   sets a column of the row with this number (of `property`: this name); checksums of data are put right
+// Fuzzing of database files: a valid file is changed before a reader opens it. The fuzz input is a list of changes, one per line:
+//   TABLE.COLUMN KEY VALUE   sets a column of the row with this rowid (table `property`: this name); checksums of data are corrected
 //   - TABLE KEY              removes a row
-//   @ OFFSET BYTES           overwrites bytes of the file, after all other changes
+//   @ OFFSET BYTES           overwrites bytes of the file; applied after all other changes
 
 #include <cstddef>
 #include <string>
@@ -13,7 +13,7 @@ namespace ugoki {
 
 [[nodiscard]] std::vector<std::byte> bytes_of(std::string_view text);
 
-/// A folder of this process, in memory where the system has such a place.
+/// A temporary folder of this process, in memory if the system supports it.
 class Folder {
  public:
   Folder();
@@ -29,9 +29,9 @@ class Folder {
 
 [[nodiscard]] std::string read_all(const std::string& path);
 void write_all(const std::string& path, std::string_view bytes);
-/// Ends SQLite's write-ahead log, so that the file is all there is.
+/// Merges SQLite's write-ahead log into the file, so that the file alone contains all data.
 void into_one_file(const std::string& path);
-/// The good file with all changes of the input, at `path`. False: they change nothing.
+/// Writes the valid file with all changes of the input to `path`. @return false if the input changes nothing
 bool make_changed(const std::string& good, std::string_view input, const std::string& path);
 
 }  // namespace ugoki

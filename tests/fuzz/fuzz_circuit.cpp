@@ -11,7 +11,7 @@ namespace {
 
 void check_error(const Error& e) {
   UGOKI_CHECK(!e.problems.empty());
-  for (const Problem& p : e.problems) UGOKI_CHECK(!p.place.empty() && p.message.ends_with('.') && !p.remedy.empty());
+  for (const Problem& p : e.problems) UGOKI_CHECK(!p.location.empty() && p.message.ends_with('.') && !p.remedy.empty());
 }
 
 }  // namespace

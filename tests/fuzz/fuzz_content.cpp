@@ -28,7 +28,7 @@ void store_hash(std::vector<std::byte>& file, std::size_t at, std::size_t begin,
   std::memcpy(file.data() + at, &sum, 8);
 }
 
-/// The container with its size and all checksums put right, so that what lies behind them is reached.
+/// The container with its size and all checksums corrected, so that the reader gets past these checks.
 std::vector<std::byte> repaired(std::vector<std::byte> file) {
   if (file.size() < 64) return file;
   const std::uint64_t size = file.size();
@@ -45,7 +45,7 @@ std::vector<std::byte> repaired(std::vector<std::byte> file) {
   return file;
 }
 
-/// "=====NAME" and a section, and so on: a container that holds them.
+/// Builds a container from an input that lists sections, each after a line "=====NAME".
 std::vector<std::byte> assembled(std::string_view text) {
   constexpr std::string_view divider = "=====";
   content::UgxWriter writer;
@@ -58,7 +58,7 @@ std::vector<std::byte> assembled(std::string_view text) {
     const std::string_view section = text.substr(0, text.find(divider));
     text.remove_prefix(section.size());
     if (name.empty() || name.size() > 31 || !names.insert(name).second) continue;
-    if (name == "placements") {  // numbers as text
+    if (name == "placements") {  // the numbers are given as text
       std::vector<std::byte> numbers;
       for (std::size_t at = 0; at + 8 <= section.size(); at += 8) {
         const double x = std::strtod(std::string(section.substr(at, 8)).c_str(), nullptr);
@@ -75,7 +75,7 @@ std::vector<std::byte> assembled(std::string_view text) {
 
 void check_error(const Error& error) {
   UGOKI_CHECK(!error.problems.empty());
-  for (const Problem& p : error.problems) UGOKI_CHECK(!p.place.empty() && !p.message.empty());
+  for (const Problem& p : error.problems) UGOKI_CHECK(!p.location.empty() && !p.message.empty());
 }
 
 }  // namespace

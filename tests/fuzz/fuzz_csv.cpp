@@ -11,7 +11,7 @@ namespace {
 
 void check_error(const Error& e) {
   UGOKI_CHECK(!e.problems.empty() && e.problems.size() <= 20);
-  for (const Problem& p : e.problems) UGOKI_CHECK(!p.place.empty() && p.message.ends_with('.') && !p.remedy.empty());
+  for (const Problem& p : e.problems) UGOKI_CHECK(!p.location.empty() && p.message.ends_with('.') && !p.remedy.empty());
 }
 
 MechanismPtr every_joint() {
@@ -41,7 +41,7 @@ void check_points(std::string_view text) {
   for (const Vec3& x : m->positions) UGOKI_CHECK(is_finite(x));
   if (m->positions.size() > 20'000) return;
   const auto back = formats::read_csv(formats::write_csv(*m), "again.csv");
-  if (!back) return check_error(back.error());  // names that only the writer's form makes equal
+  if (!back) return check_error(back.error());  // two names may become equal in the form that the writer uses
   UGOKI_CHECK(back->frames == m->frames && back->labels.size() == m->labels.size());
 }
 

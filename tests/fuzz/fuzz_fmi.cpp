@@ -14,10 +14,10 @@ namespace {
 
 void check_error(const Error& error) {
   UGOKI_CHECK(!error.problems.empty() && error.problems.size() <= 20);
-  for (const Problem& p : error.problems) UGOKI_CHECK(!p.place.empty() && !p.message.empty());
+  for (const Problem& p : error.problems) UGOKI_CHECK(!p.location.empty() && !p.message.empty());
 }
 
-/// What is read can become LSIs: a library takes them, which checks their names and values.
+/// Checks that a description which was read can become LSIs: a library accepts them after checking names and values.
 void check_description(const fmi::ModelDescription& d) {
   UGOKI_CHECK(!d.identifier.empty() && d.identifier.find_first_of("./\\") == std::string::npos);
   circuit::Library library;

@@ -11,7 +11,7 @@ void fuzz_gltf(const std::uint8_t* data, std::size_t size) {
   const auto motions = formats::read_gltf({reinterpret_cast<const std::byte*>(data), size}, "fuzz.glb");
   if (!motions) {
     UGOKI_CHECK(!motions.error().problems.empty());
-    for (const Problem& p : motions.error().problems) UGOKI_CHECK(!p.place.empty() && p.message.ends_with('.'));
+    for (const Problem& p : motions.error().problems) UGOKI_CHECK(!p.location.empty() && p.message.ends_with('.'));
     return;
   }
   UGOKI_CHECK(!motions->empty());

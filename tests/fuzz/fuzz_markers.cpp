@@ -11,7 +11,7 @@ namespace {
 
 void check_error(const Error& e) {
   UGOKI_CHECK(!e.problems.empty() && e.problems.size() <= 20);
-  for (const Problem& p : e.problems) UGOKI_CHECK(!p.place.empty() && p.message.ends_with('.') && !p.remedy.empty());
+  for (const Problem& p : e.problems) UGOKI_CHECK(!p.location.empty() && p.message.ends_with('.') && !p.remedy.empty());
 }
 
 void check_markers(const MarkerMotion& m) {
@@ -45,7 +45,7 @@ void fuzz_trc(const std::uint8_t* data, std::size_t size) {
   if (m->positions.size() > 20'000) return;
   const auto back = formats::read_trc(formats::write_trc(*m), "again.trc");
   if (!back) {
-    return check_error(back.error());  // names that only the writer's plain form makes equal or empty, lengths beyond its digits
+    return check_error(back.error());  // in the writer's form two names may become equal or empty, and lengths may exceed its digits
   }
   UGOKI_CHECK(back->frames == m->frames && back->marker_count() == m->marker_count());
 }

@@ -11,7 +11,7 @@ namespace {
 
 using namespace robot_formats;
 
-/// Parts of the input between lines "=====": the model, then a.xml, b.xml ... that it may include, attach, or take for meshes.
+/// Splits the input at lines "=====" into the model and the files a.xml, b.xml ..., which it may include, attach or use as meshes.
 std::vector<std::string> parts_of(std::string_view text) {
   constexpr std::string_view divider = "=====\n";
   std::vector<std::string> out;
@@ -39,7 +39,7 @@ void fuzz_mjcf(const std::uint8_t* data, std::size_t size) {
   const auto m = read_mjcf(parts[0], "fuzz.xml", options);
   if (!m) {
     UGOKI_CHECK(!m.error().problems.empty() && m.error().problems.size() <= 20);
-    for (const Problem& p : m.error().problems) UGOKI_CHECK(!p.place.empty() && !p.message.empty());
+    for (const Problem& p : m.error().problems) UGOKI_CHECK(!p.location.empty() && !p.message.empty());
     return;
   }
   const Mechanism& k = *m->mechanism;

@@ -14,7 +14,7 @@ namespace {
 
 void check_error(const Error& error) {
   UGOKI_CHECK(!error.problems.empty());
-  for (const Problem& p : error.problems) UGOKI_CHECK(!p.place.empty() && !p.message.empty());
+  for (const Problem& p : error.problems) UGOKI_CHECK(!p.location.empty() && !p.message.empty());
 }
 
 std::string good_project(const Folder& folder) {

@@ -16,7 +16,7 @@ using namespace robot_formats;
 
 using Reader = Result<RobotModel> (*)(std::string_view, std::string_view, const RobotOptions&);
 
-/// Parts of the input between lines "=====": the description, its loops file, and the mesh that every name means.
+/// Splits the input at lines "=====" into the description, its loops file, and the mesh that is used for every mesh name.
 std::vector<std::string> parts_of(std::string_view text) {
   constexpr std::string_view divider = "=====\n";
   std::vector<std::string> out;
@@ -30,7 +30,7 @@ std::vector<std::string> parts_of(std::string_view text) {
 
 void check_error(const Error& error) {
   UGOKI_CHECK(!error.problems.empty());
-  for (const Problem& p : error.problems) UGOKI_CHECK(!p.place.empty() && !p.message.empty());
+  for (const Problem& p : error.problems) UGOKI_CHECK(!p.location.empty() && !p.message.empty());
 }
 
 void fuzz_robot(Reader read, const std::uint8_t* data, std::size_t size) {
@@ -51,7 +51,7 @@ void fuzz_robot(Reader read, const std::uint8_t* data, std::size_t size) {
   UGOKI_CHECK(model->X_BF.size() == static_cast<std::size_t>(m.link_count()));
   for (const JointName& j : model->joints) UGOKI_CHECK(m.find_link(j.link) >= 0 || m.find_loop(j.link) >= 0);
   for (const std::string& link : model->driven) UGOKI_CHECK(m.find_link(link) >= 0);
-  // What is read can be kept in the library.
+  // A mechanism that was read can be stored in the library.
   if (m.link_count() < 1000) UGOKI_CHECK(formats::read_mechanism(formats::write_mechanism(m), "again.json").has_value());
 }
 
@@ -60,7 +60,7 @@ void fuzz_robot(Reader read, const std::uint8_t* data, std::size_t size) {
 void fuzz_urdf(const std::uint8_t* data, std::size_t size) { fuzz_robot(read_urdf, data, size); }
 void fuzz_sdf(const std::uint8_t* data, std::size_t size) { fuzz_robot(read_sdf, data, size); }
 
-/// A line with the name, then the mesh.
+/// Input: a line with the file name, then the mesh.
 void fuzz_mesh(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const std::size_t line = text.find('\n');

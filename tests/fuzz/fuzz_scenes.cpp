@@ -1,5 +1,5 @@
-// Fuzz targets of the FBX and COLLADA readers, in this process: what breaks the library below is caught by the guard of read_scene, and is
-// told from our own faults by its stack.
+// Fuzz targets of the FBX and COLLADA readers. They run in this process, without the guard of read_scene, which turns crashes of the assimp
+// library into errors. scripts/fuzz separates faults of assimp from ours by their stack.
 #include <cmath>
 #include <span>
 
@@ -16,7 +16,7 @@ void fuzz_scene(const std::uint8_t* data, std::size_t size, std::string_view nam
   const auto motions = scene_formats::read_scene_unguarded({reinterpret_cast<const std::byte*>(data), size}, name, {}, notes);
   if (!motions) {
     UGOKI_CHECK(!motions.error().problems.empty());
-    for (const Problem& p : motions.error().problems) UGOKI_CHECK(!p.place.empty() && p.message.ends_with('.') && !p.remedy.empty());
+    for (const Problem& p : motions.error().problems) UGOKI_CHECK(!p.location.empty() && p.message.ends_with('.') && !p.remedy.empty());
     return;
   }
   UGOKI_CHECK(!motions->empty());

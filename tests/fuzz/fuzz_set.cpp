@@ -16,7 +16,7 @@ namespace {
 
 void check_error(const Error& error) {
   UGOKI_CHECK(!error.problems.empty());
-  for (const Problem& p : error.problems) UGOKI_CHECK(!p.place.empty() && !p.message.empty());
+  for (const Problem& p : error.problems) UGOKI_CHECK(!p.location.empty() && !p.message.empty());
 }
 
 std::string good_set(const Folder& folder) {
@@ -38,7 +38,7 @@ std::string good_set(const Folder& folder) {
   return read_all(path);
 }
 
-/// One library for all inputs: opening a database takes longer than importing a set.
+/// Empties a library that is used for all inputs, because opening a database takes longer than importing a set.
 store::Library& empty_library() {
   static store::Library library = [] {
     auto made = store::Library::open(":memory:");
@@ -51,7 +51,7 @@ store::Library& empty_library() {
 
 }  // namespace
 
-/// However bad a set is: the library that takes it over is whole afterwards.
+/// A library must be consistent after importing a set, however damaged the set is.
 void fuzz_set(const std::uint8_t* data, std::size_t size) {
   static const Folder folder;
   static const std::string good = good_set(folder);

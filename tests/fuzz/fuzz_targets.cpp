@@ -20,10 +20,10 @@ std::string_view text_of(const std::uint8_t* data, std::size_t size) { return {r
 
 void check_error(const Error& error) {
   UGOKI_CHECK(!error.problems.empty());
-  for (const Problem& p : error.problems) UGOKI_CHECK(!p.place.empty() && !p.message.empty());
+  for (const Problem& p : error.problems) UGOKI_CHECK(!p.location.empty() && !p.message.empty());
 }
 
-/// Whole, finite, parents first, every rotation a rotation.
+/// Checks a measured motion: complete, finite, parents before children, all rotations valid.
 void check_motion(const MeasuredMotion& m) {
   UGOKI_CHECK(m.frames > 0 && m.joint_count() > 0 && m.rate > 0 && std::isfinite(m.rate));
   const std::size_t count = static_cast<std::size_t>(m.frames) * m.skeleton.joints.size();
@@ -38,16 +38,17 @@ void check_motion(const MeasuredMotion& m) {
   for (const Quat& q : m.rotations) UGOKI_CHECK(std::fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-9);
 }
 
-/// What was read can be written, read again, and is then as long.
+/// Checks that a motion that was read can be written and read again with the same number of frames.
 void check_round_trip(const MeasuredMotion& m) {
   if (m.translations.size() > 20'000) return;
-  for (const SkeletonJoint& j : m.skeleton.joints)  // decimal commas aside, writing may exceed what a reader takes as measurement
+  for (const SkeletonJoint& j : m.skeleton.joints)  // written values may exceed the range that a reader accepts as measurements
     if (norm(j.offset) > 1e6 * m.skeleton.unit) return;
   for (const Vec3& t : m.translations)
     if (norm(t) > 1e6 * m.skeleton.unit) return;
   const auto back = read_bvh(write_bvh(m), "again.bvh", {.metres_per_unit = m.skeleton.unit});
   if (!back) {
-    for (const Problem& p : back.error().problems) UGOKI_CHECK(p.code == ErrorCode::range);  // a frame time or end site out of the ordinary
+    for (const Problem& p : back.error().problems)
+      UGOKI_CHECK(p.code == ErrorCode::range);  // an extreme frame time or end site is out of range
     return;
   }
   UGOKI_CHECK(back->frames == m.frames && back->joint_count() == m.joint_count());
@@ -73,7 +74,7 @@ void fuzz_asf(const std::uint8_t* data, std::size_t size) {
   for (const SkeletonJoint& j : asf->skeleton.joints) UGOKI_CHECK(is_finite(j.offset));
 }
 
-/// A skeleton, a line "=====", and its motion.
+/// Input: a skeleton, a line "=====", and its motion.
 void fuzz_amc(const std::uint8_t* data, std::size_t size) {
   const std::string_view text = text_of(data, size);
   constexpr std::string_view divider = "=====\n";
@@ -98,7 +99,7 @@ void fuzz_mechanism(const std::uint8_t* data, std::size_t size) {
 }
 
 void fuzz_motion(const std::uint8_t* data, std::size_t size) {
-  // The checksum is put right, so that what lies behind it is reached.
+  // The checksum is corrected, so that the reader gets past it.
   std::vector<std::byte> bytes(size);
   if (size > 0) std::memcpy(bytes.data(), data, size);
   if (size >= 32) {

@@ -1,5 +1,5 @@
 #pragma once
-// What each reader is fuzzed for. Every function ends the program where a promise is broken, and returns otherwise.
+// Fuzz targets of the readers. A function aborts the program if the reader breaks one of its guarantees, and returns otherwise.
 
 #include <cstddef>
 #include <cstdint>

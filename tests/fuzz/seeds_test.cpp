@@ -1,4 +1,4 @@
-// The seed corpus, and every file that once broke a reader, through the fuzz targets.
+// Runs the fuzz targets on the seed corpus, which includes every file that once broke a reader.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ void run(const char* name, void (*target)(const std::uint8_t*, std::size_t)) {
     const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
     const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
     target(data, bytes.size());
-    for (std::size_t n = 0; n < bytes.size(); n += 1 + bytes.size() / 200) target(data, n);  // and cut off
+    for (std::size_t n = 0; n < bytes.size(); n += 1 + bytes.size() / 200) target(data, n);  // truncated
   }
 }
 

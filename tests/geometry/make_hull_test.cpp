@@ -1,4 +1,4 @@
-// Convex hulls of any points, hostile ones too.
+// Convex hulls of ordinary, degenerate and hostile point sets.
 
 #include "ugoki/geometry/make_hull.h"
 
@@ -30,7 +30,7 @@ class Points {
   std::mt19937_64 engine_;
 };
 
-/// How far the farthest point lies outside of the hull.
+/// Largest signed distance of a point from a face plane of the hull; positive outside. m
 double outside(const collision::Hull& h, const std::vector<Vec3>& points) {
   double worst = -1e300;
   for (const Vec3& p : points)
@@ -47,7 +47,7 @@ std::string refusal(const std::vector<Vec3>& points, const HullOptions& options 
   return h.error().text();
 }
 
-TEST(MakeHull, HoldsAllPointsAndKeepsTheExtremeOnes) {
+TEST(MakeHull, ContainsAllPointsAndKeepsTheExtremeOnes) {
   Points random(1);
   for (int run = 0; run < 60; ++run) {
     const Vec3 size{std::pow(10, random.in(-4, 2)), std::pow(10, random.in(-4, 2)), std::pow(10, random.in(-4, 2))};
@@ -68,7 +68,7 @@ TEST(MakeHull, HoldsAllPointsAndKeepsTheExtremeOnes) {
   }
 }
 
-TEST(MakeHull, FacetsInOnePlaneAreOneFace) {
+TEST(MakeHull, CoplanarFacetsAreMerged) {
   std::vector<Vec3> points;
   for (int i = 0; i <= 10; ++i)
     for (int j = 0; j <= 10; ++j)
@@ -83,7 +83,7 @@ TEST(MakeHull, FacetsInOnePlaneAreOneFace) {
 
 TEST(MakeHull, NearlyFlatFacetsAndCylinders) {
   Points random(2);
-  std::vector<Vec3> points;  // a lens of 1e-9, then a cylinder of 500 sides with noise of rounding
+  std::vector<Vec3> points;  // first a plate 2e-9 thick, then a cylinder of 500 sides with rounding errors
   for (int i = 0; i < 2000; ++i) points.push_back({random.in(-1, 1), random.in(-1, 1), random.in(-1e-9, 1e-9)});
   const Result<collision::Hull> plate = make_hull(points);
   ASSERT_TRUE(plate.has_value()) << plate.error().text();
@@ -100,7 +100,7 @@ TEST(MakeHull, NearlyFlatFacetsAndCylinders) {
   EXPECT_EQ(cylinder->faces(), 502);
 }
 
-TEST(MakeHull, PlanesAndLinesAreHandled) {
+TEST(MakeHull, CoplanarAndCollinearPointsGiveFlatHulls) {
   Points random(3);
   for (const double offset : {0.0, 1000.0}) {
     const Mat3 R = rotation_about(random.unit(), 1.1);
@@ -125,7 +125,7 @@ TEST(MakeHull, PlanesAndLinesAreHandled) {
   EXPECT_EQ(make_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 0}})->vertices.size(), 3u);
 }
 
-TEST(MakeHull, RefusesWithASentence) {
+TEST(MakeHull, UnusablePointsAreRefusedWithMessageAndRemedy) {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   EXPECT_NE(refusal({{0, 0, 0}, {1, 0, 0}, {0, nan, 0}, {0, 0, 1}}).find("point 2"), std::string::npos);
   EXPECT_NE(refusal({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 0, -inf}}).find("finite"), std::string::npos);
@@ -136,10 +136,10 @@ TEST(MakeHull, RefusesWithASentence) {
   Points random(4);
   std::vector<Vec3> sphere;
   for (int i = 0; i < 3000; ++i) sphere.push_back(random.unit());
-  EXPECT_NE(refusal(sphere, {.most_vertices = 1000}).find("more than 1000 vertices"), std::string::npos);
+  EXPECT_NE(refusal(sphere, {.max_vertices = 1000}).find("more than 1000 vertices"), std::string::npos);
 }
 
-TEST(MakeHull, HostileSetsAreAnswered) {
+TEST(MakeHull, HostileSetsGiveAHullOrAnError) {
   Points random(5);
   for (int run = 0; run < 3000; ++run) {
     std::vector<Vec3> points;
@@ -147,10 +147,10 @@ TEST(MakeHull, HostileSetsAreAnswered) {
     for (int i = 0; i < n; ++i) {
       Vec3 p{random.in(-1, 1), random.in(-1, 1), random.in(-1, 1)};
       if (kind == 1) p = {std::floor(p.x * 2), std::floor(p.y * 2), std::floor(p.z * 2)};  // a coarse grid
-      if (kind == 2) p.z *= std::pow(10, -random.in(8, 18));                               // flat up to rounding
-      if (kind == 3) p = {p.x, p.x * 2 + random.in(-1, 1) * 1e-16, p.x * 3};               // a line up to rounding
+      if (kind == 2) p.z *= std::pow(10, -random.in(8, 18));                               // flat within rounding
+      if (kind == 3) p = {p.x, p.x * 2 + random.in(-1, 1) * 1e-16, p.x * 3};               // a line within rounding
       if (kind == 4) p = Vec3{1e6, 1e6, 1e6} + p * std::pow(10, -random.in(0, 12));        // small and far away
-      if (kind == 5) p = p * std::pow(10, random.in(-90, 90));                             // of all magnitudes
+      if (kind == 5) p = p * std::pow(10, random.in(-90, 90));                             // points of all magnitudes
       points.push_back(p);
     }
     const Result<collision::Hull> h = make_hull(points);
@@ -164,7 +164,7 @@ TEST(MakeHull, HostileSetsAreAnswered) {
   }
 }
 
-/// Five million points: a solid cloud is a small hull, a sphere of them is refused; both within a bounded time.
+/// Five million points: a solid cloud has a small hull; points on a sphere exceed the vertex limit and are refused.
 TEST(Slow_MakeHull, MillionsOfPoints) {
   Points random(6);
   std::vector<Vec3> cloud, sphere;

@@ -13,20 +13,21 @@
 namespace ugoki::intake {
 namespace {
 
-TEST(ConversionReport, ListsAreCutWhereTheyGetLong) {
+TEST(ConversionReport, LongListsAreShortened) {
   EXPECT_EQ(list_of({}), "");
   EXPECT_EQ(list_of({"a"}), "a");
   EXPECT_EQ(list_of({"a", "b", "c"}), "a, b and c");
   EXPECT_EQ(list_of({"a", "b", "c", "d", "e"}, 2), "a, b and 3 more");
-  EXPECT_EQ(list_of({"a", "b", "c"}, 2), "a, b and c") << "one more is no shorter";
+  EXPECT_EQ(list_of({"a", "b", "c"}, 2), "a, b and c") << "\"1 more\" would not be shorter";
 }
 
-TEST(ConversionReport, RemarksGoWhereTheyBelong) {
+TEST(ConversionReport, RemarksAreSortedByKeyPhrases) {
   ConversionReport r;
-  r.add_remarks({"The format does not tell the frame rate; it is taken as 120 frames a second.",
-                 "3 missing frames were filled in by interpolation.", "Force platform 2 is not described in full and left out.",
-                 "That is a poor fit: check that the labels are right and that left and right are not exchanged.",
-                 "The trial is called Walk 3.", "3 missing frames were filled in by interpolation."});
+  r.add_remarks({"The AMC format does not specify the frame rate; 120 frames per second are assumed.",
+                 "3 missing frames were filled by interpolation.",
+                 "The description of force platform 2 is incomplete; the platform is left out.",
+                 "This is a poor fit: check that the labels are correct and that left and right are not exchanged.",
+                 "The joint on line 3 has no name; it was named 'joint'.", "3 missing frames were filled by interpolation."});
   EXPECT_EQ(r.guessed.size(), 1u);
   EXPECT_EQ(r.changed.size(), 2u);
   EXPECT_EQ(r.left_out.size(), 1u);
@@ -41,7 +42,7 @@ std::string bytes_of(const std::filesystem::path& path) {
 
 const std::filesystem::path data_folder = UGOKI_SHARED_DATA;
 
-/// A file of every kind that the shared data have: each gets a report that says what it holds, in whole sentences.
+/// A shared file of every kind gets a report that describes its contents in complete sentences.
 TEST(ConversionReport, EveryKindOfFileIsReported) {
   if (!std::filesystem::exists(data_folder)) GTEST_SKIP() << "no shared data at " << data_folder;
   const std::string asf_text = bytes_of(data_folder / "human/asf_amc/02.asf");
@@ -49,23 +50,23 @@ TEST(ConversionReport, EveryKindOfFileIsReported) {
   ASSERT_TRUE(asf);
   const struct {
     const char* path;
-    const char* holds;  ///< of what was read
+    const char* contents;  ///< expected part of ConversionReport::read
   } files[] = {{"human/bvh/cmu_12_01_walk.bvh", "joints:"}, {"human/asf_amc/02_01.amc", "343 frames at 120 Hz, 2.85 s"},
                {"human/c3d/02_01.c3d", "41 markers:"},      {"animal/rat_walk_23.trc", "23 markers:"},
-               {"gltf/Fox.glb", "motions of one skeleton"}, {"mechanism/open_chain/urdf/simple_humanoid.urdf", "freedoms"}};
+               {"gltf/Fox.glb", "motions of one skeleton"}, {"mechanism/open_chain/urdf/simple_humanoid.urdf", "degrees of freedom"}};
   for (const auto& file : files) {
     std::filesystem::path path = data_folder / file.path;
     if (!std::filesystem::exists(path)) {
       path = data_folder / "animal" / path.filename();
       if (!std::filesystem::exists(path)) continue;
     }
-    const auto taken = take_in(bytes_of(path), path.filename().string(), &*asf);
-    if (!taken) {  // not every recording can be solved: then it is said why
-      EXPECT_FALSE(taken.error().problems.front().message.empty());
+    const auto intake = take_in(bytes_of(path), path.filename().string(), &*asf);
+    if (!intake) {  // a recording that cannot be solved gives an error with a message
+      EXPECT_FALSE(intake.error().problems.front().message.empty());
       continue;
     }
-    const ConversionReport& r = taken->conversion;
-    EXPECT_TRUE(std::ranges::any_of(r.read, [&](const std::string& line) { return line.find(file.holds) != std::string::npos; }))
+    const ConversionReport& r = intake->conversion;
+    EXPECT_TRUE(std::ranges::any_of(r.read, [&](const std::string& line) { return line.find(file.contents) != std::string::npos; }))
         << file.path << ": " << (r.read.empty() ? "nothing" : r.read.front());
     for (const auto* part : {&r.read, &r.guessed, &r.changed, &r.left_out, &r.check})
       for (const std::string& line : *part) EXPECT_TRUE(line.ends_with('.') || line.ends_with(')')) << file.path << ": " << line;

@@ -1,4 +1,4 @@
-// The same motion, written with other axes, units and rates, comes in the same when they are told.
+// Files with other axes, units and rates give the original motion if these are specified.
 
 #include "ugoki/intake/correction.h"
 
@@ -24,7 +24,7 @@ TEST(Correction, AxesByName) {
   for (const char* name : {"x", "-x", "y", "-y", "z", "-z"}) EXPECT_EQ(name_of(*file_axis_named(name)), name);
 }
 
-TEST(Correction, EveryOrientationIsARotationThatPutsUpUpAndForwardForward) {
+TEST(Correction, EveryOrientationIsARotationToOurAxes) {
   int valid = 0;
   for (int i = 0; i < 36; ++i) {
     const Orientation file{{i % 3, i / 3 % 2 == 1}, {i / 6 % 3, i / 18 == 1}};
@@ -41,7 +41,8 @@ TEST(Correction, EveryOrientationIsARotationThatPutsUpUpAndForwardForward) {
   EXPECT_EQ(valid, 24);
 }
 
-double greatest_distance(const MeasuredMotion& a, const MeasuredMotion& b) {
+/// Maximum distance [m] of the same joint in two motions.
+double max_distance(const MeasuredMotion& a, const MeasuredMotion& b) {
   std::vector<Pose> A(static_cast<std::size_t>(a.joint_count())), B(A.size());
   double worst = 0;
   for (int f = 0; f < a.frames; ++f) {
@@ -52,8 +53,8 @@ double greatest_distance(const MeasuredMotion& a, const MeasuredMotion& b) {
   return worst;
 }
 
-/// The reference: a file written with Z up by the writer itself, which knows nothing of these corrections.
-TEST(Correction, AFileWithZUpIsRightWhenItsAxesAreTold) {
+/// The file is written with Z up by the BVH writer, independently of the corrections.
+TEST(Correction, FileWithZUpIsReadCorrectlyIfItsAxesAreSpecified) {
   const MeasuredMotion walk = samples::make_human_walk();
   formats::BvhWriteOptions z_up;
   z_up.z_up = true;
@@ -61,10 +62,10 @@ TEST(Correction, AFileWithZUpIsRightWhenItsAxesAreTold) {
   IntakeOptions options;
   options.axes = usual_orientation(true);
   options.unit = 0.01;
-  const auto taken = take_in(formats::write_bvh(walk, z_up), "walk.bvh", nullptr, options);
-  ASSERT_TRUE(taken) << taken.error().text();
-  EXPECT_LT(greatest_distance(*taken->measured, walk), 1e-6);
-  EXPECT_TRUE(taken->conversion.check.empty()) << taken->conversion.check.front();
+  const auto intake = take_in(formats::write_bvh(walk, z_up), "walk.bvh", nullptr, options);
+  ASSERT_TRUE(intake) << intake.error().text();
+  EXPECT_LT(max_distance(*intake->measured, walk), 1e-6);
+  EXPECT_TRUE(intake->conversion.check.empty()) << intake->conversion.check.front();
 
   options.axes.reset();
   const auto lying = take_in(formats::write_bvh(walk, z_up), "walk.bvh", nullptr, options);
@@ -73,7 +74,7 @@ TEST(Correction, AFileWithZUpIsRightWhenItsAxesAreTold) {
   EXPECT_NE(lying->conversion.check.front().find("another axis points up"), std::string::npos) << lying->conversion.check.front();
 }
 
-TEST(Correction, UnitAndRateAsTold) {
+TEST(Correction, UnitAndRateOfTheOptionsAreUsed) {
   const MeasuredMotion walk = samples::make_human_walk();
   formats::BvhWriteOptions write;
   write.metres_per_unit = 0.0254;
@@ -81,45 +82,45 @@ TEST(Correction, UnitAndRateAsTold) {
   IntakeOptions options;
   options.unit = 2 * 0.0254;
   options.frame_rate = walk.rate / 2;
-  const auto taken = take_in(text, "walk.bvh", nullptr, options);
-  ASSERT_TRUE(taken) << taken.error().text();
-  EXPECT_NEAR(taken->body->height, 2 * 1.75, 0.06);
-  EXPECT_DOUBLE_EQ(taken->motion->rate, walk.rate / 2);
-  EXPECT_EQ(taken->motion->frames, walk.frames);
-  EXPECT_FALSE(taken->unit_guessed);
-  EXPECT_NE(taken->conversion.check.front().find("unit of length"), std::string::npos);
+  const auto intake = take_in(text, "walk.bvh", nullptr, options);
+  ASSERT_TRUE(intake) << intake.error().text();
+  EXPECT_NEAR(intake->body->height, 2 * 1.75, 0.06);
+  EXPECT_DOUBLE_EQ(intake->motion->rate, walk.rate / 2);
+  EXPECT_EQ(intake->motion->frames, walk.frames);
+  EXPECT_FALSE(intake->unit_guessed);
+  EXPECT_NE(intake->conversion.check.front().find("unit of length"), std::string::npos);
 }
 
-// "Reference" nodes of many recordings: the hips move against a root that carries nothing else.
-TEST(Correction, TheJointThatMovesIsTheRoot) {
+// Many recordings have a root named "reference" that carries only the hips, which move relative to it.
+TEST(Correction, CarrierRootIsRemoved) {
   const MeasuredMotion walk = samples::make_human_walk();
-  MeasuredMotion borne = walk;
-  SkeletonJoint bearer;
-  bearer.name = "reference";
-  bearer.translates = true;
-  bearer.freedoms = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
-  borne.skeleton.joints.insert(borne.skeleton.joints.begin(), bearer);
-  for (std::size_t i = 1; i < borne.skeleton.joints.size(); ++i) ++borne.skeleton.joints[i].parent;
-  borne.skeleton.joints[1].translates = true;
+  MeasuredMotion carried = walk;
+  SkeletonJoint carrier;
+  carrier.name = "reference";
+  carrier.translates = true;
+  carrier.dofs = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
+  carried.skeleton.joints.insert(carried.skeleton.joints.begin(), carrier);
+  for (std::size_t i = 1; i < carried.skeleton.joints.size(); ++i) ++carried.skeleton.joints[i].parent;
+  carried.skeleton.joints[1].translates = true;
   const std::size_t n = walk.skeleton.joints.size();
   for (std::size_t f = static_cast<std::size_t>(walk.frames); f-- > 0;) {
     const double turn = 0.5 + 0.01 * static_cast<double>(f);
     const Pose X{rotation_about({0, 0, 1}, turn), {1, 0.2 * turn, 0.1}};
-    Vec3& p = borne.translations[f * n];
-    Quat& q = borne.rotations[f * n];
+    Vec3& p = carried.translations[f * n];
+    Quat& q = carried.rotations[f * n];
     p = transpose_times(X.R, p - X.p);
     q = axis_angle({0, 0, 1}, -turn) * q;
-    borne.translations.insert(borne.translations.begin() + static_cast<std::ptrdiff_t>(f * n), X.p);
-    borne.rotations.insert(borne.rotations.begin() + static_cast<std::ptrdiff_t>(f * n), axis_angle({0, 0, 1}, turn));
+    carried.translations.insert(carried.translations.begin() + static_cast<std::ptrdiff_t>(f * n), X.p);
+    carried.rotations.insert(carried.rotations.begin() + static_cast<std::ptrdiff_t>(f * n), axis_angle({0, 0, 1}, turn));
   }
   IntakeOptions options;
   options.unit = 0.01;
-  const auto taken = take_in(formats::write_bvh(borne, {.metres_per_unit = 0.01}), "walk.bvh", nullptr, options);
-  ASSERT_TRUE(taken) << taken.error().text();
-  EXPECT_EQ(taken->mechanism->links().front().joint.type, JointType::floating);
-  EXPECT_EQ(taken->measured->skeleton.joints.front().name, walk.skeleton.joints.front().name);
-  EXPECT_LT(greatest_distance(*taken->measured, walk), 1e-6);
-  EXPECT_TRUE(std::any_of(taken->report.begin(), taken->report.end(),
+  const auto intake = take_in(formats::write_bvh(carried, {.metres_per_unit = 0.01}), "walk.bvh", nullptr, options);
+  ASSERT_TRUE(intake) << intake.error().text();
+  EXPECT_EQ(intake->mechanism->links().front().joint.type, JointType::floating);
+  EXPECT_EQ(intake->measured->skeleton.joints.front().name, walk.skeleton.joints.front().name);
+  EXPECT_LT(max_distance(*intake->measured, walk), 1e-6);
+  EXPECT_TRUE(std::any_of(intake->report.begin(), intake->report.end(),
                           [](const std::string& line) { return line.find("Joint reference only carries") != std::string::npos; }));
 }
 
@@ -129,7 +130,7 @@ TEST(Correction, UpAndForwardMustDiffer) {
   EXPECT_FALSE(take_in(formats::write_bvh(samples::make_human_walk()), "walk.bvh", nullptr, options));
 }
 
-TEST(Correction, RecordingsKeepEventsAndSamplesAtTheirFrames) {
+TEST(Correction, SetRateKeepsEventsAndSamplesAtTheirFrames) {
   MarkerMotion m;
   m.labels = {"A"};
   m.rate = 100;
@@ -143,7 +144,7 @@ TEST(Correction, RecordingsKeepEventsAndSamplesAtTheirFrames) {
   EXPECT_DOUBLE_EQ(m.events[0].time, 0.1);
 }
 
-TEST(Correction, AMechanismStandsUpWhenItsAxesAreTold) {
+TEST(Correction, MechanismIsTurnedUprightIfItsAxesAreSpecified) {
   const std::string lying =
       "<robot name='post'><link name='base'/><joint name='j' type='revolute'><parent link='base'/><child link='post'/>"
       "<axis xyz='1 0 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
@@ -152,9 +153,9 @@ TEST(Correction, AMechanismStandsUpWhenItsAxesAreTold) {
       "<collision><origin xyz='0 1 0'/><geometry><sphere radius='0.1'/></geometry></collision></link></robot>";
   IntakeOptions options;
   options.axes = usual_orientation(false);
-  const auto taken = take_in(lying, "post.urdf", nullptr, options);
-  ASSERT_TRUE(taken) << taken.error().text();
-  const Mechanism& m = *taken->mechanism;
+  const auto intake = take_in(lying, "post.urdf", nullptr, options);
+  ASSERT_TRUE(intake) << intake.error().text();
+  const Mechanism& m = *intake->mechanism;
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
   calc_poses(m, m.neutral(), X);
   const int post = m.link_count() - 1;

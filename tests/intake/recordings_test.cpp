@@ -1,4 +1,4 @@
-// Recordings of markers and glTF files, from bytes to library entries.
+// Import of marker recordings and glTF files into library entries.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -28,7 +28,7 @@ bool reports(const Intake& intake, const std::string& words) {
   return false;
 }
 
-TEST(Recordings, MarkersOfAPersonBecomeABodyThatMoves) {
+TEST(Recordings, HumanMarkersGiveAMovingBody) {
   const std::string bytes = slurp("human/c3d/02_01.c3d");
   if (bytes.empty()) GTEST_SKIP() << "no shared data";
   const auto intake = take_in(bytes, "02_01.c3d");
@@ -41,7 +41,7 @@ TEST(Recordings, MarkersOfAPersonBecomeABodyThatMoves) {
   EXPECT_TRUE(reports(*intake, "The worst marker is"));
 }
 
-TEST(Recordings, KeyPointsOfARatBecomeABodyThatMoves) {
+TEST(Recordings, RatKeyPointsGiveAMovingBody) {
   const std::string bytes = slurp("animal/rat_walk_23.trc");
   if (bytes.empty()) GTEST_SKIP() << "no shared data";
   const auto intake = take_in(bytes, "rat_walk_23.trc");
@@ -64,7 +64,7 @@ TEST(Recordings, EveryAnimationOfAGltfFileMovesTheSameBody) {
   EXPECT_TRUE(reports(*intake, "14 motions"));
 }
 
-TEST(Recordings, OneMotionWrittenAsGlbComesBack) {
+TEST(Recordings, MotionWrittenAsGlbIsReadBack) {
   MeasuredMotion m;
   m.name = "swing";
   m.rate = 30;
@@ -91,11 +91,11 @@ TEST(Recordings, OneMotionWrittenAsGlbComesBack) {
   EXPECT_EQ(intake->mechanism->link_count(), 3);
 }
 
-TEST(Recordings, WhatIsBrokenIsRefusedByName) {
+TEST(Recordings, BrokenFilesAreRejectedWithTheirName) {
   for (const char* name : {"a.c3d", "a.trc", "a.glb", "a.gltf"}) {
-    const auto intake = take_in("no such thing", name);
+    const auto intake = take_in("nonsense", name);
     ASSERT_FALSE(intake.has_value()) << name;
-    EXPECT_TRUE(intake.error().problems[0].place.starts_with(name)) << intake.error().text();
+    EXPECT_TRUE(intake.error().problems[0].location.starts_with(name)) << intake.error().text();
   }
 }
 

@@ -7,9 +7,9 @@
 namespace ugoki::json {
 namespace {
 
-TEST(Json, FaultsHaveTheirLine) {
+TEST(Json, SyntaxErrorsHaveTheirLine) {
   struct Case {
-    std::string text, place;
+    std::string text, location;
     ErrorCode code;
   };
   const Case cases[] = {
@@ -23,24 +23,24 @@ TEST(Json, FaultsHaveTheirLine) {
       {"[1,\n1e999]", "f:2", ErrorCode::syntax},
       {"[\"\xFF\"]", "f:1", ErrorCode::syntax},
       {std::string("\0", 1), "f:1", ErrorCode::syntax},
-      {std::string("{\"a\":\n1}\0}", 10), "f:2", ErrorCode::syntax},  // what comes after is not left out without a word
+      {std::string("{\"a\":\n1}\0}", 10), "f:2", ErrorCode::syntax},  // text after a zero byte must not be ignored silently
       {"{\"a\": [{\"b\": 1, \"c\": {\"b\": 2}},\n {\"b\": 1,\n\"d\": \"b\", \"b\" : 3}]}", "f:3", ErrorCode::duplicate},
       {std::string(max_depth + 1, '[') + std::string(max_depth + 1, ']'), "f", ErrorCode::range},
   };
   for (const Case& c : cases) {
     const auto read = parse_json(c.text, "f");
     ASSERT_FALSE(read) << c.text;
-    EXPECT_EQ(read.error().problems[0].place, c.place) << c.text;
+    EXPECT_EQ(read.error().problems[0].location, c.location) << c.text;
     EXPECT_EQ(read.error().problems[0].code, c.code) << c.text;
     EXPECT_FALSE(read.error().problems[0].remedy.empty());
   }
   EXPECT_TRUE(parse_json(std::string(max_depth, '[') + std::string(max_depth, ']'), "f"));
-  EXPECT_TRUE(parse_json("[\"" + std::string(2 * max_depth, '[') + "\"]", "f")) << "brackets inside a text do not nest";
-  EXPECT_TRUE(parse_json("\xEF\xBB\xBF{}", "f")) << "a byte order mark is no fault";
-  EXPECT_FALSE(parse_json("[1, 2]", "f", 5)) << "larger than allowed";
+  EXPECT_TRUE(parse_json("[\"" + std::string(2 * max_depth, '[') + "\"]", "f")) << "brackets inside a string do not count as nesting";
+  EXPECT_TRUE(parse_json("\xEF\xBB\xBF{}", "f")) << "a byte order mark is accepted";
+  EXPECT_FALSE(parse_json("[1, 2]", "f", 5)) << "the text is larger than the limit of 5 bytes";
 }
 
-TEST(Json, FieldsTellEveryProblemByItsPath) {
+TEST(Json, FieldsReportEveryProblemWithItsPath) {
   const auto document = parse_json(
       R"({"n": "x", "i": 1.5, "b": 0, "t": 3, "v": [1, 2], "u": [1, 2, 3, 4], "w": [1, "2"], "l": {}, "m": [1, 2, 3], "extra": 0})", "f");
   ASSERT_TRUE(document);
@@ -62,21 +62,33 @@ TEST(Json, FieldsTellEveryProblemByItsPath) {
   f.require("absent", "it");
   f.number("absent", n);
   f.refuse_others();
-  std::vector<std::string> places;
+  std::vector<std::string> locations;
   for (const Problem& p : problems.problems) {
-    places.push_back(p.place);
+    locations.push_back(p.location);
     EXPECT_FALSE(p.message.empty() || p.remedy.empty()) << p.text();
   }
-  EXPECT_EQ(places, (std::vector<std::string>{"f:n", "f:i", "f:b", "f:t", "f:v", "f:u", "f:w", "f:l", "f:m", "f:absent", "f:extra"}));
+  EXPECT_EQ(locations, (std::vector<std::string>{"f:n", "f:i", "f:b", "f:t", "f:v", "f:u", "f:w", "f:l", "f:m", "f:absent", "f:extra"}));
   EXPECT_EQ(n, 7);
   EXPECT_EQ(i, 7);
   EXPECT_TRUE(b);
   EXPECT_EQ(t, "seven");
   EXPECT_EQ(v[0], 7);
-  EXPECT_EQ(w[0], 7) << "all numbers or none";
+  EXPECT_EQ(w[0], 7) << "an invalid list changes no value";
 }
 
-TEST(Json, FieldsReadWhatIsRight) {
+TEST(Json, RenamedFieldsAreFoundUnderBothNames) {
+  Json object = {{"old", 1}, {"other", 2}};
+  Error problems;
+  EXPECT_EQ(Fields(object, "x", problems).renamed("new", "old"), "old");
+  EXPECT_EQ(Fields(object, "x", problems).renamed("other", "old"), "other") << "the present name wins";
+  EXPECT_EQ(Fields(object, "x", problems).renamed("new", "absent"), "new");
+  rename_field(object, "old", "new");
+  EXPECT_EQ(object, (Json{{"other", 2}, {"new", 1}}));
+  rename_field(object, "new", "other");
+  EXPECT_EQ(object, (Json{{"other", 2}, {"new", 1}})) << "an existing field is kept";
+}
+
+TEST(Json, FieldsReadValidValues) {
   const auto document = parse_json(R"({"n": -0.0, "i": -3, "b": false, "t": "\u52d5", "v": [1, 2.5, -0.0], "l": [{"n": 2}]})", "f");
   ASSERT_TRUE(document);
   Error problems;
@@ -101,10 +113,10 @@ TEST(Json, FieldsReadWhatIsRight) {
   EXPECT_EQ(i, -3);
   EXPECT_FALSE(b);
   EXPECT_EQ(t, "\u52d5");
-  EXPECT_TRUE(v[2] == 0 && std::signbit(v[2])) << "numbers keep their bits";
+  EXPECT_TRUE(v[2] == 0 && std::signbit(v[2])) << "negative zero is preserved";
 }
 
-TEST(Json, AHostileDocumentHasAShortAnswer) {
+TEST(Json, ErrorsOfAHostileDocumentAreBounded) {
   std::string text = "{\"list\": [0" + std::string(10'000, ' ') + ",[1,2,3]]";
   for (int k = 1; k < max_fields; ++k) text += ",\"" + std::string(1000, 'k') + std::to_string(k) + "\":0";
   const auto document = parse_json(text + "}", "f");
@@ -114,22 +126,22 @@ TEST(Json, AHostileDocumentHasAShortAnswer) {
   EXPECT_EQ(refused.error().problems[0].code, ErrorCode::range);
   std::string list = "[0";
   for (int k = 0; k < 2 * max_fields; ++k) list += ",0";
-  EXPECT_TRUE(parse_json(list + "]", "f")) << "lists may be long";
+  EXPECT_TRUE(parse_json(list + "]", "f")) << "the length of a list is not limited";
   Error problems;
   Fields(*document, "f", problems).refuse_others();
-  EXPECT_EQ(problems.problems.size(), most_problems);
+  EXPECT_EQ(problems.problems.size(), max_problems);
   EXPECT_LT(problems.text().size(), 50'000u);
   Fields(Json(3), "f:", problems).refuse_others();
 }
 
-TEST(Json, ErrorsAreJsonWhateverTheyQuote) {
-  Error error(ErrorCode::duplicate, "a.json:3", "Two have the name \"\xFF\".", "Rename one.");
+TEST(Json, ErrorsThatQuoteInvalidUtf8AreValidJson) {
+  Error error(ErrorCode::duplicate, "a.json:3", "Two links have the name \"\xFF\".", "Rename one.");
   const auto back = parse_json(to_text(error_json(error)), "error");
   ASSERT_TRUE(back);
   const Json& p = (*back)["problems"][0];
   EXPECT_EQ(p["code"], "duplicate");
-  EXPECT_EQ(p["place"], "a.json:3");
-  EXPECT_EQ(p["message"], "Two have the name \"\xEF\xBF\xBD\".");
+  EXPECT_EQ(p["location"], "a.json:3");
+  EXPECT_EQ(p["message"], "Two links have the name \"\xEF\xBF\xBD\".");
   EXPECT_EQ(p["remedy"], "Rename one.");
 }
 

@@ -1,5 +1,5 @@
-// examples/lsi/spatial, world, closed and motion: a circuit for each LSI of mathematics, rotations, mechanics, distances and motions, which
-// documents and tests it. And what an example cannot show: impulses against the law of momentum, distances after a restore.
+// Runs the examples in examples/lsi/spatial, world, closed and motion: one circuit for each LSI of mathematics, rotations, mechanics,
+// distances and motions, which documents and tests it. Other tests check impulses by the law of momentum, and distances after a restore.
 
 #include <cmath>
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(LsiExamples, EveryOneHasACircuitThatHolds) {
+TEST(LsiExamples, EveryLsiHasAPassingExample) {
   const SmallWorld small;
   const ClosedWorld closed;
   const Walker walker;
@@ -24,13 +24,13 @@ TEST(LsiExamples, EveryOneHasACircuitThatHolds) {
   for (const auto& [folder, world] : {std::pair{"spatial", small.world.get()}, std::pair{"world", small.world.get()},
                                       std::pair{"closed", closed.world.get()}, std::pair{"motion", walker.world.get()}}) {
     for (const fs::directory_entry& e : fs::directory_iterator(std::string(UGOKI_SOURCE_DIR) + "/examples/lsi/" + folder)) {
-      const std::string place = e.path().filename().string();
+      const std::string location = e.path().filename().string();
       std::ifstream in(e.path());
-      const Result<circuit::Example> example = circuit::read_example(std::string((std::istreambuf_iterator<char>(in)), {}), place);
+      const Result<circuit::Example> example = circuit::read_example(std::string((std::istreambuf_iterator<char>(in)), {}), location);
       ASSERT_TRUE(example) << example.error().text();
-      EXPECT_FALSE(example->doc.empty()) << place;
-      const Result<void> holds = circuit::check_example(*example, standard_library(), place, world);
-      EXPECT_TRUE(holds) << holds.error().text();
+      EXPECT_FALSE(example->doc.empty()) << location;
+      const Result<void> checked = circuit::check_example(*example, standard_library(), location, world);
+      EXPECT_TRUE(checked) << checked.error().text();
       for (const circuit::Instance& lsi : example->circuit.lsis)
         if (lsi.type == example->circuit.name) shown.insert(lsi.type);
     }
@@ -40,7 +40,7 @@ TEST(LsiExamples, EveryOneHasACircuitThatHolds) {
     if (groups.contains(c.group)) EXPECT_TRUE(shown.contains(c.name)) << "no example shows '" << c.name << "'";
 }
 
-/// The ball set to a place, moving, at `time`.
+/// An event that sets the position and velocity of the ball at `time`, s.
 ScheduledEvent put_ball(double time, const Vec3& p, const Vec3& v) {
   ScheduledEvent e;
   e.time = time;
@@ -51,7 +51,7 @@ ScheduledEvent put_ball(double time, const Vec3& p, const Vec3& v) {
   return e;
 }
 
-/// Nothing moves but by events; `lsis` and `wires` are behind "now.state".
+/// A circuit without dynamics: only events change the state "now.state". `lsis` and `wires` are added to it.
 circuit::Interpreter build(const SmallWorld& small, const std::string& lsis, const std::string& wires) {
   const auto c = circuit::read_circuit(
       R"({"version": 1, "name": "t", "inputs": [{"name": "live", "type": "event", "to": "event.live"}],
@@ -63,7 +63,7 @@ circuit::Interpreter build(const SmallWorld& small, const std::string& lsis, con
   return std::move(*i);
 }
 
-TEST(LsiExamples, AnImpulseIsTheChangeOfMomentumAndBouncesByTheRestitution) {
+TEST(LsiExamples, ImpulseEqualsChangeOfMomentumWithRestitution) {
   const Vec3 v{0.7, 0, -2.5};
   const SmallWorld small({put_ball(0, {3, 0, 0.11}, v)});
   circuit::Interpreter i = build(small, R"({"id": "found", "type": "collision analysis"}, {"id": "it", "type": "collision force"})",
@@ -72,7 +72,7 @@ TEST(LsiExamples, AnImpulseIsTheChangeOfMomentumAndBouncesByTheRestitution) {
   for (int t = 0; t < 3; ++t) ASSERT_TRUE(i.tick());
   const Character& ball = small.world->characters()[1];
   const auto before = v_of(ball, i.find_output("now.state")->numbers().data());
-  ASSERT_EQ(before[5], v.z) << "it is thrown";
+  ASSERT_EQ(before[5], v.z) << "the throw did not set the velocity";
   Vec3 impulse;
   double restitution = -1;
   for (const ContactRecord& r : records<ContactRecord>(i.find_output("it.contacts")->bytes.data())) {
@@ -80,22 +80,22 @@ TEST(LsiExamples, AnImpulseIsTheChangeOfMomentumAndBouncesByTheRestitution) {
     impulse += 0.002 * r.force;
     restitution = r.point.restitution;
   }
-  ASSERT_GE(restitution, 0) << "the ball touches the ground";
+  ASSERT_GE(restitution, 0) << "the ball does not touch the ground";
   const auto next = v_of(ball, i.find_output("it.next")->numbers().data());
   const double mass = small.ball->link(0).inertia.mass;
   EXPECT_NEAR(next[5], -restitution * v.z, 1e-12);
-  EXPECT_NEAR(next[3], v.x, 1e-12) << "it has no friction";
+  EXPECT_NEAR(next[3], v.x, 1e-12) << "friction changed the tangential velocity";
   EXPECT_NEAR(impulse.z, mass * (next[5] - v.z), 1e-12);
   EXPECT_NEAR(impulse.x, 0, 1e-12);
 }
 
-TEST(LsiExamples, ADistanceAfterARestoreHasTheSameBits) {
+TEST(LsiExamples, DistanceAfterRestoreHasSameBits) {
   std::vector<ScheduledEvent> path;
   for (int t = 0; t < 90; ++t) path.push_back(put_ball(0.002 * t, {3 * std::cos(0.05 * t), 3 * std::sin(0.05 * t), 0.5 + 0.01 * t}, {}));
   const SmallWorld small(path);
   for (const char* lsi : {R"({"id": "it", "type": "successive Gilbert",
-                              "parameters": {"character": "figure", "link": "foot left", "other": "ball.1", "other link": "ball"}})",
-                          R"({"id": "it", "type": "nearest pair", "parameters": {"character": "figure", "other": "ball.1"}})"}) {
+                              "parameters": {"character": "character", "link": "foot left", "other": "ball.1", "other link": "ball"}})",
+                          R"({"id": "it", "type": "closest pair", "parameters": {"character": "character", "other": "ball.1"}})"}) {
     const char* wire = R"({"from": "now.state", "to": "it.state"})";
     const auto run = [](circuit::Interpreter& on, int ticks) {
       EXPECT_EQ(on.run(static_cast<std::uint64_t>(ticks)), static_cast<std::uint64_t>(ticks));
@@ -111,7 +111,7 @@ TEST(LsiExamples, ADistanceAfterARestoreHasTheSameBits) {
     std::vector<std::byte> saved;
     first.save(saved);
     const std::vector<double> late = run(first, 50);
-    EXPECT_NE(late, early) << "it moves";
+    EXPECT_NE(late, early) << "the distance does not change";
     circuit::Interpreter other = build(small, lsi, wire);
     ASSERT_TRUE(other.restore(saved));
     EXPECT_EQ(run(other, 50), late) << lsi;

@@ -1,4 +1,4 @@
-// The execution circuit on a small world.
+// The execution circuit with a small world.
 
 #include <algorithm>
 #include <cmath>
@@ -12,15 +12,15 @@
 namespace ugoki::lsi {
 namespace {
 
-TEST(Execution, CircuitIsDataLikeAnyOther) {
+TEST(Execution, CircuitCanBeWrittenAndRead) {
   const SmallWorld world;
   const std::string text = circuit::write_circuit(world.circuit);
-  const auto again = circuit::read_circuit(text);
-  ASSERT_TRUE(again) << again.error().text();
-  EXPECT_TRUE(*again == world.circuit);
+  const auto read = circuit::read_circuit(text);
+  ASSERT_TRUE(read) << read.error().text();
+  EXPECT_TRUE(*read == world.circuit);
 }
 
-TEST(Execution, AFigureStandsAndFollows) {
+TEST(Execution, CharacterStandsAndFollowsItsReference) {
   const SmallWorld world;
   auto i = world.build();
   ASSERT_TRUE(i) << i.error().text();
@@ -31,13 +31,13 @@ TEST(Execution, AFigureStandsAndFollows) {
   EXPECT_LT(measures[measure_assist], 0.2);
   EXPECT_LT(measures[measure_penetration], 5);
   EXPECT_EQ(measures[measure_fell], 0);
-  EXPECT_EQ(measures[measure_let_go_time], -1);
+  EXPECT_EQ(measures[measure_release_time], -1);
   EXPECT_EQ(measures[measure_feet], 2);
-  const double* figures = numbers(*i, "figures");
-  EXPECT_EQ(figures[figure_state], 0);
-  EXPECT_EQ(figures[figure_count + figure_state], 2);
-  EXPECT_NEAR(figures[figure_weight], 40 * 9.81, 1e-9);
-  // the contact forces carry the figure
+  const double* walkers = numbers(*i, "characters");
+  EXPECT_EQ(walkers[character_state], 0);
+  EXPECT_EQ(walkers[character_entry_count + character_state], 2);
+  EXPECT_NEAR(walkers[character_weight], 40 * 9.81, 1e-9);
+  // The contact forces carry the weight of the character.
   double up = 0;
   for (const ContactRecord& c : records<ContactRecord>(i->find_circuit_output("contacts")->bytes.data()))
     if (c.point.system_a == 0) up += c.force.z;
@@ -59,14 +59,14 @@ TEST(Execution, TouchesAreEventsWithNamesAndImpulses) {
       impulse += e.kind == EventKind::touch ? norm(e.b) : 0;
     }
   }
-  const auto said = [&](std::string_view text) {
+  const auto contains = [&](std::string_view text) {
     return std::ranges::any_of(journal, [&](const std::string& line) { return line.find(text) != std::string::npos; });
   };
-  EXPECT_TRUE(said("foot left of ")) << journal.size();
-  EXPECT_TRUE(said(" touched the ground, "));
-  EXPECT_TRUE(said(" N s"));
+  EXPECT_TRUE(contains("foot left of ")) << journal.size();
+  EXPECT_TRUE(contains(" touched the ground, "));
+  EXPECT_TRUE(contains(" N s"));
   EXPECT_GT(impulse, 0);
-  EXPECT_LT(journal.size(), 20U) << "standing is one touch";
+  EXPECT_LT(journal.size(), 20U) << "standing must be one touch, not many";
 }
 
 TEST(Execution, ScheduledPushActsForItsDurationOnly) {
@@ -90,7 +90,7 @@ TEST(Execution, ScheduledPushActsForItsDurationOnly) {
   EXPECT_EQ(active, 100);
 }
 
-TEST(Execution, MomentumChangesByTheForcesThatAreReported) {
+TEST(Execution, MomentumChangeEqualsReportedForces) {
   ScheduledEvent push;
   push.record.kind = EventKind::push;
   push.record.a = {150, 30, 0};
@@ -99,15 +99,15 @@ TEST(Execution, MomentumChangesByTheForcesThatAreReported) {
   const SmallWorld world({push});
   auto i = world.build();
   ASSERT_TRUE(i);
-  const Character& figure = world.world->characters()[0];
-  dynamics::Workspace ws(*world.figure);
+  const Character& walker = world.world->characters()[0];
+  dynamics::Workspace ws(*world.character);
   const auto momentum = [&] {
     const double* state = numbers(*i, "state");
-    dynamics::update_kinematics(*world.figure, q_of(figure, state), v_of(figure, state), ws);
-    return dynamics::momentum(*world.figure, ws).v;
+    dynamics::update_kinematics(*world.character, q_of(walker, state), v_of(walker, state), ws);
+    return dynamics::momentum(*world.character, ws).v;
   };
   const Vec3 before = momentum();
-  const auto assist = i->find_output("control-figure.assist force");
+  const auto assist = i->find_output("control-character.assist force");
   ASSERT_TRUE(assist);
   Vec3 impulse, assisted;
   for (int k = 0; k < 250; ++k) {
@@ -120,11 +120,11 @@ TEST(Execution, MomentumChangesByTheForcesThatAreReported) {
     for (const ContactRecord& c : records<ContactRecord>(i->find_circuit_output("contacts")->bytes.data()))
       if (c.point.system_a == 0) impulse += c.force * 0.002;
   }
-  EXPECT_GT(norm(assisted), 2.0);  // otherwise this would not see the assist
+  EXPECT_GT(norm(assisted), 2.0);  // N s; otherwise a missing assist would not be detected
   EXPECT_NEAR(norm(momentum() - before - impulse), 0, 0.5);
 }
 
-TEST(Execution, ThrowSetsPoseAndVelocityAtItsTime) {
+TEST(Execution, ThrowSetsPositionAndVelocityAtItsTime) {
   ScheduledEvent event;
   event.record.kind = EventKind::throwing;
   event.record.character = 1;
@@ -146,13 +146,13 @@ TEST(Execution, ThrowSetsPoseAndVelocityAtItsTime) {
   EXPECT_NEAR(v[5], 2, 1e-12);
   const double spin = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
   EXPECT_NEAR(spin, 14, 1e-9);
-  // it flies as a body in vacuum does
+  // Free flight without air resistance.
   for (int k = 0; k < 50; ++k) ASSERT_TRUE(i->tick());
   EXPECT_NEAR(q[0], 2 - 6 * 0.1, 1e-9);
   EXPECT_NEAR(q[2], 1.2 + 2 * 0.1 - 0.5 * 9.81 * 0.1 * 0.1, 1.1e-3);
 }
 
-TEST(Execution, AGrabbedLinkComesAlong) {
+TEST(Execution, GrabbedLinkMovesTowardsTarget) {
   const SmallWorld world;
   auto i = world.build();
   ASSERT_TRUE(i);
@@ -167,8 +167,9 @@ TEST(Execution, AGrabbedLinkComesAlong) {
   clear_events(*i);
   for (int k = 0; k < 1000; ++k) ASSERT_TRUE(i->tick()) << i->stopped()->text();
   const double* state = numbers(*i, "state");
-  EXPECT_GT(state[0], 0.3);                                                                        // the figure is dragged towards it
-  for (std::size_t k = 0; k < world.world->state_size(); ++k) ASSERT_LT(std::fabs(state[k]), 60);  // limp legs swing freely
+  EXPECT_GT(state[0], 0.3);  // the character is pulled towards the target
+  for (std::size_t k = 0; k < world.world->state_size(); ++k)
+    ASSERT_LT(std::fabs(state[k]), 60);  // bounded, although the legs swing freely
   EventRecord release;
   release.kind = EventKind::release;
   put_event(*i, release);
@@ -176,7 +177,7 @@ TEST(Execution, AGrabbedLinkComesAlong) {
   EXPECT_TRUE(records<EventRecord>(i->find_circuit_output("events")->bytes.data()).empty());
 }
 
-TEST(Execution, SameBitsAgainAndAfterSaveAndRestore) {
+TEST(Execution, ResetAndRestoreGiveSameBits) {
   ScheduledEvent push;
   push.record.kind = EventKind::push;
   push.record.a = {60, 20, 0};
@@ -201,14 +202,14 @@ TEST(Execution, SameBitsAgainAndAfterSaveAndRestore) {
   EXPECT_TRUE(one == three);
 }
 
-TEST(Execution, AWireFromAnotherCharacterIsRefused) {
+TEST(Execution, WireFromAnotherCharacterIsRefused) {
   std::vector<CharacterSpec> specs(2);
-  const MechanismPtr figure = make_figure();
+  const MechanismPtr walker = make_character();
   for (std::size_t k = 0; k < 2; ++k) {
     specs[k].id = k == 0 ? "anna" : "ben";
-    specs[k].mechanism = figure;
+    specs[k].mechanism = walker;
     TrackClip sway;
-    sway.motion = make_sway(*figure, 1);
+    sway.motion = make_sway(*walker, 1);
     sway.clip.length = 4;
     specs[k].track = {sway};
   }
@@ -219,20 +220,20 @@ TEST(Execution, AWireFromAnotherCharacterIsRefused) {
     if (w.to == "control-ben.reference") w.from = "interpolation-anna.reference";
   const auto refused = circuit::Interpreter::build(c, standard_library(), &world, {});
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().text().find("'control-ben.reference' is about 'anna', the LSI about 'ben'"), std::string::npos)
+  EXPECT_NE(refused.error().text().find("'control-ben.reference' belongs to the character 'anna', but the LSI to 'ben'"), std::string::npos)
       << refused.error().text();
 }
 
-TEST(Execution, AnEmptyWorldRuns) {
-  const World nobody({}, {}, {0, 0, -9.81}, {});
-  auto i = circuit::Interpreter::build(make_execution_circuit({}, 0.002), standard_library(), &nobody, {});
+TEST(Execution, EmptyWorldRuns) {
+  const World empty({}, {}, {0, 0, -9.81}, {});
+  auto i = circuit::Interpreter::build(make_execution_circuit({}, 0.002), standard_library(), &empty, {});
   ASSERT_TRUE(i) << i.error().text();
   for (int k = 0; k < 10; ++k) EXPECT_TRUE(i->tick());
   EXPECT_TRUE(i->refresh());
 }
 
-TEST(Track, BlendsFromOneClipToTheNextSmoothly) {
-  const MechanismPtr m = make_figure();
+TEST(Track, BlendBetweenClipsIsSmooth) {
+  const MechanismPtr m = make_character();
   const MotionPtr sway = make_sway(*m, 20);
   TrackClip first, second;
   first.motion = second.motion = sway;
@@ -241,7 +242,7 @@ TEST(Track, BlendsFromOneClipToTheNextSmoothly) {
   second.clip.length = 2;
   second.clip.offset = 0.37;
   second.clip.blend = 0.4;
-  second.clip.place.x = 0.5;
+  second.clip.placement.x = 0.5;
   const TrackSampler track(m, {first, second}, {}, false);
   const std::size_t n = track.layout().size(), nq = track.layout().nq, nv = track.layout().nv;
   std::vector<double> before(n), now(n), after(n), slope(nv);
@@ -256,18 +257,19 @@ TEST(Track, BlendsFromOneClipToTheNextSmoothly) {
       EXPECT_NEAR((after[nq + k] - before[nq + k]) / (2 * h), now[nq + nv + k], 0.6) << t << " " << k;
     }
   }
-  // the first clip moves on below the blend: nothing jumps where its own time ends
+  // The first clip continues during the transition, so the velocity is continuous at t = 0.7 s, where the second clip
+  // starts.
   track.sample(0.7 - 1e-7, before);
   track.sample(0.7 + 1e-7, after);
-  double greatest = 0;
+  double maximum = 0;
   for (std::size_t k = 0; k < nv; ++k) {
     EXPECT_NEAR(before[nq + k], after[nq + k], 1e-4);
-    greatest = std::max(greatest, std::fabs(before[nq + k]));
+    maximum = std::max(maximum, std::fabs(before[nq + k]));
   }
-  EXPECT_GT(greatest, 0.2);
+  EXPECT_GT(maximum, 0.2);
 }
 
-TEST(Pull, IsASpringForALightBodyAndStableForAnyStep) {
+TEST(Pull, IsSpringAndDamperForSmallStepsAndStableForLargeSteps) {
   const MechanismPtr ball = make_ball();
   dynamics::Workspace ws(*ball);
   State s(*ball);
@@ -276,7 +278,7 @@ TEST(Pull, IsASpringForALightBodyAndStableForAnyStep) {
   s.v[3] = 1;
   const Vec3 damped = calc_pull(*ball, ws, s.q, s.v, 0, {}, {0, 0, 0}, 1e-9);
   EXPECT_NEAR(damped.x, -2 * 0.7 * ball->mass() * 10, 1e-6);  // -c u
-  // with an absurd step the force never overshoots what stops the ball
+  // With a step of 1 s the force does not reverse the velocity of the ball.
   const Vec3 stiff = calc_pull(*ball, ws, s.q, s.v, 0, {}, {0, 0, 0}, 1.0);
   EXPECT_GT(1 + stiff.x / ball->mass() * 1.0, -1e-9);
   const Vec3 far = calc_pull(*ball, ws, s.q, s.v, 0, {}, {100, 0, 0}, 0.002);

@@ -1,5 +1,5 @@
-// Dynamics of open and closed link systems as an LSI: beside the example (the four-bar's motion known by one equation), loops that open
-// and close while it runs, saved states, real robots.
+// The LSI "link dynamics" for open and closed link systems: agreement of its methods, loops that open and close while the circuit runs,
+// saved states, robots with closed loops. (examples/lsi/closed compares a four-bar with its single equation of motion.)
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 namespace ugoki::lsi {
 namespace {
 
-/// One character moved by `link dynamics`; the circuit's input `closed` feeds it.
+/// A circuit in which "link dynamics" moves the character `who`. The circuit's input `closed` is wired to the LSI.
 Result<circuit::Interpreter> build(const World& world, const std::string& who, const std::string& parameters = "", double dt = 0.002) {
   const auto c = circuit::read_circuit(
       R"({"version": 1, "name": "t", "inputs": [{"name": "closed", "type": "scalar", "to": "it.closed"}],
@@ -27,7 +27,7 @@ Result<circuit::Interpreter> build(const World& world, const std::string& who, c
 void set_closed(circuit::Interpreter& i, double closed) { std::memcpy(i.find_circuit_input("closed").data(), &closed, sizeof closed); }
 double value(const circuit::Interpreter& i, const char* pin) { return i.find_output(pin)->numbers()[0]; }
 
-TEST(LinkDynamics, MethodsAgreeAndEnergyStays) {
+TEST(LinkDynamics, MethodsAgreeAndConserveEnergy) {
   const ClosedWorld w;
   std::vector<double> angles;
   for (const char* method : {"Runge-Kutta 4", "Dormand-Prince 5(4)", "Gauss-Legendre 6", "Radau IIA 5"}) {
@@ -45,10 +45,10 @@ TEST(LinkDynamics, MethodsAgreeAndEnergyStays) {
     EXPECT_NEAR(value(*i, "it.energy"), energy, 1e-7) << method;
     angles.push_back(value(*i, "now.state"));
   }
-  for (const double a : angles) EXPECT_NEAR(a, -4.256552387, 1e-6);  // one equation for the crank, integrated on its own
+  for (const double a : angles) EXPECT_NEAR(a, -4.256552387, 1e-6);  // rad; from integrating the single equation of motion of the crank
 }
 
-TEST(LinkDynamics, ALoopThatOpensLetsGoAndClosesWithAJumpThatTakesEnergy) {
+TEST(LinkDynamics, OpeningLoopKeepsEnergyAndClosingLoopLosesEnergy) {
   const ClosedWorld w;
   auto i = build(*w.world, "four-bar", R"(, "loop": "pin")");
   ASSERT_TRUE(i) << i.error().text();
@@ -56,18 +56,18 @@ TEST(LinkDynamics, ALoopThatOpensLetsGoAndClosesWithAJumpThatTakesEnergy) {
   i->run(50);
   const double energy = value(*i, "it.energy");
   const auto forces = i->find_output("it.loop forces")->numbers();
-  EXPECT_TRUE(std::ranges::any_of(forces, [](double f) { return std::fabs(f) > 1; })) << "the pin bears a load";
+  EXPECT_TRUE(std::ranges::any_of(forces, [](double f) { return std::fabs(f) > 1; })) << "the pin carries no load";
   set_closed(*i, 0);
   i->run(5);
-  EXPECT_NEAR(value(*i, "it.energy"), energy, 1e-6) << "nothing jumps where a loop opens";
+  EXPECT_NEAR(value(*i, "it.energy"), energy, 1e-6) << "opening a loop must not change the energy";
   for (const double f : i->find_output("it.loop forces")->numbers()) EXPECT_EQ(f, 0);
   set_closed(*i, 1);
   ASSERT_TRUE(i->tick());
-  EXPECT_LT(value(*i, "it.energy"), energy) << "energy is lost, never won";
+  EXPECT_LT(value(*i, "it.energy"), energy) << "closing a loop must not add energy";
   EXPECT_LT(value(*i, "it.gap"), 1e-12);
 }
 
-TEST(LinkDynamics, SavedStatesGoOnWithTheSameBits) {
+TEST(LinkDynamics, RestoreAndResetGiveSameBits) {
   const ClosedWorld w;
   auto a = build(*w.world, "four-bar"), b = build(*w.world, "four-bar");
   ASSERT_TRUE(a && b);
@@ -85,11 +85,11 @@ TEST(LinkDynamics, SavedStatesGoOnWithTheSameBits) {
   set_closed(*a, 1);
   a->run(300);
   a->save(of_a);
-  EXPECT_EQ(of_a, saved) << "after a reset as from the start";
+  EXPECT_EQ(of_a, saved) << "a reset run must equal a new run";
 }
 
-/// The general-purpose dynamics on closed loops: the crank turns through all its positions, dead points among them.
-TEST(LinkDynamics, GeneralDynamicsOfClosedLoopsGoesOnWithTheSameBitsFromEverySavedState) {
+/// General-purpose dynamics with closed loops. The crank turns through all its positions, including dead points.
+TEST(LinkDynamics, GeneralDynamicsOfClosedLoopsGivesSameBitsFromEverySavedState) {
   const ClosedWorld w;
   const auto c = circuit::read_circuit(
       R"({"version": 1, "name": "t", "lsis": [{"id": "now", "type": "status"}, {"id": "touch", "type": "collision analysis"},
@@ -100,23 +100,23 @@ TEST(LinkDynamics, GeneralDynamicsOfClosedLoopsGoesOnWithTheSameBitsFromEverySav
   auto a = make(), b = make();
   ASSERT_TRUE(a && b) << a.error().text();
   std::vector<std::vector<std::byte>> saved(60);
-  double least = 1e9, greatest = -1e9;
+  double minimum = 1e9, maximum = -1e9;
   for (std::vector<std::byte>& s : saved) {
-    for (int k = 0; k < 23; ++k, least = std::min(least, value(*a, "now.state")), greatest = std::max(greatest, value(*a, "now.state")))
+    for (int k = 0; k < 23; ++k, minimum = std::min(minimum, value(*a, "now.state")), maximum = std::max(maximum, value(*a, "now.state")))
       ASSERT_TRUE(a->tick()) << a->stopped()->text();
     a->save(s);
   }
-  EXPECT_GT(greatest - least, 3.2) << "it passes the positions in which its bars are in one line";
-  std::vector<std::byte> again;
-  for (std::size_t i = saved.size() - 1; i-- > 0;) {  // backwards: what was remembered of later positions is wrong here
+  EXPECT_GT(maximum - minimum, 3.2) << "the crank must pass the dead points, where bars are in line";
+  std::vector<std::byte> repeated;
+  for (std::size_t i = saved.size() - 1; i-- > 0;) {  // backwards, so that memory of later positions would give other bits
     ASSERT_TRUE(b->restore(saved[i]));
     b->run(23);
-    b->save(again);
-    EXPECT_EQ(again, saved[i + 1]) << i;
+    b->save(repeated);
+    EXPECT_EQ(repeated, saved[i + 1]) << i;
   }
 }
 
-TEST(LinkDynamics, OthersArePassedOnAndWrongParametersRefused) {
+TEST(LinkDynamics, OtherCharactersAreUnchangedAndWrongParametersRefused) {
   const ClosedWorld w;
   auto i = build(*w.world, "four-bar");
   ASSERT_TRUE(i);
@@ -126,11 +126,11 @@ TEST(LinkDynamics, OthersArePassedOnAndWrongParametersRefused) {
   EXPECT_TRUE(std::ranges::equal(q, ball.q0));
   const auto wrong = build(*w.world, "four-bar", R"(, "loop": "nobody")");
   ASSERT_FALSE(wrong);
-  EXPECT_NE(wrong.error().text().find("Name one of pin"), std::string::npos) << wrong.error().text();
+  EXPECT_NE(wrong.error().text().find("Use one of: pin"), std::string::npos) << wrong.error().text();
 }
 
-/// An open system is one without loops: the ball falls.
-TEST(LinkDynamics, AnOpenSystemFalls) {
+/// A mechanism without loops.
+TEST(LinkDynamics, OpenSystemFalls) {
   const ClosedWorld w;
   auto i = build(*w.world, "ball");
   ASSERT_TRUE(i) << i.error().text();
@@ -141,7 +141,7 @@ TEST(LinkDynamics, AnOpenSystemFalls) {
 
 TEST(LinkDynamics, SharedClosedRobotsSwingWithClosedLoops) {
   const std::string folder = std::string(UGOKI_SHARED_DATA) + "/mechanism/closed_loop";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are not here (" << folder << ")";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are missing (" << folder << ")";
   int count = 0;
   for (const auto& e : std::filesystem::recursive_directory_iterator(folder + "/example-parallel-robots")) {
     const std::string path = e.path().string();

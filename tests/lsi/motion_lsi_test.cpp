@@ -1,4 +1,4 @@
-// The operations on motions as LSIs: what they play is what the operation gives; the intermediate motion follows its weight.
+// The LSIs for motion operations: they play the result of the operation; the intermediate motion follows its weight.
 #include "ugoki/lsi/motion_lsi.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace ugoki::lsi {
 namespace {
 
-/// A circuit of this LSI alone. @param input name of the pin that the circuit's input `in` feeds
+/// A circuit with one LSI of class `type`. @param input  name of its pin to which the circuit's input `in` is wired
 Result<circuit::Interpreter> build(const Walker& w, const std::string& type, const std::string& parameters, const std::string& input,
                                    const std::string& character = "walker") {
   const std::string text =
@@ -32,8 +32,8 @@ void set(circuit::Interpreter& i, double value) {
   std::memcpy(in.data(), &value, sizeof value);
 }
 
-/// Greatest difference between a reference's position and q.
-double off(const Mechanism& m, const double* reference, std::span<const double> q) {
+/// Maximum absolute difference between the position of a reference and q, m | rad.
+double max_difference(const Mechanism& m, const double* reference, std::span<const double> q) {
   std::vector<double> d(static_cast<std::size_t>(m.nv()));
   difference(m, q, {reference, q.size()}, d);
   double worst = 0;
@@ -41,7 +41,7 @@ double off(const Mechanism& m, const double* reference, std::span<const double> 
   return worst;
 }
 
-TEST(MotionLsi, PlayWhatTheOperationGives) {
+TEST(MotionLsi, PlaysResultOfOperation) {
   const Walker w;
   const Mechanism& m = *w.human;
   struct Case {
@@ -63,12 +63,12 @@ TEST(MotionLsi, PlayWhatTheOperationGives) {
       set(*i, frame / c.expected.rate);
       ASSERT_TRUE(i->tick()) << c.type;
       sample(c.expected, m, frame / c.expected.rate, q);
-      EXPECT_LT(off(m, numbers(*i, "reference"), q), 1e-9) << c.type;
+      EXPECT_LT(max_difference(m, numbers(*i, "reference"), q), 1e-9) << c.type;
     }
   }
 }
 
-TEST(MotionLsi, AnotherStructureDoesWhatRetargetingGives) {
+TEST(MotionLsi, RetargetPlaysResultOfRetargeting) {
   const Walker w;
   const Mechanism& m = *w.child;
   const auto expected = retarget::retarget(w.human, *w.walk, w.child);
@@ -80,7 +80,7 @@ TEST(MotionLsi, AnotherStructureDoesWhatRetargetingGives) {
     set(*i, frame / expected->motion.rate);
     ASSERT_TRUE(i->tick());
     sample(expected->motion, m, frame / expected->motion.rate, q);
-    EXPECT_LT(off(m, numbers(*i, "reference"), q), 1e-9) << frame;
+    EXPECT_LT(max_difference(m, numbers(*i, "reference"), q), 1e-9) << frame;
   }
   const auto refused = build(w, "motion retarget", R"(, "from": "nobody")", "time", "child");
   ASSERT_FALSE(refused);
@@ -120,20 +120,20 @@ TEST(MotionLsi, EveryOperationIsBuiltAndPlays) {
   EXPECT_EQ(count, 14);
 }
 
-TEST(MotionLsi, WhatCannotBeDoneIsRefusedWithPlaceAndRemedy) {
+TEST(MotionLsi, InvalidParametersAreRefused) {
   const Walker w;
   const auto refused = [&](const std::string& type, const std::string& parameters, const std::string& word) {
     const auto i = build(w, type, parameters, "time");
     ASSERT_FALSE(i) << type;
     EXPECT_NE(i.error().text().find(word), std::string::npos) << i.error().text();
   };
-  refused("motion trim", R"(, "clip": 7)", "number 7");
+  refused("motion trim", R"(, "clip": 7)", "The parameter 'clip' is 7");
   refused("motion warp", R"(, "points": "0 0, x")", "pairs of numbers");
   refused("motion warp", R"(, "points": "0 0, 1 99")", "99");
   refused("motion mix", R"(, "joints": "tentacle")", "tentacle");
 }
 
-TEST(IntermediateMotionLsi, FollowsItsWeightWithoutAJump) {
+TEST(IntermediateMotionLsi, FollowsItsWeightContinuously) {
   const Walker w;
   auto i = build(w, "intermediate motion", "", "weight");
   ASSERT_TRUE(i) << i.error().text();
@@ -151,8 +151,8 @@ TEST(IntermediateMotionLsi, FollowsItsWeightWithoutAJump) {
     if (!before.empty()) {
       difference(m, before, q, d);
       for (std::size_t j = 0; j < nv; ++j) {
-        EXPECT_LT(std::fabs(d[j]), 0.15) << "no jump of freedom " << j << " at tick " << k;
-        EXPECT_NEAR(d[j] / 0.01, 0.5 * (v_before[j] + r[nq + j]), 2.0) << "velocity of freedom " << j << " at tick " << k;
+        EXPECT_LT(std::fabs(d[j]), 0.15) << "jump of degree of freedom " << j << " at tick " << k;
+        EXPECT_NEAR(d[j] / 0.01, 0.5 * (v_before[j] + r[nq + j]), 2.0) << "velocity of degree of freedom " << j << " at tick " << k;
       }
     }
     if (k == 100 || k == 199) speed[0] += (k == 199 ? 1 : -1) * q[0] / 0.99;

@@ -1,5 +1,5 @@
 #pragma once
-// A small world for tests: a two-legged figure that stands and sways, and a ball.
+// A small world for tests: a two-legged character that sways while it stands, and a ball.
 
 #include <gtest/gtest.h>
 
@@ -19,10 +19,10 @@ inline MechanismPtr make_checked(MechanismSpec spec) {
   return *made;
 }
 
-/// Trunk on two straight legs with long feet: 40 kg, hips 0.9 m high.
-inline MechanismPtr make_figure() {
+/// A trunk on two straight legs with long feet: mass 40 kg, height of the hips 0.9 m.
+inline MechanismPtr make_character() {
   MechanismSpec spec;
-  spec.name = "figure";
+  spec.name = "character";
   LinkSpec trunk;
   trunk.name = "trunk";
   trunk.label = "chest";
@@ -66,7 +66,7 @@ inline MechanismPtr make_ball() {
   return make_checked(std::move(spec));
 }
 
-/// The figure standing; the trunk leans to and fro by some degrees over still feet.
+/// A motion of 4 s: the standing character leans forwards by `degrees` and back, twice; its feet do not move.
 inline MotionPtr make_sway(const Mechanism& m, double degrees) {
   auto motion = std::make_shared<Motion>();
   motion->name = "sway";
@@ -93,16 +93,16 @@ inline MotionPtr make_sway(const Mechanism& m, double degrees) {
 }
 
 struct SmallWorld {
-  MechanismPtr figure = make_figure(), ball = make_ball();
+  MechanismPtr character = make_character(), ball = make_ball();
   std::unique_ptr<World> world;
   circuit::Circuit circuit;
 
   explicit SmallWorld(std::vector<ScheduledEvent> events = {}) {
     std::vector<CharacterSpec> specs(2);
-    specs[0].id = "figure";
-    specs[0].mechanism = figure;
+    specs[0].id = "character";
+    specs[0].mechanism = character;
     TrackClip sway;
-    sway.motion = make_sway(*figure, 4);
+    sway.motion = make_sway(*character, 4);
     sway.clip.length = 4;
     specs[0].track = {sway};
     specs[1].id = "ball.1";
@@ -111,7 +111,7 @@ struct SmallWorld {
     specs[1].q0[0] = 3;
     specs[1].q0[2] = 0.11;
     world = std::make_unique<World>(std::move(specs), std::move(events), Vec3{0, 0, -9.81}, collision::Ground{});
-    circuit = make_execution_circuit({{"figure", true, 1, 1, 0.5}, {"ball.1", false, 1, 1, 0.5}}, 0.002);
+    circuit = make_execution_circuit({{"character", true, 1, 1, 0.5}, {"ball.1", false, 1, 1, 0.5}}, 0.002);
   }
   [[nodiscard]] Result<circuit::Interpreter> build() const {
     return circuit::Interpreter::build(circuit, standard_library(), world.get(), {.dt = 0.002, .check_finite = true});

@@ -1,5 +1,5 @@
 #pragma once
-// A world for tests of motion operations: a human who walks, and a child who can be shown how.
+// A world for tests of motion operations: a human with walking motions, and a child without motions.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 
 namespace ugoki::lsi {
 
-/// The human `walker` with two clips on its track, a walk and a quicker one, and the `child` without any.
+/// The character `walker` with two clips on its track, a walk and a faster walk, and the character `child` without clips.
 struct Walker {
   MechanismPtr human, child = samples::make_person(1.2).value();
   std::shared_ptr<Motion> walk, fast;

@@ -1,4 +1,4 @@
-// Meshes and height fields: cleaning, faults, volume and inertia.
+// Meshes and height fields: cleaning of the input, refused input, volume and inertia.
 
 #include "ugoki/mechanism/geometry.h"
 
@@ -27,19 +27,19 @@ void expect_same(const Inertia& a, const Inertia& b, double tolerance) {
   for (const double x : {d.xx, d.yy, d.zz, d.xy, d.xz, d.yz}) EXPECT_NEAR(x, 0, tolerance);
 }
 
-TEST(Geometry, AClosedMeshWeighsWhatTheBoxDoes) {
+TEST(Geometry, ClosedMeshHasTheInertiaOfTheBox) {
   const Vec3 h{0.3, 0.2, 0.1};
   const Pose X{rotation_about(normalized(Vec3{1, 2, 3}), 0.7), {0.5, -0.2, 0.1}};
   const Shape mesh = Shape::mesh(make_geometry(box_points(h), box_triangles(), false, "box").value(), X);
   EXPECT_NEAR(volume(mesh), 8 * 0.3 * 0.2 * 0.1, 1e-15);
   expect_same(solid_inertia(mesh, 700), solid_inertia(Shape::box(h, X), 700), 1e-12);
-  // far from its origin
+  // Vertices far from the shape's origin must not cost accuracy.
   const Shape far =
       Shape::mesh(make_geometry(box_points(h, {1000, 0, 0}), box_triangles(), false, "box").value(), {Mat3::identity(), {-1000, 0, 0}});
   EXPECT_LT(norm(solid_inertia(far, 1).about_centre() * Vec3{1, 1, 1} - solid_inertia(Shape::box(h), 1).I * Vec3{1, 1, 1}), 1e-8);
 }
 
-TEST(Geometry, RoundShapesAreTheLimitOfFineMeshes) {
+TEST(Geometry, InertiaOfRoundShapesMatchesFineMeshes) {
   const double r = 0.2, half = 0.3;
   const int n = 400;
   std::vector<Vec3> p = {{0, 0, -half}, {0, 0, half}};
@@ -54,14 +54,14 @@ TEST(Geometry, RoundShapesAreTheLimitOfFineMeshes) {
   expect_same(mesh, solid_inertia(Shape::cylinder(r, half), 1000), 75 * 2e-4);
   const Vec3 radii{0.1, 0.2, 0.3};
   for (Vec3& q : p) q = {q.x / r * radii.x, q.y / r * radii.y, q.z};
-  // A sphere stretched along its axes: moments scale with them.
+  // An ellipsoid is a sphere stretched along its axes; its second moments scale with the squared radii.
   const Inertia ball = solid_inertia(Shape::sphere(1), 1), stretched = solid_inertia(Shape::ellipsoid(radii), 1);
   const double share = radii.x * radii.y * radii.z * ball.mass / 5;
   EXPECT_NEAR(stretched.I.xx, share * (radii.y * radii.y + radii.z * radii.z), 1e-15);
   EXPECT_NEAR(stretched.mass, ball.mass * radii.x * radii.y * radii.z, 1e-15);
 }
 
-TEST(Geometry, AHeightFieldIsAStackOfPrisms) {
+TEST(Geometry, HeightFieldInertiaIsTheSumOfPrisms) {
   HeightField f;
   f.columns = 4;
   f.rows = 3;
@@ -76,16 +76,16 @@ TEST(Geometry, AHeightFieldIsAStackOfPrisms) {
   EXPECT_NEAR(reach(Shape::height_field(make_height_field(f, "ramp").value()), {0, 0, 1}), 0.3, 1e-15);
 }
 
-TEST(Geometry, MeshesAreMended) {
+TEST(Geometry, DefectsOfMeshesAreRepairedAndCounted) {
   std::vector<Vec3> p = box_points({1, 1, 1});
   std::vector<Triangle> t = box_triangles();
-  p.push_back(p[3]);         // 8: at the place of 3
+  p.push_back(p[3]);         // 8: equal to 3
   p.push_back({5, 5, 5});    // 9: unused
   p.push_back({0, -1, -1});  // 10: on the edge from 0 to 1
   t[1] = {1, 2, 8};
-  t.push_back({0, 10, 1});  // on a line
-  t.push_back({3, 8, 1});   // two corners at one place
-  t.push_back({2, 1, 0});   // the first one again, from another corner
+  t.push_back({0, 10, 1});  // corners are collinear
+  t.push_back({3, 8, 1});   // two corners are equal
+  t.push_back({2, 1, 0});   // the first triangle again, starting at another corner
   GeometryFindings found;
   const GeometryPtr g = make_geometry(p, t, false, "box", &found).value();
   EXPECT_EQ(found.doubled_vertices, 1U);
@@ -97,7 +97,7 @@ TEST(Geometry, MeshesAreMended) {
   EXPECT_EQ(g->vertices.size(), 8U);
   EXPECT_EQ(g->triangles.size(), 12U);
   EXPECT_NEAR(g->solid.mass, 8, 1e-14);
-  EXPECT_EQ(make_geometry(g->vertices, g->triangles, false, "again").value()->hash, g->hash) << "clean stays as it is";
+  EXPECT_EQ(make_geometry(g->vertices, g->triangles, false, "again").value()->hash, g->hash) << "a clean mesh is not changed";
 
   std::vector<Triangle> holed = box_triangles(), turned = holed;
   holed.pop_back();
@@ -109,12 +109,12 @@ TEST(Geometry, MeshesAreMended) {
   EXPECT_TRUE(inspect(*make_geometry(box_points({1, 1, 1}), turned, false, "box").value()).inside_out);
 }
 
-TEST(Geometry, WhatCannotBeUsedIsRefusedWithASentence) {
+TEST(Geometry, UnusableMeshesAreRefusedWithMessageAndRemedy) {
   const auto message = [](std::vector<Vec3> p, std::vector<Triangle> t, bool convex = false) {
     const Result<GeometryPtr> g = make_geometry(p, t, convex, "here");
     EXPECT_FALSE(g.has_value());
     if (g) return std::string();
-    EXPECT_EQ(g.error().problems[0].place, "here");
+    EXPECT_EQ(g.error().problems[0].location, "here");
     EXPECT_FALSE(g.error().problems[0].remedy.empty());
     return g.error().problems[0].message;
   };

@@ -17,7 +17,7 @@ double difference(const Pose& a, const Pose& b) {
   return norm(e.row(0)) + norm(e.row(1)) + norm(e.row(2)) + norm(a.p - b.p);
 }
 
-/// Velocity of B in J, seen in B, from poses a little before and after.
+/// Velocity of B relative to J, in B's axes, by central differences of the poses at t - dt, t and t + dt.
 Vec6 velocity(const Pose& before, const Pose& now, const Pose& after, double dt) {
   const Mat3 dR = (after.R - before.R) * (0.5 / dt);
   const Vec3 dp = (after.p - before.p) * (0.5 / dt);
@@ -52,7 +52,7 @@ TEST(Joint, KnownPoses) {
   const double plane[] = {3, 4, quarter};
   EXPECT_LT(norm(joint_pose(j, plane) * Vec3{1, 0, 0} - Vec3{3, 5, 0}), 1e-15);
   j.type = JointType::universal;
-  const double two[] = {quarter, quarter};  // about z, then about the turned y
+  const double two[] = {quarter, quarter};  // about z, then about the rotated y
   EXPECT_LT(norm(joint_pose(j, two) * Vec3{1, 0, 0} - Vec3{0, 0, -1}), 1e-15);
   EXPECT_LT(norm(joint_pose(j, two) * Vec3{0, 0, 1} - Vec3{0, 1, 0}), 1e-15);
   j.type = JointType::floating;
@@ -73,7 +73,7 @@ TEST(Joint, NeutralIsTheIdentity) {
   }
 }
 
-// S(q) v against the change of the pose while q moves with v.
+// Compares S(q) v with the finite difference of the pose while q moves with velocity v.
 TEST(Joint, SubspaceIsTheDerivativeOfThePose) {
   Random random;
   const double dt = 1e-5;
@@ -94,7 +94,7 @@ TEST(Joint, SubspaceIsTheDerivativeOfThePose) {
   }
 }
 
-// (dS/dt) v against the change of S v while q moves and v stays.
+// Compares the bias (dS/dt) v with the finite difference of S v while q moves with constant v.
 TEST(Joint, BiasIsTheDerivativeOfTheSubspace) {
   Random random;
   const double dt = 1e-5;
@@ -129,7 +129,7 @@ TEST(Joint, DifferenceIsTheInverseOfIntegrate) {
       joint_difference(j, q0, q1, v);
       joint_integrate(j, q0, v, 1, back);
       ASSERT_LT(difference(joint_pose(j, back), joint_pose(j, q1)), 1e-13) << name_of(type);
-      // and the other way round, for turns below half a turn
+      // The converse holds for rotations of less than half a turn.
       double w[6], q2[7], again[6];
       for (double& x : w) x = random.in(-1.7, 1.7);
       joint_integrate(j, q0, w, 1, q2);
@@ -148,7 +148,7 @@ TEST(Joint, IntegrateIsExactAlongAConstantVelocity) {
     for (double& x : v) x = random.in(-1, 1);
     joint_integrate(j, q, v, 1, once);
     std::copy(q, q + 7, many);
-    for (int i = 0; i < 1000; ++i) joint_integrate(j, many, v, 1e-3, many);  // in place
+    for (int i = 0; i < 1000; ++i) joint_integrate(j, many, v, 1e-3, many);  // output aliases the input
     EXPECT_LT(difference(joint_pose(j, once), joint_pose(j, many)), 1e-12) << name_of(type);
   }
 }
@@ -172,7 +172,7 @@ TEST(Joint, DisplacementIsARotationVector) {
   const double q[] = {a.w, a.x, a.y, a.z}, minus[] = {-a.w, -a.x, -a.y, -a.z};
   double x[3], y[3];
   joint_displacement(j, q, x);
-  joint_displacement(j, minus, y);  // the same rotation
+  joint_displacement(j, minus, y);  // -q is the same rotation as q
   EXPECT_LT(norm(Vec3{x[0], x[1], x[2]} - r), 1e-15);
   EXPECT_LT(norm(Vec3{y[0], y[1], y[2]} - r), 1e-15);
 }

@@ -30,7 +30,7 @@ MechanismSpec tree() {
        link("hand", "left"), link("plate", "hand", JointType::fixed), link("finger", "plate", JointType::cylindrical)}};
 }
 
-TEST(Mechanism, PointersOfTheTree) {
+TEST(Mechanism, ParentChildAndSiblingIndices) {
   const auto made = Mechanism::make(tree());
   ASSERT_TRUE(made.has_value()) << made.error().text();
   const Mechanism& m = **made;
@@ -40,11 +40,11 @@ TEST(Mechanism, PointersOfTheTree) {
             finger = m.find_link("finger"), plate = m.find_link("plate");
   EXPECT_EQ(m.link(trunk).parent, -1);
   EXPECT_EQ(m.link(trunk).child, left);
-  EXPECT_EQ(m.link(trunk).brother, -1);
+  EXPECT_EQ(m.link(trunk).sibling, -1);
   EXPECT_EQ(m.link(left).parent, trunk);
-  EXPECT_EQ(m.link(left).brother, right);
+  EXPECT_EQ(m.link(left).sibling, right);
   EXPECT_EQ(m.link(left).child, hand);
-  EXPECT_EQ(m.link(right).brother, -1);
+  EXPECT_EQ(m.link(right).sibling, -1);
   EXPECT_EQ(m.link(right).child, -1);
   EXPECT_EQ(m.link(finger).parent, plate);
   EXPECT_EQ(m.link(finger).real, -1);
@@ -53,7 +53,7 @@ TEST(Mechanism, PointersOfTheTree) {
   EXPECT_DOUBLE_EQ(m.mass(), 12);
 }
 
-TEST(Mechanism, CoordinatesAndFreedoms) {
+TEST(Mechanism, CoordinatesAndDofs) {
   const auto made = Mechanism::make(tree());
   ASSERT_TRUE(made.has_value());
   const Mechanism& m = **made;
@@ -62,9 +62,9 @@ TEST(Mechanism, CoordinatesAndFreedoms) {
   const int right = m.find_link("right"), hand = m.find_link("hand"), finger = m.find_link("finger"), left = m.find_link("left");
   EXPECT_EQ(m.link(right).v_index, 9);
   EXPECT_EQ(m.link(right).q_index, 11);
-  EXPECT_EQ(m.link_of_freedom(0), 0);
-  EXPECT_EQ(m.link_of_freedom(m.link(finger).v_index + 1), finger);
-  const auto parents = m.freedom_parents();
+  EXPECT_EQ(m.link_of_dof(0), 0);
+  EXPECT_EQ(m.link_of_dof(m.link(finger).v_index + 1), finger);
+  const auto parents = m.dof_parents();
   ASSERT_EQ(parents.size(), 14U);
   const auto parent_of = [&](int i) { return parents[static_cast<std::size_t>(i)]; };
   EXPECT_EQ(parent_of(0), -1);
@@ -72,12 +72,12 @@ TEST(Mechanism, CoordinatesAndFreedoms) {
   EXPECT_EQ(parent_of(m.link(left).v_index), 5);
   EXPECT_EQ(parent_of(m.link(right).v_index), 5);
   EXPECT_EQ(parent_of(m.link(hand).v_index), m.link(left).v_index + 2);
-  EXPECT_EQ(parent_of(m.link(finger).v_index), m.link(hand).v_index);  // past the fixed plate
+  EXPECT_EQ(parent_of(m.link(finger).v_index), m.link(hand).v_index);  // the fixed plate has no DOF
   const std::vector<double> q = m.neutral();
   EXPECT_EQ(q, (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST(Mechanism, ParentsComeFirstWhateverTheOrder) {
+TEST(Mechanism, ParentsComeFirstForAnyInputOrder) {
   MechanismSpec spec = tree();
   std::reverse(spec.links.begin(), spec.links.end());
   const auto made = Mechanism::make(std::move(spec));
@@ -86,17 +86,17 @@ TEST(Mechanism, ParentsComeFirstWhateverTheOrder) {
   EXPECT_EQ((*made)->link((*made)->find_link("finger")).parent, (*made)->find_link("plate"));
 }
 
-TEST(Mechanism, SeveralRootsAreBrothers) {
+TEST(Mechanism, SeveralRootsAreSiblings) {
   MechanismSpec spec{"pair", {link("a", "", JointType::floating), link("b", "", JointType::floating), link("c", "a")}};
   const auto made = Mechanism::make(std::move(spec));
   ASSERT_TRUE(made.has_value());
   const Mechanism& m = **made;
-  EXPECT_EQ(m.link(m.find_link("a")).brother, m.find_link("b"));
-  EXPECT_EQ(m.link(m.find_link("b")).brother, -1);
+  EXPECT_EQ(m.link(m.find_link("a")).sibling, m.find_link("b"));
+  EXPECT_EQ(m.link(m.find_link("b")).sibling, -1);
   EXPECT_EQ(m.link(m.find_link("a")).child, m.find_link("c"));
 }
 
-TEST(Mechanism, VirtualPointersNameTheRealLink) {
+TEST(Mechanism, VirtualLinkMakesAWeldToItsRealLink) {
   MechanismSpec spec = tree();
   LinkSpec virtual_link = link("right again", "hand");
   virtual_link.real = "right";
@@ -117,15 +117,15 @@ TEST(Mechanism, VirtualPointersNameTheRealLink) {
   EXPECT_EQ(loop.link_a, m.find_link("right"));
   EXPECT_EQ(loop.link_b, m.find_link("right again"));
   EXPECT_EQ(loop.X_AJ.p, (Vec3{0, 0, 1}));
-  EXPECT_EQ(m.spec().loops.size(), 0U) << "a virtual link's loop belongs to the link";
+  EXPECT_EQ(m.spec().loops.size(), 0U) << "the loop of a virtual link is not listed in the spec";
 }
 
-TEST(Mechanism, LoopsNameTheirEnds) {
+TEST(Mechanism, LoopsResolveLinkAndDofIndices) {
   MechanismSpec spec = tree();
   spec.loops.push_back({.name = "grip", .type = LoopType::ball, .link_a = "left", .link_b = "finger"});
   spec.loops.push_back({.name = "tether", .type = LoopType::distance, .link_b = "hand", .length = 2, .closed = false});
   spec.loops.push_back(
-      {.name = "teeth", .type = LoopType::gear, .link_a = "right", .link_b = "hand", .freedom_a = 1, .polynomial = {0, -2, 0, 0, 0}});
+      {.name = "teeth", .type = LoopType::gear, .link_a = "right", .link_b = "hand", .dof_a = 1, .polynomial = {0, -2, 0, 0, 0}});
   const auto made = Mechanism::make(spec);
   ASSERT_TRUE(made.has_value()) << made.error().text();
   const Mechanism& m = **made;
@@ -134,15 +134,15 @@ TEST(Mechanism, LoopsNameTheirEnds) {
   EXPECT_EQ(m.find_loop("rope"), -1);
   EXPECT_EQ(m.loops()[1].link_a, -1);
   EXPECT_FALSE(m.loops()[1].closed);
-  EXPECT_EQ(m.loops()[2].freedom_a, m.link(m.find_link("right")).v_index + 1);
-  EXPECT_EQ(m.loops()[2].freedom_b, m.link(m.find_link("hand")).v_index);
+  EXPECT_EQ(m.loops()[2].dof_a, m.link(m.find_link("right")).v_index + 1);
+  EXPECT_EQ(m.loops()[2].dof_b, m.link(m.find_link("hand")).v_index);
   const auto again = Mechanism::make(m.spec());
   ASSERT_TRUE(again.has_value()) << again.error().text();
-  EXPECT_EQ((*again)->loops()[2].freedom_a, m.loops()[2].freedom_a);
+  EXPECT_EQ((*again)->loops()[2].dof_a, m.loops()[2].dof_a);
   EXPECT_EQ((*again)->loops()[0].link_b, m.loops()[0].link_b);
 }
 
-TEST(Mechanism, ImpossibleLoopsAreNamed) {
+TEST(Mechanism, ImpossibleLoopsAreReported) {
   const LoopSpec good{.name = "grip", .type = LoopType::ball, .link_a = "left", .link_b = "finger"};
   const std::pair<std::function<void(LoopSpec&)>, const char*> spoiled[] = {
       {[](LoopSpec& l) { l.name.clear(); }, "no name"},
@@ -153,8 +153,8 @@ TEST(Mechanism, ImpossibleLoopsAreNamed) {
       {[](LoopSpec& l) { l.type = LoopType::revolute, l.axis = {}; }, "axis"},
       {[](LoopSpec& l) { l.type = LoopType::universal, l.axis2 = {0, nan_value, 0}; }, "second axis"},
       {[](LoopSpec& l) { l.type = LoopType::distance; }, "length"},
-      {[](LoopSpec& l) { l.type = LoopType::gear, l.freedom_a = 9; }, "first freedom"},
-      {[](LoopSpec& l) { l.type = LoopType::gear, l.link_b = ""; }, "second freedom"},
+      {[](LoopSpec& l) { l.type = LoopType::gear, l.dof_a = 9; }, "first degree of freedom"},
+      {[](LoopSpec& l) { l.type = LoopType::gear, l.link_b = ""; }, "second degree of freedom"},
       {[](LoopSpec& l) { l.type = LoopType::gear, l.link_a = "hand", l.link_b = "hand"; }, "with itself"},
       {[](LoopSpec& l) { l.type = LoopType::gear, l.link_a = "right", l.link_b = "hand", l.polynomial[2] = nan_value; }, "coefficient"},
   };
@@ -171,10 +171,10 @@ TEST(Mechanism, ImpossibleLoopsAreNamed) {
   EXPECT_FALSE(Mechanism::make(std::move(twice)).has_value());
 }
 
-TEST(Mechanism, SpecAndBackIsTheSame) {
+TEST(Mechanism, SpecRoundTripPreservesTheMechanism) {
   MechanismSpec spec = tree();
   spec.links[1].label = "left arm";
-  spec.links[1].joint.freedoms[2].damping = 3;
+  spec.links[1].joint.dofs[2].damping = 3;
   spec.links.push_back(link("again", "hand"));
   spec.links.back().real = "right";
   const auto first = Mechanism::make(spec);
@@ -188,19 +188,19 @@ TEST(Mechanism, SpecAndBackIsTheSame) {
     EXPECT_EQ(a.label, b.label);
     EXPECT_EQ(a.parent, b.parent);
     EXPECT_EQ(a.child, b.child);
-    EXPECT_EQ(a.brother, b.brother);
+    EXPECT_EQ(a.sibling, b.sibling);
     EXPECT_EQ(a.real, b.real);
     EXPECT_EQ(a.inertia, b.inertia);
-    EXPECT_EQ(a.joint.freedoms, b.joint.freedoms);
+    EXPECT_EQ(a.joint.dofs, b.joint.dofs);
     EXPECT_EQ(a.shapes.size(), b.shapes.size());
   }
 }
 
-/// A spec spoiled in one place, the link that the message must name, and words that it must hold.
+/// A spec with one defect, the location that the problem must name, and words that the message must contain.
 struct Spoiled {
-  const char* what;
+  const char* name;
   std::function<void(MechanismSpec&)> spoil;
-  const char* place;
+  const char* location;
   const char* words;
   ErrorCode code;
 };
@@ -208,10 +208,10 @@ struct Spoiled {
 const Spoiled spoiled_specs[] = {
     {"no links", [](MechanismSpec& s) { s.links.clear(); }, "mechanism tree", "no links", ErrorCode::structure},
     {"no name", [](MechanismSpec& s) { s.links[2].name.clear(); }, "link 2", "no name", ErrorCode::structure},
-    {"double name", [](MechanismSpec& s) { s.links[2].name = "left"; }, "link left", "two links", ErrorCode::duplicate},
+    {"double name", [](MechanismSpec& s) { s.links[2].name = "left"; }, "link left", "Two links", ErrorCode::duplicate},
     {"unknown parent", [](MechanismSpec& s) { s.links[3].parent = "leg"; }, "link hand", "'leg' does not exist", ErrorCode::unknown},
-    {"own parent", [](MechanismSpec& s) { s.links[3].parent = "hand"; }, "link hand", "circle", ErrorCode::structure},
-    {"circle of parents", [](MechanismSpec& s) { s.links[1].parent = "finger"; }, "link left", "circle", ErrorCode::structure},
+    {"own parent", [](MechanismSpec& s) { s.links[3].parent = "hand"; }, "link hand", "cycle", ErrorCode::structure},
+    {"cycle of parents", [](MechanismSpec& s) { s.links[1].parent = "finger"; }, "link left", "cycle", ErrorCode::structure},
     {"unknown real link", [](MechanismSpec& s) { s.links[5].real = "nobody"; }, "link finger", "'nobody' does not exist",
      ErrorCode::unknown},
     {"own real link", [](MechanismSpec& s) { s.links[5].real = "finger"; }, "link finger", "its own real link", ErrorCode::structure},
@@ -233,21 +233,19 @@ const Spoiled spoiled_specs[] = {
      ErrorCode::structure},
     {"pitch", [](MechanismSpec& s) { s.links[3].joint.type = JointType::helical, s.links[3].joint.pitch = infinity; }, "link hand", "pitch",
      ErrorCode::structure},
-    {"limits", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].lower = 1, s.links[3].joint.freedoms[0].upper = 0; }, "link hand",
-     "limit", ErrorCode::structure},
-    {"limit not a number", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].lower = nan_value; }, "link hand", "limit",
+    {"limits", [](MechanismSpec& s) { s.links[3].joint.dofs[0].lower = 1, s.links[3].joint.dofs[0].upper = 0; }, "link hand", "limit",
      ErrorCode::structure},
-    {"negative damping", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].damping = -1; }, "link hand", "damping", ErrorCode::structure},
-    {"negative stiffness", [](MechanismSpec& s) { s.links[5].joint.freedoms[1].stiffness = -1; }, "link finger", "stiffness",
+    {"limit not a number", [](MechanismSpec& s) { s.links[3].joint.dofs[0].lower = nan_value; }, "link hand", "limit",
      ErrorCode::structure},
-    {"negative armature", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].armature = -1; }, "link hand", "armature",
+    {"negative damping", [](MechanismSpec& s) { s.links[3].joint.dofs[0].damping = -1; }, "link hand", "damping", ErrorCode::structure},
+    {"negative stiffness", [](MechanismSpec& s) { s.links[5].joint.dofs[1].stiffness = -1; }, "link finger", "stiffness",
      ErrorCode::structure},
-    {"negative friction", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].friction = -1; }, "link hand", "friction",
+    {"negative armature", [](MechanismSpec& s) { s.links[3].joint.dofs[0].armature = -1; }, "link hand", "armature", ErrorCode::structure},
+    {"negative friction", [](MechanismSpec& s) { s.links[3].joint.dofs[0].friction = -1; }, "link hand", "friction", ErrorCode::structure},
+    {"negative effort", [](MechanismSpec& s) { s.links[3].joint.dofs[0].effort = -1; }, "link hand", "effort", ErrorCode::structure},
+    {"infinite damping", [](MechanismSpec& s) { s.links[3].joint.dofs[0].damping = infinity; }, "link hand", "damping",
      ErrorCode::structure},
-    {"negative effort", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].effort = -1; }, "link hand", "effort", ErrorCode::structure},
-    {"endless damping", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].damping = infinity; }, "link hand", "damping",
-     ErrorCode::structure},
-    {"rest not a number", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].rest = nan_value; }, "link hand", "damping",
+    {"rest not a number", [](MechanismSpec& s) { s.links[3].joint.dofs[0].rest = nan_value; }, "link hand", "damping",
      ErrorCode::structure},
     {"negative mass", [](MechanismSpec& s) { s.links[3].inertia.mass = -1; }, "link hand", "mass is negative", ErrorCode::structure},
     {"mass not a number", [](MechanismSpec& s) { s.links[3].inertia.mass = nan_value; }, "link hand", "not finite", ErrorCode::structure},
@@ -258,12 +256,12 @@ const Spoiled spoiled_specs[] = {
      "moments of inertia", ErrorCode::structure},
     {"indefinite inertia", [](MechanismSpec& s) { s.links[3].inertia = Inertia::from_centre(1, {}, {1, 1, 1, 1.5, 0, 0}); }, "link hand",
      "moments of inertia", ErrorCode::structure},
-    {"nothing to move", [](MechanismSpec& s) { s.links[5].inertia = {}; }, "link finger", "nothing behind it has mass",
+    {"nothing behind joint", [](MechanismSpec& s) { s.links[5].inertia = {}; }, "link finger", "nothing behind it has mass",
      ErrorCode::structure},
     {"shape without size", [](MechanismSpec& s) { s.links[3].shapes[0].radius = 0; }, "link hand", "no size", ErrorCode::structure},
     {"shape of negative size", [](MechanismSpec& s) { s.links[3].shapes = {Shape::box({1, -1, 1})}; }, "link hand", "no size",
      ErrorCode::structure},
-    {"shape of endless size", [](MechanismSpec& s) { s.links[3].shapes[0].radius = infinity; }, "link hand", "no size",
+    {"shape of infinite size", [](MechanismSpec& s) { s.links[3].shapes[0].radius = infinity; }, "link hand", "no size",
      ErrorCode::structure},
     {"shape frame", [](MechanismSpec& s) { s.links[3].shapes[0].X_BS.R = Mat3{}; }, "link hand", "shape's frame", ErrorCode::structure},
     {"shape friction", [](MechanismSpec& s) { s.links[3].shapes[0].friction = -0.1; }, "link hand", "friction", ErrorCode::range},
@@ -280,7 +278,7 @@ TEST_P(RefusedSpec, NamesTheLinkAtFault) {
   ASSERT_FALSE(made.has_value());
   bool found = false;
   for (const Problem& problem : made.error().problems) {
-    found = found || (problem.place.find(p.place) != std::string::npos && problem.message.find(p.words) != std::string::npos &&
+    found = found || (problem.location.find(p.location) != std::string::npos && problem.message.find(p.words) != std::string::npos &&
                       problem.code == p.code);
     EXPECT_FALSE(problem.remedy.empty()) << problem.message;
   }
@@ -288,7 +286,7 @@ TEST_P(RefusedSpec, NamesTheLinkAtFault) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Mechanism, RefusedSpec, testing::ValuesIn(spoiled_specs), [](const auto& p) {
-  std::string name = p.param.what;
+  std::string name = p.param.name;
   for (char& c : name)
     if (c == ' ') c = '_';
   return name;
@@ -304,7 +302,7 @@ TEST(Mechanism, AllProblemsAreReportedNotOnlyTheFirst) {
   EXPECT_EQ(made.error().problems.size(), 3U) << made.error().text();
 }
 
-TEST(Mechanism, PossibleInertiasPass) {
+TEST(Mechanism, PossibleInertiasAreAccepted) {
   for (const Inertia& inertia : {Inertia::from_centre(1, {5, 5, 5}, {}),                           // a point
                                  Inertia::from_centre(1, {}, {1, 1, 0, 0, 0, 0}),                  // a rod
                                  Inertia::from_centre(1, {}, {1, 1, 2, 0, 0, 0}),                  // a plate
@@ -318,14 +316,14 @@ TEST(Mechanism, PossibleInertiasPass) {
   }
 }
 
-TEST(Mechanism, ArmatureAloneIsEnoughToMove) {
+TEST(Mechanism, MovableJointNeedsOnlyArmature) {
   MechanismSpec spec = tree();
   spec.links[5].inertia = {};
-  spec.links[5].joint.freedoms[0].armature = spec.links[5].joint.freedoms[1].armature = 0.01;
+  spec.links[5].joint.dofs[0].armature = spec.links[5].joint.dofs[1].armature = 0.01;
   EXPECT_TRUE(Mechanism::make(std::move(spec)).has_value());
 }
 
-TEST(Mechanism, LongChainsAreNotSlow) {
+TEST(Mechanism, BuildsAChainOf20000Links) {
   MechanismSpec spec{"chain", {}};
   for (int i = 0; i < 20000; ++i)
     spec.links.push_back(link(("l" + std::to_string(i)).c_str(), i == 0 ? "" : ("l" + std::to_string(i - 1)).c_str()));
@@ -342,7 +340,7 @@ TEST(Shape, VolumesAndInertias) {
   const Inertia b = solid_inertia(box, 10);
   EXPECT_DOUBLE_EQ(b.mass, 60);
   EXPECT_DOUBLE_EQ(b.I.xx, 60.0 / 12 * (4 + 9));
-  // a capsule by adding thin discs
+  // Reference for the capsule: the sum of thin discs.
   const Shape capsule = Shape::capsule(0.2, {0, 0, -0.3}, {0, 0, 0.5});
   double mass = 0, across = 0, along = 0, moment = 0;
   const int n = 200000;

@@ -28,7 +28,7 @@ class Random {
     Joint j;
     j.type = type;
     j.axis = unit();
-    j.axis2 = normalized(cross(j.axis, unit()) + j.axis * 0.2);  // not at a right angle on purpose
+    j.axis2 = normalized(cross(j.axis, unit()) + j.axis * 0.2);  // deliberately not perpendicular to axis
     j.pitch = in(-0.3, 0.3);
     j.X_PJ = pose();
     return j;

@@ -12,7 +12,7 @@ namespace {
 
 using test::Random;
 
-/// A random tree with every joint type in it.
+/// A random tree of 18 links that contains every joint type twice.
 MechanismPtr random_tree(Random& random) {
   MechanismSpec spec{"random", {}};
   for (int i = 0; i < 18; ++i) {
@@ -106,7 +106,7 @@ TEST(State, DifferenceAndIntegrateAreInverse) {
   }
 }
 
-TEST(State, InterpolationMeetsItsEnds) {
+TEST(State, InterpolationStartsAtQ0AndHalvesTheWay) {
   Random random;
   const MechanismPtr m = random_tree(random);
   const std::vector<double> q0 = random_q(*m, random), q1 = random_q(*m, random);
@@ -116,7 +116,7 @@ TEST(State, InterpolationMeetsItsEnds) {
   interpolate(*m, q0, q1, 0.5, half);
   difference(*m, q0, half, d0);
   difference(*m, half, q1, d1);
-  for (std::size_t i = 0; i < d0.size(); ++i) EXPECT_NEAR(d0[i], d1[i], 1e-12);  // half way
+  for (std::size_t i = 0; i < d0.size(); ++i) EXPECT_NEAR(d0[i], d1[i], 1e-12);  // s = 0.5 is half way between q0 and q1
 }
 
 TEST(State, CentreOfMass) {
@@ -134,12 +134,12 @@ TEST(State, CentreOfMass) {
   EXPECT_LT(norm(centre_of_mass(**m, poses(**m, (*m)->neutral())) - Vec3{3, 0, 1}), 1e-15);
 }
 
-TEST(State, FiniteOrNot) {
+TEST(State, IsFiniteDetectsNanAndInfinity) {
   const double good[] = {0, 1, -1e308}, bad[] = {0, std::numeric_limits<double>::quiet_NaN()},
-               endless[] = {std::numeric_limits<double>::infinity()};
+               infinite[] = {std::numeric_limits<double>::infinity()};
   EXPECT_TRUE(is_finite(std::span<const double>(good)));
   EXPECT_FALSE(is_finite(std::span<const double>(bad)));
-  EXPECT_FALSE(is_finite(std::span<const double>(endless)));
+  EXPECT_FALSE(is_finite(std::span<const double>(infinite)));
 }
 
 class MotionOfATree : public testing::Test {
@@ -160,7 +160,7 @@ class MotionOfATree : public testing::Test {
     sample(motion, *mechanism, t, q);
     return q;
   }
-  /// Largest difference of link poses, which does not see a quaternion's sign.
+  /// Largest difference of link poses. Poses do not depend on the sign of a quaternion.
   double apart(const std::vector<double>& a, const std::vector<double>& b) {
     const std::vector<Pose> X = poses(*mechanism, a), Y = poses(*mechanism, b);
     double worst = 0;
@@ -174,7 +174,7 @@ class MotionOfATree : public testing::Test {
   Motion motion;
 };
 
-TEST_F(MotionOfATree, SampleMeetsFramesAndClampsAtTheEnds) {
+TEST_F(MotionOfATree, SampleEqualsFramesAndClampsAtTheEnds) {
   EXPECT_DOUBLE_EQ(motion.duration(), 0.4);
   for (int f = 0; f < 5; ++f) EXPECT_LT(apart(at(f * 0.1), frame(f)), 1e-11) << f;
   EXPECT_LT(apart(at(-1), frame(0)), 1e-12);
@@ -186,7 +186,7 @@ TEST_F(MotionOfATree, SampleIsContinuous) {
   for (double t = 0; t < 0.4; t += 0.0137) EXPECT_LT(apart(at(t), at(t + 1e-7)), 1e-3) << t;
 }
 
-TEST_F(MotionOfATree, OneFrameIsAPose) {
+TEST_F(MotionOfATree, OneFrameMotionIsAConstantPose) {
   motion.frames = 1;
   motion.q.resize(static_cast<std::size_t>(motion.nq));
   EXPECT_EQ(motion.duration(), 0);
@@ -194,7 +194,7 @@ TEST_F(MotionOfATree, OneFrameIsAPose) {
   EXPECT_LT(apart(at(5), frame(0)), 1e-12);
 }
 
-TEST_F(MotionOfATree, UnusableMotionsAreNamed) {
+TEST_F(MotionOfATree, UnusableMotionsAreReported) {
   EXPECT_TRUE(check_motion(motion, *mechanism).empty());
   const auto refused = [&](const Motion& m, const char* words) {
     const Error e = check_motion(m, *mechanism);
@@ -205,7 +205,7 @@ TEST_F(MotionOfATree, UnusableMotionsAreNamed) {
   refused(m, "coordinates");
   m = motion;
   m.q.pop_back();
-  refused(m, "not as many numbers");
+  refused(m, "number of values");
   m = motion;
   m.frames = 0;
   refused(m, "no frames");

@@ -15,7 +15,7 @@ using testing::RandomSource;
 constexpr JointType keeps_coordinates[] = {JointType::fixed,   JointType::revolute,    JointType::prismatic,
                                            JointType::helical, JointType::cylindrical, JointType::universal};
 
-/// X'(q') X(q) = 1 for what is documented of q'.
+/// Checks X'(q') X(q) = 1 with q' as documented for reversed().
 TEST(Reversed, IsTheInverseForEveryType) {
   test::Random random;
   for (const JointType type : test::all_joint_types)
@@ -70,7 +70,7 @@ TEST(MakeRoot, KeepsRelativePosesInertiaAndLoops) {
 
     State s(*before);
     testing::randomize(random, *before, s);
-    // Coordinates move with the reversed joints: to the link that was the parent.
+    // The coordinates of a reversed joint belong to the link that was its parent.
     std::vector<double> q = after->neutral();
     for (int i = 0; i < before->link_count(); ++i) {
       const Link& l = before->link(i);
@@ -91,7 +91,7 @@ TEST(MakeRoot, KeepsRelativePosesInertiaAndLoops) {
     const Pose new_root = Y[static_cast<std::size_t>(after->find_link(root_name))].inverse();
     for (int i = 0; i < 10; ++i) {
       const int j = after->find_link(before->link(i).name);
-      // Where the shape is, and the mass: whatever the link's own frame.
+      // Shapes and inertia relative to the new root must be equal, independent of the choice of link frames.
       EXPECT_LT(testing::distance(to_root * X[static_cast<std::size_t>(i)] * before->link(i).shapes[0].X_BS,
                                   new_root * Y[static_cast<std::size_t>(j)] * after->link(j).shapes[0].X_BS),
                 1e-11);
@@ -106,7 +106,7 @@ TEST(MakeRoot, KeepsRelativePosesInertiaAndLoops) {
   }
 }
 
-TEST(Combine, ByAJointKeepsMassInertiaLoopsAndShapes) {
+TEST(Combine, JointKeepsMassInertiaLoopsAndShapes) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     RandomSource random(seed);
@@ -127,9 +127,9 @@ TEST(Combine, ByAJointKeepsMassInertiaLoopsAndShapes) {
     EXPECT_EQ(m.link_count(), 20);
     EXPECT_NEAR(m.mass(), a->mass() + b->mass(), 1e-9 * m.mass());
     ASSERT_EQ(made->links_b.size(), 8u);
-    EXPECT_EQ(made->links_b[0], "other link0");  // both have link0
+    EXPECT_EQ(made->links_b[0], "other link0");  // prefixed, because both mechanisms have a link0
 
-    // In the neutral position: a's links where they were, b's placed as asked for, the whole the sum of both.
+    // In the neutral position a's links are unchanged, b's have the requested pose, and the total inertia is the sum.
     std::vector<Pose> X_a(12), X_b(8), X(20);
     calc_poses(*a, a->neutral(), X_a);
     calc_poses(*b, b->neutral(), X_b);
@@ -148,7 +148,7 @@ TEST(Combine, ByAJointKeepsMassInertiaLoopsAndShapes) {
   }
 }
 
-TEST(Combine, ByALoopClosesItInTheNeutralPosition) {
+TEST(Combine, LoopIsClosedInTheNeutralPosition) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     RandomSource random(seed);
@@ -181,7 +181,7 @@ TEST(Combine, ByALoopClosesItInTheNeutralPosition) {
   }
 }
 
-TEST(Combine, ASwordInTheHandAndACentaur) {
+TEST(Combine, WeldedSwordAddsMassAndNoDofs) {
   const samples::Sample sample = samples::make_sample();
   const MechanismPtr man = sample.resources.mechanisms.at("human");
   LinkSpec blade = testing::link_of("blade", "", JointType::floating);
@@ -197,7 +197,7 @@ TEST(Combine, ASwordInTheHandAndACentaur) {
   EXPECT_NEAR(armed->mechanism->mass(), man->mass() + 0.8 * 0.04 * 0.008 * 7800, 1e-9);
 }
 
-TEST(Combine, ErrorsNameWhatIsMissing) {
+TEST(Combine, ErrorsNameTheMissingLinks) {
   const MechanismPtr ball = samples::make_ball();
   const auto made = combine(*ball, *ball, {.link_a = "nose", .link_b = "tail"});
   ASSERT_FALSE(made.has_value());

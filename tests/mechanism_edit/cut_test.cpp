@@ -11,13 +11,13 @@ namespace {
 
 using testing::RandomSource;
 
-bool tells(const Edited& e, std::string_view text) {
+bool reports(const Edited& e, std::string_view text) {
   for (const std::string& line : e.report)
     if (line.find(text) != std::string::npos) return true;
   return false;
 }
 
-TEST(Cut, PartAndRestAreTheWhole) {
+TEST(Cut, PartAndRestAddUpToTheMechanism) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     RandomSource random(seed);
@@ -35,7 +35,7 @@ TEST(Cut, PartAndRestAreTheWhole) {
   }
 }
 
-TEST(Cut, TellsWhatItsLoopsDid) {
+TEST(Cut, ReportsDroppedLoopsAndVirtualLinks) {
   RandomSource random(3);
   MechanismSpec spec;
   spec.name = "frame";
@@ -59,20 +59,20 @@ TEST(Cut, TellsWhatItsLoopsDid) {
   ASSERT_TRUE(rest.has_value()) << rest.error().text();
   EXPECT_EQ(rest->mechanism->loops().size(), 1u);
   EXPECT_EQ(rest->mechanism->loops()[0].name, "stay");
-  EXPECT_TRUE(tells(*rest, "ball bar between hand and leg was dropped"));
-  EXPECT_TRUE(tells(*rest, "gear gears between arm and hand went with"));
-  EXPECT_TRUE(tells(*rest, "ball rail between the world and hand went with"));
-  EXPECT_TRUE(tells(*rest, "virtual link twin is a link of its own"));
+  EXPECT_TRUE(reports(*rest, "ball bar between hand and leg was dropped"));
+  EXPECT_TRUE(reports(*rest, "gear gears between arm and hand was dropped together"));
+  EXPECT_TRUE(reports(*rest, "ball rail between the world and hand was dropped together"));
+  EXPECT_TRUE(reports(*rest, "virtual link twin is a link of its own"));
   EXPECT_GE(rest->mechanism->find_link("twin"), 0);
 
   const auto part = cut(*m, "arm", {.keep = Keep::part});
   ASSERT_TRUE(part.has_value());
-  EXPECT_TRUE(tells(*part, "gear gears was dropped"));  // it drives the joint at which the cut was made
+  EXPECT_TRUE(reports(*part, "gear gears was dropped"));  // it drives the joint at which the cut was made
   EXPECT_EQ(part->mechanism->find_loop("rail"), 0);
-  EXPECT_TRUE(tells(*part, "loop at the virtual link twin was dropped"));
+  EXPECT_TRUE(reports(*part, "loop at the virtual link twin was dropped"));
 }
 
-TEST(Cut, Refusals) {
+TEST(Cut, RefusesUnknownLinksEmptyResultsAndOtherBases) {
   const MechanismPtr ball = samples::make_ball();
   EXPECT_EQ(cut(*ball, "handle").error().problems[0].code, ErrorCode::unknown);
   EXPECT_EQ(cut(*ball, ball->link(0).name).error().problems[0].code, ErrorCode::structure);

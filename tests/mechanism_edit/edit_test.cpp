@@ -37,8 +37,8 @@ TEST(Edit, SetsEveryField) {
            "upper:arm:label=upper arm left", "lower:shapes.friction=0.4", "lower:shapes.collides=false", "lower:name=forearm"});
   ASSERT_TRUE(e.has_value()) << e.error().text();
   const Link& l = e->mechanism->link(e->mechanism->find_link("forearm"));
-  const Freedom& f = l.joint.freedoms[0];
-  EXPECT_EQ(f, (Freedom{-0.5, 2.5, 0.3, 4, 0.1, 0.01, 0.2, 50}));
+  const Dof& f = l.joint.dofs[0];
+  EXPECT_EQ(f, (Dof{-0.5, 2.5, 0.3, 4, 0.1, 0.01, 0.2, 50}));
   EXPECT_EQ(l.joint.axis, (Vec3{0, 1, 0}));
   EXPECT_EQ(l.joint.X_PJ.p, (Vec3{0, 0, -0.25}));
   EXPECT_NEAR(l.joint.X_PJ.R.yx, 1, 1e-15);
@@ -49,10 +49,10 @@ TEST(Edit, SetsEveryField) {
   EXPECT_EQ(e->mechanism->loops()[0].link_b, e->mechanism->find_link("forearm"));
   const auto back = edit_with(*e->mechanism, {"forearm:joint.upper=none", "forearm:joint.effort=none"});
   ASSERT_TRUE(back.has_value());
-  EXPECT_EQ(back->mechanism->link(1).joint.freedoms[0].upper, INFINITY);
+  EXPECT_EQ(back->mechanism->link(1).joint.dofs[0].upper, INFINITY);
 }
 
-TEST(Edit, InertiaKeepsWhatIsNotSaid) {
+TEST(Edit, InertiaFieldsKeepTheOtherProperties) {
   const MechanismPtr m = arm();
   const Inertia was = m->link(1).inertia;
   const auto heavy = edit_with(*m, {"lower:inertia.mass=5"});
@@ -67,15 +67,15 @@ TEST(Edit, InertiaKeepsWhatIsNotSaid) {
   EXPECT_NEAR(turned->mechanism->link(1).inertia.about_centre().zz, 0.001, 1e-12);
 }
 
-TEST(Edit, WrongOnesAreAllToldAndNothingIsDone) {
+TEST(Edit, AllInvalidAssignmentsAreReportedAndNoneIsApplied) {
   const MechanismPtr m = arm();
   const auto e =
       edit_with(*m, {"hand:joint.lower=0", "lower:joint.lower=low", "lower:joint.lower.3=1", "lower:colour=red", "lower:joint.axis=0,0,0",
                      "lower:inertia.centre=1,2", "lower:joint.type=elbow", "lower:shapes.visible=maybe"});
   ASSERT_FALSE(e.has_value());
   EXPECT_EQ(e.error().problems.size(), 8u);
-  for (const Problem& p : e.error().problems) EXPECT_FALSE(p.place.empty() || p.message.empty() || p.remedy.empty());
-  EXPECT_FALSE(edit_with(*m, {"lower:inertia.mass=-1"}).has_value());                       // no such body
+  for (const Problem& p : e.error().problems) EXPECT_FALSE(p.location.empty() || p.message.empty() || p.remedy.empty());
+  EXPECT_FALSE(edit_with(*m, {"lower:inertia.mass=-1"}).has_value());                       // negative mass
   EXPECT_FALSE(edit_with(*m, {"lower:joint.lower=3", "lower:joint.upper=2"}).has_value());  // crossed limits
   EXPECT_FALSE(edit_with(*m, {"lower:inertia.about_centre=1,0.1,0.1,0,0,0"}).has_value());  // triangle inequality
   EXPECT_FALSE(parse_assignment("lower.joint=3").has_value());

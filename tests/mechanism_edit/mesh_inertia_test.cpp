@@ -39,7 +39,7 @@ Mesh box(const Vec3& h) {
   return m;
 }
 
-/// A ring around z: radii R of the middle line and r of the tube, as a polyhedron.
+/// A torus about z as a polyhedron: radius R of the centre line, radius r of the tube.
 Mesh torus(double R, double r, int around, int across) {
   Mesh m;
   for (int i = 0; i < around; ++i)
@@ -60,27 +60,27 @@ Result<MeshInertia> run(const Mesh& m, const MeshInertiaOptions& options = {}) {
   return mesh_inertia(m.vertices, m.triangles, "mesh", options);
 }
 
-bool tells(const MeshInertia& m, std::string_view text) {
+bool reports(const MeshInertia& m, std::string_view text) {
   for (const std::string& line : m.report)
     if (line.find(text) != std::string::npos) return true;
   return false;
 }
 
-TEST(MeshInertia, ABoxIsABox) {
-  for (const Vec3& place : {Vec3{}, Vec3{0.3, -2, 5}, Vec3{1000, -3000, 500}}) {
-    const auto m = run(box({0.1, 0.2, 0.3}).at(place), {.density = 700});
+TEST(MeshInertia, BoxMatchesTheClosedForm) {
+  for (const Vec3& location : {Vec3{}, Vec3{0.3, -2, 5}, Vec3{1000, -3000, 500}}) {
+    const auto m = run(box({0.1, 0.2, 0.3}).at(location), {.density = 700});
     ASSERT_TRUE(m.has_value()) << m.error().text();
-    const Inertia exact = solid_inertia(Shape::box({0.1, 0.2, 0.3}, {Mat3::identity(), place}), 700);
+    const Inertia exact = solid_inertia(Shape::box({0.1, 0.2, 0.3}, {Mat3::identity(), location}), 700);
     EXPECT_LT(testing::difference(exact, m->inertia), 1e-12);
-    // About its own centre: far from the origin the digits of the coordinates are the bound.
-    EXPECT_NEAR(m->volume, 0.048, 1e-12 * (1 + norm(place)));
+    // Far from the origin, the rounding of the coordinates limits the accuracy.
+    EXPECT_NEAR(m->volume, 0.048, 1e-12 * (1 + norm(location)));
     EXPECT_NEAR(m->area, 2 * (0.2 * 0.4 + 0.2 * 0.6 + 0.4 * 0.6), 1e-11);
     EXPECT_TRUE(m->report.empty());
   }
 }
 
 /// Closed forms of a solid torus (Mirtich's classic case): V = 2 pi^2 R r^2, I_z = m (R^2 + 3/4 r^2), I_x = m (R^2/2 + 5/8 r^2).
-TEST(MeshInertia, ATorusApproachesItsClosedForm) {
+TEST(MeshInertia, TorusConvergesToItsClosedForm) {
   const double R = 0.5, r = 0.2;
   double before = 1;
   for (const int n : {40, 80, 160}) {
@@ -96,7 +96,7 @@ TEST(MeshInertia, ATorusApproachesItsClosedForm) {
   EXPECT_LT(before, 1e-3);
 }
 
-/// Against points thrown at random: the share of those inside, by counting crossings of a ray.
+/// Compares with a Monte Carlo estimate: random points, tested for being inside by counting the crossings of a ray.
 TEST(MeshInertia, AgreesWithMonteCarlo) {
   const Mesh mesh = torus(0.4, 0.15, 20, 9);
   const auto m = run(mesh, {.density = 1});
@@ -126,7 +126,7 @@ TEST(MeshInertia, AgreesWithMonteCarlo) {
   EXPECT_NEAR(xx * cell / m->inertia.I.xx, 1, 0.03);
 }
 
-/// A random star of tetrahedra that share their tip: summed one by one in closed form.
+/// Compares with the sum of the tetrahedra between the triangles and the origin, each in closed form, for a randomly distorted torus.
 TEST(MeshInertia, AgreesWithASumOfTetrahedra) {
   std::mt19937_64 engine(11);
   std::uniform_real_distribution<double> jitter(0.7, 1.3);
@@ -164,48 +164,48 @@ TEST(MeshInertia, AgreesWithASumOfTetrahedra) {
   EXPECT_LT(testing::difference(sum, m->inertia), 1e-12);
 }
 
-TEST(MeshInertia, FlippedTrianglesAreTurnedAndTold) {
+TEST(MeshInertia, FlippedTrianglesAreReversedAndReported) {
   const Mesh good = torus(0.5, 0.2, 24, 12);
   const auto exact = run(good);
   Mesh bad = good;
   for (const std::size_t t : {std::size_t{0}, std::size_t{7}, std::size_t{100}}) std::swap(bad.triangles[t][0], bad.triangles[t][1]);
-  const auto mended = run(bad);
-  ASSERT_TRUE(mended.has_value()) << mended.error().text();
-  EXPECT_EQ(mended->turned, 3u);
-  EXPECT_TRUE(tells(*mended, "3 triangles looked the other way"));
-  EXPECT_LT(testing::difference(exact->inertia, mended->inertia), 1e-13);
+  const auto repaired = run(bad);
+  ASSERT_TRUE(repaired.has_value()) << repaired.error().text();
+  EXPECT_EQ(repaired->turned, 3u);
+  EXPECT_TRUE(reports(*repaired, "3 triangles had the opposite orientation"));
+  EXPECT_LT(testing::difference(exact->inertia, repaired->inertia), 1e-13);
   const auto turned = run(good.inside_out());
   ASSERT_TRUE(turned.has_value());
-  EXPECT_TRUE(tells(*turned, "looked inwards"));
+  EXPECT_TRUE(reports(*turned, "inward normals"));
   EXPECT_LT(testing::difference(exact->inertia, turned->inertia), 1e-13);
 }
 
-TEST(MeshInertia, CavitiesAreSubtractedAndDoublesTold) {
+TEST(MeshInertia, CavitiesAreSubtractedAndNestedPartsReported) {
   Mesh hollow = box({0.2, 0.2, 0.2});
   hollow.add(box({0.1, 0.1, 0.1}).inside_out());
   const auto m = run(hollow);
   ASSERT_TRUE(m.has_value());
   EXPECT_EQ(m->parts, 2u);
   EXPECT_NEAR(m->volume, 0.064 - 0.008, 1e-15);
-  EXPECT_TRUE(tells(*m, "cavity"));
+  EXPECT_TRUE(reports(*m, "cavity"));
   Mesh nested = box({0.2, 0.2, 0.2});
   nested.add(box({0.1, 0.1, 0.1}));
   const auto twice = run(nested);
   EXPECT_NEAR(twice->volume, 0.072, 1e-15);
-  EXPECT_TRUE(tells(*twice, "twice"));
+  EXPECT_TRUE(reports(*twice, "twice"));
   Mesh beside = box({0.2, 0.2, 0.2});
   beside.add(box({0.1, 0.1, 0.1}).inside_out().at({1, 0, 0}));
   EXPECT_NEAR(run(beside)->volume, 0.072, 1e-15);
 }
 
-TEST(MeshInertia, HolesAreToldWithTheirPlace) {
+TEST(MeshInertia, OpenOneSidedAndFlatSurfacesAreRefused) {
   Mesh open = box({0.1, 0.2, 0.3}).at({1, 0, 0});
   open.triangles.pop_back();
   const auto m = run(open);
   ASSERT_FALSE(m.has_value());
   EXPECT_NE(m.error().text().find("1 hole"), std::string::npos) << m.error().text();
   EXPECT_NE(m.error().text().find("1.1000"), std::string::npos);
-  // A Moebius strip closed by nothing is open; glued to a Klein bottle it has one side.
+  // A Klein bottle is closed and one-sided.
   Mesh klein;
   const int n = 16, k = 8;
   for (int i = 0; i < n; ++i)

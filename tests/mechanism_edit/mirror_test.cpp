@@ -36,7 +36,7 @@ MechanismPtr everything(unsigned seed) {
   const Vec3 corners[] = {{0, 0, 0}, {0.3, 0, 0}, {0, 0.2, 0}, {0, 0, 0.1}};
   const Triangle faces[] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   for (LinkSpec& l : spec.links) {
-    for (Freedom& f : l.joint.freedoms) {
+    for (Dof& f : l.joint.dofs) {
       f.lower = random.uniform(-2, 0);
       f.upper = random.uniform(0, 2);
       f.stiffness = random.uniform(0, 3);
@@ -49,7 +49,7 @@ MechanismPtr everything(unsigned seed) {
     const Loop& l = r.loops[i];
     const bool gear = l.type == LoopType::gear;
     const auto name = [&](int k) { return k < 0 ? std::string() : spec.links[static_cast<std::size_t>(k)].name; };
-    const int a = gear ? r.m->link_of_freedom(l.freedom_a) : l.link_a, b = gear ? r.m->link_of_freedom(l.freedom_b) : l.link_b;
+    const int a = gear ? r.m->link_of_dof(l.dof_a) : l.link_a, b = gear ? r.m->link_of_dof(l.dof_b) : l.link_b;
     spec.loops.push_back({.name = "loop" + std::to_string(i),
                           .type = l.type,
                           .link_a = name(a),
@@ -59,14 +59,14 @@ MechanismPtr everything(unsigned seed) {
                           .axis = l.axis,
                           .axis2 = l.axis2,
                           .length = l.length,
-                          .freedom_a = gear ? l.freedom_a - r.m->link(a).v_index : 0,
-                          .freedom_b = gear ? l.freedom_b - r.m->link(b).v_index : 0,
+                          .dof_a = gear ? l.dof_a - r.m->link(a).v_index : 0,
+                          .dof_b = gear ? l.dof_b - r.m->link(b).v_index : 0,
                           .polynomial = l.polynomial});
   }
   return *Mechanism::make(spec);
 }
 
-TEST(Mirror, TwiceIsTheOriginalToTheBit) {
+TEST(Mirror, MirroringTwiceGivesTheOriginalBits) {
   for (unsigned seed = 1; seed <= 15; ++seed)
     for (int normal = 0; normal < 3; ++normal) {
       const MechanismPtr m = everything(seed);
@@ -79,8 +79,8 @@ TEST(Mirror, TwiceIsTheOriginalToTheBit) {
     }
 }
 
-/// Poses, momentum and springs of the mirrored mechanism in the mirrored position are the mirror images.
-TEST(Mirror, PosesVelocitiesAndLoopsAreReflected) {
+/// Poses, inertias, limits, springs, shapes and loop gaps of the mirrored mechanism in the mirrored position are the mirror images.
+TEST(Mirror, PosesInertiasLimitsShapesAndLoopsAreReflected) {
   for (unsigned seed = 1; seed <= 15; ++seed)
     for (int normal = 0; normal < 3; ++normal) {
       SCOPED_TRACE(seed);
@@ -100,16 +100,16 @@ TEST(Mirror, PosesVelocitiesAndLoopsAreReflected) {
         EXPECT_LT(testing::distance({S * (X[i].R * S), S * X[i].p}, Y[i]), 1e-12) << name_of(m->links()[i].joint.type);
         const Inertia a = m->links()[i].inertia.in_parent(X[i]), b = image.mechanism->links()[i].inertia.in_parent(Y[i]);
         EXPECT_LT(testing::difference({a.mass, S * a.h, symmetric_part(S * (a.I.matrix() * S))}, b), 1e-12);
-        // Displacements, limits and rests: what lies between the limits here lies between them there.
+        // The distances of the displacement from the limits and from the rest position are kept.
         const Joint &j = m->links()[i].joint, &k = image.mechanism->links()[i].joint;
         double x[6], y[6];
         joint_displacement(j, s.q.data() + m->links()[i].q_index, x);
         joint_displacement(k, q.data() + m->links()[i].q_index, y);
         for (std::size_t f = 0; f < static_cast<std::size_t>(j.nv()); ++f) {
           if (j.type == JointType::floating) continue;
-          EXPECT_NEAR(std::min(x[f] - j.freedoms[f].lower, j.freedoms[f].upper - x[f]),
-                      std::min(y[f] - k.freedoms[f].lower, k.freedoms[f].upper - y[f]), 1e-12);
-          EXPECT_NEAR(std::fabs(x[f] - j.freedoms[f].rest), std::fabs(y[f] - k.freedoms[f].rest), 1e-12);
+          EXPECT_NEAR(std::min(x[f] - j.dofs[f].lower, j.dofs[f].upper - x[f]), std::min(y[f] - k.dofs[f].lower, k.dofs[f].upper - y[f]),
+                      1e-12);
+          EXPECT_NEAR(std::fabs(x[f] - j.dofs[f].rest), std::fabs(y[f] - k.dofs[f].rest), 1e-12);
         }
         const auto high = [&](const Mechanism& of, const std::vector<Pose>& P, int shape, const Vec3& d) {
           const Shape& sh = of.links()[i].shapes[static_cast<std::size_t>(shape)];
@@ -120,7 +120,7 @@ TEST(Mirror, PosesVelocitiesAndLoopsAreReflected) {
         for (int shape = 0; shape < 2; ++shape) EXPECT_NEAR(high(*m, X, shape, d), high(*image.mechanism, Y, shape, S * d), 1e-12);
         EXPECT_NEAR(image.mechanism->links()[i].shapes[0].geometry->solid.mass, m->links()[i].shapes[0].geometry->solid.mass, 1e-15);
       }
-      // A closed loop's image is closed: RandomLoops is made so that all are closed at its state.
+      // The image of a closed loop is closed. All loops of RandomLoops are closed at its state.
       testing::RandomLoops r(seed);
       mirror_position(*m, r.state.q, q, {.normal = normal});
       dynamics::Workspace ws(*image.mechanism);
@@ -138,8 +138,8 @@ TEST(Mirror, PosesVelocitiesAndLoopsAreReflected) {
     }
 }
 
-/// The sample's human is the same on both sides, so its mirror image is itself under exchanged names.
-TEST(Mirror, ASymmetricBodyIsItsOwnImage) {
+/// The sample's human is symmetric, so its mirror image with exchanged names equals the original.
+TEST(Mirror, SymmetricBodyIsItsOwnImage) {
   const MechanismPtr man = samples::make_sample().resources.mechanisms.at("human");
   const auto image = mirror(*man);
   ASSERT_TRUE(image.has_value()) << image.error().text();

@@ -1,4 +1,4 @@
-// Combined mechanisms in motion: every method of dynamics agrees on them, and what must be conserved is.
+// Dynamics of combined mechanisms: all methods agree, and momentum and energy are conserved.
 #include <gtest/gtest.h>
 
 #include "random_mechanism.h"
@@ -20,7 +20,7 @@ using namespace dynamics;
 
 MechanismPtr human() { return samples::make_sample().resources.mechanisms.at("human"); }
 
-/// The sample's dog at a horse's height, 2.6 times its own.
+/// The sample's dog scaled to the size of a horse: 2.6 times its height, 450 kg.
 MechanismPtr horse() {
   const MechanismPtr dog = samples::make_dog();
   MechanismPtr out = grow(*dog, {.height = 2.6 * standing_height(*dog), .mass = 450})->mechanism;
@@ -35,7 +35,7 @@ std::string labelled(const Mechanism& m, std::string_view label) {
   return {};
 }
 
-/// Rider and horse without passive joint forces, so that nothing but gravity acts.
+/// Rider and horse, without armature.
 MechanismPtr rider_on_horse(Attachment attachment, LoopType type) {
   const MechanismPtr man = human(), mount = horse();
   CombineOptions options{.name = "rider on horse",
@@ -47,10 +47,10 @@ MechanismPtr rider_on_horse(Attachment attachment, LoopType type) {
   options.prefix_b = "rider ";
   auto made = combine(*mount, *man, options);
   EXPECT_TRUE(made.has_value()) << made.error().text();
-  return *Mechanism::make(testing::without_armature(made->mechanism->spec()));  // so that momentum is that of the bodies alone
+  return *Mechanism::make(testing::without_armature(made->mechanism->spec()));  // so that momentum is the sum over the links
 }
 
-TEST(Riding, MassAndNamesAreThoseOfBoth) {
+TEST(Riding, HasMassAndLinksOfBoth) {
   const MechanismPtr man = human(), mount = horse(), both = rider_on_horse(Attachment::loop, LoopType::weld);
   EXPECT_NEAR(both->mass(), man->mass() + mount->mass(), 1e-9);
   EXPECT_EQ(both->link_count(), man->link_count() + mount->link_count());
@@ -64,7 +64,7 @@ TEST(Riding, AllMethodsAgreeOnTheClosedSystem) {
     testing::RandomSource random(5);
     State s(*m);
     for (std::size_t i = 0; i < s.tau.size(); ++i)
-      s.tau[i] = m->link(m->link_of_freedom(static_cast<int>(i))).parent < 0 ? 0 : random.uniform(-5, 5);
+      s.tau[i] = m->link(m->link_of_dof(static_cast<int>(i))).parent < 0 ? 0 : random.uniform(-5, 5);
     for (double& v : s.v) v = random.uniform(-1, 1);
     const std::vector<Loop> loops(m->loops().begin(), m->loops().end());
     ClosedWorkspace cw(*m, loops);
@@ -88,7 +88,7 @@ TEST(Riding, AllMethodsAgreeOnTheClosedSystem) {
       error = std::max({error, std::fabs(fast[i] - reference[i]), std::fabs(staged[i] - reference[i])});
     }
     EXPECT_LT(error / size, 1e-8);
-    // Newton and Euler for the whole, from outside: momentum changes as gravity says.
+    // Newton-Euler for the whole system: gravity alone changes the momentum.
     update_kinematics(*m, s.q, s.v, ws);
     const Vec6 rate = calc_centroidal_momentum_rate(*m, ws, fast);
     EXPECT_LT(norm(rate.v - gravity * m->mass()) / (m->mass() * 9.81), 1e-9);
@@ -125,8 +125,8 @@ TEST(Riding, MomentumAndEnergyAreConservedInFreeFall) {
   EXPECT_NEAR(kinetic_energy(*m, ws) / energy, 1, 1e-7);
 }
 
-/// Joined by a joint the same two are an open system: as a weld it moves as the loop does.
-TEST(Riding, AWeldAsJointAndAsLoopMoveAlike) {
+/// Connected by a fixed joint, the two mechanisms form an open system. It must accelerate like the system closed by a weld loop.
+TEST(Riding, FixedJointAndWeldLoopGiveEqualAccelerations) {
   const MechanismPtr tree = rider_on_horse(Attachment::joint, LoopType::weld), loop = rider_on_horse(Attachment::loop, LoopType::weld);
   EXPECT_EQ(tree->nv() + 6, loop->nv());
   testing::RandomSource random(3);
@@ -150,8 +150,8 @@ TEST(Riding, AWeldAsJointAndAsLoopMoveAlike) {
   }
 }
 
-/// A man without legs on a horse without neck.
-TEST(Riding, ACentaur) {
+/// A centaur: a human trunk on a horse without its neck.
+TEST(Riding, AllMethodsAgreeOnACentaur) {
   const MechanismPtr man = human(), mount = horse();
   const std::string belly = labelled(*man, "abdomen");
   ASSERT_FALSE(belly.empty());

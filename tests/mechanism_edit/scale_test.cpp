@@ -15,7 +15,7 @@ using testing::RandomSource;
 
 MechanismPtr human() { return samples::make_sample().resources.mechanisms.at("human"); }
 
-/// Dynamic similarity: a scaled mechanism in the scaled state under the scaled forces has the scaled accelerations.
+/// Dynamic similarity: the scaled mechanism, in the scaled state and under the scaled forces, has the scaled accelerations.
 TEST(Scale, IsDynamicallySimilar) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
@@ -29,18 +29,18 @@ TEST(Scale, IsDynamicallySimilar) {
     EXPECT_NEAR(n.mass(), mass, 1e-12 * mass);
     State s(*m), t(n);
     testing::randomize(random, *m, s);
-    const double rate = 1 / std::sqrt(l);  // of angles
+    const double rate = 1 / std::sqrt(l);  // factor of angular velocities
     std::vector<double> expected(s.v.size()), got(s.v.size());
     t.q = s.q;
     for (const Link& link : m->links())
       for (int k = 0; k < link.joint.nv(); ++k) {
         const JointType type = link.joint.type;
-        const bool way = type == JointType::prismatic || (type == JointType::cylindrical && k == 1) ||
-                         (type == JointType::planar && k < 2) || (type == JointType::floating && k >= 3);
+        const bool is_displacement = type == JointType::prismatic || (type == JointType::cylindrical && k == 1) ||
+                                     (type == JointType::planar && k < 2) || (type == JointType::floating && k >= 3);
         const std::size_t i = static_cast<std::size_t>(link.v_index + k);
-        t.v[i] = s.v[i] * (way ? l * rate : rate);
-        t.tau[i] = s.tau[i] * (way ? f : f * l);
-        if (way) {  // positions come first in q of planar and floating joints
+        t.v[i] = s.v[i] * (is_displacement ? l * rate : rate);
+        t.tau[i] = s.tau[i] * (is_displacement ? f : f * l);
+        if (is_displacement) {  // positions come first in q of planar and floating joints
           const int at = type == JointType::floating ? k - 3 : k;
           t.q[static_cast<std::size_t>(link.q_index + at)] *= l;
         }
@@ -51,15 +51,15 @@ TEST(Scale, IsDynamicallySimilar) {
     for (const Link& link : m->links())
       for (int k = 0; k < link.joint.nv(); ++k) {
         const JointType type = link.joint.type;
-        const bool way = type == JointType::prismatic || (type == JointType::cylindrical && k == 1) ||
-                         (type == JointType::planar && k < 2) || (type == JointType::floating && k >= 3);
+        const bool is_displacement = type == JointType::prismatic || (type == JointType::cylindrical && k == 1) ||
+                                     (type == JointType::planar && k < 2) || (type == JointType::floating && k >= 3);
         const std::size_t i = static_cast<std::size_t>(link.v_index + k);
-        EXPECT_NEAR(got[i], expected[i] * (way ? 1 : rate * rate), 1e-8 * (1 + std::fabs(expected[i])));
+        EXPECT_NEAR(got[i], expected[i] * (is_displacement ? 1 : rate * rate), 1e-8 * (1 + std::fabs(expected[i])));
       }
   }
 }
 
-/// A box stretched along its bone is the box of the new size at the same density.
+/// A box scaled along and across its bone has the inertia of the box of the new size at the same density.
 TEST(Scale, InertiaFollowsDensityAndLength) {
   const Vec3 half{0.1, 0.2, 0.5};
   LinkSpec rod = testing::link_of("rod", "", JointType::floating);
@@ -98,7 +98,7 @@ TEST(Scale, MeshesAndLoopsGrow) {
   EXPECT_EQ(m.link(0).joint.X_PJ.p, (Vec3{2, 4, 6}));
 }
 
-TEST(Growth, TablesAreWhatTheySay) {
+TEST(Growth, SharesSumToOneAndMediansIncrease) {
   for (double age = 2; age <= 20; age += 0.25) {
     const MassShares s = mass_shares(age);
     EXPECT_NEAR(s.head + s.trunk + 2 * (s.upper_arm + s.forearm + s.hand + s.thigh + s.shank + s.foot), 1, 1e-12);
@@ -112,8 +112,8 @@ TEST(Growth, TablesAreWhatTheySay) {
   EXPECT_NEAR(mass_shares(12).thigh, 0.11, 0.001);
 }
 
-/// The charts' medians as they are published, for the middles of months: a birthday lies between two of them.
-TEST(Growth, MediansAreThoseOfTheCharts) {
+/// Published medians of the charts, for the middle of the months before and after each birthday; a birthday is between the two.
+TEST(Growth, MediansMatchTheCharts) {
   struct Median {
     int age;
     double boy_height[2], boy_mass[2], girl_height[2], girl_mass[2];  // cm, kg
@@ -140,7 +140,7 @@ TEST(Growth, MediansAreThoseOfTheCharts) {
   }
 }
 
-TEST(Growth, AChildOfSixIsNoSmallAdult) {
+TEST(Growth, SixYearOldHasAHeavierHeadAndShorterLegs) {
   const MechanismPtr man = human();
   const auto child = grow(*man, {.age = 6});
   ASSERT_TRUE(child.has_value()) << child.error().text();
@@ -163,7 +163,7 @@ TEST(Growth, AChildOfSixIsNoSmallAdult) {
   EXPECT_GT(head / m.mass(), 2 * before / man->mass());                   // a child's head is heavy
   EXPECT_LT(thigh / thigh_before, 0.95 * 1.154 / standing_height(*man));  // and its legs are short
   EXPECT_GT(thigh / thigh_before, 0.80 * 1.154 / standing_height(*man));
-  // Density stays: every link's shapes and mass shrink alike.
+  // Density is kept: shapes and mass of every link shrink alike.
   double volume_before = 0, volume_after = 0;
   for (int i = 0; i < m.link_count(); ++i)
     for (std::size_t k = 0; k < m.link(i).shapes.size(); ++k) {
@@ -173,7 +173,7 @@ TEST(Growth, AChildOfSixIsNoSmallAdult) {
   EXPECT_NEAR(m.mass() / volume_after / (man->mass() / volume_before), 1, 0.05);
 }
 
-TEST(Growth, HeightAndMassAreMetWithoutAge) {
+TEST(Growth, HeightAndMassAreReachedWithoutAge) {
   const MechanismPtr dog = samples::make_dog();
   const auto giant = grow(*dog, {.height = 2 * standing_height(*dog)});
   ASSERT_TRUE(giant.has_value());
@@ -187,7 +187,7 @@ TEST(Growth, HeightAndMassAreMetWithoutAge) {
   EXPECT_NE(pup->report.back().find("evenly"), std::string::npos);
 }
 
-TEST(Growth, Refusals) {
+TEST(Growth, InvalidOptionsAreRefused) {
   const MechanismPtr man = human();
   EXPECT_FALSE(grow(*man, {}).has_value());
   EXPECT_FALSE(grow(*man, {.age = 0.5}).has_value());

@@ -1,11 +1,11 @@
 #pragma once
-// A mechanism as one rigid body, summed link by link: independent of the functions that are tested.
+// Inertia of a whole mechanism as one rigid body, and comparisons; independent of the tested functions.
 
 #include "ugoki/mechanism/state.h"
 
 namespace ugoki::testing {
 
-/// Inertia of all links together about the world's origin, at q; of those whose index is in [first, last).
+/// Total inertia about the world's origin, at q, of the links with an index in [first, last); last = -1: all from `first`.
 inline Inertia whole_inertia(const Mechanism& m, std::span<const double> q, int first = 0, int last = -1) {
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
   calc_poses(m, q, X);
@@ -14,7 +14,7 @@ inline Inertia whole_inertia(const Mechanism& m, std::span<const double> q, int 
   return sum;
 }
 
-/// Greatest difference of two inertias over the greatest number of the first.
+/// Maximum difference of the components of two inertias, divided by the largest component of the first.
 inline double difference(const Inertia& a, const Inertia& b) {
   const double x[10] = {a.mass, a.h.x, a.h.y, a.h.z, a.I.xx, a.I.yy, a.I.zz, a.I.xy, a.I.xz, a.I.yz};
   const double y[10] = {b.mass, b.h.x, b.h.y, b.h.z, b.I.xx, b.I.yy, b.I.zz, b.I.xy, b.I.xz, b.I.yz};
@@ -26,7 +26,7 @@ inline double difference(const Inertia& a, const Inertia& b) {
   return error / size;
 }
 
-/// A link with a name, a parent and a joint; the rest is for the test to fill in.
+/// A link with a name, a parent and a joint type, otherwise default.
 inline LinkSpec link_of(std::string name, std::string parent, JointType type) {
   LinkSpec l;
   l.name = std::move(name);

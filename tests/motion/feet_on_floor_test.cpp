@@ -10,7 +10,7 @@
 namespace ugoki {
 namespace {
 
-constexpr double sole = 0.93;  // m below the hips with straight legs
+constexpr double sole = 0.93;  // m, depth of the sole below the hips with straight legs
 
 /// A trunk on two legs with knees; feet are boxes.
 MechanismPtr walker() {
@@ -38,7 +38,7 @@ MechanismPtr walker() {
   return Mechanism::make(std::move(spec)).value();
 }
 
-/// Knee angles (right, left) and the root's height; hips and ankles keep the feet level.
+/// Sets q from the knee angles [rad] (right, left) and the root's height [m]; hips and ankles keep the feet level.
 void pose(const Mechanism& m, double right, double left, double height, double* q) {
   const std::vector<double> neutral = m.neutral();
   std::copy(neutral.begin(), neutral.end(), q);
@@ -79,7 +79,7 @@ Motion standing(const Mechanism& m, int frames) {
   return motion;
 }
 
-TEST(FeetOnFloor, ThePoseOfTheTestStandsWhereItSays) {
+TEST(FeetOnFloor, TestPoseHasTheExpectedSoleHeights) {
   const MechanismPtr m = walker();
   std::vector<double> q(static_cast<std::size_t>(m->nq()));
   pose(*m, 0.6, 0, sole, q.data());
@@ -87,7 +87,7 @@ TEST(FeetOnFloor, ThePoseOfTheTestStandsWhereItSays) {
   EXPECT_NEAR(lowest(*m, q, "foot right"), sole - leg_length(0.6), 1e-12);
 }
 
-TEST(FeetOnFloor, WhatStandsRightStaysAsItIs) {
+TEST(FeetOnFloor, FeetOnTheFloorAreNotChanged) {
   const MechanismPtr m = walker();
   Motion motion = standing(*m, 40);
   for (int f = 0; f < motion.frames; ++f) pose(*m, 0.5, 0.5, leg_length(0.5), motion.frame(f));
@@ -95,11 +95,11 @@ TEST(FeetOnFloor, WhatStandsRightStaysAsItIs) {
   for (std::size_t i = 0; i < out.q.size(); ++i) EXPECT_NEAR(out.q[i], motion.q[i], 1e-9);
 }
 
-TEST(FeetOnFloor, OneFootTooDeepAndOneTooHighComeToTheFloorLevel) {
+TEST(FeetOnFloor, FeetBelowTheFloorAreRaisedAndStayLevel) {
   const MechanismPtr m = walker();
   Motion motion = standing(*m, 60);
   for (int f = 0; f < motion.frames; ++f) {
-    pose(*m, 0.6, 0.5, leg_length(0.5) - 0.02, motion.frame(f));  // left 20 mm in the floor, right less
+    pose(*m, 0.6, 0.5, leg_length(0.5) - 0.02, motion.frame(f));  // left foot 20 mm below the floor, right foot less
     for (int k = 0; k < 3; ++k) motion.frame(f)[k] += k == 2 ? 0.1 : 0.0;
   }
   const Motion out = with_feet_on_floor(motion, *m, 0.1);
@@ -115,7 +115,7 @@ TEST(FeetOnFloor, OneFootTooDeepAndOneTooHighComeToTheFloorLevel) {
   }
 }
 
-TEST(FeetOnFloor, AFootThatSwingsKeepsItsHeightAndNeverDipsIntoTheFloor) {
+TEST(FeetOnFloor, SwingingFootKeepsItsHeightAndStaysAboveTheFloor) {
   const MechanismPtr m = walker();
   Motion motion = standing(*m, 120);
   for (int f = 0; f < motion.frames; ++f) {  // the right foot is lifted once between frames 30 and 90

@@ -10,7 +10,7 @@
 namespace ugoki {
 namespace {
 
-/// A fixed body with a ball joint and, on it, a hinge.
+/// A fixed body, a link on it with a ball joint, and a link on that with a hinge.
 MechanismPtr arm() {
   MechanismSpec spec;
   spec.name = "arm";
@@ -29,8 +29,8 @@ MechanismPtr arm() {
   return Mechanism::make(std::move(spec)).value();
 }
 
-/// The hinge swings at up to 30 rad/s; the ball turns slowly, and in frames 30 to 59 it is turned over by 180 degrees about
-/// an axis of its parent, as by a solver that has come to the other side of a singular position.
+/// The hinge swings at up to 30 rad/s; the ball joint rotates slowly. If `turned_over`, the ball joint is rotated by 180 degrees about an
+/// axis of its parent in frames 30 to 59, as by a solver that crossed a singular position.
 Motion measured(bool turned_over) {
   Motion motion;
   motion.rate = 120;
@@ -51,7 +51,7 @@ TEST(Jumps, FastMotionIsNoJump) {
   EXPECT_EQ(without_jumps(measured(false), *m).q, measured(false).q);
 }
 
-TEST(Jumps, AJointThatTurnsOverAndBackIsFoundAndGoesOnSmoothly) {
+TEST(Jumps, JumpAndItsReturnAreFoundAndRemoved) {
   const MechanismPtr m = arm();
   const Motion flawed = measured(true), truth = measured(false);
   const std::vector<Jump> jumps = find_jumps(flawed, *m);
@@ -61,13 +61,13 @@ TEST(Jumps, AJointThatTurnsOverAndBackIsFoundAndGoesOnSmoothly) {
   EXPECT_EQ(jumps[1].frame, 60);
   const Motion repaired = without_jumps(flawed, *m);
   EXPECT_TRUE(find_jumps(repaired, *m).empty());
-  // What the ball turned between the frames of the two jumps is lost: 1.2 rad/s for a frame each, about axes that differ.
+  // The true rotation during the frames of the two jumps is lost: 1.2 rad/s for one frame each, about different axes.
   std::vector<double> off(static_cast<std::size_t>(m->nv()));
   for (int f = 60; f < truth.frames; ++f) {
     difference(*m, std::span(repaired.frame(f), 5), std::span(truth.frame(f), 5), off);
     for (const double x : off) EXPECT_LT(std::fabs(x), 2 * 1.3 / 120) << f;
   }
-  for (int f = 0; f < truth.frames; ++f) EXPECT_EQ(repaired.frame(f)[4], truth.frame(f)[4]) << "the hinge is left alone";
+  for (int f = 0; f < truth.frames; ++f) EXPECT_EQ(repaired.frame(f)[4], truth.frame(f)[4]) << "the hinge is not changed";
 }
 
 }  // namespace

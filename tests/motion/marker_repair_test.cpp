@@ -53,12 +53,12 @@ TEST(MarkerRepair, SplinesAreExactOnStraightLinesAndCloseOnParabolas) {
   hide(m, 0, 20, 20);
   hide(m, 1, 20, 23);
   EXPECT_EQ(fill_short_gaps(m, 0.05), 5);
-  EXPECT_LT(norm(m.at(20, 0) - parabola(20)), 3e-4);  // slopes beside a gap are one-sided
+  EXPECT_LT(norm(m.at(20, 0) - parabola(20)), 3e-4);  // slopes next to a gap are one-sided
   for (int f = 20; f <= 23; ++f) EXPECT_LT(norm(m.at(f, 1) - line(f)), 1e-12);
   EXPECT_TRUE(m.seen(20, 0));
 }
 
-TEST(MarkerRepair, LongGapsAndEndsStayForSplines) {
+TEST(MarkerRepair, SplinesDoNotFillLongGapsAndEnds) {
   MarkerMotion m = make_markers(1, 40, 100);
   hide(m, 0, 0, 2);
   hide(m, 0, 10, 19);
@@ -73,7 +73,7 @@ TEST(MarkerRepair, NeighboursOnARigidBodyFillExactly) {
   for (int f = 0; f < m.frames; ++f) {
     const Pose X{to_matrix(exp_map({0.02 * f, -0.01 * f, 0.03 * f})), {0.01 * f, 0.2, 1}};
     for (int i = 0; i < 4; ++i) m.positions[m.index(f, i)] = X * body[i];
-    m.positions[m.index(f, 4)] = {std::sin(0.3 * f), 0, 0};  // goes its own way
+    m.positions[m.index(f, 4)] = {std::sin(0.3 * f), 0, 0};  // does not move with the body
     truth.push_back(X * body[3]);
   }
   hide(m, 3, 30, 79);
@@ -82,7 +82,7 @@ TEST(MarkerRepair, NeighboursOnARigidBodyFillExactly) {
   for (int f = 0; f < m.frames; ++f) EXPECT_LT(norm(m.at(f, 3) - truth[static_cast<std::size_t>(f)]), 1e-9) << f;
 }
 
-TEST(MarkerRepair, SpikesGoAndFastMotionStays) {
+TEST(MarkerRepair, SpikesAreRemovedAndFastMotionIsKept) {
   MarkerMotion m = make_markers(2, 200, 100);
   for (int f = 0; f < m.frames; ++f) {
     m.positions[m.index(f, 0)] = {0.3 * std::sin(two_pi * 2 * f / 100), 0, 1};
@@ -94,25 +94,26 @@ TEST(MarkerRepair, SpikesGoAndFastMotionStays) {
   EXPECT_TRUE(m.seen(76, 1) && m.seen(78, 1));
 }
 
-TEST(MarkerRepair, TheFilterHalvesThePowerAtItsCutoffWithoutDelay) {
+TEST(MarkerRepair, FilterHalvesThePowerAtItsCutoffWithoutDelay) {
   for (const double frequency : {1.0, 6.0, 20.0}) {
     MarkerMotion m = make_markers(1, 1000, 100);
     for (int f = 0; f < m.frames; ++f) m.positions[m.index(f, 0)] = {std::sin(two_pi * frequency * f / 100), 0, 0};
     filter_markers(m, 6);
-    double in_phase = 0, beside = 0;
+    double in_phase = 0, out_of_phase = 0;
     for (int f = 200; f < 800; ++f) {
       in_phase += m.at(f, 0).x * std::sin(two_pi * frequency * f / 100) / 300;
-      beside += m.at(f, 0).x * std::cos(two_pi * frequency * f / 100) / 300;
+      out_of_phase += m.at(f, 0).x * std::cos(two_pi * frequency * f / 100) / 300;
     }
-    EXPECT_NEAR(beside, 0, 1e-6);
-    // Gain of a Butterworth of second order passed twice, bilinear with warped frequencies: 1 / (1 + (w / wc)^4), wc raised.
+    EXPECT_NEAR(out_of_phase, 0, 1e-6);
+    // Gain of two passes of a second-order Butterworth filter (bilinear transform, warped frequencies): 1 / (1 + (w / wc)^4), where wc is
+    // the raised cut-off of a single pass.
     const double w = std::tan(two_pi / 2 * frequency / 100) / (std::tan(two_pi / 2 * 6 / 100) / 0.80237);
     EXPECT_NEAR(in_phase, 1 / (1 + w * w * w * w), 1e-3) << frequency;
     if (frequency == 6.0) EXPECT_NEAR(in_phase, std::sqrt(0.5), 2e-3);
   }
 }
 
-TEST(MarkerRepair, TheCutoffIsChosenBetweenMotionAndNoise) {
+TEST(MarkerRepair, ChosenCutoffIsBetweenMotionAndNoise) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, 0.001);
   double last = 0;
@@ -130,7 +131,7 @@ TEST(MarkerRepair, TheCutoffIsChosenBetweenMotionAndNoise) {
   }
 }
 
-TEST(MarkerRepair, ShortRecordingsAreLeftAlone) {
+TEST(MarkerRepair, ShortRecordingsAreNotChanged) {
   MarkerMotion m = make_markers(1, 3, 100);
   m.positions = {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
   const auto before = m.positions;

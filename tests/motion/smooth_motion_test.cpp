@@ -9,10 +9,10 @@
 namespace ugoki {
 namespace {
 
-/// A floating body with a ball joint and a hinge.
-MechanismPtr figure() {
+/// A floating link, a link on it with a ball joint, and a link on that with a hinge.
+MechanismPtr character() {
   MechanismSpec spec;
-  spec.name = "figure";
+  spec.name = "character";
   const auto add = [&](const std::string& name, const std::string& parent, JointType type) {
     LinkSpec l;
     l.name = name;
@@ -28,7 +28,7 @@ MechanismPtr figure() {
   return Mechanism::make(std::move(spec)).value();
 }
 
-/// Turns about a slanted axis, walks, swings its hinge: smooth functions of time.
+/// Coordinates at time t [s]: the root rotates about a slanted axis and translates, the ball joint rotates, the hinge swings; all smooth.
 void truth(double t, double* q) {
   const Quat turn = exp_map(Vec3{0.3, -0.5, 0.8} * (0.9 * std::sin(2 * t)));
   const Quat ball = exp_map(Vec3{0.4 * std::sin(3 * t), 0.2, 0.3 * std::cos(2 * t)});
@@ -59,8 +59,8 @@ Motion recorded(const Mechanism& m, double noise, bool flip_signs) {
   return motion;
 }
 
-TEST(SmoothMotion, PositionVelocityAndAccelerationBelongTogether) {
-  const MechanismPtr m = figure();
+TEST(SmoothMotion, VelocityAndAccelerationAreDerivativesOfPosition) {
+  const MechanismPtr m = character();
   const SmoothMotion smooth(recorded(*m, 0, true), *m, 0);
   std::vector<double> q(12), v(10), a(10), q0(12), q1(12), v0(10), v1(10), unused(10), d(10), exact(12);
   const double h = 1e-4;
@@ -79,8 +79,8 @@ TEST(SmoothMotion, PositionVelocityAndAccelerationBelongTogether) {
   }
 }
 
-TEST(SmoothMotion, FilterTakesTheNoiseAndLeavesTheMotion) {
-  const MechanismPtr m = figure();
+TEST(SmoothMotion, FilterRemovesNoiseAndKeepsTheMotion) {
+  const MechanismPtr m = character();
   const double noise = 0.004;
   const SmoothMotion raw(recorded(*m, noise, false), *m, 0), smooth(recorded(*m, noise, false), *m, 6),
       clean(recorded(*m, 0, false), *m, 0);
@@ -99,7 +99,7 @@ TEST(SmoothMotion, FilterTakesTheNoiseAndLeavesTheMotion) {
   EXPECT_LT(moved, 0.03);
 }
 
-/// The hinge alone, with angle(t) at `rate` for `frames` frames.
+/// A motion of the hinge alone: angle(t) [rad] at `rate` frames per second.
 template <class Angle>
 Motion hinge_only(const Mechanism& m, double rate, int frames, Angle angle) {
   Motion motion;
@@ -115,22 +115,22 @@ Motion hinge_only(const Mechanism& m, double rate, int frames, Angle angle) {
   return motion;
 }
 
-TEST(SmoothMotion, CutOffIsWhereHalfThePowerPasses) {
-  const MechanismPtr m = figure();
+TEST(SmoothMotion, HalfThePowerPassesAtTheCutoff) {
+  const MechanismPtr m = character();
   for (const double cutoff : {3.0, 6.0, 15.0}) {
     const SmoothMotion smooth(hinge_only(*m, 240, 961, [&](double t) { return std::sin(2 * pi * cutoff * t); }), *m, cutoff);
     std::vector<double> q(12), v(10), a(10);
-    double most = 0;
+    double maximum = 0;
     for (double t = 1.5; t < 2.5; t += 1 / 240.0) {
       smooth.sample(*m, t, q, v, a);
-      most = std::max(most, std::fabs(q[11]));
+      maximum = std::max(maximum, std::fabs(q[11]));
     }
-    EXPECT_NEAR(most, std::sqrt(0.5), 0.01) << cutoff << " Hz";
+    EXPECT_NEAR(maximum, std::sqrt(0.5), 0.01) << cutoff << " Hz";
   }
 }
 
-TEST(SmoothMotion, SignsOfQuaternionsDoNotCount) {
-  const MechanismPtr m = figure();
+TEST(SmoothMotion, SignsOfQuaternionsHaveNoEffect) {
+  const MechanismPtr m = character();
   const SmoothMotion plain(recorded(*m, 0, false), *m, 6), flipped(recorded(*m, 0, true), *m, 6);
   std::vector<double> q(12), v(10), a(10), q2(12), d(10);
   for (double t = 0; t < 3; t += 0.1) {
@@ -141,9 +141,9 @@ TEST(SmoothMotion, SignsOfQuaternionsDoNotCount) {
   }
 }
 
-TEST(SmoothMotion, CyclicMotionsAreSmoothAcrossTheirSeam) {
-  const MechanismPtr m = figure();
-  const double w = 2 * pi;  // one round of a second, and on by half a radian in each
+TEST(SmoothMotion, CyclicMotionIsSmoothAcrossItsSeam) {
+  const MechanismPtr m = character();
+  const double w = 2 * pi;  // one cycle per second, advancing by 0.5 rad in each
   Motion motion = hinge_only(*m, 120, 121, [&](double t) { return 0.5 * t + 0.3 * std::cos(w * t); });
   motion.cyclic = true;
   const SmoothMotion smooth(motion, *m, 6);
@@ -156,8 +156,8 @@ TEST(SmoothMotion, CyclicMotionsAreSmoothAcrossTheirSeam) {
   }
 }
 
-TEST(SmoothMotion, StandsStillBeforeAndAfter) {
-  const MechanismPtr m = figure();
+TEST(SmoothMotion, IsAtRestBeforeAndAfterTheMotion) {
+  const MechanismPtr m = character();
   const SmoothMotion smooth(recorded(*m, 0, false), *m, 6);
   std::vector<double> q(12), v(10), a(10);
   for (const double t : {-1.0, 99.0}) {
@@ -168,15 +168,15 @@ TEST(SmoothMotion, StandsStillBeforeAndAfter) {
   }
 }
 
-TEST(SmoothMotion, ClipTurnsPathAndVelocityAlike) {
-  const MechanismPtr m = figure();
+TEST(SmoothMotion, ClipPlacementAppliesToPositionAndVelocity) {
+  const MechanismPtr m = character();
   const SmoothMotion smooth(recorded(*m, 0, false), *m, 0);
   Clip clip;
   clip.start = 1;
   clip.length = 1;
   clip.offset = 0.5;
   clip.speed = 1.5;
-  clip.place = {3, -2, 0, 0.8};
+  clip.placement = {3, -2, 0, 0.8};
   std::vector<double> q(12), v(10), a(10), q0(12), q1(12), unused(10), d(10);
   const double h = 1e-4;
   for (double t = 1.1; t < 1.9; t += 0.07) {
@@ -189,7 +189,7 @@ TEST(SmoothMotion, ClipTurnsPathAndVelocityAlike) {
 }
 
 TEST(SmoothMotion, OneAndTwoFramesWork) {
-  const MechanismPtr m = figure();
+  const MechanismPtr m = character();
   for (const int frames : {1, 2, 3}) {
     Motion motion = recorded(*m, 0, false);
     motion.frames = frames;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "figures.h"
+#include "characters.h"
 #include "ugoki/motion_edit/edit.h"
 #include "ugoki/motion_edit/phase_curve.h"
 #include "ugoki/motion_edit/progression.h"
@@ -13,7 +13,8 @@
 namespace ugoki::motion_edit {
 namespace {
 
-/// Greatest step of velocity from one frame to the next anywhere, and at the seam. 1/s^2 of each freedom beyond the root
+/// Maximum acceleration (velocity difference between consecutive frames times the rate) of any DOF except the root's, at the seam and
+/// elsewhere. rad/s^2
 struct Steps {
   double anywhere = 0, seam = 0;
 };
@@ -27,74 +28,74 @@ Steps velocity_steps(const Mechanism& m, const Motion& cycle) {
     for (std::size_t k = 6; k < v.size() && !before.empty(); ++k) {
       const double step = std::fabs(v[k] - before[k]) * cycle.rate * cycle.rate;
       const bool at_seam = std::abs(f - 1 - n) <= 1 || std::abs(f - 1 - 2 * n) <= 1;
-      double& most = at_seam ? out.seam : out.anywhere;
-      most = std::max(most, step);
+      double& maximum = at_seam ? out.seam : out.anywhere;
+      maximum = std::max(maximum, step);
     }
     before = v;
   }
   return out;
 }
 
-TEST(Cycle, OfARepeatedStrideIsThatStride) {
-  for (const Figure& figure : {human_walk(), dog_trot()}) {
-    const Motion walk = unrolled(figure.m(), figure.motion, 3);
+TEST(Cycle, RepeatedStrideGivesThatStride) {
+  for (const Character& character : {human_walk(), dog_trot()}) {
+    const Motion walk = unrolled(character.m(), character.motion, 3);
     CycleOptions options;
     options.lock_feet = false;
     CycleReport report;
-    const Motion cycle = make_cyclic(figure.m(), walk, options, &report).value();
+    const Motion cycle = make_cyclic(character.m(), walk, options, &report).value();
     EXPECT_TRUE(report.by_contacts);
-    EXPECT_NEAR(cycle.duration(), figure.motion.duration(), 1.5 / cycle.rate);
+    EXPECT_NEAR(cycle.duration(), character.motion.duration(), 1.5 / cycle.rate);
     EXPECT_TRUE(cycle.cyclic);
-    const Placement way = cycle_of(cycle, figure.m()), truth = cycle_of(figure.motion, figure.m());
+    const Placement way = cycle_of(cycle, character.m()), truth = cycle_of(character.motion, character.m());
     EXPECT_NEAR(std::hypot(way.x, way.y), std::hypot(truth.x, truth.y), 0.02);
   }
 }
 
 TEST(Cycle, SeamIsContinuousInValueAndVelocity) {
-  // A stride that drifts: it bends its knee more from frame to frame and speeds up, so that its ends do not meet.
-  const Figure figure = human_walk();
-  Motion walk = unrolled(figure.m(), figure.motion, 3);
+  // A walk with drift: all hinges bend more from frame to frame, so that the ends of a stride differ.
+  const Character character = human_walk();
+  Motion walk = unrolled(character.m(), character.motion, 3);
   for (int f = 0; f < walk.frames; ++f)
     for (int k = 7; k < walk.nq; ++k) {
-      bool number = false;
-      for (const Link& link : figure.m().links()) number = number || (link.joint.type == JointType::revolute && link.q_index == k);
-      if (number) walk.frame(f)[k] += 0.0006 * f + 0.05 * std::sin(0.05 * f);
+      bool is_hinge = false;
+      for (const Link& link : character.m().links()) is_hinge = is_hinge || (link.joint.type == JointType::revolute && link.q_index == k);
+      if (is_hinge) walk.frame(f)[k] += 0.0006 * f + 0.05 * std::sin(0.05 * f);
     }
   CycleOptions options;
   options.lock_feet = false;
   CycleReport report;
-  const Motion cycle = make_cyclic(figure.m(), walk, options, &report).value();
+  const Motion cycle = make_cyclic(character.m(), walk, options, &report).value();
   const int n = round_frames(cycle);
-  std::vector<double> last(cycle.frame(n), cycle.frame(n) + cycle.nq), d(at(figure.m().nv()));
-  displace_root(figure.m(), inverse(cycle_of(cycle, figure.m())), last);
-  difference(figure.m(), {cycle.frame(0), at(cycle.nq)}, last, d);
+  std::vector<double> last(cycle.frame(n), cycle.frame(n) + cycle.nq), d(at(character.m().nv()));
+  displace_root(character.m(), inverse(cycle_of(cycle, character.m())), last);
+  difference(character.m(), {cycle.frame(0), at(cycle.nq)}, last, d);
   for (const double x : d) EXPECT_LT(std::fabs(x), 1e-12);
-  const Steps steps = velocity_steps(figure.m(), cycle);
+  const Steps steps = velocity_steps(character.m(), cycle);
   EXPECT_LT(steps.seam, 1.2 * steps.anywhere + 1);
-  // The way over the ground is that of the frames that were taken.
-  const Placement way = cycle_of(cycle, figure.m());
+  // The displacement over the ground is that of the selected frames.
+  const Placement way = cycle_of(cycle, character.m());
   const Motion cut = trim(walk, report.first, report.last).value();
-  const Placement truth = cycle_of(cut, figure.m());
+  const Placement truth = cycle_of(cut, character.m());
   EXPECT_NEAR(way.x, truth.x, 1e-9);
   EXPECT_NEAR(way.y, truth.y, 1e-9);
   EXPECT_NEAR(way.heading, truth.heading, 1e-9);
 }
 
-TEST(Cycle, LimitsMayBeGivenAndAreChecked) {
-  const Figure figure = human_walk();
-  const Motion walk = unrolled(figure.m(), figure.motion, 2);
+TEST(Cycle, GivenFramesAreUsedAndChecked) {
+  const Character character = human_walk();
+  const Motion walk = unrolled(character.m(), character.motion, 2);
   CycleOptions options;
   options.first = 10;
   options.last = 60;
-  EXPECT_EQ(make_cyclic(figure.m(), walk, options).value().frames, 51);
+  EXPECT_EQ(make_cyclic(character.m(), walk, options).value().frames, 51);
   options.last = 100000;
-  const auto wrong = make_cyclic(figure.m(), walk, options);
+  const auto wrong = make_cyclic(character.m(), walk, options);
   ASSERT_FALSE(wrong);
   EXPECT_NE(wrong.error().text().find("100000"), std::string::npos);
-  EXPECT_FALSE(make_cyclic(figure.m(), trim(walk, 0, 5).value()));
+  EXPECT_FALSE(make_cyclic(character.m(), trim(walk, 0, 5).value()));
 }
 
-TEST(Cycle, WithoutFeetIsFoundByPose) {
+TEST(Cycle, WithoutFeetTheCycleIsFoundByPose) {
   // A pendulum with a slow drift.
   MechanismSpec spec;
   spec.name = "pendulum";
@@ -118,7 +119,7 @@ TEST(Cycle, WithoutFeetIsFoundByPose) {
   EXPECT_EQ(cycle.frame(0)[0], cycle.frame(cycle.frames - 1)[0]);
 }
 
-TEST(Cycle, OfRecordings) {
+TEST(Cycle, RecordingsGiveCyclesWithoutSliding) {
   if (!has_recordings()) GTEST_SKIP() << "the shared data is absent";
   for (const auto& [skeleton, trial] : {std::pair{"02", "02_01"}, {"02", "02_03"}, {"35", "35_01"}, {"16", "16_15"}, {"07", "07_01"}}) {
     const MeasuredMotion measured = read_recording(skeleton, trial);
@@ -127,13 +128,13 @@ TEST(Cycle, OfRecordings) {
     const Motion cycle = make_cyclic(*body.mechanism, body::to_motion(body, measured), {}, &report).value();
     EXPECT_TRUE(report.by_contacts) << trial;
     EXPECT_LT(report.feet.after.worst_cm, 0.6) << trial;
-    EXPECT_LT(report.feet.greatest_miss, 0.003) << trial;
+    EXPECT_LT(report.feet.max_miss, 0.003) << trial;
     const Steps steps = velocity_steps(*body.mechanism, cycle);
     EXPECT_LT(steps.seam, 1.5 * steps.anywhere) << trial;
   }
 }
 
-TEST(PhaseCurve, RisesThroughItsPointsAndBack) {
+TEST(PhaseCurve, IsMonotoneAndInvertible) {
   const PhaseCurve curve({{0.1, 0.0}, {0.35, 0.5}, {0.6, 0.58}, {0.9, 0.8}});
   EXPECT_NEAR(curve(0.35), 0.5, 1e-15);
   EXPECT_NEAR(curve(1.6), 1.58, 1e-15);
@@ -149,21 +150,21 @@ TEST(PhaseCurve, RisesThroughItsPointsAndBack) {
   }
 }
 
-TEST(Progression, MakesTheWayOfTheCycle) {
+TEST(Progression, MakesTheDisplacementOfTheCycle) {
   for (const double turn : {0.0, 1e-7, 0.3, -2.0}) {
-    Figure figure = human_walk();
-    // Bend the walk by turning every frame about the origin, on an arc of this angle in a cycle.
-    const int n = figure.motion.frames - 1;
+    Character character = human_walk();
+    // Bend the walk: move every frame to an arc that turns by this angle per cycle.
+    const int n = character.motion.frames - 1;
     for (int f = 0; f <= n; ++f) {
-      const Placement root = root_placement(figure.m(), {figure.motion.frame(f), at(figure.motion.nq)});
-      displace_root(figure.m(), inverse(Placement{root.x, root.y, 0, 0}), {figure.motion.frame(f), at(figure.motion.nq)});
+      const Placement root = root_placement(character.m(), {character.motion.frame(f), at(character.motion.nq)});
+      displace_root(character.m(), inverse(Placement{root.x, root.y, 0, 0}), {character.motion.frame(f), at(character.motion.nq)});
       Progression arc;
       arc.vx = 1.5;
       arc.turn = turn;
-      displace_root(figure.m(), arc.at(static_cast<double>(f) / n), {figure.motion.frame(f), at(figure.motion.nq)});
+      displace_root(character.m(), arc.at(static_cast<double>(f) / n), {character.motion.frame(f), at(character.motion.nq)});
     }
-    const Progression p = find_progression(figure.motion, figure.m());
-    const Placement way = cycle_of(figure.motion, figure.m()), made = p.cycle();
+    const Progression p = find_progression(character.motion, character.m());
+    const Placement way = cycle_of(character.motion, character.m()), made = p.cycle();
     EXPECT_NEAR(p.turn, turn, 1e-9);
     EXPECT_NEAR(made.x, way.x, 1e-9) << turn;
     EXPECT_NEAR(made.y, way.y, 1e-9) << turn;

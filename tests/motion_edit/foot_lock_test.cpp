@@ -5,14 +5,14 @@
 #include <cmath>
 #include <random>
 
-#include "figures.h"
+#include "characters.h"
 #include "ugoki/motion/measures.h"
 #include "ugoki/motion_edit/edit.h"
 
 namespace ugoki::motion_edit {
 namespace {
 
-/// The walk with its way over the ground stretched: feet slide.
+/// The motion with its displacement over the ground scaled by `factor`, so that feet slide.
 Motion stretched(const Mechanism& m, const Motion& motion, double factor) {
   Motion out = motion;
   for (int f = 0; f < out.frames; ++f) {
@@ -22,8 +22,8 @@ Motion stretched(const Mechanism& m, const Motion& motion, double factor) {
   return out;
 }
 
-TEST(Feet, AreFoundByLabelAndByPlace) {
-  const Figure human = human_walk();
+TEST(Feet, AreFoundByLabelOrByPosition) {
+  const Character human = human_walk();
   const std::vector<FootLimb> feet = find_foot_limbs(human.m());
   ASSERT_EQ(feet.size(), 2U);
   for (const FootLimb& f : feet) {
@@ -32,7 +32,7 @@ TEST(Feet, AreFoundByLabelAndByPlace) {
     EXPECT_FALSE(f.heel.empty());
     EXPECT_FALSE(f.toe.empty());
   }
-  const Figure dog = dog_trot();
+  const Character dog = dog_trot();
   EXPECT_EQ(find_foot_limbs(dog.m()).size(), 4U);
   // Without labels the lowest ends of the limbs are the feet.
   MechanismSpec spec = dog.m().spec();
@@ -50,8 +50,8 @@ TEST(Feet, AreFoundByLabelAndByPlace) {
   EXPECT_NE(wrong.error().text().find("wing"), std::string::npos);
 }
 
-TEST(FootContacts, DoNotDependOnRateNorNoise) {
-  const Figure human = human_walk();
+TEST(FootContacts, DependLittleOnRateAndNoise) {
+  const Character human = human_walk();
   const Motion walk = unrolled(human.m(), human.motion, 2);
   const FootContacts truth = find_contacts(human.m(), walk);
   for (const double rate : {30.0, 60.0, 250.0}) {
@@ -79,8 +79,8 @@ TEST(FootContacts, DoNotDependOnRateNorNoise) {
   }
 }
 
-TEST(FootContacts, GroundIsFoundWhereItIs) {
-  const Figure human = human_walk();
+TEST(FootContacts, EstimatedGroundFollowsARaisedMotion) {
+  const Character human = human_walk();
   Motion high = human.motion;
   for (int f = 0; f < high.frames; ++f) displace_root(human.m(), {0, 0, 0.37, 0}, {high.frame(f), at(high.nq)});
   const std::vector<FootLimb> feet = find_foot_limbs(human.m());
@@ -91,29 +91,29 @@ TEST(FootContacts, GroundIsFoundWhereItIs) {
   EXPECT_EQ(lifted.bears, level.bears);
 }
 
-TEST(FootLock, SlidingFeetStand) {
-  for (const Figure& figure : {human_walk(), dog_trot()}) {
-    const Motion walk = unrolled(figure.m(), figure.motion, 3);
-    FootContacts contacts = find_contacts(figure.m(), walk);
-    const Motion sliding = stretched(figure.m(), walk, 0.9);
+TEST(FootLock, SlidingFeetAreLocked) {
+  for (const Character& character : {human_walk(), dog_trot()}) {
+    const Motion walk = unrolled(character.m(), character.motion, 3);
+    FootContacts contacts = find_contacts(character.m(), walk);
+    const Motion sliding = stretched(character.m(), walk, 0.9);
     FootLockReport report;
-    const Motion locked = lock_feet(figure.m(), sliding, contacts, {}, &report).value();
+    const Motion locked = lock_feet(character.m(), sliding, contacts, {}, &report).value();
     EXPECT_GT(report.before.worst_cm, 3.0);
-    EXPECT_LT(report.after.worst_cm, 0.5) << figure.m().name();
-    EXPECT_LT(report.greatest_miss, 0.003);
-    // The same by the measure that judges motions, for the first link of each foot.
+    EXPECT_LT(report.after.worst_cm, 0.5) << character.m().name();
+    EXPECT_LT(report.max_miss, 0.003);
+    // Check with the independent FootSkate, for the first link of each foot.
     std::vector<int> links;
     for (const FootLimb& f : contacts.feet) links.push_back(f.link);
-    FootSkate skate(figure.m(), links);
-    std::vector<Pose> X(at(figure.m().link_count()));
+    FootSkate skate(character.m(), links);
+    std::vector<Pose> X(at(character.m().link_count()));
     std::vector<std::uint8_t> on(links.size());
     for (int f = 0; f < locked.frames; ++f) {
-      calc_poses(figure.m(), {locked.frame(f), at(locked.nq)}, X);
+      calc_poses(character.m(), {locked.frame(f), at(locked.nq)}, X);
       for (std::size_t k = 0; k < on.size(); ++k) on[k] = contacts.bears[k][at(f)];
       skate.add(X, on, 1 / locked.rate);
     }
     if (contacts.feet[0].parts.size() == 1) EXPECT_LT(skate.worst_stance_cm(), 0.5);
-    // Nothing but limbs and the root's height has changed.
+    // The horizontal position of the root is not changed.
     for (int f = 0; f < locked.frames; ++f) {
       EXPECT_EQ(locked.frame(f)[0], sliding.frame(f)[0]);
       EXPECT_EQ(locked.frame(f)[1], sliding.frame(f)[1]);
@@ -122,49 +122,49 @@ TEST(FootLock, SlidingFeetStand) {
 }
 
 TEST(FootLock, JointsStaySmooth) {
-  const Figure figure = human_walk();
-  const Motion walk = unrolled(figure.m(), figure.motion, 3);
-  const Motion locked = lock_feet(figure.m(), stretched(figure.m(), walk, 1.1), find_contacts(figure.m(), walk)).value();
-  const auto jerkiest = [&](const Motion& motion) {
-    std::vector<double> v(at(figure.m().nv())), before;
-    double most = 0;
+  const Character character = human_walk();
+  const Motion walk = unrolled(character.m(), character.motion, 3);
+  const Motion locked = lock_feet(character.m(), stretched(character.m(), walk, 1.1), find_contacts(character.m(), walk)).value();
+  const auto max_acceleration = [&](const Motion& motion) {
+    std::vector<double> v(at(character.m().nv())), before;
+    double maximum = 0;
     for (int f = 1; f < motion.frames; ++f) {
-      difference(figure.m(), {motion.frame(f - 1), at(motion.nq)}, {motion.frame(f), at(motion.nq)}, v);
+      difference(character.m(), {motion.frame(f - 1), at(motion.nq)}, {motion.frame(f), at(motion.nq)}, v);
       for (std::size_t k = 6; k < v.size() && !before.empty(); ++k)
-        most = std::max(most, std::fabs(v[k] - before[k]) * motion.rate * motion.rate);
+        maximum = std::max(maximum, std::fabs(v[k] - before[k]) * motion.rate * motion.rate);
       before = v;
     }
-    return most;
+    return maximum;
   };
-  EXPECT_LT(jerkiest(locked), 4 * jerkiest(walk) + 300);  // rad/s^2: no popping knee
+  EXPECT_LT(max_acceleration(locked), 4 * max_acceleration(walk) + 300);  // rad/s^2: a knee that snaps straight exceeds this
 }
 
-TEST(FootLock, ALegThatIsTooShortLowersThePelvis) {
-  const Figure figure = human_walk();
-  const Motion walk = unrolled(figure.m(), figure.motion, 2);
-  const FootContacts contacts = find_contacts(figure.m(), walk);
+TEST(FootLock, LegTooShortLowersThePelvis) {
+  const Character character = human_walk();
+  const Motion walk = unrolled(character.m(), character.motion, 2);
+  const FootContacts contacts = find_contacts(character.m(), walk);
   Motion high = walk;
-  for (int f = 0; f < high.frames; ++f) displace_root(figure.m(), {0, 0, 0.05, 0}, {high.frame(f), at(high.nq)});
+  for (int f = 0; f < high.frames; ++f) displace_root(character.m(), {0, 0, 0.05, 0}, {high.frame(f), at(high.nq)});
   FootLockReport report;
-  const Motion locked = lock_feet(figure.m(), high, contacts, {}, &report).value();
-  EXPECT_GT(report.greatest_drop, 0.03);
+  const Motion locked = lock_feet(character.m(), high, contacts, {}, &report).value();
+  EXPECT_GT(report.max_drop, 0.03);
   EXPECT_LT(report.after.worst_cm, 0.5);
-  std::vector<Pose> X(at(figure.m().link_count()));
+  std::vector<Pose> X(at(character.m().link_count()));
   for (int f = 0; f < locked.frames; ++f) {
-    calc_poses(figure.m(), {locked.frame(f), at(locked.nq)}, X);
+    calc_poses(character.m(), {locked.frame(f), at(locked.nq)}, X);
     for (const FootLimb& foot : contacts.feet) EXPECT_LE(norm(X[at(foot.link)].p - X[at(foot.chain.front())].p), foot.length * 1.0001) << f;
   }
 }
 
-TEST(FootLock, WhatIsLockedStays) {
-  const Figure figure = human_walk();
-  const FootContacts contacts = find_contacts(figure.m(), figure.motion);
-  const Motion once = lock_feet(figure.m(), figure.motion, contacts).value();
-  const Motion twice = lock_feet(figure.m(), once, contacts).value();
-  EXPECT_LT(greatest_difference(figure.m(), once, twice), 0.02);
+TEST(FootLock, LockingTwiceChangesLittle) {
+  const Character character = human_walk();
+  const FootContacts contacts = find_contacts(character.m(), character.motion);
+  const Motion once = lock_feet(character.m(), character.motion, contacts).value();
+  const Motion twice = lock_feet(character.m(), once, contacts).value();
+  EXPECT_LT(max_difference(character.m(), once, twice), 0.02);
 }
 
-TEST(FootLock, RefusesWhatHasNoFeet) {
+TEST(FootLock, RefusesMechanismsWithoutFeet) {
   const MechanismPtr ball = samples::make_ball();
   Motion still;
   still.rate = 10;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "figures.h"
+#include "characters.h"
 #include "ugoki/motion_edit/edit.h"
 #include "ugoki/motion_edit/mean_pose.h"
 #include "ugoki/motion_edit/progression.h"
@@ -13,9 +13,9 @@
 namespace ugoki::motion_edit {
 namespace {
 
-/// Everything that an intermediate motion promises, for a row of weights between two motions.
-void check_row(const Mechanism& m, const Motion& a, const Motion& b, const std::string& what) {
-  SCOPED_TRACE(what);
+/// Checks the properties of intermediate motions for several weights between two motions: cyclic, no sliding, monotone speed, exact ends.
+void check_weights(const Mechanism& m, const Motion& a, const Motion& b, const std::string& name) {
+  SCOPED_TRACE(name);
   const Motion* sources[] = {&a, &b};
   auto made = Intermediate::make(m, sources);
   ASSERT_TRUE(made) << made.error().text();
@@ -28,7 +28,7 @@ void check_row(const Mechanism& m, const Motion& a, const Motion& b, const std::
     const Motion motion = made->blend(weights, &report).value();
     ASSERT_TRUE(check_motion(motion, m).empty());
     EXPECT_TRUE(motion.cyclic);
-    // Cyclic: the last frame is the first, moved.
+    // Cyclic: the last frame equals the first, displaced.
     std::vector<double> last(motion.frame(motion.frames - 1), motion.frame(motion.frames - 1) + motion.nq), d(at(m.nv()));
     displace_root(m, inverse(cycle_of(motion, m)), last);
     difference(m, {motion.frame(0), at(m.nq())}, last, d);
@@ -36,8 +36,8 @@ void check_row(const Mechanism& m, const Motion& a, const Motion& b, const std::
     // No foot slides.
     const CycleFacts facts = made->facts(motion);
     EXPECT_LT(facts.skate.worst_cm, 1.0);
-    EXPECT_LT(report.greatest_miss, 0.005) << report.miss_link << " in frame " << report.miss_frame;
-    // The speed goes from one to the other without a turn.
+    EXPECT_LT(report.max_miss, 0.005) << report.miss_link << " in frame " << report.miss_frame;
+    // The speed changes monotonically from one source to the other.
     if (w > 0) EXPECT_GT((facts.speed - before) * (to >= from ? 1 : -1), -1e-9);
     before = facts.speed;
     // Exact at both ends.
@@ -46,7 +46,7 @@ void check_row(const Mechanism& m, const Motion& a, const Motion& b, const std::
   }
 }
 
-/// A hurried version: faster, longer steps (feet locked again), deeper knees by its own root's height.
+/// A hurried version of the walk: faster, with longer steps, and the root lowered by 20 mm so that knees bend more.
 Motion hurried(const Mechanism& m, const Motion& walk) {
   Motion out = scale(m, walk, {.time = 0.8}).value();
   const Placement way = cycle_of(walk, m);
@@ -56,33 +56,33 @@ Motion hurried(const Mechanism& m, const Motion& walk) {
   return out;
 }
 
-TEST(Intermediate, OfOwnWalks) {
-  const Figure human = human_walk();
-  check_row(human.m(), human.motion, hurried(human.m(), human.motion), "human");
-  const Figure dog = dog_trot();
-  check_row(dog.m(), dog.motion, hurried(dog.m(), dog.motion), "dog");
+TEST(Intermediate, SampleWalksMixWithoutSliding) {
+  const Character human = human_walk();
+  check_weights(human.m(), human.motion, hurried(human.m(), human.motion), "human");
+  const Character dog = dog_trot();
+  check_weights(dog.m(), dog.motion, hurried(dog.m(), dog.motion), "dog");
 }
 
-TEST(Intermediate, OfAMotionAndItselfIsTheMotion) {
-  const Figure human = human_walk();
+TEST(Intermediate, MixingAMotionWithItselfGivesTheMotion) {
+  const Character human = human_walk();
   const Motion* sources[] = {&human.motion, &human.motion};
   const Intermediate made = Intermediate::make(human.m(), sources).value();
   const double half[] = {0.5, 0.5};
-  EXPECT_LT(greatest_difference(human.m(), made.blend(half).value(), made.cycle(0)), 0.02);
+  EXPECT_LT(max_difference(human.m(), made.blend(half).value(), made.cycle(0)), 0.02);
 }
 
-TEST(Intermediate, GoesEvenlyIntoItsSources) {
-  const Figure human = human_walk();
+TEST(Intermediate, IsContinuousAtItsSources) {
+  const Character human = human_walk();
   const Motion fast = hurried(human.m(), human.motion);
   const Motion* sources[] = {&human.motion, &fast};
   const Intermediate made = Intermediate::make(human.m(), sources).value();
   const double near[] = {0.999, 0.001};
-  EXPECT_LT(greatest_difference(human.m(), made.blend(near).value(), made.cycle(0)), 0.03);
+  EXPECT_LT(max_difference(human.m(), made.blend(near).value(), made.cycle(0)), 0.03);
 }
 
-TEST(Intermediate, PhaseOfTheStartDoesNotMatter) {
-  // The same walk begun half a stride later is no other motion.
-  const Figure human = human_walk();
+TEST(Intermediate, StartPhaseHasNoEffect) {
+  // The walk that starts a third of a cycle later must be aligned with the original walk.
+  const Character human = human_walk();
   const Motion walk = unrolled(human.m(), human.motion, 2);
   Motion later = trim(walk, human.motion.frames / 3, human.motion.frames / 3 + human.motion.frames - 1).value();
   later.cyclic = true;
@@ -90,7 +90,7 @@ TEST(Intermediate, PhaseOfTheStartDoesNotMatter) {
   const Intermediate made = Intermediate::make(human.m(), sources).value();
   const double half[] = {0.5, 0.5};
   const Motion mixed = made.blend(half).value();
-  // Compared at the same phase of the left foot's stance.
+  // Compared by speed and by the vertical range of the pelvis, which do not depend on the start phase.
   const CycleFacts facts = made.facts(mixed);
   EXPECT_NEAR(facts.speed, made.facts(made.cycle(0)).speed, 1e-3);
   EXPECT_LT(facts.skate.worst_cm, 0.5);
@@ -106,8 +106,8 @@ TEST(Intermediate, PhaseOfTheStartDoesNotMatter) {
   EXPECT_NEAR(high - low, high0 - low0, 0.005);  // opposite phases would flatten the rise and fall of the pelvis
 }
 
-TEST(Intermediate, ThreeMotionsLieBetweenThem) {
-  const Figure human = human_walk();
+TEST(Intermediate, MixtureOfThreeHasMeanDuration) {
+  const Character human = human_walk();
   const Motion fast = hurried(human.m(), human.motion), faster = hurried(human.m(), fast);
   const Motion* sources[] = {&human.motion, &fast, &faster};
   const Intermediate made = Intermediate::make(human.m(), sources).value();
@@ -122,7 +122,7 @@ TEST(Intermediate, ThreeMotionsLieBetweenThem) {
 }
 
 TEST(Intermediate, BadWeightsAndMotionsAreRefused) {
-  const Figure human = human_walk(), dog = dog_trot();
+  const Character human = human_walk(), dog = dog_trot();
   const Motion* sources[] = {&human.motion, &dog.motion};
   const auto wrong = Intermediate::make(human.m(), sources);
   ASSERT_FALSE(wrong);
@@ -133,21 +133,21 @@ TEST(Intermediate, BadWeightsAndMotionsAreRefused) {
   EXPECT_FALSE(Intermediate::make(human.m(), {}));
 }
 
-TEST(Intermediate, WalkAndRunOfRecordings) {
+TEST(Intermediate, RecordedWalkAndRunMixWithoutSliding) {
   if (!has_recordings()) GTEST_SKIP() << "the shared data is absent";
   const MeasuredMotion walk = read_recording("02", "02_01"), run = read_recording("02", "02_03");
   const body::Body body = body::make_body(walk, {.keep_unmoved = true}).value();
-  check_row(*body.mechanism, body::to_motion(body, walk), body::to_motion(body, run), "02_01 and 02_03");
+  check_weights(*body.mechanism, body::to_motion(body, walk), body::to_motion(body, run), "02_01 and 02_03");
 }
 
-TEST(MeanPose, OfTwoRotationsIsTheGreatArc) {
+TEST(MeanPose, MeanOfTwoRotationsIsOnTheGreatArc) {
   const Quat a = exp_map({0.3, -1.2, 0.5}), b = exp_map({-0.7, 0.4, 1.1});
   for (const double t : {0.1, 0.5, 0.8}) {
     const Quat rotations[] = {a, b};
     const double weights[] = {1 - t, t};
     EXPECT_LT(norm(log_map(calc_mean(rotations, weights).conjugate() * slerp(a, b, t))), 1e-12) << t;
   }
-  // Of three: the weighted ways to all cancel.
+  // For three rotations, the weighted rotation vectors from the mean to all of them sum to zero.
   const Quat c = exp_map({0.2, 0.1, -0.4});
   const Quat three[] = {a, b, c};
   const double weights[] = {0.5, 0.2, 0.3};

@@ -23,7 +23,7 @@ TEST(DisplayFrame, HasTheLayoutOfTheProtocol) {
   frame.characters.resize(2);
   frame.characters[0].links.resize(3);
   frame.characters[1].links.resize(1);
-  frame.characters[1].state = FigureState::let_go;
+  frame.characters[1].state = CharacterState::released;
   frame.characters[1].assist_force = {7, 8, 9};
   frame.characters[1].assist_moment = {10, 11, 12};
   frame.characters[1].assist_ratio = 0.5;

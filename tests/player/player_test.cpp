@@ -1,4 +1,4 @@
-// Executable data played from memory: same bits, inputs, save and restore, no allocation.
+// The player: reproducible runs (same bits), inputs, save and restore, no allocation while stepping.
 
 #include "ugoki/content/player.h"
 #include "allocation_count.h"
@@ -14,10 +14,10 @@ Scenario small_scenario() {
   Scenario s;
   s.name = "small";
   s.duration = 3;
-  ScenarioCharacter figure;
-  figure.id = figure.name = "figure";
-  figure.mechanism = "m-figure";
-  figure.place = {1, 2, 0, 90};
+  ScenarioCharacter walker;
+  walker.id = walker.name = "character";
+  walker.mechanism = "m-character";
+  walker.place = {1, 2, 0, 90};
   ScenarioClip clip;
   clip.id = "k1";
   clip.motion = "n-sway";
@@ -26,18 +26,18 @@ Scenario small_scenario() {
   second.id = "k2";
   second.start = 1.5;
   second.offset = 0.5;
-  figure.track = {clip, second};
+  walker.track = {clip, second};
   ScenarioCharacter ball;
   ball.id = ball.name = "ball";
   ball.mechanism = "m-ball";
   ball.place = {4, 0, 0.11, 0};
   ball.control.mode = ControlMode::passive;
-  s.characters = {figure, ball};
+  s.characters = {walker, ball};
   ScenarioEvent push;
   push.id = "e1";
   push.type = EventType::push;
   push.time = 0.5;
-  push.character = "figure";
+  push.character = "character";
   push.link = "chest";
   push.force = {20, 0, 0};
   ScenarioEvent thrown;
@@ -53,9 +53,9 @@ Scenario small_scenario() {
 
 std::vector<std::byte> small_content(const Scenario& scenario = small_scenario()) {
   Resources resources;
-  resources.mechanisms.emplace("m-figure", lsi::make_figure());
+  resources.mechanisms.emplace("m-character", lsi::make_character());
   resources.mechanisms.emplace("m-ball", lsi::make_ball());
-  resources.motions.emplace("n-sway", lsi::make_sway(*resources.mechanisms.at("m-figure"), 3));
+  resources.motions.emplace("n-sway", lsi::make_sway(*resources.mechanisms.at("m-character"), 3));
   auto bytes = generate(scenario, resources);
   EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().text());
   return bytes ? *bytes : std::vector<std::byte>();
@@ -74,21 +74,21 @@ void run(Player& player, int steps) {
   }
 }
 
-TEST(Player, PlaysWhatTheGeneratorMakes) {
+TEST(Player, PlaysGeneratedData) {
   Player player = open(small_content());
   EXPECT_EQ(player.step_size(), 0.002);
   DisplayFrame frame;
   player.display_frame(frame);
   ASSERT_EQ(frame.characters.size(), 2u);
-  EXPECT_NEAR(frame.characters[0].links[0].p.x, 1, 1e-9);  // it stands at its place, turned to the left
+  EXPECT_NEAR(frame.characters[0].links[0].p.x, 1, 1e-9);  // at the character's place, rotated by 90 degrees
   EXPECT_NEAR(frame.characters[0].links[0].p.y, 2, 1e-9);
   EXPECT_NEAR(rotate(frame.characters[0].links[0].r, {1, 0, 0}).y, 1, 1e-6);
   run(player, 1000);
   EXPECT_EQ(player.step_count(), 1000u);
   EXPECT_DOUBLE_EQ(player.time(), 2);
   player.display_frame(frame);
-  EXPECT_EQ(frame.characters[0].state, FigureState::tracking);
-  EXPECT_EQ(frame.characters[1].state, FigureState::passive);
+  EXPECT_EQ(frame.characters[0].state, CharacterState::tracking);
+  EXPECT_EQ(frame.characters[1].state, CharacterState::passive);
   EXPECT_GE(frame.contacts.size(), 4u);
   EXPECT_NEAR(frame.characters[0].weight, 40 * 9.81, 1e-9);
   const PlayerMeasures m = player.measures(0);
@@ -105,9 +105,9 @@ TEST(Player, EditPosesFollowTheTrackWithoutPhysics) {
   DisplayFrame at_start, later;
   player.pose_at(0, at_start);
   player.pose_at(1, later);
-  EXPECT_EQ(later.characters[0].state, FigureState::edit);
+  EXPECT_EQ(later.characters[0].state, CharacterState::edit);
   EXPECT_NEAR(norm(later.characters[0].links[0].p - at_start.characters[0].links[0].p), 0, 1e-6);
-  EXPECT_LT(rotate(later.characters[0].links[0].r, {0, 0, 1}).z, 0.9999);  // it leans
+  EXPECT_LT(rotate(later.characters[0].links[0].r, {0, 0, 1}).z, 0.9999);  // the character leans
   EXPECT_NEAR(later.characters[1].links[0].p.x, 4, 1e-12);
   EXPECT_EQ(player.step_count(), 0u);
 }
@@ -124,7 +124,7 @@ TEST(Player, SameBitsInTwoRuns) {
   }
   EXPECT_NE(a.state_hash(), first);
   DisplayFrame frame;
-  a.display_frame(frame);  // looking changes nothing
+  a.display_frame(frame);  // must not change the state
   run(a, 60);
   run(b, 60);
   EXPECT_EQ(a.state_hash(), b.state_hash());
@@ -136,7 +136,7 @@ TEST(Player, SameBitsAfterSaveAndRestore) {
   run(a, 200);
   a.grab(0, 0, {0, 0, 0.3}, {1.1, 2.2, 1.3});
   std::vector<std::byte> saved;
-  a.save(saved);  // between the input and the step at which it acts
+  a.save(saved);  // after the input, before the step in which it acts
   run(a, 300);
   const PlayerMeasures measures = a.measures(0);
   ASSERT_TRUE(b.restore(saved));
@@ -161,7 +161,7 @@ TEST(Player, RecordedInputsReplayToTheSameBits) {
   a.grab(0, 0, {0, 0, 0.5}, {1, 2, 1.5});
   for (int k = 0; k < 50; ++k) {
     a.drag({1 + 0.002 * k, 2, 1.5});
-    a.drag({1 + 0.004 * k, 2, 1.5});  // replaces the one before: both came between two steps
+    a.drag({1 + 0.004 * k, 2, 1.5});  // replaces the previous one, because both come between the same two steps
     run(a, 1);
   }
   a.release();
@@ -180,12 +180,12 @@ TEST(Player, RecordedInputsReplayToTheSameBits) {
   EXPECT_EQ(b.state_hash(), a.state_hash());
   Player late = open(bytes);
   run(late, 120);
-  late.schedule(a.inputs());  // the push of step 100 is past and acts no more
+  late.schedule(a.inputs());  // the push of step 100 is in the past and is skipped
   run(late, 267);
   EXPECT_EQ(late.inputs().size(), 53u);
 }
 
-/// The content with a key that counts, and nothing else added.
+/// The small content with its default circuit, to which an LSI is added that counts presses of the key W.
 std::vector<std::byte> content_with_a_key() {
   Scenario scenario = small_scenario();
   auto c = circuit::read_circuit(default_circuit(scenario));
@@ -204,14 +204,14 @@ std::vector<std::byte> content_with_a_key() {
 
 double presses(Player& player) { return player.interpreter().find_output("presses.out")->numbers()[0]; }
 
-TEST(Player, WhatTheUserHoldsIsRecordedAndReplaysToTheSameBits) {
+TEST(Player, RecordedDeviceStatesReplayToTheSameBits) {
   const std::vector<std::byte> bytes = content_with_a_key();
   Player a = open(bytes);
   EXPECT_EQ(a.devices().use().keys, std::vector<std::string>{"KeyW"});
   circuit::DeviceState down, other;
   down.keys = {"KeyW"};
   other.keys = {"KeyQ"};
-  a.hold(other);  // nobody reads it
+  a.hold(other);  // the circuit does not read this key
   EXPECT_TRUE(a.inputs().empty());
   run(a, 10);
   for (int k = 0; k < 3; ++k) {
@@ -229,13 +229,13 @@ TEST(Player, WhatTheUserHoldsIsRecordedAndReplaysToTheSameBits) {
   std::vector<std::byte> of_a, of_b;
   a.save(of_a);
   b.save(of_b);
-  EXPECT_EQ(of_a, of_b) << "the whole state, not the figures alone";
+  EXPECT_EQ(of_a, of_b) << "the complete state must be equal, not only the characters";
   EXPECT_EQ(b.inputs().size(), 6u);
   b.reset();
   EXPECT_TRUE(b.devices().has({}));
 }
 
-TEST(Player, AfterARestoreOnlyWhatWasHeldBeforeItCounts) {
+TEST(Player, RestoreKeepsTheDeviceStateFromBeforeTheSave) {
   Player a = open(content_with_a_key());
   circuit::DeviceState down;
   down.keys = {"KeyW"};
@@ -245,7 +245,7 @@ TEST(Player, AfterARestoreOnlyWhatWasHeldBeforeItCounts) {
   a.save(saved);
   run(a, 5);
   ASSERT_TRUE(a.restore(saved));
-  EXPECT_EQ(a.inputs().size(), 1u) << "held when it was saved";
+  EXPECT_EQ(a.inputs().size(), 1u) << "the key was held when the state was saved";
   a.hold({});
   EXPECT_TRUE(a.inputs().back().held->keys.empty());
   run(a, 5);
@@ -255,7 +255,7 @@ TEST(Player, AfterARestoreOnlyWhatWasHeldBeforeItCounts) {
   EXPECT_EQ(presses(a), 1);
 }
 
-TEST(Player, IgnoresInputsThatMeanNothing) {
+TEST(Player, IgnoresInvalidInputs) {
   const std::vector<std::byte> bytes = small_content();
   Player a = open(bytes), b = open(bytes);
   a.push(7, 0, {100, 0, 0}, 1);
@@ -278,7 +278,7 @@ TEST(Player, StepsWithoutAllocation) {
   Player player = open(small_content());
   DisplayFrame frame;
   std::vector<std::byte> saved, encoded;
-  run(player, 1200);  // past throw, push and blend: all memory has its size
+  run(player, 1200);  // after throw, push and blend: all memory has reached its final size
   player.display_frame(frame);
   encode_frame(frame, 0, 0, encoded);
   player.save(saved);
@@ -292,7 +292,7 @@ TEST(Player, StepsWithoutAllocation) {
   EXPECT_EQ(allocations_so_far(), before);
 }
 
-TEST(Player, ABlownUpSimulationStopsAndKeepsTheLastGoodState) {
+TEST(Player, DivergedSimulationStopsAndKeepsTheLastValidState) {
   Scenario s = small_scenario();
   s.events[1].link = "foot left";
   s.events[1].force = {1e6, 0, 0};
@@ -305,7 +305,7 @@ TEST(Player, ABlownUpSimulationStopsAndKeepsTheLastGoodState) {
     ++steps;
   }
   ASSERT_FALSE(done);
-  EXPECT_NE(done.error().text().find("figure"), std::string::npos) << done.error().text();
+  EXPECT_NE(done.error().text().find("character"), std::string::npos) << done.error().text();
   for (const double x : player.q(0)) EXPECT_TRUE(std::isfinite(x));
   const std::uint64_t hash = player.state_hash();
   EXPECT_FALSE(player.step());
@@ -314,7 +314,7 @@ TEST(Player, ABlownUpSimulationStopsAndKeepsTheLastGoodState) {
   EXPECT_TRUE(player.step());
 }
 
-TEST(Player, RefusesADocumentsCircuitThatItCannotPlay) {
+TEST(Player, RefusesACircuitWithoutTheRequiredPins) {
   Scenario s = small_scenario();
   s.circuit = R"({"version": 1, "name": "mine", "lsis": [{"id": "x", "type": "clock"}]})";
   const auto player = Player::open(small_content(s));
@@ -323,13 +323,13 @@ TEST(Player, RefusesADocumentsCircuitThatItCannotPlay) {
   EXPECT_NE(player.error().text().find("no input 'live'"), std::string::npos);
 }
 
-TEST(Player, RefusesDamagedBytesEverywhere) {
+TEST(Player, RefusesDamagedData) {
   const std::vector<std::byte> bytes = small_content();
   for (std::size_t at = 0; at < bytes.size(); at += 1 + bytes.size() / 400) {
     std::vector<std::byte> damaged = bytes;
     damaged[at] ^= std::byte{0x20};
     const auto player = Player::open(damaged);
-    if (player) {  // only padding between sections and reserved fields may change unseen
+    if (player) {  // only changes of padding and reserved fields are not detected
       EXPECT_EQ(player->state_hash(), open(bytes).state_hash()) << at;
     } else {
       EXPECT_FALSE(player.error().problems[0].remedy.empty());
@@ -338,7 +338,7 @@ TEST(Player, RefusesDamagedBytesEverywhere) {
   for (std::size_t n = 0; n < bytes.size(); n += 1 + bytes.size() / 100) EXPECT_FALSE(Player::open(std::span(bytes).first(n)));
 }
 
-TEST(Ugx, KeepsSectionsAndAlignsThem) {
+TEST(Ugx, WritesAndReadsAlignedSections) {
   UgxWriter writer;
   writer.add("one", "text");
   writer.add("two", std::vector<std::byte>(100, std::byte{7}));
@@ -354,7 +354,7 @@ TEST(Ugx, KeepsSectionsAndAlignsThem) {
   for (const UgxSection& s : ugx->sections()) EXPECT_EQ((s.bytes.data() - file.data()) % 64, 0);
 }
 
-TEST(Ugx, EveryByteThatCountsIsChecked) {
+TEST(Ugx, EveryByteExceptPaddingIsChecked) {
   UgxWriter writer;
   writer.add("one", "text");
   writer.add("two", std::vector<std::byte>(100, std::byte{7}));
@@ -362,14 +362,14 @@ TEST(Ugx, EveryByteThatCountsIsChecked) {
   const auto ugx = read_ugx(file);
   ASSERT_TRUE(ugx);
   for (std::size_t at = 0; at < file.size(); ++at) {
-    bool counts = at < 32 || (at >= 64 && at < 64 + 2 * 64);  // header and table
+    bool is_checked = at < 32 || (at >= 64 && at < 64 + 2 * 64);  // header and section table
     for (const UgxSection& s : ugx->sections()) {
       const auto begin = static_cast<std::size_t>(s.bytes.data() - file.data());
-      counts = counts || (at >= begin && at < begin + s.bytes.size());
+      is_checked = is_checked || (at >= begin && at < begin + s.bytes.size());
     }
     std::vector<std::byte> damaged = file;
     damaged[at] ^= std::byte{1};
-    EXPECT_EQ(!read_ugx(damaged), counts) << at;
+    EXPECT_EQ(!read_ugx(damaged), is_checked) << at;
   }
   std::vector<std::byte> longer = file;
   longer.push_back(std::byte{0});

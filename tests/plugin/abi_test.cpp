@@ -1,4 +1,4 @@
-// The binary interface: wrong and later versions, tables that lie, the shelf of installed libraries.
+// The binary interface of plug-ins: invalid tables, other versions, and the shelf of installed libraries.
 
 #include <cstring>
 
@@ -11,7 +11,7 @@ namespace {
 
 std::int32_t nothing(const ugoki_call*) { return 0; }
 
-/// A library that is right, to be spoiled.
+/// A valid library with one LSI. Tests change one field to make it invalid.
 struct Tables {
   ugoki_input input{sizeof(ugoki_input), UGOKI_SCALAR, 0, 0, "x", "m", "Input.", 0, 0, 0};
   ugoki_output output{sizeof(ugoki_output), UGOKI_SCALAR, 0, 0, "y", "m", "Output.", 0, 0, 0, 0};
@@ -39,35 +39,35 @@ struct Tables {
   }
 };
 
-TEST(Abi, AGoodLibraryIsRead) { EXPECT_EQ(Tables().problems(), ""); }
+TEST(Abi, ValidLibraryIsRead) { EXPECT_EQ(Tables().problems(), ""); }
 
-TEST(Abi, EveryLieIsRefusedWithASentence) {
-  const auto refused = [](auto spoil, const char* part) {
+TEST(Abi, InvalidDeclarationsAreRefusedWithReason) {
+  const auto refused = [](auto change, const char* part) {
     Tables t;
-    spoil(t);
-    const std::string told = t.problems();
-    EXPECT_NE(told.find(part), std::string::npos) << part << " is not in: " << told;
-    EXPECT_NE(told.find("lib.so"), std::string::npos) << told;
+    change(t);
+    const std::string reported = t.problems();
+    EXPECT_NE(reported.find(part), std::string::npos) << part << " is not in: " << reported;
+    EXPECT_NE(reported.find("lib.so"), std::string::npos) << reported;
   };
-  refused([](Tables& t) { t.library.abi = 2; }, "built for version 2 of the interface of LSIs; this program has version 1");
-  refused([](Tables& t) { t.library.size = 4; }, "describes nothing");
-  refused([](Tables& t) { t.library.size = 24; }, "cut off");
-  refused([](Tables& t) { t.library.name = "a/b"; }, "cannot be the name of a library");
+  refused([](Tables& t) { t.library.abi = 2; }, "built for version 2 of the LSI interface; this program has version 1");
+  refused([](Tables& t) { t.library.size = 4; }, "has no description");
+  refused([](Tables& t) { t.library.size = 24; }, "too short");
+  refused([](Tables& t) { t.library.name = "a/b"; }, "not a valid name of a library");
   refused([](Tables& t) { t.library.classes = nullptr; }, "no LSIs");
   refused([](Tables& t) { t.library.class_count = 4000000000u; }, "no LSIs");
-  refused([](Tables& t) { t.all[0] = nullptr; }, "cut off");
-  refused([](Tables& t) { t.lsi.size = 16; }, "cut off");
+  refused([](Tables& t) { t.all[0] = nullptr; }, "missing or too short");
+  refused([](Tables& t) { t.lsi.size = 16; }, "missing or too short");
   refused([](Tables& t) { t.lsi.name = nullptr; }, "name of an LSI");
   refused([](Tables& t) { t.lsi.step = nullptr; }, "neither 'step' nor 'advance'");
   refused([](Tables& t) { t.lsi.inputs = nullptr; }, "damaged");
   refused([](Tables& t) { t.input.size = 8; }, "damaged");
   refused([](Tables& t) { t.input.type = 77; }, "unknown type 77");
-  refused([](Tables& t) { t.input.name = "a.b"; }, "cannot be the name of a pin");
-  refused([](Tables& t) { t.input.minimum = 3; }, "upside down");
+  refused([](Tables& t) { t.input.name = "a.b"; }, "not a valid name of a pin");
+  refused([](Tables& t) { t.input.minimum = 3; }, "minimum of 'x' is above its maximum");
   refused([](Tables& t) { t.output.flags = UGOKI_DELAYED; }, "no 'advance'");
-  refused([](Tables& t) { t.output.like = 9; }, "that there is not");
-  refused([](Tables& t) { t.output.type = UGOKI_JOINT_VALUES; }, "how many elements");
-  refused([](Tables& t) { t.output.count = 2000000; }, "more than a million");
+  refused([](Tables& t) { t.output.like = 9; }, "but the LSI has 1 inputs");
+  refused([](Tables& t) { t.output.type = UGOKI_JOINT_VALUES; }, "number of elements of the output 'y' is unknown");
+  refused([](Tables& t) { t.output.count = 2000000; }, "2000000 elements; the limit is 1000000");
   refused([](Tables& t) { t.parameter.kind = 9; }, "unknown kind");
   refused([](Tables& t) { t.parameter.initial[0] = 5; }, "out of its range");
   refused([](Tables& t) { t.parameter.kind = UGOKI_CHOICE; }, "no choices");
@@ -76,7 +76,7 @@ TEST(Abi, EveryLieIsRefusedWithASentence) {
   refused([](Tables& t) { t.lsi.state_size = std::uint64_t{1} << 40; }, "64 MB");
 }
 
-TEST(Abi, LongerStructsOfALaterVersionAreRead) {
+TEST(Abi, StructsOfALaterVersionAreRead) {
   struct LaterInput {
     ugoki_input base;
     double more[3];
@@ -102,19 +102,19 @@ TEST(Abi, LongerStructsOfALaterVersionAreRead) {
   EXPECT_EQ(d.classes[0].inputs[1].name, "z");
 }
 
-TEST_F(PluginTest, WrongLibrariesAreRefused) {
-  const auto told = [](const Result<LoadedLibrary>& r) { return r ? std::string("loaded") : r.error().text(); };
-  EXPECT_NE(told(load_library(folder_ + "/none.so")).find("none.so"), std::string::npos);
-  EXPECT_NE(told(load_library(write("text.so", "no library"))).find("cannot be opened"), std::string::npos);
+TEST_F(PluginTest, InvalidLibrariesAreRefused) {
+  const auto reported = [](const Result<LoadedLibrary>& r) { return r ? std::string("loaded") : r.error().text(); };
+  EXPECT_NE(reported(load_library(folder_ + "/none.so")).find("none.so"), std::string::npos);
+  EXPECT_NE(reported(load_library(write("text.so", "no library"))).find("cannot be opened"), std::string::npos);
   const std::string later = build("later.c",
                                   "#include <ugoki/lsi.h>\nstatic const ugoki_library l = {sizeof l, 7, \"l\", 0, 0, 0, 0, 0};\nconst "
                                   "ugoki_library* ugoki_lsi_library(void) { return &l; }");
-  EXPECT_NE(told(load_library(later)).find("version 7 of the interface"), std::string::npos) << told(load_library(later));
+  EXPECT_NE(reported(load_library(later)).find("version 7 of the LSI interface"), std::string::npos) << reported(load_library(later));
   const std::string good = build("good.c", "double f(double x) { return x; }");
-  EXPECT_NE(told(load_library(good, std::string(64, '0'))).find("not the one that was installed"), std::string::npos);
+  EXPECT_NE(reported(load_library(good, std::string(64, '0'))).find("has changed since it was installed"), std::string::npos);
 }
 
-TEST_F(PluginTest, TheShelfKeepsLibrariesByHash) {
+TEST_F(PluginTest, ShelfKeepsLibrariesByHash) {
   const std::string shelf = folder_ + "/shelf";
   EXPECT_TRUE(read_shelf(shelf).empty());
   const std::string path = build("one.c", "/// Doubles.\n/// @in x [m] 0..1\ndouble twice(double x) { return 2 * x; }");
@@ -130,20 +130,20 @@ TEST_F(PluginTest, TheShelfKeepsLibrariesByHash) {
     ASSERT_NE(live.library()->find("one/twice"), nullptr);
     EXPECT_EQ(live.library()->find("twice"), live.library()->find("one/twice"));
   }
-  // Another file in its place is not run.
+  // A changed file is not loaded.
   std::ofstream(all[0].file, std::ios::app | std::ios::binary) << "x";
-  LiveLibrary spoiled(signals_, shelf);
-  EXPECT_EQ(spoiled.library()->find("one/twice"), nullptr);
-  const std::vector<std::string> messages = spoiled.take_messages();
+  LiveLibrary changed(signals_, shelf);
+  EXPECT_EQ(changed.library()->find("one/twice"), nullptr);
+  const std::vector<std::string> messages = changed.take_messages();
   ASSERT_EQ(messages.size(), 1u);
-  EXPECT_NE(messages[0].find("not the one that was installed"), std::string::npos);
+  EXPECT_NE(messages[0].find("has changed since it was installed"), std::string::npos);
   // A description of another file is refused.
   EXPECT_FALSE(put_on_shelf(shelf, build("two.c", "double g(double x) { return x; }"), *description));
   ASSERT_TRUE(remove_from_shelf(shelf, "one"));
   EXPECT_TRUE(read_shelf(shelf).empty());
   EXPECT_FALSE(std::filesystem::exists(all[0].file));
   EXPECT_FALSE(remove_from_shelf(shelf, "one"));
-  // A damaged manifest is told, the others stay.
+  // A damaged manifest is reported and left out.
   write("shelf/broken.json", "{\"name\": 3");
   Error problems;
   EXPECT_TRUE(read_shelf(shelf, &problems).empty());

@@ -1,4 +1,4 @@
-// From a user's file to LSIs that run.
+// The LSI builder from source files to running LSIs.
 
 #include <algorithm>
 
@@ -39,12 +39,12 @@ char* text(double x) { return 0; }
 double use(double x) { return help(x); }
 )";
 
-TEST_F(PluginTest, ThreeFunctionsBecomeThreeLsis) {
+TEST_F(PluginTest, FunctionsBecomeLsis) {
   const Result<BuildReport> report = build_library({write("tools.c", three), {}, {}, {}});
   ASSERT_TRUE(report) << report.error().text();
   EXPECT_EQ(report->name, "tools");
   ASSERT_EQ(report->notes.size(), 1u);
-  EXPECT_NE(report->notes[0].find("tools.c:29: 'text' was not made an LSI"), std::string::npos) << report->notes[0];
+  EXPECT_NE(report->notes[0].find("tools.c:29: 'text' does not become an LSI"), std::string::npos) << report->notes[0];
   const Result<LoadedLibrary> library = load_library(report->output);
   ASSERT_TRUE(library) << library.error().text();
   EXPECT_EQ(library->doc, "Three of them.");
@@ -101,13 +101,13 @@ double late(double x) { return x; }
 }
 )";
 
-TEST_F(PluginTest, CppStructsHaveTheirFirstValues) {
+TEST_F(PluginTest, CppStatesHaveTheInitialValuesOfTheirMembers) {
   LiveLibrary live(signals_, {}, {build("more.cpp", in_cpp)});
   auto i = circuit::Interpreter::build(
       parse(R"({"version": 1, "name": "t", "lsis": [{"id": "s", "type": "more/smooth"}, {"id": "l", "type": "late"}],
     "wires": [{"from": "s.out", "to": "l.x"}, {"from": "l.out", "to": "s.x"}]})"),
       *live.library(), nullptr, {.dt = 0.5});
-  ASSERT_TRUE(i) << i.error().text();  // a circle: `late` is delayed
+  ASSERT_TRUE(i) << i.error().text();  // the feedback loop is allowed because `late` is delayed
   ASSERT_TRUE(i->tick());
   EXPECT_EQ(value(*i, "s.out"), 2.5);
   EXPECT_EQ(value(*i, "s.slope"), -10);
@@ -134,8 +134,8 @@ UGOKI_LSI(Spring, "spring", "Pulls back.", ugoki::in(&Spring::x, "x", "m", "Stre
 UGOKI_LIBRARY("springs", "2.1", "Of steel.")
 )";
 
-TEST_F(PluginTest, TheHeaderMakesStructsLsis) {
-  for (const char* compiler : {"clang++-19", "g++"}) {  // another compiler than ours is as good
+TEST_F(PluginTest, HeaderMakesStructsLsis) {
+  for (const char* compiler : {"clang++-19", "g++"}) {  // libraries may be built with another compiler than the program
     if (!find_compiler(true, compiler)) continue;
     LiveLibrary live(signals_, {}, {build("springs.cpp", with_header, compiler)});
     auto i = circuit::Interpreter::build(parse(R"({"version": 1, "name": "t", "inputs": [{"name": "x", "type": "scalar", "to": "s.x"}],
@@ -153,43 +153,43 @@ TEST_F(PluginTest, TheHeaderMakesStructsLsis) {
     EXPECT_NE(i->stopped()->text().find("'x' = 4"), std::string::npos) << i->stopped()->text();
     i->reset();
     *x = 6;
-    EXPECT_FALSE(i->tick());  // an exception ends at the interface
+    EXPECT_FALSE(i->tick());  // the exception does not reach the host
     EXPECT_EQ(i->stopped()->lsi, "s");
   }
 }
 
-TEST_F(PluginTest, ErrorsOfTheCompilerAreShownAtTheUsersLine) {
+TEST_F(PluginTest, CompilerErrorsAreLocatedInTheUsersFile) {
   for (const char* name : {"bad.c", "bad.cpp"}) {
     const std::string path =
         write(name, "/// Fine.\ndouble good(double x) { return x; }\n\ndouble bad(double x) {\n  return x + missing;\n}\n");
     const Result<BuildReport> report = build_library({path, {}, {}, {}});
     ASSERT_FALSE(report);
     const Problem& p = report.error().problems[0];
-    EXPECT_TRUE(p.place.starts_with(path + ":5:")) << p.place;
+    EXPECT_TRUE(p.location.starts_with(path + ":5:")) << p.location;
     EXPECT_NE(p.message.find("missing"), std::string::npos);
     EXPECT_NE(p.remedy.find("return x + missing;"), std::string::npos) << p.remedy;
   }
 }
 
-TEST_F(PluginTest, WhatCannotBeBuiltIsRefusedWithARemedy) {
+TEST_F(PluginTest, InvalidSourcesAreRefusedWithRemedy) {
   const auto refused = [&](const char* name, const char* text, const char* part, const std::string& compiler = {}) {
     const Result<BuildReport> report = build_library({write(name, text), {}, {}, compiler});
     ASSERT_FALSE(report) << part;
     EXPECT_NE(report.error().text().find(part), std::string::npos) << report.error().text();
     for (const Problem& p : report.error().problems) EXPECT_FALSE(p.remedy.empty());
   };
-  refused("empty.c", "", "no function here");
-  refused("only.c", "char* f(char* c) { return c; }", "no function here");
-  refused("typo.c", "/// @in y [m]\ndouble f(double x) { return x; }", "speaks of 'y'");
+  refused("empty.c", "", "no function that can become an LSI");
+  refused("only.c", "char* f(char* c) { return c; }", "no function that can become an LSI");
+  refused("typo.c", "/// @in y [m]\ndouble f(double x) { return x; }", "The annotation 'in' names 'y'");
   refused("type.c", "/// @in x: vector\ndouble f(double x) { return x; }", "cannot be of the type 'vector'");
-  refused("range.c", "/// @parameter k = 5, 0..1\ndouble f(double x, double k) { return k * x; }", "outside of its range");
+  refused("range.c", "/// @parameter k = 5, 0..1\ndouble f(double x, double k) { return k * x; }", "outside of its range 0..1");
   refused("program.py", "x = 1", "C and C++");
   refused("link.c", "double other(double);\ndouble f(double x) { return other(x); }\n#error here", "here");
-  refused("none.c", "double f(double x) { return x; }", "no program 'no-such-compiler'", "no-such-compiler");
+  refused("none.c", "double f(double x) { return x; }", "The compiler 'no-such-compiler' was not found", "no-such-compiler");
   EXPECT_FALSE(build_library({folder_ + "/missing.c", {}, {}, {}}));
 }
 
-TEST_F(PluginTest, WithoutCompilerItSaysWhatToInstall) {
+TEST_F(PluginTest, MissingCompilerNamesThePackageToInstall) {
   const std::string before = ::getenv("PATH");
   ::setenv("PATH", folder_.c_str(), 1);
   const Result<std::string> found = find_compiler(false);

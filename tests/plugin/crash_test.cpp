@@ -1,4 +1,5 @@
-// Foreign code that crashes, hangs or lies: each ends with a message that names LSI, pin and time; this process lives.
+// Foreign code that crashes, hangs, writes outside of its memory or returns values that are not finite. Each case must give a message with
+// the LSI, the pin and the time, and must not end the test process.
 
 #include <chrono>
 #include <thread>
@@ -10,6 +11,7 @@
 namespace ugoki::plugin {
 namespace {
 
+// Functions that fail at the tick at 0.02 s; their input is the time.
 const char* const bad = R"(#include <stdlib.h>
 #include <math.h>
 /// @library bad
@@ -35,7 +37,7 @@ class CrashTest : public PluginTest {
     PluginTest::SetUp();
     library_ = build("bad.c", bad);
   }
-  /// Runs the LSI on the time for 10 ticks of 10 ms, in a guarded process. @return what is told
+  /// Runs the LSI for 10 ticks of 10 ms in a guarded process; its input is the time. @return the error message, or "status N"
   std::string run(const std::string& lsi, const std::string& input, const std::string& other = {}) {
     const Result<int> done = run_guarded(
         [&] {
@@ -50,9 +52,10 @@ class CrashTest : public PluginTest {
           }
           for (int k = 0; k < 10; ++k)
             if (!i->tick()) {
-              told_ = i->stopped()->text();
-              return told_ == "'lsi-x' of library 'bad' stopped at 0.020 s (tick 2): Number 0 of its output 'out' is not finite. Its "
-                              "inputs were 'x' = 0.02."
+              reported_ = i->stopped()->text();
+              return reported_ ==
+                             "'lsi-x' of library 'bad' stopped at 0.020 s (tick 2): Number 0 of its output 'out' is "
+                             "not finite. Its inputs were 'x' = 0.02."
                          ? 42
                          : 43;
             }
@@ -61,25 +64,28 @@ class CrashTest : public PluginTest {
         std::chrono::milliseconds(600));
     return done ? "status " + std::to_string(*done) : done.error().text();
   }
-  void expect_named(const std::string& told, const std::string& what, const std::string& lsi) {
-    EXPECT_NE(told.find("'lsi-x' (LSI 'bad/" + lsi + "' of library 'bad')"), std::string::npos) << told;
-    EXPECT_NE(told.find(what), std::string::npos) << told;
-    EXPECT_NE(told.find(" at 0.020 s (tick 2). Its inputs were 'x' = 0.02."), std::string::npos) << told;
+  /// Expects that the message names the LSI, what happened, the time and the inputs.
+  void expect_named(const std::string& reported, const std::string& what, const std::string& lsi) {
+    EXPECT_NE(reported.find("'lsi-x' (LSI 'bad/" + lsi + "' of library 'bad')"), std::string::npos) << reported;
+    EXPECT_NE(reported.find(what), std::string::npos) << reported;
+    EXPECT_NE(reported.find(" at 0.020 s (tick 2). Its inputs were 'x' = 0.02."), std::string::npos) << reported;
   }
-  std::string library_, told_;
+  std::string library_, reported_;
 };
 
-TEST_F(CrashTest, AWholeNumberDividedByZero) {
-  const std::string told = run("quotient", "a", R"(, "values": {"b": 0})");
-  EXPECT_NE(told.find("'lsi-x' (LSI 'bad/quotient' of library 'bad') divided a whole number by zero at 0.000 s (tick 0). Its inputs were "
-                      "'a' = 0, 'b' = 0."),
+TEST_F(CrashTest, IntegerDivisionByZeroIsReported) {
+  const std::string reported = run("quotient", "a", R"(, "values": {"b": 0})");
+  EXPECT_NE(reported.find("'lsi-x' (LSI 'bad/quotient' of library 'bad') divided an integer by zero at 0.000 s (tick 0). Its inputs were "
+                          "'a' = 0, 'b' = 0."),
             std::string::npos)
-      << told;
+      << reported;
 }
-TEST_F(CrashTest, ANullPointer) { expect_named(run("null", "x"), "used a null pointer", "null"); }
-TEST_F(CrashTest, AWildPointer) { expect_named(run("wild", "x"), "used memory that it does not have", "wild"); }
-TEST_F(CrashTest, FarBeyondAnOutput) { expect_named(run("far_beyond", "x"), "used memory that it does not have", "far_beyond"); }
-TEST_F(CrashTest, ALittleBeyondItsOwn) {
+TEST_F(CrashTest, NullPointerIsReported) { expect_named(run("null", "x"), "used a null pointer", "null"); }
+TEST_F(CrashTest, WildPointerIsReported) { expect_named(run("wild", "x"), "accessed memory that it does not own", "wild"); }
+TEST_F(CrashTest, WriteFarBeyondAnOutputIsReported) {
+  expect_named(run("far_beyond", "x"), "accessed memory that it does not own", "far_beyond");
+}
+TEST_F(CrashTest, WriteJustOutsideOwnMemoryStopsTheCircuit) {
   const std::pair<const char*, const char*> cases[] = {{"beyond", "It wrote beyond its output 'y', which has 3 numbers."},
                                                        {"before", "It wrote in front of its outputs."},
                                                        {"forgets", "It wrote beyond its state of 32 bytes."}};
@@ -98,7 +104,7 @@ TEST_F(CrashTest, ALittleBeyondItsOwn) {
     }
   }
 }
-TEST_F(CrashTest, AnExceptionOfAPlainFunctionIsItsSentence) {
+TEST_F(CrashTest, ExceptionOfAPlainFunctionStopsTheCircuitWithItsText) {
   const std::string path =
       build("throws.cpp", "#include <stdexcept>\ndouble f(double x) { if (x > 0.015) throw std::runtime_error(\"No rope\"); return x; }\n");
   LiveLibrary live(signals_, {}, {path});
@@ -110,13 +116,13 @@ TEST_F(CrashTest, AnExceptionOfAPlainFunctionIsItsSentence) {
   EXPECT_EQ(i->run(5), 2u);
   EXPECT_EQ(i->stopped()->text(), "'it' of library 'throws' stopped at 0.020 s (tick 2): No rope. Its inputs were 'x' = 0.02.");
 }
-TEST_F(CrashTest, ALoopForEver) { expect_named(run("forever", "x"), "did not come back within 0.6 s and was stopped", "forever"); }
-TEST_F(CrashTest, Abort) { expect_named(run("gives_up", "x"), "aborted", "gives_up"); }
-TEST_F(CrashTest, Exit) { expect_named(run("leaves", "x"), "ended the process", "leaves"); }
-TEST_F(CrashTest, RecursionWithoutEnd) { expect_named(run("recurses", "x"), "used memory that it does not have", "recurses"); }
+TEST_F(CrashTest, InfiniteLoopIsReported) { expect_named(run("forever", "x"), "did not return within 0.6 s and was stopped", "forever"); }
+TEST_F(CrashTest, AbortIsReported) { expect_named(run("gives_up", "x"), "aborted", "gives_up"); }
+TEST_F(CrashTest, ExitIsReported) { expect_named(run("leaves", "x"), "ended the process", "leaves"); }
+TEST_F(CrashTest, InfiniteRecursionIsReported) { expect_named(run("recurses", "x"), "accessed memory that it does not own", "recurses"); }
 TEST_F(CrashTest, NotANumberNamesThePin) { EXPECT_EQ(run("nan_after", "x"), "status 42"); }
 
-TEST_F(CrashTest, ALibraryThatHangsOrCrashesWhileItIsLoaded) {
+TEST_F(CrashTest, LibraryThatHangsOrCrashesWhileLoadingIsReported) {
   for (const char* body : {"for (;;) __asm__ volatile(\"\");", "*(volatile int*)0 = 1;"}) {
     const std::string path = build(
         "early.c", std::string("__attribute__((constructor)) static void early(void) { ") + body + " }\ndouble f(double x) { return x; }");
@@ -131,8 +137,8 @@ TEST_F(CrashTest, ALibraryThatHangsOrCrashesWhileItIsLoaded) {
   }
 }
 
-TEST_F(CrashTest, TheWatchLeavesLongRunsAlone) {
-  // Many ticks that together take longer than the patience.
+TEST_F(CrashTest, LongRunsAndIdleTimeAreNotHangs) {
+  // Many short ticks, which together take longer than the patience.
   const Result<int> done = run_guarded(
       [&] {
         LiveLibrary live(signals_, {}, {library_});
@@ -143,7 +149,7 @@ TEST_F(CrashTest, TheWatchLeavesLongRunsAlone) {
         const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
         while (std::chrono::steady_clock::now() < end)
           if (!i->tick()) return 1;
-        std::this_thread::sleep_for(std::chrono::milliseconds(400));  // and idle time is no hang
+        std::this_thread::sleep_for(std::chrono::milliseconds(400));  // idle time is not a hang either
         return 0;
       },
       std::chrono::milliseconds(250));

@@ -1,5 +1,5 @@
 #pragma once
-// What tests of installed LSIs share: a folder of their own, circuits of signal LSIs and what is added to them.
+// Fixture for tests of installed LSIs and FMUs: a temporary folder, the signal LSIs, and functions to parse circuits and read pins.
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -23,6 +23,7 @@ class FolderTest : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
+  /// Writes a file into the folder. @return its path
   std::string write(const std::string& name, const std::string& bytes) const {
     std::ofstream(folder_ + "/" + name, std::ios::binary) << bytes;
     return folder_ + "/" + name;
@@ -32,6 +33,7 @@ class FolderTest : public ::testing::Test {
     EXPECT_TRUE(c) << (c ? "" : c.error().text());
     return c ? *c : circuit::Circuit{};
   }
+  /// First number of an output, "id.pin".
   static double value(const circuit::Interpreter& i, const std::string& pin) {
     const auto view = i.find_output(pin);
     EXPECT_TRUE(view) << pin;

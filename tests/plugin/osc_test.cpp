@@ -1,4 +1,5 @@
-// OSC packets after the examples of the specification (opensoundcontrol.org, OSC 1.0), and over a real socket.
+// OSC packets from the examples of the specification (opensoundcontrol.org, OSC 1.0), damaged packets, and packets over a real socket.
+// Also the thread pool.
 
 #include "ugoki/plugin/osc.h"
 
@@ -31,6 +32,7 @@ const Bytes foo =
     bytes_of({0x2f, 0x66, 0x6f, 0x6f, 0,    0,    0,    0,    0x2c, 0x69, 0x69, 0x73, 0x66, 0x66, 0,    0,    0,    0,    0x03, 0xe8,
               0xff, 0xff, 0xff, 0xff, 0x68, 0x65, 0x6c, 0x6c, 0x6f, 0,    0,    0,    0x3f, 0x9d, 0xf3, 0xb6, 0x40, 0xb5, 0xb2, 0x2d});
 
+/// Messages of a packet by address. @param good [out] result of read_osc
 std::map<std::string, std::vector<double>> read(const Bytes& packet, bool& good) {
   std::map<std::string, std::vector<double>> out;
   good = read_osc(packet, [&](std::string_view address, std::span<const double> numbers) {
@@ -56,7 +58,7 @@ TEST(Osc, ReadsTheExamplesOfTheSpecification) {
   EXPECT_EQ(got.size(), 1u);
 }
 
-TEST(Osc, RefusesWhatIsDamaged) {
+TEST(Osc, DamagedPacketsAreRefused) {
   for (std::size_t n = 0; n < foo.size(); ++n) {
     bool good = true;
     EXPECT_TRUE(read(Bytes(foo.begin(), foo.begin() + static_cast<std::ptrdiff_t>(n)), good).empty());
@@ -75,7 +77,7 @@ TEST(Osc, RefusesWhatIsDamaged) {
   }
 }
 
-TEST(Osc, ComesThroughASocketOfThisComputer) {
+TEST(Osc, ReceivesPacketsFromALocalSocket) {
   Result<OscReceiver> receiver = OscReceiver::open(0);
   ASSERT_TRUE(receiver) << receiver.error().text();
   EXPECT_FALSE(OscReceiver::open(receiver->port()));

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of plug-ins share: libraries built from text.
+// Fixture for tests of plug-ins: builds libraries from source text.
 
 #include "folder_test.h"
 #include "ugoki/plugin/build.h"
@@ -10,7 +10,7 @@ namespace ugoki::plugin {
 
 class PluginTest : public FolderTest {
  protected:
-  /// @return path of the library
+  /// Builds a library. @param name of the source file @param text of the source file @return path of the library
   std::string build(const std::string& name, const std::string& text, const std::string& compiler = {}) const {
     const Result<BuildReport> report = build_library({write(name, text), {}, {}, compiler});
     EXPECT_TRUE(report) << (report ? "" : report.error().text());

@@ -1,10 +1,11 @@
-// A library that is rebuilt while its circuit runs.
+// Hot reload: a library is rebuilt while its circuit runs.
 
 #include "plugin_test.h"
 
 namespace ugoki::plugin {
 namespace {
 
+/// Source of a library "reload" with the LSI "count". @param step statements that change the state s
 std::string counter(const std::string& fields, const std::string& step, const std::string& extra = {}) {
   return "/// @library reload\nstruct state { " + fields + " };\n/// Counts.\n" + extra + "double count(struct state* s, double x) { " +
          step + " return s->n + x; }\n";
@@ -17,7 +18,7 @@ class ReloadTest : public PluginTest {
     "wires": [{"from": "n.out", "to": "d.in"}]})";
 };
 
-TEST_F(ReloadTest, KeepsStateWhereTheLayoutAllowsIt) {
+TEST_F(ReloadTest, StateIsKeptWhereTheLayoutAllowsIt) {
   const std::string path = build("reload.c", counter("double n;", "s->n += 1;"));
   LiveLibrary live(signals_, {}, {path});
   std::shared_ptr<const circuit::Library> library = live.library();
@@ -39,25 +40,25 @@ TEST_F(ReloadTest, KeepsStateWhereTheLayoutAllowsIt) {
     EXPECT_TRUE(i->tick());
     return report;
   };
-  // The same layout: everything is kept.
+  // The layout is unchanged: the whole state is kept.
   circuit::Interpreter::Adoption report = reload(counter("double n;", "s->n += 10;"));
   EXPECT_EQ(report.kept, 2u);
   EXPECT_EQ(value(*i, "n.out"), 15.5);
   EXPECT_EQ(value(*i, "d.out"), 15.5);
   EXPECT_EQ(i->ticks(), 6u);
-  // A field more, in front: the old one is found by its name.
+  // A field was added in front: the old field keeps its value by name.
   report = reload(counter("int calls; double n;", "s->n += 10; ++s->calls;"));
   EXPECT_EQ(value(*i, "n.out"), 25.5);
   ASSERT_EQ(report.partly.size(), 1u);
   EXPECT_EQ(report.partly[0], "'n' keeps 1 fields of its state; the field 'calls' is new.");
-  // Another meaning: it starts afresh, and says so.
+  // Another @version: the state starts from its initial values, and the report states it.
   report = reload(counter("int calls; double n;", "s->n += 1; ++s->calls;", "/// @version 2\n"));
   EXPECT_EQ(value(*i, "n.out"), 1.5);
   ASSERT_EQ(report.afresh.size(), 1u);
-  EXPECT_EQ(report.afresh[0], "'n' starts afresh: its version was 1, now it is 2.");
+  EXPECT_EQ(report.afresh[0], "'n' starts from its initial state: its version was 1, now it is 2.");
 }
 
-TEST_F(ReloadTest, ABrokenLibraryLeavesTheOldOneRunning) {
+TEST_F(ReloadTest, BrokenLibraryKeepsThePreviousOneRunning) {
   const std::string path = build("reload.c", counter("double n;", "s->n += 1;"));
   LiveLibrary live(signals_, {}, {path});
   const std::shared_ptr<const circuit::Library> library = live.library();

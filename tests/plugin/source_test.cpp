@@ -1,4 +1,4 @@
-// What the LSI builder reads from declarations and comments.
+// The LSI builder's reader of declarations and annotations.
 
 #include "ugoki/plugin/source.h"
 
@@ -89,7 +89,7 @@ TEST(Source, ReadsAnnotations) {
   EXPECT_EQ(s.functions[1].comment.doc, "");
 }
 
-TEST(Source, SurvivesWhatIsNoProgram) {
+TEST(Source, InvalidProgramsAreAccepted) {
   const std::string text =
       "namespace a { struct { double x } f(((( \"unfinished /* } ) ] double g(double x) { extern \"C\" { template <class T> '";
   for (std::size_t n = 0; n <= text.size(); ++n)

@@ -13,6 +13,7 @@ namespace fs = std::filesystem;
 
 class DamagedProjectTest : public ProjectFixture {
  protected:
+  /// Creates a project with one command in its history and closes it.
   void make_closed() const {
     Project project = make();
     ASSERT_TRUE(project.execute(move_clip(4.5)));
@@ -24,14 +25,15 @@ class DamagedProjectTest : public ProjectFixture {
     ASSERT_TRUE(done) << done.error().text();
     ASSERT_TRUE(database->run("PRAGMA wal_checkpoint(TRUNCATE)"));
   }
+  /// Opening must fail with message and remedy, and must not change the file.
   void expect_refused(ErrorCode code) const {
     const std::string before = read(path_);
-    for (const bool looking : {false, true}) {
-      const auto project = looking ? Project::open_read_only(path_) : Project::open(path_);
+    for (const bool read_only : {false, true}) {
+      const auto project = read_only ? Project::open_read_only(path_) : Project::open(path_);
       ASSERT_FALSE(project);
       const Problem& p = project.error().problems.front();
       EXPECT_EQ(static_cast<int>(p.code), static_cast<int>(code)) << p.text();
-      EXPECT_NE(p.place.find("park.ugoki"), std::string::npos) << p.text();
+      EXPECT_NE(p.location.find("park.ugoki"), std::string::npos) << p.text();
       EXPECT_FALSE(p.message.empty());
       EXPECT_FALSE(p.remedy.empty()) << p.text();
     }
@@ -40,7 +42,7 @@ class DamagedProjectTest : public ProjectFixture {
   }
 };
 
-TEST_F(DamagedProjectTest, RefusesWhatIsNoProject) {
+TEST_F(DamagedProjectTest, RefusesFilesThatAreNotProjects) {
   expect_refused(ErrorCode::io);  // no such file
   write(path_, "");
   expect_refused(ErrorCode::syntax);
@@ -102,7 +104,7 @@ TEST_F(DamagedProjectTest, RefusesHostileContents) {
   }
 }
 
-TEST_F(DamagedProjectTest, DamagedHistoryStopsUndoNotTheProject) {
+TEST_F(DamagedProjectTest, DamagedHistoryPreventsUndoButNotOpening) {
   make_closed();
   for (const char* sql : {"UPDATE history SET backward = '{\"o\": {\"nothing\": {\"v\": 1}}}'", "UPDATE history SET backward = 'x'",
                           "UPDATE history SET backward = '{\"o\": {\"duration\": {\"v\": -1}}}'"}) {
@@ -145,8 +147,8 @@ TEST_F(DamagedProjectTest, ReadsAFileWhoseFolderCannotBeWritten) {
   ASSERT_GE(child, 0);
   if (child == 0) {
     if (::geteuid() == 0 && ::setuid(65534) != 0) ::_exit(3);  // the superuser may write everywhere
-    const auto looking = Project::open_read_only(path_);
-    if (!looking || !looking->generate()) ::_exit(1);
+    const auto read_only = Project::open_read_only(path_);
+    if (!read_only || !read_only->generate()) ::_exit(1);
     const auto editing = Project::open(path_);
     ::_exit(!editing && !editing.error().problems.front().remedy.empty() ? 0 : 2);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// A project in a folder of its own.
+// Fixture of tests with a project file in a temporary folder.
 
 #include <gtest/gtest.h>
 
@@ -24,6 +24,7 @@ class ProjectFixture : public ::testing::Test {
     std::filesystem::permissions(folder_, std::filesystem::perms::owner_all);
     std::filesystem::remove_all(folder_);
   }
+  /// Creates the project of content/fixture.h.
   Project make() const {
     auto project = Project::create(path_, content::testing::make_scenario(), content::testing::make_resources());
     EXPECT_TRUE(project) << (project ? "" : project.error().text());

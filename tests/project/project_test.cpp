@@ -18,7 +18,7 @@ using content::testing::make_scenario;
 
 class ProjectTest : public ProjectFixture {};
 
-TEST_F(ProjectTest, CreatesOpensAndKeeps) {
+TEST_F(ProjectTest, ReopenedProjectHasTheSameContent) {
   {
     const Project project = make();
     EXPECT_EQ(project.scenario(), make_scenario());
@@ -33,13 +33,13 @@ TEST_F(ProjectTest, CreatesOpensAndKeeps) {
   EXPECT_FALSE(Project::create(path_, make_scenario(), make_resources())) << "the file exists";
 }
 
-TEST_F(ProjectTest, RefusesToCreateWhatDoesNotFit) {
+TEST_F(ProjectTest, CreatingAnInvalidProjectFails) {
   EXPECT_FALSE(Project::create(path_, make_scenario(), {}));
   EXPECT_FALSE(fs::exists(path_));
   EXPECT_FALSE(Project::create(folder_ + "/no/such/folder.ugoki", content::Scenario()));
 }
 
-TEST_F(ProjectTest, CommandsUndoRedoAcrossRestarts) {
+TEST_F(ProjectTest, UndoAndRedoSurviveRestarts) {
   std::string moved;
   {
     Project project = make();
@@ -67,15 +67,15 @@ TEST_F(ProjectTest, CommandsUndoRedoAcrossRestarts) {
   EXPECT_TRUE(project->can_redo());
   ASSERT_TRUE(project->undo());
   EXPECT_EQ(project->scenario(), make_scenario());
-  EXPECT_FALSE(project->unsaved()) << "back at what was saved";
+  EXPECT_FALSE(project->unsaved()) << "the document equals the saved one again";
   EXPECT_FALSE(project->undo());
   ASSERT_TRUE(project->redo());
   EXPECT_EQ(project->document(), moved);
   ASSERT_TRUE(project->execute(move_clip(4.7)));
-  EXPECT_FALSE(project->can_redo()) << "a new command ends what could be redone";
+  EXPECT_FALSE(project->can_redo()) << "a new command discards the redo steps";
 }
 
-TEST_F(ProjectTest, CommandsThatChangeNothingAreNoSteps) {
+TEST_F(ProjectTest, CommandsWithoutEffectAddNoHistoryStep) {
   Project project = make();
   const auto change = project.execute(move_clip(5));
   ASSERT_TRUE(change) << change.error().text();
@@ -93,7 +93,7 @@ TEST_F(ProjectTest, RefusedCommandsChangeNothing) {
   EXPECT_FALSE(project.can_undo());
 }
 
-TEST_F(ProjectTest, RandomEditsUndoneAreTheBeginningRedoneTheEnd) {
+TEST_F(ProjectTest, UndoAndRedoOfRandomEditsRestoreEveryState) {
   constexpr unsigned seed = 1999;
   SCOPED_TRACE(seed);
   content::testing::RandomCommands random(seed);
@@ -136,12 +136,12 @@ TEST_F(ProjectTest, SavesAndSavesAs) {
   EXPECT_EQ(project.path(), other);
   EXPECT_FALSE(project.unsaved());
   EXPECT_EQ(project.document(), document);
-  EXPECT_TRUE(project.can_undo()) << "the history comes along";
+  EXPECT_TRUE(project.can_undo()) << "the history is copied";
   auto old = Project::open(path_);
-  ASSERT_TRUE(old) << "the old file is free again: " << old.error().text();
-  EXPECT_EQ(old->document(), document) << "and keeps what it had";
+  ASSERT_TRUE(old) << "the old file is unlocked: " << old.error().text();
+  EXPECT_EQ(old->document(), document) << "the old file is unchanged";
   EXPECT_TRUE(old->unsaved());
-  EXPECT_FALSE(old->save_as(other)) << "open elsewhere";
+  EXPECT_FALSE(old->save_as(other)) << "the target is open";
   write(folder_ + "/taken.ugoki", "something");
   EXPECT_FALSE(old->save_as(folder_ + "/taken.ugoki"));
   EXPECT_EQ(read(folder_ + "/taken.ugoki"), "something");
@@ -151,7 +151,7 @@ TEST_F(ProjectTest, SavesAndSavesAs) {
   EXPECT_EQ(old->path(), folder_ + "/taken.ugoki");
 }
 
-TEST_F(ProjectTest, OneFileIsAllThereIsAfterClosing) {
+TEST_F(ProjectTest, ClosingLeavesOnlyTheProjectFile) {
   {
     Project project = make();
     ASSERT_TRUE(project.execute(move_clip(4.5)));
@@ -161,22 +161,22 @@ TEST_F(ProjectTest, OneFileIsAllThereIsAfterClosing) {
   EXPECT_EQ(names, std::vector<std::string>{"park.ugoki"});
 }
 
-TEST_F(ProjectTest, OpenTwiceIsAConflictThatNamesTheHolder) {
+TEST_F(ProjectTest, OpeningTwiceIsAConflictThatNamesTheHolder) {
   const Project project = make();
   const auto again = Project::open(path_);
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().problems.front().code, ErrorCode::conflict);
   EXPECT_NE(again.error().text().find(std::to_string(::getpid())), std::string::npos) << again.error().text();
   fs::create_symlink(path_, folder_ + "/alias.ugoki");
-  EXPECT_FALSE(Project::open(folder_ + "/alias.ugoki")) << "another name of the same file";
-  auto looking = Project::open_read_only(path_);
-  ASSERT_TRUE(looking) << looking.error().text();
-  EXPECT_EQ(looking->document(), project.document());
-  EXPECT_FALSE(looking->execute(move_clip(4.5)));
-  EXPECT_FALSE(looking->save());
+  EXPECT_FALSE(Project::open(folder_ + "/alias.ugoki")) << "a symbolic link to the same file";
+  auto read_only = Project::open_read_only(path_);
+  ASSERT_TRUE(read_only) << read_only.error().text();
+  EXPECT_EQ(read_only->document(), project.document());
+  EXPECT_FALSE(read_only->execute(move_clip(4.5)));
+  EXPECT_FALSE(read_only->save());
 }
 
-TEST_F(ProjectTest, FetchesFromTheLibraryWhatACommandNames) {
+TEST_F(ProjectTest, CommandFetchesItsResourcesFromTheLibrary) {
   auto library = store::Library::open(folder_ + "/library.db");
   ASSERT_TRUE(library);
   Motion motion = content::testing::make_walk("turn", 3, 1, 1.5, false);
@@ -184,18 +184,18 @@ TEST_F(ProjectTest, FetchesFromTheLibraryWhatACommandNames) {
   const std::string id = library->put(items)->front();
   const std::string command = R"({"type": "clip.add", "character": "human", "motion": ")" + id + R"(", "start": 6.5})";
   Project project = make();
-  EXPECT_FALSE(project.execute(command)) << "without the library nobody has it";
+  EXPECT_FALSE(project.execute(command)) << "the motion is only in the library";
   const auto change = project.execute(command, &*library);
   ASSERT_TRUE(change) << change.error().text();
   EXPECT_EQ(project.resources().motions.at(id)->q, motion.q);
   ASSERT_TRUE(project.undo());
-  ASSERT_TRUE(project.redo()) << "it stays in the project";
+  ASSERT_TRUE(project.redo()) << "the project keeps the motion after undo";
   const std::vector<store::LibraryItem> foreign = {{store::EntryKind::measured, "raw", "{}", {}, {std::byte(1)}}};
   const std::string measured = library->put(foreign)->front();
   EXPECT_FALSE(project.execute(R"({"type": "clip.add", "character": "human", "motion": ")" + measured + R"(", "start": 7})", &*library));
 }
 
-/// Commands in a child that is killed at a random moment; each acknowledged one must be there afterwards.
+/// A child process applies commands and is killed at a random time. Every acknowledged command must be in the file afterwards.
 TEST_F(ProjectTest, KilledEditorLosesNothingAcknowledged) {
   {
     const Project project = make();
@@ -248,7 +248,8 @@ TEST_F(ProjectTest, KilledEditorLosesNothingAcknowledged) {
     ASSERT_FALSE(acknowledged.empty());
     auto project = Project::open(path_);
     ASSERT_TRUE(project) << project.error().text();
-    // The last command may have reached the disk without its acknowledgement having reached us: then one undo or redo leads there.
+    // The child may have been killed after writing a change but before acknowledging it. One undo or redo then leads to the acknowledged
+    // state.
     bool found = project->document() == acknowledged.back();
     if (!found && project->can_undo()) {
       ASSERT_TRUE(project->undo());

@@ -1,8 +1,8 @@
-// Twenty measured clips to a child, a giant, a robot and a dog.
+// Retargets twenty measured clips to a child, a giant, two humanoid robots and a dog.
 
 #include <gtest/gtest.h>
 
-#include "figures.h"
+#include "characters.h"
 #include "ugoki/retarget/retarget.h"
 #include "ugoki/samples/samples.h"
 
@@ -16,30 +16,30 @@ const std::vector<std::string> clips = {
     "human/asf_amc/10_04.amc", "human/asf_amc/16_15.amc", "human/asf_amc/32_01.amc", "human/asf_amc/35_01.amc",
     "human/asf_amc/38_01.amc", "human/asf_amc/55_04.amc", "human/bvh/131_02.bvh",    "human/bvh/cmu_12_01_walk.bvh"};
 
-/// `more`(path, retargeted) beside limits and skate.
+/// Checks joint limits and sliding of every clip, then calls `more`(path, retargeted).
 template <class More>
-void check_clips(const MechanismPtr& figure, const More& more) {
-  if (!figure) GTEST_SKIP() << "The shared data are absent.";
+void check_clips(const MechanismPtr& character, const More& more) {
+  if (!character) GTEST_SKIP() << "The shared data are absent.";
   for (const std::string& path : clips) {
     Clip clip;
     if (!load_clip(path, clip)) GTEST_SKIP() << "The shared data are absent.";
-    const auto out = retarget::retarget(clip.mechanism, clip.motion, figure);
+    const auto out = retarget::retarget(clip.mechanism, clip.motion, character);
     ASSERT_TRUE(out) << path << ": " << out.error().text();
-    EXPECT_LE(worst_excess(*figure, out->motion), 0) << path;
-    EXPECT_LT(worst_skate(*figure, out->motion), 0.01) << path;
+    EXPECT_LE(worst_excess(*character, out->motion), 0) << path;
+    EXPECT_LT(worst_skate(*character, out->motion), 0.01) << path;
     more(path, *out);
   }
 }
 
-void check_all(const MechanismPtr& figure) {
-  check_clips(figure, [](const std::string& path, const retarget::Retargeted& out) {
-    double lost = 0, stood = 0;  // frames in which a foot should stand and does not reach the ground
+void check_all(const MechanismPtr& character) {
+  check_clips(character, [](const std::string& path, const retarget::Retargeted& out) {
+    double lost = 0, standing = 0;  // frames in which a standing foot misses the ground; frames with a standing foot
     for (const retarget::Miss& miss : out.report.misses)
       for (const ContactTrack& track : out.motion.contacts)
         if (track.link == miss.link) lost += miss.frames;
     for (const ContactTrack& track : out.motion.contacts)
-      for (const std::uint8_t on : track.on) stood += on;
-    EXPECT_LT(lost, 0.05 * stood) << path;
+      for (const std::uint8_t on : track.on) standing += on;
+    EXPECT_LT(lost, 0.05 * standing) << path;
   });
 }
 
@@ -48,11 +48,11 @@ TEST(Slow_RealClips, Giant) { check_all(make_person(2.4)); }
 TEST(Slow_RealClips, SimpleHumanoid) {
   check_all(load_robot("mechanism/open_chain/urdf/simple_humanoid_description/urdf/simple_humanoid.urdf"));
 }
-/// Ankles that cannot turn as wanted, soles of balls: what stands must not slide there either.
+/// This model's ankles cannot reach the planned orientation and its soles consist of balls; standing feet must not slide nevertheless.
 TEST(Slow_RealClips, MujocoHumanoidDoesNotSlide) {
-  const MechanismPtr figure = load_robot("mechanism/open_chain/mujoco/model__humanoid__humanoid.xml");
-  check_clips(figure, [&](const std::string& path, const retarget::Retargeted& out) {
-    EXPECT_NEAR(worst_skate(*figure, out.motion), out.report.skate_after, 1e-6) << path;
+  const MechanismPtr character = load_robot("mechanism/open_chain/mujoco/model__humanoid__humanoid.xml");
+  check_clips(character, [&](const std::string& path, const retarget::Retargeted& out) {
+    EXPECT_NEAR(worst_skate(*character, out.motion), out.report.skate_after, 1e-6) << path;
   });
 }
 TEST(Slow_RealClips, Dog) { check_all(samples::make_dog()); }

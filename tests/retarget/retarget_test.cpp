@@ -1,4 +1,4 @@
-// Retargeting of the project's own figures: what must come out exactly, what must never happen, what files may say.
+// Retargeting of the sample characters: exact results, joint limits, sliding feet, holds, mapping files, errors.
 
 #include "ugoki/retarget/retarget.h"
 
@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "figures.h"
+#include "characters.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion_edit/foot_contacts.h"
 #include "ugoki/retarget/chain_solver.h"
@@ -20,7 +20,7 @@ using retarget::RetargetOptions;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// The mechanism with all lengths times `s`.
+/// The mechanism with all lengths multiplied by `s` at constant density.
 MechanismPtr scaled(const Mechanism& m, double s) {
   MechanismSpec spec = m.spec();
   for (LinkSpec& l : spec.links) {
@@ -36,7 +36,7 @@ MechanismPtr scaled(const Mechanism& m, double s) {
   return *Mechanism::make(std::move(spec));
 }
 
-/// Greatest distance [m] of a link from where it is expected, over all frames.
+/// Maximum distance [m], over all frames, of a link of `b` from the position of the link of `a` times `scale`.
 double worst_distance(const Mechanism& a, const Motion& x, const Mechanism& b, const Motion& y, double scale) {
   double worst = 0;
   std::vector<Pose> X(at(a.link_count())), Y(at(b.link_count()));
@@ -48,7 +48,7 @@ double worst_distance(const Mechanism& a, const Motion& x, const Mechanism& b, c
   return worst;
 }
 
-TEST(Retarget, ToItselfIsTheSameMotion) {
+TEST(Retarget, ToTheSameMechanismReturnsTheSameMotion) {
   RetargetOptions options;
   options.keep_contacts = false;
   for (const Clip& clip : {human_walk(), dog_trot()}) {
@@ -58,7 +58,7 @@ TEST(Retarget, ToItselfIsTheSameMotion) {
   }
 }
 
-TEST(Retarget, ToABodyOfTheSameShapeIsTheMotionScaled) {
+TEST(Retarget, ToAScaledBodyScalesTheMotion) {
   for (const double s : {0.5, 1.7})
     for (const bool contacts : {false, true})
       for (const Clip& clip : {human_walk(), dog_trot()}) {
@@ -68,50 +68,50 @@ TEST(Retarget, ToABodyOfTheSameShapeIsTheMotionScaled) {
         const auto out = retarget::retarget(clip.mechanism, clip.motion, other, options);
         ASSERT_TRUE(out) << out.error().text();
         EXPECT_NEAR(out->report.scale, s, 1e-9);
-        // With contacts what the samples slide (3 and 7 mm) is taken out.
+        // Foot correction removes the sliding of the sample motions (3 and 7 mm), so positions differ slightly.
         EXPECT_LT(worst_distance(*clip.mechanism, clip.motion, *other, out->motion, s), (contacts ? 0.03 : 1e-9) * s) << clip.name << s;
       }
 }
 
-TEST(Retarget, FeetStandAndLimitsHoldOnEveryFigure) {
-  const std::vector<MechanismPtr> figures = {make_person(1.1), make_person(2.4), samples::make_dog(), make_hinged_robot()};
+TEST(Retarget, FeetDoNotSlideAndLimitsAreKeptOnEveryCharacter) {
+  const std::vector<MechanismPtr> characters = {make_person(1.1), make_person(2.4), samples::make_dog(), make_hinged_robot()};
   for (const Clip& clip : {human_walk(), dog_trot()})
-    for (const MechanismPtr& figure : figures) {
-      const auto out = retarget::retarget(clip.mechanism, clip.motion, figure);
-      ASSERT_TRUE(out) << clip.name << " to " << figure->name() << ": " << out.error().text();
-      const std::string what = clip.name + " to " + figure->name();
+    for (const MechanismPtr& character : characters) {
+      const auto out = retarget::retarget(clip.mechanism, clip.motion, character);
+      ASSERT_TRUE(out) << clip.name << " to " << character->name() << ": " << out.error().text();
+      const std::string label = clip.name + " to " + character->name();
       EXPECT_EQ(out->motion.frames, clip.motion.frames);
-      EXPECT_TRUE(check_motion(out->motion, *figure).empty()) << what;
-      EXPECT_LE(worst_excess(*figure, out->motion), 0) << what;
-      EXPECT_LT(worst_skate(*figure, out->motion), 0.01) << what;
-      for (const retarget::Miss& miss : out->report.misses) EXPECT_LT(miss.most, 0.01) << what << ": " << miss.link;
+      EXPECT_TRUE(check_motion(out->motion, *character).empty()) << label;
+      EXPECT_LE(worst_excess(*character, out->motion), 0) << label;
+      EXPECT_LT(worst_skate(*character, out->motion), 0.01) << label;
+      for (const retarget::Miss& miss : out->report.misses) EXPECT_LT(miss.maximum, 0.01) << label << ": " << miss.link;
       double standing = 0, frames = 0;
       for (const ContactTrack& track : out->motion.contacts)
         for (const std::uint8_t on : track.on) {
           standing += on;
           frames += 1;
         }
-      EXPECT_GT(standing, 0.35 * frames) << what << ": feet must still stand";
+      EXPECT_GT(standing, 0.35 * frames) << label << ": feet must still have stances";
     }
 }
 
-TEST(Retarget, StandingFeetAreOnTheGround) {
+TEST(Retarget, LabelledFeetTouchTheGround) {
   const Clip clip = human_walk();
-  for (const MechanismPtr& figure : {make_person(1.1), samples::make_dog(), make_hinged_robot()}) {
-    const auto out = retarget::retarget(clip.mechanism, clip.motion, figure);
+  for (const MechanismPtr& character : {make_person(1.1), samples::make_dog(), make_hinged_robot()}) {
+    const auto out = retarget::retarget(clip.mechanism, clip.motion, character);
     ASSERT_TRUE(out);
-    std::vector<Pose> X(at(figure->link_count()));
+    std::vector<Pose> X(at(character->link_count()));
     for (int f = 0; f < out->motion.frames; ++f) {
-      calc_poses(*figure, {out->motion.frame(f), at(out->motion.nq)}, X);
+      calc_poses(*character, {out->motion.frame(f), at(out->motion.nq)}, X);
       for (const ContactTrack& track : out->motion.contacts) {
         double low = 1e300;
-        const int foot = figure->find_link(track.link);
-        for (int i = foot; i < figure->link_count(); ++i)
-          if (i == foot || figure->link(i).parent == foot)
-            for (const SupportPoint& p : support_points(figure->link(i))) low = std::min(low, (X[at(i)] * p.p).z - p.radius);
-        EXPECT_GT(low, -0.005) << figure->name() << " frame " << f;
+        const int foot = character->find_link(track.link);
+        for (int i = foot; i < character->link_count(); ++i)
+          if (i == foot || character->link(i).parent == foot)
+            for (const SupportPoint& p : support_points(character->link(i))) low = std::min(low, (X[at(i)] * p.p).z - p.radius);
+        EXPECT_GT(low, -0.005) << character->name() << " frame " << f;
         if (track.on[at(f)]) {
-          EXPECT_LT(low, 0.03) << figure->name() << " frame " << f;
+          EXPECT_LT(low, 0.03) << character->name() << " frame " << f;
         }
       }
     }
@@ -123,18 +123,18 @@ TEST(Retarget, KneesAndElbowsBendTheRightWay) {
   const MechanismPtr robot = make_hinged_robot();
   const auto out = retarget::retarget(clip.mechanism, clip.motion, robot);
   ASSERT_TRUE(out);
-  double most_knee = 0, most_elbow = 0;
+  double max_knee = 0, max_elbow = 0;
   const int knee = robot->link(robot->find_link("left_knee")).q_index, elbow = robot->link(robot->find_link("left_elbow")).q_index;
   for (int f = 0; f < out->motion.frames; ++f) {
-    most_knee = std::max(most_knee, out->motion.frame(f)[knee]);
-    most_elbow = std::min(most_elbow, out->motion.frame(f)[elbow]);
+    max_knee = std::max(max_knee, out->motion.frame(f)[knee]);
+    max_elbow = std::min(max_elbow, out->motion.frame(f)[elbow]);
   }
   // The walk flexes the knee by 58 and the elbow by 34 degrees (docs/design/samples.md).
-  EXPECT_NEAR(most_knee, 58 * pi / 180, 0.15);
-  EXPECT_NEAR(most_elbow, -34 * pi / 180, 0.15);
+  EXPECT_NEAR(max_knee, 58 * pi / 180, 0.15);
+  EXPECT_NEAR(max_elbow, -34 * pi / 180, 0.15);
 }
 
-TEST(Retarget, IsTheSameOnEveryRun) {
+TEST(Retarget, IsDeterministic) {
   const Clip clip = human_walk();
   const MechanismPtr dog = samples::make_dog();
   const auto a = retarget::retarget(clip.mechanism, clip.motion, dog), b = retarget::retarget(clip.mechanism, clip.motion, dog);
@@ -142,7 +142,7 @@ TEST(Retarget, IsTheSameOnEveryRun) {
   EXPECT_EQ(a->motion.q, b->motion.q);
 }
 
-TEST(Retarget, EndsWithAnErrorWhenItIsCancelled) {
+TEST(Retarget, CancelledRunReturnsAnError) {
   const Clip clip = human_walk();
   bool cancelled = true;
   for (const bool balance : {false, true}) {
@@ -159,7 +159,7 @@ TEST(Retarget, EndsWithAnErrorWhenItIsCancelled) {
   EXPECT_TRUE(retarget::retarget(clip.mechanism, clip.motion, samples::make_dog(), options));
 }
 
-TEST(Retarget, ForeLegsFollowByThePhase) {
+TEST(Retarget, GaitPhaseDelaysTheForeLegs) {
   const Clip clip = human_walk();
   const MechanismPtr dog = samples::make_dog();
   RetargetOptions walk;
@@ -185,16 +185,16 @@ TEST(Retarget, ForeLegsFollowByThePhase) {
   EXPECT_GT(changed, 0.1 * static_cast<double>(hind.size()));
 }
 
-TEST(Retarget, TooFastJointsAreToldOrSlowed) {
+TEST(Retarget, SpeedLimitIsReportedOrSlowsTheMotion) {
   Clip clip = human_walk();
   clip.motion.cyclic = false;
   const MechanismPtr robot = make_hinged_robot();
   RetargetOptions options;
   options.mapping.speed = 2;
-  const auto told = retarget::retarget(clip.mechanism, clip.motion, robot, options);
-  ASSERT_TRUE(told);
-  EXPECT_GT(told->report.greatest_speed, 1);
-  EXPECT_EQ(told->motion.rate, clip.motion.rate);
+  const auto reported = retarget::retarget(clip.mechanism, clip.motion, robot, options);
+  ASSERT_TRUE(reported);
+  EXPECT_GT(reported->report.max_speed, 1);
+  EXPECT_EQ(reported->motion.rate, clip.motion.rate);
   options.slow_down = true;
   const auto slow = retarget::retarget(clip.mechanism, clip.motion, robot, options);
   ASSERT_TRUE(slow);
@@ -206,7 +206,7 @@ TEST(Retarget, TooFastJointsAreToldOrSlowed) {
   EXPECT_GT(fastest, 1.99);
 }
 
-TEST(Retarget, HoldsAreFoundAndKept) {
+TEST(Retarget, RestingHandIsFoundAsAHold) {
   // Hips travel 0.4 m in 2 s; the left hand rests for the middle second.
   std::array<std::vector<Vec3>, 2> hands;
   std::vector<Vec3> hips;
@@ -222,13 +222,13 @@ TEST(Retarget, HoldsAreFoundAndKept) {
   EXPECT_EQ(holds[0].hand, 0);
   EXPECT_NEAR(holds[0].first, 60, 3);
   EXPECT_NEAR(holds[0].last, 180, 3);
-  EXPECT_NEAR(holds[0].place.x, 0.15, 0.005);
+  EXPECT_NEAR(holds[0].point.x, 0.15, 0.005);
   EXPECT_EQ(retarget::weight_of(holds[0], 120, 120), 1);
   EXPECT_EQ(retarget::weight_of(holds[0], 239, 120), 0);
 }
 
-TEST(Retarget, HandsReachWhatTheyHeld) {
-  // The human stands up and down by 12 cm while both wrists stay where they are.
+TEST(Retarget, HoldingHandStaysAtItsPoint) {
+  // The person bends and stretches the knees by 12 cm while both wrists stay at fixed points.
   Clip clip = human_walk();
   const MechanismPtr person = make_person(1.75), child = make_person(1.1);
   Motion motion;
@@ -271,18 +271,18 @@ TEST(Retarget, HandsReachWhatTheyHeld) {
   ASSERT_FALSE(out->report.holds.empty());
   std::vector<Pose> Y(at(child->link_count()));
   const int hand = child->find_link("LeftHand");
-  double way = 0;
+  double path = 0;
   Vec3 before;
-  for (int f = 60; f < 180; ++f) {  // the fast middle, where the hips move
+  for (int f = 60; f < 180; ++f) {  // the middle of the motion, where the hips are fast
     calc_poses(*child, {out->motion.frame(f), at(out->motion.nq)}, Y);
-    if (f > 60) way += norm(Y[at(hand)].p - before);
+    if (f > 60) path += norm(Y[at(hand)].p - before);
     before = Y[at(hand)].p;
   }
-  EXPECT_LT(way, 0.002);
+  EXPECT_LT(path, 0.002);
   EXPECT_NEAR(before.x, 0.35 * out->report.scale, 0.002);
 }
 
-TEST(ChainSolver, ReachesWhatItsJointsReachedBefore) {
+TEST(ChainSolver, ReachesReachablePosesWithinLimits) {
   const MechanismPtr robot = make_hinged_robot();
   retarget::ChainSolver solver(*robot);
   std::vector<int> chain;
@@ -298,7 +298,7 @@ TEST(ChainSolver, ReachesWhatItsJointsReachedBefore) {
     std::vector<double> q = robot->neutral(), start = q;
     for (const int i : chain) {
       const Link& l = robot->link(i);
-      const double low = l.joint.freedoms[0].lower, high = l.joint.freedoms[0].upper;
+      const double low = l.joint.dofs[0].lower, high = l.joint.dofs[0].upper;
       q[at(l.q_index)] = low + (high - low) * random();
       start[at(l.q_index)] = q[at(l.q_index)] + 0.3 * (random() - 0.5);
       start[at(l.q_index)] = std::min(std::max(start[at(l.q_index)], low), high);
@@ -314,8 +314,8 @@ TEST(ChainSolver, ReachesWhatItsJointsReachedBefore) {
     reached += miss < 1e-6 ? 1 : 0;
     for (const int i : chain) {
       const Link& l = robot->link(i);
-      EXPECT_GE(start[at(l.q_index)], l.joint.freedoms[0].lower);
-      EXPECT_LE(start[at(l.q_index)], l.joint.freedoms[0].upper);
+      EXPECT_GE(start[at(l.q_index)], l.joint.dofs[0].lower);
+      EXPECT_LE(start[at(l.q_index)], l.joint.dofs[0].upper);
     }
     calc_poses(*robot, start, X);
     EXPECT_NEAR(norm(X[at(chain.back())].p - goal.target), miss, 1e-12);
@@ -323,30 +323,30 @@ TEST(ChainSolver, ReachesWhatItsJointsReachedBefore) {
   EXPECT_GE(reached, 190);
 }
 
-TEST(Figure, IsFoundOnRobotsAnimalsAndPeople) {
-  const auto robot = retarget::find_figure(*make_hinged_robot());
+TEST(Anatomy, IsFoundOnARobotAndAnAnimal) {
+  const auto robot = retarget::find_anatomy(*make_hinged_robot());
   ASSERT_TRUE(robot);
   EXPECT_FALSE(robot->four_legs);
   EXPECT_EQ(robot->limb(retarget::LimbName::left_leg).links.size(), 6U);
   EXPECT_TRUE(robot->limb(retarget::LimbName::right_arm).found());
   const MechanismPtr dog = samples::make_dog();
-  const auto animal = retarget::find_figure(*dog);
+  const auto animal = retarget::find_anatomy(*dog);
   ASSERT_TRUE(animal);
   EXPECT_TRUE(animal->four_legs);
   EXPECT_EQ(dog->link(animal->pelvis).name, "Pelvis");
   EXPECT_EQ(dog->link(animal->chest()).name, "Chest");
   EXPECT_EQ(dog->link(animal->head()).name, "Head");
   EXPECT_EQ(animal->tail.size(), 4U);
-  // The same without any labels and names that tell left from right.
+  // Without labels the shape of the tree and the link names give the same anatomy.
   MechanismSpec spec = dog->spec();
   for (LinkSpec& l : spec.links) l.label.clear();
-  const auto unlabelled = retarget::find_figure(**Mechanism::make(std::move(spec)));
+  const auto unlabelled = retarget::find_anatomy(**Mechanism::make(std::move(spec)));
   ASSERT_TRUE(unlabelled);
   EXPECT_TRUE(unlabelled->four_legs);
   for (int k = 0; k < retarget::limb_count; ++k) EXPECT_EQ(unlabelled->limbs[at(k)].begin, animal->limbs[at(k)].begin) << k;
 }
 
-TEST(Mapping, IsReadAndObeyed) {
+TEST(Mapping, IsReadAndApplied) {
   const MechanismPtr robot = make_hinged_robot();
   const auto mapping = retarget::read_mapping(
       R"({"target": {"legs": 2, "left leg": {"upper": "left_hip_yaw", "lower": "left_knee", "end": "left_ankle_pitch"},
@@ -362,11 +362,11 @@ TEST(Mapping, IsReadAndObeyed) {
   const Clip clip = human_walk();
   const auto out = retarget::retarget(clip.mechanism, clip.motion, robot, options);
   ASSERT_TRUE(out) << out.error().text();
-  EXPECT_GT(out->report.greatest_speed, 1);
+  EXPECT_GT(out->report.max_speed, 1);
 }
 
-TEST(Mapping, ProblemsNameThePlace) {
-  for (const auto& [text, place] : std::vector<std::pair<std::string, std::string>>{
+TEST(Mapping, ProblemsNameTheirLocation) {
+  for (const auto& [text, location] : std::vector<std::pair<std::string, std::string>>{
            {R"([1])", "m.json"},
            {R"({"sauce": {}})", "m.json/sauce"},
            {R"({"target": {"left leg": {"upper": "a"}}})", "m.json/target/left leg"},
@@ -376,12 +376,12 @@ TEST(Mapping, ProblemsNameThePlace) {
            {R"({"source": {"tail": [1]}})", "m.json/source/tail"}}) {
     const auto mapping = retarget::read_mapping(text, "m.json");
     ASSERT_FALSE(mapping) << text;
-    EXPECT_EQ(mapping.error().problems[0].place, place);
+    EXPECT_EQ(mapping.error().problems[0].location, location);
   }
   EXPECT_FALSE(retarget::read_mapping("{", "m.json"));
 }
 
-TEST(Retarget, WhatCannotBeIsRefusedWithAReason) {
+TEST(Retarget, InvalidInputIsRejectedWithAReason) {
   const Clip clip = human_walk();
   MechanismSpec spec;
   spec.name = "pole";

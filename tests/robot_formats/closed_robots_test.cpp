@@ -1,4 +1,4 @@
-// The shared closed robots in motion: loops recognised, freedoms, gaps while they fall and swing, both methods side by side.
+// Motion of the shared robots with closed loops: DOFs, loop gaps while they fall and swing, agreement of two dynamics methods.
 
 #include <gtest/gtest.h>
 
@@ -24,10 +24,11 @@ std::vector<std::string> closed_files() {
   return out;
 }
 
+/// Results of one simulation.
 struct Outcome {
-  double gap = 0;           ///< m | rad, greatest
-  double disagreement = 0;  ///< of the two methods' accelerations, relative
-  double greatest = 0;      ///< acceleration
+  double gap = 0;           ///< m | rad, maximum
+  double disagreement = 0;  ///< relative difference of the accelerations of the two methods
+  double maximum = 0;       ///< largest acceleration, m/s^2 | rad/s^2
   int comparisons = 0;
 };
 
@@ -40,7 +41,7 @@ double relative_difference(std::span<const double> a, std::span<const double> b)
   return difference / size;
 }
 
-/// Greatest gap of the rows that take part.
+/// Maximum gap of the independent rows, m | rad.
 double gap_of(const dynamics::ClosedSystem& system, const Mechanism& m, const dynamics::Workspace& ws, std::span<const double> q,
               std::span<const double> v) {
   dynamics::LoopRows rows(m.loops());
@@ -51,7 +52,7 @@ double gap_of(const dynamics::ClosedSystem& system, const Mechanism& m, const dy
   return gap;
 }
 
-/// The rows that the paper's way has chosen.
+/// The rows that the paper's method has chosen as independent.
 std::vector<char> independent_rows(const dynamics::ClosedWorkspace& cw) {
   std::vector<char> rows(static_cast<std::size_t>(cw.rows.count()));
   for (int k = 0; k < cw.rank; ++k)
@@ -59,7 +60,7 @@ std::vector<char> independent_rows(const dynamics::ClosedWorkspace& cw) {
   return rows;
 }
 
-/// Falls for `seconds` in steps of 1 ms; compares the methods every `every` steps.
+/// Simulates the fall for `seconds` in steps of 1 ms, and compares the two methods every `every` steps.
 Outcome fall(const MechanismPtr& m, double seconds, int every) {
   Outcome out;
   dynamics::OpenSystemOptions options;
@@ -98,7 +99,7 @@ Outcome fall(const MechanismPtr& m, double seconds, int every) {
     out.gap = std::max(out.gap, gap_of(system, *m, ws, q, v));
     if (i % every != 0) continue;
     update_closed(*m, q, v, cw);
-    // With the same rows: where the frames of a file do not quite agree, redundant rows are not quite redundant.
+    // Both methods use the same rows: if the frames of a file do not match exactly, redundant rows are only nearly redundant.
     const std::vector<char> chosen = independent_rows(cw);
     if (chosen != rows_of_both) {
       rows_of_both = chosen;
@@ -106,10 +107,10 @@ Outcome fall(const MechanismPtr& m, double seconds, int every) {
     }
     EXPECT_EQ(calc_closed_forward_dynamics(*m, same_rows, q, v, system.drive, options.gravity, {}, fast), dynamics::ClosedStatus::ok);
     EXPECT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*m, cw, system.drive, options.gravity, {}, paper));
-    // Positions lose digits with the distance fallen.
+    // The rounding error of positions grows with the distance fallen.
     const double distance = 1 + norm(ws.p0);
     out.disagreement = std::max(out.disagreement, relative_difference(fast, paper) / distance);
-    for (const double a : fast) out.greatest = std::max(out.greatest, std::fabs(a));
+    for (const double a : fast) out.maximum = std::max(out.maximum, std::fabs(a));
     ++out.comparisons;
   }
   return out;
@@ -119,24 +120,24 @@ void fall_all(double seconds, int every) {
   NEEDS_ROBOT_DATA();
   for (const std::string& path : closed_files()) {
     SCOPED_TRACE(short_path(path));
-    for (const Base base : {Base::fixed, Base::floating}) {           // it swings, it tumbles
-      if (base == Base::fixed && !path.ends_with(".urdf")) continue;  // the file says how its base is held
+    for (const Base base : {Base::fixed, Base::floating}) {           // fixed base: swings; floating base: falls
+      if (base == Base::fixed && !path.ends_with(".urdf")) continue;  // SDF and MJCF files specify the base themselves
       RobotOptions options = options_for(path);
       if (path.ends_with(".urdf")) options.base = base;
       const Result<RobotModel> model = read_robot_file(load_robot(path), path, options);
       ASSERT_TRUE(model.has_value()) << model.error().text();
       if (!model->mechanism->has_loops()) continue;
       const Outcome o = fall(model->mechanism, seconds, every);
-      std::cout << short_path(path) << (base == Base::fixed ? ", swinging" : ", falling") << ": gap " << o.gap << ", greatest acceleration "
-                << o.greatest << ", the two methods differ by " << o.disagreement << " in " << o.comparisons << " comparisons\n";
+      std::cout << short_path(path) << (base == Base::fixed ? ", swinging" : ", falling") << ": gap " << o.gap << ", maximum acceleration "
+                << o.maximum << ", the two methods differ by " << o.disagreement << " in " << o.comparisons << " comparisons\n";
       EXPECT_LT(o.gap, 1e-9);
       EXPECT_LT(o.disagreement, 1e-8);
     }
   }
 }
 
-TEST(ClosedRobots, FallWithTheirLoopsClosed) { fall_all(0.3, 20); }
-TEST(Slow_ClosedRobots, FallAndSwingForTenSeconds) { fall_all(10, 1); }
+TEST(ClosedRobots, LoopsStayClosedDuringFall) { fall_all(0.3, 20); }
+TEST(Slow_ClosedRobots, LoopsStayClosedForTenSeconds) { fall_all(10, 1); }
 
 }  // namespace
 }  // namespace ugoki::robot_formats

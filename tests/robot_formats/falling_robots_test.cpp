@@ -1,4 +1,4 @@
-// The shared robots among contacts, with no joint driven: they fall on the ground and lie, or swing where their base is held.
+// The shared robots without actuation: with a floating base they fall onto the ground, with a fixed base they swing.
 
 #include <gtest/gtest.h>
 
@@ -15,10 +15,11 @@
 namespace ugoki::robot_formats {
 namespace {
 
+/// Results of one simulation.
 struct Fall {
   contact::StepStatus status = contact::StepStatus::ok;
-  double rise = 0;  ///< m: greatest rise of the energy, of motion and of weight, as part of the weight
-  double gap = 0;   ///< m | rad: greatest of the loops
+  double rise = 0;  ///< m: maximum increase of the total energy, divided by the weight
+  double gap = 0;   ///< m | rad: maximum gap of the loops
 };
 
 Fall fall(const MechanismPtr& m, double dt, double seconds) {
@@ -59,34 +60,34 @@ Fall fall(const MechanismPtr& m, double dt, double seconds) {
   return out;
 }
 
-void none_comes_apart(double seconds, double most_rise) {
+void check_all_robots(double seconds, double max_rise) {
   constexpr double dt = 0.002;
   int falls = 0;
   for (const char* ending : {".urdf", ".sdf", ".xml"})
     for (const std::string& path : robot_files(ending))
       for (const Base base : {Base::fixed, Base::floating}) {
-        if (base == Base::fixed && !path.ends_with(".urdf")) continue;  // the file says how its base is held
+        if (base == Base::fixed && !path.ends_with(".urdf")) continue;  // SDF and MJCF files specify the base themselves
         RobotOptions options = options_for(path);
         if (path.ends_with(".urdf")) options.base = base;
         const Result<RobotModel> model = read_robot_file(load_robot(path), path, options);
-        if (!model) continue;  // parts of others, and what readers refuse
+        if (!model) continue;  // files that only other files include, and files that readers refuse
         const Fall f = fall(model->mechanism, dt, seconds);
-        const std::string which = path + (base == Base::fixed ? ", held" : "");
+        const std::string which = path + (base == Base::fixed ? ", fixed base" : "");
         EXPECT_EQ(f.status, contact::StepStatus::ok) << which;
-        EXPECT_LT(f.rise, most_rise) << which;
+        EXPECT_LT(f.rise, max_rise) << which;
         EXPECT_LT(f.gap, 0.01) << which;
         ++falls;
       }
   EXPECT_GT(falls, 50);
 }
 
-TEST(FallingRobots, NoneComesApart) {
+TEST(FallingRobots, EnergyAndLoopGapsStayBounded) {
   NEEDS_ROBOT_DATA();
-  none_comes_apart(0.6, 0.15);
+  check_all_robots(0.6, 0.15);
 }
-TEST(Slow_FallingRobots, NoneComesApartInThreeSeconds) {
+TEST(Slow_FallingRobots, EnergyAndLoopGapsStayBoundedForThreeSeconds) {
   NEEDS_ROBOT_DATA();
-  none_comes_apart(3, 0.3);
+  check_all_robots(3, 0.3);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// MJCF models as mechanisms against MuJoCo's own reading of them, in random states: poses, inertia matrix, inverse and
-// forward dynamics, loops. Equality up to rounding is possible because both take the same inertias from the same text.
+// Compares our MJCF reader with MuJoCo's, in random states: poses, inertia matrix, inverse and forward dynamics, loops. The results can
+// agree up to rounding, because both readers take the same inertias from the same text.
 
 #include <gtest/gtest.h>
 
@@ -27,26 +27,26 @@ namespace {
 TEST(MjcfPeer, SharedFiles) { GTEST_SKIP() << "MuJoCo (libmujoco-dev) is not installed"; }
 #else
 
-/// Greatest disagreements, relative to the greatest number of their kind.
+/// Maximum differences, relative to the largest value of their kind.
 struct Worst {
   double pose = 0, inertia = 0, moments = 0, M = 0, inverse = 0, forward = 0, methods = 0, gap = 0, jacobian = 0;
 };
 
 struct Tolerances {
   double mass = 1e-12;
-  double inertia = 3e-6;   ///< of each body
-  double moments = 1e-11;  ///< principal moments of each body, place of its centre
+  double inertia = 3e-6;   ///< inertia of each body
+  double moments = 1e-11;  ///< principal moments and centre of mass of each body
   double dynamics = 1e-8;  ///< inertia matrix, inverse dynamics
   double forward = 1e-8;
-  double methods = 1e-9;  ///< our three methods of forward dynamics
+  double methods = 1e-9;  ///< differences between our three methods of forward dynamics
 };
 
-/// The two descriptions of one model, freedom by freedom.
+/// Our and MuJoCo's model of one file, matched DOF by DOF.
 class Pair {
  public:
   Pair(const RobotModel& model, PeerModel& peer) : model_(model), m_(*model.mechanism), peer_(peer), ws_(m_), state_(m_) {}
 
-  /// False where the two have other bodies or joints.
+  /// Matches bodies and joints, and compares their properties. False if the models differ in bodies or joints.
   bool match() {
     const mjModel& p = *peer_.model;
     EXPECT_EQ(m_.nq(), p.nq);
@@ -70,14 +70,14 @@ class Pair {
       const JointType wanted[] = {JointType::floating, JointType::spherical, JointType::prismatic, JointType::revolute};
       EXPECT_EQ(l.joint.type, wanted[p.jnt_type[j]]) << l.name;
       if (p.jnt_type[j] < 2 || l.joint.nv() != 1) continue;
-      const Freedom& f = l.joint.freedoms[0];
+      const Dof& f = l.joint.dofs[0];
       const double ref = p.qpos0[p.jnt_qposadr[j]];
       EXPECT_EQ(std::isfinite(f.lower), p.jnt_limited[j] != 0) << l.name;
       if (p.jnt_limited[j] && std::isfinite(f.lower)) {
         EXPECT_NEAR(f.lower, p.jnt_range[2 * j] - ref, 1e-12);
         EXPECT_NEAR(f.upper, p.jnt_range[2 * j + 1] - ref, 1e-12);
       }
-      // from springdamper they are computed, by the inertia of the freedom, and so are as good as MuJoCo's principal axes
+      // springdamper values depend on the inertia of the DOF, so they are only as accurate as MuJoCo's principal axes
       const double spring_tolerance = std::max(1e-5, 100 * mass_tolerance);
       EXPECT_NEAR(f.stiffness, p.jnt_stiffness[j], spring_tolerance * (1 + f.stiffness)) << l.name;
       EXPECT_NEAR(f.damping, p.dof_damping[p.jnt_dofadr[j]], spring_tolerance * (1 + f.damping)) << l.name;
@@ -96,9 +96,10 @@ class Pair {
 
   void compare_loops(std::mt19937& random, Worst& worst);
 
-  /// The same mechanism with the inertias that MuJoCo made of the file. They differ from ours, and an ill-conditioned inertia
-  /// matrix magnifies that: MuJoCo leaves out Jacobi rotations by less than 1.4e-6 rad (their cosine is 1 to 1e-12), and any
-  /// where the product of inertia is below 1e-12 kg m^2. Principal moments hardly notice. The differences go into `worst`.
+  /// The same mechanism with the inertias that MuJoCo computed from the file. They differ slightly from ours, and an ill-conditioned
+  /// inertia matrix magnifies the difference: MuJoCo omits Jacobi rotations by less than 1.4e-6 rad (whose cosine is 1 up to 1e-12), and
+  /// all rotations for products of inertia below 1e-12 kg m^2. Principal moments are hardly affected. The differences are stored in
+  /// `worst`.
   MechanismPtr with_their_inertias(Worst& worst) const {
     const mjModel& p = *peer_.model;
     MechanismSpec spec = m_.spec();
@@ -110,10 +111,10 @@ class Pair {
       Inertia& ours = spec.links[link].inertia;
       const Sym3 own = rotated(ours.about_centre(), model_.X_BF[link].R.transposed()), d = own - about_centre;
       const double error = std::max({std::fabs(d.xx), std::fabs(d.yy), std::fabs(d.zz), std::fabs(d.xy), std::fabs(d.xz), std::fabs(d.yz)});
-      // moments about the centre are differences of moments about the link's origin
+      // moments about the centre are differences of moments about the link's origin, so rounding is relative to the latter
       const double scale = std::max({I[0], I[1], I[2], ours.I.xx, ours.I.yy, ours.I.zz, 1e-30});
       worst.inertia = std::max(worst.inertia, std::max(0.0, error - 4e-12) / scale);
-      for (const double moment : {I[0], I[1], I[2]}) {  // a root of det(own - moment 1)
+      for (const double moment : {I[0], I[1], I[2]}) {  // an eigenvalue: det(own - moment 1) = 0
         const Mat3 rest = own.matrix() - Mat3::diagonal(moment, moment, moment);
         worst.moments = std::max(worst.moments, std::fabs(rest.determinant()) / (scale * scale * scale));
       }
@@ -162,7 +163,8 @@ class Pair {
     dynamics::update_kinematics(m_, state_.q, state_.v, ws_);
   }
 
-  /// Velocities or accelerations, and as the map is orthogonal, forces: theirs has position' in world axes, first.
+  /// Converts velocities or accelerations to MuJoCo's convention: for free joints the linear velocity comes first, in world axes. The map
+  /// is orthogonal, so it also converts forces.
   void to_theirs(const std::vector<double>& ours, mjtNum* theirs) const {
     for (int j = 0; j < peer_.model->njnt; ++j) {
       const Link& l = m_.link(joint_links_[static_cast<std::size_t>(j)]);
@@ -177,8 +179,8 @@ class Pair {
     }
   }
 
-  static void grow(double& worst, const std::vector<double>& a, const mjtNum* b, double least_scale = 1e-12) {
-    double scale = least_scale, error = 0;
+  static void grow(double& worst, const std::vector<double>& a, const mjtNum* b, double min_scale = 1e-12) {
+    double scale = min_scale, error = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
       scale = std::max(scale, std::fabs(b[i]));
       error = std::max(error, std::fabs(a[i] - b[i]));
@@ -215,7 +217,7 @@ class Pair {
     to_theirs(tau, theirs.data());
     grow(worst.inverse, theirs, d.qfrc_inverse);
 
-    // inertia matrix, column by column in their order
+    // inertia matrix, converted to MuJoCo's convention column by column, then row by row
     std::vector<double> M(n * n), column(n), M_theirs(n * n), full(n * n);
     dynamics::calc_inertia_matrix(m_, ws_, M);
     mj_fullM(&p, full.data(), d.qM);
@@ -231,7 +233,7 @@ class Pair {
     }
     grow(worst.M, M_theirs, full.data());
 
-    // forward dynamics: with the forces of the inverse, so that accelerations stay of order one whatever the masses
+    // forward dynamics with the forces of the inverse dynamics, so that accelerations are of order one for any masses
     to_theirs(tau, d.qfrc_applied);
     mj_forward(&p, &d);
     std::vector<double> by_factor(n), by_units(n);
@@ -240,7 +242,7 @@ class Pair {
     to_theirs(vdot, theirs.data());
     grow(worst.forward, theirs, d.qacc);
     grow(worst.methods, by_factor, vdot.data());
-    if (n <= 200) {  // O(nv^3), and it allocates
+    if (n <= 200) {  // this method is O(nv^3) and allocates memory
       ASSERT_TRUE(dynamics::calc_forward_dynamics_by_unit_vectors(m_, ws_, tau, gravity_, {}, by_units));
       grow(worst.methods, by_units, vdot.data());
     }
@@ -252,11 +254,11 @@ class Pair {
   dynamics::Workspace ws_;
   State state_;
   Vec3 gravity_;
-  std::vector<int> joint_links_;  ///< their joint -> our link
-  std::vector<int> body_link_;    ///< their body - 1 -> our link
+  std::vector<int> joint_links_;  ///< MuJoCo's joint -> our link
+  std::vector<int> body_link_;    ///< MuJoCo's body - 1 -> our link
 };
 
-/// Rows of balls, of the positions of welds, and of gears.
+/// Compares the constraint rows of balls, of the translations of welds, and of gears.
 void Pair::compare_loops(std::mt19937& random, Worst& worst) {
   set_state(random);
   const mjModel& p = *peer_.model;
@@ -274,19 +276,19 @@ void Pair::compare_loops(std::mt19937& random, Worst& worst) {
     if (!p.eq_active[e]) continue;
     ASSERT_LT(static_cast<std::size_t>(i), m_.loops().size());
     const Loop& loop = m_.loops()[static_cast<std::size_t>(i)];
-    // Between bodies that cannot move against each other MuJoCo has rows or not, as rounding falls: no more to compare.
-    const auto last_freedom = [&](int link) { return link < 0 ? -1 : ws_.link_chain[static_cast<std::size_t>(link)]; };
-    if (loop.type != LoopType::gear && last_freedom(loop.link_a) == last_freedom(loop.link_b)) return;
+    // For bodies that cannot move relative to each other, rounding decides whether MuJoCo has constraint rows: stop comparing.
+    const auto last_dof = [&](int link) { return link < 0 ? -1 : ws_.link_chain[static_cast<std::size_t>(link)]; };
+    if (loop.type != LoopType::gear && last_dof(loop.link_a) == last_dof(loop.link_b)) return;
     ASSERT_LE(row + of_e, d.nefc);
     const auto linked = [&](int link, const Pose& X_LJ) { return link < 0 ? X_LJ : ws_.X_WB[static_cast<std::size_t>(link)] * X_LJ; };
-    if (of_e == 1) {  // gears: as they are
+    if (of_e == 1) {  // gears: same convention
       dynamics::calc_loop_jacobian_row(m_, ws_, loop, rows, i, 0, J);
       to_theirs(J, theirs.data());
       worst.gap =
           std::max(worst.gap, std::fabs(rows.gap[static_cast<std::size_t>(rows.first[static_cast<std::size_t>(i)])] - d.efc_pos[row]));
       grow(worst.jacobian, theirs, d.efc_J + static_cast<std::ptrdiff_t>(row) * p.nv, 1);
     } else {
-      // Ours: the velocity of B's point, seen from A, along the axes of A. Theirs: along the world's, of A's point less B's.
+      // Ours: velocity of B's point relative to A, in the axes of A. MuJoCo's: velocity of A's point minus B's, in world axes.
       const Pose X_WJ = linked(loop.link_a, loop.X_AJ);
       const Vec3 gap = linked(loop.link_b, loop.X_BJ).p - X_WJ.p;
       std::vector<double> ours[3] = {std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
@@ -361,17 +363,17 @@ void check_file(const std::string& name, int states) {
   ASSERT_TRUE(model.has_value()) << model.error().text();
   PeerModel peer = open_with_mujoco(data_folder() + name, {.strip_meshes = true, .stand_in = {}});
   Tolerances tolerance;
-  // What MuJoCo leaves out of principal axes is up to 1e-6 of a toe's inertia, and the toes have no other.
+  // MuJoCo omits up to 1e-6 of a toe's inertia when it computes principal axes, and the toes have no other inertia.
   if (name == "animal/rodent.xml") tolerance.forward = 1e-5;
   check(*model, peer, std::filesystem::path(name).filename().string(), states, tolerance);
 }
 
-/// A turned box for a mesh file that is not there, whose coordinates single precision holds exactly. A box, because MuJoCo
-/// 2.2.2 takes the volume of a mesh to be that of its box of inertia; later versions and we integrate it.
+/// A rotated box that replaces a missing mesh file. Its coordinates are exact in single precision. It is a box because MuJoCo 2.2.2 uses
+/// the volume of a mesh's inertia box; later versions and we integrate the volume.
 std::string stand_in(const std::string& path) {
   const std::string file = std::filesystem::path(path).filename().string();
   std::mt19937 random(static_cast<unsigned>(std::hash<std::string>()(file)));
-  const double unit = file.ends_with(".obj") ? 5.0 / 16 : 5.0 / 1024;  // the fly's are scaled by a tenth
+  const double unit = file.ends_with(".obj") ? 5.0 / 16 : 5.0 / 1024;  // the fruit fly's OBJ meshes are scaled by 0.1
   const auto times = [&] { return unit * static_cast<double>(1 + random() % 4); };
   const Vec3 centre{times(), times(), times()}, half{times(), times(), times()};
   std::vector<Vec3> points;
@@ -417,8 +419,8 @@ void check_with_stand_ins(const std::string& name, int states, const Tolerances&
   check(*model, peer, std::filesystem::path(name).filename().string() + " (boxes for meshes)", states, tolerance);
 }
 
-// Files whose masses do not come from meshes that are absent, and which attach no absent model.
-const char* const whole_files[] = {
+// Files whose masses do not come from missing meshes, and that attach no missing model.
+const char* const complete_files[] = {
     "mechanism/closed_loop/mujoco/model__slider_crank__slider_crank.xml",
     "mechanism/closed_loop/mujoco/test__engine__testdata__connect.xml",
     "mechanism/closed_loop/mujoco/test__engine__testdata__core_constraint__jdotv_connect_2d.xml",
@@ -445,37 +447,37 @@ const char* const whole_files[] = {
     "animal/rodent.xml",
 };
 
-// MuJoCo keeps the points of meshes in single precision, after it moved them to their centre.
+// MuJoCo stores mesh points in single precision, after moving them to their centre.
 constexpr Tolerances single_precision = {.mass = 1e-6, .inertia = 1e-5, .moments = 1e-5, .dynamics = 1e-5, .forward = 1e-3};
 
-TEST(MjcfPeer, SharedFilesOfMeshes) {
+TEST(MjcfPeer, SharedFilesWithMeshes) {
   NEEDS_MJCF_DATA();
   for (const char* name : {"animal/dog.xml", "animal/fruitfly.xml"}) check_with_stand_ins(name, 5, single_precision);
 }
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const std::size_t at = text.find(what);
-  EXPECT_NE(at, std::string::npos) << what;
-  return at == std::string::npos ? text : text.replace(at, what.size(), by);
+std::string replaced(std::string text, const std::string& old, const std::string& by) {
+  const std::size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return at == std::string::npos ? text : text.replace(at, old.size(), by);
 }
 
-// The car's chassis is the hull of nine points. Its volume, by facets found by brute force over all triples of points, is
-// 0.4158 l; for the comparison the mass is given, because MuJoCo 2.2.2 takes the volume of its box of inertia.
-TEST(MjcfPeer, HullOfPoints) {
+// The car's chassis is the convex hull of nine points. Its volume, computed from facets found by brute force over all triples of points, is
+// 0.4158 l. For the comparison the mass is given, because MuJoCo 2.2.2 uses the volume of the inertia box.
+TEST(MjcfPeer, HullVolumeOfCarChassis) {
   NEEDS_MJCF_DATA();
   const std::string name = "mechanism/open_chain/mujoco/model__car__car.xml", text = load_data(name);
   const auto model = read_mjcf(text, name, data_options());
   ASSERT_TRUE(model.has_value()) << model.error().text();
   const Mechanism& m = *model->mechanism;
   EXPECT_NEAR(m.link(m.find_link("car")).inertia.mass - 4.0 / 3.0 * pi * 0.015 * 0.015 * 0.015 * 1000, 0.4158, 1e-12);
-  const std::string weighed = replaced(text, "mesh=\"chasis\"/>", "mesh=\"chasis\" mass=\"0.4158\"/>");
-  const auto again = read_mjcf(weighed, name, data_options());
+  const std::string with_mass = replaced(text, "mesh=\"chasis\"/>", "mesh=\"chasis\" mass=\"0.4158\"/>");
+  const auto again = read_mjcf(with_mass, name, data_options());
   ASSERT_TRUE(again.has_value()) << again.error().text();
-  PeerModel peer = open_text_with_mujoco(weighed);
+  PeerModel peer = open_text_with_mujoco(with_mass);
   check(*again, peer, "model__car__car.xml (mass given)", 5, single_precision);
 }
 
-// One hundred free bodies by nested frames and replicates, and a humanoid of another file.
+// One hundred free bodies from nested frames and replicates, and a humanoid attached from another file.
 TEST(MjcfPeer, HumanoidAndAHundredBodies) {
   NEEDS_MJCF_DATA();
   const std::string folder = "mechanism/open_chain/mujoco/", name = folder + "model__humanoid__humanoid100.xml";
@@ -495,7 +497,7 @@ TEST(MjcfPeer, HumanoidAndAHundredBodies) {
   PeerModel peer = open_text_with_mujoco(alone);
   check(*bodies, peer, "model__humanoid__humanoid100.xml (the bodies)", 2);
 
-  // the rest is the humanoid of its own file, with a prefix
+  // the remaining links are those of the humanoid's own file, with a prefix
   const std::string humanoid_name = folder + "model__humanoid__humanoid.xml";
   const auto humanoid = read_mjcf(load_data(humanoid_name), humanoid_name);
   ASSERT_TRUE(humanoid.has_value());
@@ -508,14 +510,14 @@ TEST(MjcfPeer, HumanoidAndAHundredBodies) {
     const int i = both->mechanism->find_link(here);
     ASSERT_GE(i, 0) << here;
     EXPECT_EQ(both->mechanism->link(i).inertia, l.inertia) << here;
-    EXPECT_EQ(both->mechanism->link(i).joint.freedoms, l.joint.freedoms) << here;
+    EXPECT_EQ(both->mechanism->link(i).joint.dofs, l.joint.dofs) << here;
     EXPECT_EQ(both->mechanism->link(i).shapes.size(), l.shapes.size()) << here;
   }
 }
 
 TEST(MjcfPeer, SharedFiles) {
   NEEDS_MJCF_DATA();
-  for (const char* name : whole_files) check_file(name, 3);
+  for (const char* name : complete_files) check_file(name, 3);
 }
 
 void check_random(unsigned first, unsigned last) {
@@ -525,13 +527,13 @@ void check_random(unsigned first, unsigned last) {
     SCOPED_TRACE("seed " + std::to_string(seed) + "\n" + text);
     PeerModel peer = open_text_with_mujoco(text);
     if (!peer.model) {
-      // what MuJoCo refuses and we repair: impossible inertia; what it demands of the geoms: inertia of each body
+      // the only difference accepted: MuJoCo refuses impossible inertia, which we repair
       EXPECT_TRUE(peer.why.find("A + B >= C") != std::string::npos) << peer.why;
       continue;
     }
     const auto model = read_mjcf(text, "random.xml");
     ASSERT_TRUE(model.has_value()) << model.error().text();
-    // one in hundreds has a chain of joints whose axes nearly agree, and an inertia matrix that is nearly singular
+    // a few in a thousand models have a chain of nearly parallel joint axes, and thus a nearly singular inertia matrix
     check(*model, peer, "random " + std::to_string(seed), 3,
           {.mass = 1e-12, .inertia = 3e-6, .moments = 1e-11, .dynamics = 1e-6, .forward = 1e-4, .methods = 1e-6});
     ++compared;
@@ -544,7 +546,7 @@ TEST(SlowMjcfPeer, ManyRandomModels) { check_random(41, 1000); }
 
 TEST(SlowMjcfPeer, SharedFilesInAHundredStates) {
   NEEDS_MJCF_DATA();
-  for (const char* name : whole_files) check_file(name, 100);
+  for (const char* name : complete_files) check_file(name, 100);
 }
 #endif
 

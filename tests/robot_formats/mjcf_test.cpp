@@ -1,4 +1,4 @@
-// The MJCF reader by hand: closed forms, names, defaults, files beside the model, drives, loops, positions, notes.
+// The MJCF reader on small models with known results: inertia, names, defaults, asset files, actuators, loops, keyframes, notes.
 
 #include "ugoki/robot_formats/mjcf.h"
 
@@ -20,7 +20,7 @@ RobotModel read(const std::string& body, const RobotOptions& options = {}) {
   return m ? std::move(*m) : RobotModel{};
 }
 
-/// A body on a hinge about y, with whatever it is to have.
+/// A body on a hinge about y, with the given content.
 std::string swing(const std::string& content, const std::string& name = "arm") {
   return "<body name='" + name + "'><joint name='hinge_" + name + "' axis='0 1 0'/>" + content + "</body>";
 }
@@ -36,12 +36,12 @@ bool has_note(const RobotModel& m, const std::string& part) {
   return std::ranges::any_of(m.notes, [&](const std::string& n) { return n.find(part) != std::string::npos; });
 }
 
-/// Files that stand beside the model.
-RobotOptions beside(const std::map<std::string, std::string>& files) {
+/// Options with a file reader that knows these files.
+RobotOptions with_files(const std::map<std::string, std::string>& files) {
   RobotOptions options;
   options.read_asset = [files](const std::string& path) -> Result<std::string> {
     const auto it = files.find(path);
-    if (it == files.end()) return fail(ErrorCode::io, path, "the file does not exist.", "Put it there.");
+    if (it == files.end()) return fail(ErrorCode::io, path, "the file does not exist.", "Copy it there.");
     return it->second;
   };
   return options;
@@ -86,12 +86,12 @@ TEST(Mjcf, SeveralJointsBecomeAChain) {
   EXPECT_EQ(k.link(1).parent, 0);
   EXPECT_EQ(k.link(0).inertia.mass, 0);
   EXPECT_EQ(k.link(1).joint.type, JointType::prismatic);
-  EXPECT_EQ(k.link(1).joint.freedoms[0].lower, -0.1);
+  EXPECT_EQ(k.link(1).joint.dofs[0].lower, -0.1);
   EXPECT_EQ(k.link(3).joint.type, JointType::fixed);
   ASSERT_EQ(m.joints.size(), 2U);
   EXPECT_EQ(m.joints[0].link, "leg:swing");
   EXPECT_EQ(m.joints[1].link, "leg");
-  // the body's frame at rest, and after quarter turns
+  // the body's frame at q = 0, and after quarter turns
   std::vector<Pose> X(4);
   std::vector<double> q = k.neutral();
   calc_poses(k, q, X);
@@ -99,12 +99,12 @@ TEST(Mjcf, SeveralJointsBecomeAChain) {
   EXPECT_NEAR(norm((X[3] * m.X_BF[3]).p - Vec3{0, 0, 0}), 0, 1e-15);
   q = {pi / 2, 0.2, pi / 2};
   calc_poses(k, q, X);
-  // twisted about (0.1, 0) the origin lies at (0.1, -0.1, 0); slid at (0.3, -0.1, 0); then z goes along x, and x down
+  // the twist about (0.1, 0) moves the origin to (0.1, -0.1, 0), the slide to (0.3, -0.1, 0); the swing turns z to x, and x down
   EXPECT_NEAR(norm((X[2] * m.X_BF[2]).p - Vec3{-0.1, -0.1, 0.8}), 0, 1e-15);
   EXPECT_NEAR(norm((X[2] * m.X_BF[2]) * Vec3{0.3, 0, 0} - Vec3{-0.1, 0.2, 0.8}), 0, 1e-15);
 }
 
-TEST(Mjcf, CoordinatesAreZeroAtThePositionOfTheFile) {
+TEST(Mjcf, CoordinatesAreZeroInThePoseOfTheFile) {
   const RobotModel m =
       read("<compiler angle='degree'/>" +
            world("<body name='base' pos='1 2 3' euler='0 0 90'><freejoint/><geom size='0.1'/><body name='arm'><joint name='j' ref='30' "
@@ -112,11 +112,11 @@ TEST(Mjcf, CoordinatesAreZeroAtThePositionOfTheFile) {
                  "springref='45' stiffness='1'/><geom size='0.1'/><body name='hand'><joint name='b' type='ball' range='0 60'/><geom "
                  "size='0.1'/></body></body></body>") +
            "<keyframe><key name='home' qpos='1 2 4 0.5 0.5 0.5 0.5 60 0 0 0 1'/><key qpos='1 2 3 1 0 0 1 0 1 0 0 0'/></keyframe>");
-  const Freedom& f = link(m, "arm").joint.freedoms[0];
+  const Dof& f = link(m, "arm").joint.dofs[0];
   EXPECT_NEAR(f.lower, -pi / 6, 1e-15);
   EXPECT_NEAR(f.upper, pi / 3, 1e-15);
   EXPECT_NEAR(f.rest, pi / 12, 1e-15);
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(link(m, "hand").joint.freedoms[static_cast<std::size_t>(i)].upper, pi / 3, 1e-15);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(link(m, "hand").joint.dofs[static_cast<std::size_t>(i)].upper, pi / 3, 1e-15);
   EXPECT_EQ(link(m, "base").joint.X_PJ.p, (Vec3{1, 2, 3}));
   ASSERT_EQ(m.positions.size(), 2U);
   EXPECT_EQ(m.positions[0].name, "home");
@@ -129,10 +129,10 @@ TEST(Mjcf, CoordinatesAreZeroAtThePositionOfTheFile) {
   EXPECT_NEAR(q[7], 60 - pi / 6, 1e-14) << "keyframes are in radians, whatever the file's angles are";
   EXPECT_NEAR(q[11], 1, 1e-15);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(m.positions[1].q[i], 0, 1e-14);
-  EXPECT_NEAR(m.positions[1].q[3], 1, 1e-14) << "the base stands as in the file";
+  EXPECT_NEAR(m.positions[1].q[3], 1, 1e-14) << "the base has its pose of the file";
 }
 
-TEST(Mjcf, DefaultsInheritAndClassesReplaceEachOther) {
+TEST(Mjcf, DefaultClassesInheritAndOverride) {
   const RobotModel m = read(
       "<default><joint damping='1' armature='2'/><geom size='0.1 0.2 0.3'/><default class='a'><joint damping='3'/><default "
       "class='b'><joint "
@@ -140,14 +140,14 @@ TEST(Mjcf, DefaultsInheritAndClassesReplaceEachOther) {
       "<default><joint stiffness='6'/></default>" +
       world("<body name='one' childclass='b'><joint/><geom/><body name='two'><joint class='c'/><geom class='main' type='capsule'/></body>"
             "<frame childclass='a'><body name='three'><joint/><geom/></body></frame></body>"));
-  const Freedom one = link(m, "one").joint.freedoms[0], two = link(m, "two").joint.freedoms[0], three = link(m, "three").joint.freedoms[0];
+  const Dof one = link(m, "one").joint.dofs[0], two = link(m, "two").joint.dofs[0], three = link(m, "three").joint.dofs[0];
   EXPECT_EQ(one.damping, 3);
   EXPECT_EQ(one.friction, 4);
   EXPECT_EQ(one.armature, 2);
   EXPECT_EQ(one.stiffness, 6) << "a second <default> adds to the first";
   EXPECT_EQ(two.damping, 1);
   EXPECT_EQ(two.armature, 5);
-  EXPECT_EQ(two.friction, 0) << "class='c' stands for the childclass, not over it";
+  EXPECT_EQ(two.friction, 0) << "class='c' replaces the childclass";
   EXPECT_EQ(three.damping, 3);
   EXPECT_EQ(three.friction, 0);
   EXPECT_EQ(link(m, "one").shapes[0].half_extents, (Vec3{0.5, 0.2, 0.3})) << "a shorter size keeps the rest of the inherited one";
@@ -171,12 +171,12 @@ TEST(Mjcf, Orientations) {
   expect(turned("", "zaxis='2 0 0'"), {0, 0, -1}, {1, 0, 0});
   expect(turned("", "euler='90 90 0'"), {0, 1, 0}, {1, 0, 0} /* x, then the turned y */);
   expect(turned("<compiler eulerseq='XYZ'/>", "euler='90 90 0'"), {0, 0, -1}, {0, -1, 0} /* x, then the old y */);
-  // as in MuJoCo, a class's euler wins over an element's quat
+  // as in MuJoCo, a class's euler overrides an element's quat
   const RobotModel m = read("<default><geom type='box' euler='0 0 90'/></default>" + world(swing("<geom size='1 2 3' quat='1 0 0 0'/>")));
   EXPECT_NEAR(link(m, "arm").inertia.I.xx, 8000 * 6 * (1 + 9) / 3.0, 1e-6);
 }
 
-TEST(Mjcf, FramesAndCopies) {
+TEST(Mjcf, FramesAndReplicates) {
   const RobotModel m = read(
       world("<frame pos='1 0 0' euler='0 0 90'><frame pos='1 0 0'><body name='a' pos='1 0 0'><joint axis='1 0 0'/><geom "
             "size='0.1'/></body></frame></frame>"
@@ -185,12 +185,12 @@ TEST(Mjcf, FramesAndCopies) {
   EXPECT_NEAR(norm(link(m, "a").joint.X_PJ.p - Vec3{1, 2, 0}), 0, 1e-15);
   EXPECT_EQ(m.mechanism->link_count(), 13);
   EXPECT_NEAR(norm(link(m, "r_00").joint.X_PJ.p - Vec3{0, 0, 1}), 0, 1e-15);
-  EXPECT_NEAR(norm(link(m, "r_02").joint.X_PJ.p - Vec3{1, 1, 1}), 0, 1e-15) << "each step along the turned axes";
+  EXPECT_NEAR(norm(link(m, "r_02").joint.X_PJ.p - Vec3{1, 1, 1}), 0, 1e-15) << "each offset is along the rotated axes";
   EXPECT_NEAR(norm(link(m, "r_11").joint.X_PJ.R * Vec3{1, 0, 0} - Vec3{0, -1, 0}), 0, 1e-14);
   EXPECT_EQ(m.joints[0].joint, "f_00");
 }
 
-TEST(Mjcf, CopiesOfCopiesAreNumberedFromTheInside) {
+TEST(Mjcf, NestedReplicatesPutTheInnerSuffixFirst) {
   const RobotModel m =
       read(world("<replicate count='3' offset='10 0 0'><replicate count='2' offset='1 0 0'><body name='n'><freejoint/><geom "
                  "size='0.1'/></body></replicate></replicate>"));
@@ -199,7 +199,7 @@ TEST(Mjcf, CopiesOfCopiesAreNumberedFromTheInside) {
   EXPECT_EQ(link(m, "n01").joint.X_PJ.p.x, 10);
 }
 
-TEST(Mjcf, WhatNamesACopyIsCopied) {
+TEST(Mjcf, ReferencesToReplicatesAreReplicated) {
   const RobotModel m =
       read(world("<site name='ceiling'/><replicate count='3' offset='1 0 0'><body name='b'><joint name='j' axis='0 1 0'/><joint "
                  "name='k' axis='1 0 0'/><geom size='0.1' pos='0 0 1'/><site name='tip'/></body></replicate>") +
@@ -210,18 +210,18 @@ TEST(Mjcf, WhatNamesACopyIsCopied) {
   EXPECT_EQ(m.mechanism->loops()[2].link_b, m.mechanism->find_link("b2"));
   EXPECT_EQ(m.mechanism->loops()[3].type, LoopType::gear);
   EXPECT_EQ(m.driven.size(), 3U);
-  EXPECT_EQ(link(m, "b1:j1").joint.freedoms[0].effort, 2);
+  EXPECT_EQ(link(m, "b1:j1").joint.dofs[0].effort, 2);
 }
 
-TEST(Mjcf, IncludesStandWhereTheyAreNamed) {
+TEST(Mjcf, IncludesAreSplicedInPlace) {
   const std::string text =
       "<mujoco><include file='defaults.xml'/><worldbody><body name='b'><include file='sub/inside.xml'/></body></worldbody></mujoco>";
   const auto m = read_mjcf(text, "robots/m.xml",
-                           beside({{"robots/defaults.xml", "<mujoco><default><joint damping='7'/></default></mujoco>"},
-                                   {"robots/sub/inside.xml", "<anything><joint/><include file='geom.xml'/></anything>"},
-                                   {"robots/geom.xml", "<mujocoinclude><geom size='0.1'/></mujocoinclude>"}}));
+                           with_files({{"robots/defaults.xml", "<mujoco><default><joint damping='7'/></default></mujoco>"},
+                                       {"robots/sub/inside.xml", "<anything><joint/><include file='geom.xml'/></anything>"},
+                                       {"robots/geom.xml", "<mujocoinclude><geom size='0.1'/></mujocoinclude>"}}));
   ASSERT_TRUE(m.has_value()) << m.error().text();
-  EXPECT_EQ(m->mechanism->link(0).joint.freedoms[0].damping, 7);
+  EXPECT_EQ(m->mechanism->link(0).joint.dofs[0].damping, 7);
   EXPECT_GT(m->mechanism->mass(), 0);
   EXPECT_EQ(m->mechanism->name(), "m");
 }
@@ -238,39 +238,40 @@ TEST(Mjcf, AttachedModelsKeepTheirOwnSettings) {
   const RobotModel m = read("<asset><model file='hand.xml'/></asset><default><joint damping='9'/></default>" +
                                 world(swing("<geom size='0.1'/><frame pos='1 0 0'><attach model='hand' body='palm' prefix='left_'/></frame>"
                                             "<attach model='hand' prefix='right_'/>")),
-                            beside({{"hand.xml", hand}}));
+                            with_files({{"hand.xml", hand}}));
   EXPECT_EQ(m.mechanism->link_count(), 6);
-  EXPECT_EQ(link(m, "left_palm").joint.freedoms[0].damping, 2);
-  EXPECT_EQ(link(m, "left_palm").joint.freedoms[0].upper, 1) << "radians there, degrees here";
-  EXPECT_EQ(link(m, "arm").joint.freedoms[0].damping, 9);
+  EXPECT_EQ(link(m, "left_palm").joint.dofs[0].damping, 2);
+  EXPECT_EQ(link(m, "left_palm").joint.dofs[0].upper, 1) << "radians there, degrees here";
+  EXPECT_EQ(link(m, "arm").joint.dofs[0].damping, 9);
   EXPECT_NEAR(norm(link(m, "left_palm").joint.X_PJ.p - Vec3{1, 0, 1}), 0, 1e-15);
-  EXPECT_EQ(link(m, "left_finger").joint.freedoms[0].effort, 3);
-  ASSERT_EQ(m.mechanism->loops().size(), 3U) << "the spare joint did not come with the left hand";
+  EXPECT_EQ(link(m, "left_finger").joint.dofs[0].effort, 3);
+  ASSERT_EQ(m.mechanism->loops().size(), 3U) << "the spare joint is not part of the left hand";
   EXPECT_EQ(m.mechanism->loops()[0].name, "left_grip");
   EXPECT_TRUE(has_note(m, "of an attached model is left out"));
 }
 
-TEST(Mjcf, EffortsOfDrives) {
+TEST(Mjcf, EffortLimitsOfActuators) {
   const auto effort = [](const std::string& actuators, const std::string& joint = "", const std::string& defaults = "") {
     const RobotModel m = read(defaults + world("<body name='b'><joint name='j' " + joint + "/><geom size='0.1'/></body>") + "<actuator>" +
                               actuators + "</actuator>");
-    return link(m, "b").joint.freedoms[0].effort;
+    return link(m, "b").joint.dofs[0].effort;
   };
   const double none = std::numeric_limits<double>::infinity();
   EXPECT_EQ(effort(""), none);
   EXPECT_EQ(effort("<motor joint='j' gear='-5' ctrlrange='-2 1'/>"), 10);
   EXPECT_EQ(effort("<motor joint='j' gear='5'/>"), none);
   EXPECT_EQ(effort("<motor joint='j' gear='5' ctrlrange='-1 1' ctrllimited='false'/>"), none);
-  EXPECT_EQ(effort("<position joint='j' kp='100' ctrlrange='-1 1'/>"), none) << "a position is no force";
+  EXPECT_EQ(effort("<position joint='j' kp='100' ctrlrange='-1 1'/>"), none) << "ctrlrange of a position servo is not a force";
   EXPECT_EQ(effort("<position joint='j' gear='2' ctrlrange='-1 1' forcerange='-7 7'/>"), 14);
   EXPECT_EQ(effort("<general joint='j' gainprm='4' ctrlrange='-1 2'/>"), 8);
   EXPECT_EQ(effort("<general joint='j' gainprm='4' biastype='affine' biasprm='0 -4' ctrlrange='-1 2'/>"), none);
-  EXPECT_EQ(effort("<motor joint='j' ctrlrange='-1 1'/><motor joint='j' gear='2' ctrlrange='-1 1'/>"), 3) << "together";
+  EXPECT_EQ(effort("<motor joint='j' ctrlrange='-1 1'/><motor joint='j' gear='2' ctrlrange='-1 1'/>"), 3)
+      << "limits of several actuators are added";
   EXPECT_EQ(effort("<motor joint='j' ctrlrange='-9 9'/>", "actuatorfrcrange='-5 4'"), 5);
   EXPECT_EQ(effort("<motor joint='j' class='weak'/>", "",
                    "<default><motor gear='3'/><default class='weak'><general ctrlrange='-1 1'/></default></default>"),
             3)
-      << "all kinds of drives share their defaults";
+      << "all kinds of actuators share their defaults";
   EXPECT_EQ(effort("<motor joint='j' ctrlrange='-1 1'/>", "", "<compiler autolimits='false'/>"), none);
 }
 
@@ -293,17 +294,17 @@ TEST(Mjcf, Loops) {
   ASSERT_EQ(loops.size(), 5U);
   EXPECT_EQ(loops[0].type, LoopType::ball);
   EXPECT_EQ(loops[0].X_AJ.p, (Vec3{0, 0, 1}));
-  EXPECT_NEAR(norm(loops[0].X_BJ.p - Vec3{1, 0, -1}), 0, 1e-15) << "where the anchor lies in b in the position of the file";
+  EXPECT_NEAR(norm(loops[0].X_BJ.p - Vec3{1, 0, -1}), 0, 1e-15) << "the anchor in b, in the pose of the file";
   EXPECT_TRUE(loops[0].closed);
-  EXPECT_FALSE(loops[1].closed) << "by default";
+  EXPECT_FALSE(loops[1].closed) << "inactive by default";
   EXPECT_EQ(loops[1].link_b, -1);
   EXPECT_EQ(loops[1].name, "connect_2");
-  EXPECT_EQ(loops[2].type, LoopType::ball) << "without torques";
+  EXPECT_EQ(loops[2].type, LoopType::ball) << "a weld without torques";
   EXPECT_EQ(loops[3].type, LoopType::gear);
   EXPECT_EQ(loops[3].polynomial, (std::array<double, 5>{1, 2, 3, 0, 0}));
   EXPECT_EQ(loops[4].polynomial, (std::array<double, 5>{2, 3, 0, 0, 0})) << "2 (ja - ja0) - 6 jb = 4";
-  EXPECT_EQ(link(m, "c").joint.freedoms[0].lower, 0.25);
-  EXPECT_EQ(link(m, "c").joint.freedoms[0].upper, 0.25);
+  EXPECT_EQ(link(m, "c").joint.dofs[0].lower, 0.25);
+  EXPECT_EQ(link(m, "c").joint.dofs[0].upper, 0.25);
   EXPECT_TRUE(has_note(m, "An equality of tendons is left out"));
 }
 
@@ -320,31 +321,31 @@ TEST(Mjcf, ShapesAndTheWorld) {
   EXPECT_FALSE(s[0].collides);
   EXPECT_TRUE(s[0].visible);
   EXPECT_TRUE(s[1].collides);
-  EXPECT_TRUE(s[1].visible) << "what collides is seen";
+  EXPECT_TRUE(s[1].visible) << "collision shapes are visible";
   EXPECT_EQ(s[1].friction, 0.25);
   EXPECT_FALSE(s[2].visible);
   EXPECT_FALSE(s[3].visible);
-  EXPECT_TRUE(has_note(m, "A plane is left out"));
+  EXPECT_TRUE(has_note(m, "ground plane z = 0 is left out"));
 }
 
-TEST(Mjcf, BasesByOption) {
+TEST(Mjcf, BaseOption) {
   const std::string text = world("<body name='free'><freejoint/><geom size='0.1'/></body><body name='still'><geom size='0.1'/>" +
-                                 swing("<geom size='0.1' pos='1 0 0'/>") + "</body><body name='thing'><geom size='0.1'/></body>");
+                                 swing("<geom size='0.1' pos='1 0 0'/>") + "</body><body name='box'><geom size='0.1'/></body>");
   RobotOptions options;
   EXPECT_EQ(read(text, options).mechanism->nv(), 7);
   options.base = Base::fixed;
   EXPECT_EQ(read(text, options).mechanism->nv(), 1);
   options.base = Base::floating;
-  EXPECT_EQ(read(text, options).mechanism->nv(), 13) << "what carries nothing that moves stays where it is";
+  EXPECT_EQ(read(text, options).mechanism->nv(), 13) << "a body without movable descendants stays fixed";
 }
 
 TEST(Mjcf, SpringAndDamperFromATimeConstant) {
-  // a point-like mass of 2 kg at 0.5 m, and a rotor: I = 0.4 * 2 * 0.01 + 2 * 0.25 + 0.1
+  // a small sphere of 2 kg at 0.5 m, and armature: I = 0.4 * 2 * 0.01 + 2 * 0.25 + 0.1
   const RobotModel m =
       read(world("<body name='b'><joint axis='0 1 0' armature='0.1' springdamper='0.2 0.5' stiffness='7'/><geom size='0.1' mass='2' pos='0 "
                  "0 0.5'/></body>"));
   const double I = 0.4 * 2 * 0.01 + 2 * 0.25 + 0.1;
-  const Freedom& f = link(m, "b").joint.freedoms[0];
+  const Dof& f = link(m, "b").joint.dofs[0];
   EXPECT_NEAR(f.stiffness, I / (0.04 * 0.25), 1e-12);
   EXPECT_NEAR(f.damping, 2 * I / 0.2, 1e-12);
 }
@@ -371,8 +372,8 @@ TEST(MjcfMesh, InertiaOfACube) {
   }
   const Inertia shell = mesh_inertia(points, cube_faces, MeshInertia::shell);
   EXPECT_NEAR(shell.mass, 6, 1e-14);
-  expect_moments(shell.about_centre(), 5.0 / 3, 5.0 / 3, 5.0 / 3);  // 6 a^2 m/36 (10) of a hollow cube: 5/18 m a^2
-  // one triangle the wrong way round: legacy does not care, exact does
+  expect_moments(shell.about_centre(), 5.0 / 3, 5.0 / 3, 5.0 / 3);  // hollow cube: 5/18 m a^2 with m = 6, a = 1
+  // one triangle with the wrong orientation affects `exact`, but not `legacy`
   std::vector<MeshTriangle> wrong = cube_faces;
   std::swap(wrong[3][0], wrong[3][1]);
   EXPECT_NEAR(mesh_inertia(points, wrong, MeshInertia::legacy).mass, 1, 1e-14);
@@ -381,7 +382,7 @@ TEST(MjcfMesh, InertiaOfACube) {
 
 TEST(MjcfMesh, HullOfPoints) {
   std::vector<Vec3> points = cube(0.5, {});
-  for (int i = 0; i < 200; ++i) {  // inside, on the faces, on the edges, and twice the same
+  for (int i = 0; i < 200; ++i) {  // inside, on the faces, on the edges, and duplicates
     const double t = -0.5 + i / 200.0;
     points.push_back({t * 0.9, t * t - 0.1, 0.3 * t});
     points.push_back({0.5, t, -t});
@@ -392,7 +393,7 @@ TEST(MjcfMesh, HullOfPoints) {
   EXPECT_NEAR(I.mass, 1, 1e-12);
   expect_moments(I.about_centre(), 1.0 / 6, 1.0 / 6, 1.0 / 6);
   EXPECT_TRUE(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.5, 0}}).empty()) << "flat";
-  // a ball's hull of 1000 points: its volume from below
+  // the hull of 1000 points on a sphere: its volume is slightly less than the sphere's
   points.clear();
   for (int i = 0; i < 1000; ++i) {
     const double z = -1 + 2 * (i + 0.5) / 1000, turn = 2.399963229728653 * i, r = std::sqrt(1 - z * z);
@@ -407,14 +408,14 @@ const std::string brick =  // 2 x 4 x 6 about (1, 0, 0)
     "v 0 -2 -3\nv 2 -2 -3\nv 0 2 -3\nv 2 2 -3\nv 0 -2 3\nv 2 -2 3\nv 0 2 3\nv 2 2 3\n"
     "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
-TEST(MjcfMesh, OfFilesAndOfTheModel) {
+TEST(MjcfMesh, MeshesFromFilesAndInline) {
   const RobotModel m = read(
       "<compiler meshdir='parts'/><asset><mesh file='brick.obj' scale='0.1 0.1 -0.1'/><mesh name='moved' file='brick.obj' refpos='1 0 0' "
       "refquat='1 0 0 1'/><mesh name='hull' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset>" +
           world(swing("<geom type='mesh' mesh='brick' pos='0 0 1' mass='3'/>", "a") + swing("<geom type='mesh' mesh='moved'/>", "b") +
                 swing("<geom type='mesh' mesh='hull' density='6'/>", "c") + swing("<geom type='box' mesh='brick' density='1000'/>", "d") +
                 swing("<geom type='mesh' mesh='brick' mass='1' contype='0' conaffinity='0'/>", "e")),
-      beside({{"parts/brick.obj", brick}}));
+      with_files({{"parts/brick.obj", brick}}));
   const Inertia a = link(m, "a").inertia;
   EXPECT_EQ(a.mass, 3);
   EXPECT_NEAR(norm(a.centre() - Vec3{0.1, 0, 1}), 0, 1e-15);
@@ -422,7 +423,7 @@ TEST(MjcfMesh, OfFilesAndOfTheModel) {
   const Inertia b = link(m, "b").inertia;
   EXPECT_NEAR(b.mass, 48000, 1e-8);
   EXPECT_NEAR(norm(b.centre()), 0, 1e-12);
-  EXPECT_NEAR(b.I.xx, 48000 * (4 + 36) / 12.0, 1e-8) << "turned by a quarter about z";
+  EXPECT_NEAR(b.I.xx, 48000 * (4 + 36) / 12.0, 1e-8) << "a quarter turn about z";
   EXPECT_NEAR(link(m, "c").inertia.mass, 1, 1e-14) << "a sixth of a cubic metre";
   const Inertia d = link(m, "d").inertia;
   EXPECT_NEAR(d.mass, 48, 1e-9) << "the box of the same moments is the brick itself";
@@ -433,7 +434,7 @@ TEST(MjcfMesh, OfFilesAndOfTheModel) {
   ASSERT_EQ(brick_shape.type, ShapeType::mesh);
   EXPECT_EQ(brick_shape.geometry->vertices.size(), 8U);
   EXPECT_NEAR(volume(brick_shape), 8 * 0.1 * 0.2 * 0.3, 1e-15);
-  EXPECT_TRUE(link(m, "e").shapes.empty()) << "what only looks is left out";
+  EXPECT_TRUE(link(m, "e").shapes.empty()) << "shapes for display only are left out";
 }
 
 TEST(MjcfShapes, PlanesAndHeightFields) {
@@ -452,35 +453,35 @@ TEST(MjcfShapes, PlanesAndHeightFields) {
   EXPECT_EQ(f.columns, 3);
   EXPECT_EQ(f.rows, 2);
   EXPECT_EQ(f.base, 1);
-  EXPECT_NEAR(norm(f.point(2, 1) - Vec3{3, 2, 0.5}), 0, 1e-15) << "the first row of the text has the greatest y";
+  EXPECT_NEAR(norm(f.point(2, 1) - Vec3{3, 2, 0.5}), 0, 1e-15) << "the first row of the text has the maximum y";
   EXPECT_NEAR(norm(f.point(1, 1) - Vec3{0, 2, 0.25}), 0, 1e-15);
   EXPECT_NEAR(f.point(2, 0).z, 0.125, 1e-15);
 }
 
-TEST(MjcfMesh, AbsentOnes) {
-  const std::string looks = "<asset><mesh name='m' file='m.stl'/></asset>" +
-                            world(swing("<inertial pos='0 0 1' mass='1' diaginertia='1 1 1'/><geom type='mesh' mesh='m'/>"));
-  const RobotModel m = read(looks);
+TEST(MjcfMesh, MissingMeshFiles) {
+  const std::string not_needed = "<asset><mesh name='m' file='m.stl'/></asset>" +
+                                 world(swing("<inertial pos='0 0 1' mass='1' diaginertia='1 1 1'/><geom type='mesh' mesh='m'/>"));
+  const RobotModel m = read(not_needed);
   EXPECT_EQ(m.mechanism->mass(), 1);
-  EXPECT_TRUE(has_note(m, "mesh file is not there"));
+  EXPECT_TRUE(has_note(m, "mesh file was not found"));
   RobotOptions strict;
   strict.require_meshes = true;
-  EXPECT_FALSE(read_mjcf("<mujoco>" + looks + "</mujoco>", "m.xml", strict).has_value());
+  EXPECT_FALSE(read_mjcf("<mujoco>" + not_needed + "</mujoco>", "m.xml", strict).has_value());
 
-  const std::string weighs =
+  const std::string gives_mass =
       "<mujoco><asset><mesh name='m' file='m.stl'/></asset>" + world(swing("<geom size='0.1'/><geom type='mesh' mesh='m'/>")) + "</mujoco>";
-  const auto refused = read_mjcf(weighs, "m.xml");
+  const auto refused = read_mjcf(gives_mass, "m.xml");
   ASSERT_FALSE(refused.has_value());
   EXPECT_NE(refused.error().text().find("'m.stl'"), std::string::npos) << refused.error().text();
   RobotOptions weightless;
   weightless.meshes = Meshes::none;
-  const auto taken = read_mjcf(weighs, "m.xml", weightless);
-  ASSERT_TRUE(taken.has_value()) << taken.error().text();
-  EXPECT_NEAR(taken->mechanism->mass(), 4.0 / 3.0 * pi, 1e-12);
-  EXPECT_TRUE(has_note(*taken, "their mass is missing"));
+  const auto without_meshes = read_mjcf(gives_mass, "m.xml", weightless);
+  ASSERT_TRUE(without_meshes.has_value()) << without_meshes.error().text();
+  EXPECT_NEAR(without_meshes->mechanism->mass(), 4.0 / 3.0 * pi, 1e-12);
+  EXPECT_TRUE(has_note(*without_meshes, "their mass with them"));
 }
 
-TEST(Mjcf, NotesTellWhatIsLeftOut) {
+TEST(Mjcf, NotesListWhatIsLeftOut) {
   const RobotModel m =
       read("<option gravity='0 0 -981' timestep='0.001' density='2'><flag gravity='disable'/></option><extension/>" +
            world("<body name='b' gravcomp='1'><joint name='j'/><geom type='ellipsoid' size='1 2 "
@@ -488,22 +489,22 @@ TEST(Mjcf, NotesTellWhatIsLeftOut) {
                  "<body mocap='true'><geom size='0.1' contype='3'/></body>") +
            "<tendon><spatial/><fixed/></tendon><contact><exclude/></contact><actuator><muscle tendon='t'/></actuator><deformable/>"
            "<keyframe><key qpos='1 2 3 4'/></keyframe>");
-  for (const char* part : {"Gravity of the model: 0 0 -981", "Time step", "density, viscosity", "switches gravity off", "<extension>",
+  for (const char* part : {"specifies gravity: 0 0 -981", "time step", "density, viscosity", "switches gravity off", "<extension>",
                            "gravcomp", "<flexcomp>", "A plugin", "mocap", "contype", "A spatial tendon", "A fixed tendon", "<exclude>",
-                           "A drive on something else", "<deformable>", "Keyframes are left out"})
+                           "does not act on a joint", "<deformable>", "Keyframes are left out"})
     EXPECT_TRUE(has_note(m, part)) << part;
 }
 
 // ---- real files
 
-TEST(MjcfData, EveryFileOpensOrIsRefusedForATrueReason) {
+TEST(MjcfData, SharedFilesAreReadOrRefusedWithReason) {
   NEEDS_MJCF_DATA();
   const std::map<std::string, std::string> refused = {
-      {"model__humanoid__humanoid100.xml", "humanoid.xml' cannot be read"},  // it attaches a model that was saved under another name
+      {"model__humanoid__humanoid100.xml", "humanoid.xml' cannot be read"},  // the attached model was saved under another name
       {"model__hammock__hammock.xml", "cannot be read"},
       {"dog.xml", "comes from a mesh, but the mesh file"},
       {"fruitfly.xml", "comes from a mesh, but the mesh file"},
-      {"materials.xml", "no body"},  // pieces that other files include
+      {"materials.xml", "no body"},  // fragments that other files include
       {"skybox.xml", "no body"},
       {"visual.xml", "no body"}};
   int opened = 0, not_opened = 0;
@@ -527,7 +528,7 @@ TEST(MjcfData, EveryFileOpensOrIsRefusedForATrueReason) {
   EXPECT_EQ(not_opened, 10);
 }
 
-TEST(MjcfData, TheHammockHasAHumanoidButNoNet) {
+TEST(MjcfData, HammockReadsHumanoidAndLeavesOutNet) {
   NEEDS_MJCF_DATA();
   const std::string folder = "mechanism/open_chain/mujoco/", name = folder + "model__hammock__hammock.xml";
   RobotOptions options;

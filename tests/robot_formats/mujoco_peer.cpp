@@ -47,6 +47,7 @@ std::string text_of(const mjtNum* v, int n) {
   return out.str();
 }
 
+/// Rewrites <frame> and <replicate>, which MuJoCo 2.2.2 does not know, as elements with poses of their own.
 class Lowering {
  public:
   explicit Lowering(pugi::xml_node root) : root_(root) {
@@ -117,7 +118,7 @@ class Lowering {
     for (pugi::xml_node child : node.children()) add_suffix(child, suffix);
   }
 
-  /// Copies of what a frame or replicate holds go before it; inner ones first.
+  /// Inserts copies of the children of a frame or replicate before it. Nested frames and replicates must be expanded first.
   void copy_out(pugi::xml_node holder, const Frame& by, const std::string& suffix) const {
     for (const pugi::xml_node child : holder.children()) {
       if (child.type() != pugi::node_element) continue;
@@ -160,6 +161,7 @@ class Lowering {
   std::string order_ = "xyz";
 };
 
+/// The first element of this kind and name.
 pugi::xml_node with_name(pugi::xml_node node, const char* kind, const std::string& name) {
   return node.find_node([&](pugi::xml_node n) { return std::string(n.name()) == kind && n.attribute("name").value() == name; });
 }
@@ -169,7 +171,7 @@ std::string body_of_site(pugi::xml_node root, const std::string& site) {
   return std::string(parent.name()) == "worldbody" ? "world" : parent.attribute("name").value();
 }
 
-/// An equality by sites: rewritten by bodies, its data set after loading.
+/// An equality between sites, rewritten as one between bodies. Its data are set after loading.
 struct SiteEquality {
   int index;
   bool weld;
@@ -184,14 +186,14 @@ std::vector<SiteEquality> lower_equalities(pugi::xml_node root) {
       if (e.type() != pugi::node_element) continue;
       if (e.attribute("site1")) {
         const SiteEquality s{index, std::string(e.name()) == "weld", e.attribute("site1").value(), e.attribute("site2").value()};
-        for (const char* site : {"site1", "site2"}) {  // bodies need names
+        for (const char* site : {"site1", "site2"}) {  // the rewritten equality refers to bodies by name
           pugi::xml_node parent = with_name(root, "site", e.attribute(site).value()).parent();
           if (std::string(parent.name()) == "body" && !parent.attribute("name"))
             parent.append_attribute("name").set_value(("peer_body_" + std::to_string(++bodies)).c_str());
         }
         e.remove_attribute("site1");
         e.remove_attribute("site2");
-        // the world cannot be body 1: ends are exchanged where the first one is the world
+        // body1 is the body of site1, body2 the body of site2
         e.append_attribute("body1").set_value(body_of_site(root, s.site1).c_str());
         e.append_attribute("body2").set_value(body_of_site(root, s.site2).c_str());
         if (!s.weld) e.append_attribute("anchor").set_value("0 0 0");
@@ -213,7 +215,7 @@ void set_equality_data(mjModel* m, const SiteEquality& e) {
   mju_mulQuat(data + 6, m->site_quat + 4 * s1, back);
 }
 
-void take_out_meshes(pugi::xml_node node) {
+void remove_meshes(pugi::xml_node node) {
   for (pugi::xml_node child = node.first_child(); child;) {
     pugi::xml_node next = child.next_sibling();
     const std::string kind = child.name();
@@ -221,7 +223,7 @@ void take_out_meshes(pugi::xml_node node) {
     if (of_file || (kind == "geom" && child.attribute("mesh") && std::string(node.name()) == "body"))
       node.remove_child(child);
     else
-      take_out_meshes(child);
+      remove_meshes(child);
     child = next;
   }
 }
@@ -252,7 +254,7 @@ std::string between(const std::string& text, const std::string& from, const std:
 PeerModel load(pugi::xml_document& document, const PeerOptions& options) {
   PeerModel out;
   pugi::xml_node root = document.document_element();
-  // What has no part in the motion of rigid bodies, and may name what an older MuJoCo does not know.
+  // Remove elements that do not affect the motion of rigid bodies and may refer to features that an older MuJoCo does not know.
   for (const char* kind :
        {"sensor", "actuator", "visual", "statistic", "size", "keyframe", "contact", "material", "texture", "skin", "hfield", "tendon"})
     remove_kind(root, kind);
@@ -267,7 +269,7 @@ PeerModel load(pugi::xml_document& document, const PeerOptions& options) {
       if (g.attribute("hfield")) w.remove_child(g);
       g = next;
     }
-  if (options.strip_meshes) take_out_meshes(root);
+  if (options.strip_meshes) remove_meshes(root);
   Lowering(root).expand();
   for (pugi::xml_node section : root.children("equality"))
     for (pugi::xml_node e = section.child("tendon"); e; e = section.child("tendon")) section.remove_child(e);

@@ -1,5 +1,5 @@
 #pragma once
-// MJCF files opened by the installed MuJoCo 2.2.2, which knows an older dialect than the files speak.
+// Opens MJCF files with the installed MuJoCo 2.2.2, which does not know all of the MJCF dialect that the files use.
 
 #ifdef UGOKI_HAVE_MUJOCO
 #include <mujoco/mujoco.h>
@@ -11,24 +11,24 @@
 
 namespace ugoki::robot_formats {
 
+/// A model opened by MuJoCo, or the reason why it was refused.
 struct PeerModel {
   std::unique_ptr<mjModel, void (*)(mjModel*)> model{nullptr, mj_deleteModel};
   std::unique_ptr<mjData, void (*)(mjData*)> data{nullptr, mj_deleteData};
-  std::string why;  ///< MuJoCo does not open it, in its words
+  std::string why;  ///< MuJoCo's error message, if `model` is null
 };
 
-/// How a file is rewritten before MuJoCo opens it.
+/// How a file is modified before MuJoCo opens it.
 struct PeerOptions {
-  bool strip_meshes = false;                                     ///< take out every mesh that is a file, and the geoms that show it
-  std::function<std::string(const std::string& file)> stand_in;  ///< content for mesh files that are not there
+  bool strip_meshes = false;                                     ///< remove every mesh that is read from a file, and the geoms that use it
+  std::function<std::string(const std::string& file)> stand_in;  ///< contents used for mesh files that do not exist
 };
 
-/// Opens the file as MuJoCo would if it knew today's MJCF: includes are spliced, frames and replicates composed with MuJoCo's
-/// own functions, sites of equalities become anchors, limits are automatic, attributes it does not know are dropped one by one.
-/// Everything but the rigid bodies is switched off: contacts, limits, springs, dampers, friction, fluids, drives; and
-/// equalities, until a test wants them.
+/// Opens a file as MuJoCo would if it knew the current MJCF: includes are spliced in, frames and replicates are expanded with MuJoCo's own
+/// functions, sites of equalities become anchors, limits are automatic, unknown attributes are removed one by one. Everything except the
+/// rigid bodies is switched off: contacts, limits, springs, dampers, friction, fluids, actuators, and equalities until a test enables them.
 [[nodiscard]] PeerModel open_with_mujoco(const std::string& path, const PeerOptions& options = {});
-/// The same with the text of a file that lies nowhere.
+/// As open_with_mujoco(), for a text that is not stored in a file.
 [[nodiscard]] PeerModel open_text_with_mujoco(const std::string& text, const PeerOptions& options = {});
 
 }  // namespace ugoki::robot_formats

@@ -11,7 +11,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double g[3] = {1, -2, -9};
+constexpr double g[3] = {1, -2, -9};  // m/s^2, with all components different from zero
 
 double uniform(std::mt19937& random, double reach) { return std::uniform_real_distribution<double>(-reach, reach)(random); }
 
@@ -33,10 +33,10 @@ void grow(double& worst, const std::vector<double>& a, const double* b) {
 MujocoModel open_in_mujoco(const std::string& text, std::string& why) {
   const auto file = std::filesystem::temp_directory_path() / ("ugoki-named-peer-" + std::to_string(::getpid()) + ".xml");
   std::ofstream(file) << text;
-  char words[1000] = "";
-  MujocoModel model(mj_loadXML(file.c_str(), nullptr, words, sizeof words), mj_deleteModel);
+  char message[1000] = "";
+  MujocoModel model(mj_loadXML(file.c_str(), nullptr, message, sizeof message), mj_deleteModel);
   std::filesystem::remove(file);
-  why = words;
+  why = message;
   if (!model) return model;
   model->opt.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_PASSIVE | mjDSBL_ACTUATION | mjDSBL_CONTACT;
   for (int i = 0; i < 3; ++i) model->opt.gravity[i] = g[i];
@@ -48,15 +48,15 @@ NamedPeer::NamedPeer(const RobotModel& model, const mjModel& peer)
   for (const Link& l : m_.links()) {
     const int body = mj_name2id(&peer, mjOBJ_BODY, l.name.c_str());
     body_.push_back(body);
-    int freedoms = 0;
+    int dofs = 0;
     for (int k = 0; body >= 0 && k < peer.body_jntnum[body]; ++k) {
       const int type = peer.jnt_type[peer.body_jntadr[body] + k];
-      freedoms += type == mjJNT_FREE ? 6 : type == mjJNT_BALL ? 3 : 1;
+      dofs += type == mjJNT_FREE ? 6 : type == mjJNT_BALL ? 3 : 1;
     }
-    if (body >= 0 && freedoms != l.joint.nv()) mismatch_ += l.name + " has other freedoms; ";
+    if (body >= 0 && dofs != l.joint.nv()) mismatch_ += l.name + " has other degrees of freedom; ";
     if (body < 0 && l.joint.nv() > 0) mismatch_ += l.name + " has no body; ";
   }
-  if (peer.nv != m_.nv()) mismatch_ += std::to_string(peer.nv) + " freedoms there, " + std::to_string(m_.nv()) + " here";
+  if (peer.nv != m_.nv()) mismatch_ += std::to_string(peer.nv) + " degrees of freedom there, " + std::to_string(m_.nv()) + " here";
 }
 
 std::vector<double> NamedPeer::to_theirs(const std::vector<double>& ours) const {
@@ -121,7 +121,7 @@ void NamedPeer::compare_dynamics(std::mt19937& random, Disagreement& worst) {
   dynamics::calc_inverse_dynamics(m_, ws_, vdot, gravity, {}, tau);
   grow(worst.inverse, to_theirs(tau), data_->qfrc_inverse);
 
-  // Theirs is P M P^T: the columns, then the rows.
+  // MuJoCo's matrix is P M P^T: convert the columns, then the rows.
   dynamics::calc_inertia_matrix(m_, ws_, M);
   mj_fullM(&peer_, full.data(), data_->qM);
   for (int pass = 0; pass < 2; ++pass) {
@@ -136,7 +136,7 @@ void NamedPeer::compare_dynamics(std::mt19937& random, Disagreement& worst) {
   }
   grow(worst.inertia, M, full.data());
 
-  // With the forces of the inverse, so that accelerations are of order one whatever the masses.
+  // With the forces of the inverse dynamics, so that accelerations are of order one for any masses.
   theirs = to_theirs(tau);
   std::copy(theirs.begin(), theirs.end(), data_->qfrc_applied);
   mj_forward(&peer_, data_.get());

@@ -1,5 +1,5 @@
 #pragma once
-// Random MJCF models that use the dialect in many ways at once, within what MuJoCo 2.2.2 accepts.
+// Random MJCF models that combine many features of the format, restricted to those that MuJoCo 2.2.2 accepts.
 
 #include <random>
 #include <string>
@@ -43,7 +43,7 @@ class RandomMjcf {
   }
   std::string angle(double reach) { return to_text(in(-reach, reach) * (degrees_ ? 180 / pi : 1)); }
 
-  /// @param over_euler the default class has euler: MuJoCo 2.2.2 then knows no other way but quat, which loses
+  /// @param over_euler the default class has `euler`: in MuJoCo 2.2.2 then only quat or euler have the expected effect
   std::string orientation(bool over_euler = false) {
     switch (over_euler ? below(2) : below(6)) {
       case 0: return "quat='" + numbers(4, 1) + "'";
@@ -61,7 +61,7 @@ class RandomMjcf {
   }
 
   void geom() {
-    // 'c' is in a group that may not count, 'fromto' does not go with the orientation of 'b'
+    // Class 'c' has a geom group that may be excluded from the mass; 'fromto' cannot be combined with the orientation of class 'b'.
     const char* const types[] = {"sphere", "capsule", "ellipsoid", "cylinder", "box"};
     out_ += "<geom ";
     if (below(3) == 0) {

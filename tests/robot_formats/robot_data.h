@@ -1,5 +1,5 @@
 #pragma once
-// The shared URDF and SDF files, and reading with what lies beside them.
+// Access to the shared URDF and SDF files and the files that they refer to.
 
 #include <gtest/gtest.h>
 
@@ -12,13 +12,13 @@
 #include "ugoki/robot_formats/robot_model.h"
 
 #define NEEDS_ROBOT_DATA() \
-  if (!std::filesystem::exists(robot_folder())) GTEST_SKIP() << "the shared data are not here (" << robot_folder() << ")"
+  if (!std::filesystem::exists(robot_folder())) GTEST_SKIP() << "the shared data are missing (" << robot_folder() << ")"
 
 namespace ugoki::robot_formats {
 
 inline std::string robot_folder() { return std::string(UGOKI_SHARED_DATA) + "/mechanism/"; }
 
-/// Paths of the shared files with this ending, in order.
+/// Sorted paths of the shared files with this extension.
 inline std::vector<std::string> robot_files(const std::string& ending) {
   std::vector<std::string> out;
   for (const auto& e : std::filesystem::recursive_directory_iterator(robot_folder()))
@@ -29,7 +29,7 @@ inline std::vector<std::string> robot_files(const std::string& ending) {
 
 inline std::string load_robot(const std::string& path) { return files::read_file(path).value_or(std::string()); }
 
-/// Reads meshes from disk, and the YAML of the same stem if it is there.
+/// Options that read meshes from disk, and the loops from the YAML file with the same base name, if it exists.
 inline RobotOptions options_for(const std::string& path, bool with_loops = true) {
   RobotOptions options;
   options.read_asset = [](const std::string& asset) { return files::read_file(asset); };
@@ -38,7 +38,7 @@ inline RobotOptions options_for(const std::string& path, bool with_loops = true)
   return options;
 }
 
-/// "5bar_linkage/robot.urdf": enough to tell the shared files apart.
+/// Last folder and file name, "5bar_linkage/robot.urdf": enough to identify a shared file.
 inline std::string short_path(const std::string& path) {
   const std::filesystem::path p(path);
   return (p.parent_path().filename() / p.filename()).string();

@@ -1,4 +1,4 @@
-// Broken and hostile URDF, SDF, YAML and mesh files: refused with file:line, a sentence and a remedy, or read with a note.
+// Damaged and hostile URDF, SDF, YAML and mesh files: they are refused with file:line, a message and a remedy, or read with a note.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,11 +14,12 @@
 namespace ugoki::robot_formats {
 namespace {
 
+/// One defect: a replacement in a valid file, and the error that it must cause.
 struct Case {
-  const char* what;
-  std::string from, to;  ///< in the good file; empty `from`: `to` is the whole file
+  const char* defect;
+  std::string from, to;  ///< text of the valid file and its replacement; empty `from`: `to` is the complete file
   int line;
-  const char* word;  ///< that the message holds
+  const char* word;  ///< part of the expected message
 };
 
 std::string changed(const std::string& good, const Case& c) {
@@ -29,15 +30,15 @@ std::string changed(const std::string& good, const Case& c) {
   return at == std::string::npos ? text : text.replace(at, c.from.size(), c.to);
 }
 
-/// The problem stands in this line and says this word; all problems have a place and a sentence.
+/// Expects a problem in the case's line whose message contains the word; all problems must have a location and a message.
 void expect_problem(const Error& error, const Case& c, const std::string& file) {
   ASSERT_FALSE(error.empty());
   EXPECT_LE(error.problems.size(), 20u);
   bool found = false;
   for (const Problem& p : error.problems) {
-    EXPECT_TRUE(p.place.starts_with(file)) << p.place;
+    EXPECT_TRUE(p.location.starts_with(file)) << p.location;
     EXPECT_FALSE(p.message.empty());
-    found = found || (p.place.starts_with(file + ":" + std::to_string(c.line)) && p.message.find(c.word) != std::string::npos);
+    found = found || (p.location.starts_with(file + ":" + std::to_string(c.line)) && p.message.find(c.word) != std::string::npos);
   }
   EXPECT_TRUE(found) << "wanted line " << c.line << " and '" << c.word << "', got\n" << error.text();
 }
@@ -45,7 +46,7 @@ void expect_problem(const Error& error, const Case& c, const std::string& file) 
 template <class Read>
 void refuse_all(const std::string& good, const std::vector<Case>& cases, const std::string& file, Read read) {
   for (const Case& c : cases) {
-    SCOPED_TRACE(c.what);
+    SCOPED_TRACE(c.defect);
     const auto result = read(changed(good, c));
     ASSERT_FALSE(result.has_value()) << "was read";
     expect_problem(result.error(), c, file);
@@ -71,32 +72,32 @@ const std::string good_urdf =
 
 Result<RobotModel> urdf(const std::string& text) { return read_urdf(text, "bad.urdf"); }
 
-TEST(RobotHostile, TheGoodUrdfIsGood) { ASSERT_TRUE(urdf(good_urdf).has_value()); }
+TEST(RobotHostile, ValidUrdfIsRead) { ASSERT_TRUE(urdf(good_urdf).has_value()); }
 
-TEST(RobotHostile, EachFaultOfAUrdfIsNamedInItsLine) {
+TEST(RobotHostile, UrdfErrorsNameTheLine) {
   refuse_all(good_urdf,
              {
                  {"empty", "", "", 1, "empty"},
                  {"blank", "", " \n\t ", 1, "empty"},
-                 {"binary", "", std::string("<robot>\n\x01\x02</robot>"), 2, "no text"},
+                 {"binary", "", std::string("<robot>\n\x01\x02</robot>"), 2, "not text"},
                  {"UTF-16", "", std::string("\xFF\xFE<\0r\0", 6), 1, "UTF-16"},
-                 {"no XML", "", "links: 3", 1, "no element"},
-                 {"a comment only", "", "<!-- robot -->", 1, "no element"},
+                 {"no XML", "", "links: 3", 1, "no XML element"},
+                 {"a comment only", "", "<!-- robot -->", 1, "no XML element"},
                  {"SDF", "", "<sdf version='1.7'/>", 1, "not <robot>"},
-                 {"xacro", "<robot name='r'>", "<xacro name='r'>", 15, "no XML"},
+                 {"xacro", "<robot name='r'>", "<xacro name='r'>", 15, "not valid XML"},
                  {"macros of xacro", "</joint>\n</robot>", "</joint>\n<xacro:leg side='left'/></robot>", 15, "not yet expanded"},
-                 {"cut off", "</joint>\n</robot>\n", "", 14, "no XML"},
-                 {"closed in the wrong order", "</collision>\n</link>", "</link>\n</collision>", 7, "no XML"},
-                 {"attribute without quotes", "lower='-1'", "lower=-1", 11, "no XML"},
+                 {"cut off", "</joint>\n</robot>\n", "", 14, "not valid XML"},
+                 {"closed in the wrong order", "</collision>\n</link>", "</link>\n</collision>", 7, "not valid XML"},
+                 {"attribute without quotes", "lower='-1'", "lower=-1", 11, "not valid XML"},
                  {"attribute twice", "lower='-1'", "lower='-1' lower='-2'", 11, "twice"},
                  {"second robot", "</robot>\n", "</robot>\n<robot/>", 16, "second"},
                  {"own entities", "<robot name", "<!DOCTYPE r [<!ENTITY a 'b'>]>\n<robot name", 1, "entities"},
                  {"nothing in it", "", "<robot name='r'/>", 1, "no link"},
                  {"link without name", "<link name='arm'>", "<link>", 4, "missing"},
                  {"link with an empty name", "<link name='arm'>", "<link name=' '>", 4, "empty"},
-                 {"two links of one name", "<link name='tip'>", "<link name='arm'>", 12, "two links"},
+                 {"two links of one name", "<link name='tip'>", "<link name='arm'>", 12, "Two links"},
                  {"joint without name", "<joint name='k'", "<joint", 13, "missing"},
-                 {"two joints of one name", "<joint name='k'", "<joint name='j'", 13, "two joints"},
+                 {"two joints of one name", "<joint name='k'", "<joint name='j'", 13, "Two joints"},
                  {"joint without type", " type='continuous'", "", 13, "type"},
                  {"joint of unknown type", "type='continuous'", "type='hinge2'", 13, "hinge2"},
                  {"no parent", "<parent link='arm'/>", "", 13, "parent"},
@@ -104,9 +105,9 @@ TEST(RobotHostile, EachFaultOfAUrdfIsNamedInItsLine) {
                  {"unknown parent", "<parent link='arm'/>", "<parent link='leg'/>", 13, "'leg'"},
                  {"unknown child", "<child link='tip'/>", "<child link='leg'/>", 13, "'leg'"},
                  {"two parents", "<child link='tip'/>", "<child link='arm'/>", 13, "already the child"},
-                 {"its own parent", "<parent link='arm'/><child link='tip'/>", "<parent link='tip'/><child link='tip'/>", 12, "circle"},
-                 {"a circle of two", "<parent link='base'/><child link='arm'/>", "<parent link='tip'/><child link='arm'/>", 4, "circle"},
-                 {"a base too many", "</robot>", "<link name='lost'/></robot>", 15, "hang on nothing"},
+                 {"its own parent", "<parent link='arm'/><child link='tip'/>", "<parent link='tip'/><child link='tip'/>", 12, "cycle"},
+                 {"a cycle of two", "<parent link='base'/><child link='arm'/>", "<parent link='tip'/><child link='arm'/>", 4, "cycle"},
+                 {"a base too many", "</robot>", "<link name='lost'/></robot>", 15, "have no parent joint"},
                  {"mass is a word", "<mass value='2'/>", "<mass value='heavy'/>", 5, "not a number"},
                  {"mass is missing", "<mass value='2'/>", "", 5, "missing"},
                  {"mass is negative", "<mass value='2'/>", "<mass value='-2'/>", 5, "out of range"},
@@ -120,9 +121,9 @@ TEST(RobotHostile, EachFaultOfAUrdfIsNamedInItsLine) {
                  {"origin of four numbers", "xyz='0 0 1'", "xyz='0 0 1 2'", 5, "more"},
                  {"origin of words", "xyz='0 0 1'", "xyz='a b c'", 5, "not a number"},
                  {"angle of 1e8", "xyz='0 0 0.5' rpy='0 0 0'", "xyz='0 0 0.5' rpy='1e8 0 0'", 10, "out of range"},
-                 {"axis of zeros", "<axis xyz='0 1 0'/>", "<axis xyz='0 0 0'/>", 10, "no direction"},
+                 {"axis of zeros", "<axis xyz='0 1 0'/>", "<axis xyz='0 0 0'/>", 10, "zero length"},
                  {"axis of NaN", "<axis xyz='0 1 0'/>", "<axis xyz='nan 0 0'/>", 10, "finite"},
-                 {"limits swapped", "lower='-1' upper='1'", "lower='1' upper='-1'", 11, "above"},
+                 {"limits swapped", "lower='-1' upper='1'", "lower='1' upper='-1'", 11, "greater than"},
                  {"limit is NaN", "lower='-1'", "lower='nan'", 11, "finite"},
                  {"negative effort", "effort='5'", "effort='-5'", 11, "negative"},
                  {"negative damping", "damping='1'", "damping='-1'", 11, "out of range"},
@@ -139,7 +140,7 @@ TEST(RobotHostile, EachFaultOfAUrdfIsNamedInItsLine) {
              "bad.urdf", urdf);
 }
 
-TEST(RobotHostile, UrdfDepthAndWidth) {
+TEST(RobotHostile, UrdfDepthAndAttributesAreBounded) {
   std::string deep = "<robot>", end;
   for (int i = 0; i < 100'000; ++i) deep += "<a>";
   for (int i = 0; i < 100'000; ++i) end += "</a>";
@@ -149,15 +150,15 @@ TEST(RobotHostile, UrdfDepthAndWidth) {
   std::string wide = "<robot ";
   for (int i = 0; i < 10'000; ++i) wide += "a" + std::to_string(i) + "='1' ";
   EXPECT_FALSE(urdf(wide + "/>"));
-  // An entity bomb expands nothing, even without a document type of its own.
+  // An entity bomb is refused, not expanded.
   EXPECT_FALSE(urdf("<!DOCTYPE r [<!ENTITY a '1'><!ENTITY b '&a;&a;&a;'>]><robot name='&b;'/>"));
-  // More problems than anybody reads: at most twenty.
+  // At most twenty problems are reported.
   std::string many = "<robot>";
   for (int i = 0; i < 1000; ++i) many += "<link/>\n";
   EXPECT_EQ(urdf(many + "</robot>").error().problems.size(), 20u);
 }
 
-TEST(RobotHostile, AHundredThousandLinks) {
+TEST(RobotHostile, ReadsHundredThousandLinks) {
   constexpr int n = 100'000;
   const auto write = [](bool chain) {
     std::string text = "<robot name='long'>\n";
@@ -178,7 +179,7 @@ TEST(RobotHostile, AHundredThousandLinks) {
   }
 }
 
-TEST(RobotHostile, UrdfThatIsOddButMeantIsRead) {
+TEST(RobotHostile, UnusualUrdfIsReadWithNotes) {
   const auto notes = [](const std::string& from, const std::string& to) {
     const Result<RobotModel> m = urdf(changed(good_urdf, {"", from, to, 0, ""}));
     EXPECT_TRUE(m.has_value()) << m.error().text();
@@ -187,9 +188,9 @@ TEST(RobotHostile, UrdfThatIsOddButMeantIsRead) {
       for (const std::string& n : m->notes) all += n + "\n";
     return all;
   };
-  EXPECT_NE(notes("<box size='1 1 1'/>", "<box size='0 0 0'/>").find("without size"), std::string::npos);
-  EXPECT_NE(notes("<box size='1 1 1'/>", "<cone/>").find("passed over"), std::string::npos);
-  EXPECT_NE(notes("<box size='1 1 1'/>", "<mesh filename='http://a/b.stl'/>").find("not there"), std::string::npos);
+  EXPECT_NE(notes("<box size='1 1 1'/>", "<box size='0 0 0'/>").find("zero size"), std::string::npos);
+  EXPECT_NE(notes("<box size='1 1 1'/>", "<cone/>").find("left out"), std::string::npos);
+  EXPECT_NE(notes("<box size='1 1 1'/>", "<mesh filename='http://a/b.stl'/>").find("were not found"), std::string::npos);
   EXPECT_NE(notes("</robot>", "<gazebo/><gazebo/></robot>").find("<gazebo> in <robot> is not read. (bad.urdf:15, 15)"), std::string::npos);
   notes("ixx='1' iyy='1' izz='1'/></inertial>\n<coll", "/></inertial>\n<coll");  // a point mass
   notes("<robot name='r'>", "\xEF\xBB\xBF<?xml version='1.0'?>\n<!DOCTYPE robot>\n<robot>");
@@ -209,12 +210,12 @@ const std::string good_sdf =
 
 Result<RobotModel> sdf(const std::string& text) { return read_sdf(text, "bad.sdf"); }
 
-TEST(RobotHostile, TheGoodSdfIsGood) {
+TEST(RobotHostile, ValidSdfIsRead) {
   const auto m = sdf(good_sdf);
   ASSERT_TRUE(m.has_value()) << m.error().text();
 }
 
-TEST(RobotHostile, EachFaultOfAnSdfIsNamedInItsLine) {
+TEST(RobotHostile, SdfErrorsNameTheLine) {
   const std::string triangle = "<joint name='x' type='screw'><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>";
   refuse_all(
       good_sdf,
@@ -232,8 +233,8 @@ TEST(RobotHostile, EachFaultOfAnSdfIsNamedInItsLine) {
           {"reserved name", "<link name='a'>", "<link name='world'>", 2, "reserved"},
           {"reserved underscores", "<link name='a'>", "<link name='__a__'>", 2, "reserved"},
           {"scoped name", "<link name='a'>", "<link name='x::a'>", 2, "reserved"},
-          {"two links of one name", "<link name='b'>", "<link name='a'>", 3, "two parts"},
-          {"link and joint of one name", "<joint name='j'", "<joint name='a'", 7, "two parts"},
+          {"two links of one name", "<link name='b'>", "<link name='a'>", 3, "Two elements"},
+          {"link and joint of one name", "<joint name='j'", "<joint name='a'", 7, "Two elements"},
           {"pose of five numbers", "1 0 0 0 0 0</pose>\n<inertial>", "1 0 0 0 0</pose>\n<inertial>", 3, "fewer"},
           {"pose of words", "1 0 0 0 0 0</pose>\n<inertial>", "a b c d e f</pose>\n<inertial>", 3, "not a number"},
           {"pose of NaN", "1 0 0 0 0 0</pose>\n<inertial>", "1 0 0 nan 0 0</pose>\n<inertial>", 3, "finite"},
@@ -251,9 +252,9 @@ TEST(RobotHostile, EachFaultOfAnSdfIsNamedInItsLine) {
           {"joins a link with itself", "<parent>a</parent>", "<parent>b</parent>", 7, "itself"},
           {"no axis", "<axis><xyz expressed_in='__model__'>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>", "", 7,
            "axis"},
-          {"axis of zeros", "0 0 1</xyz>", "0 0 0</xyz>", 8, "no direction"},
+          {"axis of zeros", "0 0 1</xyz>", "0 0 0</xyz>", 8, "zero length"},
           {"axis in no frame", "expressed_in='__model__'", "expressed_in='z'", 8, "'z'"},
-          {"limits swapped", "<lower>-1</lower>", "<lower>2</lower>", 8, "above"},
+          {"limits swapped", "<lower>-1</lower>", "<lower>2</lower>", 8, "greater than"},
           {"mass is negative", "<mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>\n<coll",
            "<mass>-1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>\n<coll", 4, "out of range"},
           {"mass is a word", "<mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>\n<coll",
@@ -290,7 +291,7 @@ TEST(RobotHostile, EachFaultOfAnSdfIsNamedInItsLine) {
       "bad.sdf", sdf);
 }
 
-TEST(RobotHostile, SdfNestingAndLength) {
+TEST(RobotHostile, SdfNestingIsBoundedAndLongFilesAreRead) {
   std::string deep = "<sdf version='1.7'><model name='m'><link name='a'/>", end;
   for (int i = 0; i < 200; ++i) {
     deep += "<model name='n'><link name='a'/>";
@@ -299,7 +300,7 @@ TEST(RobotHostile, SdfNestingAndLength) {
   const Result<RobotModel> nested = sdf(deep + end + "</model></sdf>");
   ASSERT_FALSE(nested);
   EXPECT_NE(nested.error().text().find("deeper than 50"), std::string::npos) << nested.error().text();
-  // A long chain of frames, each placed in the next, and a ladder of loops.
+  // A long chain of frames, each relative to the next one, and a long ladder of loops.
   constexpr int n = 20'000;
   std::string text = "<sdf version='1.7'><model name='m'>\n";
   for (int i = 0; i < n; ++i) {
@@ -335,7 +336,7 @@ Result<RobotModel> with_yaml(const std::string& yaml) {
   return read_urdf(text, "good.urdf", options);
 }
 
-TEST(RobotHostile, TheGoodLoopsFileIsGood) {
+TEST(RobotHostile, ValidLoopsFileIsRead) {
   const Result<RobotModel> m = with_yaml(
       "closed_loop: [[base, tip], [base, end]]\ntype: [6d, ball]\nname_mot: [j]\njoint_name: [k]\n"
       "joint_type: [UJOINT_XY]\nowner: me\n");
@@ -345,25 +346,25 @@ TEST(RobotHostile, TheGoodLoopsFileIsGood) {
   EXPECT_EQ(m->mechanism->loops()[1].type, LoopType::ball);
   EXPECT_EQ(m->mechanism->link(2).joint.type, JointType::universal);
   EXPECT_EQ(m->driven, std::vector<std::string>{"arm"});
-  bool told = false;
-  for (const std::string& n : m->notes) told = told || n.find("'owner'") != std::string::npos;
-  EXPECT_TRUE(told);
+  bool noted = false;
+  for (const std::string& n : m->notes) noted = noted || n.find("'owner'") != std::string::npos;
+  EXPECT_TRUE(noted);
 }
 
-TEST(RobotHostile, EachFaultOfALoopsFileIsNamedInItsLine) {
+TEST(RobotHostile, LoopsFileErrorsNameTheLine) {
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "[";
   refuse_all(good_yaml,
              {
                  {"empty", "", "", 1, "empty"},
-                 {"binary", "", std::string("a: \x01"), 1, "no text"},
-                 {"a list", "", "[1, 2]", 1, "no list of keys"},
-                 {"a word", "", "hello", 1, "no list of keys"},
-                 {"open bracket", "tip], [", "tip, [", 2, "no YAML"},
-                 {"nested without end", "", "type: " + deep, 1, "no YAML"},
-                 {"tab", "type: [6d", "\t type: [6d", 2, "no YAML"},
-                 {"one frame", "[base, tip]", "[base]", 1, "no pair"},
-                 {"three frames", "[base, tip]", "[base, tip, arm]", 1, "no pair"},
+                 {"binary", "", std::string("a: \x01"), 1, "not text"},
+                 {"a list", "", "[1, 2]", 1, "not a map of keys"},
+                 {"a word", "", "hello", 1, "not a map of keys"},
+                 {"open bracket", "tip], [", "tip, [", 2, "not valid YAML"},
+                 {"nested without end", "", "type: " + deep, 1, "not valid YAML"},
+                 {"tab", "type: [6d", "\t type: [6d", 2, "not valid YAML"},
+                 {"one frame", "[base, tip]", "[base]", 1, "must be a pair"},
+                 {"three frames", "[base, tip]", "[base, tip, arm]", 1, "must be a pair"},
                  {"no list", "[[base, tip], [j, arm]]", "base", 1, "list is missing"},
                  {"fewer types", "[6d, ball]", "[6d]", 1, "2 pairs"},
                  {"unknown type", "6d", "5d", 2, "'5d'"},
@@ -377,16 +378,16 @@ TEST(RobotHostile, EachFaultOfALoopsFileIsNamedInItsLine) {
                  {"an endless alias", "", "a: &a [*a]\nclosed_loop: *a\ntype: *a\n", 1, ""},
              },
              "bad.yaml", with_yaml);
-  // A loop between a link and itself is the mechanism's to refuse.
+  // A loop between a link and itself is refused by Mechanism::make.
   EXPECT_FALSE(with_yaml("closed_loop: [[j, arm]]\ntype: [6d]\n"));
 }
 
-TEST(RobotHostile, MeshFiles) {
+TEST(RobotHostile, DamagedMeshFilesAreRefused) {
   const auto refused = [](const std::string& bytes, const char* name) { return !read_mesh(bytes, name).has_value(); };
   EXPECT_TRUE(refused("", "a.stl"));
   EXPECT_TRUE(refused("solid nothing\nendsolid\n", "a.stl"));
   EXPECT_TRUE(refused(std::string(84, '\0') + "x", "a.stl"));
-  EXPECT_TRUE(refused(std::string(80, '\0') + "\xFF\xFF\xFF\xFF" + std::string(100, 'x'), "a.stl"));  // promises 4 billion triangles
+  EXPECT_TRUE(refused(std::string(80, '\0') + "\xFF\xFF\xFF\xFF" + std::string(100, 'x'), "a.stl"));  // declares 4 billion triangles
   EXPECT_TRUE(refused("solid x\nvertex 1 2\n", "a.stl"));
   EXPECT_TRUE(refused("solid x\nvertex 1 2 nan\n", "a.stl"));
   EXPECT_TRUE(refused("solid x\nvertex 1 2 1e7\n", "a.stl"));
@@ -404,7 +405,7 @@ TEST(RobotHostile, MeshFiles) {
   ASSERT_TRUE(quad.has_value());
   EXPECT_EQ(quad->points.size(), 4u);
   EXPECT_EQ(quad->triangles, (std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 3}}));
-  EXPECT_EQ(box_around(quad->points).half_extents.z, 1e-4);  // a plate has some thickness
+  EXPECT_EQ(box_around(quad->points).half_extents.z, 1e-4);  // flat meshes get a minimum thickness
 
   const Result<MeshFile> dae = read_mesh(
       "<COLLADA><asset><unit meter='0.01'/></asset><library_geometries><geometry id='g'><mesh><source id='s'><float_array>"
@@ -420,7 +421,7 @@ TEST(RobotHostile, MeshFiles) {
   EXPECT_NEAR(box.X_BS.p.x, 2, 1e-12);
 }
 
-TEST(RobotHostile, ColladaFacesArePlacedAndTurned) {
+TEST(RobotHostile, ColladaFacesAreTransformedAndOriented) {
   const auto dae = [](const std::string& faces, const std::string& placed) {
     return read_mesh(
         "<COLLADA><library_geometries><geometry id='g'><mesh><source id='s'><float_array>0 0 0 1 0 0 1 1 0 0 1 0</float_array>"
@@ -441,7 +442,7 @@ TEST(RobotHostile, ColladaFacesArePlacedAndTurned) {
   EXPECT_EQ(dae("<polylist>" + inputs + "<vcount>0 3 0 99</vcount><p>9 0 9 1 9 2 9 3</p></polylist>", "").value().triangles.size(), 1U);
 }
 
-TEST(RobotHostile, ABoxTurnsWithARodThatLiesAcross) {
+TEST(RobotHostile, BoxFollowsPrincipalAxesOfDiagonalRod) {
   std::vector<Vec3> points;
   for (const double s : {-1.0, 1.0})
     for (const double t : {-0.01, 0.01})
@@ -454,40 +455,40 @@ TEST(RobotHostile, ABoxTurnsWithARodThatLiesAcross) {
   }
 }
 
-TEST(RobotHostile, FilesAreLookedForNearby) {
-  const auto first = [](std::string_view uri, std::string_view file) { return places_of(uri, file).at(0); };
+TEST(RobotHostile, AssetSearchPaths) {
+  const auto first = [](std::string_view uri, std::string_view file) { return candidate_paths(uri, file).at(0); };
   EXPECT_EQ(first("meshes/a.stl", "/r/x.urdf"), "/r/meshes/a.stl");
   EXPECT_EQ(first("/abs/a.stl", "/r/x.urdf"), "/abs/a.stl");
   EXPECT_EQ(first("file:///abs/a.stl", "/r/x.urdf"), "/abs/a.stl");
   EXPECT_EQ(first("package:///a.stl", "/r/x.urdf"), "/r/a.stl");
-  EXPECT_TRUE(places_of("http://host/a.stl", "/r/x.urdf").empty());
-  EXPECT_TRUE(places_of("", "/r/x.urdf").empty());
-  const std::vector<std::string> places = places_of("package://robot/meshes/a.stl", "/home/robot/urdf/x.urdf");
-  const auto has = [&](const char* path) { return std::find(places.begin(), places.end(), path) != places.end(); };
+  EXPECT_TRUE(candidate_paths("http://host/a.stl", "/r/x.urdf").empty());
+  EXPECT_TRUE(candidate_paths("", "/r/x.urdf").empty());
+  const std::vector<std::string> paths = candidate_paths("package://robot/meshes/a.stl", "/home/robot/urdf/x.urdf");
+  const auto has = [&](const char* path) { return std::find(paths.begin(), paths.end(), path) != paths.end(); };
   EXPECT_TRUE(has("/home/robot/meshes/a.stl"));
   EXPECT_TRUE(has("/home/robot/robot/meshes/a.stl"));
   EXPECT_TRUE(has("/home/robot/urdf/a.stl"));
-  EXPECT_FALSE(has("/a.stl"));  // a name alone is looked for beside the file only
+  EXPECT_FALSE(has("/a.stl"));  // a bare name is only searched in the folder of the description
   std::string many = "package://";
   for (int i = 0; i < 10'000; ++i) many += "a/";
-  EXPECT_LT(places_of(many, many).size(), 200u);
+  EXPECT_LT(candidate_paths(many, many).size(), 200u);
 }
 
-TEST(RobotHostile, EigenvaluesAndTheNearestInertia) {
+TEST(RobotHostile, SymmetricEigenAndInertiaRepair) {
   const SymmetricEigen e = symmetric_eigen({2, 3, 4, 0.5, -0.25, 1});
   const Mat3 back = e.V * Mat3::diagonal(e.values.x, e.values.y, e.values.z) * e.V.transposed();
   const Mat3 S = Sym3{2, 3, 4, 0.5, -0.25, 1}.matrix();
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(back.row(i)[k], S.row(i)[k], 1e-14);
   EXPECT_NEAR(e.V.determinant(), 1, 1e-14);
-  // Whatever the moments, what comes out is a body's; and a body's stay as they are.
+  // Any moments are repaired to physically possible ones; possible moments are not changed.
   unsigned seed = 1;
   const auto random = [&] { return (seed = seed * 1664525u + 1013904223u) / 2147483648.0 - 1; };
   for (int i = 0; i < 1000; ++i) {
     Inertia inertia =
         Inertia::from_centre(1 + random(), {random(), random(), random()}, {random(), random(), random(), random(), random(), random()});
     const double mass = inertia.mass;
-    (void)make_possible(inertia);
+    (void)make_physical(inertia);
     EXPECT_EQ(inertia.mass, mass);
     MechanismSpec spec;
     spec.links.resize(1);
@@ -497,7 +498,7 @@ TEST(RobotHostile, EigenvaluesAndTheNearestInertia) {
   }
 }
 
-TEST(RobotHostile, FormatsAreToldApart) {
+TEST(RobotHostile, RootElementSelectsFormat) {
   EXPECT_EQ(robot_format_of("<?xml version='1.0'?>\n<!-- <sdf> -->\n<!DOCTYPE x>\n<robot name='r'>"), RobotFormat::urdf);
   EXPECT_EQ(robot_format_of("<sdf version='1.7'/>"), RobotFormat::sdf);
   EXPECT_EQ(robot_format_of("\xEF\xBB\xBF<mujoco>"), RobotFormat::mjcf);

@@ -1,4 +1,4 @@
-// SDF files against MuJoCo: the test reads them by itself, with MuJoCo's own rotations, and writes what it finds as MJCF.
+// Compares our SDF reader with MuJoCo: the test parses the SDF independently with MuJoCo's rotation functions, and writes it as MJCF.
 
 #include <gtest/gtest.h>
 
@@ -19,6 +19,7 @@ namespace {
 TEST(SdfPeer, SharedFiles) { GTEST_SKIP() << "MuJoCo (libmujoco-dev) is not installed"; }
 #else
 
+/// A pose in MuJoCo's representation: position and quaternion.
 struct Placed {
   mjtNum p[3] = {0, 0, 0}, q[4] = {1, 0, 0, 0};
 };
@@ -59,7 +60,7 @@ Placed pose_of(pugi::xml_node node) {
   return out;
 }
 
-/// What the shared files use of the format.
+/// An independent reader of the SDF features that the shared files use.
 class PlainSdf {
  public:
   explicit PlainSdf(const std::string& text) {
@@ -67,7 +68,7 @@ class PlainSdf {
     model_ = document_.child("sdf").child("model");
   }
 
-  /// Absolute pose of a link, joint or frame, all joints at zero.
+  /// Pose of a link, joint or frame in the world, with all joints at zero.
   Placed at(const std::string& name) const {
     if (name == "world" || name == "__model__") return {};
     const pugi::xml_node node = find(name);
@@ -82,7 +83,7 @@ class PlainSdf {
     return node && node.attribute("attached_to") ? link_of(node.attribute("attached_to").value()) : name;
   }
 
-  /// The bodies of our tree. @param joint_of joints of the file by the link that hangs on them
+  /// The bodies of our tree as MJCF. @param joint_of joints of the file, by the link that they carry
   std::string mjcf(const Mechanism& m, const std::map<std::string, std::string>& joint_of) const {
     std::string out = "<mujoco><compiler angle='radian' balanceinertia='false' boundmass='0' boundinertia='0'/><worldbody>";
     for (int i = 0; i < m.link_count(); ++i)
@@ -99,12 +100,13 @@ class PlainSdf {
     if (const auto it = joint_of.find(name); it != joint_of.end()) {
       const pugi::xml_node joint = find(it->second);
       const Placed X_CJ = inverse(at(name)) * at(it->second);
-      const std::string place = joint.child_value("parent");
-      if (!find(name).child("pose") && find(place).attribute("attached_to")) X_PC = inverse(at(parent)) * at(place) * inverse(X_CJ);
+      const std::string location = joint.child_value("parent");
+      if (!find(name).child("pose") && find(location).attribute("attached_to")) X_PC = inverse(at(parent)) * at(location) * inverse(X_CJ);
       std::istringstream in(joint.child("axis").child_value("xyz"));
       mjtNum axis[3] = {0, 0, 1}, turned[3];
       in >> axis[0] >> axis[1] >> axis[2];
-      mju_rotVecQuat(turned, axis, X_CJ.q);  // axes of the model are parallel to the joint's where the files express them in it
+      mju_rotVecQuat(turned, axis,
+                     X_CJ.q);  // files that express the axis in the model frame have model and joint frames with parallel axes
       joint_text = std::string("<joint type='") + (std::string(joint.attribute("type").value()) == "ball" ? "ball" : "hinge") + "' pos='" +
                    text_of(X_CJ.p, 3) + "' axis='" + text_of(turned, 3) + "'/>";
     }
@@ -118,7 +120,7 @@ class PlainSdf {
     const mjtNum moments[3] = {e.values.x, e.values.y, e.values.z};
     out += "<inertial mass='" + std::string(inertial.child_value("mass")) + "' diaginertia='" + text_of(moments, 3) + "'" +
            attributes(pose_of(inertial) * principal) + "/>";
-    for (int k = m.link(i).child; k >= 0; k = m.link(k).brother) write(m, k, joint_of, out);
+    for (int k = m.link(i).child; k >= 0; k = m.link(k).sibling) write(m, k, joint_of, out);
     out += "</body>";
   }
 
@@ -126,7 +128,7 @@ class PlainSdf {
   pugi::xml_node model_;
 };
 
-/// MuJoCo takes no rod without thickness: for both readers it gets some.
+/// MuJoCo refuses rods without thickness: zero moments become 0.001 kg m^2 for both readers.
 std::string with_thickness(std::string text) {
   for (const char* moment : {"ixx", "iyy", "izz"}) {
     const std::string nothing = "<" + std::string(moment) + ">0</";

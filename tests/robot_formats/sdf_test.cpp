@@ -1,4 +1,4 @@
-// What an SDF file means: frames, joints, tree and loops, on small models with the numbers worked out by hand.
+// Meaning of SDF files: frames, joints, tree and loops on small models with results computed by hand.
 #include "ugoki/robot_formats/sdf.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ void expect_near(const Vec3& a, const Vec3& b, double tolerance = 1e-14) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << "component " << i;
 }
 
-/// The file's frame of a link in the world at q.
+/// Pose in the world of the link frame of the file, at q.
 Pose file_pose(const RobotModel& m, const std::string& name, const std::vector<double>& q) {
   dynamics::Workspace ws(*m.mechanism);
   dynamics::update_kinematics(*m.mechanism, q, std::vector<double>(static_cast<std::size_t>(m.mechanism->nv())), ws);
@@ -46,7 +46,7 @@ Pose file_pose(const RobotModel& m, const std::string& name, const std::vector<d
   return ws.X_WB[i] * m.X_BF[i];
 }
 
-/// Greatest gap of the loops in the neutral position.
+/// Maximum gap of the loops in the neutral position.
 double neutral_gap(const Mechanism& m) {
   dynamics::Workspace ws(m);
   const std::vector<double> q = m.neutral(), v(static_cast<std::size_t>(m.nv()));
@@ -58,19 +58,19 @@ double neutral_gap(const Mechanism& m) {
   return worst;
 }
 
-TEST(Sdf, FramesPlaceOneAnother) {
+TEST(Sdf, FramesAreResolvedRelativeToEachOther) {
   const RobotModel m = read(model("<pose>0 0 10 0 0 0</pose>" + link("a", "1 0 0 0 0 1.5707963267948966") +
                                   link("b", "<pose relative_to='f'>1 0 0 0 0 0</pose>") +
                                   "<frame name='f' attached_to='a'><pose relative_to='g'>0 2 0 0 0 0</pose></frame>"
                                   "<frame name='g' attached_to='a'/>" +
                                   joint("j", "revolute", "a", "b")));
-  // g lies at a = (1, 0, 10) turned a quarter about z; f is 2 along its y = (-1, 0, 10); b is 1 along its x.
+  // g is at a = (1, 0, 10), rotated a quarter turn about z; f is 2 m along its y, at (-1, 0, 10); b is 1 m along f's x.
   expect_near(file_pose(m, "b", m.mechanism->neutral()).p, {-1, 1, 10});
   expect_near(file_pose(m, "a", m.mechanism->neutral()).p, {1, 0, 10});
 }
 
-TEST(Sdf, AJointTurnsTheLinkAboutItsOwnPlace) {
-  // The joint lies 1 m from the child's origin, along the child's x; turned by 90 degrees about z.
+TEST(Sdf, JointRotatesLinkAboutItsOwnFrame) {
+  // The joint is 1 m from the child's origin, at -1 m along the child's x, and rotated by 90 degrees about z.
   RobotOptions fixed;
   fixed.base = Base::fixed;
   const RobotModel m = read(model(link("a") + link("b", "3 0 0 0 0 0") +
@@ -82,7 +82,7 @@ TEST(Sdf, AJointTurnsTheLinkAboutItsOwnPlace) {
   expect_near(m.mechanism->link(1).inertia.centre(), {1, 0, 0});
 }
 
-TEST(Sdf, AxesOfOldVersionsAreTheModels) {
+TEST(Sdf, OldVersionsExpressAxesInTheModelFrame) {
   const std::string inside = link("a") + link("b", "0 0 0 0 0 1.5707963267948966");
   RobotOptions fixed;
   fixed.base = Base::fixed;
@@ -124,7 +124,7 @@ TEST(Sdf, LimitsSpringsAndDampers) {
                        "<axis><xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1e16</upper><effort>-1</effort></limit><dynamics>"
                        "<damping>2</damping><friction>3</friction><spring_stiffness>4</spring_stiffness><spring_reference>0.5"
                        "</spring_reference></dynamics></axis>")));
-  const Freedom& f = m.mechanism->link(1).joint.freedoms[0];
+  const Dof& f = m.mechanism->link(1).joint.dofs[0];
   EXPECT_EQ(f.lower, -1);
   EXPECT_EQ(f.upper, INFINITY);
   EXPECT_EQ(f.effort, INFINITY);
@@ -134,8 +134,8 @@ TEST(Sdf, LimitsSpringsAndDampers) {
   EXPECT_EQ(f.rest, 0.5);
 }
 
-TEST(Sdf, TheTreeCutsWhereMostFreedomsAre) {
-  // A square a-b-c-d whose joint b-c is a ball: that is the one to cut, and the loop is closed as the file places the links.
+TEST(Sdf, TreeIsCutAtTheJointWithMostDofs) {
+  // A square a-b-c-d whose joint b-c is a ball: this joint must be cut. The loop is closed in the pose of the file.
   const std::string text = model(link("a", "0 0 0 0 0 0") + link("b", "1 0 0 0 0 0") + link("c", "1 1 0 0 0 0") + link("d", "0 1 0 0 0 0") +
                                  joint("ab", "revolute", "a", "b") + joint("bc", "ball", "b", "c", "") + joint("cd", "revolute", "d", "c") +
                                  joint("da", "revolute", "a", "d"));
@@ -146,15 +146,15 @@ TEST(Sdf, TheTreeCutsWhereMostFreedomsAre) {
   EXPECT_LT(neutral_gap(*m.mechanism), 1e-15);
 }
 
-TEST(Sdf, AJointMayBeFollowedFromItsChild) {
-  // a is the base; the file says that b is the parent of a.
+TEST(Sdf, JointsCanBeReversed) {
+  // The base is a, but the file defines b as the parent of a.
   RobotOptions fixed;
   fixed.base = Base::fixed;
   const std::string pose = "<pose>0.5 0 0 0.3 0 0</pose>";
   for (const char* type : {"revolute", "prismatic", "screw"}) {
     const std::string words = pose + "<axis><xyz>0 0.6 0.8</xyz></axis><screw_thread_pitch>0.5</screw_thread_pitch>";
     const RobotModel back = read(model(link("a") + link("b", "2 0 0 0 0 0.2") + joint("j", type, "b", "a", words)), fixed);
-    // The other way round: b is the base, a hangs on it.
+    // Not reversed: b is the base and the parent of a.
     const RobotModel forth = read(model(link("b", "2 0 0 0 0 0.2") + link("a") + joint("j", type, "b", "a", words)), fixed);
     ASSERT_EQ(back.mechanism->link(1).name, "b");
     ASSERT_EQ(forth.mechanism->link(1).name, "a");
@@ -163,7 +163,7 @@ TEST(Sdf, AJointMayBeFollowedFromItsChild) {
     expect_near(X_ab.p, Y_ab.p);
     for (int i = 0; i < 3; ++i) expect_near(X_ab.R.row(i), Y_ab.R.row(i));
   }
-  // Of two axes, the order and the signs turn.
+  // A reversed universal joint exchanges its two axes and their signs.
   const std::string words = pose + "<axis><xyz>0 0.6 0.8</xyz></axis><axis2><xyz>1 0 0</xyz></axis2>";
   const RobotModel back = read(model(link("a") + link("b", "2 0 0 0 0 0.2") + joint("j", "universal", "b", "a", words)), fixed);
   const RobotModel forth = read(model(link("b", "2 0 0 0 0 0.2") + link("a") + joint("j", "universal", "b", "a", words)), fixed);
@@ -173,13 +173,13 @@ TEST(Sdf, AJointMayBeFollowedFromItsChild) {
   for (int i = 0; i < 3; ++i) expect_near(X_ab.R.row(i), Y_ab.R.row(i));
 }
 
-TEST(Sdf, WorldAndStaticAndFloatingBases) {
+TEST(Sdf, FixedStaticAndFloatingBases) {
   EXPECT_EQ(read(model(link("a"))).mechanism->link(0).joint.type, JointType::floating);
   EXPECT_EQ(read(model("<static>1</static>" + link("a"))).mechanism->link(0).joint.type, JointType::fixed);
   const RobotModel m = read(model(link("a", "0 0 3 0 0 0") + joint("j", "fixed", "world", "a")));
   EXPECT_EQ(m.mechanism->link(0).joint.type, JointType::fixed);
   expect_near(file_pose(m, "a", {}).p, {0, 0, 3});
-  // Two parts that nothing joins are two bases.
+  // Two parts that no joint connects are two floating bases.
   EXPECT_EQ(read(model(link("a") + link("b"))).mechanism->nv(), 12);
 }
 
@@ -193,7 +193,7 @@ TEST(Sdf, NestedModelsAreScoped) {
   EXPECT_EQ(m.joints[1].joint, "arm::bc");
 }
 
-TEST(Sdf, AGearboxCouplesItsTwoLinks) {
+TEST(Sdf, GearboxBecomesAGear) {
   const std::string axes = "<axis><xyz>0 0 1</xyz></axis>";
   const RobotModel m = read(model(link("box") + link("in") + link("out") + joint("ji", "revolute", "box", "in", axes) +
                                   joint("jo", "revolute", "box", "out", "<axis><xyz>0 0 -1</xyz></axis>") +
@@ -203,8 +203,8 @@ TEST(Sdf, AGearboxCouplesItsTwoLinks) {
   ASSERT_EQ(m.mechanism->loops().size(), 1u);
   const Loop& l = m.mechanism->loops()[0];
   EXPECT_EQ(l.type, LoopType::gear);
-  // theta_2 = -3 theta_1 about z; the joint of `out` counts about -z: q_out = +3 q_in.
-  EXPECT_EQ(m.mechanism->link(m.mechanism->link_of_freedom(l.freedom_a)).name, "out");
+  // theta_2 = -3 theta_1 about z; the joint of `out` rotates about -z, so q_out = +3 q_in.
+  EXPECT_EQ(m.mechanism->link(m.mechanism->link_of_dof(l.dof_a)).name, "out");
   EXPECT_EQ(l.polynomial[1], 3);
 }
 
@@ -223,7 +223,7 @@ TEST(Sdf, DrakesClosures) {
   EXPECT_EQ(hinge.mechanism->loops()[0].type, LoopType::revolute);
 }
 
-TEST(Sdf, FramesMayBeClosedByALoopsFile) {
+TEST(Sdf, LoopsFileMayReferToFrames) {
   RobotOptions options;
   options.loops = SideFile{"m.yaml", "closed_loop: [[fa, fb]]\ntype: [revolute]\nname_mot: [ja]\n"};
   const RobotModel m = read(model(link("a") + link("b") + joint("ja", "revolute", "world", "a") + joint("jb", "revolute", "world", "b") +
@@ -240,9 +240,9 @@ TEST(SdfShared, CountsMassAndClosedLoops) {
   NEEDS_ROBOT_DATA();
   struct Expected {
     const char* file;
-    int links, freedoms, loops;
+    int links, dofs, loops;
     double mass;
-    bool assembled;  ///< as the file places its links
+    bool assembled;  ///< loops are closed in the pose of the file
   };
   // Cassie: 23 links, 26 joints, of which 4 balls close loops.
   const Expected all[] = {{"cassie_sdf/cassie_v2.sdf", 23, 28, 4, 32.94, true},
@@ -254,11 +254,11 @@ TEST(SdfShared, CountsMassAndClosedLoops) {
     const std::string path = robot_folder() + "closed_loop/" + e.file;
     const RobotModel m = read(load_robot(path));
     EXPECT_EQ(m.mechanism->link_count(), e.links);
-    EXPECT_EQ(m.mechanism->nv(), e.freedoms);
+    EXPECT_EQ(m.mechanism->nv(), e.dofs);
     EXPECT_EQ(static_cast<int>(m.mechanism->loops().size()), e.loops);
     EXPECT_NEAR(m.mechanism->mass(), e.mass, 1e-9);
     if (e.assembled) {
-      EXPECT_LE(neutral_gap(*m.mechanism), 1e-9) << "joints lie where the file places their links";
+      EXPECT_LE(neutral_gap(*m.mechanism), 1e-9) << "joints match the poses of the links in the file";
     }
   }
 }

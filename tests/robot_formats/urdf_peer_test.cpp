@@ -1,4 +1,4 @@
-// URDF files against MuJoCo's own reading of them, in random states: poses, inertia matrix, inverse and forward dynamics.
+// Compares our URDF reader with MuJoCo's, in random states: poses, inertia matrix, inverse and forward dynamics.
 
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ std::string text_of(const pugi::xml_document& document) {
   return out.str();
 }
 
-/// What MuJoCo cannot read is changed for both readers: shapes go, bodies that move get a mass, inertias that no body has
-/// become those of a ball.
+/// Changes what MuJoCo cannot read, for both readers: shapes are removed, massless bodies get a mass, physically impossible inertias become
+/// those of a sphere.
 void make_readable(pugi::xml_node robot) {
   for (pugi::xml_node link : robot.children("link")) {
     while (link.remove_child("visual") || link.remove_child("collision")) {
@@ -36,7 +36,7 @@ void make_readable(pugi::xml_node robot) {
     const auto I = [&](const char* name) { return inertia.attribute(name).as_double(); };
     const double a = I("ixx"), b = I("iyy"), c = I("izz");
     const bool weightless = inertial.child("mass").attribute("value").as_double() < 1e-6;
-    // Sylvester's criterion for tr/2 1 - I
+    // Sylvester's criterion: tr(I)/2 1 - I must be positive definite
     const double t = 0.5 * (a + b + c), p = t - a, q = t - b, r = t - c, xy = -I("ixy"), xz = -I("ixz"), yz = -I("iyz");
     const double det = p * (q * r - yz * yz) - xy * (xy * r - yz * xz) + xz * (xy * yz - q * xz);
     const bool impossible = p <= 0 || p * q - xy * xy <= 0 || det <= 0;
@@ -48,7 +48,7 @@ void make_readable(pugi::xml_node robot) {
   }
 }
 
-/// Writes every inertia along its principal axes: MuJoCo finds them itself only to about 1e-8.
+/// Rewrites every inertia along its principal axes, because MuJoCo computes these only to about 1e-8.
 void use_principal_axes(pugi::xml_node robot) {
   for (const pugi::xml_node link : robot.children("link")) {
     pugi::xml_node inertial = link.child("inertial");
@@ -69,7 +69,7 @@ void use_principal_axes(pugi::xml_node robot) {
   }
 }
 
-/// MuJoCo joins the root link to the world, unless it hangs on a link of that name.
+/// Adds MuJoCo's compiler options and, for a floating base, a link "world": MuJoCo fixes the root link unless its parent has this name.
 std::string for_mujoco(const std::string& text, bool floating) {
   pugi::xml_document document;
   document.load_string(text.c_str());
@@ -96,7 +96,7 @@ std::string for_mujoco(const std::string& text, bool floating) {
   return text_of(document);
 }
 
-/// @param principal with inertias along their principal axes, which allows to compare to rounding
+/// @param principal write inertias along their principal axes, so that the results can be compared up to rounding
 void compare(const std::string& path, int states, bool principal, bool print) {
   SCOPED_TRACE(path);
   pugi::xml_document document;
@@ -122,7 +122,7 @@ void compare(const std::string& path, int states, bool principal, bool print) {
     EXPECT_LT(worst.inertia, principal ? 1e-8 : 1e-6);
     EXPECT_LT(worst.inverse, principal ? 1e-8 : 1e-6);
     EXPECT_LT(worst.forward, principal ? 1e-8 : 1e-4);
-    // The three methods lose what the condition of M takes: 1e9 where a sphere of 654 t hangs on rods of 25 kg.
+    // The methods lose accuracy with the condition number of M, which is 1e9 for a sphere of 654 t on rods of 25 kg.
     EXPECT_LT(worst.methods, short_path(path) == "5bar_linkage/robot.urdf" ? 1e-8 : 1e-9);
     if (print)
       std::printf("%-45s %-8s nv %3d  pose %.1e  M %.1e  inverse %.1e  forward %.1e  three methods %.1e\n", short_path(path).c_str(),

@@ -1,5 +1,4 @@
-// What a URDF file means: each word on a small robot, with the numbers worked out by hand; and the shared files against a
-// plain scan of their text.
+// Meaning of URDF files: each element on a small robot with results computed by hand, and the shared files compared with a plain text scan.
 #include "ugoki/robot_formats/urdf.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +30,7 @@ RobotModel read(const std::string& text, const RobotOptions& options = {.base = 
   EXPECT_TRUE(model.has_value()) << model.error().text();
   return model ? *model : RobotModel{};
 }
-/// The links `a` and `b` with a joint between them.
+/// Two links `a` and `b` with a joint between them.
 RobotModel read_joint(const std::string& type, const std::string& inside) {
   return read(robot(link("a") + link("b") + joint("j", type, "a", "b", inside)));
 }
@@ -44,7 +43,7 @@ void expect_near(const Vec3& a, const Vec3& b, double tolerance = 1e-15) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << "component " << i;
 }
 
-TEST(Urdf, OriginTurnsAboutFixedAxesRollPitchYaw) {
+TEST(Urdf, OriginUsesRollPitchYawAboutFixedAxes) {
   const RobotModel m = read_joint("revolute", "<origin xyz='1 2 3' rpy='0.1 0.2 0.3'/><axis xyz='0 0 2'/>");
   const Joint& j = m.mechanism->link(1).joint;
   expect_near(j.X_PJ.p, {1, 2, 3});
@@ -70,22 +69,22 @@ TEST(Urdf, JointTypes) {
 TEST(Urdf, LimitsAndDynamics) {
   const RobotModel m =
       read_joint("revolute", "<limit lower='-1' upper='2' effort='30' velocity='5'/><dynamics damping='0.5' friction='0.25'/>");
-  const Freedom& f = m.mechanism->link(1).joint.freedoms[0];
+  const Dof& f = m.mechanism->link(1).joint.dofs[0];
   EXPECT_EQ(f.lower, -1);
   EXPECT_EQ(f.upper, 2);
   EXPECT_EQ(f.effort, 30);
   EXPECT_EQ(f.damping, 0.5);
   EXPECT_EQ(f.friction, 0.25);
   EXPECT_TRUE(has_note(m, "velocities"));
-  // One bound that is given makes the other the format's zero; none at all is no limit; continuous joints have none.
-  EXPECT_EQ(read_joint("revolute", "<limit upper='2'/>").mechanism->link(1).joint.freedoms[0].lower, 0);
-  EXPECT_EQ(read_joint("prismatic", "<limit effort='1'/>").mechanism->link(1).joint.freedoms[0].upper, INFINITY);
-  EXPECT_EQ(read_joint("continuous", "<limit lower='0' upper='0'/>").mechanism->link(1).joint.freedoms[0].upper, INFINITY);
-  EXPECT_EQ(read_joint("revolute", "<limit lower='-inf' upper='1e16'/>").mechanism->link(1).joint.freedoms[0].upper, INFINITY);
+  // If only one limit is given, the other is 0, the default of the format. Without any, and for continuous joints, there is no limit.
+  EXPECT_EQ(read_joint("revolute", "<limit upper='2'/>").mechanism->link(1).joint.dofs[0].lower, 0);
+  EXPECT_EQ(read_joint("prismatic", "<limit effort='1'/>").mechanism->link(1).joint.dofs[0].upper, INFINITY);
+  EXPECT_EQ(read_joint("continuous", "<limit lower='0' upper='0'/>").mechanism->link(1).joint.dofs[0].upper, INFINITY);
+  EXPECT_EQ(read_joint("revolute", "<limit lower='-inf' upper='1e16'/>").mechanism->link(1).joint.dofs[0].upper, INFINITY);
 }
 
-TEST(Urdf, InertiaIsTurnedAndMoved) {
-  // A rod along the inertial frame's x, which is turned a quarter about z, 1 m up the link's x.
+TEST(Urdf, InertiaIsTransformedToTheLinkFrame) {
+  // A rod along x of the inertial frame, which is rotated a quarter turn about z and is 1 m along x of the link.
   const RobotModel m = read(robot(link("a",
                                        "<inertial><origin xyz='1 0 0' rpy='0 0 1.5707963267948966'/><mass value='3'/>"
                                        "<inertia ixx='0' iyy='0.25' izz='0.25' ixy='0' ixz='0' iyz='0'/></inertial>")));
@@ -95,7 +94,7 @@ TEST(Urdf, InertiaIsTurnedAndMoved) {
   const Sym3 c = i.about_centre();
   expect_near({c.xx, c.yy, c.zz}, {0.25, 0, 0.25});
   expect_near({c.xy, c.xz, c.yz}, {0, 0, 0});
-  // Off-diagonal moments keep their sign: a body with more mass where x = y has a negative ixy.
+  // Products of inertia keep their sign.
   const Inertia o = read(robot(link("a",
                                     "<inertial><mass value='1'/><inertia ixx='1' iyy='2' izz='2.5' ixy='-0.3' ixz='0.1' iyz='0.2'/>"
                                     "</inertial>")))
@@ -106,39 +105,40 @@ TEST(Urdf, InertiaIsTurnedAndMoved) {
   EXPECT_EQ(o.I.yz, 0.2);
 }
 
-TEST(Urdf, ImpossibleInertiaIsMovedOrRefused) {
+TEST(Urdf, ImpossibleInertiaIsRepairedOrRefused) {
   const std::string text = robot(link("fine") + link("flat", "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='3'/></inertial>") +
                                  joint("j", "revolute", "fine", "flat"));
   const RobotModel m = read(text);
-  EXPECT_TRUE(has_note(m, "No body has the moments of inertia that the file gives to flat"));
+  EXPECT_TRUE(has_note(m, "The moments of inertia of flat are not physically possible"));
   // P = tr/2 - I = (1.5, 1.5, -0.5) becomes (1.5, 1.5, 0): I = (1.5, 1.5, 3).
   const Sym3 I = m.mechanism->link(1).inertia.about_centre();
   expect_near({I.xx, I.yy, I.zz}, {1.5, 1.5, 3}, 1e-14);
   const Result<RobotModel> strict = read_urdf(text, "r.urdf", {.base = Base::fixed, .inertias = Inertias::strict});
   ASSERT_FALSE(strict);
-  EXPECT_NE(strict.error().text().find("r.urdf:3: no body has the moments of inertia of the link 'flat'"), std::string::npos)
+  EXPECT_NE(strict.error().text().find("r.urdf:3: The moments of inertia of the link 'flat' are not physically possible"),
+            std::string::npos)
       << strict.error().text();
 }
 
-TEST(Urdf, WeightlessEndsOfMovableJoints) {
+TEST(Urdf, MasslessLinksOfMovableJointsGetArmature) {
   const std::string text = robot(link("a") + link("tip", "") + joint("j", "revolute", "a", "tip"));
   const RobotModel m = read(text);
-  EXPECT_EQ(m.mechanism->link(1).joint.freedoms[0].armature, 1e-6);
-  EXPECT_TRUE(has_note(m, "Nothing behind the joints of tip has mass"));
+  EXPECT_EQ(m.mechanism->link(1).joint.dofs[0].armature, 1e-6);
+  EXPECT_TRUE(has_note(m, "No link beyond the joints of tip has mass"));
   const Result<RobotModel> strict = read_urdf(text, "r.urdf", {.inertias = Inertias::strict});
   ASSERT_FALSE(strict);
   EXPECT_NE(strict.error().text().find("r.urdf:3"), std::string::npos) << strict.error().text();
 }
 
-TEST(Urdf, BaseFollowsTheFileUnlessTold) {
+TEST(Urdf, BaseFollowsTheFileByDefault) {
   const std::string tail = link("arm") + joint("j", "fixed", "base", "arm");
   const auto type = [](const std::string& text, Base base) { return read(text, {.base = base}).mechanism->link(0).joint.type; };
   EXPECT_EQ(type(robot(link("base") + tail), Base::by_file), JointType::floating);
-  EXPECT_EQ(type(robot(link("base", "") + tail), Base::by_file), JointType::floating);  // its fixed child has mass
+  EXPECT_EQ(type(robot(link("base", "") + tail), Base::by_file), JointType::floating);  // the child on a fixed joint has mass
   EXPECT_EQ(type(robot(link("base") + tail), Base::fixed), JointType::fixed);
   const std::string fixed = robot(link("base", "") + link("arm") + joint("j", "revolute", "base", "arm"));
   EXPECT_EQ(type(fixed, Base::by_file), JointType::fixed);
-  EXPECT_FALSE(read_urdf(fixed, "r.urdf", {.base = Base::floating}));  // nothing there to float
+  EXPECT_FALSE(read_urdf(fixed, "r.urdf", {.base = Base::floating}));  // the base has no mass
   const std::string world = robot(link("world") + link("arm") + joint("j", "revolute", "world", "arm"));
   EXPECT_EQ(type(world, Base::by_file), JointType::fixed);
 }
@@ -149,12 +149,12 @@ TEST(Urdf, MimicBecomesAGear) {
   ASSERT_EQ(m.mechanism->loops().size(), 1u);
   const Loop& l = m.mechanism->loops()[0];
   EXPECT_EQ(l.type, LoopType::gear);
-  EXPECT_EQ(l.freedom_a, m.mechanism->link(2).v_index);
-  EXPECT_EQ(l.freedom_b, m.mechanism->link(1).v_index);
+  EXPECT_EQ(l.dof_a, m.mechanism->link(2).v_index);
+  EXPECT_EQ(l.dof_b, m.mechanism->link(1).v_index);
   EXPECT_EQ(l.polynomial, (std::array<double, 5>{0.1, -0.5, 0, 0, 0}));
 }
 
-TEST(Urdf, PlanarJointMovesAcrossItsAxis) {
+TEST(Urdf, PlanarJointMovesPerpendicularToItsAxis) {
   const RobotModel m = read_joint("planar", "<origin xyz='0 0 1'/><axis xyz='0 1 0'/>");
   ASSERT_EQ(m.mechanism->link_count(), 3);
   const int b = m.mechanism->find_link("b");
@@ -189,24 +189,24 @@ TEST(Urdf, Shapes) {
   EXPECT_EQ(rod.type, ShapeType::cylinder);
   EXPECT_EQ(rod.radius, 0.1);
   EXPECT_EQ(rod.half_length, 0.5);
-  // Seen only, where nothing collides.
+  // Without <collision> elements, <visual> elements give shapes for display only.
   const RobotModel seen = read(robot(link("a", std::string(a_mass) + "<visual><geometry><box size='1 1 1'/></geometry></visual>")));
   EXPECT_FALSE(seen.mechanism->link(0).shapes.at(0).collides);
 }
 
-TEST(Urdf, MeshesAreHullsSurfacesBoxesDemandedOrLeftOut) {
+TEST(Urdf, MeshOptions) {
   const std::string text = robot(
       link("a", std::string(a_mass) + "<collision><geometry><mesh filename='package://p/m.obj' scale='2 2 -2'/></geometry></collision>"));
   RobotOptions options{.base = Base::fixed};
   options.read_asset = [](const std::string& path) -> Result<std::string> {
     if (path == "p/m.obj") return "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\n";
-    return fail(ErrorCode::io, path, "not there.");
+    return fail(ErrorCode::io, path, "The file does not exist.");
   };
   const Shape hull = read(text, options).mechanism->link(0).shapes.at(0);
   ASSERT_EQ(hull.type, ShapeType::mesh);
   EXPECT_TRUE(hull.geometry->convex && hull.geometry->prepared != nullptr);
   EXPECT_EQ(hull.geometry->triangles.size(), 4u);
-  EXPECT_NEAR(volume(hull), 2 * 4 * 6 / 6.0, 1e-12);  // mirrored, and still not inside out
+  EXPECT_NEAR(volume(hull), 2 * 4 * 6 / 6.0, 1e-12);  // mirrored, but with outward triangles
   options.meshes = Meshes::box;
   const RobotModel m = read(text, options);
   expect_near(m.mechanism->link(0).shapes.at(0).half_extents, {1, 2, 3});
@@ -217,21 +217,21 @@ TEST(Urdf, MeshesAreHullsSurfacesBoxesDemandedOrLeftOut) {
   EXPECT_TRUE(read(text, options).mechanism->link(0).shapes.empty());
   options.read_asset = {};
   options.meshes = Meshes::box;
-  EXPECT_TRUE(has_note(read(text, options), "not there"));
+  EXPECT_TRUE(has_note(read(text, options), "were not found"));
   options.require_meshes = true;
   const Result<RobotModel> required = read_urdf(text, "r.urdf", options);
   ASSERT_FALSE(required);
-  EXPECT_NE(required.error().text().find("r.urdf:2: the mesh 'package://p/m.obj' is not there"), std::string::npos);
+  EXPECT_NE(required.error().text().find("r.urdf:2: The mesh file 'package://p/m.obj' was not found"), std::string::npos);
 }
 
-/// Occurrences of the word outside of comments; and the sum of the numbers that follow `value`.
+/// Number of occurrences of a word outside comments, and sum of the numbers that follow `value`.
 struct Scan {
   int count = 0;
   double sum = 0;
 };
 Scan scan(std::string text, const std::string& word, const std::string& value = "") {
   for (std::size_t at; (at = text.find("<!--")) != std::string::npos;) text.erase(at, text.find("-->", at) + 3 - at);
-  std::string line;  // one blank where there was any space
+  std::string line;  // white space replaced by single spaces
   for (const char c : text)
     if (const bool space = c == ' ' || c == '\n' || c == '\r' || c == '\t'; !space || !line.ends_with(' ')) line += space ? ' ' : c;
   text = line;
@@ -243,7 +243,7 @@ Scan scan(std::string text, const std::string& word, const std::string& value = 
   return out;
 }
 
-TEST(UrdfShared, CountsAndMassAsAPlainScanFindsThem) {
+TEST(UrdfShared, CountsAndMassMatchAPlainScan) {
   NEEDS_ROBOT_DATA();
   const std::vector<std::string> files = robot_files(".urdf");
   EXPECT_GE(files.size(), 19u);
@@ -264,8 +264,9 @@ TEST(UrdfShared, CountsAndMassAsAPlainScanFindsThem) {
     EXPECT_EQ(static_cast<int>(m.loops().size()), scan(text, "<mimic").count);
     const Result<RobotModel> floating = read_urdf(text, path, options_for(path));
     ASSERT_TRUE(floating.has_value()) << floating.error().text();
-    std::cout << short_path(path) << ": " << m.link_count() << " links, " << m.nv() << " freedoms, " << m.mass() << " kg, "
-              << floating->mechanism->loops().size() << " loops; by itself " << floating->mechanism->nv() << " freedoms\n";
+    std::cout << short_path(path) << ": " << m.link_count() << " links, " << m.nv() << " degrees of freedom, " << m.mass() << " kg, "
+              << floating->mechanism->loops().size() << " loops; with the base of the file " << floating->mechanism->nv()
+              << " degrees of freedom\n";
   }
 }
 

@@ -1,4 +1,4 @@
-// Mechanisms written as URDF and MJCF: read back equal, opened by MuJoCo, told what is lost.
+// Mechanisms written as URDF and MJCF: they read back equal, MuJoCo opens them, and notes list what is lost.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,6 +17,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
+/// Random numbers for the test robots.
 class Dice {
  public:
   explicit Dice(unsigned seed) : engine_(seed) {}
@@ -28,7 +29,7 @@ class Dice {
   std::mt19937_64 engine_;
 };
 
-/// A tree of joints of these types, with limits, damping, shapes and everything that both formats hold.
+/// A random tree of joints of these types, with limits, damping, shapes and everything else that both formats can store.
 MechanismSpec random_robot(unsigned seed, const std::vector<JointType>& types, int links = 9) {
   Dice dice(seed);
   MechanismSpec spec;
@@ -43,7 +44,7 @@ MechanismSpec random_robot(unsigned seed, const std::vector<JointType>& types, i
     l.joint.axis2 = normalized(cross(l.joint.axis, dice.vec(1)));
     l.joint.pitch = 0.1;
     if (l.joint.type == JointType::revolute || l.joint.type == JointType::prismatic) {
-      Freedom& f = l.joint.freedoms[0];
+      Dof& f = l.joint.dofs[0];
       f.lower = dice.in(-2, 0);
       f.upper = dice.in(0, 2);
       f.damping = dice.in(0, 1);
@@ -78,9 +79,10 @@ double difference(const Inertia& a, const Inertia& b) {
   return error / size;
 }
 
-enum Held { common = 0, springs = 1, friction_of_surfaces = 2 };
+/// Properties that expect_equal() compares in addition to the common ones.
+enum Compared { common = 0, springs = 1, friction_of_surfaces = 2 };
 
-void expect_equal(const Mechanism& a, const Mechanism& b, int held) {
+void expect_equal(const Mechanism& a, const Mechanism& b, int compared) {
   for (const Link& l : a.links()) {
     SCOPED_TRACE(l.name);
     const int at = b.find_link(l.name);
@@ -91,9 +93,9 @@ void expect_equal(const Mechanism& a, const Mechanism& b, int held) {
     if (l.joint.type == JointType::revolute || l.joint.type == JointType::prismatic) EXPECT_LT(norm(o.joint.axis - l.joint.axis), 1e-15);
     EXPECT_LT(difference(l.inertia, o.inertia), 1e-12);
     for (int k = 0; k < l.joint.nv(); ++k) {
-      Freedom f = l.joint.freedoms[static_cast<std::size_t>(k)];
-      if ((held & springs) == 0) f.stiffness = f.rest = f.armature = 0;
-      EXPECT_EQ(o.joint.freedoms[static_cast<std::size_t>(k)], f);
+      Dof f = l.joint.dofs[static_cast<std::size_t>(k)];
+      if ((compared & springs) == 0) f.stiffness = f.rest = f.armature = 0;
+      EXPECT_EQ(o.joint.dofs[static_cast<std::size_t>(k)], f);
     }
     ASSERT_EQ(o.shapes.size(), l.shapes.size());
     for (std::size_t k = 0; k < l.shapes.size(); ++k) {
@@ -104,13 +106,13 @@ void expect_equal(const Mechanism& a, const Mechanism& b, int held) {
       EXPECT_NEAR(s.half_length, t.half_length, 1e-15);
       EXPECT_LT(norm(s.half_extents - t.half_extents), 1e-15);
       EXPECT_EQ(s.collides, t.collides);
-      if ((held & friction_of_surfaces) != 0 && s.collides) EXPECT_EQ(s.friction, t.friction);
+      if ((compared & friction_of_surfaces) != 0 && s.collides) EXPECT_EQ(s.friction, t.friction);
       if (s.geometry) EXPECT_NEAR(s.geometry->solid.mass, t.geometry->solid.mass, 1e-12);
     }
   }
 }
 
-RobotOptions with(const RobotText& text) {
+RobotOptions read_options(const RobotText& text) {
   RobotOptions options;
   options.meshes = Meshes::exact;
   for (const SideFile& f : text.files)
@@ -118,12 +120,12 @@ RobotOptions with(const RobotText& text) {
   options.read_asset = [files = text.files](const std::string& path) -> Result<std::string> {
     for (const SideFile& f : files)
       if (path.ends_with(f.name)) return f.text;
-    return fail(ErrorCode::io, path, "not there.");
+    return fail(ErrorCode::io, path, "The file does not exist.");
   };
   return options;
 }
 
-bool tells(const std::vector<std::string>& notes, std::string_view text) {
+bool reports(const std::vector<std::string>& notes, std::string_view text) {
   return std::ranges::any_of(notes, [&](const std::string& n) { return n.find(text) != std::string::npos; });
 }
 
@@ -143,7 +145,7 @@ TEST(UrdfWriter, ReadsBackEqual) {
     spec.links[3].shapes.push_back(Shape::mesh(*make_geometry(corners, faces, false, "mesh"), spec.links[3].shapes[0].X_BS));
     const MechanismPtr m = made(spec);
     const RobotText text = write_urdf(*m, "robot");
-    const auto back = read_urdf(text.text, "robot.urdf", with(text));
+    const auto back = read_urdf(text.text, "robot.urdf", read_options(text));
     ASSERT_TRUE(back.has_value()) << back.error().text() << text.text;
     EXPECT_EQ(back->mechanism->name(), m->name());
     EXPECT_EQ(back->mechanism->link_count(), m->link_count());
@@ -151,17 +153,18 @@ TEST(UrdfWriter, ReadsBackEqual) {
   }
 }
 
-TEST(UrdfWriter, JointsOfTwoFreedomsMoveAlike) {
+TEST(UrdfWriter, JointsOfTwoDofsMoveEqually) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(seed);
     const MechanismPtr m = made(random_robot(seed, {JointType::universal, JointType::cylindrical, JointType::revolute}));
     for (const bool mjcf : {false, true}) {
       const RobotText text = mjcf ? write_mjcf(*m) : write_urdf(*m, "robot");
-      const auto back = mjcf ? read_mjcf(text.text, "robot.xml", with(text)) : read_urdf(text.text, "robot.urdf", with(text));
+      const auto back =
+          mjcf ? read_mjcf(text.text, "robot.xml", read_options(text)) : read_urdf(text.text, "robot.urdf", read_options(text));
       ASSERT_TRUE(back.has_value()) << back.error().text();
-      EXPECT_TRUE(tells(text.notes, "became"));
+      EXPECT_TRUE(reports(text.notes, "became"));
       ASSERT_EQ(back->mechanism->nq(), m->nq());
-      // Coordinates stand in the same order within a link; links by name.
+      // Links are matched by name; within a link the coordinates have the same order.
       Dice dice(seed + 7);
       State s(*m), t(*back->mechanism);
       std::vector<double> a(s.v.size()), b(s.v.size()), tau(s.v.size());
@@ -196,8 +199,8 @@ TEST(UrdfWriter, JointsOfTwoFreedomsMoveAlike) {
   }
 }
 
-/// Every loop type that the YAML file can name, and gears as mimics: the conditions are the same.
-TEST(UrdfWriter, LoopsComeBack) {
+/// Every loop type that the YAML file can store, and gears as <mimic>, keep their loop conditions.
+TEST(UrdfWriter, LoopsReadBackEqual) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     Dice dice(seed);
     MechanismSpec spec = random_robot(seed, {JointType::revolute});
@@ -220,8 +223,8 @@ TEST(UrdfWriter, LoopsComeBack) {
     spec.loops.push_back({.name = "rope", .type = LoopType::distance, .link_a = "link 5", .link_b = "link 6", .length = 1});
     const MechanismPtr m = made(spec);
     const RobotText text = write_urdf(*m, "robot");
-    EXPECT_TRUE(tells(text.notes, "rope"));
-    const auto back = read_urdf(text.text, "robot.urdf", with(text));
+    EXPECT_TRUE(reports(text.notes, "rope"));
+    const auto back = read_urdf(text.text, "robot.urdf", read_options(text));
     ASSERT_TRUE(back.has_value()) << back.error().text();
     ASSERT_EQ(back->mechanism->loops().size(), 8u);
     std::vector<Pose> X(9), Y(static_cast<std::size_t>(back->mechanism->link_count()));
@@ -256,16 +259,16 @@ TEST(MjcfWriter, ReadsBackEqual) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     MechanismSpec spec = random_robot(seed, {JointType::revolute, JointType::prismatic, JointType::fixed, JointType::spherical});
-    spec.links[4].joint.freedoms[0].stiffness = 3;
-    spec.links[4].joint.freedoms[0].armature = 0.2;
+    spec.links[4].joint.dofs[0].stiffness = 3;
+    spec.links[4].joint.dofs[0].armature = 0.2;
     if (spec.links[4].joint.type == JointType::spherical)
-      for (std::size_t k = 1; k < 3; ++k) spec.links[4].joint.freedoms[k] = spec.links[4].joint.freedoms[0];
-    if (spec.links[4].joint.type == JointType::fixed) spec.links[4].joint.freedoms[0] = {};
+      for (std::size_t k = 1; k < 3; ++k) spec.links[4].joint.dofs[k] = spec.links[4].joint.dofs[0];
+    if (spec.links[4].joint.type == JointType::fixed) spec.links[4].joint.dofs[0] = {};
     spec.links[5].shapes.push_back(Shape::ellipsoid({0.1, 0.2, 0.3}, spec.links[5].shapes[0].X_BS));
     spec.links[5].shapes[0].friction = 0.3;
     const MechanismPtr m = made(spec);
     const RobotText text = write_mjcf(*m);
-    const auto back = read_mjcf(text.text, "robot.xml", with(text));
+    const auto back = read_mjcf(text.text, "robot.xml", read_options(text));
     ASSERT_TRUE(back.has_value()) << back.error().text() << text.text;
     EXPECT_EQ(back->mechanism->name(), m->name());
     EXPECT_EQ(back->mechanism->link_count(), m->link_count());
@@ -273,7 +276,7 @@ TEST(MjcfWriter, ReadsBackEqual) {
   }
 }
 
-TEST(MjcfWriter, EqualitiesComeBack) {
+TEST(MjcfWriter, EqualitiesReadBackEqual) {
   MechanismSpec spec = random_robot(4, {JointType::revolute});
   for (LinkSpec& l : spec.links) l.joint.X_PJ.R = Mat3::identity();
   const MechanismPtr tree = made(spec);
@@ -281,7 +284,7 @@ TEST(MjcfWriter, EqualitiesComeBack) {
   calc_poses(*tree, tree->neutral(), X);
   Dice dice(4);
   const auto at = [&](int link, const Pose& X_W) { return X[static_cast<std::size_t>(link)].inverse() * X_W; };
-  const Pose place{dice.rotation(), dice.vec(1)};
+  const Pose location{dice.rotation(), dice.vec(1)};
   spec.loops = {{.name = "weld",
                  .type = LoopType::weld,
                  .link_a = "link 3",
@@ -292,25 +295,25 @@ TEST(MjcfWriter, EqualitiesComeBack) {
                  .type = LoopType::ball,
                  .link_a = "link 3",
                  .link_b = "link 7",
-                 .X_AJ = at(3, place),
-                 .X_BJ = at(7, place),
+                 .X_AJ = at(3, location),
+                 .X_BJ = at(7, location),
                  .closed = false},
                 {.name = "hinge",
                  .type = LoopType::revolute,
                  .link_a = "link 4",
                  .link_b = "link 8",
-                 .X_AJ = at(4, place),
-                 .X_BJ = at(8, place),
+                 .X_AJ = at(4, location),
+                 .X_BJ = at(8, location),
                  .axis = {1, 0, 0}},
                 {.name = "gear", .type = LoopType::gear, .link_a = "link 5", .link_b = "link 6", .polynomial = {0.1, 2, 0.3, 0, 0}},
                 {.name = "rail", .type = LoopType::prismatic, .link_a = "link 5", .link_b = "link 6"},
                 {.name = "open", .type = LoopType::ball, .link_a = "link 5", .link_b = "link 6", .X_AJ = {Mat3::identity(), {9, 9, 9}}}};
   const MechanismPtr m = made(spec);
   const RobotText text = write_mjcf(*m);
-  EXPECT_TRUE(tells(text.notes, "rail"));
-  EXPECT_TRUE(tells(text.notes, "open"));
-  EXPECT_TRUE(tells(text.notes, "hinge"));
-  const auto back = read_mjcf(text.text, "robot.xml", with(text));
+  EXPECT_TRUE(reports(text.notes, "rail"));
+  EXPECT_TRUE(reports(text.notes, "open"));
+  EXPECT_TRUE(reports(text.notes, "hinge"));
+  const auto back = read_mjcf(text.text, "robot.xml", read_options(text));
   ASSERT_TRUE(back.has_value()) << back.error().text();
   const auto loops = back->mechanism->loops();
   ASSERT_EQ(loops.size(), 5u);
@@ -324,7 +327,7 @@ TEST(MjcfWriter, EqualitiesComeBack) {
 }
 
 #ifdef UGOKI_HAVE_MUJOCO
-/// MuJoCo opens what we write and finds our poses, inertia matrix and accelerations.
+/// MuJoCo opens the written files and computes the same poses, inertia matrix and accelerations.
 TEST(WriterPeer, MujocoAgrees) {
   for (unsigned seed = 1; seed <= 12; ++seed)
     for (const bool mjcf : {true, false}) {
@@ -333,8 +336,8 @@ TEST(WriterPeer, MujocoAgrees) {
           random_robot(seed, mjcf ? std::vector{JointType::revolute, JointType::prismatic, JointType::spherical, JointType::fixed}
                                   : std::vector{JointType::revolute, JointType::prismatic, JointType::fixed});
       for (LinkSpec& l : spec.links) {
-        if (!mjcf) l.shapes.clear();  // MuJoCo's URDF knows no capsules
-        for (Freedom& f : l.joint.freedoms) f.damping = f.friction = 0;
+        if (!mjcf) l.shapes.clear();  // MuJoCo's URDF reader does not support capsules
+        for (Dof& f : l.joint.dofs) f.damping = f.friction = 0;
       }
       RobotModel model;
       model.mechanism = made(spec);
@@ -343,7 +346,7 @@ TEST(WriterPeer, MujocoAgrees) {
       if (!mjcf) {
         text.insert(text.find("<link"),
                     "<mujoco><compiler fusestatic=\"false\" balanceinertia=\"false\" boundmass=\"0\" boundinertia=\"0\"/></mujoco>");
-        // MuJoCo fixes a URDF's base, unless it floats on a link called world.
+        // MuJoCo fixes the root link of a URDF, so a link "world" with a floating joint is added.
         text.insert(
             text.find("</robot>"),
             "<link name=\"world\"/><joint name=\"base\" type=\"floating\"><parent link=\"world\"/><child link=\"link 0\"/></joint>");
@@ -357,24 +360,24 @@ TEST(WriterPeer, MujocoAgrees) {
       Disagreement worst;
       for (int k = 0; k < 5; ++k) peer.compare(random, worst);
       EXPECT_LT(worst.pose, 1e-9);
-      EXPECT_LT(worst.inertia, 1e-6);  // MuJoCo's principal axes are good to about 1e-6
+      EXPECT_LT(worst.inertia, 1e-6);  // MuJoCo's principal axes are accurate to about 1e-6
       EXPECT_LT(worst.inverse, 1e-6);
       EXPECT_LT(worst.forward, 1e-5);
     }
 }
 #endif
 
-/// Whether the format holds this shape.
-bool is_held(const Shape& s, bool mjcf) { return s.type != ShapeType::height_field && (mjcf || s.type != ShapeType::ellipsoid); }
+/// Whether the format can store this shape.
+bool can_store(const Shape& s, bool mjcf) { return s.type != ShapeType::height_field && (mjcf || s.type != ShapeType::ellipsoid); }
 
-/// Round shapes may be turned about their own axis, and end for end.
-bool same_place(const Shape& a, const Shape& b) {
+/// Equality of shape poses. Round shapes may be rotated about their own axis, and flipped end to end.
+bool same_pose(const Shape& a, const Shape& b) {
   if (a.type == ShapeType::box || a.type == ShapeType::ellipsoid) return distance(a.X_BS, b.X_BS) < 1e-9;
   const bool axis = a.type == ShapeType::sphere || std::fabs(dot(a.X_BS.R.column(2), b.X_BS.R.column(2))) > 1 - 1e-12;
   return axis && norm(a.X_BS.p - b.X_BS.p) < 1e-9;
 }
 
-/// What the formats hold of real mechanisms: places, axes, masses, limits, damping, friction, efforts, shapes.
+/// Compares what the formats can store of real mechanisms: poses, axes, masses, limits, damping, friction, effort limits, shapes.
 void expect_kept(const Mechanism& m, const Mechanism& back, bool mjcf) {
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count())), Y(static_cast<std::size_t>(back.link_count()));
   calc_poses(m, m.neutral(), X);
@@ -390,7 +393,7 @@ void expect_kept(const Mechanism& m, const Mechanism& back, bool mjcf) {
     if (l.joint.type == JointType::revolute || l.joint.type == JointType::prismatic) {
       ASSERT_EQ(o.joint.type, l.joint.type);
       EXPECT_LT(norm(o.joint.axis - l.joint.axis), 1e-12);
-      const Freedom &f = l.joint.freedoms[0], &g = o.joint.freedoms[0];
+      const Dof &f = l.joint.dofs[0], &g = o.joint.dofs[0];
       EXPECT_EQ(g.lower, f.lower);
       EXPECT_EQ(g.upper, f.upper);
       EXPECT_EQ(g.damping, f.damping);
@@ -402,11 +405,11 @@ void expect_kept(const Mechanism& m, const Mechanism& back, bool mjcf) {
         EXPECT_EQ(g.armature, f.armature);
       }
     }
-    for (const Shape& h : l.shapes) {  // a URDF lists what collides apart from what is only seen
-      if (!is_held(h, mjcf) || !h.collides) continue;
+    for (const Shape& h : l.shapes) {  // URDF stores collision and visual shapes separately; only the former are compared
+      if (!can_store(h, mjcf) || !h.collides) continue;
       EXPECT_TRUE(std::ranges::any_of(o.shapes, [&](const Shape& s) {
         return s.collides && s.type == h.type && s.radius == h.radius && std::fabs(s.half_length - h.half_length) < 1e-12 &&
-               norm(s.half_extents - h.half_extents) < 1e-12 && same_place(s, h);
+               norm(s.half_extents - h.half_extents) < 1e-12 && same_pose(s, h);
       }));
     }
   }
@@ -417,7 +420,7 @@ std::filesystem::recursive_directory_iterator folder_of(const std::string& name)
   return std::filesystem::recursive_directory_iterator(std::string(UGOKI_SHARED_DATA) + name, absent);
 }
 
-/// Every shared description goes through both writers and comes back the same, but for what the format cannot hold.
+/// Every shared description is written in both formats and reads back equal, except for what the format cannot store.
 TEST(Writers, SharedDescriptions) {
   int count = 0;
   for (const std::filesystem::directory_entry& e : folder_of("/mechanism")) {
@@ -429,12 +432,13 @@ TEST(Writers, SharedDescriptions) {
     const std::string text = load_robot(e.path().string());
     if (!robot_format_of(text)) continue;
     const auto model = read_robot_file(text, e.path().string(), options);
-    if (!model) continue;  // refused for reasons of its own: the readers' tests
+    if (!model) continue;  // refused; the tests of the readers check this
     const Mechanism& m = *model->mechanism;
     for (const bool mjcf : {true, false}) {
       SCOPED_TRACE(mjcf ? "as MJCF" : "as URDF");
       const RobotText written = mjcf ? write_mjcf(m) : write_urdf(m, "robot");
-      const auto back = mjcf ? read_mjcf(written.text, "robot.xml", with(written)) : read_urdf(written.text, "robot.urdf", with(written));
+      const auto back =
+          mjcf ? read_mjcf(written.text, "robot.xml", read_options(written)) : read_urdf(written.text, "robot.urdf", read_options(written));
       ASSERT_TRUE(back.has_value()) << back.error().text();
       EXPECT_NEAR(back->mechanism->mass(), m.mass(), 1e-9 * m.mass());
       int helical = 0;
@@ -445,7 +449,7 @@ TEST(Writers, SharedDescriptions) {
     }
   }
   RecordProperty("written_and_read", count);
-  if (count == 0) GTEST_SKIP() << "the shared data is absent";
+  if (count == 0) GTEST_SKIP() << "the shared data are missing";
 }
 
 }  // namespace

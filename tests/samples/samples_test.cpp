@@ -1,4 +1,4 @@
-// The sample content is what it says: a human, a dog and a ball whose motions stand on the ground, do not slide, and repeat.
+// The sample content: feet of the human's and the dog's motions stay on the ground, do not slide, and the motions are cyclic.
 
 #include "ugoki/samples/samples.h"
 
@@ -66,18 +66,18 @@ double angle_range(const Mechanism& m, const Motion& motion, const char* link, d
 
 TEST(Samples, EveryMotionFitsItsMechanismAndRepeats) {
   for (const auto& [id, m] : sample_content().resources.motions) {
-    const Mechanism& figure = mechanism(id.starts_with("dog") ? "dog" : "human");
-    EXPECT_TRUE(check_motion(*m, figure).empty()) << check_motion(*m, figure).text();
+    const Mechanism& character = mechanism(id.starts_with("dog") ? "dog" : "human");
+    EXPECT_TRUE(check_motion(*m, character).empty()) << check_motion(*m, character).text();
     EXPECT_TRUE(m->cyclic) << id;
-    EXPECT_EQ(m->mechanism, figure.name());
-    // The last frame is the first one, farther on.
-    std::vector<double> last(m->frame(m->frames - 1), m->frame(m->frames - 1) + m->nq), v(static_cast<std::size_t>(figure.nv()));
-    displace_root(figure, inverse(cycle_of(*m, figure)), last);
-    difference(figure, std::span(m->frame(0), static_cast<std::size_t>(m->nq)), last, v);
+    EXPECT_EQ(m->mechanism, character.name());
+    // The last frame equals the first frame displaced by one cycle.
+    std::vector<double> last(m->frame(m->frames - 1), m->frame(m->frames - 1) + m->nq), v(static_cast<std::size_t>(character.nv()));
+    displace_root(character, inverse(cycle_of(*m, character)), last);
+    difference(character, std::span(m->frame(0), static_cast<std::size_t>(m->nq)), last, v);
     for (const double x : v) EXPECT_NEAR(x, 0, 1e-6) << id;
-    // Smooth: no joint jumps, over the seam neither (40 rad/s at most, at 120 frames a second).
+    // No joint moves faster than 40 rad/s, at 120 frames per second.
     for (int f = 0; f + 1 < m->frames; ++f) {
-      difference(figure, std::span(m->frame(f), static_cast<std::size_t>(m->nq)),
+      difference(character, std::span(m->frame(f), static_cast<std::size_t>(m->nq)),
                  std::span(m->frame(f + 1), static_cast<std::size_t>(m->nq)), v);
       for (const double x : v) EXPECT_LT(std::fabs(x), 40.0 / 120) << id << " frame " << f;
     }
@@ -86,23 +86,23 @@ TEST(Samples, EveryMotionFitsItsMechanismAndRepeats) {
 
 TEST(Samples, LimitsContainTheMotions) {
   for (const auto& [id, m] : sample_content().resources.motions) {
-    const Mechanism& figure = mechanism(id.starts_with("dog") ? "dog" : "human");
+    const Mechanism& character = mechanism(id.starts_with("dog") ? "dog" : "human");
     for (int f = 0; f < m->frames; ++f)
-      for (const Link& l : figure.links()) {
+      for (const Link& l : character.links()) {
         double x[6];
         joint_displacement(l.joint, m->frame(f) + l.q_index, x);
         for (int k = 0; k < l.joint.nv(); ++k) {
-          ASSERT_GE(x[k], l.joint.freedoms[static_cast<std::size_t>(k)].lower) << id << " " << l.name << " frame " << f;
-          ASSERT_LE(x[k], l.joint.freedoms[static_cast<std::size_t>(k)].upper) << id << " " << l.name << " frame " << f;
+          ASSERT_GE(x[k], l.joint.dofs[static_cast<std::size_t>(k)].lower) << id << " " << l.name << " frame " << f;
+          ASSERT_LE(x[k], l.joint.dofs[static_cast<std::size_t>(k)].upper) << id << " " << l.name << " frame " << f;
         }
       }
   }
 }
 
-TEST(Human, HasTheProportionsAskedFor) {
+TEST(Human, HasMassAndHeightOfTheSkeleton) {
   EXPECT_NEAR(mechanism("human").mass(), 70, 70e-9);
   const MeasuredMotion walk = make_human_walk();
-  EXPECT_NEAR(rest_height(walk.skeleton), 1.75 - 0.019 * 1.75, 0.003);  // down to the ball of the foot
+  EXPECT_NEAR(rest_height(walk.skeleton), 1.75 - 0.019 * 1.75, 0.003);  // measured down to the ball of the foot
   const auto body = body::make_body(walk);
   ASSERT_TRUE(body.has_value());
   EXPECT_TRUE(body->human);
@@ -110,13 +110,13 @@ TEST(Human, HasTheProportionsAskedFor) {
   EXPECT_LT(body::calc_position_error(*body, walk, body::to_motion(*body, walk)), 1e-6);
 }
 
-TEST(Human, WalksOnItsFeet) {
+TEST(Human, WalkHasPublishedKinematicsWithoutSliding) {
   const Kinematics k = measure(mechanism("human"), motion("human-walk"));
   EXPECT_LT(k.worst_skate_cm, 0.5);
   EXPECT_LT(k.penetration_mm, 1);
   EXPECT_NEAR((k.last.x - k.first.x) / motion("human-walk").duration(), 1.35, 1e-3);
   EXPECT_NEAR(k.last.y, k.first.y, 1e-6);
-  // The centre of mass rises and falls by 3 to 5 cm (Winter 1991), at some 55 % of the height.
+  // The centre of mass rises and falls by 3 to 5 cm (Winter 1991), at about 55 % of the height.
   EXPECT_GT(k.highest_com - k.lowest_com, 0.025);
   EXPECT_LT(k.highest_com - k.lowest_com, 0.055);
   EXPECT_NEAR(k.highest_com / 1.75, 0.55, 0.02);
@@ -138,7 +138,7 @@ TEST(Human, StandsStill) {
     EXPECT_EQ(std::count(c.on.begin(), c.on.end(), 1), motion("human-stand").frames);
 }
 
-TEST(Dog, HasTheSizeOfAShepherd) {
+TEST(Dog, HasMassSymmetryAndWeightDistributionOfAShepherd) {
   const Mechanism& dog = mechanism("dog");
   EXPECT_NEAR(dog.mass(), 32, 32e-9);
   EXPECT_GE(dog.link_count(), 6 + 4 + 4 * 4);
@@ -150,7 +150,7 @@ TEST(Dog, HasTheSizeOfAShepherd) {
     EXPECT_NEAR(l.inertia.mass, dog.link(r).inertia.mass, 1e-12);
     EXPECT_NEAR(l.inertia.h.y, -dog.link(r).inertia.h.y, 1e-12) << l.name;
   }
-  // Dogs carry some 60 % of their weight on the fore legs ("A 60:40 split: differential mass support in dogs", Anatomical Record 2020,
+  // Dogs carry about 60 % of their weight on the fore legs ("A 60:40 split: differential mass support in dogs", Anatomical Record 2020,
   // doi 10.1002/ar.24407).
   std::vector<Pose> X(static_cast<std::size_t>(dog.link_count()));
   calc_poses(dog, dog.neutral(), X);
@@ -158,7 +158,7 @@ TEST(Dog, HasTheSizeOfAShepherd) {
                fore = X[static_cast<std::size_t>(dog.find_link("LeftForePaw"))].p.x;
   const double share = (centre_of_mass(dog, X).x - hind) / (fore - hind);
   EXPECT_NEAR(share, 0.60, 0.04);
-  // Paws on the ground, withers at 0.62 m.
+  // Paws are on the ground.
   for (const int paw : find_feet(dog)) {
     double low = 1e9;
     for (const SupportPoint& p : support_points(dog.link(paw))) low = std::min(low, (X[static_cast<std::size_t>(paw)] * p.p).z - p.radius);
@@ -167,7 +167,7 @@ TEST(Dog, HasTheSizeOfAShepherd) {
   EXPECT_EQ(find_feet(dog).size(), 4u);
 }
 
-TEST(Dog, TrotsInTwoBeats) {
+TEST(Dog, TrotMovesDiagonalLegsInPhase) {
   const Mechanism& dog = mechanism("dog");
   const Motion& trot = motion("dog-trot");
   const Kinematics k = measure(dog, trot);
@@ -175,7 +175,7 @@ TEST(Dog, TrotsInTwoBeats) {
   EXPECT_LT(k.penetration_mm, 5);
   EXPECT_NEAR((k.last.x - k.first.x) / trot.duration(), 1.35, 2e-3);
   EXPECT_LT(k.highest_com - k.lowest_com, 0.03);
-  // Diagonal legs stand together, the other two swing.
+  // One diagonal pair of legs stands while the other pair swings.
   const auto on = [&](const char* link, int f) {
     for (const ContactTrack& c : trot.contacts)
       if (c.link == link) return c.on[static_cast<std::size_t>(f)] != 0;
@@ -194,14 +194,14 @@ TEST(Dog, StandsStill) {
   EXPECT_LT(k.penetration_mm, 0.5);
 }
 
-TEST(Samples, TheScenarioFitsItsResources) {
+TEST(Samples, ScenarioIsValidAndReproducible) {
   const Sample& s = sample_content();
   const auto scenario = content::read_scenario(s.document, "sample");
   ASSERT_TRUE(scenario.has_value()) << scenario.error().text();
   EXPECT_EQ(scenario->duration, 20);
   const auto bytes = content::generate(*scenario, s.resources);
   ASSERT_TRUE(bytes.has_value()) << bytes.error().text();
-  EXPECT_EQ(*bytes, *content::generate(*scenario, make_sample().resources));  // made twice, the same bytes
+  EXPECT_EQ(*bytes, *content::generate(*scenario, make_sample().resources));  // making the sample twice gives the same bytes
 }
 
 }  // namespace

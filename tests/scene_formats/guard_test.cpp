@@ -1,4 +1,4 @@
-// The guard around assimp: crashes, hangs and greed of the child are sentences to the caller.
+// The child process around assimp: crashes, hangs and excessive memory use become errors of the caller.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -20,7 +20,7 @@ namespace {
 #endif
 #endif
 
-TEST(Guard, AnswersComeBackWhole) {
+TEST(Guard, AnswersAreReturnedCompletely) {
   const std::string long_answer(5'000'000, 'x');
   const auto r = call_guarded([&] { return long_answer; }, "place");
   ASSERT_TRUE(r.has_value());
@@ -31,8 +31,8 @@ TEST(Guard, AnswersComeBackWhole) {
 TEST(Guard, CrashesAreErrors) {
   const auto crash = call_guarded([]() -> std::string { abort(); }, "bad.fbx");
   ASSERT_FALSE(crash.has_value());
-  EXPECT_EQ(crash.error().problems[0].place, "bad.fbx");
-  EXPECT_NE(crash.error().text().find("broke down"), std::string::npos);
+  EXPECT_EQ(crash.error().problems[0].location, "bad.fbx");
+  EXPECT_NE(crash.error().text().find("crashed"), std::string::npos);
   EXPECT_FALSE(call_guarded([]() -> std::string { throw std::runtime_error("no"); }, "bad.fbx").has_value());
   EXPECT_FALSE(call_guarded([]() -> std::string { _exit(3); }, "bad.fbx").has_value());
   EXPECT_TRUE(call_guarded([] { return std::string("still here"); }, "good.fbx").has_value());
@@ -50,26 +50,26 @@ TEST(Guard, HangsAndLongAnswersAreStopped) {
 }
 
 #ifndef UGOKI_ASAN
-TEST(Guard, GreedIsStopped) {
-  const auto greed = call_guarded(
+TEST(Guard, ExcessiveMemoryUseIsStopped) {
+  const auto big_use = call_guarded(
       [] {
         std::vector<std::string> all;
         for (int i = 0; i < 1000; ++i) all.emplace_back(std::size_t{1} << 20, 'x');
         return all.back();
       },
       "greedy.fbx", {.memory = std::size_t{200} << 20});
-  ASSERT_FALSE(greed.has_value());
-  EXPECT_NE(greed.error().text().find("memory"), std::string::npos);
+  ASSERT_FALSE(big_use.has_value());
+  EXPECT_NE(big_use.error().text().find("memory"), std::string::npos);
 }
 #endif
 
-/// Damaged files are read or refused, and this process goes on.
+/// Reads damaged files: each is read or refused, and this process survives.
 void damage(int rounds) {
   std::mt19937 engine(3);
   const MeasuredMotion m = random_motion(2, 4);
   int refused = 0;
   for (const auto& [format, name] : {std::pair("binary", "d.fbx"), std::pair("fbxa", "d.fbx"), std::pair("collada", "d.dae")}) {
-    // The head of a binary file with anything behind it, and whole files.
+    // A binary header followed by arbitrary bytes, and complete files.
     const std::string good = std::string(format) == "binary"
                                  ? std::string("Kaydara FBX Binary  \0\x1a\0\xe8\x1c\0\0", 27) + std::string(2000, '\1')
                                  : make_scene_file(m, {.format = format, .units_per_metre = 100});
@@ -80,7 +80,7 @@ void damage(int rounds) {
       const auto r = read_scene(std::as_bytes(std::span(bad.data(), bad.size())), name, {.seconds = 20});
       if (!r) {
         ++refused;
-        for (const Problem& p : r.error().problems) EXPECT_FALSE(p.place.empty() || p.message.empty() || p.remedy.empty());
+        for (const Problem& p : r.error().problems) EXPECT_FALSE(p.location.empty() || p.message.empty() || p.remedy.empty());
       }
     }
   }

@@ -17,6 +17,7 @@
 namespace ugoki::scene_formats {
 namespace {
 
+/// Converts from our axes (z up) to the file's (y up).
 Vec3 to_file(const Vec3& v) { return {v.y, v.z, v.x}; }
 Mat3 to_file(const Mat3& R) {
   const Vec3 a = to_file(R.row(1)), b = to_file(R.row(2)), c = to_file(R.row(0));
@@ -27,22 +28,22 @@ aiQuaternion ai(const Quat& q) {
   return {static_cast<ai_real>(q.w), static_cast<ai_real>(q.x), static_cast<ai_real>(q.y), static_cast<ai_real>(q.z)};
 }
 
-/// Rotation of a node at rest: any, but always the same.
+/// Rest rotation of a joint's node: arbitrary, but the same for the whole file.
 Mat3 rest_rotation(std::size_t joint) {
   return rotation_about(normalized(Vec3{1, static_cast<double>(joint), 0.5}), 0.7 * static_cast<double>(joint));
 }
 
-/// One triangle for each joint, moved by that joint alone.
-aiMesh* make_mesh(const std::vector<Vec3>& places, const std::vector<std::string>& names) {
+/// One triangle for each joint, bound to this joint only.
+aiMesh* make_mesh(const std::vector<Vec3>& positions, const std::vector<std::string>& names) {
   auto* mesh = new aiMesh;
   mesh->mName = "skin";
   mesh->mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
-  mesh->mNumVertices = static_cast<unsigned>(3 * places.size());
+  mesh->mNumVertices = static_cast<unsigned>(3 * positions.size());
   mesh->mVertices = new aiVector3D[mesh->mNumVertices];
   mesh->mNormals = new aiVector3D[mesh->mNumVertices];
-  mesh->mNumFaces = static_cast<unsigned>(places.size());
+  mesh->mNumFaces = static_cast<unsigned>(positions.size());
   mesh->mFaces = new aiFace[mesh->mNumFaces];
-  mesh->mNumBones = static_cast<unsigned>(places.size());
+  mesh->mNumBones = static_cast<unsigned>(positions.size());
   mesh->mBones = new aiBone*[mesh->mNumBones];
   for (unsigned j = 0; j < mesh->mNumBones; ++j) {
     aiBone* bone = mesh->mBones[j] = new aiBone;
@@ -54,7 +55,7 @@ aiMesh* make_mesh(const std::vector<Vec3>& places, const std::vector<std::string
     mesh->mFaces[j].mIndices = new unsigned[3];
     for (unsigned k = 0; k < 3; ++k) {
       const unsigned v = 3 * j + k;
-      mesh->mVertices[v] = ai(places[j] + Vec3{0.1 * (k == 1), 0.1 * (k == 2), 0});
+      mesh->mVertices[v] = ai(positions[j] + Vec3{0.1 * (k == 1), 0.1 * (k == 2), 0});
       mesh->mNormals[v] = {0, 0, 1};
       mesh->mFaces[j].mIndices[k] = v;
       bone->mWeights[k] = {v, 1.0f};
@@ -98,14 +99,14 @@ std::string make_scene_file(const MeasuredMotion& motion, const MadeOptions& opt
   std::vector<aiNode*> nodes(n);
   std::vector<std::vector<aiNode*>> children(n + 1);
   std::vector<std::string> names;
-  std::vector<Vec3> places;
+  std::vector<Vec3> positions;
   const std::vector<Vec3> rest = rest_positions(motion.skeleton);
   const auto local_rotation = [&](std::size_t j, const Mat3& turned_parent, const Mat3& turned) {
     const int p = motion.skeleton.joints[j].parent;
     const Mat3 up = p < 0 ? Mat3::identity() : to_file(turned_parent) * rest_rotation(static_cast<std::size_t>(p));
     return up.transposed() * (to_file(turned) * rest_rotation(j));
   };
-  const auto local_place = [&](std::size_t j, const Vec3& p) {
+  const auto local_position = [&](std::size_t j, const Vec3& p) {
     const int parent = motion.skeleton.joints[j].parent;
     return (parent < 0 ? to_file(p) : transpose_times(rest_rotation(static_cast<std::size_t>(parent)), to_file(p))) * unit;
   };
@@ -113,10 +114,10 @@ std::string make_scene_file(const MeasuredMotion& motion, const MadeOptions& opt
     const SkeletonJoint& joint = motion.skeleton.joints[j];
     nodes[j] = new aiNode(joint.name);
     nodes[j]->mTransformation = aiMatrix4x4(aiVector3D(1, 1, 1), ai(to_quat(local_rotation(j, Mat3::identity(), Mat3::identity()))),
-                                            ai(local_place(j, joint.offset)));
+                                            ai(local_position(j, joint.offset)));
     children[static_cast<std::size_t>(joint.parent + 1)].push_back(nodes[j]);
     names.push_back(joint.name);
-    places.push_back(to_file(rest[j]) * unit);
+    positions.push_back(to_file(rest[j]) * unit);
   }
   aiScene scene;
   scene.mRootNode = new aiNode("RootNode");
@@ -130,9 +131,9 @@ std::string make_scene_file(const MeasuredMotion& motion, const MadeOptions& opt
     skin->mMeshes = new unsigned[1]{0};
     top.push_back(skin);
     scene.mNumMeshes = 1;
-    scene.mMeshes = new aiMesh*[1]{make_mesh(places, names)};
-    for (std::size_t j = 0; j < n; ++j) {  // bind pose: from the mesh's space to the bone's at rest
-      const aiMatrix4x4 bone(aiVector3D(1, 1, 1), ai(to_quat(rest_rotation(j))), ai(places[j]));
+    scene.mMeshes = new aiMesh*[1]{make_mesh(positions, names)};
+    for (std::size_t j = 0; j < n; ++j) {  // bind pose: from the mesh frame to the bone frame in the rest pose
+      const aiMatrix4x4 bone(aiVector3D(1, 1, 1), ai(to_quat(rest_rotation(j))), ai(positions[j]));
       aiMatrix4x4 offset = bone;
       scene.mMeshes[0]->mBones[j]->mOffsetMatrix = offset.Inverse();
     }
@@ -143,7 +144,7 @@ std::string make_scene_file(const MeasuredMotion& motion, const MadeOptions& opt
 
   auto* animation = new aiAnimation;
   animation->mName = "dance";
-  animation->mTicksPerSecond = 1;  // times in seconds: the COLLADA exporter takes them for that
+  animation->mTicksPerSecond = 1;  // times in seconds, as the COLLADA exporter assumes
   animation->mDuration = (motion.frames - 1) / motion.rate;
   animation->mNumChannels = static_cast<unsigned>(n);
   animation->mChannels = new aiNodeAnim*[n];
@@ -163,14 +164,14 @@ std::string make_scene_file(const MeasuredMotion& motion, const MadeOptions& opt
       const Mat3 up = p < 0 ? Mat3::identity() : turned[static_cast<std::size_t>(p)];
       turned[j] = up * to_matrix(motion.rotations[at]);
       aiNodeAnim& channel = *animation->mChannels[j];
-      channel.mPositionKeys[f] = {f / motion.rate, ai(local_place(j, motion.translations[at]))};
+      channel.mPositionKeys[f] = {f / motion.rate, ai(local_position(j, motion.translations[at]))};
       channel.mRotationKeys[f] = {f / motion.rate, ai(to_quat(local_rotation(j, up, turned[j])))};
       channel.mScalingKeys[f] = {f / motion.rate, aiVector3D(1, 1, 1)};
     }
   scene.mNumAnimations = 1;
   scene.mAnimations = new aiAnimation*[1]{animation};
 
-  // Through a file, as people export.
+  // Exported to a file, because that is the exporters' usual code path.
   std::string folder = (std::filesystem::temp_directory_path() / "ugoki-scene-XXXXXX").string();
   UGOKI_CHECK(::mkdtemp(folder.data()) != nullptr);
   const std::string path = folder + (options.format == "collada" ? "/made.dae" : "/made.fbx");

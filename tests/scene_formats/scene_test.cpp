@@ -17,12 +17,12 @@ int joint_named(const MeasuredMotion& m, const std::string& name) {
   return -1;
 }
 
-/// Greatest difference [m] of a joint's position in any frame, and of the turn of its frame since rest.
+/// Expects equal joint positions (to `tolerance`, m) and rotations since the rest pose (to 3 `tolerance`) in all frames.
 void expect_same(const MeasuredMotion& m, const MeasuredMotion& back, double tolerance) {
   ASSERT_EQ(back.frames, m.frames);
   EXPECT_NEAR(back.rate, m.rate, 1e-6);
   std::vector<Pose> X(static_cast<std::size_t>(m.joint_count())), Y(static_cast<std::size_t>(back.joint_count()));
-  double place = 0, turn = 0;
+  double distance = 0, turn = 0;
   for (int f = 0; f < m.frames; ++f) {
     m.calc_joint_poses(f, X);
     back.calc_joint_poses(f, Y);
@@ -30,15 +30,15 @@ void expect_same(const MeasuredMotion& m, const MeasuredMotion& back, double tol
       const int at = joint_named(back, m.skeleton.joints[static_cast<std::size_t>(i)].name);
       ASSERT_GE(at, 0) << m.skeleton.joints[static_cast<std::size_t>(i)].name;
       const Pose &a = X[static_cast<std::size_t>(i)], &b = Y[static_cast<std::size_t>(at)];
-      place = std::max(place, norm(a.p - b.p));
+      distance = std::max(distance, norm(a.p - b.p));
       for (int r = 0; r < 3; ++r) turn = std::max(turn, norm(a.R.row(r) - b.R.row(r)));
     }
   }
-  EXPECT_LT(place, tolerance);
+  EXPECT_LT(distance, tolerance);
   EXPECT_LT(turn, 3 * tolerance);
 }
 
-TEST(Scene, FbxComesBack) {
+TEST(Scene, FbxReadsBackEqual) {
   for (const char* format : {"fbxa"})
     for (unsigned seed = 1; seed <= 3; ++seed) {
       SCOPED_TRACE(std::string(format) + " " + std::to_string(seed));
@@ -53,7 +53,7 @@ TEST(Scene, FbxComesBack) {
     }
 }
 
-TEST(Scene, FbxTellsItsAxesAndUnit) {
+TEST(Scene, FbxAxesAndUnitAreRead) {
   const MeasuredMotion m = random_motion(4);
   std::string file = make_scene_file(m, {.format = "fbxa", .units_per_metre = 100});
   const auto set = [&](const std::string& property, const std::string& value) {
@@ -75,12 +75,12 @@ TEST(Scene, FbxTellsItsAxesAndUnit) {
   for (int i = 0; i < 12; ++i) {
     const Vec3 p = X[static_cast<std::size_t>(i)].p,
                q = Y[static_cast<std::size_t>(joint_named(back->front(), m.skeleton.joints[static_cast<std::size_t>(i)].name))].p;
-    // The file was written Y up: (x, y, z) as (y, z, x); now its numbers are taken Z up, as they are.
+    // The file was written with Y up: (x, y, z) as (y, z, x). With UpAxis = 2 its coordinates are used unchanged.
     EXPECT_LT(norm(q - Vec3{p.y, p.z, p.x} * 2.54), 1e-4);
   }
 }
 
-TEST(Scene, ColladaComesBack) {
+TEST(Scene, ColladaReadsBackEqual) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const MeasuredMotion m = random_motion(seed);
     const std::string file = make_scene_file(m, {.format = "collada"});
@@ -91,8 +91,8 @@ TEST(Scene, ColladaComesBack) {
   }
 }
 
-/// By hand: hip at (1, 2, 3), arm 4 along y above it, tip 5 along z from the arm, which turns about x by 90 degrees.
-TEST(Scene, ColladaTellsItsAxesAndUnit) {
+/// Expected positions by hand: hip at (1, 2, 3), arm 4 along y from it, tip 5 along z from the arm, which rotates about x by 90 degrees.
+TEST(Scene, ColladaAxesAndUnitAreRead) {
   for (const std::string& up : {std::string("Y_UP"), std::string("Z_UP")}) {
     SCOPED_TRACE(up);
     const std::string text = collada_text(up, 0.1);
@@ -107,11 +107,11 @@ TEST(Scene, ColladaTellsItsAxesAndUnit) {
     EXPECT_LT(norm(at("arm") - file({1, 6, 3})), 1e-5);
     EXPECT_LT(norm(at("tip") - file({1, 6, 8})), 1e-5);
     m.calc_joint_poses(10, X);
-    EXPECT_LT(norm(at("tip") - file({1, 1, 3})), 1e-5);  // z turned about x is -y
+    EXPECT_LT(norm(at("tip") - file({1, 1, 3})), 1e-5);  // rotation about x maps z to -y
   }
 }
 
-TEST(Scene, FilesWithoutSkinGiveWhatMoves) {
+TEST(Scene, FilesWithoutSkinGiveAnimatedNodes) {
   const MeasuredMotion m = random_motion(6);
   const std::string file = make_scene_file(m, {.format = "fbxa", .units_per_metre = 100, .skin = false});
   const auto back = read_scene(bytes_of(file), "bare.fbx");
@@ -119,7 +119,7 @@ TEST(Scene, FilesWithoutSkinGiveWhatMoves) {
   expect_same(m, back->front(), 2e-5);
 }
 
-TEST(Scene, Refusals) {
+TEST(Scene, UnreadableFilesAreRefused) {
   const auto refused = [](const std::string& text, const char* name) {
     const auto r = read_scene(bytes_of(text), name);
     EXPECT_FALSE(r.has_value());
@@ -131,46 +131,46 @@ TEST(Scene, Refusals) {
   EXPECT_NE(refused("hello", "x.blend").find("neither"), std::string::npos);
 }
 
-/// The text with `old` replaced by `now`, once.
+/// The text with the first `old` replaced by `now`.
 std::string with(std::string text, const std::string& old, const std::string& now) {
   const std::size_t at = text.find(old);
   EXPECT_NE(at, std::string::npos) << old;
   return at == std::string::npos ? text : text.replace(at, old.size(), now);
 }
 
-TEST(Scene, ColladaThatRefersToWhatIsNotThereIsRefused) {
+TEST(Scene, ColladaWithInvalidReferencesIsRefused) {
   const std::string good = collada_text("Y_UP", 1);
   struct Case {
-    const char *old, *now, *place, *words;
+    const char *old, *now, *location, *words;
   };
   const Case cases[] = {
-      {"count=\"2\">0 1<", "count=\"0\">0 1<", "<accessor>", "do not lie within the 0"},
-      {"count=\"2\">0 1<", "count=\"3\">0 1<", "line 5, <float_array>", "tells of 3 values, but there are 2"},
-      {"#times-a\" count=\"2\"", "#times-a\" count=\"2\" stride=\"9\"", "<accessor>", "do not lie within"},
-      {"#times-a\" count=\"2\"", "#times-a\" count=\"2\" offset=\"99999999999\"", "<accessor>", "which cannot be"},
+      {"count=\"2\">0 1<", "count=\"0\">0 1<", "<accessor>", "exceed its array of 0"},
+      {"count=\"2\">0 1<", "count=\"3\">0 1<", "line 5, <float_array>", "declares 3 values, but has 2"},
+      {"#times-a\" count=\"2\"", "#times-a\" count=\"2\" stride=\"9\"", "<accessor>", "exceed its array"},
+      {"#times-a\" count=\"2\"", "#times-a\" count=\"2\" offset=\"99999999999\"", "<accessor>", "not an integer from"},
       {"#times-a\" count=\"2\"", "#times-a\" count=\"1\"", "<channel>", "1 times, but 2 values"},
-      {"OUTPUT\" source=\"#angles\"", "OUTPUT\" source=\"#nothing\"", "<input>", "which is not there"},
+      {"OUTPUT\" source=\"#angles\"", "OUTPUT\" source=\"#nothing\"", "<input>", "which does not exist"},
       {"OUTPUT\" source=\"#angles\"", "OUTPUT\" source=\"#how\"", "<channel>", "names, not numbers"},
-      {">0 90<", ">0 ninety<", "<channel>", "no number"},
+      {">0 90<", ">0 ninety<", "<channel>", "not a valid number"},
       {">0 90<", ">0 9e8<", "<channel>", "too many turns"},
-      {">0 1<", ">1 0<", "<channel>", "do not go up"},
-      {"ANGLE\" type=\"float\"", "ANGLE\" type=\"float4x4\"", "<accessor>", "do not lie within"},
+      {">0 1<", ">1 0<", "<channel>", "decrease"},
+      {"ANGLE\" type=\"float\"", "ANGLE\" type=\"float4x4\"", "<accessor>", "exceed its array"},
       {">0 4 0<", ">0 4<", "line 13, <translate>", "2 of 3 numbers"},
-      {"<instance_visual_scene url=\"#scene\"", "<instance_visual_scene url=\"#no\"", "<instance_visual_scene>", "which is not there"},
-      {">0 0 5</translate>", ">0 0 5</translate><instance_node url=\"#hip\"/>", "<", "stands below itself"},
+      {"<instance_visual_scene url=\"#scene\"", "<instance_visual_scene url=\"#no\"", "<instance_visual_scene>", "which does not exist"},
+      {">0 0 5</translate>", ">0 0 5</translate><instance_node url=\"#hip\"/>", "<", "is its own ancestor"},
       {"</COLLADA>", "", "line", "cannot be read"},
   };
   for (const Case& c : cases) {
     const auto r = read_scene(bytes_of(with(good, c.old, c.now)), "x.dae");
     ASSERT_FALSE(r.has_value()) << c.old << " -> " << c.now;
     const std::string text = r.error().text();
-    EXPECT_NE(text.find(c.place), std::string::npos) << text;
+    EXPECT_NE(text.find(c.location), std::string::npos) << text;
     EXPECT_NE(text.find(c.words), std::string::npos) << text;
     EXPECT_NE(text.find("Export it again"), std::string::npos) << text;
   }
 }
 
-TEST(Scene, ColladaIsReadWhateverItHoldsBesideTheSkeleton) {
+TEST(Scene, ColladaReadsSkeletonDespiteOtherDefects) {
   const std::string good = collada_text("Y_UP", 1);
   const auto plain = read_scene(bytes_of(good), "x.dae");
   ASSERT_TRUE(plain);
@@ -188,8 +188,8 @@ TEST(Scene, ColladaIsReadWhateverItHoldsBesideTheSkeleton) {
   expect_same(plain->front(), more->front(), 1e-12);
 }
 
-/// A skin hangs on the joints that have a weight: `arm` by the pairs, `hip` by none but a weight of nothing.
-TEST(Scene, ColladaSkinsTellTheirJoints) {
+/// A skin uses the joints that have a positive weight: here `arm`; `hip` only has a weight of zero.
+TEST(Scene, ColladaSkinsUseWeightedJoints) {
   const auto source = [](const std::string& id, const std::string& array, const std::string& words, int count) {
     const std::string n = std::to_string(count);
     return "<source id=\"" + id + "\"><" + array + " id=\"" + id + "-a\" count=\"" + n + "\">" + words + "</" + array +
@@ -209,17 +209,17 @@ TEST(Scene, ColladaSkinsTellTheirJoints) {
   ASSERT_TRUE(back) << back.error().text();
   ASSERT_EQ(back->front().joint_count(), 1);
   EXPECT_EQ(back->front().skeleton.joints[0].name, "arm");
-  for (const auto& [old, now, words] : {std::tuple{"<v>0 0 1 1 1 1<", "<v>0 0 1 1 2 1<", "Pair 3 names a joint"},
-                                        std::tuple{"<v>0 0 1 1 1 1<", "<v>0 0 1 1 1 2<", "Pair 3 names a joint"},
+  for (const auto& [old, now, words] : {std::tuple{"<v>0 0 1 1 1 1<", "<v>0 0 1 1 2 1<", "Pair 3 of <v> refers to a joint"},
+                                        std::tuple{"<v>0 0 1 1 1 1<", "<v>0 0 1 1 1 2<", "Pair 3 of <v> refers to a joint"},
                                         std::tuple{"<vcount>2 1 0<", "<vcount>2 9 0<", "shorter than its <vcount>"},
-                                        std::tuple{"JOINT\" source=\"#names\"", "JOINT\" source=\"#weights\"", "joints are no names"}}) {
+                                        std::tuple{"JOINT\" source=\"#names\"", "JOINT\" source=\"#weights\"", "must be names"}}) {
     const auto r = read_scene(bytes_of(with(text, old, now)), "x.dae");
     ASSERT_FALSE(r) << now;
     EXPECT_NE(r.error().text().find(words), std::string::npos) << r.error().text();
   }
 }
 
-/// A hip and a knee of which the knee turns about z from 0 to 30 degrees in a second, by hand.
+/// A handwritten file: a hip and a knee, which rotates about z from 0 to 30 degrees within one second.
 constexpr const char* fbx_text = R"(; FBX 7.4.0 project file
 FBXHeaderExtension:  {
   FBXVersion: 7400
@@ -263,7 +263,7 @@ Connections:  {
 }
 )";
 
-TEST(Scene, FbxByHandIsReadWhateverItHoldsBesideTheSkeleton) {
+TEST(Scene, FbxReadsSkeletonDespiteOtherDefects) {
   const auto plain = read_scene(bytes_of(fbx_text), "x.fbx");
   ASSERT_TRUE(plain) << plain.error().text();
   ASSERT_EQ(plain->size(), 1u);
@@ -272,7 +272,7 @@ TEST(Scene, FbxByHandIsReadWhateverItHoldsBesideTheSkeleton) {
   std::vector<Pose> X(static_cast<std::size_t>(m.joint_count()));
   m.calc_joint_poses(1, X);
   const Pose& knee = X[static_cast<std::size_t>(joint_named(m, "knee"))];
-  EXPECT_LT(norm(knee.p - Vec3{0, 0, 0.5}), 1e-6);  // Y up in centimetres
+  EXPECT_LT(norm(knee.p - Vec3{0, 0, 0.5}), 1e-6);  // Y up, centimetres
   EXPECT_NEAR(std::fabs(knee.R.row(2).y), 0.5, 1e-6);
   const std::string broken =
       "Objects:  {\n  Material: 5, \"Material::m\" {\n }\n  Video: 6, \"Video::v\", \"Clip\" {\n Content: , \"AAAA\"\n }\n"
@@ -286,18 +286,18 @@ TEST(Scene, FbxByHandIsReadWhateverItHoldsBesideTheSkeleton) {
   expect_same(plain->front(), more->front(), 1e-12);
 }
 
-TEST(Scene, FbxThatCannotBeIsRefused) {
+TEST(Scene, DefectiveFbxIsRefused) {
   struct Case {
-    const char *old, *now, *place, *words;
+    const char *old, *now, *location, *words;
   };
   const Case cases[] = {
-      {"a: 0.0,30.0", "a: 0.0", "line 29, 'KeyValueFloat'", "tells of 2 numbers, but there are 1"},
+      {"a: 0.0,30.0", "a: 0.0", "line 29, 'KeyValueFloat'", "declares 2 numbers, but has 1"},
       {"KeyValueFloat: *2 {\n      a: 0.0,30.0", "KeyValueFloat: *1 {\n      a: 0.0", "AnimationCurve", "2 times, but 1 values"},
-      {"a: 0.0,30.0", "a: 0.0,nan", "KeyValueFloat", "no number"},
-      {"a: 0,46186158000", "a: 46186158000,0", "KeyTime", "do not go up"},
-      {"a: 0,46186158000", "a: 0,91861580000000000", "KeyTime", "beyond a million seconds"},
+      {"a: 0.0,30.0", "a: 0.0,nan", "KeyValueFloat", "not a valid number"},
+      {"a: 0,46186158000", "a: 46186158000,0", "KeyTime", "decrease"},
+      {"a: 0,46186158000", "a: 0,91861580000000000", "KeyTime", "exceeds one million seconds"},
       {"a: 0.0,30.0", "a: 0.0,3e9", "AnimationCurve", "100,000 turns"},
-      {"\"OO\",10,0", "\"OO\",10,0\n  C: \"OO\",10,11", "Model", "stands below itself"},
+      {"\"OO\",10,0", "\"OO\",10,0\n  C: \"OO\",10,11", "Model", "is its own ancestor"},
       {"FBXVersion: 7400", "FBXVersion: 6100", "x.fbx", "6100"},
       {"  AnimationStack: 20", "  } AnimationStack: 20", "line", "cannot be read"},
       {"23, \"d|Z\"", "23, \"d|Z", "line 40", "not closed"},
@@ -306,13 +306,13 @@ TEST(Scene, FbxThatCannotBeIsRefused) {
     const auto r = read_scene(bytes_of(with(fbx_text, c.old, c.now)), "x.fbx");
     ASSERT_FALSE(r.has_value()) << c.old << " -> " << c.now;
     const std::string text = r.error().text();
-    EXPECT_NE(text.find(c.place), std::string::npos) << text;
+    EXPECT_NE(text.find(c.location), std::string::npos) << text;
     EXPECT_NE(text.find(c.words), std::string::npos) << text;
     EXPECT_NE(text.find("Export it again"), std::string::npos) << text;
   }
 }
 
-/// A binary file of one record with one array, of which the parts can be wrong.
+/// A binary file of one record with one array, whose header fields can be wrong.
 std::string binary_fbx(std::uint32_t count, std::uint32_t packed, std::uint32_t bytes, std::uint32_t end) {
   std::string out("Kaydara FBX Binary  \0\x1a\0", 23);
   const auto put = [&](std::uint32_t x) { out.append(reinterpret_cast<const char*>(&x), sizeof x); };
@@ -322,19 +322,19 @@ std::string binary_fbx(std::uint32_t count, std::uint32_t packed, std::uint32_t 
   return out + std::string(8, '\0') + std::string(13, '\0');
 }
 
-TEST(Scene, BinaryFbxThatDoesNotLieWithinItselfIsRefused) {
-  const auto told = [](const std::string& file) {
+TEST(Scene, BinaryFbxWithWrongSizesIsRefused) {
+  const auto error_of = [](const std::string& file) {
     const auto r = read_scene(bytes_of(file), "x.fbx");
     EXPECT_FALSE(r.has_value());
     return r ? std::string() : r.error().text();
   };
-  EXPECT_NE(told(binary_fbx(1, 0, 8, 68)).find("no objects"), std::string::npos) << "whole, but nothing in it";
-  EXPECT_NE(told(binary_fbx(1, 0, 8, 69)).find("byte"), std::string::npos);
-  EXPECT_NE(told(binary_fbx(1, 0, 9, 68)).find("longer than its record"), std::string::npos);
-  EXPECT_NE(told(binary_fbx(1, 0, 8, 900)).find("does not lie within"), std::string::npos);
+  EXPECT_NE(error_of(binary_fbx(1, 0, 8, 68)).find("no objects"), std::string::npos) << "valid, but without objects";
+  EXPECT_NE(error_of(binary_fbx(1, 0, 8, 69)).find("byte"), std::string::npos);
+  EXPECT_NE(error_of(binary_fbx(1, 0, 9, 68)).find("longer than its record"), std::string::npos);
+  EXPECT_NE(error_of(binary_fbx(1, 0, 8, 900)).find("exceeds its parent"), std::string::npos);
   for (const std::uint32_t end : {5u, 28u, 39u, 46u})
-    EXPECT_NE(told(binary_fbx(1, 0, 8, end)).find("does not lie within"), std::string::npos) << end;
-  EXPECT_NE(told(binary_fbx(1, 0, 8, 68).substr(0, 35)).find("cut off"), std::string::npos);
+    EXPECT_NE(error_of(binary_fbx(1, 0, 8, end)).find("exceeds its parent"), std::string::npos) << end;
+  EXPECT_NE(error_of(binary_fbx(1, 0, 8, 68).substr(0, 35)).find("truncated"), std::string::npos);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Real C3D recordings, rewritten byte by byte for the other processors and as whole numbers, are the same recordings.
+// Real C3D recordings, rewritten in the byte orders of the other processors and as integers, are read as the same recordings.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -11,18 +11,18 @@ namespace {
 
 enum class Processor : std::uint8_t { intel = 84, dec = 85, mips = 86 };
 
-/// An Intel file in floating point, to be written in another form. Knows the format from its user's guide alone.
+/// Rewrites an Intel floating-point file in another form. Implemented independently of the reader, from the C3D user's guide.
 class Rewritten {
  public:
-  /// @param scale of whole numbers, in file units; 0: floating point stays
+  /// @param scale file units per integer step; 0: keep floating point
   Rewritten(std::string bytes, Processor processor, float scale) : b_(std::move(bytes)), processor_(processor), scale_(scale) {
     parameters_ = 512 * (byte(0) - 1);
     data_ = 512 * (intel_word(16) - 1);
     markers_ = intel_word(2);
     frames_ = intel_word(8) - intel_word(6) + 1;
-    EXPECT_EQ(byte(parameters_ + 3), 84u) << "not from an Intel machine";
-    EXPECT_LT(intel_real(12), 0) << "not in floating point";
-    EXPECT_EQ(intel_word(4), 0u) << "analog data are not rewritten here";
+    EXPECT_EQ(byte(parameters_ + 3), 84u) << "the file should be in Intel byte order";
+    EXPECT_LT(intel_real(12), 0) << "the file should be in floating point";
+    EXPECT_EQ(intel_word(4), 0u) << "files with analog data cannot be rewritten here";
     rewrite_data();
     rewrite_parameters();
     rewrite_header();
@@ -41,7 +41,7 @@ class Rewritten {
     put(at + (big ? 1 : 0), value);
     put(at + (big ? 0 : 1), value >> 8);
   }
-  /// DEC: the exponent counts from two less, and the upper word comes first.
+  /// Encodes a DEC (VAX) float: exponent bias larger by two, upper 16-bit word first.
   void put_real(std::size_t at, float value) {
     std::uint32_t bits = std::bit_cast<std::uint32_t>(value);
     if (processor_ == Processor::dec && value != 0) bits = std::bit_cast<std::uint32_t>(value * 4);
@@ -71,7 +71,7 @@ class Rewritten {
     put(parameters_ + 3, static_cast<std::size_t>(processor_));
     std::string group_of[128], group;
     for (std::size_t at = parameters_ + 4;;) {
-      const std::size_t name_size = byte(at) > 127 ? 256 - byte(at) : byte(at);  // locked ones are negative
+      const std::size_t name_size = byte(at) > 127 ? 256 - byte(at) : byte(at);  // the length of a locked parameter's name is negative
       if (name_size == 0) break;
       const bool is_group = byte(at + 1) > 127;
       const std::size_t link = at + 2 + name_size, next = link + intel_word(link);
@@ -98,7 +98,8 @@ class Rewritten {
 
   void rewrite_header() {
     const float scale = scale_ > 0 ? scale_ : intel_real(12), rate = intel_real(20);
-    for (std::size_t at = 24; at < 512; at += 2) EXPECT_TRUE(at == 294 || intel_word(at) == 0 || at >= 296) << "an event in the header";
+    for (std::size_t at = 24; at < 512; at += 2)
+      EXPECT_TRUE(at == 294 || intel_word(at) == 0 || at >= 296) << "events in the header cannot be rewritten here";
     for (const std::size_t at : {2u, 4u, 6u, 8u, 10u, 16u, 18u}) put_word(at, intel_word(at));
     put_real(12, scale);
     put_real(20, rate);
@@ -110,13 +111,13 @@ class Rewritten {
   std::size_t parameters_ = 0, data_ = 0, markers_ = 0, frames_ = 0;
 };
 
-TEST(SharedC3d, EveryProcessorAndNumberFormIsTheSameRecording) {
+TEST(SharedC3d, AllProcessorAndNumberFormatsAreReadEqually) {
   NEEDS_SHARED_FILES();
   for (const std::string& path : shared_files({".c3d"})) {
     const MarkerMotion m = read_markers(path);
     for (const Processor processor : {Processor::intel, Processor::dec, Processor::mips})
       for (const float scale : {0.0F, 0.1F}) {
-        SCOPED_TRACE(path + ", processor " + std::to_string(static_cast<int>(processor)) + (scale > 0 ? ", whole numbers" : ""));
+        SCOPED_TRACE(path + ", processor " + std::to_string(static_cast<int>(processor)) + (scale > 0 ? ", integers" : ""));
         const Rewritten file(shared_text(path), processor, scale);
         const auto back = formats::read_c3d(bytes_of(file.bytes()), path);
         ASSERT_TRUE(back) << back.error().text();
@@ -134,7 +135,7 @@ TEST(SharedC3d, EveryProcessorAndNumberFormIsTheSameRecording) {
         if (scale > 0)
           EXPECT_LE(worst, 0.51 * std::sqrt(3.0) * static_cast<double>(scale) * m.unit);
         else
-          EXPECT_EQ(worst, 0) << "24 bits are kept by all three";
+          EXPECT_EQ(worst, 0) << "all three forms store 24 bits";
         EXPECT_EQ(worst > 0, scale > 0);
       }
   }

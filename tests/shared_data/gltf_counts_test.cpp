@@ -1,4 +1,4 @@
-// glTF files hold what their JSON says, read here with nlohmann-json alone.
+// Motions read from glTF files match counts from their JSON, calculated here with nlohmann-json only.
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -36,7 +36,7 @@ struct Nodes {
       for (const Json& channel : animation["channels"])
         if (channel["target"].contains("node") && channel["target"]["path"] != "weights")
           moved[channel["target"]["node"].get<std::size_t>()] = true;
-    // Joints of skins; of the nodes above them those that are reached from a joint or a node that moves.
+    // Joints are the joints of skins, plus those of their ancestors that have a joint or an animated node above them.
     kept = skinned;
     for (std::size_t i = 0; i < n; ++i) {
       if (!skinned[i]) continue;
@@ -45,13 +45,13 @@ struct Nodes {
         for (std::size_t top = k; top < way.size(); ++top) kept[way[k]] = kept[way[k]] || skinned[way[top]] || moved[way[top]];
     }
   }
-  /// Parent, its parent, ...
+  /// Ancestors of a node, parent first.
   std::vector<std::size_t> above(std::size_t node) const {
     std::vector<std::size_t> out;
     for (int n = parents[node]; n >= 0; n = parents[static_cast<std::size_t>(n)]) out.push_back(static_cast<std::size_t>(n));
     return out;
   }
-  /// It, or a joint below it.
+  /// Whether the node or a descendant is a joint.
   bool moves_a_joint(std::size_t node) const {
     for (std::size_t i = 0; i < kept.size(); ++i) {
       if (!kept[i]) continue;
@@ -90,7 +90,7 @@ TEST(SharedCounts, Gltf) {
       ASSERT_LT(count, motions.size());
       const MeasuredMotion& m = motions[count++];
       if (animation.contains("name")) EXPECT_EQ(m.name, animation["name"].get<std::string>());
-      EXPECT_GE(m.rate, densest * (1 - 2e-3)) << "as many frames as keys";
+      EXPECT_GE(m.rate, densest * (1 - 2e-3)) << "there should be as many frames as keys";
       EXPECT_NEAR((m.frames - 1) / m.rate, last - first, 1 / m.rate) << m.name;
       EXPECT_LE((m.frames - 1) / m.rate, last - first + 1e-2 / m.rate) << m.name;
     }

@@ -1,4 +1,4 @@
-// Motions and recordings hold what a plain count of the file's own words and bytes finds.
+// Motions and recordings match a simple independent count of the words and bytes of their file.
 #include <algorithm>
 #include <bit>
 #include <cctype>
@@ -21,7 +21,7 @@ std::vector<std::string> words_of(const std::string& line) {
   return out;
 }
 
-/// Ended by LF, CR LF or CR; without empty ones.
+/// Non-empty lines of a text; line ends are LF, CR LF or CR.
 std::vector<std::string> lines_of(std::string text) {
   std::ranges::replace(text, '\r', '\n');
   std::istringstream in(text);
@@ -31,7 +31,7 @@ std::vector<std::string> lines_of(std::string text) {
   return out;
 }
 
-/// The words of the file: joints, end sites, channels, promised frames, numbers after them.
+/// Compares with the words of the file: joints, end sites, channels, declared frames and the number of values.
 TEST(SharedCounts, Bvh) {
   NEEDS_SHARED_FILES();
   for (const std::string& path : shared_files({".bvh"})) {
@@ -58,7 +58,7 @@ TEST(SharedCounts, Bvh) {
     EXPECT_EQ(end_sites, ends);
     EXPECT_EQ(m.frames, frames);
     EXPECT_EQ(numbers, channels * static_cast<std::size_t>(m.frames));
-    EXPECT_NEAR(m.rate * time, 1, 2e-3) << "rounded times of frames";
+    EXPECT_NEAR(m.rate * time, 1, 2e-3) << "the frame time may be rounded";
   }
 }
 
@@ -66,7 +66,7 @@ TEST(SharedCounts, AsfAndAmc) {
   NEEDS_SHARED_FILES();
   for (const std::string& path : shared_files({".asf"})) {
     SCOPED_TRACE(path);
-    std::size_t bones = 0, freedoms = 0, ends = 0;
+    std::size_t bones = 0, dofs = 0, ends = 0;
     std::set<std::string> parents, names;
     std::string section;
     for (const std::string& line : lines_of(shared_text(path))) {
@@ -75,17 +75,17 @@ TEST(SharedCounts, AsfAndAmc) {
       if (w[0][0] == ':') section = w[0];
       if (section == ":bonedata" && w[0] == "begin") ++bones;
       if (section == ":bonedata" && w[0] == "name") names.insert(w.at(1));
-      if (section == ":bonedata" && w[0] == "dof") freedoms += w.size() - 1;
+      if (section == ":bonedata" && w[0] == "dof") dofs += w.size() - 1;
       if (section == ":hierarchy" && w.size() > 1) parents.insert(w[0]);
     }
     for (const std::string& n : names) ends += !parents.contains(n);
     const auto asf = formats::read_asf(shared_text(path), path);
     ASSERT_TRUE(asf) << asf.error().text();
-    std::size_t read_freedoms = 0, read_ends = 0;
-    for (std::size_t i = 1; i < asf->bones.size(); ++i) read_freedoms += asf->bones[i].freedoms.size();
+    std::size_t read_dofs = 0, read_ends = 0;
+    for (std::size_t i = 1; i < asf->bones.size(); ++i) read_dofs += asf->bones[i].dofs.size();
     for (const SkeletonJoint& j : asf->skeleton.joints) read_ends += j.end_sites.size();
     EXPECT_EQ(asf->skeleton.joints.size(), bones + 1);
-    EXPECT_EQ(read_freedoms, freedoms);
+    EXPECT_EQ(read_dofs, dofs);
     EXPECT_EQ(read_ends, ends);
   }
   for (const std::string& path : shared_files({".amc"})) {
@@ -97,7 +97,7 @@ TEST(SharedCounts, AsfAndAmc) {
   }
 }
 
-/// Words and numbers of a C3D file of the processor that its parameters name.
+/// Decodes words and floats of a C3D file in the byte order of its processor type.
 struct C3dHeader {
   std::string bytes;
   int processor = 84;
@@ -113,7 +113,7 @@ struct C3dHeader {
   }
 };
 
-/// Counts of the header, and the first frame's markers straight from the data.
+/// Compares with counts from the header and with the markers of the first frame, decoded here.
 TEST(SharedCounts, C3d) {
   NEEDS_SHARED_FILES();
   for (const std::string& path : shared_files({".c3d"})) {
@@ -142,7 +142,7 @@ TEST(SharedCounts, C3d) {
         }
         EXPECT_EQ(m.seen(f, i), raw[3] >= 0);
         if (!m.seen(f, i)) continue;
-        // Turned into our axes or not: a distance from the origin is one.
+        // Compare distances from the origin, which do not depend on the axes.
         EXPECT_NEAR(norm(m.at(f, i)), m.unit * std::hypot(raw[0], raw[1], raw[2]), 1e-9);
       }
   }
@@ -163,7 +163,7 @@ TEST(SharedCounts, Trc) {
     }
     const MarkerMotion m = read_markers(path);
     EXPECT_EQ(m.rate, std::strtod(head.at(0).c_str(), nullptr));
-    EXPECT_LE(m.frames, std::stoi(head.at(2))) << "a file may promise more rows than it has";
+    EXPECT_LE(m.frames, std::stoi(head.at(2))) << "a file may declare more rows than it has";
     EXPECT_EQ(m.frames, rows);
     EXPECT_EQ(m.marker_count(), std::stoi(head.at(3)));
     EXPECT_EQ(m.unit, head.at(4) == "mm" ? 0.001 : head.at(4) == "cm" ? 0.01 : 1);

@@ -1,4 +1,4 @@
-// Descriptions of mechanisms hold the links, joints, freedoms, masses and loops that pugixml counts in them.
+// Mechanisms read from descriptions match the links, joints, DOFs, masses and loops counted with pugixml only.
 #include <algorithm>
 #include <filesystem>
 #include <pugixml.hpp>
@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The document with the files that it includes in their places.
+/// The XML document with its included files inserted.
 void resolve_includes(pugi::xml_node node, const fs::path& folder) {
   for (pugi::xml_node child = node.first_child(); child;) {
     const pugi::xml_node next = child.next_sibling();
@@ -38,7 +38,7 @@ int count(const pugi::xml_node& root, const char* what) { return static_cast<int
 
 int loops_of(const Mechanism& m) { return static_cast<int>(m.loops().size()); }
 
-// URDF: UrdfShared.CountsAndMassAsAPlainScanFindsThem in tests/robot_formats.
+// URDF: UrdfShared.CountsAndMassMatchAPlainScan in tests/robot_formats.
 
 TEST(SharedCounts, Sdf) {
   NEEDS_SHARED_FILES();
@@ -56,15 +56,15 @@ TEST(SharedCounts, Sdf) {
     }
     EXPECT_EQ(m.link_count(), count(file, "link"));
     EXPECT_NEAR(m.mass(), mass, 1e-12 * mass);
-    // Every joint is one of the tree or closes a loop, as Drake's constraints do.
+    // Every joint belongs to the tree or closes a loop; Drake's constraints also close loops.
     EXPECT_EQ(static_cast<int>(robot->joints.size()), count(file, "joint") + count(file, "*[starts-with(name(), 'drake:')]"));
     int driven_loops = loops_of(m);
     for (const robot_formats::JointName& j : robot->joints) driven_loops -= m.find_link(j.link) < 0;
-    EXPECT_EQ(driven_loops, 0) << "what is no tree joint is a loop";
+    EXPECT_EQ(driven_loops, 0) << "every joint outside the tree should be a loop";
   }
 }
 
-/// Type of an MJCF joint: its own, or that of its class or of one above.
+/// Type of an MJCF joint: its own attribute, or the default of its class or of an ancestor's class.
 std::string type_of(const pugi::xml_node& joint, const pugi::xml_node& root) {
   if (std::string_view(joint.name()) == "freejoint") return "free";
   if (const char* own = joint.attribute("type").value(); *own) return own;
@@ -77,7 +77,7 @@ std::string type_of(const pugi::xml_node& joint, const pugi::xml_node& root) {
   return "hinge";
 }
 
-/// How often <replicate> makes the element.
+/// Number of copies of the element made by enclosing <replicate> elements.
 int copies_of(const pugi::xml_node& node) {
   int out = 1;
   for (pugi::xml_node n = node.parent(); n; n = n.parent())
@@ -91,26 +91,26 @@ TEST(SharedCounts, Mjcf) {
   for (const std::string& path : shared_files({".xml"})) {
     SCOPED_TRACE(path);
     const auto robot = read_robot(path);
-    if (!robot) continue;  // SharedFiles.EveryOneIsOpenedOrRefusedForATrueReason
+    if (!robot) continue;  // SharedFiles.AreOpenedOrRefusedForTheRightReason
     ++opened;
     const Mechanism& m = *robot->mechanism;
     const pugi::xml_document document = document_of(path);
     const pugi::xml_node root = document.document_element();
-    int bodies = 0, freedoms = 0;
+    int bodies = 0, dofs = 0;
     for (const pugi::xpath_node b : root.select_nodes("//worldbody//body")) bodies += copies_of(b.node());
     for (const pugi::xpath_node j : root.select_nodes("//worldbody//joint | //worldbody//freejoint")) {
       const std::string type = type_of(j.node(), root);
       const std::string name = j.node().attribute("name").value();
       if (!name.empty() && copies_of(j.node()) == 1)
         EXPECT_TRUE(std::ranges::any_of(robot->joints, [&](const auto& of) { return of.joint == name; })) << name;
-      freedoms += copies_of(j.node()) * (type == "free" ? 6 : type == "ball" ? 3 : 1);
+      dofs += copies_of(j.node()) * (type == "free" ? 6 : type == "ball" ? 3 : 1);
     }
     int links = 0;
     for (const Link& l : m.links()) links += l.name != "world" && l.name.find(':') == std::string::npos;
     EXPECT_EQ(links, bodies);
-    EXPECT_EQ(m.nv(), freedoms);
+    EXPECT_EQ(m.nv(), dofs);
     int loops = count(root, "equality/connect | equality/weld | equality/joint[@joint2]");
-    for (const pugi::xpath_node t : root.select_nodes("equality/tendon")) {  // a gear, if it ties no more than two joints
+    for (const pugi::xpath_node t : root.select_nodes("equality/tendon")) {  // a tendon that couples at most two joints is a gear
       const std::string name = t.node().attribute("tendon1").value();
       loops += count(root, ("tendon/fixed[@name='" + name + "']/joint").c_str()) <= 2;
     }

@@ -1,4 +1,4 @@
-// What is written of every shared file is read back equal: to the bit where the format holds it, otherwise to what its digits tell.
+// Every shared file that is written and read back is equal: bit by bit if the format stores all bits, otherwise to the format's digits.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -18,9 +18,9 @@
 namespace ugoki {
 namespace {
 
-/// Greatest distance [m] of the joints of `a` from those of the same name in `b`, in frames 0, stride ...; infinity if one is missing.
-/// @param name_of_root in b, if that is another one
-double greatest_distance(const MeasuredMotion& a, const MeasuredMotion& b, int stride, const std::string& name_of_root = {}) {
+/// m: maximum distance between joints of equal name in `a` and `b`, in frames 0, stride, 2 stride ...; infinity if a joint is missing.
+/// @param name_of_root name of the root in `b`, if it differs
+double max_distance(const MeasuredMotion& a, const MeasuredMotion& b, int stride, const std::string& name_of_root = {}) {
   constexpr double other = std::numeric_limits<double>::infinity();
   if (a.frames != b.frames) return other;
   std::map<std::string, std::size_t> index;
@@ -47,7 +47,7 @@ double greatest_distance(const MeasuredMotion& a, const MeasuredMotion& b, int s
   return worst;
 }
 
-/// Greatest coordinate [m] of any joint.
+/// m: maximum absolute coordinate of any joint.
 double reach_of(const MeasuredMotion& m, int stride) {
   double reach = 1;
   std::vector<Pose> X;
@@ -69,7 +69,7 @@ void write_and_read(const MeasuredMotion& m, int stride) {
     const auto back = formats::read_bvh(formats::write_bvh(m, {.decimals = 13}), "again.bvh", {.metres_per_unit = m.skeleton.unit});
     ASSERT_TRUE(back) << back.error().text();
     same(*back);
-    EXPECT_LT(greatest_distance(m, *back, stride), 1e-9 * reach) << "BVH";
+    EXPECT_LT(max_distance(m, *back, stride), 1e-9 * reach) << "BVH";
   }
   {
     const formats::AmcText text = formats::write_amc(m, {.decimals = 13});
@@ -79,18 +79,18 @@ void write_and_read(const MeasuredMotion& m, int stride) {
     ASSERT_TRUE(back) << back.error().text();
     same(*back);
     const auto roots = std::ranges::count_if(m.skeleton.joints, [](const SkeletonJoint& j) { return j.parent < 0; });
-    MeasuredMotion words = m;  // names of AMC are single words
+    MeasuredMotion words = m;  // joint names in AMC are single words
     for (SkeletonJoint& j : words.skeleton.joints)
       for (char& c : j.name)
         if (c == ' ' || c == ':') c = '_';
-    EXPECT_LT(greatest_distance(words, *back, stride, roots == 1 ? "root" : ""), 1e-9 * reach) << "AMC";
+    EXPECT_LT(max_distance(words, *back, stride, roots == 1 ? "root" : ""), 1e-9 * reach) << "AMC";
   }
   {
     const auto back = formats::read_gltf(formats::write_glb(m), "again.glb", {.rate = m.rate, .metres_per_unit = 1});
     ASSERT_TRUE(back) << back.error().text();
     ASSERT_EQ(back->size(), 1u);
     same((*back)[0]);
-    EXPECT_LT(greatest_distance(m, (*back)[0], stride), 2e-6 * reach) << "glTF: single precision, in chains of joints";
+    EXPECT_LT(max_distance(m, (*back)[0], stride), 2e-6 * reach) << "glTF: errors of single precision add up along chains of joints";
   }
   {
     const auto back = formats::read_csv(formats::write_csv_positions(m), "again.csv");
@@ -100,14 +100,15 @@ void write_and_read(const MeasuredMotion& m, int stride) {
     std::vector<Pose> X;
     for (int f = 0; f < m.frames; f += stride) {
       m.calc_joint_poses(f, X);
-      for (int i = 0; i < m.joint_count(); ++i) ASSERT_EQ(back->at(f, i), X[static_cast<std::size_t>(i)].p) << "CSV, bit by bit";
+      for (int i = 0; i < m.joint_count(); ++i)
+        ASSERT_EQ(back->at(f, i), X[static_cast<std::size_t>(i)].p) << "CSV should be equal bit by bit";
     }
   }
   const std::vector<std::byte> bytes = formats::write_measured_motion(m);
   const auto back = formats::read_measured_motion(bytes, "again");
   ASSERT_TRUE(back) << back.error().text();
   EXPECT_EQ(formats::write_measured_motion(*back), bytes);
-  EXPECT_EQ(greatest_distance(m, *back, stride), 0);
+  EXPECT_EQ(max_distance(m, *back, stride), 0);
 }
 
 void write_and_read_motions(bool small, int stride) {
@@ -173,7 +174,7 @@ TEST(SharedRoundTrip, Recordings) {
   }
 }
 
-/// Coordinates of the body that is made of a motion, as a table; and motion and body as they go into the library.
+/// Writes and reads the coordinates of a body made for a motion as CSV, and motion and body in the library's formats.
 void write_and_read_coordinates(const std::string& path) {
   SCOPED_TRACE(path);
   const MeasuredMotion m = read_motions(path).at(0);
@@ -185,7 +186,7 @@ void write_and_read_coordinates(const std::string& path) {
   ASSERT_EQ(back->q.size(), motion.q.size());
   double worst = 0;
   for (std::size_t i = 0; i < back->q.size(); ++i) worst = std::max(worst, std::fabs(back->q[i] - motion.q[i]));
-  EXPECT_LT(worst, 1e-15) << "quaternions are made unit again";
+  EXPECT_LT(worst, 1e-15) << "the reader normalises quaternions";
   EXPECT_EQ(back->rate, motion.rate);
   ASSERT_EQ(back->contacts.size(), motion.contacts.size());
   const std::vector<std::byte> bytes = formats::write_motion(motion);

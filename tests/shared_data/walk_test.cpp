@@ -1,4 +1,4 @@
-// Every file of the shared data is opened by the reader that is meant for it, or refused for the reason that is true of it.
+// Every file of the shared data is opened by the reader of its format, or refused for the right reason.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -27,7 +27,7 @@ pugi::xml_document document_of(const std::string& path) {
   return out;
 }
 
-/// What a refusal of an MJCF file must say, found with pugixml alone; empty: it must open.
+/// Text that the refusal of an MJCF file must contain, determined with pugixml only; empty: the file must be opened.
 std::string reason_against(const std::string& path) {
   const pugi::xml_document document = document_of(path);
   const fs::path folder = fs::path(path).parent_path();
@@ -39,7 +39,7 @@ std::string reason_against(const std::string& path) {
     any_body = any_body || document_of((folder / file).generic_string()).select_node("//worldbody//body");
   }
   if (!any_body && !root.select_node("//worldbody//body")) return "no body";
-  // A body without <inertial> weighs what its geoms weigh; of a mesh that is not there nobody knows.
+  // The mass of a body without <inertial> is that of its geoms; it is unknown for a missing mesh.
   const pugi::xml_node compiler = root.child("compiler");
   const fs::path meshes = folder / compiler.attribute("meshdir").as_string(compiler.attribute("assetdir").value());
   for (const pugi::xpath_node n : root.select_nodes("//asset/mesh[@file]")) {
@@ -53,7 +53,7 @@ std::string reason_against(const std::string& path) {
   return {};
 }
 
-/// Triangles and vertices of an STL or OBJ file; vertices of an STL are not shared.
+/// Number of triangles and vertices of an STL or OBJ file; in STL each triangle has its own vertices.
 struct MeshCount {
   std::size_t triangles = 0, points = 0;
 };
@@ -85,17 +85,18 @@ enum class Fate { opened, refused };
 void expect_refused_by_ending(const std::string& path) {
   const auto taken = intake::take_in(shared_text(path), path);
   ASSERT_FALSE(taken);
-  EXPECT_TRUE(holds(taken.error().text(), "The ending of the name is none that can be imported.")) << taken.error().text();
+  EXPECT_TRUE(holds(taken.error().text(), "Files with this extension cannot be imported.")) << taken.error().text();
 }
 
-/// Reads it with the reader for its ending. What the words of a refusal must be is found in the file itself.
+/// Reads a file with the reader of its extension. The expected reason of a refusal is determined from the file itself.
 Fate walk(const std::string& path) {
   SCOPED_TRACE(path);
   const std::string ending = ending_of(path), text = shared_text(path), name = fs::path(path).filename().string();
   EXPECT_FALSE(text.empty());
   if (!is_whole(path)) {
     const auto taken = intake::take_in(text, path);
-    EXPECT_TRUE(!taken && holds(taken.error().text(), ".bin' beside it")) << (taken ? "it opens" : taken.error().text());
+    EXPECT_TRUE(!taken && holds(taken.error().text(), ".bin', which is not available"))
+        << (taken ? "the file was opened" : taken.error().text());
     return Fate::refused;
   }
   if (ending == ".bvh" || ending == ".amc" || ending == ".gltf" || ending == ".glb") {
@@ -108,7 +109,7 @@ Fate walk(const std::string& path) {
   }
   if (ending == ".asf") {
     EXPECT_TRUE(formats::read_asf(text, path));
-    const auto taken = intake::take_in(text, path);  // there is no motion in it
+    const auto taken = intake::take_in(text, path);  // an ASF file has no motion
     EXPECT_TRUE(!taken && holds(taken.error().text(), "a skeleton without motion"));
     return Fate::opened;
   }
@@ -122,8 +123,8 @@ Fate walk(const std::string& path) {
     }
     return Fate::opened;
   }
-  if (ending == ".yaml") {  // stands beside a URDF and names its loops
-    EXPECT_TRUE(is_there(fs::path(path).replace_extension(".urdf"))) << "no URDF to which it belongs";
+  if (ending == ".yaml") {  // lists the loops of the URDF of the same name
+    EXPECT_TRUE(is_there(fs::path(path).replace_extension(".urdf"))) << "there should be a URDF of the same name";
     const auto loops = robot_formats::read_loops_yaml({path, text});
     EXPECT_TRUE(loops) << (loops ? "" : loops.error().text());
     if (loops) EXPECT_EQ(loops->closures.size() > 0, holds(text, "closed_loop"));
@@ -136,8 +137,8 @@ Fate walk(const std::string& path) {
       EXPECT_TRUE(robot) << (robot ? "" : robot.error().text());
       return Fate::opened;
     }
-    EXPECT_FALSE(robot) << "it opens, though: " << reason;
-    if (!robot) EXPECT_TRUE(holds(robot.error().text(), reason)) << robot.error().text() << "\nand not: " << reason;
+    EXPECT_FALSE(robot) << "the file should be refused: " << reason;
+    if (!robot) EXPECT_TRUE(holds(robot.error().text(), reason)) << robot.error().text() << "\nexpected: " << reason;
     return Fate::refused;
   }
   if (ending == ".xacro") {
@@ -148,18 +149,18 @@ Fate walk(const std::string& path) {
     return Fate::refused;
   }
   if (ending == ".srdf")
-    EXPECT_TRUE(!document_of(path).select_node("//robot/link"));  // groups of a robot's joints, no robot
+    EXPECT_TRUE(!document_of(path).select_node("//robot/link"));  // SRDF: groups of a robot's joints, not a robot
   else if (ending == ".mtl")
-    EXPECT_TRUE(holds(text, "newmtl"));  // looks of an OBJ
+    EXPECT_TRUE(holds(text, "newmtl"));  // materials of an OBJ
   else if (holds(name, "LICENSE"))
     EXPECT_TRUE(holds(text, "opyright"));
   else
-    EXPECT_EQ(ending, ".md") << "no rule for this file";
+    EXPECT_EQ(ending, ".md") << "the test has no rule for this file";
   expect_refused_by_ending(path);
   return Fate::refused;
 }
 
-TEST(SharedFiles, EveryOneIsOpenedOrRefusedForATrueReason) {
+TEST(SharedFiles, AreOpenedOrRefusedForTheRightReason) {
   NEEDS_SHARED_FILES();
   int opened = 0, refused = 0;
   for (const std::string& path : shared_files()) (walk(path) == Fate::opened ? opened : refused)++;

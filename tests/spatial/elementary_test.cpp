@@ -1,4 +1,4 @@
-// Our elementary functions against the 80-bit ones of the C library, in units in the last place (ulp).
+// Compares the elementary functions with the 80-bit functions of the C library, in units in the last place (ulp).
 
 #include "ugoki/spatial/elementary.h"
 
@@ -19,7 +19,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 const double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-/// |value - exact| in units of the last place of the exact result.
+/// |value - exact| in units in the last place of the exact result.
 double ulps(double value, long double exact) {
   const double nearest = static_cast<double>(exact);
   if (std::isinf(nearest) || std::isnan(nearest)) return value == nearest || std::isnan(value) == std::isnan(nearest) ? 0.0 : infinity;
@@ -36,32 +36,32 @@ struct Range {
 class Elementary : public testing::Test {
  protected:
   void SetUp() override {
-    if (LDBL_MANT_DIG < 64) GTEST_SKIP() << "long double is not wider than double here, so it cannot judge.";
+    if (LDBL_MANT_DIG < 64) GTEST_SKIP() << "long double is not wider than double here, so there is no reference.";
   }
   using Ours = std::function<double(double)>;
   using Exact = std::function<long double(long double)>;
-  /// Points spread evenly and, where the range allows, evenly in the exponent, all have errors below `limit` ulp.
+  /// Expects errors below `limit` ulp at random points: uniform in the range, and uniform in the exponent where the range allows.
   void expect_within(double limit, Range range, const Ours& ours, const Exact& exact) {
     const int count = 60000;
     std::mt19937_64 engine(5);
-    double most = 0, where = 0;
-    const auto look = [&](double x) {
+    double maximum = 0, where = 0;
+    const auto check = [&](double x) {
       const double e = ulps(ours(x), exact(static_cast<long double>(x)));
-      if (!(e <= most)) {
-        most = e;
+      if (!(e <= maximum)) {
+        maximum = e;
         where = x;
       }
     };
-    std::uniform_real_distribution<double> even(range.low, range.high);
-    for (int i = 0; i < count; ++i) look(even(engine));
+    std::uniform_real_distribution<double> uniform(range.low, range.high);
+    for (int i = 0; i < count; ++i) check(uniform(engine));
     const double reach = std::max(std::fabs(range.low), std::fabs(range.high));
     std::uniform_real_distribution<double> power(-60, std::log2(reach));
     for (int i = 0; i < count / 2; ++i) {
       const double x = std::exp2(power(engine));
-      if (x >= range.low && x <= range.high) look(x);
-      if (-x >= range.low && -x <= range.high) look(-x);
+      if (x >= range.low && x <= range.high) check(x);
+      if (-x >= range.low && -x <= range.high) check(-x);
     }
-    EXPECT_LT(most, limit) << "ulp, at " << to_text(where) << " in [" << range.low << ", " << range.high << "]";
+    EXPECT_LT(maximum, limit) << "ulp, at " << to_text(where) << " in [" << range.low << ", " << range.high << "]";
   }
 };
 
@@ -70,16 +70,16 @@ TEST_F(Elementary, SineAndCosine) {
     expect_within(2, r, [](double x) { return ugoki::sin(x); }, [](long double x) { return std::sin(x); });
     expect_within(2, r, [](double x) { return ugoki::cos(x); }, [](long double x) { return std::cos(x); });
   }
-  // next to the zeros, where the reduction of the argument must keep every digit
-  double most = 0;
+  // Next to the zeros of sine and cosine, where the argument reduction must keep every digit.
+  double maximum = 0;
   for (int n = 1; n < 2000; ++n) {
     const double x = n * (pi / 2);
     for (const double y : {x, std::nextafter(x, 0.0), std::nextafter(x, 1e9)}) {
-      most = std::max(most, ulps(ugoki::sin(y), std::sin(static_cast<long double>(y))));
-      most = std::max(most, ulps(ugoki::cos(y), std::cos(static_cast<long double>(y))));
+      maximum = std::max(maximum, ulps(ugoki::sin(y), std::sin(static_cast<long double>(y))));
+      maximum = std::max(maximum, ulps(ugoki::cos(y), std::cos(static_cast<long double>(y))));
     }
   }
-  EXPECT_LT(most, 2);
+  EXPECT_LT(maximum, 2);
 }
 
 TEST_F(Elementary, Tangent) {
@@ -112,7 +112,7 @@ TEST_F(Elementary, ExponentialAndLogarithm) {
 }
 
 TEST_F(Elementary, Power) {
-  // the error of the logarithm is multiplied by the exponent
+  // The exponent multiplies the error of the logarithm.
   std::mt19937_64 engine(9);
   std::uniform_real_distribution<double> base(0.01, 20), exponent(-8, 8);
   for (int i = 0; i < 100000; ++i) {
@@ -169,7 +169,7 @@ TEST(ElementaryEdges, Symmetries) {
   }
 }
 
-// The same bits on every compiler, optimisation level and machine: the hash was computed with clang 19 at -O3.
+// Results must have the same bits on every compiler, optimisation level and machine. The hash was computed with clang 19 at -O3.
 TEST(ElementaryEdges, SameBitsEverywhere) {
   Hash64 hash;
   for (int i = -2000; i <= 2000; ++i) {

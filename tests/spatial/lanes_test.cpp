@@ -1,4 +1,4 @@
-// Sine and cosine in lanes: in double the bits of the scalar functions, in float their accuracy.
+// Sine and cosine in SIMD lanes: doubles must have the bits of the scalar functions, floats must be accurate.
 
 #include <gtest/gtest.h>
 
@@ -21,8 +21,8 @@ std::vector<double> hard_angles() {
     for (const double y : {n * (pi / 4), std::nextafter(n * (pi / 4), 1e9), std::nextafter(n * (pi / 4), -1e9)}) x.push_back(y);
   std::mt19937_64 engine(3);
   for (const double reach : {1.0, 10.0, 1e3, 1.6e6, 1.7e6, 1e8}) {
-    std::uniform_real_distribution<double> even(-reach, reach);
-    for (int i = 0; i < 5000; ++i) x.push_back(even(engine));
+    std::uniform_real_distribution<double> uniform(-reach, reach);
+    for (int i = 0; i < 5000; ++i) x.push_back(uniform(engine));
   }
   while (x.size() % 8 != 0) x.push_back(1.0);
   return x;
@@ -46,20 +46,20 @@ void expect_scalar_bits() {
     }
   }
 }
-TEST(Lanes, DoublesGiveTheScalarBits) {
+TEST(Lanes, SineAndCosineOfDoublesHaveTheScalarBits) {
   expect_scalar_bits<1>();
   expect_scalar_bits<2>();
   expect_scalar_bits<4>();
   expect_scalar_bits<8>();
 }
 
-TEST(Lanes, FloatsAreAccurate) {
+TEST(Lanes, SineAndCosineOfFloatsAreAccurate) {
   std::mt19937_64 engine(4);
   for (const float reach : {1.0f, 10.0f, 1000.0f, 10000.0f}) {
-    std::uniform_real_distribution<float> even(-reach, reach);
+    std::uniform_real_distribution<float> uniform(-reach, reach);
     for (int i = 0; i < 20000; i += 4) {
       float x[4], s[4], c[4];
-      for (float& y : x) y = even(engine);
+      for (float& y : x) y = uniform(engine);
       const auto sc = lane_sin_cos(Lanes<float, 4>::load(x));
       sc.sin.store(s);
       sc.cos.store(c);

@@ -28,14 +28,14 @@ double difference(const Mat3& a, const Mat3& b) {
     for (int j = 0; j < 3; ++j) worst = std::max(worst, std::fabs(a.row(i)[j] - b.row(i)[j]));
   return worst;
 }
-/// Angle-like distance of two rotations given as quaternions; the sign does not matter.
+/// Largest difference of the components of two quaternions, after choosing the sign of b: q and -q are the same rotation.
 double difference(const Quat& a, const Quat& b) {
   const double d = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
   const Quat s = d < 0 ? Quat{-b.w, -b.x, -b.y, -b.z} : b;
   return std::max({std::fabs(a.w - s.w), std::fabs(a.x - s.x), std::fabs(a.y - s.y), std::fabs(a.z - s.z)});
 }
 
-TEST(Rotation, KnownTurns) {
+TEST(Rotation, QuarterTurnsAboutTheAxes) {
   EXPECT_LT(norm(rotate(axis_angle({0, 0, 1}, pi / 2), {1, 0, 0}) - Vec3{0, 1, 0}), 1e-15);
   EXPECT_LT(norm(rotate(axis_angle({1, 0, 0}, pi / 2), {0, 1, 0}) - Vec3{0, 0, 1}), 1e-15);
   EXPECT_LT(norm(rotate(axis_angle({0, 1, 0}, pi / 2), {0, 0, 1}) - Vec3{1, 0, 0}), 1e-15);
@@ -71,7 +71,7 @@ TEST(Rotation, MatrixToQuaternionAndBack) {
     ASSERT_LT(difference(q, back), 2e-15);
     ASSERT_GE(back.w, 0);
   }
-  // half turns, where the trace is least and each component is greatest once
+  // Half turns: the trace is at its minimum -1, and each of x, y, z is the largest component once.
   for (const Vec3 n :
        {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{std::sqrt(0.5), std::sqrt(0.5), 0}, Vec3{0, std::sqrt(0.5), -std::sqrt(0.5)}})
     EXPECT_LT(difference(to_quat(rotation_about(n, pi)), axis_angle(n, pi)), 1e-15);
@@ -88,7 +88,7 @@ TEST(Rotation, ExponentialAndLogarithm) {
   EXPECT_EQ(log_map(Quat{}), Vec3{});
   EXPECT_EQ(exp_map(Vec3{}), Quat{});
   EXPECT_NEAR(norm(log_map(axis_angle({0, 0, 1}, pi))), pi, 1e-15);
-  EXPECT_NEAR(norm(log_map(axis_angle({0, 0, 1}, 1.5 * pi))), 0.5 * pi, 1e-14);  // the shorter way
+  EXPECT_NEAR(norm(log_map(axis_angle({0, 0, 1}, 1.5 * pi))), 0.5 * pi, 1e-14);  // the shorter of the two directions
 }
 
 TEST(Rotation, SlerpIsAGreatArcAtConstantSpeed) {
@@ -97,16 +97,16 @@ TEST(Rotation, SlerpIsAGreatArcAtConstantSpeed) {
     const Quat a = random.quat(), b = random.quat();
     ASSERT_LT(difference(slerp(a, b, 0), a), 2e-15);
     ASSERT_LT(difference(slerp(a, b, 1), b), 5e-15);
-    const double whole = norm(log_map(a.conjugate() * b));
-    ASSERT_LE(whole, pi + 1e-15);
-    if (whole > pi - 1e-3) continue;  // nearly opposite: the way back may be the shorter one
+    const double angle = norm(log_map(a.conjugate() * b));
+    ASSERT_LE(angle, pi + 1e-15);
+    if (angle > pi - 1e-3) continue;  // nearly opposite: by rounding, either of the two arcs may be the shorter one
     const double t = random.in(0, 1);
     const Quat c = slerp(a, b, t);
-    ASSERT_NEAR(norm(log_map(a.conjugate() * c)), t * whole, 1e-14);
-    ASSERT_NEAR(norm(log_map(c.conjugate() * b)), (1 - t) * whole, 1e-14);
+    ASSERT_NEAR(norm(log_map(a.conjugate() * c)), t * angle, 1e-14);
+    ASSERT_NEAR(norm(log_map(c.conjugate() * b)), (1 - t) * angle, 1e-14);
   }
   const Quat q = axis_angle({0, 0, 1}, 1), minus{-q.w, -q.x, -q.y, -q.z};
-  EXPECT_LT(difference(slerp(q, minus, 0.5), q), 1e-15);  // the same rotation
+  EXPECT_LT(difference(slerp(q, minus, 0.5), q), 1e-15);  // -q is the same rotation as q
 }
 
 TEST(Rotation, BetweenTwoDirections) {
@@ -115,9 +115,9 @@ TEST(Rotation, BetweenTwoDirections) {
     const Vec3 a = random.unit(), b = random.unit();
     const Quat q = rotation_between(a, b);
     ASSERT_LT(norm(rotate(q, a) - b), 1e-14);
-    ASSERT_LT(std::fabs(dot(q.vec(), a)), 1e-13);  // the shortest: its axis is across both
+    ASSERT_LT(std::fabs(dot(q.vec(), a)), 1e-13);  // the axis of the shortest rotation is perpendicular to both vectors
   }
-  for (double off = 1; off > 1e-18; off *= 0.3) {  // towards the opposite direction
+  for (double off = 1; off > 1e-18; off *= 0.3) {  // b approaches -a
     for (const double sign : {1.0, -1.0}) {
       const Vec3 a = random.unit(), b = normalized(a * sign + any_perpendicular(a) * off);
       const Quat q = rotation_between(a, b);
@@ -146,12 +146,12 @@ TEST(Rotation, EulerAnglesOfAllOrders) {
     }
     EXPECT_EQ(to_euler(from_euler({0.7, pi / 2, -0.4}, order), order).z, 0) << order;
   }
-  // independent of the code: R = Z(a) X(b) Y(c)
+  // Independent of from_euler: R = Z(a) X(b) Y(c).
   const Mat3 R = rotation_about({0, 0, 1}, 0.3) * rotation_about({1, 0, 0}, -0.5) * rotation_about({0, 1, 0}, 1.1);
   EXPECT_LT(difference(from_euler({0.3, -0.5, 1.1}, "ZXY"), R), 1e-15);
 }
 
-TEST(Rotation, PerpendicularIsUnitAndAcross) {
+TEST(Rotation, AnyPerpendicularIsAUnitVectorAtARightAngle) {
   Random random;
   for (int i = 0; i < 2000; ++i) {
     const Vec3 n = i < 3 ? Vec3{i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0} : random.unit();
@@ -161,7 +161,7 @@ TEST(Rotation, PerpendicularIsUnitAndAcross) {
   }
 }
 
-TEST(Rotation, NormalizedSurvivesZero) {
+TEST(Rotation, NormalizedZeroGivesTheFallback) {
   EXPECT_EQ(normalized(Quat{0, 0, 0, 0}), Quat{});
   EXPECT_EQ(normalized(Vec3{0, 0, 0}, Vec3{1, 0, 0}), (Vec3{1, 0, 0}));
 }

@@ -1,4 +1,4 @@
-// The compact forms of 6-D algebra against plain 6 x 6 matrices.
+// Compares the compact forms of 6-D algebra with plain 6 x 6 matrices.
 
 #include "ugoki/spatial/spatial.h"
 
@@ -18,7 +18,7 @@ class Random {
   Vec3 vec() { return {in(-1, 1), in(-1, 1), in(-1, 1)}; }
   Vec6 vec6() { return {vec(), vec()}; }
   Pose pose() { return {rotation_about(normalized(vec()), in(-pi, pi)), vec() * 2.0}; }
-  /// Of a body made of a few heavy points.
+  /// Inertia of five random point masses.
   Inertia inertia() {
     Inertia sum;
     for (int i = 0; i < 5; ++i) sum += Inertia::from_centre(in(0.1, 2), vec(), {});
@@ -41,9 +41,9 @@ Matrix6 blocks(const Mat3& a, const Mat3& b, const Mat3& c, const Mat3& d) {
     }
   return out;
 }
-/// Motion of B into A: [R 0; p x R, R].
+/// Matrix that converts motions from B to A: [R 0; p x R, R].
 Matrix6 motion_matrix(const Pose& X) { return blocks(X.R, {}, Mat3::skew(X.p) * X.R, X.R); }
-/// Force of B into A: [R, p x R; 0, R].
+/// Matrix that converts forces from B to A: [R, p x R; 0, R].
 Matrix6 force_matrix(const Pose& X) { return blocks(X.R, Mat3::skew(X.p) * X.R, {}, X.R); }
 Matrix6 matrix(const Inertia& i) { return blocks(i.I.matrix(), Mat3::skew(i.h), Mat3::skew(i.h).transposed(), Mat3::identity() * i.mass); }
 Vec6 times(const Matrix6& m, const Vec6& v) {
@@ -55,7 +55,7 @@ Vec6 times(const Matrix6& m, const Vec6& v) {
 }
 double size(const Vec6& v) { return norm(v.w) + norm(v.v); }
 
-TEST(Spatial, TransformsAreTheirMatrices) {
+TEST(Spatial, TransformsEqualTheirMatrices) {
   Random random;
   for (int i = 0; i < 1000; ++i) {
     const Pose X = random.pose();
@@ -129,7 +129,7 @@ TEST(Spatial, InertiaInAnotherFrame) {
   }
 }
 
-TEST(Spatial, ParallelAxes) {
+TEST(Spatial, ParallelAxisTheorem) {
   const Sym3 about_centre{1, 2, 2.5, 0.1, -0.2, 0.3};
   const Inertia body = Inertia::from_centre(3, {0, 0, 2}, about_centre);
   EXPECT_DOUBLE_EQ(body.I.xx, 1 + 3 * 4);

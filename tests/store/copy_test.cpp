@@ -1,4 +1,4 @@
-// Sets, copies and the migration between the databases.
+// Exported sets, copies between libraries, and migration between the databases.
 
 #include <algorithm>
 #include <fstream>
@@ -12,11 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Everything that a library knows, as one text.
-std::string told(const Library& library, bool with_trash = true) {
+/// The whole content of a library as one text: entries, versions, data and trash.
+std::string dump(const Library& library) {
   std::string out;
   for (const bool removed : {false, true}) {
-    if (removed && !with_trash) break;
     const auto page = library.find({.removed = removed});
     if (!page) return page.error().text();
     for (const LibraryEntry& e : page->entries) {
@@ -41,7 +40,7 @@ std::string told(const Library& library, bool with_trash = true) {
 class CopyTest : public OnBoth {
  protected:
   std::string other_file() const { return folder_.path() + "/other.db"; }
-  /// Five entries with versions, tags, thumbnail, trash. @return ids: body, walk, run
+  /// Adds four entries with versions, tags and a thumbnail, one of them in the trash. @return ids: body, walk, run
   static std::vector<std::string> fill(Library& library) {
     library.set_author("anna");
     const std::string body = library.put(std::vector{make_item(EntryKind::mechanism, "body", "B", {"human"})})->front();
@@ -57,7 +56,7 @@ class CopyTest : public OnBoth {
 };
 UGOKI_ON_BOTH(CopyTest);
 
-TEST_P(CopyTest, AWholeLibraryGoesThereAndBackUnchanged) {
+TEST_P(CopyTest, CopyingALibraryThereAndBackChangesNothing) {
   Library here = open();
   fill(here);
   Result<Library> there = Library::open(other_file());
@@ -66,25 +65,25 @@ TEST_P(CopyTest, AWholeLibraryGoesThereAndBackUnchanged) {
   ASSERT_TRUE(report) << report.error().text();
   EXPECT_EQ(report->added, 4u);
   EXPECT_EQ(report->versions, 5u);
-  EXPECT_EQ(told(*there), told(here));
+  EXPECT_EQ(dump(*there), dump(here));
   EXPECT_TRUE(there->check(false)->problems.empty()) << there->check(false)->problems.text();
   EXPECT_EQ(names_of(there->find({.text = "cmu strol"})), std::vector<std::string>{"stroll"});
   const auto again = copy_entries(here, *there);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->added + again->versions + again->blobs + again->continued, 0u);
   EXPECT_EQ(again->equal, 4u);
-  // Into the database of the other kind and back.
+  // To the other kind of database and back.
   if (PostgresServer* server = PostgresServer::get(); server != nullptr && !on_postgres()) {
     Result<Library> team = Library::open(server->fresh_library());
     ASSERT_TRUE(team && copy_entries(here, *team));
-    EXPECT_EQ(told(*team), told(here));
+    EXPECT_EQ(dump(*team), dump(here));
     Result<Library> back = Library::open(folder_.path() + "/back.db");
     ASSERT_TRUE(back && copy_entries(*team, *back));
-    EXPECT_EQ(told(*back), told(here));
+    EXPECT_EQ(dump(*back), dump(here));
   }
 }
 
-TEST_P(CopyTest, GoesOnWhereItWasStopped) {
+TEST_P(CopyTest, StoppedCopyContinuesWhenRepeated) {
   Library here = open();
   std::vector<LibraryItem> items;
   for (int i = 0; i < 1000; ++i) items.push_back(make_item(EntryKind::motion, "m" + std::to_string(i), std::to_string(i)));
@@ -106,15 +105,15 @@ TEST_P(CopyTest, GoesOnWhereItWasStopped) {
   ASSERT_TRUE(rest) << rest.error().text();
   EXPECT_EQ(rest->added, 1000u - half);
   EXPECT_EQ(rest->equal, half);
-  EXPECT_EQ(told(*there), told(here));
+  EXPECT_EQ(dump(*there), dump(here));
 }
 
-TEST_P(CopyTest, NewerVersionsFollowAndDifferencesAreNeverOverwritten) {
+TEST_P(CopyTest, AddsNewerVersionsAndNeverOverwritesDifferences) {
   Library here = open();
   const std::vector<std::string> ids = fill(here);
   Result<Library> there = Library::open(other_file());
   ASSERT_TRUE(there && copy_entries(here, *there));
-  // Newer here: follows. Newer there: stays.
+  // The entry that is newer in the source is updated in the target. The entry that is newer in the target is unchanged.
   ASSERT_TRUE(here.save({.id = ids[1], .base = 2, .data = bytes_of("W3")}));
   ASSERT_TRUE(there->save({.id = ids[2], .base = 1, .data = bytes_of("R2")}));
   const auto report = copy_entries(here, *there);
@@ -124,7 +123,7 @@ TEST_P(CopyTest, NewerVersionsFollowAndDifferencesAreNeverOverwritten) {
   EXPECT_EQ(there->data(ids[1]), bytes_of("W3"));
   EXPECT_EQ(there->data(ids[2]), bytes_of("R2"));
   EXPECT_FALSE(there->get(ids[1])->thumbnail);
-  // Changed on both sides: named and left, or saved on top.
+  // An entry changed in both libraries is reported and unchanged, or its newest version is added.
   ASSERT_TRUE(here.save({.id = ids[2], .base = 1, .data = bytes_of("R2 of here")}));
   const auto left = copy_entries(here, *there);
   ASSERT_TRUE(left);
@@ -139,11 +138,11 @@ TEST_P(CopyTest, NewerVersionsFollowAndDifferencesAreNeverOverwritten) {
   EXPECT_EQ(there->data(ids[2]), bytes_of("R2 of here"));
   EXPECT_EQ(there->data(ids[2], 2), bytes_of("R2"));
   EXPECT_EQ(there->get(ids[2])->version, 3);
-  EXPECT_EQ(copy_entries(here, *there, on_top)->saved, 0u) << "once is enough";
+  EXPECT_EQ(copy_entries(here, *there, on_top)->saved, 0u) << "a repeated copy adds nothing";
   EXPECT_TRUE(there->check(false)->problems.empty()) << there->check(false)->problems.text();
 }
 
-TEST_P(CopyTest, ASetBringsWhatItNeedsInOneFile) {
+TEST_P(CopyTest, ExportedSetIncludesReferencedEntries) {
   Library here = open();
   const std::vector<std::string> ids = fill(here);
   const std::string file = folder_.path() + "/walks.ugoki-set";
@@ -188,7 +187,7 @@ TEST_P(CopyTest, DamagedDataAreNotCopied) {
   if (on_postgres()) {
     EXPECT_EQ(PostgresServer::get()->psql("UPDATE ugoki.blob SET bytes = 'x' WHERE bytes = 'R1'"), "");
   } else {
-    auto database = Database::open(place_, OpenMode::read_write);
+    auto database = Database::open(location_, OpenMode::read_write);
     ASSERT_TRUE(database && database->run("UPDATE blob SET bytes = x'00' WHERE bytes = CAST('R1' AS BLOB)"));
   }
   Result<Library> there = Library::open(other_file());
@@ -198,7 +197,7 @@ TEST_P(CopyTest, DamagedDataAreNotCopied) {
   EXPECT_NE(refused.error().text().find(ids[2]), std::string::npos) << refused.error().text();
 }
 
-TEST_P(CopyTest, ASetFromElsewhereCannotBreakTheLibrary) {
+TEST_P(CopyTest, HostileSetIsRefusedAndChangesNothing) {
   const std::string good = folder_.path() + "/good.db", bad = folder_.path() + "/bad.db";
   {
     Result<Library> library = Library::open(other_file());
@@ -206,7 +205,7 @@ TEST_P(CopyTest, ASetFromElsewhereCannotBreakTheLibrary) {
     const std::vector<std::string> ids = fill(*library);
     ASSERT_TRUE(export_set(*library, {ids[1]}, good));
   }
-  // One change each to the row of the walk, which has two versions.
+  // Each change makes the set invalid. The motion has two versions.
   const char* changes[] = {
       "UPDATE entry SET kind = 'poison' WHERE id LIKE 'n-%'",
       "UPDATE entry SET kind = 'circuit' WHERE id LIKE 'n-%'",
@@ -242,8 +241,8 @@ TEST_P(CopyTest, ASetFromElsewhereCannotBreakTheLibrary) {
     ASSERT_TRUE(from);
     const auto refused = copy_entries(*from, to);
     ASSERT_FALSE(refused);
-    for (const Problem& p : refused.error().problems) EXPECT_FALSE(p.place.empty() || p.message.empty() || p.remedy.empty()) << p.text();
-    EXPECT_TRUE(names_of(to.find()).empty()) << "wholly or not at all";
+    for (const Problem& p : refused.error().problems) EXPECT_FALSE(p.location.empty() || p.message.empty() || p.remedy.empty()) << p.text();
+    EXPECT_TRUE(names_of(to.find()).empty()) << "no entry may be copied";
     const auto check = to.check(false);
     ASSERT_TRUE(check);
     EXPECT_TRUE(check->problems.empty()) << check->problems.text();

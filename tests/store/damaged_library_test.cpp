@@ -33,7 +33,7 @@ class DamagedLibraryTest : public ::testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
   void write(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
-  /// A library with 30 entries, closed.
+  /// Creates a library with 30 entries and closes it.
   void make() const {
     auto library = Library::open(path_);
     ASSERT_TRUE(library);
@@ -42,14 +42,14 @@ class DamagedLibraryTest : public ::testing::Test {
       items.push_back({EntryKind::motion, "motion " + std::to_string(i), "{}", {"tag"}, std::vector<std::byte>(3000, std::byte(i))});
     ASSERT_TRUE(library->put(items));
   }
-  /// Opening must fail in words and leave the file as it is.
+  /// Opening must fail with message and remedy, and must not change the file.
   void expect_refused(ErrorCode code) const {
     const std::string before = read();
     const auto library = Library::open(path_);
     ASSERT_FALSE(library);
     const Problem& p = library.error().problems.front();
     EXPECT_EQ(p.code, code) << p.text();
-    EXPECT_NE(p.place.find("library.db"), std::string::npos) << p.text();
+    EXPECT_NE(p.location.find("library.db"), std::string::npos) << p.text();
     EXPECT_FALSE(p.message.empty());
     EXPECT_FALSE(p.remedy.empty()) << p.text();
     EXPECT_EQ(read(), before);
@@ -106,7 +106,7 @@ TEST_F(DamagedLibraryTest, NeverCrashesOnFlippedBytes) {
     const auto page = library->find();
     bool good = page.has_value();
     if (page)
-      for (const LibraryEntry& e : page->entries) good = library->data(e.id).has_value() && good;  // wrong data are never handed out
+      for (const LibraryEntry& e : page->entries) good = library->data(e.id).has_value() && good;  // data() must check the hash
     ++(good ? fine : damaged);
   }
   EXPECT_EQ(refused + damaged + fine, 60);
@@ -114,7 +114,7 @@ TEST_F(DamagedLibraryTest, NeverCrashesOnFlippedBytes) {
   EXPECT_GT(damaged, 0);
 }
 
-TEST_F(DamagedLibraryTest, DamagedDataAreNotHandedOut) {
+TEST_F(DamagedLibraryTest, ReadingDamagedDataFails) {
   make();
   std::string bytes = read();
   const std::string run(1000, '\x07');
@@ -131,12 +131,12 @@ TEST_F(DamagedLibraryTest, DamagedDataAreNotHandedOut) {
   EXPECT_EQ(data.error().problems.front().code, ErrorCode::syntax);
 }
 
-TEST_F(DamagedLibraryTest, FullDiskIsAnErrorAndNothingIsHalfWritten) {
+TEST_F(DamagedLibraryTest, FullDiskIsReportedAsAnError) {
   make();
   auto database = Database::open(path_, OpenMode::read_write);
   ASSERT_TRUE(database);
   const auto pages = database->integer("PRAGMA page_count");
-  ASSERT_TRUE(pages && database->run("PRAGMA max_page_count = " + std::to_string(*pages)));  // as full as a full disk
+  ASSERT_TRUE(pages && database->run("PRAGMA max_page_count = " + std::to_string(*pages)));  // the file cannot grow, as on a full disk
   auto transaction = Transaction::begin(*database);
   ASSERT_TRUE(transaction);
   const auto full = database->run("INSERT INTO blob (hash, size, bytes) SELECT id, 1, zeroblob(1000000) FROM entry");
@@ -154,7 +154,7 @@ TEST_F(DamagedLibraryTest, LockedLibraryIsAConflict) {
   EXPECT_EQ(library.error().problems.front().code, ErrorCode::conflict) << library.error().text();
 }
 
-TEST_F(DamagedLibraryTest, UnreachablePlacesAreSaid) {
+TEST_F(DamagedLibraryTest, UnreachableLocationsAreReported) {
   const auto missing = Library::open_read_only(folder_ + "/none.db");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().problems.front().code, ErrorCode::io);

@@ -1,4 +1,4 @@
-// Writers and servers that are killed with SIGKILL at any moment: nothing that was acknowledged is lost, nothing is there by half.
+// Writers and servers are killed with SIGKILL at random times. No acknowledged change may be lost, and no change may be partly stored.
 
 #include <sys/wait.h>
 
@@ -13,7 +13,7 @@
 namespace ugoki::store {
 namespace {
 
-/// Data of version `version` of entry `key`: large enough for several pages, different for each.
+/// Data of version `version` of entry `key`: 3000 bytes, so that versions fill several database pages, and different for each version.
 std::string data_of(const std::string& key, int version) {
   std::string out = key + " version " + std::to_string(version) + " ";
   const std::string once = out;
@@ -21,15 +21,15 @@ std::string data_of(const std::string& key, int version) {
   return out;
 }
 
-/// What one round of the child does until it is killed: pairs of entries that must appear together, saves on top of saves, tags, trash.
-/// Each step is told through the pipe after it was done.
-[[noreturn]] void write_until_killed(const std::string& place, int round, int pipe) {
-  Result<Library> library = Library::open(place);
-  const auto tell = [&](const std::string& line) {
+/// Runs in the child process until it is killed: adds pairs of entries in one transaction, saves further versions, and sets tags.
+/// Writes one line to the pipe after each change that the library acknowledged.
+[[noreturn]] void write_until_killed(const std::string& location, int round, int pipe) {
+  Result<Library> library = Library::open(location);
+  const auto notify = [&](const std::string& line) {
     if (::write(pipe, line.data(), line.size()) != static_cast<ssize_t>(line.size())) ::_exit(1);
   };
   if (!library) {
-    tell("! " + library.error().problems.front().message + "\n");
+    notify("! " + library.error().problems.front().message + "\n");
     ::_exit(1);
   }
   for (int i = 0;; ++i) {
@@ -37,41 +37,41 @@ std::string data_of(const std::string& key, int version) {
     const auto ids = library->put(std::vector{make_item(EntryKind::mechanism, "body " + key, data_of("body " + key, 1)),
                                               make_item(EntryKind::motion, "motion " + key, data_of("motion " + key, 1), {"pair"})});
     if (!ids) break;
-    tell("put " + key + " " + (*ids)[0] + " " + (*ids)[1] + "\n");
+    notify("put " + key + " " + (*ids)[0] + " " + (*ids)[1] + "\n");
     for (int version = 2; version <= 3; ++version) {
       if (!library->save({.id = (*ids)[1],
                           .base = version - 1,
                           .note = "note " + std::to_string(version),
                           .data = bytes_of(data_of("motion " + key, version))}))
         ::_exit(0);
-      tell("save " + key + " " + (*ids)[1] + " " + std::to_string(version) + "\n");
+      notify("save " + key + " " + (*ids)[1] + " " + std::to_string(version) + "\n");
     }
     if (!library->set_tags((*ids)[0], std::vector<std::string>{"tagged"}, {})) break;
-    tell("tag " + key + " " + (*ids)[0] + "\n");
+    notify("tag " + key + " " + (*ids)[0] + "\n");
   }
   ::_exit(0);
 }
 
-/// What was acknowledged so far.
+/// The acknowledged changes, as read from the pipe.
 struct Acknowledged {
-  std::map<std::string, int> versions;  ///< by id
-  std::map<std::string, std::string> keys;
-  std::vector<std::string> tagged;
-  int steps = 0;
-  std::string trouble;
+  std::map<std::string, int> versions;      ///< newest version, by id
+  std::map<std::string, std::string> keys;  ///< name, by id
+  std::vector<std::string> tagged;          ///< ids
+  int steps = 0;                            ///< count of lines
+  std::string trouble;                      ///< line with an error of the child; empty: none
 
   void read(const std::string& line) {
     std::istringstream words(line);
-    std::string what, key, a, b;
-    words >> what >> key >> a >> b;
-    if (what == "!") trouble = line;
-    if (what == "put") {
+    std::string action, key, a, b;
+    words >> action >> key >> a >> b;
+    if (action == "!") trouble = line;
+    if (action == "put") {
       versions[a] = versions[b] = 1;
       keys[a] = "body " + key;
       keys[b] = "motion " + key;
-    } else if (what == "save") {
+    } else if (action == "save") {
       versions[a] = std::stoi(b);
-    } else if (what == "tag") {
+    } else if (action == "tag") {
       tagged.push_back(a);
     }
     ++steps;
@@ -81,8 +81,8 @@ struct Acknowledged {
 class KillTest : public OnBoth {
  protected:
   Library open_again() const {
-    for (int attempt = 0;; ++attempt) {  // a server that was killed needs its time
-      Result<Library> library = Library::open(place_);
+    for (int attempt = 0;; ++attempt) {  // a restarted server needs time to recover
+      Result<Library> library = Library::open(location_);
       if (library) return std::move(*library);
       if (attempt > 300) {
         ADD_FAILURE() << library.error().text();
@@ -92,11 +92,12 @@ class KillTest : public OnBoth {
     }
   }
 
-  /// Kills of the writer; on PostgreSQL every fifth round one of the server's processes instead, every tenth the server.
+  /// Kills the writer in each round. On PostgreSQL, every tenth round also kills the server, and every tenth round (shifted by five) one
+  /// of its backend processes.
   void run(int rounds, unsigned seed) {
     std::mt19937 random(seed);
     Acknowledged known;
-    int server_kills = 0, torn = 0;
+    int server_kills = 0, unacknowledged = 0;
     for (int round = 0; round < rounds; ++round) {
       const bool kill_postmaster = on_postgres() && round % 10 == 9, kill_backend = on_postgres() && round % 10 == 4;
       int ends[2];
@@ -105,7 +106,7 @@ class KillTest : public OnBoth {
       ASSERT_GE(child, 0);
       if (child == 0) {
         ::close(ends[0]);
-        write_until_killed(place_, round, ends[1]);
+        write_until_killed(location_, round, ends[1]);
       }
       ::close(ends[1]);
       const int before = known.steps;
@@ -134,7 +135,7 @@ class KillTest : public OnBoth {
         if (!pid.empty()) ::kill(std::stoi(pid), SIGKILL);
         ++server_kills;
       }
-      // The writer sees its server go, connects again where it can, and must not tell of anything that is not saved.
+      // Gives the writer time to notice the lost connection and to reconnect. It must not acknowledge a change that is not saved.
       if (kill_backend || kill_postmaster) std::this_thread::sleep_for(std::chrono::milliseconds(random() % 400));
       ::kill(child, SIGKILL);
       drain(true);
@@ -143,16 +144,16 @@ class KillTest : public OnBoth {
       ASSERT_EQ(known.trouble, "") << "round " << round << ", seed " << seed;
       if (kill_postmaster) ASSERT_TRUE(PostgresServer::get()->start());
       if (on_postgres()) wait_for_the_writers_session();
-      verify(known, round, torn);
+      verify(known, round, unacknowledged);
       if (HasFatalFailure()) FAIL() << "round " << round << ", seed " << seed;
       if (round % 50 == 49 || round + 1 == rounds) check_all(known);
     }
     RecordProperty("acknowledged", known.steps);
-    std::printf("%d kills (%d of the server), %d saves acknowledged, %d more had arrived without being told, seed %u\n", rounds,
-                server_kills, known.steps, torn, seed);
+    std::printf("%d kills (%d of the server), %d changes acknowledged, %d more saved without acknowledgement, seed %u\n", rounds,
+                server_kills, known.steps, unacknowledged, seed);
   }
 
-  /// The server goes on with the last statement of a client that was killed, and may save what nobody is told of.
+  /// Waits until the server has finished the last statement of the killed writer. It may save a change that was not acknowledged.
   static void wait_for_the_writers_session() {
     for (int attempt = 0; attempt < 300; ++attempt) {
       if (PostgresServer::get()->psql("SELECT count(*) FROM pg_stat_activity WHERE application_name = 'ugoki'") == "0") return;
@@ -161,8 +162,9 @@ class KillTest : public OnBoth {
     ADD_FAILURE() << "the session of a killed writer does not end";
   }
 
-  /// After each round: what this round acknowledged is there, and whatever is there is whole.
-  void verify(const Acknowledged& known, int round, int& torn) {
+  /// After each round: all changes acknowledged in this round are stored, and all stored entries are complete.
+  /// @param unacknowledged incremented for each stored version that was not acknowledged
+  void verify(const Acknowledged& known, int round, int& unacknowledged) {
     Library library = open_again();
     const std::string prefix = std::to_string(round) + "-";
     const auto page = library.find({.text = "\"" + prefix + "\""});
@@ -179,12 +181,12 @@ class KillTest : public OnBoth {
       }
       EXPECT_EQ(library.history(e.id)->size(), static_cast<std::size_t>(e.version));
       const auto acknowledged = known.versions.find(e.id);
-      const int least = acknowledged == known.versions.end() ? 0 : acknowledged->second;
-      EXPECT_GE(e.version, least) << e.name;
-      EXPECT_LE(e.version, least + 1) << e.name;
-      if (e.version > least) ++torn;
+      const int minimum = acknowledged == known.versions.end() ? 0 : acknowledged->second;
+      EXPECT_GE(e.version, minimum) << e.name;
+      EXPECT_LE(e.version, minimum + 1) << e.name;
+      if (e.version > minimum) ++unacknowledged;
     }
-    for (const auto& [key, count] : pairs) EXPECT_EQ(count, 2) << "pair " << key << " is there by half";
+    for (const auto& [key, count] : pairs) EXPECT_EQ(count, 2) << "only one entry of pair " << key << " is stored";
     for (const auto& [id, version] : known.versions) {
       const std::string& name = known.keys.at(id);
       if (name.find(" " + prefix) == std::string::npos) continue;
@@ -194,7 +196,7 @@ class KillTest : public OnBoth {
     }
   }
 
-  /// Everything since the beginning.
+  /// Checks all changes acknowledged since the first round.
   void check_all(const Acknowledged& known) {
     Library library = open_again();
     for (const auto& [id, version] : known.versions) {
@@ -215,7 +217,7 @@ UGOKI_ON_BOTH(KillTest);
 
 class KillManyTest : public KillTest {};
 TEST_P(KillManyTest, FiveHundredKillsLoseNothing) { run(500, 20260502); }
-INSTANTIATE_TEST_SUITE_P(Slow_Databases, KillManyTest, ::testing::Values(Which::sqlite, Which::postgres), name_of_database);
+INSTANTIATE_TEST_SUITE_P(Slow_Databases, KillManyTest, ::testing::Values(DatabaseKind::sqlite, DatabaseKind::postgres), name_of_database);
 
 }  // namespace
 }  // namespace ugoki::store

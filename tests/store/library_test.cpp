@@ -8,7 +8,7 @@ namespace {
 class LibraryTest : public OnBoth {};
 UGOKI_ON_BOTH(LibraryTest);
 
-TEST_P(LibraryTest, PutsAndGets) {
+TEST_P(LibraryTest, ReturnsTheEntriesThatWerePut) {
   Library library = open();
   const std::vector<LibraryItem> items = {make_item(EntryKind::mechanism, "walker", "body", {"human", "b"}, R"({"mass": 70.5})"),
                                           make_item(EntryKind::motion, "walk", "motion", {"b"})};
@@ -42,11 +42,11 @@ TEST_P(LibraryTest, SurvivesReopening) {
   }
   Library again = open();
   EXPECT_EQ(again.data(id), bytes_of("abc"));
-  auto looking = Library::open_read_only(place_);
-  ASSERT_TRUE(looking) << looking.error().text();
-  EXPECT_EQ(names_of(looking->find()), std::vector<std::string>{"walk"});
-  EXPECT_FALSE(looking->rename(id, "other"));
-  EXPECT_FALSE(looking->put(std::vector{make_item(EntryKind::motion, "run", "def")}));
+  auto read_only = Library::open_read_only(location_);
+  ASSERT_TRUE(read_only) << read_only.error().text();
+  EXPECT_EQ(names_of(read_only->find()), std::vector<std::string>{"walk"});
+  EXPECT_FALSE(read_only->rename(id, "other"));
+  EXPECT_FALSE(read_only->put(std::vector{make_item(EntryKind::motion, "run", "def")}));
 }
 
 TEST_P(LibraryTest, EqualDataAreOneEntry) {
@@ -60,7 +60,7 @@ TEST_P(LibraryTest, EqualDataAreOneEntry) {
   EXPECT_EQ(library.history(first->front())->size(), 1u);
 }
 
-TEST_P(LibraryTest, AllItemsOrNone) {
+TEST_P(LibraryTest, PutAddsAllItemsOrNone) {
   Library library = open();
   EXPECT_FALSE(library.put(std::vector{make_item(EntryKind::motion, "good", "abc"), make_item(EntryKind::motion, "", "def")}));
   EXPECT_FALSE(library.put(
@@ -71,7 +71,7 @@ TEST_P(LibraryTest, AllItemsOrNone) {
   EXPECT_EQ(check->blobs, 0u);
 }
 
-TEST_P(LibraryTest, TextsFromOutsideAreMadeClean) {
+TEST_P(LibraryTest, InvalidCharactersOfTextsAreReplaced) {
   Library library = open();
   using namespace std::string_literals;
   const std::string id = library.put(std::vector{make_item(EntryKind::motion, "a\xff\0b "s, "1", {" tag\x01 "})})->front();
@@ -99,7 +99,7 @@ TEST_P(LibraryTest, RenamesTagsRemoves) {
   EXPECT_TRUE(names_of(library.find({.text = "stroll"})).empty());
 }
 
-TEST_P(LibraryTest, ResolvesNamesIdsAndBeginnings) {
+TEST_P(LibraryTest, ResolvesNamesIdsAndBeginningsOfIds) {
   Library library = open();
   const auto ids = library.put(std::vector{make_item(EntryKind::motion, "walk", "1"), make_item(EntryKind::mechanism, "walk", "2"),
                                            make_item(EntryKind::motion, "run", "3")});
@@ -112,7 +112,7 @@ TEST_P(LibraryTest, ResolvesNamesIdsAndBeginnings) {
   ASSERT_FALSE(several);
   EXPECT_EQ(several.error().problems.front().code, ErrorCode::duplicate);
   EXPECT_FALSE(library.resolve("nothing"));
-  EXPECT_FALSE(library.resolve("Walk", "motion")) << "a name is told exactly";
+  EXPECT_FALSE(library.resolve("Walk", "motion")) << "a name must match exactly";
 }
 
 TEST_P(LibraryTest, KeepsThumbnailsUntilTheDataChange) {
@@ -126,8 +126,8 @@ TEST_P(LibraryTest, KeepsThumbnailsUntilTheDataChange) {
   EXPECT_EQ(library.thumbnail(id), png);
   ASSERT_TRUE(library.set_thumbnail(id, webp));
   EXPECT_EQ(library.thumbnail(id), webp);
-  EXPECT_FALSE(library.set_thumbnail(id, bytes_of("GIF89a"))) << "no picture of these kinds";
-  EXPECT_FALSE(library.set_thumbnail(id, std::vector<std::byte>(Library::most_thumbnail + 1, std::byte{0x89})));
+  EXPECT_FALSE(library.set_thumbnail(id, bytes_of("GIF89a"))) << "neither PNG nor WebP";
+  EXPECT_FALSE(library.set_thumbnail(id, std::vector<std::byte>(Library::max_thumbnail + 1, std::byte{0x89})));
   ASSERT_TRUE(library.rename(id, "stroll"));
   EXPECT_EQ(library.thumbnail(id), webp) << "the data are the same";
   LibrarySave save;
@@ -138,7 +138,7 @@ TEST_P(LibraryTest, KeepsThumbnailsUntilTheDataChange) {
   EXPECT_FALSE(library.get(id)->thumbnail);
 }
 
-TEST_P(LibraryTest, TellsTagsWithTheirCounts) {
+TEST_P(LibraryTest, ListsTagsWithTheirCounts) {
   Library library = open();
   ASSERT_TRUE(
       library.put(std::vector{make_item(EntryKind::motion, "a", "1", {"cmu", "walk"}), make_item(EntryKind::motion, "b", "2", {"cmu"}),
@@ -152,7 +152,7 @@ TEST_P(LibraryTest, TellsTagsWithTheirCounts) {
   EXPECT_EQ(library.count(EntryKind::motion), 2u);
 }
 
-TEST_P(LibraryTest, HoldsLargeData) {
+TEST_P(LibraryTest, StoresLargeData) {
   Library library = open();
   LibraryItem large = make_item(EntryKind::motion, "large", "");
   large.data.resize(20 << 20);
@@ -162,7 +162,7 @@ TEST_P(LibraryTest, HoldsLargeData) {
   EXPECT_EQ(library.data(ids->front()), large.data);
 }
 
-TEST(LibraryPlace, FollowsTheEnvironment) {
+TEST(LibraryLocation, DefaultComesFromTheEnvironment) {
   const char* before = std::getenv("UGOKI_LIBRARY");
   const std::string kept = before ? before : "";
   ::setenv("UGOKI_LIBRARY", "/somewhere/library.db", 1);

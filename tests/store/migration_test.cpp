@@ -1,4 +1,4 @@
-// Libraries of the first version (one table of data, no versions) are brought up to date.
+// Upgrade of libraries of schema version 1, which had one table of data and no versions.
 
 #include "on_both.h"
 #include "ugoki/store/sqlite.h"
@@ -6,7 +6,7 @@
 namespace ugoki::store {
 namespace {
 
-/// The tables as the first version made them.
+/// The tables of schema version 1.
 constexpr const char* version_1 = R"(
 CREATE TABLE entry (id TEXT PRIMARY KEY NOT NULL, kind TEXT NOT NULL CHECK (kind IN ('mechanism', 'motion', 'measured')),
   name TEXT NOT NULL CHECK (length(name) > 0), summary TEXT NOT NULL DEFAULT '{}', created TEXT NOT NULL, size INTEGER NOT NULL) STRICT;
@@ -30,7 +30,8 @@ class MigrationTest : public ::testing::Test {
     ASSERT_TRUE(entry && data && tag);
     for (int i = 0; i < 250; ++i) {
       const std::vector<std::byte> bytes = bytes_of("data " + std::to_string(i));
-      const std::string id = entry_id(EntryKind::motion, i == 7 ? bytes_of("what it was") : bytes);  // number 7 is damaged
+      const std::string id =
+          entry_id(EntryKind::motion, i == 7 ? bytes_of("what it was") : bytes);  // the data of entry 7 do not match its id
       ASSERT_TRUE(entry->bind(1, id).bind(2, "motion " + std::to_string(i)).run() && data->bind(1, id).bind_blob(2, bytes).run() &&
                   tag->bind(1, id).run());
     }
@@ -39,9 +40,9 @@ class MigrationTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(MigrationTest, EverythingIsThereAfterwards) {
-  const auto looking = Library::open_read_only(path());  // somebody who only looks may be the first
-  ASSERT_TRUE(looking) << looking.error().text();
+TEST_F(MigrationTest, UpgradeKeepsAllEntries) {
+  const auto read_only = Library::open_read_only(path());  // also upgrades the library
+  ASSERT_TRUE(read_only) << read_only.error().text();
   auto library = Library::open(path());
   ASSERT_TRUE(library) << library.error().text();
   EXPECT_EQ(library->find()->entries.size(), 250u);
@@ -60,7 +61,7 @@ TEST_F(MigrationTest, EverythingIsThereAfterwards) {
   EXPECT_EQ(names_of(library->find({.text = "motion 249", .tags = {"old"}})), std::vector<std::string>{"motion 249"});
   EXPECT_EQ(library->find({.text = "old.bvh"})->total, 250u);
   const auto damaged = library->data(entry_id(EntryKind::motion, bytes_of("what it was")));
-  ASSERT_FALSE(damaged) << "what was damaged stays damaged";
+  ASSERT_FALSE(damaged) << "data that were damaged before the upgrade must not be returned";
   const auto check = library->check(false);
   ASSERT_TRUE(check);
   EXPECT_EQ(check->problems.problems.size(), 1u) << check->problems.text();
@@ -68,7 +69,7 @@ TEST_F(MigrationTest, EverythingIsThereAfterwards) {
   EXPECT_TRUE(library->save({.id = id, .base = 1, .data = bytes_of("new")}));
 }
 
-TEST_F(MigrationTest, AFailureLeavesTheOldLibraryAsItIs) {
+TEST_F(MigrationTest, FailedUpgradeLeavesTheOldLibraryUnchanged) {
   {
     auto database = Database::open(path(), OpenMode::read_write);
     ASSERT_TRUE(database && database->run("CREATE TABLE blob (in_the_way)"));

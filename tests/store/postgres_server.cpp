@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 std::string reason;
 
-/// Folder with initdb of the newest version; empty: none.
+/// Folder with the programs of the newest installed PostgreSQL version; empty: none.
 std::string find_programs() {
   std::string best;
   std::error_code ignored;
@@ -32,15 +32,15 @@ std::string find_programs() {
 PostgresServer* PostgresServer::get() {
   static const std::unique_ptr<PostgresServer> server = [] {
     std::unique_ptr<PostgresServer> made(new PostgresServer);
-    if (!made->make()) made.reset();
+    if (!made->create()) made.reset();
     return made;
   }();
   return server.get();
 }
 
-const std::string& PostgresServer::why() { return reason; }
+const std::string& PostgresServer::unavailable_reason() { return reason; }
 
-bool PostgresServer::make() {
+bool PostgresServer::create() {
   programs_ = find_programs();
   if (programs_.empty()) {
     reason = "PostgreSQL is not installed (apt-get install postgresql).";
@@ -78,7 +78,7 @@ bool PostgresServer::start() {
     if (run(programs_ + "/pg_ctl -D " + folder_ + "/data -l " + folder_ + "/server.log -w -t 60 -o \"-k " + folder_ +
             " -c listen_addresses=''\" start") == 0)
       return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // processes of a killed server are still going
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // processes of a killed server may still be running
   }
   return false;
 }

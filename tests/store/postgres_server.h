@@ -1,5 +1,6 @@
 #pragma once
-// A PostgreSQL server of the tests' own: in a temporary folder, reached through a socket in it, gone when the program ends.
+// A PostgreSQL server for the tests, in a temporary folder. Clients connect through a socket in that folder. The server and its folder are
+// removed when the test program ends.
 
 #include <sys/types.h>
 
@@ -9,28 +10,29 @@ namespace ugoki::store {
 
 class PostgresServer {
  public:
-  /// Made and started when first asked for. Null where PostgreSQL is not installed; why() says so.
+  /// The server, created and started by the first call. Null if PostgreSQL is not installed or cannot be started.
   static PostgresServer* get();
-  static const std::string& why();
+  /// Why get() returned null, for skipped tests.
+  static const std::string& unavailable_reason();
 
-  /// "postgresql:///library?host=...": the database is made anew, empty.
+  /// Empties the database. @return its address, "postgresql://ugoki@/postgres?host=..."
   std::string fresh_library();
-  /// The address of the database as it is.
+  /// The address of the database.
   [[nodiscard]] std::string library() const;
 
-  /// The postmaster.
+  /// Process id of the postmaster.
   [[nodiscard]] pid_t pid() const;
   void stop();
-  /// Starts it again after stop() or after it was killed. @return whether it answers
+  /// Starts the server, also after stop() or after it was killed. @return true if it accepts connections
   bool start();
-  /// Runs SQL as the owner of the server with psql. @return what it printed
+  /// Runs SQL with psql as the owner of the server. @return the output of psql
   std::string psql(const std::string& sql) const;
 
   ~PostgresServer();
 
  private:
   PostgresServer() = default;
-  bool make();
+  bool create();
   int run(const std::string& command) const;
   std::string folder_, programs_, as_user_;
 };

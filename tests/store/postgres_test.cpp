@@ -1,4 +1,4 @@
-// What only a server can do: be gone, be newer, be asked with a password.
+// Behaviour specific to PostgreSQL: passwords in addresses, lost connections, other schema versions, permissions.
 
 #include <csignal>
 
@@ -8,7 +8,7 @@
 namespace ugoki::store {
 namespace {
 
-TEST(PostgresPlaceTest, PasswordsAreNeverShown) {
+TEST(PostgresAddress, PasswordsNeverAppearInMessages) {
   EXPECT_EQ(without_password("postgresql://anna:s3cret@host:5432/db?sslmode=require"), "postgresql://anna@host:5432/db?sslmode=require");
   EXPECT_EQ(without_password("postgres://anna@host/db"), "postgres://anna@host/db");
   EXPECT_EQ(without_password("postgresql://host/db?user=anna&password=s3cret&x=1"), "postgresql://host/db?user=anna&password=***&x=1");
@@ -31,15 +31,15 @@ class PostgresTest : public ::testing::Test {
  protected:
   void SetUp() override {
     server_ = PostgresServer::get();
-    if (server_ == nullptr) GTEST_SKIP() << PostgresServer::why();
-    place_ = server_->fresh_library();
+    if (server_ == nullptr) GTEST_SKIP() << PostgresServer::unavailable_reason();
+    location_ = server_->fresh_library();
   }
   PostgresServer* server_ = nullptr;
-  std::string place_;
+  std::string location_;
 };
 
-TEST_F(PostgresTest, AConnectionThatWasCutComesBackByItself) {
-  Result<Library> library = Library::open(place_);
+TEST_F(PostgresTest, LostConnectionIsRestoredAutomatically) {
+  Result<Library> library = Library::open(location_);
   ASSERT_TRUE(library) << library.error().text();
   const auto id = library->put(std::vector{make_item(EntryKind::motion, "walk", "1")});
   ASSERT_TRUE(id);
@@ -60,27 +60,27 @@ TEST_F(PostgresTest, AConnectionThatWasCutComesBackByItself) {
   EXPECT_TRUE(library->check(false)->problems.empty());
 }
 
-TEST_F(PostgresTest, NewerAndEmptyDatabasesAreSaid) {
-  ASSERT_TRUE(Library::open(place_));
+TEST_F(PostgresTest, NewerEmptyAndForbiddenDatabasesAreReported) {
+  ASSERT_TRUE(Library::open(location_));
   EXPECT_EQ(server_->psql("UPDATE ugoki.library SET version = 99"), "");
-  const auto newer = Library::open(place_);
+  const auto newer = Library::open(location_);
   ASSERT_FALSE(newer);
   EXPECT_EQ(newer.error().problems.front().code, ErrorCode::unsupported) << newer.error().text();
   EXPECT_EQ(server_->psql("SET client_min_messages = error; DROP SCHEMA ugoki CASCADE"), "");
-  const auto empty = Library::open_read_only(place_);
+  const auto empty = Library::open_read_only(location_);
   ASSERT_FALSE(empty);
   EXPECT_EQ(empty.error().problems.front().code, ErrorCode::unknown) << empty.error().text();
   EXPECT_EQ(server_->psql("CREATE ROLE guest LOGIN"), "");
-  const std::string as_guest = "postgresql://guest@" + place_.substr(place_.find("/postgres?"));
+  const std::string as_guest = "postgresql://guest@" + location_.substr(location_.find("/postgres?"));
   const auto guest = Library::open(as_guest);
   ASSERT_FALSE(guest);
   EXPECT_NE(guest.error().text().find("right"), std::string::npos) << guest.error().text();
   EXPECT_EQ(server_->psql("DROP ROLE guest"), "");
-  EXPECT_TRUE(Library::open(place_));
+  EXPECT_TRUE(Library::open(location_));
 }
 
-TEST_F(PostgresTest, AnOlderLibraryIsBroughtUpToDate) {
-  // What the tables were before, made from those of now.
+TEST_F(PostgresTest, OlderLibraryIsUpgraded) {
+  // SQL that turns the tables of the current version into those of older versions.
   const std::string version_2 = "DROP TABLE ugoki.entry_order; DROP FUNCTION ugoki.terms_of; UPDATE ugoki.library SET version = 2";
   const std::string version_3 =
       version_2 +
@@ -88,28 +88,28 @@ TEST_F(PostgresTest, AnOlderLibraryIsBroughtUpToDate) {
       "changed text NOT NULL DEFAULT '', ADD duration_ms bigint NOT NULL DEFAULT 0; CREATE INDEX entry_text_terms "
       "ON ugoki.entry_text USING gin (terms); UPDATE ugoki.library SET version = 3";
   {
-    Result<Library> library = Library::open(place_);
+    Result<Library> library = Library::open(location_);
     ASSERT_TRUE(library);
     ASSERT_TRUE(library->put(std::vector{make_item(EntryKind::motion, "walk", "1", {}, R"({"duration": 2})"),
                                          make_item(EntryKind::motion, "walk far", "2", {}, R"({"duration": 9})")}));
   }
   for (const std::string& before : {version_2, version_3}) {
     EXPECT_EQ(server_->psql(before), "");
-    const auto looking = Library::open_read_only(place_);
-    ASSERT_FALSE(looking);
-    EXPECT_EQ(looking.error().problems.front().code, ErrorCode::unsupported) << looking.error().text();
-    Result<Library> library = Library::open(place_);
+    const auto read_only = Library::open_read_only(location_);
+    ASSERT_FALSE(read_only);
+    EXPECT_EQ(read_only.error().problems.front().code, ErrorCode::unsupported) << read_only.error().text();
+    Result<Library> library = Library::open(location_);
     ASSERT_TRUE(library) << library.error().text();
     EXPECT_EQ(names_of(library->find({.text = "walk", .order = LibraryOrder::longest})), (std::vector<std::string>{"walk far", "walk"}));
-    EXPECT_EQ(names_of(library->find({.text = "walk_far"})), std::vector<std::string>{"walk far"}) << "words in a row";
+    EXPECT_EQ(names_of(library->find({.text = "walk_far"})), std::vector<std::string>{"walk far"}) << "the words must be adjacent";
     EXPECT_TRUE(library->check(false)->problems.empty());
-    EXPECT_TRUE(Library::open_read_only(place_));
+    EXPECT_TRUE(Library::open_read_only(location_));
     EXPECT_EQ(server_->psql("UPDATE ugoki.entry_order SET duration_ms = 1"), "");
     EXPECT_EQ(library->check(false)->problems.problems.size(), 2u);
     EXPECT_TRUE(library->check(true)->problems.empty());
     const std::string id = library->find({.text = "far"})->entries.front().id;
     ASSERT_TRUE(library->rename(id, "walk farther"));
-    EXPECT_EQ(library->find({.text = "farther"})->total, 1u) << "its words are made anew";
+    EXPECT_EQ(library->find({.text = "farther"})->total, 1u) << "the search words are rebuilt";
     ASSERT_TRUE(library->rename(id, "walk far"));
     EXPECT_EQ(library->find({.text = "farther"})->total, 0u);
   }

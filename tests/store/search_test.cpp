@@ -1,4 +1,4 @@
-// Searching: the rules of words, and the same answers from both databases.
+// Full-text search: how texts are split into words, and that both databases give the same results.
 
 #include <algorithm>
 #include <chrono>
@@ -14,24 +14,24 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-TEST(WordsTest, TextsAreCutIntoWordsOfOneForm) {
+TEST(WordsTest, TextsAreSplitIntoFoldedWords) {
   EXPECT_EQ(words_of("12_01 Walk"), (Words{"12", "01", "walk"}));
   EXPECT_EQ(words_of("cmu-12_01.bvh"), (Words{"cmu", "12", "01", "bvh"}));
   EXPECT_EQ(words_of("Läufer LÄUFER la\xcc\x88ufer Ｗａｌｋ２"), (Words{"laufer", "laufer", "laufer", "walk2"}));
   EXPECT_EQ(words_of("Straße ŁÓDŹ İstanbul"), (Words{"strasse", "łodz", "istanbul"}));
   EXPECT_EQ(words_of("二足歩行テスト"), (Words{"二", "足", "歩", "行", "テ", "ス", "ト"}));
-  EXPECT_EQ(words_of("ｶﾞﾝﾀﾞﾑ"), (Words{"ガ", "ン", "ダ", "ム"})) << "voicing marks are no accents";
+  EXPECT_EQ(words_of("ｶﾞﾝﾀﾞﾑ"), (Words{"ガ", "ン", "ダ", "ム"})) << "voicing marks are kept";
   EXPECT_EQ(words_of("ходьба бег"), (Words{"ходьба", "бег"}));
   EXPECT_EQ(words_of("हिन्दी"), (Words{"हिन्दी"}));
   EXPECT_EQ(words_of("걷기 연습"), (Words{"걷기", "연습"}));
   EXPECT_TRUE(words_of(" _-+%\"'\\ 🙂").empty());
   EXPECT_TRUE(words_of("\xff\xfe\x80").empty());
-  EXPECT_EQ(words_of(std::string(1000, 'a')).front().size(), longest_word - 3);
+  EXPECT_EQ(words_of(std::string(1000, 'a')).front().size(), max_word_size - 3);
   EXPECT_EQ(name_key("Slow_Walk (2)"), "slow walk 2");
   EXPECT_EQ(clean_text("a\x01 b\xff c\n"), "a b\xef\xbf\xbd c\n");
 }
 
-TEST(WordsTest, SearchesAreCutIntoPhrases) {
+TEST(WordsTest, SearchTextIsSplitIntoPhrases) {
   const SearchPhrases p = search_phrases("  12_01  \"slow walk\" % ");
   EXPECT_EQ(p.phrases, (std::vector<Words>{{"12", "01"}, {"slow", "walk"}}));
   EXPECT_EQ(p.key, "12 01 slow walk");
@@ -61,12 +61,12 @@ TEST_P(SearchTest, FindsByTextKindAndTag) {
   EXPECT_TRUE(find("01_12").empty());
   EXPECT_EQ(find("amc"), Words{"run"});
   EXPECT_EQ(find("inner"), Words{"12_01 Walk"});
-  EXPECT_EQ(find("mechanism"), Words{"Walker"}) << "the kind is a word too";
+  EXPECT_EQ(find("mechanism"), Words{"Walker"}) << "the kind can be searched as a word";
   EXPECT_EQ(find("", {}, {"cmu"}), (Words{"12_01 Walk", "run"}));
   EXPECT_EQ(find("", {}, {"cmu", "slow"}), Words{"12_01 Walk"});
   EXPECT_EQ(find("walk", {}, {"cmu"}), Words{"12_01 Walk"});
-  EXPECT_TRUE(find("", {}, {"cm"}).empty()) << "a tag is told exactly";
-  EXPECT_TRUE(find("frames").empty()) << "names of summary fields are not text to find";
+  EXPECT_TRUE(find("", {}, {"cm"}).empty()) << "a tag must match exactly";
+  EXPECT_TRUE(find("frames").empty()) << "field names of the summary are not searched";
   EXPECT_TRUE(find("\" OR 1 --").empty());
   EXPECT_TRUE(find("%").empty());
   EXPECT_TRUE(find("'; DROP TABLE entry; --").empty());
@@ -74,7 +74,7 @@ TEST_P(SearchTest, FindsByTextKindAndTag) {
   EXPECT_TRUE(find("name:walk").empty());
   EXPECT_TRUE(find("cmu slow walk 12 run").empty());
   EXPECT_TRUE(find("slow cmu").size() == 1u) << "the order of words does not matter";
-  EXPECT_TRUE(find("\"cmu slow\"").empty()) << "no phrase goes from one tag into another";
+  EXPECT_TRUE(find("\"cmu slow\"").empty()) << "a phrase must not match across two tags";
   EXPECT_FALSE(library.find({"", {"nonsense"}, {}, 10}));
 }
 
@@ -110,7 +110,7 @@ TEST_P(SearchTest, OrdersByRelevanceNameTimeAndLength) {
   const auto put = [&](const char* name, const char* duration, std::vector<std::string> tags = {}) {
     ASSERT_TRUE(library.put(
         std::vector{make_item(EntryKind::motion, name, name, std::move(tags), std::string(R"({"duration": )") + duration + "}")}));
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // times are kept in milliseconds
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // times are stored in milliseconds
   };
   put("a slow walk", "3.5");
   put("walk", "10");
@@ -131,7 +131,7 @@ TEST_P(SearchTest, OrdersByRelevanceNameTimeAndLength) {
   EXPECT_EQ(order(LibraryOrder::oldest).front(), "a slow walk");
 }
 
-/// Entries made of few words, so that every search finds some.
+/// Random entries that consist of few different words, so that most searches find some of them.
 std::vector<LibraryItem> random_items(std::mt19937& random, int count) {
   const char* words[] = {"walk", "walking", "run", "jump", "slow", "fast", "歩行", "02", "01", "été", "left", "turn"};
   const auto word = [&] { return words[random() % std::size(words)]; };
@@ -148,9 +148,9 @@ std::vector<LibraryItem> random_items(std::mt19937& random, int count) {
   return items;
 }
 
-TEST(SearchOnBothTest, BothDatabasesAndAPlainComparisonGiveTheSame) {
+TEST(SearchOnBothTest, BothDatabasesMatchALinearSearch) {
   PostgresServer* server = PostgresServer::get();
-  if (server == nullptr) GTEST_SKIP() << PostgresServer::why();
+  if (server == nullptr) GTEST_SKIP() << PostgresServer::unavailable_reason();
   TemporaryFolder folder;
   Result<Library> lite = Library::open(folder.path() + "/library.db"), team = Library::open(server->fresh_library());
   ASSERT_TRUE(lite && team);
@@ -158,9 +158,9 @@ TEST(SearchOnBothTest, BothDatabasesAndAPlainComparisonGiveTheSame) {
   std::mt19937 random(seed);
   const std::vector<LibraryItem> items = random_items(random, 400);
   ASSERT_TRUE(lite->put(items) && team->put(items));
-  Result<Library> in_order = Library::open(lite->path()), team_in_order = Library::open(team->path());
-  ASSERT_TRUE(in_order && team_in_order);
-  body_of(*in_order).few = body_of(*team_in_order).few = 5;  // reads in order what the others find and sort
+  Result<Library> lite_scan = Library::open(lite->path()), team_scan = Library::open(team->path());
+  ASSERT_TRUE(lite_scan && team_scan);
+  body_of(*lite_scan).sort_limit = body_of(*team_scan).sort_limit = 5;  // these two scan rows in order, the other two sort the matches
   const char* texts[] = {"",         "wa",
                          "walk",     "walk slow",
                          "歩行",     "歩",
@@ -177,10 +177,10 @@ TEST(SearchOnBothTest, BothDatabasesAndAPlainComparisonGiveTheSame) {
       for (const Words& tag : tags)
         for (const LibraryOrder order : orders) {
           LibraryQuery query{.text = text, .kinds = kind, .tags = tag, .limit = 23, .order = order};
-          const std::string what =
+          const std::string description =
               std::string(text) + " order " + std::to_string(static_cast<int>(order)) + " seed " + std::to_string(seed);
           Words paged[4];
-          Library* all[] = {&*lite, &*team, &*in_order, &*team_in_order};
+          Library* all[] = {&*lite, &*team, &*lite_scan, &*team_scan};
           for (int i = 0; i < 4; ++i) {
             query.after.clear();
             do {
@@ -189,11 +189,11 @@ TEST(SearchOnBothTest, BothDatabasesAndAPlainComparisonGiveTheSame) {
               for (const LibraryEntry& e : page->entries) paged[i].push_back(e.id);
               if (query.after.empty() && i < 2) EXPECT_TRUE(page->total_exact);
               query.after = page->next;
-              ASSERT_LE(paged[i].size(), 400u) << what;
+              ASSERT_LE(paged[i].size(), 400u) << description;
             } while (!query.after.empty());
           }
-          for (int i = 1; i < 4; ++i) EXPECT_EQ(paged[0], paged[i]) << what << ", library " << i;
-          // The plain comparison: which entries fit, whatever their order.
+          for (int i = 1; i < 4; ++i) EXPECT_EQ(paged[0], paged[i]) << description << ", library " << i;
+          // The linear search: the set of matching entries, without order.
           const SearchPhrases phrases = search_phrases(text);
           Words expected;
           for (const LibraryItem& item : items) {
@@ -202,7 +202,7 @@ TEST(SearchOnBothTest, BothDatabasesAndAPlainComparisonGiveTheSame) {
             Words fields = {item.name, std::string(name_of(item.kind)), item.summary.substr(item.summary.find("source") + 9)};
             fields.insert(fields.end(), item.tags.begin(), item.tags.end());
             for (const Words& phrase : phrases.phrases) {
-              const auto holds = [&](const std::string& field) {
+              const auto contains_phrase = [&](const std::string& field) {
                 const Words words = words_of(field);
                 for (std::size_t at = 0; at + phrase.size() <= words.size(); ++at)
                   if (std::equal(phrase.begin(), phrase.end() - 1, words.begin() + static_cast<std::ptrdiff_t>(at)) &&
@@ -210,20 +210,20 @@ TEST(SearchOnBothTest, BothDatabasesAndAPlainComparisonGiveTheSame) {
                     return true;
                 return false;
               };
-              fits = fits && std::ranges::any_of(fields, holds);
+              fits = fits && std::ranges::any_of(fields, contains_phrase);
             }
             if (fits) expected.push_back(entry_id(item.kind, item.data));
           }
           std::ranges::sort(expected);
           Words got = paged[0];
           std::ranges::sort(got);
-          EXPECT_EQ(got, expected) << what;
+          EXPECT_EQ(got, expected) << description;
           found += static_cast<int>(got.size());
         }
   EXPECT_GT(found, 500);
 }
 
-TEST_P(SearchTest, PagesGoOnWhereTheyEndedWhateverHappensBetween) {
+TEST_P(SearchTest, NextPageContinuesAfterChangesOfTheLibrary) {
   Library library = open();
   std::vector<LibraryItem> items;
   for (int i = 0; i < 50; ++i) items.push_back(make_item(EntryKind::motion, "walk " + std::to_string(100 + i), std::to_string(i)));
@@ -241,7 +241,7 @@ TEST_P(SearchTest, PagesGoOnWhereTheyEndedWhateverHappensBetween) {
   EXPECT_EQ(second->entries.front().name, "walk 120");
   EXPECT_EQ(second->entries[1].name, "walk 1205");
   query.order = LibraryOrder::newest;
-  EXPECT_FALSE(library.find(query)) << "a place of another order";
+  EXPECT_FALSE(library.find(query)) << "the position belongs to another order";
   for (const char* wrong : {"nonsense", "MCwwLGEsYg", "//8=", "AAAA"}) {
     query.after = wrong;
     const auto refused = library.find(query);

@@ -1,4 +1,4 @@
-// Versions, conflicts, the trash: on both databases.
+// Versions, conflicts, the trash and checks, on both databases.
 
 #include <algorithm>
 #include <thread>
@@ -18,7 +18,7 @@ class VersionsTest : public OnBoth {
 };
 UGOKI_ON_BOTH(VersionsTest);
 
-TEST_P(VersionsTest, EachSaveIsAVersionThatStays) {
+TEST_P(VersionsTest, EachSaveAddsAnImmutableVersion) {
   Library library = open();
   const std::string id = library.put(std::vector{make_item(EntryKind::motion, "walk", "one", {"t"}, R"({"duration": 1})")})->front();
   const auto second = save(library, id, 1, "two");
@@ -38,9 +38,9 @@ TEST_P(VersionsTest, EachSaveIsAVersionThatStays) {
   EXPECT_EQ(library.data(id, 1), bytes_of("one"));
   EXPECT_EQ(library.data(id, 3), bytes_of("two"));
   EXPECT_FALSE(library.data(id, 4));
-  EXPECT_EQ(library.content(id), bytes_of("one")) << "content is exactly the data of this id";
+  EXPECT_EQ(library.content(id), bytes_of("one")) << "a content id identifies the data, not the entry";
   EXPECT_EQ(library.content(second->content), bytes_of("two"));
-  EXPECT_EQ(library.get(second->content)->id, id) << "an entry is found by any of its contents";
+  EXPECT_EQ(library.get(second->content)->id, id) << "an entry is found by the content id of any version";
   EXPECT_FALSE(library.content("n-0000000000000000"));
 
   const auto history = library.history(id);
@@ -57,7 +57,7 @@ TEST_P(VersionsTest, EachSaveIsAVersionThatStays) {
 
   const auto same = library.save({.id = id, .base = 3, .name = "stroll", .data = bytes_of("two")});
   ASSERT_TRUE(same);
-  EXPECT_EQ(same->version, 3) << "nothing new is no version";
+  EXPECT_EQ(same->version, 3) << "a save without changes adds no version";
 
   const auto restored = library.restore(id, 3, 1);
   ASSERT_TRUE(restored) << restored.error().text();
@@ -66,12 +66,12 @@ TEST_P(VersionsTest, EachSaveIsAVersionThatStays) {
   EXPECT_EQ(restored->summary, R"({"duration": 1})");
   EXPECT_EQ(library.data(id), bytes_of("one"));
   EXPECT_FALSE(library.restore(id, 4, 9));
-  // What was imported again is known, and stays as it is.
+  // Importing known data again changes nothing.
   EXPECT_EQ(library.put(std::vector{make_item(EntryKind::motion, "walk", "one")})->front(), id);
   EXPECT_EQ(library.get(id)->version, 4);
 }
 
-TEST_P(VersionsTest, TheSecondOfTwoSavesIsAConflictThatNamesTheFirst) {
+TEST_P(VersionsTest, SecondOfTwoSavesIsAConflictThatNamesTheFirst) {
   Library anna = open(), ben = open();
   const std::string id = anna.put(std::vector{make_item(EntryKind::motion, "walk", "one")})->front();
   ASSERT_TRUE(save(anna, id, 1, "of anna", "anna"));
@@ -82,14 +82,14 @@ TEST_P(VersionsTest, TheSecondOfTwoSavesIsAConflictThatNamesTheFirst) {
   EXPECT_NE(p.message.find("anna"), std::string::npos) << p.message;
   EXPECT_NE(p.message.find("version 2"), std::string::npos) << p.message;
   EXPECT_NE(p.message.find(anna.get(id)->changed), std::string::npos) << p.message;
-  EXPECT_NE(p.place.find(id), std::string::npos) << p.place;
+  EXPECT_NE(p.location.find(id), std::string::npos) << p.location;
   EXPECT_FALSE(p.remedy.empty());
   EXPECT_EQ(ben.data(id), bytes_of("of anna"));
   EXPECT_EQ(ben.history(id)->size(), 2u);
   ASSERT_TRUE(save(ben, id, 2, "of ben", "ben"));
   EXPECT_EQ(anna.data(id), bytes_of("of ben"));
   EXPECT_EQ(anna.data(id, 2), bytes_of("of anna"));
-  EXPECT_FALSE(anna.save({.id = id, .base = 2, .name = "renamed"})) << "a rename is a save";
+  EXPECT_FALSE(anna.save({.id = id, .base = 2, .name = "renamed"})) << "a rename is a save and can conflict";
   EXPECT_FALSE(anna.save({.id = id, .base = 0, .name = "renamed"}));
   EXPECT_FALSE(anna.save({.id = id, .base = 4, .name = "renamed"}));
   EXPECT_FALSE(anna.save({.id = "n-none", .base = 1, .name = "x"}));
@@ -98,7 +98,7 @@ TEST_P(VersionsTest, TheSecondOfTwoSavesIsAConflictThatNamesTheFirst) {
   EXPECT_EQ(anna.history(id)->size(), 3u);
 }
 
-TEST_P(VersionsTest, ManyWritersLoseNothing) {
+TEST_P(VersionsTest, ConcurrentWritersLoseNoSave) {
   constexpr int writers = 4, saves = 15;
   std::string id;
   {
@@ -109,7 +109,7 @@ TEST_P(VersionsTest, ManyWritersLoseNothing) {
   std::vector<std::thread> threads;
   for (int w = 0; w < writers; ++w)
     threads.emplace_back([&, w] {
-      Result<Library> library = Library::open(place_);
+      Result<Library> library = Library::open(location_);
       if (!library) {
         failures[static_cast<std::size_t>(w)] = 1000;
         return;
@@ -140,7 +140,7 @@ TEST_P(VersionsTest, ManyWritersLoseNothing) {
   ASSERT_TRUE(history);
   ASSERT_EQ(history->size(), 1u + writers * saves);
   std::vector<int> seen(writers);
-  for (auto v = history->rbegin(); v != history->rend(); ++v) {  // oldest first: each writer's saves, in their order, none missing
+  for (auto v = history->rbegin(); v != history->rend(); ++v) {  // oldest first: all saves of each writer must be present in their order
     if (v->version == 1) continue;
     const auto data = library.data(id, v->version);
     ASSERT_TRUE(data);
@@ -157,7 +157,7 @@ TEST_P(VersionsTest, ManyWritersLoseNothing) {
   EXPECT_TRUE(library.check(false)->problems.empty()) << library.check(false)->problems.text();
 }
 
-TEST_P(VersionsTest, TheTrashGivesBackOrForgets) {
+TEST_P(VersionsTest, TrashCanBeRestoredOrEmptied) {
   Library library = open();
   const auto ids =
       library.put(std::vector{make_item(EntryKind::motion, "walk", "1", {"t"}), make_item(EntryKind::motion, "run", "2", {"t"})});
@@ -176,7 +176,7 @@ TEST_P(VersionsTest, TheTrashGivesBackOrForgets) {
   EXPECT_EQ(library.get_removed(walk)->removed_by, "ben");
   EXPECT_FALSE(library.get_removed(run));
   EXPECT_FALSE(library.save({.id = walk, .base = 1, .name = "x"}));
-  EXPECT_TRUE(library.content(walk)) << "what refers to the data still finds them";
+  EXPECT_TRUE(library.content(walk)) << "data in the trash are still found by their content id";
   EXPECT_EQ(library.resolve("walk", {}, true)->id, walk);
   EXPECT_FALSE(library.resolve("walk"));
   ASSERT_TRUE(library.undelete(walk));
@@ -193,7 +193,7 @@ TEST_P(VersionsTest, TheTrashGivesBackOrForgets) {
   EXPECT_EQ(library.collect_garbage(), 9u) << "the data and the thumbnail";
   EXPECT_FALSE(library.content(walk));
   EXPECT_EQ(library.data(run), bytes_of("2"));
-  // Imported again, a removed entry comes back.
+  // Importing the data again restores the entry from the trash.
   ASSERT_TRUE(library.remove(run));
   EXPECT_EQ(library.put(std::vector{make_item(EntryKind::motion, "run", "2", {"again"})})->front(), run);
   EXPECT_EQ(library.get(run)->tags, (std::vector<std::string>{"again", "t"}));
@@ -201,7 +201,7 @@ TEST_P(VersionsTest, TheTrashGivesBackOrForgets) {
   EXPECT_TRUE(library.check(false)->problems.empty()) << library.check(false)->problems.text();
 }
 
-TEST_P(VersionsTest, ADuplicateGoesItsOwnWay) {
+TEST_P(VersionsTest, DuplicateHasItsOwnHistory) {
   Library library = open();
   const std::string id = library.put(std::vector{make_item(EntryKind::motion, "walk", "1", {"t"}, R"({"mechanism": "m-1"})")})->front();
   const auto copy = library.duplicate(id, "walk copy");
@@ -218,14 +218,14 @@ TEST_P(VersionsTest, ADuplicateGoesItsOwnWay) {
   EXPECT_EQ(library.check(false)->blobs, 2u) << "equal data are stored once";
 }
 
-TEST_P(VersionsTest, TheCheckNamesWhatIsDamaged) {
+TEST_P(VersionsTest, CheckNamesTheDamagedEntry) {
   Library library = open();
   const auto ids = library.put(std::vector{make_item(EntryKind::motion, "walk", "12345"), make_item(EntryKind::motion, "run", "67890")});
   ASSERT_TRUE(library.check(false)->problems.empty()) << library.check(false)->problems.text();
   if (on_postgres()) {
     EXPECT_EQ(PostgresServer::get()->psql("UPDATE ugoki.blob SET bytes = 'x12345' WHERE bytes = '12345'"), "");
   } else {
-    auto database = Database::open(place_, OpenMode::read_write);
+    auto database = Database::open(location_, OpenMode::read_write);
     ASSERT_TRUE(database && database->run("UPDATE blob SET bytes = x'7831' WHERE bytes = CAST('12345' AS BLOB)"));
   }
   const auto damaged = library.data((*ids)[0]);

@@ -1,5 +1,5 @@
-// The wiring editor's side of the service: LSI classes, values of the running circuit, circuits that do not run. With the real player
-// in the interpreter's process.
+// Tests of the service for the wiring editor: LSI classes, values of the running circuit, invalid circuits, breakpoints. The interpreter's
+// process runs the real player.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ namespace {
 using nlohmann::json;
 using test::Page;
 
-/// A clock, and a gain behind it, 100 ticks a second.
+/// A circuit with a clock whose time is multiplied by a gain of 3; 100 ticks a second.
 circuit::Interpreter small_circuit(const circuit::Library& library) {
   const Result<circuit::Circuit> c = circuit::read_circuit(R"({"version": 1, "name": "small",
     "lsis": [{"id": "t", "type": "clock"}, {"id": "g", "type": "gain", "parameters": {"gain": 3}}], "wires": [{"from": "t.time", "to": "g.in"}]})");
@@ -39,11 +39,11 @@ const circuit::Library& signal_library() {
   return library;
 }
 
-TEST(CircuitWatch, TellsValuesCurvesAndTimesOfWhatIsWatched) {
+TEST(CircuitWatch, ReportsValuesCurvesAndTimesOfWatchedOutputs) {
   circuit::Interpreter i = small_circuit(signal_library());
   CircuitWatch watch;
   watch.attach(&i);
-  EXPECT_FALSE(watch.dirty()) << "nothing is watched";
+  EXPECT_FALSE(watch.dirty()) << "no output is watched";
   watch.set({{"g.out", "nobody.out"}, {"t.time"}, true});
   EXPECT_TRUE(watch.dirty());
   (void)watch.report(1);
@@ -57,7 +57,7 @@ TEST(CircuitWatch, TellsValuesCurvesAndTimesOfWhatIsWatched) {
   EXPECT_NEAR(event["time"], 0.05, 1e-9);
   ASSERT_EQ(event["pins"].size(), 1u) << event.dump();
   EXPECT_EQ(event["pins"][0][0], "g.out");
-  EXPECT_NEAR(event["pins"][0][2][0], 3 * 0.04, 1e-6);  // of the last tick
+  EXPECT_NEAR(event["pins"][0][2][0], 3 * 0.04, 1e-6);  // value after the last tick, whose time is 0.04 s
   ASSERT_EQ(event["probes"].size(), 1u);
   EXPECT_EQ(event["probes"][0][1].size(), 5u);
   EXPECT_NEAR(event["probes"][0][2][0][4], 0.04, 1e-6);
@@ -65,10 +65,10 @@ TEST(CircuitWatch, TellsValuesCurvesAndTimesOfWhatIsWatched) {
   double sum = 0;
   for (const json& t : event["times"]) sum += t[1].get<double>();
   EXPECT_NEAR(sum, event["tick_us"].get<double>(), 1e-3 * (1 + sum));
-  EXPECT_FALSE(json::parse(watch.report(1.1)).contains("probes")) << "each sample is told once";
+  EXPECT_FALSE(json::parse(watch.report(1.1)).contains("probes")) << "each sample must be received once";
 }
 
-TEST(CircuitWatch, ForgetsACircuitThatIsGone) {
+TEST(CircuitWatch, DetachedCircuitIsNotReported) {
   CircuitWatch watch;
   {
     circuit::Interpreter i = small_circuit(signal_library());
@@ -110,7 +110,7 @@ class CircuitStudioTest : public testing::Test {
     return {{"op", "command"}, {"command", {{"type", "circuit.edit"}, {"label", "Edit"}, {"changes", changes}}}};
   }
   static json put(const std::string& list, json item) { return {{"list", list}, {"put", std::move(item)}}; }
-  /// A clock whose time a gain takes.
+  /// Changes that add a clock `k` and a gain `g` of its time.
   static json clock_and_gain() {
     return json::array({put("lsis", {{"id", "k"}, {"type", "clock"}}), put("lsis", {{"id", "g"}, {"type", "gain"}}),
                         put("wires", {{"from", "k.time"}, {"to", "g.in"}})});
@@ -120,7 +120,7 @@ class CircuitStudioTest : public testing::Test {
   std::unique_ptr<Studio> studio_;
 };
 
-TEST_F(CircuitStudioTest, HelloHasTheGeneratedCircuitAndTheLsis) {
+TEST_F(CircuitStudioTest, HelloContainsGeneratedCircuitAndLsis) {
   Page p = page();
   json hello = p.ask({{"op", "hello"}});
   EXPECT_TRUE(hello["document"]["circuit"].is_null());
@@ -132,7 +132,7 @@ TEST_F(CircuitStudioTest, HelloHasTheGeneratedCircuitAndTheLsis) {
   EXPECT_EQ(hello["lsis"]["pin_types"][0]["name"], "scalar");
 }
 
-TEST_F(CircuitStudioTest, EditsAreStoredAndUndoneAndTheirValuesAreSeenWhileItPlays) {
+TEST_F(CircuitStudioTest, CircuitEditIsPlayedWatchedAndUndone) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});
   ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
@@ -150,7 +150,7 @@ TEST_F(CircuitStudioTest, EditsAreStoredAndUndoneAndTheirValuesAreSeenWhileItPla
   EXPECT_TRUE(document["document"]["circuit"].is_null());
 }
 
-TEST_F(CircuitStudioTest, KeysOfThePageReachTheRunningCircuitAndComeAgainWhenItIsComputedAgain) {
+TEST_F(CircuitStudioTest, KeysReachTheCircuitAndAreReplayedAfterAnEdit) {
   Page p = page();
   const json hello = p.ask({{"op", "hello"}});
   json devices = hello.contains("devices") ? hello["devices"] : p.event("devices");
@@ -168,14 +168,14 @@ TEST_F(CircuitStudioTest, KeysOfThePageReachTheRunningCircuitAndComeAgainWhenItI
   ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
   ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
   const auto pin = [](const json& e, std::size_t k) { return e["pins"][k][2][0].get<double>(); };
-  const auto say = [&](const json& what) { p.socket().send_text(what.dump()); };
-  say({{"op", "input"}, {"keyboard", {"KeyW", "KeyQ"}}, {"mouse", {{"x", 0.25}}}});
+  const auto send = [&](const json& message) { p.socket().send_text(message.dump()); };
+  send({{"op", "input"}, {"keyboard", {"KeyW", "KeyQ"}}, {"mouse", {{"x", 0.25}}}});
   ASSERT_FALSE(p.event("values", [&](const json& e) { return pin(e, 0) == 1 && pin(e, 1) == 1 && pin(e, 2) == 0.25; }).is_null());
-  say({{"op", "input"}, {"keyboard", json::array()}});
+  send({{"op", "input"}, {"keyboard", json::array()}});
   ASSERT_FALSE(p.event("values", [&](const json& e) { return pin(e, 0) == 1 && pin(e, 1) == 0; }).is_null());
   ASSERT_EQ(p.ask({{"op", "pause"}})["ok"], true);
   const double head = p.ask({{"op", "hello"}})["transport"]["simulated"].get<double>();
-  // Content that is otherwise the same: computed again up to here, with the key.
+  // An edit that does not affect the counter: the content is recomputed up to the shown time with the recorded key.
   ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "k"}, {"type", "clock"}})})))["ok"], true);
   const json again = p.event("values", [&](const json& e) { return e["time"].get<double>() > head - 0.01; });
   ASSERT_FALSE(again.is_null());
@@ -183,10 +183,10 @@ TEST_F(CircuitStudioTest, KeysOfThePageReachTheRunningCircuitAndComeAgainWhenItI
 
   const json refused = p.ask({{"op", "input"}, {"keyboard", {"no key"}}});
   EXPECT_EQ(refused["ok"], false);
-  EXPECT_EQ(refused["error"]["problems"][0]["place"], "input/keyboard/0");
+  EXPECT_EQ(refused["error"]["problems"][0]["location"], "input/keyboard/0");
 }
 
-TEST_F(CircuitStudioTest, WhatAPageHeldIsLetGoWhenItGoesAway) {
+TEST_F(CircuitStudioTest, KeysAreReleasedWhenThePageCloses) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});
   ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "w"}, {"type", "keyboard"}, {"parameters", {{"key", "KeyW"}}}})})))["ok"], true);
@@ -202,38 +202,38 @@ TEST_F(CircuitStudioTest, WhatAPageHeldIsLetGoWhenItGoesAway) {
   EXPECT_FALSE(p.event("values", pressed(0)).is_null());
 }
 
-TEST_F(CircuitStudioTest, OfAnEditThePagesAreToldTheChangesOnly) {
+TEST_F(CircuitStudioTest, CircuitEditSendsOnlyTheChanges) {
   Page p = page(), other = page();
   const json before = p.ask({{"op", "hello"}});
   (void)other.ask({{"op", "hello"}});
   ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
-  const json told = other.event("edited");
-  ASSERT_FALSE(told.is_null());
-  EXPECT_EQ(told["from"], before["revision"]);
-  EXPECT_GT(told["revision"], told["from"]);
-  EXPECT_EQ(told["changes"], clock_and_gain());
-  EXPECT_EQ(told["undo_label"], "Edit");
-  EXPECT_FALSE(told.contains("document"));
+  const json received = other.event("edited");
+  ASSERT_FALSE(received.is_null());
+  EXPECT_EQ(received["from"], before["revision"]);
+  EXPECT_GT(received["revision"], received["from"]);
+  EXPECT_EQ(received["changes"], clock_and_gain());
+  EXPECT_EQ(received["undo_label"], "Edit");
+  EXPECT_FALSE(received.contains("document"));
   (void)p.ask({{"op", "undo"}});
-  EXPECT_TRUE(other.event("document")["document"]["circuit"].is_null()) << "everything else comes whole";
+  EXPECT_TRUE(other.event("document")["document"]["circuit"].is_null()) << "an undo sends the whole document";
 }
 
-TEST_F(CircuitStudioTest, ACircuitThatDoesNotRunSaysWhyAndPlayIsRefused) {
+TEST_F(CircuitStudioTest, InvalidCircuitReportsProblemsAndRejectsSimulate) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});
   json changes = clock_and_gain();
   changes.push_back(put("lsis", {{"id", "sum"}, {"type", "add"}}));
   changes.push_back(put("wires", {{"from", "sum.out"}, {"to", "sum.a"}}));
   changes.push_back(put("wires", {{"from", "g.out"}, {"to", "sum.b"}}));
-  ASSERT_EQ(p.ask(edit(changes))["ok"], true) << "an unfinished circuit is kept";
-  const json told = p.event("circuit");
-  ASSERT_FALSE(told.is_null());
-  EXPECT_NE(told["problems"][0]["message"].get<std::string>().find("sum.out -> sum.a"), std::string::npos) << told.dump();
+  ASSERT_EQ(p.ask(edit(changes))["ok"], true) << "an invalid circuit must be accepted as an edit";
+  const json received = p.event("circuit");
+  ASSERT_FALSE(received.is_null());
+  EXPECT_NE(received["problems"][0]["message"].get<std::string>().find("sum.out -> sum.a"), std::string::npos) << received.dump();
   const json refused = p.ask({{"op", "mode"}, {"mode", "simulate"}});
   EXPECT_EQ(refused["ok"], false);
-  EXPECT_EQ(refused["error"]["problems"], told["problems"]);
-  EXPECT_EQ(p.ask({{"op", "hello"}})["circuit_problems"], told["problems"]);
-  EXPECT_EQ(p.ask({{"op", "seek"}, {"time", 1}})["ok"], true) << "the tracks can still be seen";
+  EXPECT_EQ(refused["error"]["problems"], received["problems"]);
+  EXPECT_EQ(p.ask({{"op", "hello"}})["circuit_problems"], received["problems"]);
+  EXPECT_EQ(p.ask({{"op", "seek"}, {"time", 1}})["ok"], true) << "edit mode must still show the tracks";
 
   ASSERT_EQ(p.ask(edit(json::array({{{"list", "lsis"}, {"take", "sum"}},
                                     {{"list", "wires"}, {"take", {{"from", "sum.out"}, {"to", "sum.a"}}}},
@@ -243,26 +243,26 @@ TEST_F(CircuitStudioTest, ACircuitThatDoesNotRunSaysWhyAndPlayIsRefused) {
   EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
 }
 
-TEST_F(CircuitStudioTest, WhatPlayedAfterAnUndoneFaultIsNotPausedByItsLateNews) {
+TEST_F(CircuitStudioTest, LateReplyAboutUndoneCircuitDoesNotPause) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});
   ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
   ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
-  ASSERT_EQ(::kill(studio_->interpreter_pid(), SIGSTOP), 0);  // a slow moment of the machine
-  const json turned = edit(json::array({put("wires", {{"from", "g.out"}, {"to", "sum.b"}}), put("lsis", {{"id", "sum"}, {"type", "add"}}),
-                                        put("wires", {{"from", "sum.out"}, {"to", "sum.a"}})}));
-  ASSERT_EQ(p.ask(turned)["ok"], true);
+  ASSERT_EQ(::kill(studio_->interpreter_pid(), SIGSTOP), 0);  // the interpreter does not answer until SIGCONT
+  const json invalid = edit(json::array({put("wires", {{"from", "g.out"}, {"to", "sum.b"}}), put("lsis", {{"id", "sum"}, {"type", "add"}}),
+                                         put("wires", {{"from", "sum.out"}, {"to", "sum.a"}})}));
+  ASSERT_EQ(p.ask(invalid)["ok"], true);
   ASSERT_EQ(p.ask({{"op", "undo"}})["ok"], true);
   const int play = p.post({{"op", "play"}});
-  ASSERT_EQ(p.ask({{"op", "hello"}})["ok"], true) << "by now all has been sent on";
+  ASSERT_EQ(p.ask({{"op", "hello"}})["ok"], true) << "its reply shows that all requests were forwarded";
   ASSERT_EQ(::kill(studio_->interpreter_pid(), SIGCONT), 0);
   ASSERT_EQ(p.reply(play)["ok"], true);
   EXPECT_FALSE(p.event("transport", [](const json& e) { return e["playing"] == true && e["simulated"] > 0.3; }).is_null());
   for (const json& e : p.events)
-    if (e["event"] == "circuit") EXPECT_TRUE(e["problems"].empty()) << "of a circuit that is no more: " << e.dump();
+    if (e["event"] == "circuit") EXPECT_TRUE(e["problems"].empty()) << "problems of the undone circuit: " << e.dump();
 }
 
-TEST_F(CircuitStudioTest, MovingAnLsiLeavesTheSimulationAlone) {
+TEST_F(CircuitStudioTest, MovingAnLsiDoesNotRestartTheSimulation) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});
   ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
@@ -276,10 +276,10 @@ TEST_F(CircuitStudioTest, MovingAnLsiLeavesTheSimulationAlone) {
             true);
   (void)p.ask({{"op", "watch"}, {"pins", {"k.time"}}, {"probes", json::array()}, {"timing", false}});
   const json now = p.event("values");
-  EXPECT_GT(now["time"].get<double>(), 0.05) << "it still stands where it was";
+  EXPECT_GT(now["time"].get<double>(), 0.05) << "the simulation must not start again at 0";
 }
 
-TEST_F(CircuitStudioTest, ARunStopsAtTheTickThatMeetsABreakpointAndGoesOn) {
+TEST_F(CircuitStudioTest, PlayStopsAtBreakpointAndContinues) {
   Page p = page(), other = page();
   const json hello = p.ask({{"op", "hello"}});
   EXPECT_EQ(hello["breakpoints"], json::array());
@@ -288,14 +288,14 @@ TEST_F(CircuitStudioTest, ARunStopsAtTheTickThatMeetsABreakpointAndGoesOn) {
   const auto set = [&](const json& list) { return p.ask({{"op", "breakpoints"}, {"list", list}}); };
   const json late = {{"condition", "k.time > 0.3"}};
   ASSERT_EQ(set({late, {{"condition", "g.out > 0.1"}, {"on", false}}})["ok"], true);
-  const json told = other.event("breakpoints");
-  ASSERT_EQ(told["list"].size(), 2u) << told.dump();
-  EXPECT_EQ(told["list"][0], json({{"condition", "k.time > 0.3"}, {"pin", "k.time"}, {"component", 0}, {"on", true}}));
-  EXPECT_EQ(told["list"][1]["on"], false);
+  const json received = other.event("breakpoints");
+  ASSERT_EQ(received["list"].size(), 2u) << received.dump();
+  EXPECT_EQ(received["list"][0], json({{"condition", "k.time > 0.3"}, {"pin", "k.time"}, {"component", 0}, {"on", true}}));
+  EXPECT_EQ(received["list"][1]["on"], false);
   ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
   ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
 
-  const auto check = [&](const json& hit, double limit) {  // the first tick whose time is above the limit
+  const auto check = [&](const json& hit, double limit) {  // the hit must be the first tick whose time exceeds `limit` [s]
     ASSERT_FALSE(hit.is_null());
     const auto tick = static_cast<std::uint64_t>(limit / dt + 1e-6) + 1;
     EXPECT_EQ(hit["tick"], tick) << hit.dump();
@@ -306,51 +306,53 @@ TEST_F(CircuitStudioTest, ARunStopsAtTheTickThatMeetsABreakpointAndGoesOn) {
   check(first, 0.3);
   EXPECT_EQ(first["condition"], "k.time > 0.3");
   EXPECT_EQ(first["pin"], "k.time");
-  const auto stands = [&] { return p.ask({{"op", "hello"}})["transport"]; };
-  EXPECT_EQ(stands()["playing"], false);
-  EXPECT_EQ(stands()["time"], first["time"]);
-  EXPECT_EQ(stands()["simulated"], first["time"]);
+  const auto transport = [&] { return p.ask({{"op", "hello"}})["transport"]; };
+  EXPECT_EQ(transport()["playing"], false);
+  EXPECT_EQ(transport()["time"], first["time"]);
+  EXPECT_EQ(transport()["simulated"], first["time"]);
 
-  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true) << "it goes on";
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true) << "play must continue after a breakpoint";
   ASSERT_FALSE(p.event("transport", [&](const json& e) { return e["playing"] == true && e["time"] > 0.6; }).is_null());
   ASSERT_EQ(p.ask({{"op", "pause"}})["ok"], true);
 
-  // What is recorded is computed again: a breakpoint that is set afterwards is met too.
+  // Recorded steps are recomputed: a breakpoint that is set after the recording is met too.
   ASSERT_EQ(p.ask({{"op", "seek"}, {"time", 0.1}})["ok"], true);
   ASSERT_EQ(set({late, {{"condition", "g.out > 0.2"}}, {{"condition", "nobody.out > 1"}}})["ok"], true);
-  EXPECT_FALSE(p.event("log", [](const json& e) { return e["text"].get<std::string>().contains("'nobody.out > 1' waits"); }).is_null());
+  EXPECT_FALSE(p.event("log", [](const json& e) {
+                  return e["text"].get<std::string>().contains("'nobody.out > 1' does not fit the circuit");
+                }).is_null());
   ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
   check(p.event("breakpoint"), 0.2);
 
-  // Tick by tick from there.
-  const double at = stands()["time"];
+  // Single ticks continue from the breakpoint.
+  const double at = transport()["time"];
   ASSERT_EQ(p.ask({{"op", "step"}, {"ticks", 1}})["ok"], true);
-  EXPECT_NEAR(stands()["time"].get<double>(), at + dt, 1e-9);
-  EXPECT_NEAR(stands()["simulated"].get<double>(), at + dt, 1e-9);
+  EXPECT_NEAR(transport()["time"].get<double>(), at + dt, 1e-9);
+  EXPECT_NEAR(transport()["simulated"].get<double>(), at + dt, 1e-9);
 
-  // Without any, it runs through.
+  // Without breakpoints, playing does not stop.
   ASSERT_EQ(set(json::array())["ok"], true);
   ASSERT_EQ(p.ask({{"op", "restart"}})["ok"], true);
   ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
   EXPECT_FALSE(p.event("transport", [&](const json& e) { return e["playing"] == true && e["time"] > 0.6; }).is_null());
 }
 
-TEST_F(CircuitStudioTest, BreakpointsAreThereAfterARestartAndInACopy) {
+TEST_F(CircuitStudioTest, BreakpointsAreStoredWithTheProjectAndItsCopy) {
   const json list = {{{"condition", "k.time > 0.3"}}, {{"condition", "g.out[0] < 0"}, {"on", false}}};
-  json told;
+  json received;
   {
     Page p = page();
     (void)p.ask({{"op", "hello"}});
     ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
     ASSERT_EQ(p.ask({{"op", "breakpoints"}, {"list", list}})["ok"], true);
-    told = p.ask({{"op", "hello"}})["breakpoints"];
-    ASSERT_EQ(told.size(), 2u);
+    received = p.ask({{"op", "hello"}})["breakpoints"];
+    ASSERT_EQ(received.size(), 2u);
     EXPECT_EQ(p.ask({{"op", "save"}, {"path", folder_ + "/copy.ugoki"}})["ok"], true);
   }
   for (const char* name : {"/park.ugoki", "/copy.ugoki"}) {
     restart(name);
     Page p = page();
-    EXPECT_EQ(p.ask({{"op", "hello"}})["breakpoints"], told) << name;
+    EXPECT_EQ(p.ask({{"op", "hello"}})["breakpoints"], received) << name;
     ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
     ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
     EXPECT_EQ(p.event("breakpoint")["condition"], "k.time > 0.3");
@@ -360,7 +362,7 @@ TEST_F(CircuitStudioTest, BreakpointsAreThereAfterARestartAndInACopy) {
   EXPECT_EQ(page().ask({{"op", "hello"}})["breakpoints"], json::array());
 }
 
-TEST_F(CircuitStudioTest, BreakpointsThatCannotBeReadAreLeftOut) {
+TEST_F(CircuitStudioTest, InvalidStoredBreakpointsAreIgnored) {
   studio_.reset();
   for (const char* text : {"no list", "{}", R"([{"condition": "k.time ? 1"}])", "[1]"}) {
     {
@@ -377,7 +379,7 @@ TEST_F(CircuitStudioTest, BreakpointsThatCannotBeReadAreLeftOut) {
   }
 }
 
-TEST_F(CircuitStudioTest, ARecordedKeyMeetsABreakpointAtTheSameTickWhenItIsComputedAgain) {
+TEST_F(CircuitStudioTest, ReplayedKeyMeetsBreakpointAtTheSameTick) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});
   ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "w"}, {"type", "keyboard"}, {"parameters", {{"key", "KeyW"}}}}),
@@ -392,7 +394,7 @@ TEST_F(CircuitStudioTest, ARecordedKeyMeetsABreakpointAtTheSameTickWhenItIsCompu
   p.socket().send_text(json{{"op", "input"}, {"keyboard", {"KeyW"}}}.dump());
   const json first = p.event("breakpoint");
   ASSERT_FALSE(first.is_null());
-  p.socket().send_text(json{{"op", "input"}, {"keyboard", json::array()}}.dump());  // let go: what is recorded counts
+  p.socket().send_text(json{{"op", "input"}, {"keyboard", json::array()}}.dump());  // released: only the recorded key can press it again
   ASSERT_EQ(p.ask({{"op", "seek"}, {"time", 0}})["ok"], true);
   ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
   const json again = p.event("breakpoint");
@@ -400,7 +402,7 @@ TEST_F(CircuitStudioTest, ARecordedKeyMeetsABreakpointAtTheSameTickWhenItIsCompu
   EXPECT_EQ(again["tick"], first["tick"]);
 }
 
-TEST_F(CircuitStudioTest, WhatIsTrueAtTheBeginningHasNotBecomeSoInASecondRunEither) {
+TEST_F(CircuitStudioTest, ConditionTrueAtStartIsNoHitAfterRestartOrSeek) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});
   ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
@@ -417,7 +419,7 @@ TEST_F(CircuitStudioTest, WhatIsTrueAtTheBeginningHasNotBecomeSoInASecondRunEith
   }
 }
 
-TEST_F(CircuitStudioTest, MalformedBreakpointsAndSingleTicksAreRefusedInWords) {
+TEST_F(CircuitStudioTest, MalformedBreakpointsAndTicksAreRejectedWithRemedy) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});
   const json item = {{"condition", "k.time > 3"}};
@@ -431,10 +433,10 @@ TEST_F(CircuitStudioTest, MalformedBreakpointsAndSingleTicksAreRefusedInWords) {
   }
   const json refused = p.ask({{"op", "step"}, {"ticks", 1}});
   EXPECT_EQ(refused["ok"], false);
-  EXPECT_EQ(refused["error"]["problems"][0]["message"], "Single ticks are computed in Simulate only.");
+  EXPECT_EQ(refused["error"]["problems"][0]["message"], "Single ticks are available in Simulate mode only.");
 }
 
-TEST_F(CircuitStudioTest, MalformedWatchesAreRefused) {
+TEST_F(CircuitStudioTest, MalformedWatchRequestsAreRejected) {
   Page p = page();
   for (const json& bad : {json{{"op", "watch"}}, json{{"op", "watch"}, {"pins", "a"}, {"probes", json::array()}, {"timing", true}},
                           json{{"op", "watch"}, {"pins", json::array()}, {"probes", json::array()}, {"timing", 1}}})

@@ -154,7 +154,7 @@ std::optional<WebSocket::Message> WebSocket::receive(double seconds) {
       send_frame(10, message.data);
       continue;
     }
-    while (!last) {  // the studio's library splits large messages
+    while (!last) {  // the server's library splits large messages into several frames
       std::optional<Message> rest;
       if (!fill(2, seconds)) return std::nullopt;
       const bool end = (buffer_[0] & 0x80) != 0;

@@ -1,5 +1,5 @@
 #pragma once
-// A blocking client of HTTP and WebSocket on raw sockets, independent of the server's library.
+// Blocking HTTP and WebSocket client on raw sockets, for tests. It does not use the server's library, so that it is an independent check.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace ugoki::studio::test {
 
-/// A connected TCP socket to 127.0.0.1, closed with the object.
+/// A TCP connection to 127.0.0.1; the destructor closes it.
 class Socket {
  public:
   explicit Socket(std::uint16_t port);
@@ -21,9 +21,9 @@ class Socket {
   Socket& operator=(const Socket&) = delete;
 
   bool send(std::string_view bytes);
-  /// Up to `size` bytes; nothing after `seconds` or at the end of the stream.
+  /// Reads up to `size` bytes; empty after `seconds` or at the end of the stream.
   std::string receive(std::size_t size, double seconds = 20);
-  /// Everything until the peer closes.
+  /// Reads everything until the peer closes the connection.
   std::string receive_all(double seconds = 20);
   [[nodiscard]] int fd() const { return fd_; }
 
@@ -37,7 +37,7 @@ struct Reply {
   std::string body;
 };
 
-/// One request on a connection of its own. `headers`: whole lines without line ends; Host is added where none is given.
+/// Sends one request on a new connection. `headers`: complete lines without line ends; a Host header is added if there is none.
 Reply request(std::uint16_t port, const std::string& method, const std::string& target, const std::vector<std::string>& headers = {},
               const std::string& body = {});
 
@@ -45,7 +45,7 @@ class WebSocket {
  public:
   WebSocket(std::uint16_t port, const std::string& target, const std::vector<std::string>& headers = {});
 
-  [[nodiscard]] int status() const { return status_; }  ///< 101 if it is open
+  [[nodiscard]] int status() const { return status_; }  ///< HTTP status of the handshake; 101: open
   [[nodiscard]] Socket& socket() { return socket_; }
   bool send_text(std::string_view text) { return send_frame(0x1, text); }
   bool send_frame(int opcode, std::string_view payload, bool masked = true);
@@ -54,9 +54,9 @@ class WebSocket {
     int opcode = 0;  ///< 1 text, 2 binary, 8 close
     std::string data;
   };
-  /// The next message (answers pings by itself); nothing after `seconds` or at the end.
+  /// The next message; nothing after `seconds` or at the end of the stream. Pings are answered automatically.
   std::optional<Message> receive(double seconds = 20);
-  /// The next text message that `fits`; others, and frames, are kept out of the way (frames go to `on_frame`).
+  /// The next text message for which `fits` is true. Other texts are passed to `on_text`, frames to `on_frame`.
   std::optional<std::string> receive_text(const std::function<bool(const std::string&)>& fits, double seconds = 20);
   std::function<void(const std::string&)> on_frame;
   std::function<void(const std::string&)> on_text;

@@ -1,4 +1,4 @@
-// The sample content played by the real interpreter.
+// Tests of the interpreter with the sample content and the real player.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,28 +61,28 @@ class ContentTest : public testing::Test {
     }
   }
   float distance(const Frame& a, const Frame& b, std::size_t character) {
-    float most = 0;
+    float max_difference = 0;
     for (std::size_t l = 0; l < a.characters[character].links.size(); ++l) {
       for (std::size_t i = 0; i < 3; ++i)
-        most = std::max(most, std::abs(a.characters[character].links[l][i] - b.characters[character].links[l][i]));
+        max_difference = std::max(max_difference, std::abs(a.characters[character].links[l][i] - b.characters[character].links[l][i]));
     }
-    return most;
+    return max_difference;
   }
   double now = 0;
   Collector sink;
   Interpreter interpreter{open_player, sink, [this] { return now; }};
 };
 
-TEST_F(ContentTest, EditShowsTheTracks) {
+TEST_F(ContentTest, EditModeShowsTheTracks) {
   const Frame start = sink.last;
   ASSERT_EQ(start.characters.size(), 3u);
   EXPECT_EQ(start.characters[0].state, 3u);
   EXPECT_GT(start.characters[0].links.size(), 15u);
   ASSERT_TRUE(interpreter.seek(2));
-  EXPECT_GT(distance(start, sink.last, 0), 1.0f);  // it walks
+  EXPECT_GT(distance(start, sink.last, 0), 1.0f);  // the human walks more than 1 m in 2 s
 }
 
-TEST_F(ContentTest, TheSamplePlaysLikeItsTracksWithoutLettingGo) {
+TEST_F(ContentTest, SimulatedSampleFollowsItsTracks) {
   ASSERT_TRUE(interpreter.seek(1));
   const Frame track = sink.last;
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
@@ -96,7 +96,7 @@ TEST_F(ContentTest, TheSamplePlaysLikeItsTracksWithoutLettingGo) {
   EXPECT_FALSE(sink.summary["contacts"].empty());
 }
 
-TEST_F(ContentTest, ScrubbingBackAndPushingReplaysToTheSameBits) {
+TEST_F(ContentTest, ReplayAfterReloadAndPastPushIsBitIdentical) {
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.play(std::nullopt));
   pass(0.6);
@@ -110,12 +110,12 @@ TEST_F(ContentTest, ScrubbingBackAndPushingReplaysToTheSameBits) {
   ASSERT_TRUE(interpreter.pause());
   const double head = interpreter.simulated();
   const std::uint64_t digest = interpreter.head_digest();
-  // From a checkpoint in the middle of the pull, with what was done recorded: the same future.
+  // Loading the same content recomputes it with the recorded inputs.
   ASSERT_TRUE(interpreter.load(sample()));
   settle();
   EXPECT_DOUBLE_EQ(interpreter.simulated(), head);
   EXPECT_EQ(interpreter.head_digest(), digest);
-  // A push in the past leads elsewhere, twice to the same place.
+  // A push before the head changes the result; the same push gives the same bits twice.
   std::uint64_t digests[2];
   for (std::uint64_t& d : digests) {
     ASSERT_TRUE(interpreter.seek(0.75));
@@ -129,7 +129,7 @@ TEST_F(ContentTest, ScrubbingBackAndPushingReplaysToTheSameBits) {
   EXPECT_EQ(digests[0], digests[1]);
 }
 
-TEST_F(ContentTest, AGrabIsShownAtOnceAndPulls) {
+TEST_F(ContentTest, GrabIsShownImmediatelyAndPulls) {
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.seek(0.5));
   settle();

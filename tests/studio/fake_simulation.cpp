@@ -89,9 +89,9 @@ class FakeSimulation final : public Simulation {
   void drag(const Vec3& target) override { s_.target = target.x; }
   void release() override { s_.grabbed = -1; }
 
-  void encode_frame(std::vector<std::byte>& out) override { encode(out, s_.x, content::FigureState::tracking); }
+  void encode_frame(std::vector<std::byte>& out) override { encode(out, s_.x, content::CharacterState::tracking); }
   void encode_pose(double time, std::vector<std::byte>& out) override {
-    encode(out, std::vector<double>(cast_.size(), time * 10 + start_), content::FigureState::edit);
+    encode(out, std::vector<double>(cast_.size(), time * 10 + start_), content::CharacterState::edit);
   }
 
   CharacterSummary summary(int character) override {
@@ -102,7 +102,7 @@ class FakeSimulation final : public Simulation {
   }
   std::uint8_t feet_on_ground(int) override {
     return static_cast<std::uint8_t>(s_.step / 250 % 2 == 0 ? 2 : 1);
-  }  // changes each half second
+  }  // changes every 250 steps
 
  private:
   struct State {
@@ -111,7 +111,7 @@ class FakeSimulation final : public Simulation {
     std::vector<double> x, v, push, push_end;
   };
 
-  void encode(std::vector<std::byte>& out, const std::vector<double>& x, content::FigureState state) {
+  void encode(std::vector<std::byte>& out, const std::vector<double>& x, content::CharacterState state) {
     content::DisplayFrame frame;
     if (s_.grabbed >= 0) {
       frame.grabbed = true;
@@ -164,7 +164,8 @@ class Reader {
   bool bad_ = false;
 };
 
-/// The same settings for real executable data: the cast from there, the rest from the scenario's name if that is JSON.
+/// Settings of the fake simulation for real executable data: step, duration, rate and cast are taken from the data, the others from the
+/// scenario's name if it is a JSON object.
 nlohmann::json settings_of(const content::Executable& executable) {
   nlohmann::json j = nlohmann::json::parse(executable.name, nullptr, false);
   if (!j.is_object()) j = nlohmann::json::object();
@@ -187,7 +188,7 @@ Result<std::unique_ptr<Simulation>> open_fake_simulation(std::span<const std::by
   }
   const auto j = nlohmann::json::parse(reinterpret_cast<const char*>(executable.data()),
                                        reinterpret_cast<const char*>(executable.data()) + executable.size(), nullptr, false);
-  if (!j.is_object()) return fail(ErrorCode::syntax, "content.ugx", "This is no executable data.", "Generate it again.");
+  if (!j.is_object()) return fail(ErrorCode::syntax, "content.ugx", "This is not executable data.", "Generate it again.");
   return std::unique_ptr<Simulation>(std::make_unique<FakeSimulation>(j));
 }
 

@@ -1,7 +1,7 @@
 #pragma once
-// A simulation for tests of the interpreter: masses on a line, that are pushed and pulled. Its executable data is a JSON object:
+// A simulation for tests of the interpreter: masses on a line that can be pushed and pulled. Its executable data is a JSON object:
 // {"step", "duration", "rate", "cast": [{"id", "links"}], "blow_up": time, "crash": time, "hang": time, "wind": force, "start": x at time 0
-// of poses}; or a real *.ugx, whose scenario's name may hold such an object.
+// of poses}. Real executable data (*.ugx) is accepted as well; the name of its scenario may be such an object with the faults to simulate.
 
 #include <array>
 
@@ -9,9 +9,10 @@
 
 namespace ugoki::studio::test {
 
+/// A SimulationOpener for the fake simulation.
 [[nodiscard]] Result<std::unique_ptr<Simulation>> open_fake_simulation(std::span<const std::byte> executable);
 
-/// A frame taken apart after docs/studio-protocol.md, independently of the writer.
+/// A parsed display frame. The parser follows docs/studio-protocol.md and shares no code with the writer.
 struct Frame {
   double time = 0;
   std::uint32_t number = 0, flags = 0;
@@ -27,7 +28,7 @@ struct Frame {
     std::uint32_t character, link;
   };
   std::vector<Contact> contacts;
-  bool good = false;  ///< the layout fits the size exactly
+  bool good = false;  ///< the layout matches the frame's size exactly
 };
 [[nodiscard]] Frame parse_frame(std::span<const std::byte> bytes);
 

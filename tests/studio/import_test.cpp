@@ -1,4 +1,4 @@
-// Imports in two steps: what is staged is in nobody's library until it is stored.
+// Tests of imports in two steps: a staged file is not in the library until it is stored.
 
 #include "ugoki/studio/import_service.h"
 
@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-class Import : public testing::Test {
+class ImportServiceTest : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / ("ugoki-import-" + std::to_string(::getpid()));
@@ -43,7 +43,7 @@ class Import : public testing::Test {
   std::unique_ptr<ImportService> service_;
 };
 
-TEST_F(Import, IsShownCorrectedAndThenStored) {
+TEST_F(ImportServiceTest, StageIsShownCorrectedAndStored) {
   formats::BvhWriteOptions z_up;
   z_up.z_up = true;
   const auto first = service_->stage("folder/walk.bvh", formats::write_bvh(samples::make_human_walk(), z_up), {});
@@ -51,13 +51,13 @@ TEST_F(Import, IsShownCorrectedAndThenStored) {
   Json shown = Json::parse(*first);
   EXPECT_EQ(shown["file"], "walk.bvh");
   EXPECT_EQ(shown["settings"]["up"], "y");
-  EXPECT_FALSE(shown["report"]["check"].empty()) << "it lies";
+  EXPECT_FALSE(shown["report"]["check"].empty()) << "the file is Z up but is read as Y up, so the character must be reported as lying";
   EXPECT_EQ(entries(), 0u);
 
   const std::string id = shown["stage"];
-  EXPECT_FALSE(service_->stage_again(id, {0, "z", "z", 0})) << "up and forward are one axis";
-  EXPECT_FALSE(service_->stage_again(id, {0, "up", "z", 0}));
-  const auto second = service_->stage_again(id, {0, "z", "x", 60});
+  EXPECT_FALSE(service_->restage(id, {0, "z", "z", 0})) << "up and forward must be different axes";
+  EXPECT_FALSE(service_->restage(id, {0, "up", "z", 0}));
+  const auto second = service_->restage(id, {0, "z", "x", 60});
   ASSERT_TRUE(second) << second.error().text();
   shown = Json::parse(*second);
   EXPECT_TRUE(shown["report"]["check"].empty()) << shown["report"]["check"].dump();
@@ -72,7 +72,7 @@ TEST_F(Import, IsShownCorrectedAndThenStored) {
   const auto stored = service_->store(id, "Stroll", {"own"});
   ASSERT_TRUE(stored) << stored.error().text();
   EXPECT_EQ(Json::parse(*stored)["entries"].size(), 2u);
-  EXPECT_EQ(entries(), 3u) << "mechanism, measured data, motion";
+  EXPECT_EQ(entries(), 3u) << "expected a mechanism, measured data and a motion";
   const auto library = store::Library::open(path_);
   const auto entry = library->resolve("Stroll", "motion");
   ASSERT_TRUE(entry) << entry.error().text();
@@ -80,11 +80,11 @@ TEST_F(Import, IsShownCorrectedAndThenStored) {
   EXPECT_FALSE(service_->store(id, "", {})) << "the stage has ended";
 }
 
-TEST_F(Import, WhatIsRefusedOrDroppedLeavesNoTrace) {
+TEST_F(ImportServiceTest, RejectedOrDroppedStagesStoreNothing) {
   const auto broken = service_->stage("broken.bvh", "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0\n", {});
   ASSERT_FALSE(broken);
   EXPECT_FALSE(broken.error().problems.front().message.empty());
-  EXPECT_FALSE(service_->stage("12_01.amc", ":FULLY-SPECIFIED\n1\n", {})) << "no skeleton was sent";
+  EXPECT_FALSE(service_->stage("12_01.amc", ":FULLY-SPECIFIED\n1\n", {})) << "an AMC file without skeleton must be rejected";
   EXPECT_FALSE(service_->companion("12.asf", "not a skeleton"));
   const auto staged = service_->stage("walk.bvh", formats::write_bvh(samples::make_human_walk()), {});
   ASSERT_TRUE(staged);
@@ -95,7 +95,7 @@ TEST_F(Import, WhatIsRefusedOrDroppedLeavesNoTrace) {
   EXPECT_EQ(entries(), 0u);
 }
 
-TEST_F(Import, DescriptionsFindTheirMeshesAmongTheFilesThatWereSent) {
+TEST_F(ImportServiceTest, RobotUsesMeshesSentAsCompanions) {
   const std::string robot =
       "<robot name='r'><link name='a'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
       "<collision><geometry><mesh filename='package://r/meshes/Part.OBJ'/></geometry></collision></link></robot>";
@@ -110,11 +110,11 @@ TEST_F(Import, DescriptionsFindTheirMeshesAmongTheFilesThatWereSent) {
   EXPECT_EQ(shapes(*with), 1u);
 }
 
-TEST_F(Import, TheMeasureIsAsHighAsItSays) {
+TEST_F(ImportServiceTest, ReferenceCharacterHasRequestedHeight) {
   for (const double height : {1.8, 1.2}) {
-    const auto figure = reference_figure_json(height);
-    ASSERT_TRUE(figure) << figure.error().text();
-    EXPECT_NEAR(Json::parse(*figure)["height"].get<double>(), height, 0.02 * height);
+    const auto character = reference_character_json(height);
+    ASSERT_TRUE(character) << character.error().text();
+    EXPECT_NEAR(Json::parse(*character)["height"].get<double>(), height, 0.02 * height);
   }
 }
 

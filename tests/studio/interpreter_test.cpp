@@ -39,7 +39,7 @@ class Collector final : public InterpreterSink {
   std::vector<json> messages;
 };
 
-/// An interpreter whose clock goes only when the test says so.
+/// An interpreter with a simulated clock that only the test advances.
 class InterpreterTest : public testing::Test {
  protected:
   static std::string content(const std::string& more = "") {
@@ -50,7 +50,7 @@ class InterpreterTest : public testing::Test {
     ASSERT_TRUE(r) << r.error().text();
   }
   void open() { open(content()); }
-  /// Lets `seconds` pass in small parts.
+  /// Advances the clock by `seconds` in small steps and does the due work.
   void pass(double seconds) {
     const double end = now + seconds;
     while (now < end) {
@@ -59,7 +59,7 @@ class InterpreterTest : public testing::Test {
     }
     settle();
   }
-  /// Does what is due without letting time pass (but for the work's own slices).
+  /// Does the work that is due without advancing the clock.
   void settle() {
     for (int i = 0; i < 100000 && interpreter.work() == 0; ++i) {
     }
@@ -71,7 +71,7 @@ class InterpreterTest : public testing::Test {
   Interpreter interpreter{test::open_fake_simulation, sink, [this] { return now; }};
 };
 
-TEST_F(InterpreterTest, EverythingIsRefusedInWordsWithoutContent) {
+TEST_F(InterpreterTest, WithoutContentRequestsAreRejectedWithRemedy) {
   for (const Result<void>& r : {interpreter.play(std::nullopt), interpreter.pause(), interpreter.seek(1), interpreter.restart(),
                                 interpreter.set_mode(PlayMode::simulate), interpreter.grab("a", "0", {}, {}), interpreter.release()}) {
     ASSERT_FALSE(r);
@@ -81,7 +81,7 @@ TEST_F(InterpreterTest, EverythingIsRefusedInWordsWithoutContent) {
   EXPECT_FALSE(interpreter.load(bytes_of("not json")));
 }
 
-TEST_F(InterpreterTest, ASingleTickBehindTheHeadComputesAgainWithTheSameInputs) {
+TEST_F(InterpreterTest, SingleTickBeforeHeadRecomputesWithRecordedInputs) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.seek(0.5));
@@ -102,10 +102,10 @@ TEST_F(InterpreterTest, ASingleTickBehindTheHeadComputesAgainWithTheSameInputs) 
 
   ASSERT_TRUE(interpreter.seek(4));
   settle();
-  EXPECT_FALSE(interpreter.step_tick()) << "the content ends here";
+  EXPECT_FALSE(interpreter.step_tick()) << "the shown time is the end of the content";
 }
 
-TEST_F(InterpreterTest, FramesHaveTheDocumentedLayout) {
+TEST_F(InterpreterTest, FramesHaveDocumentedLayout) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.grab("b", "0", {}, {7, 0, 1}));
@@ -125,7 +125,7 @@ TEST_F(InterpreterTest, FramesHaveTheDocumentedLayout) {
   EXPECT_EQ(f.contacts[0].force[2], 700);
 }
 
-TEST_F(InterpreterTest, EditShowsPosesAndPlaysThem) {
+TEST_F(InterpreterTest, EditModeShowsAndPlaysPoses) {
   open();
   ASSERT_TRUE(interpreter.seek(1.5));
   EXPECT_DOUBLE_EQ(shown().time, 1.5);
@@ -143,7 +143,7 @@ TEST_F(InterpreterTest, EditShowsPosesAndPlaysThem) {
   ASSERT_TRUE(interpreter.seek(1000));
   EXPECT_EQ(shown().time, 4);
   EXPECT_FALSE(interpreter.seek(std::nan("")));
-  ASSERT_TRUE(interpreter.play(std::nullopt));  // at the end: from the start
+  ASSERT_TRUE(interpreter.play(std::nullopt));  // at the end of the content: starts at 0
   pass(1);
   EXPECT_NEAR(shown().time, 1, 0.02);
   EXPECT_EQ(shown().flags, content::frame_playing);
@@ -155,7 +155,7 @@ TEST_F(InterpreterTest, EditShowsPosesAndPlaysThem) {
   EXPECT_FALSE(interpreter.grab("a", "0", {}, {}));
 }
 
-TEST_F(InterpreterTest, PlaysSixtyFramesASecondOfSimulatedTime) {
+TEST_F(InterpreterTest, Plays60FramesPerSimulatedSecond) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   sink.frames.clear();
@@ -178,7 +178,7 @@ TEST_F(InterpreterTest, PlaysSixtyFramesASecondOfSimulatedTime) {
   EXPECT_EQ(shown().flags, content::frame_simulate | content::frame_live);
 }
 
-TEST_F(InterpreterTest, SlowMotionAndFastForwardShowSixtyFramesASecondToo) {
+TEST_F(InterpreterTest, SlowMotionAndFastForwardShow60FramesPerSecond) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   EXPECT_FALSE(interpreter.play(0.0));
@@ -196,7 +196,7 @@ TEST_F(InterpreterTest, SlowMotionAndFastForwardShowSixtyFramesASecondToo) {
   EXPECT_NEAR(interpreter.simulated(), 2.5, 0.08);
 }
 
-TEST_F(InterpreterTest, ScrubbingShowsWhatWasRecordedAndPlayingGoesOnFromThere) {
+TEST_F(InterpreterTest, ScrubbingShowsRecordedFramesAndPlayContinues) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.play(std::nullopt));
@@ -224,7 +224,7 @@ TEST_F(InterpreterTest, ScrubbingShowsWhatWasRecordedAndPlayingGoesOnFromThere) 
   EXPECT_NEAR(shown().time, 2.5, 0.02);
 }
 
-TEST_F(InterpreterTest, SlowMotionThroughTheRecordingIsSmooth) {
+TEST_F(InterpreterTest, SlowMotionInterpolatesRecordedFrames) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.seek(3));
@@ -240,11 +240,11 @@ TEST_F(InterpreterTest, SlowMotionThroughTheRecordingIsSmooth) {
     EXPECT_NEAR(sink.frames[i].characters[0].links[0][3], std::cos(0.25), 1e-6);
     EXPECT_NEAR(sink.frames[i].time - sink.frames[i - 1].time, 0.1 / 60, 1e-9);
   }
-  const auto [least, most] = std::ranges::minmax(moves);
-  EXPECT_GT(least, 0.5f * most);  // every frame moves on by about the same
+  const auto [minimum, maximum] = std::ranges::minmax(moves);
+  EXPECT_GT(minimum, 0.5f * maximum);  // the motion between frames is nearly uniform
 }
 
-TEST_F(InterpreterTest, SeekingAheadSimulatesAndSteppingEqualsPlaying) {
+TEST_F(InterpreterTest, SeekingAndSteppingReachTheSameState) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.seek(3));
@@ -264,7 +264,7 @@ TEST_F(InterpreterTest, SeekingAheadSimulatesAndSteppingEqualsPlaying) {
   EXPECT_EQ(interpreter.head_digest(), sought);
 }
 
-TEST_F(InterpreterTest, LiveInputsAreRecordedAndReplayToTheSameBits) {
+TEST_F(InterpreterTest, LiveInputsReplayBitIdentically) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.play(std::nullopt));
@@ -283,12 +283,12 @@ TEST_F(InterpreterTest, LiveInputsAreRecordedAndReplayToTheSameBits) {
   const std::uint64_t digest = interpreter.head_digest();
   const double head = interpreter.simulated();
   EXPECT_NE(digest, untouched);
-  // The same content again, simulated anew up to here with what the user did.
+  // Loading the same content recomputes it up to the shown time with the recorded inputs.
   open();
   settle();
   EXPECT_DOUBLE_EQ(interpreter.simulated(), head);
   EXPECT_EQ(interpreter.head_digest(), digest);
-  // Other content: the same inputs, another wind.
+  // Other content with another wind uses the same recorded inputs.
   open(content(R"(,"wind":2)"));
   settle();
   EXPECT_DOUBLE_EQ(interpreter.simulated(), head);
@@ -296,7 +296,7 @@ TEST_F(InterpreterTest, LiveInputsAreRecordedAndReplayToTheSameBits) {
   open();
   settle();
   EXPECT_EQ(interpreter.head_digest(), digest);
-  // Another cast: what the user did is forgotten.
+  // Loading another cast drops the recorded inputs.
   open(R"({"step":0.002,"duration":4,"rate":60,"cast":[{"id":"a","links":3}]})");
   open();
   settle();
@@ -304,7 +304,7 @@ TEST_F(InterpreterTest, LiveInputsAreRecordedAndReplayToTheSameBits) {
   EXPECT_NE(interpreter.head_digest(), digest);
 }
 
-TEST_F(InterpreterTest, AnInputBehindTheHeadMakesANewFuture) {
+TEST_F(InterpreterTest, InputBeforeHeadReplacesLaterRecording) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.seek(2));
@@ -322,7 +322,7 @@ TEST_F(InterpreterTest, AnInputBehindTheHeadMakesANewFuture) {
   ASSERT_TRUE(interpreter.seek(2));
   settle();
   const std::uint64_t digest = interpreter.head_digest();
-  // The same without the detour.
+  // The same push without the replaced recording.
   ASSERT_TRUE(interpreter.restart());
   ASSERT_TRUE(interpreter.seek(0.8));
   settle();
@@ -330,30 +330,30 @@ TEST_F(InterpreterTest, AnInputBehindTheHeadMakesANewFuture) {
   ASSERT_TRUE(interpreter.seek(2));
   settle();
   EXPECT_EQ(interpreter.head_digest(), digest);
-  // From the start, nothing of what was done is left.
+  // A restart drops all recorded inputs.
   ASSERT_TRUE(interpreter.restart());
   ASSERT_TRUE(interpreter.seek(2));
   settle();
   EXPECT_EQ(interpreter.head_digest(), untouched);
 }
 
-TEST_F(InterpreterTest, WrongInputsAreRefusedInWords) {
+TEST_F(InterpreterTest, InvalidInputsAreRejectedWithLocation) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
-  const auto place = [](const Result<void>& r) { return r ? std::string("accepted") : r.error().problems[0].place; };
-  EXPECT_EQ(place(interpreter.grab("nobody", "0", {}, {})), "character");
-  EXPECT_EQ(place(interpreter.grab("a", "3", {}, {})), "link");
-  EXPECT_EQ(place(interpreter.grab("a", "-1", {}, {})), "link");
-  EXPECT_EQ(place(interpreter.grab("a", "tail", {}, {})), "link");
-  EXPECT_EQ(place(interpreter.grab("a", "0", {std::nan(""), 0, 0}, {})), "target");
-  EXPECT_EQ(place(interpreter.push("a", "0", {1e9, 0, 0}, 0.1)), "force");
-  EXPECT_EQ(place(interpreter.push("a", "0", {1, 0, 0}, 0)), "force");
-  EXPECT_EQ(place(interpreter.drag({0, std::nan(""), 0})), "target");
-  EXPECT_EQ(place(interpreter.drag({1, 0, 0})), "accepted");  // late, after a release: nothing happens
+  const auto location = [](const Result<void>& r) { return r ? std::string("accepted") : r.error().problems[0].location; };
+  EXPECT_EQ(location(interpreter.grab("nobody", "0", {}, {})), "character");
+  EXPECT_EQ(location(interpreter.grab("a", "3", {}, {})), "link");
+  EXPECT_EQ(location(interpreter.grab("a", "-1", {}, {})), "link");
+  EXPECT_EQ(location(interpreter.grab("a", "tail", {}, {})), "link");
+  EXPECT_EQ(location(interpreter.grab("a", "0", {std::nan(""), 0, 0}, {})), "target");
+  EXPECT_EQ(location(interpreter.push("a", "0", {1e9, 0, 0}, 0.1)), "force");
+  EXPECT_EQ(location(interpreter.push("a", "0", {1, 0, 0}, 0)), "force");
+  EXPECT_EQ(location(interpreter.drag({0, std::nan(""), 0})), "target");
+  EXPECT_EQ(location(interpreter.drag({1, 0, 0})), "accepted");  // a drag without a grab is ignored
   EXPECT_FALSE(shown().flags & content::frame_grab);
 }
 
-TEST_F(InterpreterTest, ABlownUpSimulationStopsAndItsRecordingStays) {
+TEST_F(InterpreterTest, FailedStepStopsPlayingAndKeepsRecording) {
   open(content(R"(,"blow_up":1)"));
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.play(std::nullopt));
@@ -365,17 +365,17 @@ TEST_F(InterpreterTest, ABlownUpSimulationStopsAndItsRecordingStays) {
   EXPECT_FALSE(interpreter.play(std::nullopt));
   ASSERT_TRUE(interpreter.seek(0.5));
   EXPECT_EQ(shown().number, 30u);
-  ASSERT_TRUE(interpreter.play(std::nullopt));  // the recording up to there
+  ASSERT_TRUE(interpreter.play(std::nullopt));  // plays the recording up to the failed step
   pass(1);
   EXPECT_FALSE(interpreter.playing());
-  open();  // mended
+  open();  // content without the failure
   settle();
   ASSERT_TRUE(interpreter.play(std::nullopt));
   pass(1);
   EXPECT_GT(interpreter.simulated(), 1.5);
 }
 
-TEST_F(InterpreterTest, EditsWhileItPlaysGoOnPlaying) {
+TEST_F(InterpreterTest, PlayingContinuesAfterLoad) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.play(std::nullopt));
@@ -391,13 +391,13 @@ TEST_F(InterpreterTest, EditsWhileItPlaysGoOnPlaying) {
   ASSERT_TRUE(interpreter.seek(static_cast<double>(steps) * 0.002));
   settle();
   EXPECT_EQ(interpreter.head_digest(), digest);
-  // A content that is shorter than where it stood.
+  // Loading content that is shorter than the shown time.
   open(R"({"duration":0.5,"cast":[{"id":"a","links":3}]})");
   settle();
   EXPECT_LE(interpreter.time(), 0.5);
 }
 
-TEST_F(InterpreterTest, SwitchingToSimulateComesToWhereEditStood) {
+TEST_F(InterpreterTest, SwitchToSimulateKeepsShownTime) {
   open();
   ASSERT_TRUE(interpreter.seek(2));
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
@@ -412,7 +412,7 @@ TEST_F(InterpreterTest, SwitchingToSimulateComesToWhereEditStood) {
   EXPECT_NEAR(interpreter.simulated(), 2, 0.002);
 }
 
-TEST_F(InterpreterTest, OtherFrameRatesStepByTheirOwnFrames) {
+TEST_F(InterpreterTest, StepFramesFollowsContentFrameRate) {
   for (const int rate : {24, 25, 30, 50, 120}) {
     open(R"({"rate":)" + std::to_string(rate) + R"(,"duration":2,"cast":[{"id":"a","links":1}]})");
     ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
@@ -429,11 +429,11 @@ TEST_F(InterpreterTest, OtherFrameRatesStepByTheirOwnFrames) {
   }
 }
 
-TEST_F(InterpreterTest, AComputerThatIsTooSlowSlowsTheContentAndNothingElse) {
+TEST_F(InterpreterTest, SlowComputerSlowsPlayingWithoutStopping) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.play(std::nullopt));
-  for (int i = 0; i < 50; ++i) {  // the process gets the processor once in half a second
+  for (int i = 0; i < 50; ++i) {  // the process gets processor time only once in 0.5 s
     now += 0.5;
     interpreter.work();
     settle();

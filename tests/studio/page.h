@@ -1,5 +1,5 @@
 #pragma once
-// A page that talks to the studio, for tests.
+// A page of the studio, for tests: a WebSocket client that sends requests and collects replies, events and frames.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ class Page {
       if (message.contains("event")) events.push_back(std::move(message));
     };
   }
-  /// Sends a request and waits for its reply; events and frames that come before it are kept.
+  /// Sends a request and waits for its reply. Events and frames that arrive before the reply are kept in `events` and `frames`.
   nlohmann::json ask(nlohmann::json message) { return reply(post(std::move(message))); }
   /// Sends a request. @return its id
   int post(nlohmann::json message) {
@@ -36,6 +36,7 @@ class Page {
     socket_.send_text(message.dump());
     return last_;
   }
+  /// Waits for the reply to the request `id`; null if none arrives.
   nlohmann::json reply(const nlohmann::json& id) {
     const auto text = socket_.receive_text([&](const std::string& t) {
       const nlohmann::json j = nlohmann::json::parse(t);
@@ -43,7 +44,7 @@ class Page {
     });
     return text ? nlohmann::json::parse(*text) : nlohmann::json();
   }
-  /// The next event of this name that `fits`, from now on.
+  /// Waits for the next event `name` for which `fits` is true; null if none arrives. Events received earlier are not considered.
   nlohmann::json event(
       const std::string& name, const std::function<bool(const nlohmann::json&)>& fits = [](const nlohmann::json&) { return true; }) {
     const auto text = socket_.receive_text([&](const std::string& t) {
@@ -52,7 +53,7 @@ class Page {
     });
     return text ? nlohmann::json::parse(*text) : nlohmann::json();
   }
-  /// Reads until one of the frames since the last frames.clear() `fits`.
+  /// Reads until `fits` is true for one of the frames received since the last frames.clear().
   bool frame(const std::function<bool(const Frame&)>& fits) {
     for (int i = 0; i < 10'000; ++i) {
       if (std::ranges::any_of(frames, fits)) return true;

@@ -1,5 +1,5 @@
-// Libraries of LSIs that go wrong, in the studio's own arrangement of processes: each fault ends with a message that names LSI, pin and
-// time; the studio lives, and the project is as it was, with its unsaved edits and their undo.
+// Tests of faulty LSI libraries in the studio with its interpreter process. Each fault must give a message with the LSI, the pin and the
+// time. The studio must continue, and the project must keep its unsaved edits and their undo.
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -30,7 +30,7 @@ double forever(double t) { while (t > 0.1) { __asm__ volatile(""); } return t; }
 double invalid(double t) { return t > 0.1 ? NAN : t; }
 double good(double t) { return 2 * t; }
 )";
-const char* const mended = R"(/// @library faulty
+const char* const repaired = R"(/// @library faulty
 double null(double t) { return 3 * t; }
 )";
 
@@ -67,7 +67,7 @@ class PluginFaultsTest : public testing::Test {
     const auto put = plugin::put_on_shelf(shelf_, built->output, *described);
     ASSERT_TRUE(put) << put.error().text();
   }
-  /// A clock whose time the LSI `faulty/TYPE`, called x, takes.
+  /// Command that adds a clock and the LSI `faulty/TYPE` with the id x; the clock's time is the input of x.
   static json use(const std::string& type) {
     return {{"op", "command"},
             {"command",
@@ -87,29 +87,30 @@ class PluginFaultsTest : public testing::Test {
     EXPECT_EQ(p.ask({{"op", "play"}})["ok"], true);
     return p.event("stopped");
   }
-  void expect_fault(const std::string& lsi, const std::string& what, const std::string& place = "x") {
+  /// Plays `faulty/LSI` and expects the event `stopped` with `text` in its message.
+  void expect_fault(const std::string& lsi, const std::string& text, const std::string& location = "x") {
     install(faulty);
     start();
     Page p = page();
     const json stopped = play_until_stopped(p, use(lsi));
     ASSERT_TRUE(stopped.contains("problems")) << stopped;
     const json& problem = stopped["problems"][0];
-    EXPECT_EQ(problem["place"], place) << stopped;
+    EXPECT_EQ(problem["location"], location) << stopped;
     const std::string message = problem["message"];
     EXPECT_NE(message.find("'x'"), std::string::npos) << message;
     EXPECT_NE(message.find("of library 'faulty'"), std::string::npos) << message;
-    EXPECT_NE(message.find(what), std::string::npos) << message;
+    EXPECT_NE(message.find(text), std::string::npos) << message;
     EXPECT_NE(message.find(" at 0.10"), std::string::npos) << message;
     EXPECT_NE(message.find("Its inputs were 't' = 0.10"), std::string::npos) << message;
     expect_intact(p, "Add " + lsi);
   }
-  /// The unsaved edit is there, can be undone and done again, and without the LSI the content runs.
+  /// Checks that the project still has the unsaved edit, that it can be undone and redone, and that the content runs without the LSI.
   void expect_intact(Page& p, const std::string& label) {
     const json hello = p.ask({{"op", "hello"}});
     EXPECT_EQ(hello["unsaved"], true);
     EXPECT_EQ(hello["undo_label"], label);
     ASSERT_EQ(hello["document"]["circuit"]["lsis"].back()["id"], "x");
-    EXPECT_FALSE(hello["stopped"]["problems"].empty()) << "a page that comes later is told too";
+    EXPECT_FALSE(hello["stopped"]["problems"].empty()) << "hello must contain the last stopped event";
     EXPECT_EQ(p.ask({{"op", "save"}})["ok"], true);
     EXPECT_EQ(p.ask({{"op", "undo"}})["label"], label);
     EXPECT_TRUE(p.ask({{"op", "hello"}})["document"]["circuit"].is_null());
@@ -128,14 +129,14 @@ class PluginFaultsTest : public testing::Test {
   std::unique_ptr<Studio> studio_;
 };
 
-TEST_F(PluginFaultsTest, AWholeNumberDividedByZero) { expect_fault("quotient", "divided a whole number by zero"); }
-TEST_F(PluginFaultsTest, ANullPointer) { expect_fault("null", "used a null pointer"); }
-TEST_F(PluginFaultsTest, ALoopForEver) { expect_fault("forever", "did not come back within 3.0 s and was stopped"); }
-TEST_F(PluginFaultsTest, NotANumberNamesThePin) { expect_fault("invalid", "Number 0 of its output 'out' is not finite", "x.out"); }
+TEST_F(PluginFaultsTest, IntegerDivisionByZero) { expect_fault("quotient", "divided an integer by zero"); }
+TEST_F(PluginFaultsTest, NullPointer) { expect_fault("null", "used a null pointer"); }
+TEST_F(PluginFaultsTest, InfiniteLoop) { expect_fault("forever", "did not return within 3.0 s and was stopped"); }
+TEST_F(PluginFaultsTest, NotANumberNamesThePin) { expect_fault("invalid", "of its output 'out' is not finite", "x.out"); }
 
-TEST_F(PluginFaultsTest, AWrongInterfaceIsRefusedAndNamedWhereItIsUsed) {
+TEST_F(PluginFaultsTest, OtherInterfaceVersionIsRejectedAndNamed) {
   install(faulty);
-  // The same library as an older program might have installed it: its bytes differ in the one number, its hash is right.
+  // A library that was built for another version of the interface (77), with a correct hash in the manifest.
   const std::string manifest = shelf_ + "/faulty.json";
   json entry = json::parse(std::ifstream(manifest));
   const std::string file = shelf_ + "/" + entry["file"].get<std::string>();
@@ -151,21 +152,21 @@ TEST_F(PluginFaultsTest, AWrongInterfaceIsRefusedAndNamedWhereItIsUsed) {
   start();
   Page p = page();
   (void)p.ask({{"op", "hello"}});
-  ASSERT_EQ(p.ask(use("good"))["ok"], true) << "the circuit keeps what it cannot run";
-  const json told = p.event("circuit");
-  ASSERT_FALSE(told.is_null());
-  const std::string message = told["problems"][0]["message"];
+  ASSERT_EQ(p.ask(use("good"))["ok"], true) << "a circuit with an unusable LSI must be accepted as an edit";
+  const json received = p.event("circuit");
+  ASSERT_FALSE(received.is_null());
+  const std::string message = received["problems"][0]["message"];
   EXPECT_NE(message.find("'good' of the library 'faulty' (used as 'x')"), std::string::npos) << message;
-  EXPECT_NE(message.find("built for version 77 of the interface"), std::string::npos) << message;
+  EXPECT_NE(message.find("built for version 77 of the LSI interface"), std::string::npos) << message;
   EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], false);
   EXPECT_EQ(p.ask({{"op", "hello"}})["document"]["circuit"]["lsis"].back()["type"], "faulty/good");
 
-  install(faulty);  // built again: it runs without a restart of the studio
+  install(faulty);  // a compatible build: it runs without a restart of the studio
   EXPECT_TRUE(p.event("circuit")["problems"].empty());
   EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
 }
 
-TEST_F(PluginFaultsTest, ALibraryBuiltAnewIsTakenOverWhileItRunsAndItsValuesAreSeen) {
+TEST_F(PluginFaultsTest, RebuiltLibraryReplacesRunningLsi) {
   install(faulty);
   start();
   Page p = page();
@@ -182,13 +183,13 @@ TEST_F(PluginFaultsTest, ALibraryBuiltAnewIsTakenOverWhileItRunsAndItsValuesAreS
   const json after = p.event("values", [&](const json& e) { return factor(e) < -9; });
   ASSERT_FALSE(after.is_null());
   EXPECT_NEAR(factor(after), -10, 0.2);
-  EXPECT_GT(after["time"], before["time"]) << "it goes on where it was";
+  EXPECT_GT(after["time"], before["time"]) << "the content must continue at its time";
   const json timed = p.event("values", [](const json& e) { return e.contains("times") && e.contains("probes"); });
   ASSERT_FALSE(timed.is_null());
-  EXPECT_GT(timed["tick_us"], 0) << "what it is watched for is watched on";
+  EXPECT_GT(timed["tick_us"], 0) << "the watched outputs must still be reported";
 }
 
-TEST_F(PluginFaultsTest, LibrariesAreSeenWithoutARestartAndARepairIsTakenUp) {
+TEST_F(PluginFaultsTest, InstalledAndRepairedLibrariesLoadWithoutRestart) {
   start();
   Page p = page();
   (void)p.ask({{"op", "hello"}});
@@ -203,8 +204,8 @@ TEST_F(PluginFaultsTest, LibrariesAreSeenWithoutARestartAndARepairIsTakenUp) {
   ASSERT_FALSE(p.event("lsis", has("faulty/good")).is_null());
   const json stopped = play_until_stopped(p, use("null"));
   ASSERT_FALSE(stopped.is_null());
-  install(mended);
-  EXPECT_FALSE(p.event("lsis", has("faulty/null")).is_null()) << "the palette is up to date though nothing was played";
+  install(repaired);
+  EXPECT_FALSE(p.event("lsis", has("faulty/null")).is_null()) << "the list of LSIs must be updated without a play request";
   (void)p.ask({{"op", "watch"}, {"pins", {"x.out"}}, {"probes", json::array()}, {"timing", false}});
   EXPECT_EQ(p.ask({{"op", "play"}})["ok"], true);
   const json values = p.event("values", [](const json& e) { return e["time"] > 0.3; });

@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 using test::Frame;
 
-/// What came from the child, to be waited for.
+/// Collects frames, messages and the end of the interpreter's process.
 class Listener {
  public:
   InterpreterEvents events() {
@@ -36,10 +36,11 @@ class Listener {
             [this](Problem why) {
               const std::scoped_lock lock(mutex);
               reason = why.message + " " + why.remedy;
-              place = why.place;
+              location = why.location;
               changed.notify_all();
             }};
   }
+  /// Waits up to 30 s until `fits()` is true.
   template <class Fits>
   bool wait(Fits fits) {
     std::unique_lock lock(mutex);
@@ -60,7 +61,7 @@ class Listener {
   std::condition_variable changed;
   std::vector<Frame> frames;
   std::vector<json> messages;
-  std::string reason, place;
+  std::string reason, location;
 };
 
 class ProcessTest : public testing::Test {
@@ -85,7 +86,7 @@ class ProcessTest : public testing::Test {
   int last = 0;
 };
 
-TEST_F(ProcessTest, PlaysAtSixtyFramesASecondThroughSharedMemory) {
+TEST_F(ProcessTest, PlaysAt60FramesPerSecondThroughSharedMemory) {
   start();
   ASSERT_TRUE(load()["ok"]);
   ASSERT_TRUE(ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
@@ -98,10 +99,10 @@ TEST_F(ProcessTest, PlaysAtSixtyFramesASecondThroughSharedMemory) {
     EXPECT_TRUE(f.good);
     if ((f.flags & content::frame_playing) != 0) ++playing;
   }
-  EXPECT_GE(static_cast<double>(playing), 50 * 1.5);  // counted over simulated time
+  EXPECT_GE(static_cast<double>(playing), 50 * 1.5);  // at least 50 frames for each second of content
 }
 
-TEST_F(ProcessTest, RefusalsComeBackAsReplies) {
+TEST_F(ProcessTest, RejectedRequestsAreAnswered) {
   start();
   const json before = ask({{"op", "play"}});
   EXPECT_FALSE(before["ok"]);
@@ -117,7 +118,7 @@ TEST_F(ProcessTest, RefusalsComeBackAsReplies) {
   EXPECT_TRUE(ask({{"op", "ping"}})["ok"]);
 }
 
-TEST_F(ProcessTest, AKilledChildIsNoticedAndNamed) {
+TEST_F(ProcessTest, KilledChildIsReportedWithSignal) {
   start();
   ASSERT_TRUE(load()["ok"]);
   ASSERT_EQ(::kill(process->pid(), SIGKILL), 0);
@@ -131,7 +132,7 @@ TEST_F(ProcessTest, AKilledChildIsNoticedAndNamed) {
   EXPECT_TRUE(load()["ok"]);
 }
 
-TEST_F(ProcessTest, ACrashInTheContentIsNoticedAndNamed) {
+TEST_F(ProcessTest, CrashInTheContentIsReported) {
   start();
   ASSERT_TRUE(load(R"(,"crash":0.2)")["ok"]);
   ASSERT_TRUE(ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
@@ -140,14 +141,14 @@ TEST_F(ProcessTest, ACrashInTheContentIsNoticedAndNamed) {
   EXPECT_NE(listener.reason.find("The project is safe"), std::string::npos);
 }
 
-TEST_F(ProcessTest, AHangingChildIsEndedByForceAndWithTheStudio) {
+TEST_F(ProcessTest, HangingChildIsKilled) {
   start();
   ASSERT_TRUE(load(R"(,"hang":0.1)")["ok"]);
   ASSERT_TRUE(ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
   ASSERT_TRUE(process->send(R"({"op":"seek","time":1})"));
   process->kill_unanswering();
   ASSERT_TRUE(listener.wait([&] { return !listener.reason.empty(); }));
-  EXPECT_NE(listener.reason.find("did not answer"), std::string::npos);
+  EXPECT_NE(listener.reason.find("stopped responding"), std::string::npos);
   process.reset();
   start();
   ASSERT_TRUE(load(R"(,"hang":0.1)")["ok"]);
@@ -158,13 +159,13 @@ TEST_F(ProcessTest, AHangingChildIsEndedByForceAndWithTheStudio) {
   EXPECT_NE(::kill(pid, 0), 0);
 }
 
-TEST_F(ProcessTest, AMissingProgramIsToldInWords) {
+TEST_F(ProcessTest, MissingProgramIsReported) {
   const auto started = InterpreterProcess::start({"/nonexistent/ugoki", {}}, listener.events());
   ASSERT_FALSE(started);
   EXPECT_NE(started.error().problems[0].message.find("cannot be started"), std::string::npos);
 }
 
-TEST(FrameRing, FramesComeInOrderAndWholeAndTheNewestWins) {
+TEST(FrameRing, FramesArriveInOrderAndOldestAreDropped) {
   Result<FrameRing> ring = FrameRing::make();
   ASSERT_TRUE(ring);
   EXPECT_FALSE(ring->read());
@@ -185,7 +186,7 @@ TEST(FrameRing, FramesComeInOrderAndWholeAndTheNewestWins) {
   EXPECT_FALSE(ring->write(std::vector<std::byte>(FrameRing::slot_bytes + 1)));
 }
 
-TEST(FrameRing, ARunningWriterNeverTearsAFrame) {
+TEST(FrameRing, ReaderNeverGetsHalfWrittenFrame) {
   Result<FrameRing> ring = FrameRing::make();
   ASSERT_TRUE(ring);
   Result<FrameRing> other = FrameRing::attach(::dup(ring->fd()));

@@ -7,7 +7,7 @@
 namespace ugoki::studio {
 namespace {
 
-TEST(Security, TokensAreLongAndNeverTheSame) {
+TEST(Security, TokensAreLongAndUnique) {
   std::set<std::string> seen;
   for (int i = 0; i < 1000; ++i) {
     const std::string token = make_token();
@@ -18,7 +18,7 @@ TEST(Security, TokensAreLongAndNeverTheSame) {
   EXPECT_EQ(seen.size(), 1000u);
 }
 
-TEST(Security, SecretsAreEqualOnlyWhole) {
+TEST(Security, SecretsAreComparedCompletely) {
   EXPECT_TRUE(equal_secret("abc", "abc"));
   EXPECT_FALSE(equal_secret("abd", "abc"));
   EXPECT_FALSE(equal_secret("ab", "abc"));
@@ -27,7 +27,7 @@ TEST(Security, SecretsAreEqualOnlyWhole) {
   EXPECT_FALSE(equal_secret("", ""));
 }
 
-TEST(Security, FindsItsCookieAmongOthers) {
+TEST(Security, FindsCookieByName) {
   EXPECT_EQ(cookie_value("a=1; ugoki_80=x; b=2", "ugoki_80"), "x");
   EXPECT_EQ(cookie_value("ugoki_8080=y;ugoki_80=x", "ugoki_80"), "x");
   EXPECT_EQ(cookie_value("ugoki_80=", "ugoki_80"), "");
@@ -36,7 +36,7 @@ TEST(Security, FindsItsCookieAmongOthers) {
   EXPECT_FALSE(cookie_value(";;;=;", "ugoki_80"));
 }
 
-TEST(Security, DecodesAddresses) {
+TEST(Security, DecodesTargetsAndQueries) {
   EXPECT_EQ(percent_decoded("/a%20b%2Fc"), "/a b/c");
   EXPECT_FALSE(percent_decoded("/a%2"));
   EXPECT_FALSE(percent_decoded("/a%zz"));
@@ -52,7 +52,7 @@ TEST(Security, DecodesAddresses) {
   EXPECT_FALSE(parse_target("*"));
 }
 
-TEST(Security, KnowsPathsThatLeadOut) {
+TEST(Security, RejectsPathsOutsideTheWebFolder) {
   for (const char* good : {"/", "/index.html", "/assets/a.js", "/a..b/c...d", "/.hidden"}) EXPECT_TRUE(is_plain_path(good)) << good;
   for (const char* bad : {"", "a", "/..", "/../etc/passwd", "/a/../../b", "/./a", "/a\\..\\b", "/a\nb"})
     EXPECT_FALSE(is_plain_path(bad)) << bad;

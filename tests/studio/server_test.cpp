@@ -18,7 +18,7 @@ using test::Reply;
 using test::request;
 using test::WebSocket;
 
-/// Answers API requests with what they were, and messages with an echo.
+/// Answers API requests with a description of the request, and messages with their own text.
 class Echo final : public ServerEvents {
  public:
   void on_api(ApiRequest r, std::function<void(ApiReply)> answer) override {
@@ -60,7 +60,7 @@ class ServerTest : public testing::Test {
   void SetUp() override {
     web = std::filesystem::temp_directory_path() / ("ugoki_server_test_" + std::to_string(getpid()));
     std::filesystem::create_directories(web / "page" / "assets");
-    std::ofstream(web / "secret.txt") << "outside";
+    std::ofstream(web / "secret.txt") << "secret content";
     std::ofstream(web / "page" / "index.html") << "<!doctype html><title>page</title>";
     std::ofstream(web / "page" / "assets" / "a.js") << "let a = 1;";
     std::filesystem::create_symlink(web / "secret.txt", web / "page" / "link.txt");
@@ -109,7 +109,7 @@ TEST_F(ServerTest, ServesThePageAndSetsTheCookie) {
   EXPECT_EQ(head.body, "");
 }
 
-TEST_F(ServerTest, RefusesStrangersInWords) {
+TEST_F(ServerTest, RejectsUnauthorisedRequestsWithRemedy) {
   const auto problem = [](const Reply& r) { return nlohmann::json::parse(r.body)["error"]["problems"][0]; };
   Reply r = request(port(), "GET", "/");
   EXPECT_EQ(r.status, 401);
@@ -121,15 +121,15 @@ TEST_F(ServerTest, RefusesStrangersInWords) {
   EXPECT_EQ(request(port(), "GET", "/%61pi/library").status, 401);
   r = request(port(), "GET", "/" + query(), {"Host: evil.example"});
   EXPECT_EQ(r.status, 403);
-  EXPECT_EQ(problem(r)["place"], "Host");
+  EXPECT_EQ(problem(r)["location"], "Host");
   EXPECT_EQ(request(port(), "GET", "/assets/a.js", {"Host: localhost:" + std::to_string(port())}).status, 403);
   EXPECT_EQ(request(port(), "GET", "/assets/a.js", {"Host: 127.0.0.1:" + std::to_string(port()), "Host: evil.example"}).status / 100, 4);
   r = request(port(), "POST", "/api/import" + query(), {"Origin: http://evil.example"}, "x");
   EXPECT_EQ(r.status, 403);
-  EXPECT_EQ(problem(r)["place"], "Origin");
+  EXPECT_EQ(problem(r)["location"], "Origin");
   EXPECT_EQ(request(port(), "GET", "/", {cookie(), "Origin: null"}).status, 403);
 
-  // A person who opens the bare address reads the same sentence.
+  // A browser that opens the address without the token shows the same sentence in a page.
   r = request(port(), "GET", "/", {"Accept: text/html,*/*"});
   EXPECT_EQ(r.status, 401);
   EXPECT_EQ(r.headers.at("content-type"), "text/html; charset=utf-8");
@@ -143,18 +143,18 @@ TEST_F(ServerTest, RefusesStrangersInWords) {
   EXPECT_EQ(WebSocket(port(), "/ws", {cookie()}).status(), 101);
 }
 
-TEST_F(ServerTest, NothingOutsideOfThePageIsServed) {
+TEST_F(ServerTest, FilesOutsideTheWebFolderAreNotServed) {
   for (const char* path : {"/../secret.txt", "/%2e%2e/secret.txt", "/assets/../../secret.txt", "/assets/%2e%2e%2f%2e%2e/secret.txt",
                            "/link.txt", "/..%5csecret.txt", "//etc/passwd", "/assets", "/nothing.js", "/assets/a.js/x"}) {
     const Reply r = request(port(), "GET", path, {cookie()});
     EXPECT_EQ(r.status, 404) << path;
-    EXPECT_EQ(r.body.find("outside"), std::string::npos) << path;
+    EXPECT_EQ(r.body.find("secret content"), std::string::npos) << path;
   }
   EXPECT_EQ(request(port(), "GET", "/a%00b", {cookie()}).status, 400);
   EXPECT_EQ(request(port(), "GET", "http://evil.example/", {cookie()}).status, 400);
 }
 
-TEST_F(ServerTest, PassesApiRequestsOn) {
+TEST_F(ServerTest, ForwardsApiRequests) {
   const Reply get = request(port(), "GET", "/api/library?kind=motion&token=" + server->token());
   EXPECT_EQ(get.status, 200);
   EXPECT_EQ(nlohmann::json::parse(get.body)["got"], "GET /api/library kind=motion&token=" + server->token() + " 0");
@@ -162,10 +162,10 @@ TEST_F(ServerTest, PassesApiRequestsOn) {
   EXPECT_EQ(post.status, 200);
   EXPECT_NE(post.body.find(" 3000000"), std::string::npos);
   const Reply chunked = request(port(), "POST", "/api/import", {cookie(), "Transfer-Encoding: chunked", "Content-Length: 0"}, "");
-  EXPECT_EQ(chunked.status, 400);  // two ways to tell the body's end
+  EXPECT_EQ(chunked.status, 400);  // Transfer-Encoding and Content-Length together are ambiguous
 }
 
-TEST_F(ServerTest, KeepsAConnectionForSeveralRequests) {
+TEST_F(ServerTest, KeepsConnectionForSeveralRequests) {
   test::Socket socket(port());
   for (int i = 0; i < 3; ++i) {
     socket.send("GET /assets/a.js HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) + "\r\n\r\n");
@@ -178,7 +178,7 @@ TEST_F(ServerTest, KeepsAConnectionForSeveralRequests) {
   }
 }
 
-TEST_F(ServerTest, RefusesWhatIsTooLarge) {
+TEST_F(ServerTest, RejectsTooLargeRequests) {
   server.reset();
   options.max_import_bytes = 1 << 20;
   options.max_message_bytes = 1 << 16;
@@ -203,7 +203,7 @@ TEST_F(ServerTest, RefusesWhatIsTooLarge) {
   EXPECT_EQ(request(port(), "GET", "/assets/a.js").status, 200);
 }
 
-TEST_F(ServerTest, SurvivesWhatIsNotHttp) {
+TEST_F(ServerTest, SurvivesInvalidHttp) {
   const std::string host = "Host: 127.0.0.1:" + std::to_string(port()) + "\r\n";
   const std::string garbage[] = {
       "\r\n\r\n",
@@ -246,7 +246,7 @@ TEST_F(ServerTest, WebSocketEchoes) {
   }
 }
 
-TEST_F(ServerTest, MalformedWebSocketFramesEndOnlyThatPage) {
+TEST_F(ServerTest, MalformedWebSocketFramesCloseOnlyThatConnection) {
   WebSocket good(port(), ws());
   {
     WebSocket unmasked(port(), ws());
@@ -283,9 +283,9 @@ TEST_F(ServerTest, MalformedWebSocketFramesEndOnlyThatPage) {
   EXPECT_EQ(answer->data, "echo still here");
 }
 
-TEST_F(ServerTest, BroadcastsToEveryPage) {
+TEST_F(ServerTest, BroadcastsToAllPages) {
   WebSocket a(port(), ws()), b(port(), ws());
-  for (WebSocket* s : {&a, &b}) {  // both are open once they were answered
+  for (WebSocket* s : {&a, &b}) {  // a reply shows that the connection is open
     s->send_text("x");
     ASSERT_TRUE(s->receive());
   }
@@ -299,20 +299,20 @@ TEST_F(ServerTest, BroadcastsToEveryPage) {
   }
 }
 
-TEST_F(ServerTest, ASlowPageGetsTheNewestFrameAndHoldsNobodyUp) {
+TEST_F(ServerTest, SlowPageSkipsFramesAndDelaysNoOtherPage) {
   WebSocket slow(port(), ws()), quick(port(), ws());
   for (WebSocket* s : {&slow, &quick}) {
     s->send_text("x");
     ASSERT_TRUE(s->receive());
   }
   constexpr int count = 400;
-  constexpr std::size_t size = 200'000;  // 80 MB: far more than the sockets' buffers
+  constexpr std::size_t size = 200'000;  // bytes; all frames together are 80 MB, far more than the sockets' buffers
   for (int i = 0; i < count; ++i) {
     auto frame = std::make_shared<std::vector<std::byte>>(size);
     (*frame)[0] = static_cast<std::byte>(i & 255);
     (*frame)[1] = static_cast<std::byte>(i >> 8);
     server->broadcast_frame(frame);
-    const auto got = quick.receive();  // the quick page follows, though the slow one reads nothing
+    const auto got = quick.receive();  // the fast page gets every frame although the slow page reads none
     ASSERT_TRUE(got);
     ASSERT_EQ(static_cast<unsigned char>(got->data[0]) + 256 * static_cast<unsigned char>(got->data[1]), i);
   }
@@ -328,7 +328,7 @@ TEST_F(ServerTest, ASlowPageGetsTheNewestFrameAndHoldsNobodyUp) {
   EXPECT_LT(received, count / 2);
 }
 
-TEST_F(ServerTest, APageThatReadsNothingIsLetGo) {
+TEST_F(ServerTest, PageThatDoesNotReadIsDisconnected) {
   server.reset();
   options.max_waiting_bytes = 4 << 20;
   start();
@@ -340,7 +340,7 @@ TEST_F(ServerTest, APageThatReadsNothingIsLetGo) {
   EXPECT_EQ(request(port(), "GET", "/assets/a.js").status, 200);
 }
 
-TEST_F(ServerTest, ReadsTheNextMessageOnlyWhenThisOneIsDone) {
+TEST_F(ServerTest, ReadsNextMessageOnlyAfterDone) {
   echo.hold = true;
   WebSocket socket(port(), ws());
   for (int i = 0; i < 10; ++i) socket.send_text("x");
@@ -356,7 +356,7 @@ TEST_F(ServerTest, ReadsTheNextMessageOnlyWhenThisOneIsDone) {
   EXPECT_EQ(held(), 2u);
 }
 
-TEST_F(ServerTest, TooManyConnectionsAreTurnedAway) {
+TEST_F(ServerTest, TooManyConnectionsAreClosed) {
   server.reset();
   options.max_connections = 2;
   start();
@@ -370,13 +370,13 @@ TEST_F(ServerTest, TooManyConnectionsAreTurnedAway) {
   EXPECT_EQ(request(port(), "GET", "/assets/a.js").status, 200);
 }
 
-TEST_F(ServerTest, APortInUseIsToldInWords) {
+TEST_F(ServerTest, PortInUseIsReported) {
   ServerOptions same;
   same.port = port();
   Echo other;
   const Result<std::unique_ptr<Server>> made = Server::listen(same, other);
   ASSERT_FALSE(made);
-  EXPECT_EQ(made.error().problems[0].place, "127.0.0.1:" + std::to_string(port()));
+  EXPECT_EQ(made.error().problems[0].location, "127.0.0.1:" + std::to_string(port()));
   EXPECT_NE(made.error().problems[0].remedy, "");
 }
 

@@ -1,4 +1,4 @@
-// The whole service over real sockets, with a fake simulation in the interpreter's process.
+// Tests of the whole service over real sockets. The interpreter's process runs a fake simulation.
 #include "ugoki/studio/studio.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ class StudioTest : public testing::Test {
     ASSERT_TRUE(library);
     const Motion run = content::testing::make_walk("run", 1, 3, 0, false);
     const std::string walker = formats::write_mechanism(*content::testing::make_walker());
-    store::LibraryItem body{store::EntryKind::mechanism, "walker", R"({"freedoms":7,"mass":12})", {}, bytes(walker)};
+    store::LibraryItem body{store::EntryKind::mechanism, "walker", R"({"dofs":7,"mass":12})", {}, bytes(walker)};
     const std::string body_id = store::entry_id(store::EntryKind::mechanism, body.data);
     store::LibraryItem motion{store::EntryKind::motion,
                               "run",
@@ -83,7 +83,7 @@ class StudioTest : public testing::Test {
   std::unique_ptr<Studio> studio_;
 };
 
-TEST_F(StudioTest, HelloTellsEverythingAndAFrameFollows) {
+TEST_F(StudioTest, HelloContainsTheWholeStateAndAFrameFollows) {
   Page p = page();
   const json hello = p.ask({{"op", "hello"}});
   ASSERT_TRUE(hello["ok"]) << hello;
@@ -102,12 +102,12 @@ TEST_F(StudioTest, HelloTellsEverythingAndAFrameFollows) {
   EXPECT_TRUE(hello.contains("revision"));
   EXPECT_TRUE(p.frame(
       [](const Frame& f) { return f.characters.size() == 2 && f.characters[0].links.size() == 2 && f.characters[1].links.size() == 1; }));
-  Page later = page();  // a page that comes later gets the frame too, though nothing moves
+  Page later = page();  // a new page gets the last frame even if nothing is playing
   ASSERT_TRUE(later.ask({{"op", "hello"}})["ok"]);
   EXPECT_TRUE(later.frame([](const Frame& f) { return f.characters.size() == 2; }));
 }
 
-TEST_F(StudioTest, ChoicesLastBeyondThePageAndTheStudio) {
+TEST_F(StudioTest, ChoicesAreStoredAcrossRestarts) {
   const json choices = {{"keymap", "blender"}, {"theme", "light"}, {"view", {{"ghosts", true}}}};
   {
     Page p = page();
@@ -127,7 +127,7 @@ TEST_F(StudioTest, ChoicesLastBeyondThePageAndTheStudio) {
   }
 }
 
-TEST_F(StudioTest, ACommandReachesEveryPageAndWhatPlays) {
+TEST_F(StudioTest, CommandReachesAllPagesAndThePlayingContent) {
   Page a = page(), b = page();
   a.ask({{"op", "hello"}});
   b.ask({{"op", "hello"}});
@@ -152,7 +152,7 @@ TEST_F(StudioTest, ACommandReachesEveryPageAndWhatPlays) {
   EXPECT_FALSE(a.events.back()["unsaved"]);
 }
 
-TEST_F(StudioTest, CommandsFetchFromTheLibrary) {
+TEST_F(StudioTest, CommandsLoadMotionsFromTheLibrary) {
   Page p = page();
   const json done =
       p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", library_motion_}, {"start", 6.5}}}});
@@ -162,7 +162,7 @@ TEST_F(StudioTest, CommandsFetchFromTheLibrary) {
       p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", "n-0123"}, {"start", 1}}}})["ok"]);
 }
 
-TEST_F(StudioTest, AnOperationOnAMotionIsOneStepOfUndo) {
+TEST_F(StudioTest, MotionOperationIsOneUndoStep) {
   Page p = page();
   const json before = p.ask({{"op", "hello"}})["document"];
   const json ask = {{"op", "motion"}, {"task", "t1"}, {"character", "human"}, {"clip", "k1"}, {"operation", "reverse"}};
@@ -175,7 +175,7 @@ TEST_F(StudioTest, AnOperationOnAMotionIsOneStepOfUndo) {
   EXPECT_EQ(p.ask({{"op", "hello"}})["undo_label"], "Reverse motion");
   const std::string id = done["motion"].get<std::string>();
   EXPECT_EQ(json::parse(api("GET", "/api/entry/" + id).body)["name"], "walk, reversed");
-  EXPECT_NE(api("GET", "/api/library").body.find(id), std::string::npos) << "the project's motion is in the list";
+  EXPECT_NE(api("GET", "/api/library").body.find(id), std::string::npos) << "the list must contain the new motion of the project";
   EXPECT_EQ(api("GET", "/api/motion/" + id).status, 200);
   const json contacts = json::parse(api("GET", "/api/contacts/" + id).body);
   EXPECT_EQ(contacts["id"], id);
@@ -183,18 +183,20 @@ TEST_F(StudioTest, AnOperationOnAMotionIsOneStepOfUndo) {
   EXPECT_EQ(api("GET", "/api/contacts/n-0123").status, 404);
   ASSERT_TRUE(p.ask({{"op", "undo"}})["ok"]);
   EXPECT_EQ(p.ask({{"op", "hello"}})["document"], before);
-  EXPECT_EQ(api("GET", "/api/library").body.find(id), std::string::npos) << "and no longer, when nothing uses it";
+  EXPECT_EQ(api("GET", "/api/library").body.find(id), std::string::npos)
+      << "after the undo no clip uses the new motion, so it must not be listed";
   ASSERT_TRUE(p.ask({{"op", "redo"}})["ok"]);
   EXPECT_EQ(p.ask({{"op", "hello"}})["document"]["characters"][0]["track"][0]["motion"], done["motion"]);
   ASSERT_TRUE(p.ask({{"op", "command"}, {"command", {{"type", "clip.remove"}, {"character", "human"}, {"id", "k2"}}}})["ok"]);
-  EXPECT_NE(api("GET", "/api/library").body.find("n-step"), std::string::npos) << "what was there before stays, used or not";
+  EXPECT_NE(api("GET", "/api/library").body.find("n-step"), std::string::npos)
+      << "a motion that no operation made must be listed even if no clip uses it";
   ASSERT_TRUE(p.ask({{"op", "undo"}})["ok"]);
 
   json cancelled = ask;
   cancelled["id"] = 900;
   p.socket().send_text(cancelled.dump());
   EXPECT_TRUE(p.ask({{"op", "motion.cancel"}, {"task", "t1"}})["ok"]);
-  EXPECT_TRUE(p.ask({{"op", "motion.cancel"}, {"task", "nothing of the kind"}})["ok"]);
+  EXPECT_TRUE(p.ask({{"op", "motion.cancel"}, {"task", "no such task"}})["ok"]);
   for (const auto& [key, value] :
        {std::pair<const char*, json>("task", ""), {"character", "nobody"}, {"clip", "k99"}, {"operation", "dance"}}) {
     json wrong = ask;
@@ -206,12 +208,12 @@ TEST_F(StudioTest, AnOperationOnAMotionIsOneStepOfUndo) {
     wrong["operation"] = operation;
     wrong["clip"] = before["characters"][0]["track"].back()["id"];
     const json refused = p.ask(wrong);
-    EXPECT_FALSE(refused["ok"]) << operation << " needs something more";
+    EXPECT_FALSE(refused["ok"]) << operation << " must be rejected without its additional input";
     EXPECT_NE(refused["error"]["problems"][0]["remedy"], "") << refused;
   }
 }
 
-TEST_F(StudioTest, WhateverIsWrongWithAMessageIsAnsweredInWords) {
+TEST_F(StudioTest, InvalidMessagesAreAnsweredWithProblems) {
   Page p = page();
   p.ask({{"op", "hello"}});
   const std::string document = p.ask({{"op", "hello"}})["document"].dump();
@@ -248,7 +250,7 @@ TEST_F(StudioTest, WhateverIsWrongWithAMessageIsAnsweredInWords) {
                        R"({"op":"grab"})",
                        R"({"op":"grab","character":"human","link":0,"point":[0,0],"target":[0,0,0]})",
                        R"({"op":"grab","character":"human","link":{},"point":[0,0,0],"target":[0,0,0]})",
-                       R"({"op":"grab","character":"human","link":0,"point":[0,0,0],"target":[0,0,0]})",  // in Edit
+                       R"({"op":"grab","character":"human","link":0,"point":[0,0,0],"target":[0,0,0]})",  // not in Simulate mode
                        R"({"op":"drag","target":["a",0,0]})",
                        R"({"op":"push","character":"human","link":0,"force":[1,2,3]})",
                        R"({"op":"save","path":7})",
@@ -262,7 +264,7 @@ TEST_F(StudioTest, WhateverIsWrongWithAMessageIsAnsweredInWords) {
     const json r = p.reply(id);
     ASSERT_TRUE(r.is_object()) << text;
     EXPECT_FALSE(r["ok"]) << text;
-    EXPECT_NE(r["error"]["problems"][0]["place"], "") << text;
+    EXPECT_NE(r["error"]["problems"][0]["location"], "") << text;
     EXPECT_NE(r["error"]["problems"][0]["message"], "") << text;
   }
   EXPECT_EQ(p.ask({{"op", "hello"}})["document"].dump(), document);
@@ -277,7 +279,7 @@ TEST_F(StudioTest, TransportPlaysPausesStepsAndSeeks) {
   EXPECT_TRUE(p.frame([](const Frame& f) { return f.time >= 1.2; }));
   ASSERT_TRUE(p.ask({{"op", "pause"}})["ok"]);
   const auto playing = std::ranges::count_if(p.frames, [](const Frame& f) { return (f.flags & content::frame_playing) != 0; });
-  EXPECT_GE(playing, 60);  // at least 50 for each second of content
+  EXPECT_GE(playing, 60);  // 1.2 s of content; at least 50 frames a second
   EXPECT_TRUE(std::ranges::any_of(
       p.events, [](const json& e) { return e["event"] == "transport" && e["playing"] == true && e["realtime_factor"] > 0; }));
   EXPECT_TRUE(std::ranges::any_of(
@@ -290,7 +292,7 @@ TEST_F(StudioTest, TransportPlaysPausesStepsAndSeeks) {
   EXPECT_EQ(p.frames.back().number, 30u);
   ASSERT_TRUE(p.ask({{"op", "grab"}, {"character", "human"}, {"link", 1}, {"point", {0, 0, 0}}, {"target", {-2, 0, 1}}})["ok"]);
   EXPECT_NE(p.frames.back().flags & content::frame_grab, 0u);
-  p.socket().send_text(R"({"id":5000,"op":"drag","target":[-3,0,1]})");  // no reply
+  p.socket().send_text(R"({"id":5000,"op":"drag","target":[-3,0,1]})");  // is not answered
   ASSERT_TRUE(p.ask({{"op", "release"}})["ok"]);
   EXPECT_FALSE(std::ranges::any_of(p.events, [](const json& e) { return e.contains("reply"); }));
   EXPECT_EQ(p.frames.back().flags & content::frame_grab, 0u);
@@ -299,7 +301,7 @@ TEST_F(StudioTest, TransportPlaysPausesStepsAndSeeks) {
   EXPECT_EQ(p.frames.back().number, 0u);
 }
 
-TEST_F(StudioTest, AKilledInterpreterLeavesTheProjectAndComesBackOnPlay) {
+TEST_F(StudioTest, KilledInterpreterKeepsProjectAndRestartsOnPlay) {
   Page p = page();
   p.ask({{"op", "hello"}});
   ASSERT_TRUE(p.ask(move_clip(0.5))["ok"]);
@@ -312,7 +314,7 @@ TEST_F(StudioTest, AKilledInterpreterLeavesTheProjectAndComesBackOnPlay) {
   const json stopped = p.event("stopped");
   EXPECT_NE(stopped["reason"].get<std::string>().find("signal 9"), std::string::npos) << stopped;
   EXPECT_EQ(p.event("transport")["playing"], false);
-  ASSERT_TRUE(p.ask(move_clip(0.75))["ok"]);  // editing goes on without it
+  ASSERT_TRUE(p.ask(move_clip(0.75))["ok"]);  // editing works without an interpreter
   ASSERT_TRUE(p.ask({{"op", "pause"}})["ok"]);
   ASSERT_TRUE(p.ask({{"op", "play"}})["ok"]);
   EXPECT_NE(studio_->interpreter_pid(), pid);
@@ -321,13 +323,13 @@ TEST_F(StudioTest, AKilledInterpreterLeavesTheProjectAndComesBackOnPlay) {
   EXPECT_EQ(p.ask({{"op", "hello"}})["document"]["characters"][0]["track"][0]["start"], 0.75);
 }
 
-TEST_F(StudioTest, ContentThatCrashesOrBlowsUpIsToldAndCanBeMended) {
+TEST_F(StudioTest, CrashAndFailedStepAreReportedAndCanBeFixed) {
   Page p = page();
   p.ask({{"op", "hello"}});
   ASSERT_TRUE(p.ask(rename(R"({"crash":0.1})"))["ok"]);
   ASSERT_TRUE(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
   p.socket().send_text(R"({"id":1,"op":"play"})");
-  EXPECT_NE(p.event("stopped")["reason"].get<std::string>().find("It stood at 0."), std::string::npos);
+  EXPECT_NE(p.event("stopped")["reason"].get<std::string>().find("Stopped at t = 0."), std::string::npos);
   ASSERT_TRUE(p.ask(rename(R"({"blow_up":0.2})"))["ok"]);
   ASSERT_TRUE(p.ask({{"op", "play"}})["ok"]);
   EXPECT_NE(p.event("stopped")["reason"].get<std::string>().find("joint hip"), std::string::npos);
@@ -337,14 +339,14 @@ TEST_F(StudioTest, ContentThatCrashesOrBlowsUpIsToldAndCanBeMended) {
   EXPECT_TRUE(p.frame([](const Frame& f) { return f.time >= 0.5; }));
 }
 
-TEST_F(StudioTest, TheLibraryIsListedFoundAndDrawn) {
+TEST_F(StudioTest, LibraryListsSearchesAndDrawsEntries) {
   const auto entries = [&](const std::string& target) {
     const Reply r = api("GET", target);
     EXPECT_EQ(r.status, 200) << r.body;
     return json::parse(r.body)["entries"];
   };
   const json all = entries("/api/library?kind=&q=");
-  EXPECT_EQ(all.size(), 6u) << all.dump(1);  // two of the library, two mechanisms and two motions of the project
+  EXPECT_EQ(all.size(), 6u) << all.dump(1);  // two entries of the library, two mechanisms and two motions of the project
   const json motions = entries("/api/library?kind=motion");
   EXPECT_EQ(motions.size(), 3u);
   const json run = entries("/api/library?kind=motion&q=ru%20quick");
@@ -354,7 +356,7 @@ TEST_F(StudioTest, TheLibraryIsListedFoundAndDrawn) {
   EXPECT_EQ(run[0]["summary"], "1.00 s · 100 Hz");
   EXPECT_EQ(run[0]["mechanism"], library_mechanism_);
   EXPECT_GT(run[0]["curve"].size(), 10u);
-  EXPECT_EQ(entries("/api/library?q=nothing-is-called-so").size(), 0u);
+  EXPECT_EQ(entries("/api/library?q=no-such-entry").size(), 0u);
   EXPECT_EQ(api("GET", "/api/library?kind=house").status, 400);
 
   for (const std::string& id : {std::string("m-walker"), library_mechanism_}) {
@@ -362,7 +364,7 @@ TEST_F(StudioTest, TheLibraryIsListedFoundAndDrawn) {
     ASSERT_EQ(r.status, 200) << r.body;
     const json m = json::parse(r.body);
     EXPECT_EQ(m["name"], "walker");
-    EXPECT_EQ(m["freedoms"], 7);
+    EXPECT_EQ(m["dofs"], 7);
     EXPECT_NEAR(m["height"].get<double>(), 0.55, 1e-9);
     ASSERT_EQ(m["links"].size(), 2u);
     EXPECT_EQ(m["links"][1]["parent"], 0);
@@ -378,7 +380,7 @@ TEST_F(StudioTest, TheLibraryIsListedFoundAndDrawn) {
   EXPECT_EQ(api("POST", "/api/library").status, 404);
 }
 
-TEST_F(StudioTest, LibraryEntriesAreEditedWithVersionsConflictsTrashAndThumbnails) {
+TEST_F(StudioTest, LibraryEntriesSupportVersionsConflictsTrashAndThumbnails) {
   Page p = page();
   p.ask({{"op", "hello"}});
   const std::string entry = "/api/entry/" + library_motion_;
@@ -395,10 +397,10 @@ TEST_F(StudioTest, LibraryEntriesAreEditedWithVersionsConflictsTrashAndThumbnail
   EXPECT_TRUE(p.event("library").is_object());
   const Reply conflict = post(entry, {{"base", 1}, {"name", "mine"}});
   EXPECT_EQ(conflict.status, 409);
-  const json told = json::parse(conflict.body);
-  EXPECT_EQ(told["error"]["problems"][0]["code"], "conflict");
-  EXPECT_EQ(told["entry"]["name"], "dash");
-  EXPECT_EQ(told["entry"]["version"], 2);
+  const json reported = json::parse(conflict.body);
+  EXPECT_EQ(reported["error"]["problems"][0]["code"], "conflict");
+  EXPECT_EQ(reported["entry"]["name"], "dash");
+  EXPECT_EQ(reported["entry"]["version"], 2);
   for (const json& wrong :
        {json({{"name", "x"}}), json({{"base", 2}, {"nonsense", 1}}), json({{"base", 2}, {"add_tags", {7}}}), json::array()})
     EXPECT_EQ(post(entry, wrong).status / 100, 4) << wrong;
@@ -441,14 +443,14 @@ TEST_F(StudioTest, LibraryEntriesAreEditedWithVersionsConflictsTrashAndThumbnail
   EXPECT_EQ(api("POST", entry + "/explode").status, 404);
 }
 
-/// A person of two joints who nods for three frames.
+/// BVH file of a person with two joints who nods for three frames.
 const char* const small_bvh =
     "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0 0\n  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
     "  JOINT Spine\n  {\n    OFFSET 0 0.5 0\n    CHANNELS 3 Zrotation Xrotation Yrotation\n    End Site\n    {\n      OFFSET 0 0.7 0\n    "
     "}\n  }\n}\n"
     "MOTION\nFrames: 3\nFrame Time: 0.0083333\n0 1 0 0 0 0 0 0 0\n0 1 0 0 0 0 0 10 0\n0 1 0 0 0 0 0 20 0\n";
 
-TEST_F(StudioTest, DroppedFilesAreImportedOrRefusedLeavingTheLibraryAlone) {
+TEST_F(StudioTest, ImportStoresFilesOrLeavesTheLibraryUnchanged) {
   Page p = page();
   p.ask({{"op", "hello"}});
   const auto library = [&] { return api("GET", "/api/library").body; };
@@ -469,7 +471,7 @@ TEST_F(StudioTest, DroppedFilesAreImportedOrRefusedLeavingTheLibraryAlone) {
     EXPECT_EQ(r.status / 100, 4) << name << r.body;
     const json problem = json::parse(r.body)["error"]["problems"][0];
     EXPECT_NE(problem["message"], "") << name;
-    EXPECT_NE(problem["place"], "") << name;
+    EXPECT_NE(problem["location"], "") << name;
     EXPECT_NE(problem["remedy"], "") << name;
   }
   EXPECT_EQ(library(), before);
@@ -485,7 +487,7 @@ TEST_F(StudioTest, DroppedFilesAreImportedOrRefusedLeavingTheLibraryAlone) {
   EXPECT_EQ(motion["frames"], 3);
   EXPECT_EQ(api("GET", "/api/mechanism/" + motion["mechanism"].get<std::string>()).status, 200);
   EXPECT_NE(library(), before);
-  // It can be used at once.
+  // The imported entries can be used immediately.
   const json added = p.ask({{"op", "command"}, {"command", {{"type", "character.add"}, {"mechanism", motion["mechanism"]}}}});
   ASSERT_TRUE(added["ok"]) << added;
   const json clip = p.ask(
@@ -493,7 +495,7 @@ TEST_F(StudioTest, DroppedFilesAreImportedOrRefusedLeavingTheLibraryAlone) {
   EXPECT_TRUE(clip["ok"]) << clip;
 }
 
-TEST_F(StudioTest, TheStudioEndsWithItsInterpreterAndTheWorkIsThereAfterwards) {
+TEST_F(StudioTest, StudioEndsItsInterpreterAndKeepsUnsavedWork) {
   int pid = -1;
   {
     Page p = page();

@@ -1,4 +1,4 @@
-// The WebAssembly player in node, with the few functions of WASI that it imports.
+// Runs the WebAssembly player in Node.js and provides the WASI functions that it imports.
 import { readFileSync } from "node:fs";
 
 const decoder = new TextDecoder();
@@ -19,14 +19,14 @@ export class WasmPlayer {
       view.setUint32(written, total, true);
       return 0;
     };
-    const badDescriptor = () => 8;
+    const badDescriptor = () => 8; // WASI error code EBADF
     this.offered = {
       fd_write: fdWrite,
       fd_close: badDescriptor,
       fd_seek: badDescriptor,
       fd_fdstat_get: badDescriptor,
       proc_exit: (status) => {
-        throw new Error(`the player ended itself with status ${status}: ${this.output}`);
+        throw new Error(`the player exited with status ${status}: ${this.output}`);
       },
     };
     this.exports = new WebAssembly.Instance(this.module, { wasi_snapshot_preview1: this.offered }).exports;
@@ -37,7 +37,7 @@ export class WasmPlayer {
     return this.exports.memory;
   }
 
-  /** Opens executable data; true when it was accepted, otherwise `message` tells why. */
+  /** Opens executable data. Returns true on success; otherwise `message` contains the error. */
   open(bytes) {
     const address = this.exports.ugoki_allocate(Math.max(bytes.length, 1));
     new Uint8Array(this.memory.buffer, address, bytes.length).set(bytes);
@@ -46,22 +46,23 @@ export class WasmPlayer {
     return opened;
   }
 
-  /** What the user holds in hand, as the fields of the message `input`; true when it was taken. */
+  /** Sets the state of keyboard, mouse and gamepads, as JSON with the fields of the protocol's message `input`. Returns true on success. */
   input(text) {
     const bytes = new TextEncoder().encode(text);
     const address = this.exports.ugoki_allocate(Math.max(bytes.length, 1));
     new Uint8Array(this.memory.buffer, address, bytes.length).set(bytes);
-    const taken = this.exports.ugoki_input(address, bytes.length) === 1;
+    const accepted = this.exports.ugoki_input(address, bytes.length) === 1;
     this.exports.ugoki_release(address);
-    return taken;
+    return accepted;
   }
 
-  /** What the content reads of keyboard, mouse and gamepads. */
+  /** The keys, mouse and gamepads that the content reads. */
   get devices() {
     this.exports.ugoki_devices();
     return JSON.parse(this.message);
   }
 
+  /** Text of the last function that returns a text, for example an error message. */
   get message() {
     const address = this.exports.ugoki_message();
     return decoder.decode(new Uint8Array(this.memory.buffer, address, this.exports.ugoki_message_size()));

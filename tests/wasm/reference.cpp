@@ -1,4 +1,5 @@
-// Writes the sample content as executable data and runs it natively: what the WebAssembly player must repeat bit by bit.
+// Writes the sample content as executable data, runs it natively and prints state hashes.
+// The WebAssembly player must give the same hashes.
 //   ugoki_wasm_reference SAMPLE.ugx STEPS EVERY     prints "step hash" for each checkpoint
 
 #include <cinttypes>

@@ -1,6 +1,6 @@
-// The WebAssembly check: the sample content in the WebAssembly player and natively gives the same states, bit by bit.
+// Test of the WebAssembly player: the sample content must give the same states, bit by bit, as in the native player.
 //   node run.mjs FOLDER_OF_WASM FOLDER_OF_NATIVE_PROGRAMS
-// Prints a line for each test: `ok ...` or `not ok ...`; exit status 1 when one failed.
+// Prints `ok ...` or `not ok ...` for each test. Exit status 1 if a test failed.
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -55,11 +55,11 @@ function run() {
   });
 }
 
-test("imports only what a page can offer in a few lines", () => {
+test("imports only the WASI functions that player.mjs provides", () => {
   const wanted = WebAssembly.Module.imports(player.module).map(({ module, name }) => `${module}.${name}`);
   const offered = Object.keys(player.offered).map((name) => `wasi_snapshot_preview1.${name}`);
-  const beyond = wanted.filter((name) => !offered.includes(name));
-  expect(beyond.length === 0, `imports ${beyond.join(", ")}`);
+  const missing = wanted.filter((name) => !offered.includes(name));
+  expect(missing.length === 0, `imports ${missing.join(", ")}`);
 });
 
 test("opens the sample content", () => {
@@ -76,8 +76,8 @@ test(`${steps} steps give the native hashes`, () => {
   console.log(`# ${((performance.now() - began) / steps).toFixed(3)} ms a step in WebAssembly`);
 });
 
-test("states differ from checkpoint to checkpoint", () => {
-  expect(new Set(checkpoints.map(({ hash }) => hash)).size === checkpoints.length, "the figures do not move");
+test("every checkpoint has a different state", () => {
+  expect(new Set(checkpoints.map(({ hash }) => hash)).size === checkpoints.length, "the characters do not move");
 });
 
 test("a second run gives the same hashes", () => {
@@ -88,29 +88,29 @@ test("a push changes the states", () => {
   player.exports.ugoki_reset();
   player.exports.ugoki_push(0, 0, 150, 0, 0, 0.2);
   expect(player.exports.ugoki_step(every) === every, player.message);
-  expect(player.hash !== checkpoints[0].hash, "the push did nothing");
+  expect(player.hash !== checkpoints[0].hash, "the push had no effect");
 });
 
-test("takes what the user holds and refuses nonsense", () => {
+test("accepts device input and refuses unknown keys", () => {
   const { keyboard, mouse, gamepads } = player.devices;
   expect(keyboard.length === 0 && mouse === false && gamepads.length === 0, "the sample reads no devices");
   player.exports.ugoki_reset();
   expect(player.input('{"keyboard": ["KeyW"], "mouse": {"x": 0.5, "left": true}}'), player.message);
   expect(player.exports.ugoki_step(every) === every, player.message);
-  expect(player.hash === checkpoints[0].hash, "a key that nobody reads changed the states");
+  expect(player.hash === checkpoints[0].hash, "a key that the content does not read changed the states");
   expect(!player.input('{"keyboard": ["no key"]}') && player.message.includes("KeyboardEvent.code"), player.message);
   player.exports.ugoki_reset();
 });
 
-test("gives a display frame", () => {
+test("returns display frames", () => {
   const first = player.frame(1);
   expect(player.exports.ugoki_step(every) === every, player.message);
   const second = player.frame(2);
   expect(first.length > 64 && second.length > 64, `frames of ${first.length} and ${second.length} bytes`);
-  expect(Buffer.compare(first, second) !== 0, "two frames are the same");
+  expect(Buffer.compare(first, second) !== 0, "two frames at different times are equal");
 });
 
-test("refuses damaged executable data in words", () => {
+test("refuses damaged executable data with a message", () => {
   const sizes = [0, 1, 8, 31, 32, 100, 1000, content.length >> 1, content.length - 1];
   for (const size of sizes) {
     expect(!player.open(content.subarray(0, size)), `accepted the first ${size} bytes`);

@@ -1,4 +1,4 @@
-// The mock's circuit: classes, an execution circuit, many LSIs, and values that somebody made up.
+// The circuits of the mock service: LSI classes, an execution circuit, a large circuit, and invented values.
 const pin = (name, type = 'scalar', more = {}) => ({ name, type, unit: '', doc: '', ...more });
 const lsi = (name, doc, inputs, outputs, parameters = []) => ({
   name, doc, group: '', from: '', version: 1,
@@ -11,22 +11,22 @@ const number = (name, initial, more = {}) => ({ name, kind: 'number', initial, u
 export const lsis = {
   pin_types: [],
   classes: [
-    lsi('constant', 'A number that stays.', [], ['out'], [number('value', 0)]),
+    lsi('constant', 'A constant number.', [], ['out'], [number('value', 0)]),
     lsi('clock', 'The time of this tick.', [], [pin('time', 'scalar', { unit: 's' })]),
     lsi('add', 'a + b.', ['a', 'b'], ['out']),
-    lsi('gain', 'A factor.', ['in'], ['out'], [number('gain', 1, { doc: 'The factor.' })]),
+    lsi('gain', 'Input times a factor.', ['in'], ['out'], [number('gain', 1, { doc: 'The factor.' })]),
     lsi('low-pass', 'First-order filter: follows its input with a time constant.', ['in'], ['out'], [number('time', 0.1, { minimum: 0, maximum: 10, unit: 's' })]),
-    lsi('delay', 'The value of the tick before; breaks circles of wires.', [pin('in', 'scalar', { direct: false })], [pin('out', 'scalar', { delayed: true })]),
+    lsi('delay', 'The value of the previous tick; breaks algebraic loops.', [pin('in', 'scalar', { direct: false })], [pin('out', 'scalar', { delayed: true })]),
     lsi('make vector', 'A vector from its components.', ['x', 'y', 'z'], [pin('out', 'vector')]),
     lsi('split vector', 'The components of a vector.', [pin('in', 'vector')], ['x', 'y', 'z']),
-    lsi('event', 'What acts now.', [pin('live', 'event', { required: false })], [pin('events', 'event')]),
+    lsi('event', 'The events that act now.', [pin('live', 'event', { required: false })], [pin('events', 'event')]),
     lsi('motion retrieval', 'The clips that play now.', [], [pin('current', 'motion'), pin('previous', 'motion'), pin('blend')]),
     lsi('interpolation', 'Blends two motions.', [pin('current', 'motion'), pin('previous', 'motion'), 'blend'], [pin('reference', 'motion')]),
     lsi('motion control', 'Torques that follow the reference.', [pin('state', 'state'), pin('reference', 'motion'), pin('contacts', 'contacts')], [pin('torque', 'joint values', { unit: 'N m' }), pin('assist force', 'vector', { unit: 'N' }), pin('report', 'joint values')], [number('tracking', 1, { minimum: 0, maximum: 2 })]),
-    lsi('collision analysis', 'Where links touch.', [pin('state', 'state')], [pin('contacts', 'contacts')]),
-    lsi('dynamics', 'One step of motion.', [pin('state', 'state', { direct: false }), pin('contacts', 'contacts'), pin('events', 'event'), pin('torque', 'joint values', { multiple: true })], [pin('next', 'state'), pin('contacts', 'contacts')]),
+    lsi('collision analysis', 'Contacts between links.', [pin('state', 'state')], [pin('contacts', 'contacts')]),
+    lsi('dynamics', 'One step of dynamics.', [pin('state', 'state', { direct: false }), pin('contacts', 'contacts'), pin('events', 'event'), pin('torque', 'joint values', { multiple: true })], [pin('next', 'state'), pin('contacts', 'contacts')]),
     lsi('status', 'The state.', [pin('next', 'state', { direct: false })], [pin('state', 'state', { delayed: true })]),
-    lsi('display', 'What is shown.', [pin('state', 'state')], [pin('poses', 'pose')]),
+    lsi('display', 'The poses that are shown.', [pin('state', 'state')], [pin('poses', 'pose')]),
   ],
 };
 

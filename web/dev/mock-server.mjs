@@ -1,4 +1,4 @@
-// A service that speaks docs/studio-protocol.md with invented figures: for developing the page before or without the program.
+// A mock service that implements a part of docs/studio-protocol.md with invented characters: for work on the page without the program.
 //   node dev/mock-server.mjs [port]      serves web/dist and prints the address
 import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
@@ -6,7 +6,7 @@ import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { WebSocketServer } from 'ws';
 import { apply_circuit_edit, execution, lsis, many_lsis, values_event } from './mock-circuit.mjs';
-import { bodies, mechanism_json, place } from './mock-figures.mjs';
+import { bodies, mechanism_json, place } from './mock-characters.mjs';
 
 const dist = fileURLToPath(new URL('../dist/', import.meta.url));
 const token = 'mock';
@@ -21,11 +21,11 @@ const motions = [
   { id: 'n-trot', kind: 'motion', name: 'trot', mechanism: 'm-dog', duration: 0.62, rate: 120, frames: 74, cyclic: true, pace: 1, curve: curve((t) => Math.sin(9 * t)) },
 ];
 const library = [
-  ...bodies.map((b) => ({ id: b.id, kind: 'mechanism', name: b.name, freedoms: b.freedoms, mass: b.mass, height: b.height, tags: [] })),
+  ...bodies.map((b) => ({ id: b.id, kind: 'mechanism', name: b.name, dofs: b.dofs, mass: b.mass, height: b.height, tags: [] })),
   ...motions.map(({ pace: _p, turn: _t, ...m }) => m),
 ];
 const clip = (id, motion, start, length, more = {}) => ({ id, motion, start, length, offset: 0, speed: 1, blend: 0.3, loop: false, ...more });
-const control = { mode: 'track', tracking: 1.2, balance: 1, assist_limit: 0.3, beyond: 'let_go' };
+const control = { mode: 'track', tracking: 1.2, balance: 1, assist_limit: 0.3, beyond: 'release' };
 let doc = {
   version: 1, name: 'park', duration: 12, frame_rate: 60, step: 0.002, gravity: [0, 0, -9.81], ground: { height: 0, friction: 0.9, restitution: 0 },
   characters: [
@@ -40,7 +40,7 @@ let doc = {
   ],
   camera: { follow: 'human', distance: 5.6, azimuth: 0.75, elevation: 0.2 }, look: { light: 0.9, floor: '#2a2c31' }, circuit: null,
 };
-// UGOKI_MOCK_LSIS=n: a circuit of n LSIs instead, to see how the editor bears it
+// UGOKI_MOCK_LSIS=n: a circuit of n LSIs instead, to test the editor with a large circuit
 const many = Number(process.env.UGOKI_MOCK_LSIS ?? 0);
 const circuit = many > 0 ? many_lsis(many) : execution();
 
@@ -55,12 +55,12 @@ let grab = null;
 let pulled = 0;
 const clients = new Set();
 
-const refuse = (message, remedy, place = '') => ({ error: { problems: [{ code: 'refused', place, message, remedy }] } });
+const refuse = (message, remedy, location = '') => ({ error: { problems: [{ code: 'refused', location, message, remedy }] } });
 const label_of = (c) => (c.type === 'group' || c.type === 'circuit.edit' ? c.label : { 'clip.set': 'Change clip', 'clip.add': 'Add clip', 'clip.remove': 'Delete clip', 'clip.split': 'Split clip', 'event.set': 'Change event' }[c.type] ?? c.type);
 
 function apply(d, c) {
   const out = structuredClone(d);
-  const character = (id) => out.characters.find((x) => x.id === id) ?? (() => { throw refuse(`There is no character “${id}”.`, 'Select one that is in the scenario.', 'characters'); })();
+  const character = (id) => out.characters.find((x) => x.id === id) ?? (() => { throw refuse(`There is no character “${id}”.`, 'Select a character of the scenario.', 'characters'); })();
   const track_clip = () => character(c.character).track.find((k) => k.id === c.id) ?? (() => { throw refuse(`There is no clip “${c.id}”.`, 'It may have been deleted; undo brings it back.', c.character); })();
   const { type, ...fields } = c;
   if (type === 'clip.set') {
@@ -103,7 +103,7 @@ const document_state = () => ({
 const transport_state = () => ({ ...transport, duration: doc.duration, steps_per_s: 19000, realtime_factor: 38, status: 'ok' });
 const broadcast = (event) => { for (const c of clients) c.send(JSON.stringify(event)); };
 const changed = () => { revision++; unsaved = true; broadcast({ event: 'document', unsaved, ...document_state() }); send_frame(); };
-const tell_transport = () => broadcast({ event: 'transport', ...transport_state() });
+const send_transport = () => broadcast({ event: 'transport', ...transport_state() });
 
 function root_at(character, time) {
   const body = body_of(character);
@@ -193,12 +193,12 @@ const operations = {
   redo: () => { const p = future.pop(); if (!p) throw refuse('There is nothing to redo.', ''); past.push({ doc, label: p.label }); doc = p.doc; changed(); },
   remember: (request) => { choices = request.choices; },
   save: () => { unsaved = false; broadcast({ event: 'document', unsaved, ...document_state() }); },
-  mode: ({ mode }) => { transport = { ...transport, mode, playing: false, simulated: mode === 'simulate' ? transport.time : 0 }; tell_transport(); send_frame(); },
-  play: ({ speed }) => { transport = { ...transport, playing: true, speed: speed ?? transport.speed, time: transport.time >= doc.duration ? 0 : transport.time }; tell_transport(); },
-  pause: () => { transport.playing = false; tell_transport(); send_frame(); },
-  step: ({ frames }) => { transport.playing = false; transport.time = Math.max(0, transport.time + frames / doc.frame_rate); tell_transport(); send_frame(); },
-  seek: ({ time }) => { transport.time = time; tell_transport(); send_frame(); },
-  restart: () => { transport = { ...transport, time: 0, simulated: 0, playing: true }; tell_transport(); send_frame(); },
+  mode: ({ mode }) => { transport = { ...transport, mode, playing: false, simulated: mode === 'simulate' ? transport.time : 0 }; send_transport(); send_frame(); },
+  play: ({ speed }) => { transport = { ...transport, playing: true, speed: speed ?? transport.speed, time: transport.time >= doc.duration ? 0 : transport.time }; send_transport(); },
+  pause: () => { transport.playing = false; send_transport(); send_frame(); },
+  step: ({ frames }) => { transport.playing = false; transport.time = Math.max(0, transport.time + frames / doc.frame_rate); send_transport(); send_frame(); },
+  seek: ({ time }) => { transport.time = time; send_transport(); send_frame(); },
+  restart: () => { transport = { ...transport, time: 0, simulated: 0, playing: true }; send_transport(); send_frame(); },
   grab: (r) => { grab = r; pulled = 0; },
   drag: ({ target }) => { if (grab) grab.target = target; },
   release: () => { grab = null; },
@@ -212,12 +212,12 @@ const server = createServer(async (request, response) => {
   if (url.pathname === '/api/library') return json(200, { entries: library });
   if (url.pathname.startsWith('/api/mechanism/')) {
     const body = bodies.find((b) => b.id === decodeURIComponent(url.pathname.slice(15)));
-    return body ? json(200, mechanism_json(body)) : json(404, refuse('There is no such mechanism.', 'Choose one of the library.'));
+    return body ? json(200, mechanism_json(body)) : json(404, refuse('There is no such mechanism.', 'Choose a mechanism of the library.'));
   }
   if (url.pathname === '/api/import') {
     const name = url.searchParams.get('name');
-    if (!/\.(bvh|asf|amc|json)$/i.test(name)) return json(400, refuse('This is not a file of a known kind.', 'Import a BVH, ASF, AMC or mechanism file.', `${name}:1`));
-    return json(200, { entries: [], report: ['31 joints, 523 frames at 120 Hz, 4.36 s', 'height 1.74 m; units taken as 0.45 inch', 'the floor lies at −0.003 m; moved to 0'] });
+    if (!/\.(bvh|asf|amc|json)$/i.test(name)) return json(400, refuse('The file format is not supported.', 'Import a BVH, ASF, AMC or mechanism file.', `${name}:1`));
+    return json(200, { entries: [], report: ['31 joints, 523 frames at 120 Hz, 4.36 s', 'height 1.74 m; units taken as 0.45 inch', 'floor at −0.003 m moved to 0'] });
   }
   const path = normalize(url.pathname === '/' ? '/index.html' : url.pathname);
   try {
@@ -246,11 +246,11 @@ let ticks = 0;
 setInterval(() => {
   if (!transport.playing) return;
   transport.time += transport.speed / 60;
-  if (transport.time >= doc.duration) { transport.time = doc.duration; transport.playing = false; tell_transport(); }
+  if (transport.time >= doc.duration) { transport.time = doc.duration; transport.playing = false; send_transport(); }
   if (transport.mode === 'simulate') transport.simulated = Math.max(transport.simulated, transport.time);
   send_frame();
   if (watched && ticks % 4 === 0) broadcast(values_event(watched, transport.time));
-  if (++ticks % 30 === 0) tell_transport();
+  if (++ticks % 30 === 0) send_transport();
   if (ticks % 20 === 0 && transport.mode === 'simulate') summary();
 }, 1000 / 60);
 server.listen(port, '127.0.0.1', () => console.log(`http://127.0.0.1:${server.address().port}/?token=${token}`));

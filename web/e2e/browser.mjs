@@ -1,4 +1,4 @@
-// Chromium for journeys and pictures: the one of the system, drawing WebGL in software.
+// Starts the system's Chromium for journeys and screenshots, with WebGL rendered in software.
 import { chromium } from 'playwright-core';
 
 export const launch = () =>
@@ -6,13 +6,13 @@ export const launch = () =>
     executablePath: process.env.UGOKI_CHROMIUM ?? '/usr/bin/chromium',
     args: [
       '--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
-      // the page is drawn by the processor, WebGL alone by SwiftShader: all by SwiftShader is ten times slower
+      // rasterize the page on the CPU and use SwiftShader for WebGL only: rasterizing the page with SwiftShader too is ten times slower
       '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas',
       '--disable-background-networking', '--disable-component-update', '--disable-sync',
     ],
   });
 
-/** Waits until figures are drawn. */
+/** Waits until the page is connected and has drawn a received frame. */
 export async function ready(page, timeout = 60000) {
   await page.waitForFunction(() => window.ugoki?.connected && window.ugoki.pictures > 1 && window.ugoki.frames_received > 0, undefined, { timeout });
 }

@@ -1,28 +1,29 @@
-// The wiring editor by mouse and keyboard. Each journey gets the page as the ones before left it; all names begin with "circuit".
+// Journeys through the wiring editor by mouse and keyboard. Each starts with the page as the previous one left it. All names begin with
+// "circuit".
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { mock } from './service.mjs';
-import { add, drag, head, ids, pin, spot, state, told, undo, until } from './wiring.mjs';
+import { add, drag, head, ids, pin, spot, state, wait_for_undo_label, undo, until } from './wiring.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
-const skip = mock && 'the mock runs no circuit';
+const skip = mock && 'the mock service has no circuit runtime';
 const journeys = [
   {
     name: 'circuit: the generated execution circuit is shown with its LSIs, pins and wires',
     async run({ page, memory }) {
       await page.locator('.tab', { hasText: 'Circuit' }).click();
-      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // large
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // maximised
       const shown = await until(page, (c) => c.lsis.length > 5 && c.facts?.near > 5, 'the circuit');
       assert.equal(shown.edited, false);
       assert.ok(shown.lsis.some((l) => l.type === 'dynamics') && shown.wires.includes('status.state > dynamics.state'));
       await page.waitForTimeout(600);
       memory.circuit = shown.lsis.length;
-      await page.waitForFunction(() => document.querySelectorAll('.lsi').length >= 5); // elements, not a picture
+      await page.waitForFunction(() => document.querySelectorAll('.lsi').length >= 5); // drawn as elements, not on the canvas
       await page.screenshot({ path: `${pictures}circuit-generated.png` });
     },
   },
   {
-    name: 'circuit: LSIs are made by searching, with Tab and with a double click',
+    name: 'circuit: the search adds LSIs, opened with Tab or a double click',
     async run({ page }) {
       await page.locator('.circuit[role=application]').focus();
       const at = await spot(page, 0.1, 0.72);
@@ -35,11 +36,11 @@ const journeys = [
       await until(page, (c) => c.edited && c.lsis.some((l) => l.id === 'clock'), 'the clock');
       await add(page, 'gain', await spot(page, 0.3, 0.72));
       await until(page, (c) => c.lsis.some((l) => l.id === 'gain'), 'the gain');
-      await told(page, /^Add gain$/);
+      await wait_for_undo_label(page, /^Add gain$/);
     },
   },
   {
-    name: 'circuit: two LSIs are wired by dragging, pins that fit light up',
+    name: 'circuit: dragging from pin to pin adds a wire; matching pins are highlighted',
     async run({ page }) {
       const from = await pin(page, 'clock', 'time', 'out');
       const to = await pin(page, 'gain', 'in', 'in');
@@ -53,11 +54,11 @@ const journeys = [
       await page.mouse.move(to.x, to.y, { steps: 6 });
       await page.mouse.up();
       await until(page, (c) => c.wires.includes('clock.time > gain.in'), 'the wire');
-      await told(page, /^Wire$/);
+      await wait_for_undo_label(page, /^Wire$/);
     },
   },
   {
-    name: 'circuit: a wire dropped on nothing offers the LSIs that fit, and the chosen one is wired',
+    name: 'circuit: a wire dropped on the empty canvas offers matching LSIs and connects the chosen one',
     async run({ page }) {
       await drag(page, await pin(page, 'gain', 'out', 'out'), await spot(page, 0.5, 0.72));
       await page.locator('.circuit-search .fits-line').waitFor();
@@ -71,7 +72,7 @@ const journeys = [
     },
   },
   {
-    name: 'circuit: a wrong wire is refused and says why',
+    name: 'circuit: a wire between different types is refused with the reason',
     async run({ page }) {
       const before = (await state(page)).wires.length;
       await add(page, 'split vector', await spot(page, 0.25, 0.94));
@@ -84,19 +85,19 @@ const journeys = [
       assert.equal((await state(page)).wires.length, before);
       await page.locator('.circuit[role=application]').focus();
       await page.keyboard.press('Delete');
-      await until(page, (c) => !c.lsis.some((l) => l.id === 'split-vector'), 'it to be deleted');
+      await until(page, (c) => !c.lsis.some((l) => l.id === 'split-vector'), 'the splitter to be deleted');
     },
   },
   {
-    name: 'circuit: moving is one command; undo and redo',
+    name: 'circuit: moving an LSI is one command that can be undone and redone',
     async run({ page }) {
       const before = (await state(page)).lsis.find((l) => l.id === 'gain').at;
       const from = await head(page, 'gain');
       await drag(page, from, { x: from.x + 60, y: from.y + 50 });
-      const after = await until(page, (c) => String(c.lsis.find((l) => l.id === 'gain').at) !== String(before), 'the new place');
+      const after = await until(page, (c) => String(c.lsis.find((l) => l.id === 'gain').at) !== String(before), 'the new position');
       const at = after.lsis.find((l) => l.id === 'gain').at;
       assert.ok(at[0] > before[0] + 20 && at.every((v) => v % 10 === 0), `on the grid: ${at}`);
-      await told(page, /Move “gain”/);
+      await wait_for_undo_label(page, /Move “gain”/);
       await page.keyboard.press('Control+z');
       await until(page, (c) => String(c.lsis.find((l) => l.id === 'gain').at) === String(before), 'undo');
       await page.keyboard.press('Control+Shift+z');
@@ -104,11 +105,11 @@ const journeys = [
     },
   },
   {
-    name: 'circuit: values are alive while it plays, and a probe draws its curve',
+    name: 'circuit: values update while playing, and a probe draws a curve',
     async run({ page }) {
       const at = await pin(page, 'low-pass', 'out', 'out');
       await page.mouse.click(at.x, at.y, { button: 'right' });
-      await page.getByRole('menuitem', { name: 'Probe' }).click();
+      await page.getByRole('menuitem', { name: 'Add probe' }).click();
       await until(page, (c) => c.probes.length === 1 && c.probes[0].pin === 'low-pass.out', 'the probe');
       await page.getByRole('radio', { name: 'Simulate' }).click();
       await page.waitForTimeout(400);
@@ -121,9 +122,9 @@ const journeys = [
       }
       const first = await value();
       await page.waitForTimeout(1500);
-      assert.ok((await value()) > first, 'and goes on');
-      assert.ok((await state(page)).facts.values >= 3, 'the values in sight are drawn');
-      assert.match(await page.locator('.fact .tick').textContent(), /(µs|ms|ns) a tick/);
+      assert.ok((await value()) > first, 'the value keeps growing');
+      assert.ok((await state(page)).facts.values >= 3, 'the values in view are drawn');
+      assert.match(await page.locator('.fact .tick').textContent(), /(µs|ms|ns) per tick/);
       assert.match(await page.locator('.probe-value').textContent(), /\d/);
       assert.ok((await page.locator('.probe canvas').count()) === 1, 'the curve');
       await page.screenshot({ path: `${pictures}circuit-playing.png` });
@@ -131,7 +132,7 @@ const journeys = [
     },
   },
   {
-    name: 'circuit: a run stops where a breakpoint is met, goes on by ticks and without it',
+    name: 'circuit: a run stops at a breakpoint, continues by single ticks, and ignores it when switched off',
     async run({ page }) {
       const transport = () => page.evaluate(() => window.ugoki.transport());
       const menu = async (name) => {
@@ -140,38 +141,38 @@ const journeys = [
         await page.getByRole('menuitem', { name }).click();
       };
       const edits = (await undo(page)).undo_label;
-      await menu('Stop where…');
+      await menu('Add breakpoint…');
       await page.getByRole('textbox', { name: 'Value' }).fill('0.5');
       await page.screenshot({ path: `${pictures}circuit-stop-form.png` });
       await page.keyboard.press('Enter');
       const mark = page.locator('[data-pin="clock.time"] .stop-dot');
       await mark.waitFor();
-      assert.equal((await undo(page)).undo_label, edits, 'it is no edit of the circuit');
-      await page.getByRole('button', { name: 'To start' }).click();
+      assert.equal((await undo(page)).undo_label, edits, 'a breakpoint is not an edit of the circuit');
+      await page.getByRole('button', { name: 'Go to start' }).click();
       await page.getByRole('button', { name: 'Play' }).click();
       await page.locator('.stop-notice').waitFor({ timeout: 30000 });
       const { step } = await page.evaluate(() => window.ugoki.document());
       const stopped = await transport();
-      const first = Math.floor(0.5 / step + 1e-6) + 1; // the first tick that is later
+      const first = Math.floor(0.5 / step + 1e-6) + 1; // the first tick after 0.5 s
       assert.equal(stopped.playing, false);
-      assert.ok(Math.abs(stopped.time - (first + 1) * step) < 1e-9, `it stands behind that tick: ${stopped.time}`);
+      assert.ok(Math.abs(stopped.time - (first + 1) * step) < 1e-9, `the time is that after this tick: ${stopped.time}`);
       assert.match(await page.locator('.stop-notice').textContent(), new RegExp(`clock · time > 0\\.5is 0\\.50\\d* at 0\\.50\\d s, tick ${first}`));
-      assert.equal(await page.locator('[data-pin="clock.time"].stop-hit').count(), 1, 'the pin is lit');
+      assert.equal(await page.locator('[data-pin="clock.time"].stop-hit').count(), 1, 'the pin is highlighted');
       await page.waitForTimeout(300);
       await page.screenshot({ path: `${pictures}circuit-stopped.png` });
       await page.getByRole('button', { name: 'One tick' }).click();
       await page.locator('.stop-notice').waitFor({ state: 'detached' });
-      assert.ok(Math.abs((await transport()).time - (first + 2) * step) < 1e-9, 'one tick on');
+      assert.ok(Math.abs((await transport()).time - (first + 2) * step) < 1e-9, 'one tick later');
       await page.getByRole('button', { name: '1 breakpoint' }).click();
       await page.screenshot({ path: `${pictures}circuit-stop-list.png` });
       await page.locator('.stop-list input[type=checkbox]').click();
       await page.locator('[data-pin="clock.time"] .stop-dot.off').waitFor();
       await page.getByRole('button', { name: '1 breakpoint' }).click();
-      await page.getByRole('button', { name: 'To start' }).click();
+      await page.getByRole('button', { name: 'Go to start' }).click();
       await page.getByRole('button', { name: 'Play' }).click();
       const end = Date.now() + 30000;
       while (!((await transport()).time > 0.8)) {
-        assert.ok(Date.now() < end, 'it runs past the breakpoint that is off');
+        assert.ok(Date.now() < end, 'the run passes the breakpoint that is switched off');
         await page.waitForTimeout(60);
       }
       await page.getByRole('button', { name: 'Pause' }).click();
@@ -180,11 +181,11 @@ const journeys = [
     },
   },
   {
-    name: 'circuit: parameters are set in the inspector, as declared',
+    name: 'circuit: the inspector sets declared parameters',
     async run({ page }) {
       const at = await head(page, 'gain');
       await page.mouse.click(at.x, at.y);
-      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // small again: the inspector is beside it
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // restored, so that the inspector is visible
       const field = page.locator('.inspector').getByRole('textbox', { name: 'gain' });
       await field.fill('2.5');
       await page.keyboard.press('Enter');
@@ -195,7 +196,7 @@ const journeys = [
     },
   },
   {
-    name: 'circuit: a selection is grouped, entered, left and ungrouped',
+    name: 'circuit: a selection is grouped, opened, left and ungrouped',
     async run({ page }) {
       const before = (await state(page)).wires.slice().sort();
       const from = await head(page, 'gain');
@@ -211,19 +212,19 @@ const journeys = [
       await page.waitForTimeout(300);
       const at = await head(page, 'group');
       await page.mouse.dblclick(at.x, at.y);
-      await until(page, (c) => c.path.join() === 'group' && c.lsis.length === 2, 'its inside');
+      await until(page, (c) => c.path.join() === 'group' && c.lsis.length === 2, 'the inside of the group');
       await page.waitForTimeout(400);
       await page.screenshot({ path: `${pictures}circuit-inside.png` });
       await page.locator('.crumbs button').first().click();
-      await until(page, (c) => c.path.length === 0 && c.selected.join() === 'group', 'the way out');
+      await until(page, (c) => c.path.length === 0 && c.selected.join() === 'group', 'the outer level');
       await page.locator('.circuit[role=application]').focus();
       await page.keyboard.press('Control+Shift+g');
-      const flat = await until(page, (c) => c.lsis.some((l) => l.id === 'low-pass'), 'what was inside');
+      const flat = await until(page, (c) => c.lsis.some((l) => l.id === 'low-pass'), 'the ungrouped LSIs');
       assert.deepEqual(flat.wires.slice().sort(), before);
     },
   },
   {
-    name: 'circuit: a circle of values is shown where it is, and a delay mends it',
+    name: 'circuit: an algebraic loop is marked at its LSIs, and Insert delay removes it',
     async run({ page }) {
       await page.locator('.circuit[role=application]').focus();
       await page.keyboard.press('a');
@@ -234,14 +235,14 @@ const journeys = [
       await page.waitForTimeout(250);
       await drag(page, await pin(page, 'low-pass', 'out', 'out'), await pin(page, 'add', 'a', 'in'));
       await drag(page, await pin(page, 'add', 'out', 'out'), await pin(page, 'add', 'b', 'in'));
-      await until(page, (c) => c.problems.some((p) => /circle within one tick/.test(p)), 'the problem');
-      await page.locator('.problem-bubble', { hasText: 'circle' }).waitFor();
+      await until(page, (c) => c.problems.some((p) => /within one tick/.test(p)), 'the problem');
+      await page.locator('.problem-bubble', { hasText: /within one tick/ }).waitFor();
       await page.getByRole('button', { name: 'Play' }).click();
-      await page.locator('.toast.error', { hasText: 'circle' }).first().waitFor();
+      await page.locator('.toast.error', { hasText: /within one tick/ }).first().waitFor();
       await page.screenshot({ path: `${pictures}circuit-loop.png` });
       await page.locator('.toast.error').first().getByRole('button', { name: 'Dismiss' }).click();
       await page.locator('.problem-bubble button', { hasText: 'Insert delay' }).click();
-      await until(page, (c) => c.problems.length === 0 && c.wires.includes('delay.out > add.b'), 'it to run again');
+      await until(page, (c) => c.problems.length === 0 && c.wires.includes('delay.out > add.b'), 'the loop to be removed');
     },
   },
   {
@@ -257,7 +258,7 @@ const journeys = [
       await page.keyboard.press('Control+d');
       await until(page, (c) => c.lsis.some((l) => l.id === 'gain-3'), 'the duplicate');
       await page.keyboard.press('Delete');
-      await until(page, (c) => !c.lsis.some((l) => l.id === 'gain-3'), 'it to be gone');
+      await until(page, (c) => !c.lsis.some((l) => l.id === 'gain-3'), 'the duplicate to be deleted');
       await page.keyboard.press('Control+z');
       await page.keyboard.press('Control+z');
       await until(page, (c) => !c.lsis.some((l) => l.id === 'gain-3') && c.lsis.some((l) => l.id === 'gain-2'), 'two undone');
@@ -266,7 +267,7 @@ const journeys = [
     },
   },
   {
-    name: 'circuit: with the keyboard alone',
+    name: 'circuit: the keyboard alone adds and wires an LSI',
     async run({ page }) {
       await page.locator('.circuit[role=application]').focus();
       await page.mouse.move(5, 5);
@@ -288,13 +289,13 @@ const journeys = [
     },
   },
   {
-    name: 'circuit: auto-layout, and a note',
+    name: 'circuit: automatic layout, and a note',
     async run({ page }) {
       await page.locator('.circuit[role=application]').focus();
       await page.keyboard.press('Escape');
       await page.keyboard.press('Escape');
       await page.keyboard.press('Shift+l');
-      await told(page, /^Lay out$/);
+      await wait_for_undo_label(page, /^Lay out$/);
       await page.waitForTimeout(500);
       const to = await spot(page, 0.06, 0.86);
       await page.mouse.move(to.x, to.y);
@@ -307,12 +308,12 @@ const journeys = [
     },
   },
   {
-    name: 'circuit: saved, and everything is there after the page was loaded again',
+    name: 'circuit: a saved circuit is unchanged after a reload of the page',
     async run({ page }) {
       await page.keyboard.press('Control+s');
       await page.waitForTimeout(500);
       const before = await state(page);
-      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // small: the viewport is seen
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // restored, so that the viewport is visible
       await page.waitForTimeout(700);
       await page.reload({ waitUntil: 'load' });
       const after = await until(page, (c) => c.lsis.length === before.lsis.length, 'the circuit');
@@ -320,13 +321,13 @@ const journeys = [
     },
   },
   {
-    name: 'circuit: reset to the generated one is a command',
+    name: 'circuit: Reset to generated is one command',
     async run({ page, memory }) {
       await page.locator('.tab', { hasText: 'Circuit' }).click();
       await until(page, (c) => c.facts !== null, 'the canvas');
       await page.getByRole('button', { name: 'Reset to generated' }).click();
       await until(page, (c) => !c.edited && c.lsis.length === memory.circuit, 'the generated circuit');
-      await told(page, /^Use default circuit$/);
+      await wait_for_undo_label(page, /^Use default circuit$/);
       await page.locator('.tab', { hasText: 'Scenario' }).click();
       assert.ok(!(await ids(page)).includes('gain'));
     },

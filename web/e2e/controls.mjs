@@ -1,21 +1,22 @@
-// Play controls: a key that is held in the page is a number on a wire of the running circuit.
+// Play controls: a key held in the page changes a value on a wire of the running circuit.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { mock } from './service.mjs';
 import { add, large, spot, state, undo, until } from './wiring.mjs';
 
-const skip = mock && 'the mock runs no circuit';
+const skip = mock && 'the mock service has no circuit runtime';
 const value = (page) => page.evaluate(() => window.ugoki.pin_value('keyboard', 'pressed')?.[0]);
-async function reaches(page, wanted, what) {
+/** Waits until the pin has the value `wanted`. */
+async function wait_for_value(page, wanted, description) {
   const end = Date.now() + 20000;
   while ((await value(page)) !== wanted) {
-    assert.ok(Date.now() < end, `${what}: the pin is ${await value(page)}`);
+    assert.ok(Date.now() < end, `${description}: the pin is ${await value(page)}`);
     await page.waitForTimeout(50);
   }
 }
 
-/** Whether the service says which devices the content reads. */
-const tells_devices = (page) =>
+/** Whether the service reports the devices that the content reads; older programs do not. */
+const reports_devices = (page) =>
   page.evaluate(() => new Promise((resolve) => {
     const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws${location.search}`);
     socket.onopen = () => socket.send('{"id":1,"op":"hello"}');
@@ -29,16 +30,16 @@ const tells_devices = (page) =>
 
 export const control_journeys = [
   {
-    unless: async ({ page }) => !(await tells_devices(page)) && 'this program takes no input from the page',
-    name: 'controls: a key held while the content has them moves a value on a wire',
+    unless: async ({ page }) => !(await reports_devices(page)) && 'this program does not support input from the page',
+    name: 'controls: a key held during play controls changes a value on a wire',
     async run({ page }) {
-      await large(page, false); // the button is over the viewport
+      await large(page, false); // restored: the button is in the viewport
       await page.locator('.circuit[role=application]').focus();
       const before = (await state(page)).lsis.length;
       await add(page, 'keyboard', await spot(page, 0.5, 0.85));
       await until(page, (c) => c.lsis.some((l) => l.id === 'keyboard'), 'the keyboard');
       await page.locator('.circuit[role=application]').focus();
-      await page.keyboard.press('f'); // near enough for values
+      await page.keyboard.press('f'); // zoom in until values are shown
       const enter = page.getByRole('button', { name: /^Play controls/ });
       await enter.waitFor({ timeout: 20000 });
       assert.match(await enter.textContent(), /Space/);
@@ -46,20 +47,20 @@ export const control_journeys = [
       const bar = page.locator('.controls-bar.on');
       await bar.waitFor();
       await page.waitForFunction(() => window.ugoki.transport().mode === 'simulate' && window.ugoki.transport().playing);
-      await reaches(page, 0, 'nothing is held');
+      await wait_for_value(page, 0, 'no key is held');
       await page.keyboard.down('Space');
-      await reaches(page, 1, 'the key is held');
+      await wait_for_value(page, 1, 'the key is held');
       assert.equal(await bar.locator('kbd[data-held=true]').textContent(), 'Space');
       await page.screenshot({ path: fileURLToPath(new URL('./out/controls.png', import.meta.url)) });
-      assert.ok((await page.evaluate(() => window.ugoki.transport())).playing, 'Space is the content’s, not the transport’s');
+      assert.ok((await page.evaluate(() => window.ugoki.transport())).playing, 'Space goes to the content, not to the transport');
       await page.keyboard.up('Space');
-      await reaches(page, 0, 'the key was let go');
+      await wait_for_value(page, 0, 'the key was released');
 
       await page.keyboard.down('Space');
-      await reaches(page, 1, 'held again');
+      await wait_for_value(page, 1, 'held again');
       await page.keyboard.press('Escape');
       await bar.waitFor({ state: 'detached' });
-      await reaches(page, 0, 'Escape lets go of everything');
+      await wait_for_value(page, 0, 'Escape releases all keys');
       await page.keyboard.up('Space');
 
       await page.getByRole('radio', { name: 'Edit' }).click();

@@ -1,7 +1,7 @@
-// npm run frames [-- LSIs]: how fast a large circuit is panned, zoomed and edited, in a Chromium that draws everything by the processor
-// (no graphics card is asked: what is measured here is the least that a user gets). It prints, for each act:
-//   fps, worst   of requestAnimationFrame, wall time: true only on a machine that does nothing else
-//   cpu          ms of the page's main thread a frame, by the processor's own count: true on a busy machine too; below 33 leaves room for 30 fps
+// npm run frames [-- LSIs]: measures panning, zooming and editing a large circuit, in a Chromium that renders on the CPU without a GPU
+// (a lower bound of what users get). For each action it prints:
+//   fps, worst   frame rate and longest frame by wall time (requestAnimationFrame): valid only on an otherwise idle machine
+//   cpu          CPU time of the page's main thread per frame, ms: valid on a busy machine too; 30 fps need less than 33
 import { chromium } from 'playwright-core';
 import { start_service } from './service.mjs';
 
@@ -16,7 +16,7 @@ const devtools = await page.context().newCDPSession(page);
 await devtools.send('Performance.enable', { timeDomain: 'threadTicks' });
 const cpu = async () => 1000 * (await devtools.send('Performance.getMetrics')).metrics.find((m) => m.name === 'TaskDuration').value;
 
-/** The generated circuit with rows of gains below it, each behind a clock. */
+/** Sets the generated circuit with `n` more LSIs below it: rows of a clock followed by 99 gains in series. */
 const set_circuit = (n) => new Promise((resolve) => {
   const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws${location.search}`);
   socket.onopen = () => socket.send('{"id":1,"op":"hello"}');
@@ -34,14 +34,15 @@ const set_circuit = (n) => new Promise((resolve) => {
   };
 });
 
-async function measure(what, act) {
+/** Prints frame rate and CPU time of an action. */
+async function measure(name, act) {
   await page.evaluate(() => {
     const times = (window.frame_times = []);
-    const note = (now) => {
+    const record = (now) => {
       times.push(now);
-      if (window.frame_times === times) requestAnimationFrame(note);
+      if (window.frame_times === times) requestAnimationFrame(record);
     };
-    requestAnimationFrame(note);
+    requestAnimationFrame(record);
   });
   const before = await cpu();
   await act();
@@ -53,7 +54,7 @@ async function measure(what, act) {
   });
   const { far, near, viewport } = await page.evaluate(() => window.ugoki.circuit().facts);
   const sum = gaps.reduce((a, b) => a + b, 0);
-  console.log(`${what.padEnd(22)} ${String(gaps.length).padStart(4)} frames  ${(1000 * gaps.length / sum).toFixed(0).padStart(3)} fps  worst ${Math.max(...gaps).toFixed(0).padStart(5)} ms  cpu ${((after - before) / gaps.length).toFixed(1).padStart(5)} ms  ${near} LSIs in sight at ${viewport.zoom.toFixed(3)}${far ? '' : ', as elements'}`);
+  console.log(`${name.padEnd(22)} ${String(gaps.length).padStart(4)} frames  ${(1000 * gaps.length / sum).toFixed(0).padStart(3)} fps  worst ${Math.max(...gaps).toFixed(0).padStart(5)} ms  cpu ${((after - before) / gaps.length).toFixed(1).padStart(5)} ms  ${near} LSIs in view at zoom ${viewport.zoom.toFixed(3)}${far ? '' : ', as elements'}`);
 }
 
 try {
@@ -82,13 +83,13 @@ try {
   };
   await page.keyboard.press('a');
   await page.waitForTimeout(1500);
-  await measure('pan, all in sight', pan);
+  await measure('pan, all in view', pan);
   await measure('zoom in', () => zoom(12));
-  await measure('pan, from afar', pan);
+  await measure('pan, small zoom', pan);
   await measure('zoom in to elements', () => zoom(10));
   await measure('pan, elements', pan);
   await measure('zoom out', () => zoom(-30));
-  const row = await page.evaluate(() => window.ugoki.circuit().lsis.length);
+  const count = await page.evaluate(() => window.ugoki.circuit().lsis.length);
   const wait = 1000;
   const during = async (act) => {
     const before = await cpu();
@@ -101,7 +102,7 @@ try {
     await page.keyboard.press('ArrowRight');
     await page.waitForTimeout(300);
     const spent = await during(() => page.keyboard.press('Shift+ArrowRight'));
-    console.log(`an edit of ${row} LSIs     cpu ${(spent - idle).toFixed(1)} ms, from the key to the last of what the service told (beside the ${idle.toFixed(1)} ms that the page takes in ${wait} ms anyway)`);
+    console.log(`one edit of ${count} LSIs  cpu ${(spent - idle).toFixed(1)} ms, from the key press to the last update by the service (without the ${idle.toFixed(1)} ms that an idle page uses in ${wait} ms)`);
   }
 } finally {
   await browser.close();

@@ -1,4 +1,4 @@
-// What a person does in the studio, done in a real Chromium. Each journey gets the page as the ones before left it.
+// End-to-end journeys through the studio in Chromium. Each starts with the page as the previous one left it.
 import { request } from 'node:http';
 import { mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -15,11 +15,11 @@ const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 mkdirSync(pictures, { recursive: true });
 
 const hook = (page, expression) => page.evaluate(expression);
-/** Asks again until it is true. Not waitForFunction: the page's content security policy rightly forbids evaluating text. */
-async function until(page, expression, what, timeout = 30000) {
+/** Evaluates `expression` in the page until it is true. waitForFunction is not used: the page's content security policy forbids eval. */
+async function until(page, expression, description, timeout = 30000) {
   const end = Date.now() + timeout;
   while (!(await page.evaluate(expression))) {
-    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${what}`);
+    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${description}`);
     await page.waitForTimeout(50);
   }
 }
@@ -44,7 +44,7 @@ async function find_link(page, character, pattern) {
 const positions = (page, character) =>
   hook(page, `(() => { const out = []; for (let i = 0; ; i++) { const p = window.ugoki.link_position(${JSON.stringify(character)}, i); if (!p) return out; out.push(p); } })()`);
 
-/** Seeks through the page's own transport and waits for that frame. */
+/** Clicks the ruler at `time` (s) and waits for that frame. @return time of the frame, s */
 async function show_time(page, time) {
   const before = await hook(page, 'window.ugoki.frames_received');
   const ruler = await page.locator('.ruler').boundingBox();
@@ -65,7 +65,7 @@ async function set_mode(page, mode) {
   await page.waitForTimeout(300);
 }
 
-/** Brightness statistics of a part of what is on screen. */
+/** Mean brightness, 0 to 255, of a rectangle of the screen. */
 async function pixels(page, clip) {
   const png = (await page.screenshot({ clip })).toString('base64');
   return page.evaluate(async (data) => {
@@ -81,7 +81,7 @@ async function pixels(page, clip) {
   }, png);
 }
 
-/** Status and text of a bare request, with headers that a browser would not let a page choose. */
+/** Status and text of an HTTP request with headers that a browser does not let a page set. */
 function ask(address, path, headers = {}) {
   const url = new URL(address);
   return new Promise((resolve, reject) => {
@@ -95,7 +95,7 @@ function ask(address, path, headers = {}) {
   });
 }
 
-/** Status of a WebSocket handshake: 101 if it is let in. */
+/** Status of a WebSocket handshake; 101 if it is accepted. */
 function shake_hands(address, path, headers = {}) {
   const url = new URL(address);
   return new Promise((resolve, reject) => {
@@ -118,7 +118,7 @@ function shake_hands(address, path, headers = {}) {
 
 export const journeys = [
   {
-    name: 'the page loads from the printed address, with nothing from elsewhere',
+    name: 'the page loads from the printed address, without requests to other hosts',
     async run({ page, service, seen }) {
       await page.goto(service.address);
       await ready(page);
@@ -131,22 +131,22 @@ export const journeys = [
     },
   },
   {
-    name: 'the figure is visible',
+    name: 'the character is visible',
     async run({ page }) {
       const { id } = await lead(page);
       await page.waitForTimeout(2500);
       const chest = await find_link(page, id, /chest|spine|thorax|trunk|torso/i);
       const at = await hook(page, `window.ugoki.link_on_screen(${JSON.stringify(id)}, ${chest})`);
       const box = await page.locator('.viewport').boundingBox();
-      assert.ok(at && at.x > box.x && at.x < box.x + box.width && at.y > box.y && at.y < box.y + box.height, 'its chest is inside the viewport');
+      assert.ok(at && at.x > box.x && at.x < box.x + box.width && at.y > box.y && at.y < box.y + box.height, 'the chest is inside the viewport');
       const body = await pixels(page, { x: at.x - 3, y: at.y - 3, width: 6, height: 6 });
       const ground = await pixels(page, { x: box.x + 8, y: box.y + box.height - 70, width: 20, height: 20 });
-      assert.ok(body.mean > ground.mean + 40, `the body (${body.mean.toFixed(0)}) stands out from the floor (${ground.mean.toFixed(0)})`);
-      await page.screenshot({ path: `${pictures}figure.png` });
+      assert.ok(body.mean > ground.mean + 40, `brightness of the body (${body.mean.toFixed(0)}) exceeds that of the floor (${ground.mean.toFixed(0)})`);
+      await page.screenshot({ path: `${pictures}character.png` });
     },
   },
   {
-    name: 'play moves it and pause stops it',
+    name: 'Play moves the character and Pause stops it',
     async run({ page }) {
       const { id } = await lead(page);
       const before = await positions(page, id);
@@ -165,7 +165,7 @@ export const journeys = [
     },
   },
   {
-    name: 'scrubbing the ruler shows that time',
+    name: 'a click on the ruler shows the frame at that time',
     async run({ page }) {
       await set_mode(page, 'edit');
       const at = await show_time(page, 2);
@@ -174,7 +174,7 @@ export const journeys = [
     },
   },
   {
-    name: 'a clip dragged on the timeline changes what plays, as one command',
+    name: 'dragging a clip changes the motion, as one command',
     async run({ page, memory }) {
       const { id, clip } = await lead(page);
       memory.id = id;
@@ -197,12 +197,12 @@ export const journeys = [
       await show_time(page, memory.time);
       const after = await positions(page, id);
       const changed = Math.max(...after.map((p, i) => distance(p, memory.before[i])));
-      assert.ok(changed > 0.02, `at ${memory.time.toFixed(2)} s a link now is ${changed.toFixed(3)} m elsewhere`);
+      assert.ok(changed > 0.02, `at ${memory.time.toFixed(2)} s a link moved by ${changed.toFixed(3)} m`);
       assert.ok((await hook(page, 'window.ugoki.undo()')).can_undo);
     },
   },
   {
-    name: 'undo restores it',
+    name: 'undo restores the clip and the motion',
     async run({ page, memory }) {
       await page.locator('.scenario').click({ position: { x: 400, y: 6 } });
       await page.keyboard.press('Control+z');
@@ -212,14 +212,14 @@ export const journeys = [
       const time = await show_time(page, memory.time);
       const after = await positions(page, id);
       const error = Math.max(...after.map((p, i) => distance(p, memory.before[i])));
-      assert.ok(Math.abs(time - memory.time) < 1e-6 && error < 1e-5, `every link is where it was: ${error} m`);
+      assert.ok(Math.abs(time - memory.time) < 1e-6 && error < 1e-5, `every link has its old position: ${error} m`);
       const undo = await hook(page, 'window.ugoki.undo()');
       assert.ok(undo.can_redo);
     },
   },
   {
-    name: 'a clip dragged onto another track goes there, but not onto another mechanism',
-    skip: mock && 'the mock duplicates no character',
+    name: 'a clip can be dragged onto another track with the same mechanism only',
+    skip: mock && 'the mock service does not duplicate characters',
     async run({ page }) {
       const { id, clip } = await lead(page);
       const tracks = () => hook(page, 'Object.fromEntries(window.ugoki.document().characters.map((c) => [c.id, c.track.length]))');
@@ -230,9 +230,9 @@ export const journeys = [
       const twin = Object.keys(await tracks()).find((c) => !(c in before));
       await page.waitForTimeout(500);
       const start = { ...(await tracks()) };
-      const drag_to = async (other, picture) => {
+      const drag_to = async (character, picture) => {
         const box = await page.locator(`[data-clip="${clip.id}"]`).boundingBox();
-        const lane = await page.locator(`[data-character="${other}"] .lane`).boundingBox();
+        const lane = await page.locator(`[data-character="${character}"] .lane`).boundingBox();
         const grip = { x: box.x + Math.min(box.width / 2, 120), y: box.y + box.height / 2 };
         await page.mouse.move(grip.x, grip.y);
         await page.mouse.down();
@@ -243,22 +243,22 @@ export const journeys = [
         await page.mouse.up();
         await page.waitForTimeout(700);
       };
-      const stranger = await hook(page, `window.ugoki.document().characters.find((c) => c.mechanism !== window.ugoki.document().characters.find((d) => d.id === '${id}').mechanism).id`);
-      await drag_to(stranger, 'clip-refused');
-      assert.deepEqual(await tracks(), start, 'a motion of another mechanism is refused');
+      const other = await hook(page, `window.ugoki.document().characters.find((c) => c.mechanism !== window.ugoki.document().characters.find((d) => d.id === '${id}').mechanism).id`);
+      await drag_to(other, 'clip-refused');
+      assert.deepEqual(await tracks(), start, 'a motion for another mechanism is refused');
       await drag_to(twin, 'clip-to-track');
       assert.deepEqual(await tracks(), { ...start, [id]: start[id] - 1, [twin]: start[twin] + 1 });
       const moved = await hook(page, `window.ugoki.document().characters.find((c) => c.id === '${twin}').track.find((k) => k.id === '${clip.id}')`);
       assert.ok(moved.start > clip.start + 0.1 && moved.length === clip.length && moved.motion === clip.motion, 'the whole clip, later');
       await page.keyboard.press('Control+z');
-      await until(page, `window.ugoki.document().characters.find((c) => c.id === '${id}').track.length === ${start[id]}`, 'one undo to take it back');
+      await until(page, `window.ugoki.document().characters.find((c) => c.id === '${id}').track.length === ${start[id]}`, 'one undo to move the clip back');
       await page.keyboard.press('Control+z');
-      await until(page, `window.ugoki.document().characters.length === ${Object.keys(before).length}`, 'the second character to be gone');
+      await until(page, `window.ugoki.document().characters.length === ${Object.keys(before).length}`, 'the second character to be removed');
     },
   },
   {
-    name: 'a track that ends in the middle of a movement says so',
-    skip: mock && 'the mock knows no motions',
+    name: 'a track that ends during a movement shows a warning',
+    skip: mock && 'the mock service has no motion data',
     async run({ page }) {
       const { id, clip } = await lead(page);
       const note = page.locator(`[data-character="${id}"] .unfinished`);
@@ -276,8 +276,8 @@ export const journeys = [
     },
   },
   {
-    name: 'saving under a name that exists asks first',
-    skip: mock && 'the mock saves nothing',
+    name: 'Save as asks before it replaces a file',
+    skip: mock && 'the mock service does not save',
     async run({ page }) {
       const path = () => page.locator('.project').getAttribute('title');
       const save_as = async (name) => {
@@ -304,7 +304,7 @@ export const journeys = [
     },
   },
   {
-    name: 'a chosen keymap is kept for the next page',
+    name: 'the chosen keymap is kept for the next page',
     async run({ page, service }) {
       const chosen = async () => {
         await page.keyboard.press('F1');
@@ -331,8 +331,8 @@ export const journeys = [
     async run({ page }) {
       const { id } = await lead(page);
       await set_mode(page, 'simulate');
-      // slowly, because software draws slowly and the figure walks on while the mouse travels
-      await page.getByRole('combobox', { name: 'Playing speed' }).selectOption('0.1');
+      // at a tenth of the speed: software rendering is slow, and the character walks on while the mouse moves
+      await page.getByRole('combobox', { name: 'Playback speed' }).selectOption('0.1');
       await page.keyboard.press('Control+Home');
       await until(page, 'window.ugoki.frame().time < 0.1', 'the start');
       await page.getByRole('button', { name: 'Play' }).click();
@@ -347,9 +347,9 @@ export const journeys = [
         grabbed = await until(page, 'window.ugoki.frame().grabbing', 'the grab', 2000).then(() => true, () => false);
         if (!grabbed) await page.mouse.up();
       }
-      assert.ok(grabbed, 'the press took hold of the figure');
+      assert.ok(grabbed, 'the press grabbed the character');
       const link = (await hook(page, 'window.ugoki.selection()')).link;
-      const com = (await hook(page, `window.ugoki.figure('${id}')`)).com;
+      const com = (await hook(page, `window.ugoki.character('${id}')`)).com;
       await page.mouse.move(point.x + 60, point.y - 90, { steps: 4 });
       await page.mouse.move(point.x + 110, point.y - 160, { steps: 4 });
       const spring = () => hook(page, '(() => { const p = window.ugoki.pull(); return p && Math.hypot(...p.point.map((v, i) => v - p.target[i])); })()');
@@ -365,52 +365,52 @@ export const journeys = [
         }
         await page.waitForTimeout(60);
       }
-      const figure = await hook(page, `window.ugoki.figure('${id}')`);
+      const character = await hook(page, `window.ugoki.character('${id}')`);
       assert.ok(longest > 0.2 && length < 0.7 * longest, `link ${link} followed the mouse: the spring shortened from ${longest.toFixed(2)} to ${length.toFixed(2)} m`);
-      assert.ok(distance(figure.com, com) > 0.005, 'the body went along');
+      assert.ok(distance(character.com, com) > 0.005, 'the body moved too');
       await page.mouse.up();
       await until(page, '!window.ugoki.frame().grabbing', 'the release');
     },
   },
   {
-    name: 'root assist and contacts are shown while it simulates',
+    name: 'root assist and contacts are shown during simulation',
     async run({ page }) {
       await until(page, 'window.ugoki.summary().characters.length > 0', 'a summary');
       assert.match(await page.locator('.card .value').first().textContent(), /^\d+\.\d %$/);
       assert.ok(await hook(page, 'window.ugoki.summary().contacts.length > 0'));
       await page.getByRole('button', { name: 'Contacts', exact: true }).click();
       if (await hook(page, 'window.ugoki.transport().playing')) await page.getByRole('button', { name: 'Pause' }).click();
-      await page.getByRole('combobox', { name: 'Playing speed' }).selectOption('1');
+      await page.getByRole('combobox', { name: 'Playback speed' }).selectOption('1');
       await page.waitForTimeout(1500);
       await page.screenshot({ path: `${pictures}simulate.png` });
       await page.getByRole('button', { name: 'Contacts', exact: true }).click();
     },
   },
   {
-    name: 'with the keyboard alone: palette, mode, keys',
+    name: 'the keyboard alone opens the palette, switches the mode and steps a frame',
     async run({ page }) {
       await page.keyboard.press('Control+k');
       await page.keyboard.type('switch edit');
       await page.keyboard.press('Enter');
       await until(page, "window.ugoki.transport().mode === 'edit'", 'edit mode');
       await page.keyboard.press('?');
-      await page.getByRole('dialog', { name: 'Keys' }).waitFor();
+      await page.getByRole('dialog', { name: 'Keyboard and mouse' }).waitFor();
       await page.keyboard.press('Escape');
-      await page.getByRole('dialog', { name: 'Keys' }).waitFor({ state: 'detached' });
+      await page.getByRole('dialog', { name: 'Keyboard and mouse' }).waitFor({ state: 'detached' });
       const time = await hook(page, 'window.ugoki.frame().time');
       await page.keyboard.press('ArrowRight');
-      await until(page, `window.ugoki.frame().time > ${time}`, 'one frame on');
+      await until(page, `window.ugoki.frame().time > ${time}`, 'the next frame');
     },
   },
   {
     name: 'a wrong token, Host or Origin is refused',
-    skip: mock && 'the mock lets everybody in',
+    skip: mock && 'the mock service accepts everybody',
     async run({ service }) {
       const url = new URL(service.address);
       const token = url.searchParams.get('token');
       const right = await ask(service.address, `/api/library?token=${token}`);
       assert.equal(right.status, 200);
-      for (const [what, path, headers, status] of [
+      for (const [label, path, headers, status] of [
         ['no token', '/api/library', {}, 401],
         ['wrong token', '/api/library?token=wrong', {}, 401],
         ['wrong token for the page', '/?token=wrong', {}, 401],
@@ -418,8 +418,8 @@ export const journeys = [
         ['wrong Origin', `/api/library?token=${token}`, { Origin: 'http://evil.example' }, 403],
       ]) {
         const answer = await ask(service.address, path, headers);
-        assert.equal(answer.status, status, what);
-        assert.ok(answer.text.length > 10, `${what}: a sentence says why`);
+        assert.equal(answer.status, status, label);
+        assert.ok(answer.text.length > 10, `${label}: the answer has an explanation`);
       }
       assert.equal(await shake_hands(service.address, `/ws?token=${token}`), 101);
       assert.equal(await shake_hands(service.address, '/ws?token=wrong'), 401);
@@ -433,7 +433,7 @@ export const journeys = [
   ...control_journeys,
   ...plugin_journeys,
   {
-    name: 'nothing went wrong in the page meanwhile',
+    name: 'the page reported no errors during the journeys',
     async run({ seen }) {
       assert.deepEqual(seen.errors, []);
     },

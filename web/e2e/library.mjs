@@ -1,27 +1,29 @@
-// The library, imports, distances and touches. Each journey gets the page as the ones before left it; all names begin with "library" or "collision".
+// Journeys through the library, imports, distances and contacts. Each starts with the page as the previous one left it.
+// All names begin with "library" or "collision".
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { mock } from './service.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
-const skip = mock && 'the mock keeps no library';
-const patience = 120000; // for what a busy machine may take its time for
+const skip = mock && 'the mock service has no library';
+const patience = 120000; // ms; enough for a busy machine
 
-async function until(page, ask, what, timeout = patience) {
+/** Repeats `ask` until its result is truthy, and returns it. */
+async function until(page, ask, description, timeout = patience) {
   const end = Date.now() + timeout;
   let now;
   for (;;) {
     now = await ask();
     if (now) return now;
-    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${what}; it shows ${JSON.stringify(await page.evaluate(() => [window.ugoki.library(), window.ugoki.imports()])).slice(0, 700)}`);
+    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${description}; the page has ${JSON.stringify(await page.evaluate(() => [window.ugoki.library(), window.ugoki.imports()])).slice(0, 700)}`);
     await page.waitForTimeout(80);
   }
 }
-const shelf = (page) => page.evaluate(() => window.ugoki.library());
-/** How many entries the list has; what the journey before took back may still be on its way out. */
-async function total_at_rest(page) {
+const library_state = (page) => page.evaluate(() => window.ugoki.library());
+/** Number of entries once it no longer changes: the undo of the previous journey may still be running. */
+async function settled_total(page) {
   for (let before = -1; ; await page.waitForTimeout(600)) {
-    const { total } = await shelf(page);
+    const { total } = await library_state(page);
     if (total === before) return total;
     before = total;
   }
@@ -29,9 +31,9 @@ async function total_at_rest(page) {
 const files = (page) => page.evaluate(() => window.ugoki.imports());
 const card = (page, name) => page.locator('#library-list [role=option]', { has: page.locator('.entry-name', { hasText: name }) }).first();
 
-/** A person who waves his legs, as BVH: `unit` units to a metre, up along the file's Y or Z. */
-function waver({ unit = 100, z_up = false, frames = 60 } = {}) {
-  const at = (x, y, z) => (z_up ? [z, x, y] : [x, y, z]).map((v) => (v * unit).toFixed(4)).join(' '); // given with Y up, Z forward, X left
+/** A BVH file of a person who swings the legs. @param unit units per metre; @param z_up the file's up axis is Z instead of Y */
+function leg_swing_bvh({ unit = 100, z_up = false, frames = 60 } = {}) {
+  const at = (x, y, z) => (z_up ? [z, x, y] : [x, y, z]).map((v) => (v * unit).toFixed(4)).join(' '); // from axes Y up, Z forward, X left
   const swing = z_up ? 'Y' : 'X';
   const rest = ['X', 'Y', 'Z'].filter((a) => a !== swing);
   const channels = `CHANNELS 3 ${swing}rotation ${rest[0]}rotation ${rest[1]}rotation`;
@@ -55,98 +57,98 @@ async function choose(page, list) {
   await page.getByRole('dialog', { name: 'Import' }).waitFor({ timeout: patience });
 }
 const all_read = (page) => until(page, async () => (await files(page)).every((f) => f.status === 'ready' || f.status === 'refused'), 'all files to be read');
-const gone = (page) => page.getByRole('dialog', { name: 'Import' }).waitFor({ state: 'detached', timeout: patience });
+const import_closed = (page) => page.getByRole('dialog', { name: 'Import' }).waitFor({ state: 'detached', timeout: patience });
 
 const journeys = [
   {
-    name: 'library: a file is shown beside a human of 1.8 m, its report says what it holds, and cancelling leaves no trace',
+    name: 'library: a file is previewed next to a 1.8 m human with a report, and cancelling stores nothing',
     async run({ page }) {
-      await until(page, async () => (await shelf(page)).status === 'ready', 'the list');
-      const before = await total_at_rest(page);
-      await choose(page, [['waver.bvh', waver()]]);
+      await until(page, async () => (await library_state(page)).status === 'ready', 'the list');
+      const before = await settled_total(page);
+      await choose(page, [['waver.bvh', leg_swing_bvh()]]);
       await all_read(page);
       const seen = await until(page, () => page.evaluate(() => (window.ugoki.import_view()?.pictures > 2 ? window.ugoki.import_view() : null)), 'the preview');
-      assert.ok(Math.abs(seen.reference - 1.8) < 0.03, `the measure is ${seen.reference} m high`);
-      assert.ok(seen.figure > 1.55 && seen.figure < 2, `the figure is ${seen.figure} m high`);
+      assert.ok(Math.abs(seen.reference - 1.8) < 0.03, `the reference human is ${seen.reference} m high`);
+      assert.ok(seen.character > 1.55 && seen.character < 2, `the character is ${seen.character} m high`);
       const [file] = await files(page);
       assert.equal(file.settings.unit, 0.01);
       assert.ok(file.report.read.some((l) => /60 frames at 30 Hz, 1\.97 s/.test(l)), file.report.read.join());
       assert.ok(file.report.read.some((l) => /joints: Hips/.test(l)) && file.report.guessed.length > 0);
-      await until(page, async () => (await page.evaluate(() => window.ugoki.import_view().time)) !== seen.time, 'it to move');
+      await until(page, async () => (await page.evaluate(() => window.ugoki.import_view().time)) !== seen.time, 'the character to move');
       await page.screenshot({ path: `${pictures}import.png` });
       await page.keyboard.press('Escape');
-      await gone(page);
+      await import_closed(page);
       await page.waitForTimeout(400);
-      assert.equal((await shelf(page)).total, before);
+      assert.equal((await library_state(page)).total, before);
     },
   },
   {
-    name: 'library: a figure that lies is told, stands up with the right axis, and unit and rate follow',
+    name: 'library: a lying character is reported, and corrected up axis, unit and frame rate are applied',
     async run({ page }) {
-      await choose(page, [['lying.bvh', waver({ z_up: true })]]);
+      await choose(page, [['lying.bvh', leg_swing_bvh({ z_up: true })]]);
       await all_read(page);
       await page.locator('.import-check', { hasText: 'another axis points up' }).waitFor({ timeout: patience });
       await page.screenshot({ path: `${pictures}import-lying.png` });
       await page.getByLabel('Up axis').selectOption('z');
-      const height = () => page.evaluate(() => window.ugoki.import_view()?.figure ?? 0);
-      await until(page, async () => (await files(page))[0].settings.up === 'z' && !(await files(page))[0].again && (await height()) > 1.55, 'it to stand');
+      const height = () => page.evaluate(() => window.ugoki.import_view()?.character ?? 0);
+      await until(page, async () => (await files(page))[0].settings.up === 'z' && !(await files(page))[0].rereading && (await height()) > 1.55, 'the character to stand upright');
       assert.equal((await files(page))[0].report.check.length, 0);
       await page.getByLabel('Unit of length').selectOption('0.001');
-      await until(page, async () => !(await files(page))[0].again && (await height()) < 0.25 && (await height()) > 0.1, 'a tenth of its height');
+      await until(page, async () => !(await files(page))[0].rereading && (await height()) < 0.25 && (await height()) > 0.1, 'a tenth of its height');
       assert.ok((await files(page))[0].report.check.some((l) => /unit of length/.test(l)));
       await page.getByLabel('Unit of length').selectOption('0.01');
-      await until(page, async () => !(await files(page))[0].again && (await height()) > 1.5, 'its height again');
+      await until(page, async () => !(await files(page))[0].rereading && (await height()) > 1.5, 'the original height');
       await page.locator('.import').getByRole('textbox', { name: 'Frame rate' }).fill('60');
       await page.keyboard.press('Enter');
-      await until(page, async () => !(await files(page))[0].again && (await files(page))[0].settings.rate === 60, 'the rate');
+      await until(page, async () => !(await files(page))[0].rereading && (await files(page))[0].settings.rate === 60, 'the rate');
       await page.locator('.import').getByLabel('Name', { exact: true }).fill('Standing waver');
       await page.locator('.import').getByLabel('Tags', { exact: true }).fill('test, legs');
       await page.getByRole('button', { name: 'Store in the library' }).click();
-      await gone(page);
-      await until(page, async () => (await shelf(page)).names.filter((n) => n === 'Standing waver').length === 2, 'body and motion in the list');
+      await import_closed(page);
+      await until(page, async () => (await library_state(page)).names.filter((n) => n === 'Standing waver').length === 2, 'body and motion in the list');
     },
   },
   {
-    name: 'library: several files at once, one of them refused with its place, its reason and a remedy',
+    name: 'library: of several files a damaged one is refused with location, reason and remedy',
     async run({ page }) {
-      const before = (await shelf(page)).total;
-      await choose(page, [['one.bvh', waver({ frames: 40 })], ['broken.bvh', Buffer.from('HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0\n')], ['two.bvh', waver({ frames: 50 })]]);
+      const before = (await library_state(page)).total;
+      await choose(page, [['one.bvh', leg_swing_bvh({ frames: 40 })], ['broken.bvh', Buffer.from('HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0\n')], ['two.bvh', leg_swing_bvh({ frames: 50 })]]);
       await all_read(page);
       assert.deepEqual((await files(page)).map((f) => f.status), ['ready', 'refused', 'ready']);
       await page.locator('.import-file', { hasText: 'broken.bvh' }).click();
-      const why = page.locator('.import-refused');
-      await why.waitFor();
-      assert.match(await why.locator('code').first().textContent(), /broken\.bvh/);
-      assert.ok((await why.locator('.remedy').first().textContent()).length > 8);
+      const refusal = page.locator('.import-refused');
+      await refusal.waitFor();
+      assert.match(await refusal.locator('code').first().textContent(), /broken\.bvh/);
+      assert.ok((await refusal.locator('.remedy').first().textContent()).length > 8);
       await page.screenshot({ path: `${pictures}import-refused.png` });
       await page.getByRole('button', { name: 'Store all 2' }).click();
       await until(page, async () => (await files(page)).filter((f) => f.status === 'stored').length === 2, 'both to be stored');
       await page.getByRole('button', { name: 'Close', exact: true }).click();
-      await gone(page);
-      await until(page, async () => (await shelf(page)).total >= before + 3, 'the new entries'); // one body may serve both
-      assert.ok(!(await shelf(page)).names.includes('broken'));
+      await import_closed(page);
+      await until(page, async () => (await library_state(page)).total >= before + 3, 'the new entries'); // both motions may share one mechanism
+      assert.ok(!(await library_state(page)).names.includes('broken'));
     },
   },
   {
-    name: 'library: entries have pictures of their figures, and a motion moves under the pointer',
+    name: 'library: entries have pictures, and a motion plays under the pointer',
     async run({ page }) {
       await page.getByRole('searchbox', { name: 'Search the library' }).fill('standing');
-      await until(page, async () => (await shelf(page)).names.every((n) => n === 'Standing waver') && (await shelf(page)).total === 2, 'the search');
+      await until(page, async () => (await library_state(page)).names.every((n) => n === 'Standing waver') && (await library_state(page)).total === 2, 'the search');
       await until(page, async () => (await page.locator('#library-list .thumb img').count()) === 2, 'two pictures');
       await page.getByRole('radio', { name: 'Motions' }).click();
-      await until(page, async () => (await shelf(page)).total === 1, 'the motion alone');
+      await until(page, async () => (await library_state(page)).total === 1, 'only the motion');
       await card(page, 'Standing waver').hover();
       const time = () => page.locator('canvas.moves').first().getAttribute('data-time', { timeout: 500 }).catch(() => null);
-      const first = await until(page, time, 'the moving picture');
-      await until(page, async () => (await time()) !== first, 'it to go on');
+      const first = await until(page, time, 'the playing picture');
+      await until(page, async () => (await time()) !== first, 'the motion to continue');
       await page.screenshot({ path: `${pictures}library-moving.png` });
       await page.mouse.move(700, 300);
-      const [id] = (await shelf(page)).ids;
+      const [id] = (await library_state(page)).ids;
       await until(page, () => page.evaluate(async (i) => (await fetch(`api/thumbnail/${i}${location.search}`)).ok, id), 'the picture to be stored');
     },
   },
   {
-    name: 'library: renamed, tagged, duplicated and deleted with the keyboard, each taken back',
+    name: 'library: rename, tag, duplicate and delete with the keyboard, with undo',
     async run({ page }) {
       await page.locator('#library-list').focus();
       await page.keyboard.press('Home');
@@ -155,32 +157,32 @@ const journeys = [
       await page.keyboard.type('Leg waver');
       await page.keyboard.press('Enter');
       await page.getByRole('searchbox', { name: 'Search the library' }).fill('waver');
-      await until(page, async () => (await shelf(page)).names.includes('Leg waver'), 'the new name');
+      await until(page, async () => (await library_state(page)).names.includes('Leg waver'), 'the new name');
       await page.locator('#library-list').focus();
       await page.keyboard.press('Control+z');
-      await until(page, async () => !(await shelf(page)).names.includes('Leg waver'), 'the old name');
+      await until(page, async () => !(await library_state(page)).names.includes('Leg waver'), 'the old name');
       await card(page, 'Standing waver').click();
       const tag = page.getByRole('textbox', { name: 'Add a tag' }).or(page.getByRole('combobox', { name: 'Add a tag' }));
       await tag.fill('by hand');
       await page.keyboard.press('Enter');
       await page.locator('.library-tags .tag', { hasText: 'by hand' }).waitFor({ timeout: patience });
-      const count = (await shelf(page)).total;
+      const count = (await library_state(page)).total;
       await page.locator('#library-list').focus();
       await page.keyboard.press('Control+d');
-      await until(page, async () => (await shelf(page)).total === count + 1, 'the copy');
+      await until(page, async () => (await library_state(page)).total === count + 1, 'the copy');
       await page.locator('#library-list').focus();
       await page.keyboard.press('Delete');
-      await until(page, async () => (await shelf(page)).total === count, 'it to be deleted');
+      await until(page, async () => (await library_state(page)).total === count, 'the copy to be deleted');
       await page.getByRole('button', { name: 'Undo', exact: true }).last().click();
-      await until(page, async () => (await shelf(page)).total === count + 1, 'it to be back');
+      await until(page, async () => (await library_state(page)).total === count + 1, 'the copy to be restored');
       await page.locator('.library-tags .tag', { hasText: 'by hand' }).click();
-      await until(page, async () => (await shelf(page)).total === 2, 'those of the tag');
+      await until(page, async () => (await library_state(page)).total === 2, 'the entries with the tag');
       await page.locator('.library-tags .tag', { hasText: 'by hand' }).click();
       await page.screenshot({ path: `${pictures}library-details.png` });
     },
   },
   {
-    name: 'library: two people save the same entry: it is told in words, and both versions stay',
+    name: 'library: a conflicting change of the same entry is reported, and both versions are kept',
     async run({ page }) {
       await card(page, 'Standing waver').click();
       let once = true;
@@ -200,46 +202,46 @@ const journeys = [
       await question.waitFor({ timeout: patience });
       assert.match(await question.textContent(), /saved version \d+ of “Their name” while you were changing it/);
       await page.screenshot({ path: `${pictures}library-conflict.png` });
-      await question.getByRole('button', { name: /Save the name “My name” over it/ }).click();
+      await question.getByRole('button', { name: /Save the name “My name” as newest/ }).click();
       await page.unroute('**/api/entry/*');
       await page.getByRole('searchbox', { name: 'Search the library' }).fill('my name');
-      await until(page, async () => (await shelf(page)).names[0] === 'My name', 'my name');
+      await until(page, async () => (await library_state(page)).names[0] === 'My name', 'my name');
       await card(page, 'My name').click();
       await page.locator('.versions li', { hasText: 'Their name' }).waitFor({ timeout: patience });
       await page.locator('.versions li', { hasText: 'Standing waver' }).first().getByRole('button', { name: 'Restore' }).click();
       await page.getByRole('searchbox', { name: 'Search the library' }).fill('');
-      await until(page, async () => !(await shelf(page)).names.includes('My name'), 'the restored version');
+      await until(page, async () => !(await library_state(page)).names.includes('My name'), 'the restored version');
     },
   },
   {
-    name: 'library: an entry dragged onto the floor becomes a character',
+    name: 'library: dragging an entry onto the floor adds a character',
     async run({ page }) {
       await page.getByRole('radio', { name: 'Mechanisms' }).click();
-      await until(page, async () => (await shelf(page)).names.every((n) => n !== 'Walk, relaxed'), 'mechanisms alone');
+      await until(page, async () => (await library_state(page)).names.every((n) => n !== 'Walk, relaxed'), 'only mechanisms');
       const before = await page.evaluate(() => window.ugoki.document().characters.length);
       const floor = await page.locator('.viewport').boundingBox();
       await card(page, 'Standing waver').dragTo(page.locator('.viewport > canvas'), { targetPosition: { x: floor.width * 0.7, y: floor.height * 0.8 } });
       await until(page, () => page.evaluate((n) => window.ugoki.document().characters.length === n + 1, before), 'the new character');
       await page.keyboard.press('Control+z');
-      await until(page, () => page.evaluate((n) => window.ugoki.document().characters.length === n, before), 'it to be taken back');
+      await until(page, () => page.evaluate((n) => window.ugoki.document().characters.length === n, before), 'the character to be removed');
       await page.getByRole('radio', { name: 'All' }).click();
     },
   },
   {
-    name: 'collision: nearest points are lines with their distance, switched by a key',
+    name: 'collision: a key shows lines between closest points with their distances',
     async run({ page }) {
       await page.locator('.viewport > canvas').focus();
       await page.keyboard.press('n');
-      const pairs = await until(page, () => page.evaluate(() => (window.ugoki.nearest().length > 0 ? window.ugoki.nearest() : null)), 'the pairs');
+      const pairs = await until(page, () => page.evaluate(() => (window.ugoki.closest_pairs().length > 0 ? window.ugoki.closest_pairs() : null)), 'the pairs');
       assert.ok(pairs.every((p, i) => p.a !== p.b && p.distance <= 3 && (i === 0 || p.distance >= pairs[i - 1].distance)), JSON.stringify(pairs));
-      await until(page, async () => /^\d+(\.\d+)? (mm|m)/.test(await page.locator('.distance').first().textContent()), 'the distance at its line');
+      await until(page, async () => /^\d+(\.\d+)? (mm|m)/.test(await page.locator('.distance').first().textContent()), 'the label with the distance');
       await page.screenshot({ path: `${pictures}distances.png` });
       await page.keyboard.press('n');
-      await until(page, () => page.evaluate(() => window.ugoki.nearest().length === 0), 'them to go');
+      await until(page, () => page.evaluate(() => window.ugoki.closest_pairs().length === 0), 'the lines to be hidden');
     },
   },
   {
-    name: 'collision: what touches what is in the log, and contacts have normals',
+    name: 'collision: touches are logged, and contacts have unit normals',
     async run({ page }) {
       await page.getByRole('radio', { name: 'Simulate' }).click();
       await until(page, () => page.evaluate(() => window.ugoki.transport().mode === 'simulate'), 'the mode');

@@ -1,21 +1,21 @@
-// Operations on motions, by mouse: the clip's menu, the inspector, the dialogs; every one of them can be undone.
+// Journeys through the operations on motions: context menu of a clip, inspector, dialogs, undo.
 import assert from 'node:assert/strict';
 
 const hook = (page, expression) => page.evaluate(expression);
-async function until(page, expression, what, timeout = 60000) {
+async function until(page, expression, description, timeout = 60000) {
   const end = Date.now() + timeout;
   while (!(await page.evaluate(expression))) {
-    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${what}`);
+    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${description}`);
     await page.waitForTimeout(50);
   }
 }
 const document_of = (page) => hook(page, 'window.ugoki.document()');
 const human_of = (doc) => doc.characters.find((c) => c.id === 'human') ?? doc.characters[0];
 
-/** Waits until the document differs from what it was, and says it as it is. */
-async function changed(page, before, what) {
-  await until(page, `JSON.stringify(window.ugoki.document()) !== ${JSON.stringify(JSON.stringify(before))}`, what);
-  await until(page, 'document.querySelectorAll(".task").length === 0', 'nothing is at work');
+/** Waits until the document differs from `before` and no operation is running. @return the new document */
+async function changed(page, before, description) {
+  await until(page, `JSON.stringify(window.ugoki.document()) !== ${JSON.stringify(JSON.stringify(before))}`, description);
+  await until(page, 'document.querySelectorAll(".task").length === 0', 'all operations to end');
   return document_of(page);
 }
 
@@ -38,7 +38,7 @@ async function undo(page, wanted, label) {
 
 export const motion_journeys = [
   {
-    name: 'a clip is mirrored by its menu, and undone',
+    name: 'the context menu mirrors a clip, and undo restores it',
     async run({ page }) {
       await page.getByRole('radio', { name: 'Edit' }).click();
       await until(page, 'window.ugoki.transport().mode === "edit"', 'Edit');
@@ -49,38 +49,38 @@ export const motion_journeys = [
       const clip = human.track[0];
       const bands = page.locator(`[data-clip="${clip.id}"] .contact-bands`);
       await bands.waitFor({ state: 'attached', timeout: 30000 });
-      assert.match(await bands.evaluate((e) => e.style.backgroundImage), /--one/, 'a walk has moments on one foot');
+      assert.match(await bands.evaluate((e) => e.style.backgroundImage), /--one/, 'a walk has phases with one foot in contact');
       await choose(page, clip.id, 'Mirror');
       const after = await changed(page, before, 'the mirrored motion');
       assert.notEqual(human_of(after).track[0].motion, clip.motion);
-      await until(page, `document.querySelector('[data-clip="${clip.id}"] .clip-name').textContent.includes('mirrored')`, 'the clip says so');
+      await until(page, `document.querySelector('[data-clip="${clip.id}"] .clip-name').textContent.includes('mirrored')`, 'the new name of the clip');
       await undo(page, before, 'Mirror motion');
     },
   },
   {
-    name: 'a way that turns, from the inspector',
+    name: 'the inspector trims a motion and turns its path',
     async run({ page }) {
       const before = await document_of(page);
       const clip = human_of(before).track[0];
       await page.locator(`[data-clip="${clip.id}"]`).click({ position: { x: 30, y: 8 } });
-      // one stride has no way worth bending: several, as one motion
+      // trimming makes one motion of all repetitions in the clip; a single stride is too short to turn its path
       await page.getByRole('button', { name: 'Trim to what the clip shows' }).click();
       const trimmed = await changed(page, before, 'the trimmed motion');
       assert.equal(human_of(trimmed).track[0].loop, false);
-      await page.getByRole('button', { name: 'Change way over the ground…' }).click();
-      const dialog = page.getByRole('dialog', { name: 'Change way over the ground' });
+      await page.getByRole('button', { name: 'Change path over the ground…' }).click();
+      const dialog = page.getByRole('dialog', { name: 'Change path over the ground' });
       await dialog.getByLabel('Turn', { exact: true }).fill('120');
       await dialog.getByLabel('Turn', { exact: true }).press('Tab');
-      await page.screenshot({ path: new URL('./out/motion-way.png', import.meta.url).pathname });
+      await page.screenshot({ path: new URL('./out/motion-path.png', import.meta.url).pathname });
       await dialog.getByRole('button', { name: 'Apply' }).click();
-      const turned = await changed(page, trimmed, 'the turned way');
+      const turned = await changed(page, trimmed, 'the turned path');
       assert.ok(Math.abs(human_of(turned).track[0].length - human_of(trimmed).track[0].length) < 0.2);
-      await undo(page, trimmed, 'Change way of motion');
+      await undo(page, trimmed, 'Change path of motion');
       await undo(page, before, 'Cut motion to clip');
     },
   },
   {
-    name: 'two clips become one, and one runs slower at its end',
+    name: 'two clips are joined, and the speed at the end is changed',
     async run({ page }) {
       const before = await document_of(page);
       const human = human_of(before);
@@ -111,7 +111,7 @@ export const motion_journeys = [
     },
   },
   {
-    name: 'between two motions by a slider, and for another body',
+    name: 'a blend has a slider, and a motion is retargeted to another body',
     async run({ page }) {
       const before = await document_of(page);
       const human = human_of(before);
@@ -119,7 +119,7 @@ export const motion_journeys = [
       await choose(page, clip.id, 'Blend with another motion…');
       const dialog = page.getByRole('dialog', { name: 'Blend with another motion' });
       const apply = dialog.getByRole('button', { name: 'Apply' });
-      assert.ok(await apply.isDisabled(), 'it needs the other motion');
+      assert.ok(await apply.isDisabled(), 'Apply needs the other motion');
       await dialog.getByRole('radio').first().click();
       const slider = dialog.getByRole('slider', { name: 'Share of the other motion' });
       await slider.focus();
@@ -132,28 +132,28 @@ export const motion_journeys = [
 
       await choose(page, clip.id, 'For another body…');
       const body = page.getByRole('dialog', { name: 'For another body' });
-      await body.getByRole('radio', { name: /A person of/ }).click();
-      await body.getByRole('button', { name: 'Make figure' }).click();
+      await body.getByRole('radio', { name: /Human, / }).click();
+      await body.getByRole('button', { name: 'Make character' }).click();
       const after = await changed(page, before, 'the child');
       assert.equal(after.characters.length, before.characters.length + 1);
       const child = after.characters.at(-1);
       assert.equal(child.track[0].length, clip.length);
-      await until(page, `(window.ugoki.figure('${child.id}')?.com[2] ?? 0) > 0.3`, 'the child stands in the picture');
-      assert.ok((await hook(page, 'window.ugoki.log()')).some((line) => /For another body — Lengths times 0\.\d+/.test(line)), 'the report is in the log');
+      await until(page, `(window.ugoki.character('${child.id}')?.com[2] ?? 0) > 0.3`, 'the child to stand upright');
+      assert.ok((await hook(page, 'window.ugoki.log()')).some((line) => /For another body — Lengths were scaled by 0\.\d+/.test(line)), 'the report is in the log');
       await undo(page, before, 'Motion for another body');
     },
   },
   {
-    name: 'an operation that takes long can be cancelled',
+    name: 'a long operation can be cancelled',
     async run({ page }) {
       const looped = await document_of(page);
       const clip = human_of(looped).track[0];
-      await choose(page, clip.id, 'Trim to what the clip shows'); // twenty seconds are work
+      await choose(page, clip.id, 'Trim to what the clip shows'); // 20 s of motion take long to retarget
       const before = await changed(page, looped, 'the long motion');
       await choose(page, clip.id, 'For another body…');
       const body = page.getByRole('dialog', { name: 'For another body' });
-      await body.getByRole('radio', { name: /A dog/ }).click();
-      // Pressed as soon as it is there: while the page is busy drawing, a look from outside may come too late.
+      await body.getByRole('radio', { name: /^Dog/ }).click();
+      // Click Cancel from within the page as soon as it appears: a click by the driver may come too late while the page is busy.
       await page.evaluate(() => {
         const watch = new MutationObserver(() => {
           const cancel = [...document.querySelectorAll('.task button')].find((b) => b.textContent.trim() === 'Cancel');
@@ -164,9 +164,9 @@ export const motion_journeys = [
         });
         watch.observe(document.body, { childList: true, subtree: true });
       });
-      await body.getByRole('button', { name: 'Make figure' }).click();
-      await until(page, 'window.cancelled === true', 'Cancel to be there');
-      await until(page, 'document.querySelectorAll(".task").length === 0', 'it is gone');
+      await body.getByRole('button', { name: 'Make character' }).click();
+      await until(page, 'window.cancelled === true', 'the Cancel button');
+      await until(page, 'document.querySelectorAll(".task").length === 0', 'the operation to end');
       await page.waitForTimeout(500);
       assert.deepEqual(await document_of(page), before);
       await undo(page, looped, 'Cut motion to clip');

@@ -1,23 +1,24 @@
-// LSIs of one's own, from the C file to the values on the wire, and what happens when they go wrong. In the studio's real processes.
+// Journeys with LSIs from a user's C file: build, wire, run, reload while running, and faults. They use the real studio and its worker
+// processes.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { mock } from './service.mjs';
-import { add, drag, head, large, pin, spot, state, told, until } from './wiring.mjs';
+import { add, drag, head, large, pin, spot, state, wait_for_undo_label, until } from './wiring.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
-const skip = mock && 'the mock runs no circuit';
+const skip = mock && 'the mock service has no circuit runtime';
 
 const tools = (factor) => `/// @library tools
-/// Three functions, as anybody would write them.
+/// Three ordinary C functions.
 
 struct count_state { double n; };
 /// Counts its ticks.
 double count(struct count_state* s) { s->n += 1; return s->n; }
 /// A multiple of x.
 double scale(double x) { return ${factor} * x; }
-/// One more.
+/// x plus one.
 double shift(double x) { return x + 1; }
 `;
 
@@ -29,14 +30,14 @@ double forever(double t) { while (t > 0.25) { __asm__ volatile(""); } return t; 
 double invalid(double t) { return t > 0.25 ? NAN : t; }
 double good(double t) { return 2 * t; }
 `;
-/** A library as it would be after the interface changed. */
+/** A library that was built for a later version of the LSI interface. */
 const other_interface = `#include <ugoki/lsi.h>
 static const ugoki_library l = {sizeof l, UGOKI_LSI_ABI + 1, "later", "1"};
 UGOKI_EXPORT const ugoki_library* ugoki_lsi_library(void) { return &l; }
 `;
 
 
-/** The numbers that the inspector shows for the outputs of an LSI, as a person reads them. */
+/** Selects an LSI. @return a function that reads the text of its first output in the inspector */
 async function read_outputs(page, node) {
   const at = await head(page, node);
   await page.mouse.click(at.x, at.y);
@@ -52,17 +53,18 @@ async function simulate(page) {
   if (await restart.count()) await restart.first().click();
 }
 const transport = (page) => page.evaluate(() => window.ugoki.transport());
-async function waits(page, ask, what, timeout = 30000) {
+/** Repeats `ask` until its result is truthy, and returns it. */
+async function wait_for(page, ask, description, timeout = 30000) {
   const end = Date.now() + timeout;
   for (;;) {
-    const got = await ask();
-    if (got) return got;
-    assert.ok(Date.now() < end, `waited ${timeout / 1000} s in vain for: ${what}`);
+    const result = await ask();
+    if (result) return result;
+    assert.ok(Date.now() < end, `waited ${timeout / 1000} s in vain for: ${description}`);
     await page.waitForTimeout(60);
   }
 }
-/** The generated circuit, all in sight, with room for a few LSIs below it. */
-async function clear_place(page) {
+/** Shows the whole generated circuit, with free space for a few LSIs below it. */
+async function reset_circuit(page) {
   await page.locator('.circuit[role=application]').focus();
   if ((await state(page)).edited) {
     await page.getByRole('button', { name: 'Reset to generated' }).click();
@@ -73,10 +75,10 @@ async function clear_place(page) {
   await page.waitForTimeout(300);
 }
 
-/** Wires a clock into one faulty LSI, plays, and reads what the studio says at the LSI. */
-async function fault(page, { lsi, output = false, says, zeros = [] }) {
+/** Connects a clock to a faulty LSI, plays, and checks the problem shown at the LSI; then undoes the edits and plays again. */
+async function fault(page, { lsi, output = false, pattern, zeros = [] }) {
   await large(page, true);
-  await clear_place(page);
+  await reset_circuit(page);
   await add(page, 'clock', await spot(page, 0.3, 0.9));
   await until(page, (c) => c.lsis.some((l) => l.id === 'clock'), 'the clock');
   await add(page, `faulty/${lsi}`, await spot(page, 0.55, 0.9));
@@ -92,22 +94,22 @@ async function fault(page, { lsi, output = false, says, zeros = [] }) {
     await drag(page, await pin(page, 'constant', 'out', 'out'), await pin(page, id, name, 'in'));
     await until(page, (c) => c.wires.includes(`constant.out > ${id}.${name}`), 'its wire');
   }
-  await told(page, /^Wire$/);
+  await wait_for_undo_label(page, /^Wire$/);
   await simulate(page);
   await page.getByRole('button', { name: 'Play' }).click();
   const bubble = page.locator(`[data-lsi="${id}"] .problem-bubble`);
   await bubble.waitFor({ timeout: 30000 });
   const text = await bubble.textContent();
   assert.match(text, new RegExp(`'${id}'.*library 'faulty'`), text);
-  assert.match(text, says);
+  assert.match(text, pattern);
   assert.match(text, / at 0\.2\d\d s \(tick \d+\)/, text);
   assert.match(text, /Its inputs were 't' = 0\.2/, text);
   if (output) await page.locator(`[data-lsi="${id}"] .pin-row.out.bad-pin`).waitFor();
   await page.locator(`[data-lsi="${id}"].bad`).waitFor();
   await page.locator('.problem-count', { hasText: 'Stopped' }).waitFor();
-  assert.ok((await page.evaluate(() => window.ugoki.log())).some((line) => /^error: .*library 'faulty'/s.test(line)), 'the log has it');
+  assert.ok((await page.evaluate(() => window.ugoki.log())).some((line) => /^error: .*library 'faulty'/s.test(line)), 'the fault is in the log');
   await page.screenshot({ path: `${pictures}plugin-${lsi}.png` });
-  // the studio lives, the edit that was not saved is there, undo works
+  // the studio is still connected, the unsaved edit is kept, undo works
   const after = await page.evaluate(() => ({ connected: window.ugoki.connected, ...window.ugoki.undo() }));
   assert.ok(after.connected && after.can_undo);
   assert.equal(after.undo_label, 'Wire');
@@ -115,18 +117,18 @@ async function fault(page, { lsi, output = false, says, zeros = [] }) {
   for (let i = 0; i < 3 + 2 * zeros.length; i++) {
     const before = (await page.evaluate(() => window.ugoki.undo())).undo_label;
     await page.keyboard.press('Control+z');
-    await waits(page, async () => (await page.evaluate(() => window.ugoki.undo())).undo_label !== before, 'undo');
+    await wait_for(page, async () => (await page.evaluate(() => window.ugoki.undo())).undo_label !== before, 'undo');
   }
-  await until(page, (c) => !c.lsis.some((l) => l.id === id || l.id === 'clock'), 'everything to be undone');
+  await until(page, (c) => !c.lsis.some((l) => l.id === id || l.id === 'clock'), 'all edits to be undone');
   await simulate(page);
   await page.getByRole('button', { name: 'Play' }).click();
-  await waits(page, async () => (await transport(page)).simulated > 0.4, 'the content to run again');
+  await wait_for(page, async () => (await transport(page)).simulated > 0.4, 'the content to run again');
   await page.getByRole('button', { name: 'Pause' }).click();
 }
 
 const journeys = [
   {
-    name: 'plug-in: three functions of a C file become three LSIs by one command, with consent, seen without a restart',
+    name: 'plug-in: one command builds three LSIs from a C file, only with consent, and the studio lists them without a restart',
     async run({ page, service }) {
       await large(page, true);
       writeFileSync(join(service.folder, 'tools.c'), tools(2));
@@ -137,7 +139,7 @@ const journeys = [
       await page.keyboard.press('Tab');
       await page.keyboard.type('tools/');
       await page.waitForTimeout(700);
-      assert.equal(await page.locator('.candidate-name', { hasText: 'tools/' }).count(), 0, 'nothing is there without consent');
+      assert.equal(await page.locator('.candidate-name', { hasText: 'tools/' }).count(), 0, 'no LSI is installed without consent');
       await page.keyboard.press('Escape');
 
       const built = service.run(['lsi', 'build', 'tools.c', '--install', '--yes']);
@@ -145,16 +147,16 @@ const journeys = [
       await page.locator('.circuit[role=application]').focus();
       await page.keyboard.press('Tab');
       await page.keyboard.type('tools/');
-      await waits(page, async () => (await page.locator('.candidate-name', { hasText: 'tools/' }).count()) === 3, 'three LSIs in the search');
+      await wait_for(page, async () => (await page.locator('.candidate-name', { hasText: 'tools/' }).count()) === 3, 'three LSIs in the search');
       assert.deepEqual((await page.locator('.candidate-name', { hasText: 'tools/' }).allTextContents()).sort(), ['tools/count', 'tools/scale', 'tools/shift']);
       await page.screenshot({ path: `${pictures}plugin-search.png` });
       await page.keyboard.press('Escape');
     },
   },
   {
-    name: 'plug-in: they are wired by mouse, run, and their values are seen',
+    name: 'plug-in: the LSIs are wired by mouse and run, and their values are shown',
     async run({ page, memory }) {
-      await clear_place(page);
+      await reset_circuit(page);
       for (const [i, name] of ['count', 'scale', 'shift'].entries()) {
         await add(page, `tools/${name}`, await spot(page, 0.2 + 0.22 * i, 0.9));
         await until(page, (c) => c.lsis.some((l) => l.id === `tools-${name}`), name);
@@ -165,7 +167,7 @@ const journeys = [
       await until(page, (c) => c.wires.includes('tools-count.out > tools-scale.x') && c.wires.includes('tools-scale.out > tools-shift.x'), 'both wires');
       const at = await pin(page, 'tools-shift', 'out', 'out');
       await page.mouse.click(at.x, at.y, { button: 'right' });
-      await page.getByRole('menuitem', { name: 'Probe' }).click();
+      await page.getByRole('menuitem', { name: 'Add probe' }).click();
       await until(page, (c) => c.probes.length === 1, 'the probe');
       for (const [i, name] of ['count', 'scale', 'shift'].entries()) {
         if (i > 0) await page.keyboard.down('Shift');
@@ -174,17 +176,17 @@ const journeys = [
         if (i > 0) await page.keyboard.up('Shift');
       }
       await until(page, (c) => c.selected.length === 3, 'the three selected');
-      await large(page, false); // the inspector is beside it
+      await large(page, false); // restored, so that the inspector is visible
       await page.locator('.circuit[role=application]').focus();
       await page.keyboard.press('f');
       await page.locator('[data-lsi="tools-scale"] .lsi-head').waitFor();
       await page.waitForTimeout(300);
       memory.read = await read_outputs(page, 'tools-scale');
       await simulate(page);
-      await page.getByLabel('Playing speed').selectOption('0.1'); // so that it still runs when the new code is there
+      await page.getByLabel('Playback speed').selectOption('0.1'); // so that it is still running when the new code is loaded
       await page.getByRole('button', { name: 'Play' }).click();
-      const first = await waits(page, async () => number_of(await memory.read()) > 20 && number_of(await memory.read()), 'the scaled count');
-      const later = await waits(page, async () => number_of(await memory.read()) > first && number_of(await memory.read()), 'it to grow');
+      const first = await wait_for(page, async () => number_of(await memory.read()) > 20 && number_of(await memory.read()), 'the scaled count');
+      const later = await wait_for(page, async () => number_of(await memory.read()) > first && number_of(await memory.read()), 'the value to grow');
       assert.ok(later > first);
       const probe = number_of(await page.locator('.probe-value').textContent());
       assert.ok(probe > 20, `the probe of the last one shows ${probe}`);
@@ -192,33 +194,33 @@ const journeys = [
     },
   },
   {
-    name: 'plug-in: the file changes on disk, and the running circuit goes on with the new code and the old state',
+    name: 'plug-in: when the file changes, the running circuit continues with the new code and the old state',
     async run({ page, service, memory }) {
       const watch = service.spawn(['lsi', 'watch', 'tools.c']);
       try {
         const before = (await transport(page)).simulated;
         const count = number_of(await memory.read()) / 2;
-        assert.ok((await transport(page)).playing, 'it still plays');
+        assert.ok((await transport(page)).playing, 'the circuit is still playing');
         await page.waitForTimeout(1200); // the first build of the watch
         writeFileSync(join(service.folder, 'tools.c'), tools(-10));
-        const now = await waits(page, async () => number_of(await memory.read()) < -20 && number_of(await memory.read()), 'the new code');
+        const now = await wait_for(page, async () => number_of(await memory.read()) < -20 && number_of(await memory.read()), 'the new code');
         assert.ok(now / -10 >= count, `the counter kept its state: ${now / -10} after ${count}`);
-        await waits(page, async () => number_of(await page.locator('.probe-value').textContent()) < -20, 'the probe behind it');
+        await wait_for(page, async () => number_of(await page.locator('.probe-value').textContent()) < -20, 'the probe of the new code');
         const after = await transport(page);
-        assert.ok(after.simulated >= before, 'time went on');
-        assert.ok((await page.evaluate(() => window.ugoki.log())).some((l) => /goes on with the new ones/.test(l)), 'the log says so');
+        assert.ok(after.simulated >= before, 'the time did not go back');
+        assert.ok((await page.evaluate(() => window.ugoki.log())).some((l) => /continues with the new ones/.test(l)), 'the reload is in the log');
         await page.screenshot({ path: `${pictures}plugin-reloaded.png` });
       } finally {
         watch.kill('SIGINT');
       }
       await page.getByRole('button', { name: 'Pause' }).click();
-      await page.getByLabel('Playing speed').selectOption('1');
+      await page.getByLabel('Playback speed').selectOption('1');
       await page.getByRole('button', { name: 'Reset to generated' }).click();
-      await told(page, /^Use default circuit$/);
+      await wait_for_undo_label(page, /^Use default circuit$/);
     },
   },
   {
-    name: 'plug-in: a library with another interface is refused, and says so',
+    name: 'plug-in: a library for another interface version is refused with a message',
     async run({ page, service }) {
       writeFileSync(join(service.folder, 'faulty.c'), faulty);
       const built = service.run(['lsi', 'build', 'faulty.c', '--install', '--yes']);
@@ -226,23 +228,23 @@ const journeys = [
       writeFileSync(join(service.folder, 'later.c'), other_interface);
       const later = service.run(['lsi', 'build', 'later.c', '--install', '--yes']);
       assert.equal(later.status, 1, later.stdout);
-      assert.match(later.stderr, /built for version \d+ of the interface of LSIs; this program has version \d+/);
+      assert.match(later.stderr, /built for version \d+ of the LSI interface; this program has version \d+/);
       await large(page, true);
       await page.locator('.circuit[role=application]').focus();
       await page.keyboard.press('Tab');
       await page.keyboard.type('faulty/');
-      await waits(page, async () => (await page.locator('.candidate-name', { hasText: 'faulty/' }).count()) === 5, 'the other library');
+      await wait_for(page, async () => (await page.locator('.candidate-name', { hasText: 'faulty/' }).count()) === 5, 'the other library');
       await page.keyboard.press('Escape');
     },
   },
-  { name: 'plug-in: a null pointer is told at the LSI, the studio and the project live', run: ({ page }) => fault(page, { lsi: 'null', says: /used a null pointer/ }) },
-  { name: 'plug-in: a whole number divided by zero is told at the LSI', run: ({ page }) => fault(page, { lsi: 'quotient', says: /divided a whole number by zero/, zeros: ['b'] }) },
-  { name: 'plug-in: a loop for ever is told at the LSI', run: ({ page }) => fault(page, { lsi: 'forever', says: /did not come back within 3\.0 s and was stopped/ }) },
-  { name: 'plug-in: not a number is told at the LSI and its pin', run: ({ page }) => fault(page, { lsi: 'invalid', says: /Number 0 of its output 'out' is not finite/, output: true }) },
+  { name: 'plug-in: a null pointer is reported at the LSI; studio and project survive', run: ({ page }) => fault(page, { lsi: 'null', pattern: /used a null pointer/ }) },
+  { name: 'plug-in: an integer division by zero is reported at the LSI', run: ({ page }) => fault(page, { lsi: 'quotient', pattern: /divided an integer by zero/, zeros: ['b'] }) },
+  { name: 'plug-in: an endless loop is reported at the LSI', run: ({ page }) => fault(page, { lsi: 'forever', pattern: /did not return within 3\.0 s and was stopped/ }) },
+  { name: 'plug-in: a NaN output is reported at the LSI and its pin', run: ({ page }) => fault(page, { lsi: 'invalid', pattern: /of its output 'out' is not finite/, output: true }) },
   {
-    name: 'plug-in: a removed library leaves its LSIs as missing, and the circuit as it was',
+    name: 'plug-in: LSIs of a removed library are shown as missing, and the circuit is unchanged',
     async run({ page, service }) {
-      await clear_place(page);
+      await reset_circuit(page);
       await add(page, 'faulty/good', await spot(page, 0.5, 0.9));
       await until(page, (c) => c.lsis.some((l) => l.id === 'faulty-good'), 'the LSI');
       assert.equal(service.run(['lsi', 'remove', 'faulty']).status, 0);

@@ -1,4 +1,4 @@
-// npm run e2e [-- words]: the journeys (the first, and those whose names hold the words), one line each, and their count.
+// npm run e2e [-- words]: runs the first journey and those whose names contain the words; prints one line for each and the counts.
 // Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1.
 import { launch } from './browser.mjs';
 import { journeys as all } from './journeys.mjs';
@@ -13,7 +13,7 @@ let skipped = 0;
 
 async function main() {
   if (!available) {
-    for (const journey of journeys) console.log(`skip ${journey.name}: there is no program at ${program}; build it or set UGOKI_BIN`);
+    for (const journey of journeys) console.log(`skip ${journey.name}: there is no program at ${program}; build it, or set UGOKI_BIN to its path`);
     skipped = journeys.length;
     return;
   }
@@ -25,7 +25,7 @@ async function main() {
     page.on('request', (r) => seen.requests.push(r.url()));
     page.on('pageerror', (e) => seen.errors.push(e.message));
     page.on('console', (m) => {
-      // a refused import is an answer of 4xx, which the browser reports by itself
+      // a refused import is answered with status 4xx, which the browser logs as an error
       if (m.type() === 'error' && !/status of 4\d\d/.test(m.text())) seen.errors.push(m.text());
     });
     const memory = {};
@@ -46,7 +46,7 @@ async function main() {
         await page.screenshot({ path: new URL(`./out/failed-${passed + failed}.png`, import.meta.url).pathname }).catch(() => undefined);
       }
     }
-    if (failed > 0) console.log(`  the service said: ${service.said().slice(-1500)}`);
+    if (failed > 0) console.log(`  output of the service: ${service.output().slice(-1500)}`);
   } finally {
     await browser.close();
     await service.stop();

@@ -1,4 +1,4 @@
-// The service under test: the program (UGOKI_BIN), or with UGOKI_MOCK=1 the mock, in a folder of its own.
+// The service under test in a temporary folder: the program (UGOKI_BIN), or with UGOKI_MOCK=1 the mock service.
 import { spawn, spawnSync } from 'node:child_process';
 import { existsSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -14,7 +14,7 @@ const web = process.env.UGOKI_WEB ?? join(here, '../dist');
 
 export const available = mock || existsSync(program);
 
-/** Starts it and waits for the address that it prints. */
+/** Starts the service and waits for the address that it prints. */
 export async function start_service() {
   const folder = mkdtempSync(join(tmpdir(), 'ugoki-e2e-'));
   const env = { ...process.env, HOME: folder, XDG_DATA_HOME: join(folder, 'data'), XDG_CACHE_HOME: join(folder, 'cache'), XDG_CONFIG_HOME: join(folder, 'config') };
@@ -26,28 +26,28 @@ export async function start_service() {
     if (made.status !== 0) throw new Error(`ugoki new ended with ${made.status}: ${made.stderr}${made.stdout}`);
     child = spawn(program, ['studio', project, '--port', '0', '--no-open', '--web', web, '--library', join(folder, 'library.db')], { env, cwd: folder });
   }
-  let said = '';
+  let output = '';
   const address = await new Promise((resolve, reject) => {
-    const timer = setTimeout(() => reject(new Error(`no address within 60 s; it said: ${said}`)), 60000);
-    const look = (data) => {
-      said += data;
-      const found = said.match(/http:\/\/127\.0\.0\.1:\d+\/\?token=\S+/);
+    const timer = setTimeout(() => reject(new Error(`no address within 60 s; output: ${output}`)), 60000);
+    const read = (data) => {
+      output += data;
+      const found = output.match(/http:\/\/127\.0\.0\.1:\d+\/\?token=\S+/);
       if (!found) return;
       clearTimeout(timer);
       resolve(found[0]);
     };
-    child.stdout.on('data', look);
-    child.stderr.on('data', look);
-    child.on('exit', (code) => reject(new Error(`it ended with ${code}: ${said}`)));
+    child.stdout.on('data', read);
+    child.stderr.on('data', read);
+    child.on('exit', (code) => reject(new Error(`the service ended with ${code}: ${output}`)));
   });
   return {
     address,
-    /** Its own, which journeys may write to. */
+    /** The temporary folder; journeys may write to it. */
     folder,
-    /** Another process of the program, in the same surroundings: what a user does on the command line. */
+    /** Runs the program on the command line, with the folder and environment of the service. */
     run: (arguments_, input) => spawnSync(program, arguments_, { env, cwd: folder, encoding: 'utf8', input }),
     spawn: (arguments_) => spawn(program, arguments_, { env, cwd: folder, stdio: 'ignore' }),
-    said: () => said,
+    output: () => output,
     stop: () =>
       new Promise((resolve) => {
         child.on('exit', () => {

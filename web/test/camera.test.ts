@@ -2,7 +2,7 @@ import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
 import { CameraRig } from '../src/view/camera';
 
-/** Least and greatest place of the spheres' outlines in the picture, -1 ... 1, by points all over them. */
+/** Bounding box of the spheres' outlines in the picture, -1 ... 1, from 4000 points on each sphere. */
 function extent(rig: CameraRig, spheres: THREE.Sphere[]): THREE.Box2 {
   const box = new THREE.Box2();
   for (const { center, radius } of spheres)
@@ -27,7 +27,7 @@ describe('framing', () => {
   for (const aspect of [0.6, 1.8, 2.6])
     for (const [azimuth, elevation] of [[0, 0.2], [0.7, 0.22], [2.5, 1.2]] as const)
       scenes.forEach((spheres, i) =>
-        it(`scene ${i}, aspect ${aspect}, from ${azimuth}, ${elevation}: all in, none far`, () => {
+        it(`scene ${i}, aspect ${aspect}, from ${azimuth}, ${elevation}: everything is in the picture and fills it`, () => {
           const rig = new CameraRig();
           rig.resize(aspect);
           rig.look_from(azimuth, elevation);
@@ -35,14 +35,14 @@ describe('framing', () => {
           rig.set({}, true);
           const { min, max } = extent(rig, spheres);
           for (const value of [-min.x, -min.y, max.x, max.y]) expect(value).toBeLessThan(0.83);
-          // one direction fills the picture up to its border, the same on both sides
+          // in the tighter direction the spheres fill the picture up to the border, and are centred
           const [wide, high] = [max.x - min.x, max.y - min.y];
           expect(Math.max(wide, high)).toBeGreaterThan(1.6);
           const middle = wide > high ? max.x + min.x : max.y + min.y;
           expect(Math.abs(middle)).toBeLessThan(0.02);
         }),
       );
-  it('nothing to frame leaves the view as it is', () => {
+  it('does not move the camera without spheres', () => {
     const rig = new CameraRig();
     rig.frame([]);
     rig.set({}, true);

@@ -1,4 +1,4 @@
-/** A view that was made from the one before is the view that is made from nothing. */
+/** A view made incrementally from the previous view equals a view made from scratch. */
 import { describe, expect, it } from 'vitest';
 import { ClassList, type LsiClass } from '../src/core/circuit/classes';
 import * as edits from '../src/core/circuit/edits';
@@ -18,7 +18,7 @@ const classes = new ClassList([
 ]);
 const types = ['constant', 'gain', 'add', 'sum', 'make vector', 'delay', 'not installed'];
 
-/** Numbers that look random (mulberry32), so that a failure can be seen again. */
+/** Seeded pseudorandom generator (mulberry32) of values in 0 ... 1, so that a failure can be reproduced. */
 function random(seed: number): () => number {
   let a = seed;
   return () => {
@@ -46,7 +46,7 @@ function expect_same(view: View, fresh: View): void {
   }
 }
 
-/** One edit as a user makes them. */
+/** One random edit of the kinds that a user makes; null if it is not possible. */
 function edit(view: View, pick: () => number): edits.CircuitCommand | null {
   const any = <T>(list: readonly T[]): T | undefined => list[Math.floor(pick() * list.length)];
   const node = any(view.nodes);
@@ -67,9 +67,9 @@ function edit(view: View, pick: () => number): edits.CircuitCommand | null {
   return why_not(view, a, b) === null ? edits.connect(view, a, b) : null;
 }
 
-describe('a view made from the one before', () => {
+describe('an incremental view', () => {
   for (const seed of [1, 2, 3, 4]) {
-    it(`is the one made from nothing, after each of many edits (seed ${seed})`, () => {
+    it(`equals a view made from scratch after each of many edits (seed ${seed})`, () => {
       const pick = random(seed);
       let circuit: Circuit = { version: 1, name: 'top', inputs: [{ name: 'live', type: 'scalar' }], outputs: [{ name: 'y', type: 'scalar', from: [] }], lsis: [], wires: [] };
       let view = new View(enter(circuit, []), classes);
@@ -78,7 +78,7 @@ describe('a view made from the one before', () => {
         const command = edit(view, pick);
         if (!command) continue;
         const next = apply_changes(circuit, command.changes);
-        // sometimes it comes from the service, as new objects
+        // in 30 % of the steps the circuit arrives from the service as new objects
         circuit = pick() < 0.3 ? reconcile(circuit, JSON.parse(JSON.stringify(next)) as Circuit) : next;
         view = new View(enter(circuit, []), classes, view);
         expect_same(view, new View(enter(circuit, []), classes));
@@ -88,7 +88,7 @@ describe('a view made from the one before', () => {
     }, 60_000);
   }
 
-  it('makes only what an edit is about: of 10,000 LSIs one node and its wires', () => {
+  it('remakes only the moved node and its wires among 10,000 LSIs', () => {
     const n = 10_000;
     const circuit: Circuit = {
       version: 1, name: 'big',
@@ -103,7 +103,7 @@ describe('a view made from the one before', () => {
     expect(view.node('g500')).toMatchObject({ x: 7, y: 7 });
     expect(before.node('g500')).toMatchObject({ x: 0, y: 550 });
     expect(view.index.find({ x: 7, y: 7, width: 1, height: 1 }).map((node) => node.id)).toContain('g500');
-    // what the service says of it later is nothing new
+    // an equal circuit from the service gives the same object
     expect(reconcile(next, JSON.parse(JSON.stringify(next)) as Circuit)).toBe(next);
   }, 60_000);
 });

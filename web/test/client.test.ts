@@ -27,12 +27,12 @@ class FakeSocket implements SocketLike {
     this.readyState = 3;
     this.onclose?.({ code: 1006 });
   }
-  say(message: unknown): void {
+  deliver(message: unknown): void {
     this.onmessage?.({ data: typeof message === 'string' || message instanceof ArrayBuffer ? message : JSON.stringify(message) });
   }
   answer(more: Record<string, unknown> = {}): void {
     const last = this.sent.at(-1)!;
-    this.say({ reply: last.id, ok: true, ...more });
+    this.deliver({ reply: last.id, ok: true, ...more });
   }
 }
 
@@ -63,7 +63,7 @@ const hello = () => ({
 });
 
 describe('Client', () => {
-  it('says hello when it opens, and again after coming back', async () => {
+  it('sends hello when it connects and when it reconnects', async () => {
     const h = handlers();
     const client = new Client(make_socket, h);
     client.connect();
@@ -81,11 +81,11 @@ describe('Client', () => {
     expect(h.connected).toHaveBeenCalledTimes(2);
   });
 
-  it('waits longer after each failure, up to four seconds', () => {
+  it('doubles the delay after each failure, up to four seconds', () => {
     expect([0, 1, 2, 4, 30].map(retry_delay)).toEqual([250, 500, 1000, 4000, 4000]);
   });
 
-  it('gives each answer to its request, in any order, and the reasons of a refusal', async () => {
+  it('matches replies to requests in any order, and passes on the problems of a refusal', async () => {
     const client = new Client(make_socket, handlers());
     client.connect();
     const socket = sockets[0]!;
@@ -93,13 +93,13 @@ describe('Client', () => {
     const first = client.request({ op: 'undo' });
     const second = client.request({ op: 'redo' });
     const [a, b] = socket.sent.slice(-2);
-    socket.say({ reply: b!.id, ok: false, error: { problems: [{ place: 'track/k1', message: 'No.', remedy: 'Do else.' }] } });
-    socket.say({ reply: a!.id, ok: true, mark: 7 });
+    socket.deliver({ reply: b!.id, ok: false, error: { problems: [{ location: 'track/k1', message: 'No.', remedy: 'Do else.' }] } });
+    socket.deliver({ reply: a!.id, ok: true, mark: 7 });
     await expect(first).resolves.toMatchObject({ mark: 7 });
-    await expect(second).rejects.toMatchObject({ problems: [{ place: 'track/k1', message: 'No.', remedy: 'Do else.' }] });
+    await expect(second).rejects.toMatchObject({ problems: [{ location: 'track/k1', message: 'No.', remedy: 'Do else.' }] });
   });
 
-  it('rejects what was not answered when the connection is lost, and what is asked without one', async () => {
+  it('rejects unanswered requests when the connection is lost, and requests without a connection', async () => {
     const client = new Client(make_socket, handlers());
     client.connect();
     sockets[0]!.open();
@@ -110,22 +110,22 @@ describe('Client', () => {
     client.close();
   });
 
-  it('survives nonsense from the wire', () => {
+  it('reports invalid messages and keeps working', () => {
     const h = handlers();
     const client = new Client(make_socket, h);
     client.connect();
     sockets[0]!.open();
-    sockets[0]!.say('{not json');
-    sockets[0]!.say(new ArrayBuffer(12));
-    sockets[0]!.say({ reply: 999, ok: true });
-    sockets[0]!.say({ event: 'log', level: 'info', text: 'x' });
+    sockets[0]!.deliver('{not json');
+    sockets[0]!.deliver(new ArrayBuffer(12));
+    sockets[0]!.deliver({ reply: 999, ok: true });
+    sockets[0]!.deliver({ event: 'log', level: 'info', text: 'x' });
     expect(h.protocol_error).toHaveBeenCalledTimes(2);
     expect(h.event).toHaveBeenCalledOnce();
   });
 });
 
 describe('LatestOnly', () => {
-  it('sends the first and the last of a burst', async () => {
+  it('sends the first and the last value of a burst', async () => {
     const sent: number[] = [];
     const pending: (() => void)[] = [];
     const latest = new LatestOnly<number>((v) => {
@@ -151,7 +151,7 @@ describe('Session', () => {
     return { session, socket };
   };
 
-  it('shows an edit at once and takes the service’s document when it comes', async () => {
+  it('previews an edit and then uses the service’s document', async () => {
     const { session, socket } = await start();
     const done = session.edit({ type: 'clip.set', character: 'human', id: 'k1', start: 0.5 });
     expect(session.state.preview?.characters[0]?.track[0]?.start).toBe(0.5);
@@ -159,23 +159,23 @@ describe('Session', () => {
     socket.answer();
     expect(await done).toBe(true);
     const changed = session.state.preview!;
-    socket.say({ event: 'document', ...hello(), document: changed, revision: 2, unsaved: true, can_undo: true, undo_label: 'Move clip' });
+    socket.deliver({ event: 'document', ...hello(), document: changed, revision: 2, unsaved: true, can_undo: true, undo_label: 'Move clip' });
     expect(session.state.preview).toBeNull();
     expect(session.state).toMatchObject({ can_undo: true, undo_label: 'Move clip', document: changed });
     expect(session.state.project?.unsaved).toBe(true);
   });
 
-  it('takes a refused edit back and says why', async () => {
+  it('reverts a refused edit and shows the reason', async () => {
     const { session, socket } = await start();
     const done = session.edit({ type: 'clip.set', character: 'human', id: 'k1', speed: -1 });
-    socket.say({ reply: socket.sent.at(-1)!.id, ok: false, error: { problems: [{ place: 'characters/0/track/0/speed', message: 'Too slow.', remedy: 'Above 0.' }] } });
+    socket.deliver({ reply: socket.sent.at(-1)!.id, ok: false, error: { problems: [{ location: 'characters/0/track/0/speed', message: 'Too slow.', remedy: 'Above 0.' }] } });
     expect(await done).toBe(false);
     expect(session.state.preview).toBeNull();
     expect(session.state.toasts.at(-1)?.problems[0]).toMatchObject({ message: 'Too slow.', remedy: 'Above 0.' });
     expect(session.state.log.at(-1)?.text).toContain('characters/0/track/0/speed');
   });
 
-  it('a preview sends nothing', async () => {
+  it('sends no request for a preview', async () => {
     const { session, socket } = await start();
     const sent = socket.sent.length;
     session.show_preview({ ...sample_document(), duration: 3 });
@@ -183,7 +183,7 @@ describe('Session', () => {
     expect(socket.sent.length).toBe(sent);
   });
 
-  it('scrubbing sends as many seeks as are answered', async () => {
+  it('sends the next seek of a scrub only after the previous reply', async () => {
     const { session, socket } = await start();
     for (let t = 0; t < 50; t++) session.seek(t / 10);
     const seeks = () => socket.sent.filter((m) => m.op === 'seek').map((m) => m.time);
@@ -194,16 +194,16 @@ describe('Session', () => {
     expect(session.state.transport.time).toBe(4.9);
   });
 
-  it('keeps a speed chosen while paused until it plays', async () => {
+  it('keeps a speed chosen while paused until the next play', async () => {
     const { session, socket } = await start();
     session.set_speed(0.25);
-    socket.say({ event: 'transport', ...hello().transport, time: 3 });
+    socket.deliver({ event: 'transport', ...hello().transport, time: 3 });
     expect(session.state.transport).toMatchObject({ speed: 0.25, time: 3 });
     session.play();
     expect(socket.sent.at(-1)).toMatchObject({ op: 'play', speed: 0.25 });
   });
 
-  it('takes the choices of another time from hello, known words only, and sends what is chosen', async () => {
+  it('takes known choices from the first hello only, and stores choices', async () => {
     const session = new Session({ make_socket, fetch: () => Promise.resolve(new Response('{"entries": []}')) });
     session.start();
     const socket = sockets[0]!;
@@ -223,40 +223,45 @@ describe('Session', () => {
     sockets[1]!.open();
     sockets[1]!.answer({ ...hello(), choices: { keymap: 'industry' } });
     await vi.advanceTimersByTimeAsync(0);
-    expect(session.state.keymap).toBe('blender'); // what was chosen here counts, not what came back
+    expect(session.state.keymap).toBe('blender'); // the choices of this page take precedence after a reconnection
   });
 
-  it.each([null, 3, 'x', [], { view: null }, { view: 7, keymap: {} }])('survives choices that are none: %j', async (choices) => {
+  it('reads the old name of the option for closest pairs', () => {
+    expect(read_choices({ view: { nearest: true } }).view).toMatchObject({ closest: true });
+    expect(read_choices({ view: { nearest: true, closest: false } }).view).toMatchObject({ closest: false });
+  });
+
+  it.each([null, 3, 'x', [], { view: null }, { view: 7, keymap: {} }])('ignores invalid choices: %j', async (choices) => {
     expect(read_choices(choices)).toMatchObject({ keymap: 'industry', theme: 'dark', view: initial_state.view });
   });
 
-  it('saving as asks before it replaces a file', async () => {
+  it('does not replace an existing file without permission', async () => {
     const { session, socket } = await start();
     const first = session.save_as('a/b.ugoki', false);
     expect(socket.sent.at(-1)).toMatchObject({ op: 'save', path: 'a/b.ugoki', overwrite: false });
-    socket.say({ reply: socket.sent.at(-1)!.id, ok: false, error: { problems: [{ code: 'conflict', place: 'a/b.ugoki', message: 'The file exists already.' }] } });
-    expect(await first).toBe('taken');
+    socket.deliver({ reply: socket.sent.at(-1)!.id, ok: false, error: { problems: [{ code: 'conflict', location: 'a/b.ugoki', message: 'The file exists already.' }] } });
+    expect(await first).toBe('exists');
     expect(session.state.toasts).toEqual([]);
     const second = session.save_as('a/b.ugoki', true);
     socket.answer({ path: '/home/x/a/b.ugoki' });
     expect(await second).toBe('saved');
     expect(session.state.project).toMatchObject({ path: '/home/x/a/b.ugoki', name: 'b.ugoki', unsaved: false });
     const third = session.save_as('no/where.ugoki', false);
-    socket.say({ reply: socket.sent.at(-1)!.id, ok: false, error: { problems: [{ code: 'io', place: 'no', message: 'There is no such folder.' }] } });
+    socket.deliver({ reply: socket.sent.at(-1)!.id, ok: false, error: { problems: [{ code: 'io', location: 'no', message: 'There is no such folder.' }] } });
     expect(await third).toBe('failed');
     expect(session.state.toasts.at(-1)?.problems[0]?.message).toBe('There is no such folder.');
   });
 
-  it('drops a selection whose clip was deleted', async () => {
+  it('selects the character if the selected clip was deleted', async () => {
     const { session, socket } = await start();
     session.select({ kind: 'clip', character: 'human', clip: 'k1' });
     const document = sample_document();
     document.characters[0]!.track.shift();
-    socket.say({ event: 'document', ...hello(), document, revision: 2, unsaved: true });
+    socket.deliver({ event: 'document', ...hello(), document, revision: 2, unsaved: true });
     expect(session.state.selection).toEqual({ kind: 'character', character: 'human' });
   });
 
-  it('says that it lost the service and when it tries again', async () => {
+  it('reports the lost connection and the time of the next attempt', async () => {
     const { session, socket } = await start();
     socket.lose();
     expect(session.state.connection).toBe('lost');

@@ -4,7 +4,7 @@ import { valid_selection } from '../src/core/state';
 import { sample_document } from './sample';
 
 describe('apply_command', () => {
-  it('never changes the document that it is given', () => {
+  it('does not modify its argument', () => {
     const doc = sample_document();
     const before = structuredClone(doc);
     apply_command(doc, { type: 'clip.set', character: 'human', id: 'k1', start: 9 });
@@ -13,18 +13,18 @@ describe('apply_command', () => {
     apply_command(doc, { type: 'clip.remove', character: 'human', id: 'k1' });
     expect(doc).toEqual(before);
   });
-  it('merges place and control and leaves the rest', () => {
+  it('merges place and control and keeps the other fields', () => {
     const doc = apply_command(sample_document(), { type: 'character.set', id: 'dog', place: { heading: 90 }, control: { tracking: 0.4 } });
     const dog = find_character(doc, 'dog')!;
     expect(dog.place).toEqual({ x: 0, y: 1, z: 0, heading: 90 });
     expect(dog.control).toMatchObject({ tracking: 0.4, balance: 1 });
     expect(dog).not.toHaveProperty('type');
   });
-  it('sets fields of a clip without its address', () => {
+  it('sets fields of a clip without copying the command’s address fields', () => {
     const doc = apply_command(sample_document(), { type: 'clip.set', character: 'human', id: 'k2', speed: 2 });
     expect(find_clip(doc, 'human', 'k2')).toEqual({ id: 'k2', motion: 'n-1', start: 3, length: 2, offset: 0, speed: 2, blend: 0.3, loop: false });
   });
-  it('does a group in order', () => {
+  it('applies the commands of a group in order', () => {
     const doc = apply_command(sample_document(), {
       type: 'group',
       label: 'both',
@@ -39,14 +39,14 @@ describe('apply_command', () => {
 });
 
 describe('reading a document', () => {
-  it('finds overlaps', () => {
+  it('finds overlaps of clips', () => {
     expect(blend_spans(sample_document().characters[0]!.track)).toEqual([{ from: 3, to: expect.closeTo(3.2), into: 'k2' }]);
   });
-  it('knows where content ends', () => {
+  it('finds the end of the last clip or event', () => {
     expect(content_end(sample_document())).toBe(5);
     expect(track_end(sample_document().characters[1]!)).toBe(0);
   });
-  it('a selection outlives what it names only as far as that exists', () => {
+  it('falls back to the character or to no selection if the selected object is gone', () => {
     const doc = sample_document();
     expect(valid_selection({ kind: 'clip', character: 'human', clip: 'gone' }, doc)).toEqual({ kind: 'character', character: 'human' });
     expect(valid_selection({ kind: 'event', event: 'gone' }, doc)).toEqual({ kind: 'none' });

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, decode_frame, FrameRing, frame_magic, link_position, type Frame } from '../src/core/frames';
 
-/** A frame in bytes, written from the table in docs/studio-protocol.md and nothing else. */
+/** Bytes of a frame, written according to the table in docs/studio-protocol.md, independently of the decoder. */
 function make_bytes(options: { time?: number; number?: number; flags?: number; links?: number[]; contacts?: number; version?: number; magic?: number } = {}): ArrayBuffer {
   const links = options.links ?? [2, 1];
   const contacts = options.contacts ?? 1;
@@ -40,31 +40,31 @@ const decode = (bytes: ArrayBuffer): Frame => {
 };
 
 describe('decode_frame', () => {
-  it('reads every field at its place', () => {
+  it('reads every field', () => {
     const frame = decode(make_bytes({ flags: 1 | 2 | 8 }));
     expect(frame).toMatchObject({ time: 1.5, number: 90, playing: true, simulate: true, live: false, grabbing: true, contact_count: 1 });
-    expect(frame.figures.map((f) => [f.links, f.state])).toEqual([[2, 0], [1, 1]]);
-    const second = frame.figures[1]!;
+    expect(frame.characters.map((f) => [f.links, f.state])).toEqual([[2, 0], [1, 1]]);
+    const second = frame.characters[1]!;
     expect(assist_force(frame, second)).toEqual([20, 21, 22]);
     expect(assist_over_cap(frame, second)).toBe(26);
     expect(body_weight(frame, second)).toBe(27);
     expect(centre_of_mass(frame, second)).toEqual([28, 29, 30]);
-    expect(link_position(frame, frame.figures[0]!, 1)).toEqual([1007, 1008, 1009]);
+    expect(link_position(frame, frame.characters[0]!, 1)).toEqual([1007, 1008, 1009]);
     expect([...frame.floats.slice(frame.grab, frame.grab + 3)]).toEqual([100, 101, 102]);
     expect([...frame.floats.slice(frame.contacts, frame.contacts + 6)]).toEqual([7, 8, 9, 10, 11, 12]);
     expect(frame.words[frame.contacts + 6]).toBe(1);
   });
 
-  it('reads a frame of nobody', () => {
-    expect(decode(make_bytes({ links: [], contacts: 0 })).figures).toEqual([]);
+  it('reads a frame without characters', () => {
+    expect(decode(make_bytes({ links: [], contacts: 0 })).characters).toEqual([]);
   });
 
-  it('says what is wrong with every shorter message instead of reading past its end', () => {
+  it('reports an error for every truncated message', () => {
     const whole = make_bytes();
     for (let size = 0; size < whole.byteLength; size++) expect(typeof decode_frame(whole.slice(0, size))).toBe('string');
   });
 
-  it('refuses counts that the bytes do not hold', () => {
+  it('refuses counts that exceed the message', () => {
     const bytes = make_bytes();
     new DataView(bytes).setUint32(24, 0xffffffff, true);
     expect(decode_frame(bytes)).toMatch(/ends in/);
@@ -73,14 +73,14 @@ describe('decode_frame', () => {
     expect(decode_frame(links)).toMatch(/poses of character 0/);
   });
 
-  it('names a version that it does not read and bytes that are none of ours', () => {
+  it('refuses another version and another magic number', () => {
     expect(decode_frame(make_bytes({ version: 2 }))).toMatch(/version 2/);
     expect(decode_frame(make_bytes({ magic: 1 }))).toMatch(/UKGF/);
   });
 });
 
 describe('FrameRing', () => {
-  it('finds frames by number and forgets the oldest', () => {
+  it('finds frames by number and drops the oldest', () => {
     const ring = new FrameRing(3);
     for (const number of [1, 2, 3, 4]) ring.push(decode(make_bytes({ number })));
     expect(ring.numbers()).toEqual([2, 3, 4]);
@@ -90,7 +90,7 @@ describe('FrameRing', () => {
     expect(ring.near(8, 2)).toBeUndefined();
   });
 
-  it('holds one frame a number, the last received', () => {
+  it('keeps the last received frame of each number', () => {
     const ring = new FrameRing(3);
     ring.push(decode(make_bytes({ number: 5, time: 1 })));
     ring.push(decode(make_bytes({ number: 5, time: 2 })));
@@ -98,14 +98,14 @@ describe('FrameRing', () => {
     expect(ring.at(5)?.time).toBe(2);
   });
 
-  it('forgets the other mode', () => {
+  it('is cleared when the mode changes', () => {
     const ring = new FrameRing();
     ring.push(decode(make_bytes({ number: 1, flags: 0 })));
     ring.push(decode(make_bytes({ number: 2, flags: 2 })));
     expect(ring.numbers()).toEqual([2]);
   });
 
-  it('keeps what is shown when cleared, and tells listeners until they leave', () => {
+  it('keeps the latest frame when cleared, and calls listeners until they are removed', () => {
     const ring = new FrameRing();
     const seen: number[] = [];
     const leave = ring.on_frame((f) => seen.push(f.number));

@@ -1,4 +1,4 @@
-// The glTF files that `ugoki convert` writes pass the validator of the format's makers: no errors, no warnings.
+// glTF files written by `ugoki convert` have no errors and no warnings in the Khronos glTF validator.
 import { execFile } from 'node:child_process';
 import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -37,7 +37,7 @@ Frame Time: 0.04
 0 1.42 0.1 35 9 -7 95 0 0
 `;
 
-/// Motions of the shared data; recordings of markers are solved first.
+/// Paths of motion files of the shared data. The program first solves marker recordings for joint angles.
 function clips() {
   const list = (sub, endings) =>
     existsSync(join(data, sub)) ? readdirSync(join(data, sub)).filter((f) => endings.some((e) => f.endsWith(e))).map((f) => join(data, sub, f)) : [];
@@ -50,14 +50,14 @@ function clips() {
   ];
 }
 
-/// Whether the buffers that a .gltf file names are beside it.
+/// Whether all buffer files that a .gltf file names exist.
 function isWhole(path) {
   if (!path.endsWith('.gltf')) return true;
   const { buffers = [] } = JSON.parse(readFileSync(path, 'utf8'));
   return buffers.every(({ uri = '' }) => uri === '' || uri.startsWith('data:') || existsSync(join(dirname(path), uri)));
 }
 
-/// Everything that the validator says against the file that the program writes, hints and infos apart.
+/// Errors and warnings of the validator for the file that the program writes from `input`.
 async function faults(input, verb = ['convert', input]) {
   const output = join(folder, `${basename(input)}.glb`);
   await run(program, verb[0] === 'convert' ? [...verb, output] : [...verb, '-o', output]);
@@ -69,7 +69,7 @@ async function faults(input, verb = ['convert', input]) {
   return report.issues.messages.filter((m) => m.severity < 2).map((m) => `${m.code} ${m.pointer}: ${m.message}`);
 }
 
-describe.skipIf(!existsSync(program))('glTF that is written', () => {
+describe.skipIf(!existsSync(program))('written glTF', () => {
   it('is valid for a small motion', async () => {
     writeFileSync(join(folder, 'arm.bvh'), arm);
     expect(await faults(join(folder, 'arm.bvh'))).toEqual([]);

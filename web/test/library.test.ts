@@ -9,7 +9,7 @@ import type { LibraryEntry } from '../src/core/protocol';
 type Answer = { status?: number; body: unknown };
 const reply = ({ status = 200, body }: Answer): Response => new Response(JSON.stringify(body), { status });
 
-/** A service that keeps `count` entries and answers in pages as docs/studio-protocol.md says. */
+/** A fake service with `count` entries that replies in pages as specified in docs/studio-protocol.md. */
 function service(count: number) {
   const all: LibraryEntry[] = Array.from({ length: count }, (_, i) => ({ id: `n-${i}`, kind: 'motion', name: `walk ${i}`, version: 1, tags: [] }));
   const asked: string[] = [];
@@ -26,7 +26,7 @@ function service(count: number) {
       const limit = Number(url.searchParams.get('limit'));
       return reply({ body: { entries: found.slice(from, from + limit), next: from + limit < found.length ? String(from + limit) : null, total: found.length, total_exact: true } });
     },
-    know: vi.fn(),
+    cache_entries: vi.fn(),
     fail: vi.fn(),
   };
   return { host, asked, post, all };
@@ -46,7 +46,7 @@ describe('the library browser', () => {
     expect(browser.state.entries.map((e) => e.name)).toEqual(Array.from({ length: 250 }, (_, i) => `walk ${i}`));
     expect(browser.state.more).toBe(false);
   });
-  it('asks once for a fast typist', async () => {
+  it('sends one request for fast typing', async () => {
     vi.useFakeTimers();
     const { host, asked } = service(30);
     const browser = new LibraryBrowser(host);
@@ -57,7 +57,7 @@ describe('the library browser', () => {
     expect(asked.filter((p) => p.startsWith('api/library?'))).toEqual(['api/library?q=walk+1&limit=100']);
     expect(browser.state.entries.length).toBe(11);
   });
-  it('takes a rename back', async () => {
+  it('undoes a rename', async () => {
     const { host, post } = service(3);
     const browser = new LibraryBrowser(host);
     await browser.load();
@@ -72,7 +72,7 @@ describe('the library browser', () => {
     await browser.undo();
     expect(post).toHaveBeenCalledTimes(2);
   });
-  it('tells a conflict and saves over it when told to', async () => {
+  it('reports a conflict, and saves over it if the user chooses so', async () => {
     const { host, post } = service(2);
     const browser = new LibraryBrowser(host);
     await browser.load();
@@ -89,21 +89,21 @@ describe('the library browser', () => {
 });
 
 describe('imports', () => {
-  const file = (name: string): File => Object.assign(new Blob(['x']), { name, lastModified: 0, webkitRelativePath: '' }); // node 18 has no File
-  const staged = (stage: string) => ({ stage, file: 'a.bvh', format: 'BVH', settings: { unit: 1, unit_guessed: true, up: 'y', forward: 'z', rate: 30, rate_told: true }, can: { unit: true, axes: true, rate: true }, entries: [], report: { read: [], guessed: [], changed: [], left_out: [], check: [] } });
+  const file = (name: string): File => Object.assign(new Blob(['x']), { name, lastModified: 0, webkitRelativePath: '' }); // Node.js 18 has no global File
+  const staged = (stage: string) => ({ stage, file: 'a.bvh', format: 'BVH', settings: { unit: 1, unit_guessed: true, up: 'y', forward: 'z', rate: 30, rate_specified: true }, can: { unit: true, axes: true, rate: true }, entries: [], report: { read: [], guessed: [], changed: [], left_out: [], check: [] } });
   const make = (answer: (path: string) => Answer) => {
     const asked: string[] = [];
     const host = { fetch: async (path: string) => { asked.push(path); return reply(answer(path)); }, log: vi.fn(), stored: vi.fn() };
     return { queue: new ImportQueue(host), asked, host };
   };
-  it('sends what others need first, and goes on behind a refused file', async () => {
-    const { queue, asked } = make((path) => (path.includes('bad') ? { status: 400, body: { error: { problems: [{ place: 'bad.bvh:4', message: 'It ends.' }] } } } : { body: staged('i1') }));
+  it('sends companion files first, and continues after a refused file', async () => {
+    const { queue, asked } = make((path) => (path.includes('bad') ? { status: 400, body: { error: { problems: [{ location: 'bad.bvh:4', message: 'It ends.' }] } } } : { body: staged('i1') }));
     await queue.add([file('1_1.amc'), file('bad.bvh'), file('1.asf')]);
     expect(asked).toEqual(['api/import/file?name=1.asf', 'api/import/stage?name=1_1.amc', 'api/import/stage?name=bad.bvh']);
     expect(queue.state.items.map((i) => i.status)).toEqual(['ready', 'refused']);
     expect(queue.state.items[1]!.problems[0]!.message).toBe('It ends.');
   });
-  it('reads again with the last of several quick corrections, and a failed one leaves what was', async () => {
+  it('merges quick corrections, and keeps the previous stage if one fails', async () => {
     let fail = false;
     const { queue, asked } = make((path) => (fail && path.includes('stage/') ? { status: 400, body: { error: { problems: [{ message: 'no' }] } } } : { body: staged('i1') }));
     await queue.add([file('a.bvh')]);
@@ -111,16 +111,16 @@ describe('imports', () => {
     void queue.correct(id, { unit: 2 });
     void queue.correct(id, { unit: 3 });
     await queue.correct(id, { unit: 4 });
-    await vi.waitFor(() => expect(queue.state.items[0]!.again).toBe(false));
-    const again = asked.filter((p) => p.includes('stage/i1'));
-    expect(again[again.length - 1]).toBe('api/import/stage/i1?up=y&forward=z&unit=4&rate=30');
-    expect(again.length).toBeLessThanOrEqual(2);
+    await vi.waitFor(() => expect(queue.state.items[0]!.rereading).toBe(false));
+    const rereads = asked.filter((p) => p.includes('stage/i1'));
+    expect(rereads[rereads.length - 1]).toBe('api/import/stage/i1?up=y&forward=z&unit=4&rate=30');
+    expect(rereads.length).toBeLessThanOrEqual(2);
     fail = true;
     await queue.correct(id, { rate: 60 });
     expect(queue.state.items[0]).toMatchObject({ status: 'ready', problems: [{ message: 'no' }] });
     expect(queue.state.items[0]!.staged?.stage).toBe('i1');
   });
-  it('drops what is not stored', async () => {
+  it('drops stages that are not stored when it is closed', async () => {
     const { queue, asked } = make(() => ({ body: staged('i7') }));
     await queue.add([file('a.bvh')]);
     queue.close();
@@ -129,14 +129,14 @@ describe('imports', () => {
   });
 });
 
-describe('words', () => {
-  it('name sizes', () => {
+describe('texts and identities', () => {
+  it('format lengths, sizes and distances', () => {
     expect([0.004, 0.0256, 0.35, 1.75, 12.4].map(format_length)).toEqual(['4 mm', '2.6 cm', '35 cm', '1.75 m', '12 m']);
     expect([900, 4300, 52_000, 3.2e6].map(format_bytes)).toEqual(['900 B', '4.3 kB', '52 kB', '3.2 MB']);
     expect([0.0042, 0.412, 1.254, -0.003].map(format_gap)).toEqual(['4.2 mm', '412 mm', '1.25 m', '3.0 mm deep']);
   });
-  it('take tags apart', () => expect(split_tags(' slow,  on  grass, slow,,')).toEqual(['slow', 'on grass']));
-  it('keep both identities of an entry', () => {
+  it('split tags at commas', () => expect(split_tags(' slow,  on  grass, slow,,')).toEqual(['slow', 'on grass']));
+  it('keep entry id and data id of an entry', () => {
     expect(from_service({ id: 'n-1', kind: 'motion', name: 'a', version: 2, content: 'n-9' })).toMatchObject({ id: 'n-9', entry: 'n-1' });
     const copy = from_service({ id: 'n-2', kind: 'motion', name: 'a copy', version: 1, content: 'n-9' });
     expect([key_of(copy), copy.id]).toEqual(['n-2', 'n-9']);
@@ -144,8 +144,8 @@ describe('words', () => {
   });
 });
 
-describe('frames with normals and nearest points', () => {
-  it('are decoded, and told where they end too soon', () => {
+describe('frames with normals and closest pairs', () => {
+  it('are decoded, and refused if truncated', () => {
     const buffer = new ArrayBuffer(64 + 2 * (8 + 3) * 4 + 8 * 4);
     const view = new DataView(buffer);
     const words: [number, number][] = [[0, 0x46474b55], [4, 1], [28, 2], [56, 1], [60, 1]];
@@ -156,7 +156,7 @@ describe('frames with normals and nearest points', () => {
     const frame = decode_frame(buffer);
     if (typeof frame === 'string') throw new Error(frame);
     expect(frame.floats[frame.normals + 5]).toBe(1);
-    expect([frame.nearest_count, frame.floats[frame.nearest + 6], frame.words[frame.nearest + 7]]).toEqual([1, 0.25, (3 << 16) | 5]);
-    expect(decode_frame(buffer.slice(0, buffer.byteLength - 4))).toMatch(/nearest pairs/);
+    expect([frame.closest_count, frame.floats[frame.closest + 6], frame.words[frame.closest + 7]]).toEqual([1, 0.25, (3 << 16) | 5]);
+    expect(decode_frame(buffer.slice(0, buffer.byteLength - 4))).toMatch(/closest pairs/);
   });
 });

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { describe_devices, least_ms, name_key, PlayControls, read_devices, type InputMessage } from '../src/core/play_controls';
+import { describe_devices, min_ms, name_key, PlayControls, read_devices, type InputMessage } from '../src/core/play_controls';
 
 function make() {
   const sent: { at: number; message: InputMessage }[] = [];
@@ -21,25 +21,25 @@ function make() {
 }
 
 describe('play controls', () => {
-  it('sends the keys that the content reads, on change alone', () => {
+  it('sends the keys that the content reads, only on change', () => {
     const { controls, sent, pass } = make();
     controls.set_devices({ keyboard: ['KeyW', 'KeyS'], mouse: false, gamepads: [] });
     controls.key('KeyW', true);
-    expect(sent).toEqual([]); // not on yet
+    expect(sent).toEqual([]); // the controls are still off
     controls.key('KeyW', false);
     controls.enter();
     pass(100);
     expect(sent.map((s) => s.message)).toEqual([{ keyboard: [] }]);
     controls.key('KeyW', true);
-    controls.key('KeyW', true); // repeats
-    controls.key('KeyQ', true); // nobody reads it
+    controls.key('KeyW', true); // key repeat
+    controls.key('KeyQ', true); // the content does not read this key
     pass(100);
     controls.key('KeyW', false);
     pass(100);
     expect(sent.slice(1).map((s) => s.message)).toEqual([{ keyboard: ['KeyW'] }, { keyboard: [] }]);
   });
 
-  it('speaks at most sixty times a second, and says the newest', () => {
+  it('sends the newest state at most sixty times a second', () => {
     const { controls, sent, pass } = make();
     controls.set_devices({ keyboard: [], mouse: true, gamepads: [] });
     controls.enter();
@@ -50,11 +50,11 @@ describe('play controls', () => {
     pass(100);
     expect(sent.length).toBeLessThanOrEqual(61);
     expect(sent.length).toBeGreaterThan(50);
-    for (let i = 1; i < sent.length; i++) expect(sent[i]!.at - sent[i - 1]!.at).toBeGreaterThanOrEqual(least_ms - 1e-9);
+    for (let i = 1; i < sent.length; i++) expect(sent[i]!.at - sent[i - 1]!.at).toBeGreaterThanOrEqual(min_ms - 1e-9);
     expect(sent.at(-1)!.message.mouse).toMatchObject({ x: 1, left: false });
   });
 
-  it('adds up notches of the wheel between messages and tells them once', () => {
+  it('sums wheel notches between messages and sends them once', () => {
     const { controls, sent, pass } = make();
     controls.set_devices({ keyboard: [], mouse: true, gamepads: [] });
     controls.enter();
@@ -71,7 +71,7 @@ describe('play controls', () => {
     expect(sent[0]!.message.mouse!.wheel).toBe(0);
   });
 
-  it('lets go of everything when it is left, and of keys when the window is', () => {
+  it('releases all devices when it is turned off, and when the window loses the focus', () => {
     const { controls, sent, pass } = make();
     controls.set_devices({ keyboard: ['Space'], mouse: true, gamepads: [1] });
     controls.enter();
@@ -80,7 +80,7 @@ describe('play controls', () => {
     controls.gamepads([{ axes: [1], buttons: [{ value: 1 }] }, { axes: [0.5, -0.25], buttons: [{ value: 1 }] }]);
     pass(100);
     expect(sent.at(-1)!.message.gamepads).toEqual([null, { axes: [0.5, -0.25], buttons: [1] }]);
-    controls.let_go();
+    controls.release();
     pass(100);
     expect(sent.at(-1)!.message).toMatchObject({ keyboard: [], mouse: { left: false, right: false }, gamepads: [null, { axes: [0, 0], buttons: [0] }] });
     const before = sent.length;
@@ -93,7 +93,7 @@ describe('play controls', () => {
     expect(controls.on).toBe(false);
   });
 
-  it('is not entered where nothing is read, and left when that becomes so', () => {
+  it('stays off, or turns off, if the content reads no device', () => {
     const { controls } = make();
     controls.enter();
     expect(controls.on).toBe(false);
@@ -104,7 +104,7 @@ describe('play controls', () => {
     expect(controls.on).toBe(false);
   });
 
-  it('names keys and devices, and reads what may be wrong', () => {
+  it('names keys and devices, and ignores invalid device lists', () => {
     expect(['KeyW', 'Digit5', 'ArrowUp', 'Space', 'ShiftLeft', 'F1'].map(name_key)).toEqual(['W', '5', '↑', 'Space', 'Shift', 'F1']);
     expect(describe_devices({ keyboard: ['KeyW', 'KeyA'], mouse: true, gamepads: [0] })).toBe('W  A · mouse · gamepad');
     expect(read_devices(null)).toEqual({ keyboard: [], mouse: false, gamepads: [] });

@@ -1,7 +1,7 @@
 import type { ScenarioDocument } from '../src/core/document';
 
 export function sample_document(): ScenarioDocument {
-  const control = { mode: 'track' as const, tracking: 1, balance: 1, assist_limit: 0.5, beyond: 'let_go' };
+  const control = { mode: 'track' as const, tracking: 1, balance: 1, assist_limit: 0.5, beyond: 'release' };
   const clip = (id: string, start: number, length: number) => ({ id, motion: 'n-1', start, length, offset: 0, speed: 1, blend: 0.3, loop: false });
   return {
     version: 1,

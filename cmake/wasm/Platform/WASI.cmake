@@ -1,4 +1,4 @@
-# What CMake 3.25 does not know of this system.
+# Platform settings for WASI, which CMake 3.25 does not know.
 set(CMAKE_EXECUTABLE_SUFFIX ".wasm")
 set(CMAKE_STATIC_LIBRARY_PREFIX "lib")
 set(CMAKE_STATIC_LIBRARY_SUFFIX ".a")

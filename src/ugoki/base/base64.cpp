@@ -21,13 +21,13 @@ std::string to_base64(std::span<const std::uint8_t> bytes) {
   std::string out;
   out.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t left = bytes.size() - i;
+    const std::size_t remaining = bytes.size() - i;
     const std::uint32_t group =
-        (std::uint32_t{bytes[i]} << 16) | (left > 1 ? std::uint32_t{bytes[i + 1]} << 8 : 0) | (left > 2 ? bytes[i + 2] : 0U);
+        (std::uint32_t{bytes[i]} << 16) | (remaining > 1 ? std::uint32_t{bytes[i + 1]} << 8 : 0) | (remaining > 2 ? bytes[i + 2] : 0U);
     out += letters[group >> 18];
     out += letters[(group >> 12) & 63];
-    out += left > 1 ? letters[(group >> 6) & 63] : '=';
-    out += left > 2 ? letters[group & 63] : '=';
+    out += remaining > 1 ? letters[(group >> 6) & 63] : '=';
+    out += remaining > 2 ? letters[group & 63] : '=';
   }
   return out;
 }

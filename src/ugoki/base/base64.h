@@ -1,5 +1,5 @@
 #pragma once
-// Bytes as text of letters, digits, + and / (RFC 4648, with padding).
+// Base64 encoding of bytes (RFC 4648, section 4: alphabet with + and /, with padding).
 
 #include <cstddef>
 #include <cstdint>
@@ -11,8 +11,10 @@
 
 namespace ugoki {
 
+/// Base64 text of `bytes`; its length is a multiple of 4.
 [[nodiscard]] std::string to_base64(std::span<const std::uint8_t> bytes);
-/// Nothing where the text is not what to_base64 gives: another character, a wrong length, bits left over.
+/// The bytes that `text` encodes. Empty optional if `text` is not canonical base64: a character outside the alphabet, a length that is
+/// not a multiple of 4, or unused bits that are not zero.
 [[nodiscard]] std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text);
 
 }  // namespace ugoki

@@ -6,7 +6,7 @@
 namespace ugoki {
 
 void check_failed(const char* condition, const char* file, int line) {
-  std::fprintf(stderr, "ugoki: internal error: %s does not hold (%s:%d)\n", condition, file, line);
+  std::fprintf(stderr, "ugoki: internal error: check failed: %s (%s:%d)\n", condition, file, line);
   std::abort();
 }
 

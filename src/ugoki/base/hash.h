@@ -1,5 +1,6 @@
 #pragma once
-// 64-bit FNV-1a: state hashes for determinism, checksums of sections, cache keys. Not for security.
+// 64-bit FNV-1a hash, for state hashes in determinism tests, checksums of file sections and cache keys. Not cryptographic.
+// Source: Fowler, Noll, Vo; draft-eastlake-fnv.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,19 +10,20 @@
 
 namespace ugoki {
 
+/// Incremental hash of the bytes, doubles and integers added so far. The order of the additions matters.
 class Hash64 {
  public:
-  /// Mixes raw bytes.
+  /// Adds `size` raw bytes.
   void add_bytes(const void* data, std::size_t size) {
     const auto* p = static_cast<const unsigned char*>(data);
     for (std::size_t i = 0; i < size; ++i) value_ = (value_ ^ p[i]) * 0x100000001b3ULL;
   }
-  /// Mixes the bit patterns of doubles; -0 and +0 differ, as bits do.
+  /// Adds the bit patterns of doubles, so -0 and +0 give different hashes.
   void add(std::span<const double> values) { add_bytes(values.data(), values.size_bytes()); }
   void add(double value) { add_bytes(&value, sizeof value); }
   void add(std::uint64_t value) { add_bytes(&value, sizeof value); }
   [[nodiscard]] std::uint64_t value() const { return value_; }
-  /// 16 lower-case hexadecimal digits.
+  /// The hash as 16 lower-case hexadecimal digits.
   [[nodiscard]] std::string hex() const {
     std::string out(16, '0');
     for (std::size_t i = 0; i < 16; ++i) out[i] = "0123456789abcdef"[(value_ >> (60 - 4 * i)) & 15];

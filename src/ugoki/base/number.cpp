@@ -14,9 +14,9 @@ std::optional<double> parse_double(std::string_view text) {
   if (text.empty()) return std::nullopt;
   for (const char c : text) {
     const bool numeric = (c >= '0' && c <= '9') || c == '+' || c == '-' || c == '.' || c == 'e' || c == 'E';
-    if (!numeric) return std::nullopt;  // strtod would also take hexadecimal, inf, nan and leading blanks
+    if (!numeric) return std::nullopt;  // strtod also accepts hexadecimal, inf, nan and leading blanks
   }
-#ifdef __cpp_lib_to_chars  // libstdc++: much the fastest; what it does not take (a plus sign, too small a number) goes the other way
+#ifdef __cpp_lib_to_chars  // faster than strtod; a leading plus sign and underflow are errors here and are parsed by strtod below
   double fast = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), fast);
   if (error == std::errc{} && stop == text.data() + text.size()) return fast;
@@ -36,7 +36,7 @@ std::optional<double> parse_double(std::string_view text) {
   static const locale_t c_locale = newlocale(LC_ALL_MASK, "C", nullptr);
   const double value = strtod_l(begin, &end, c_locale);
 #else
-  const double value = std::strtod(begin, &end);  // musl's knows no other locale
+  const double value = std::strtod(begin, &end);  // musl (WebAssembly) always uses a decimal point here
 #endif
   if (end != begin + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
@@ -57,7 +57,7 @@ std::string to_text(double value) {
 }
 
 std::string to_fixed(double value, int digits) {
-  char buffer[700];  // 309 digits before the point, 340 behind it
+  char buffer[700];  // sign, at most 309 digits before the point, the point, at most 340 digits after it
   const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, std::clamp(digits, 0, 340));
   return error == std::errc{} ? std::string(buffer, end) : std::string();
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Text <-> numbers, independent of the locale and exact in both directions.
+// Conversion between text and numbers, independent of the locale.
 
 #include <optional>
 #include <string>
@@ -7,17 +7,18 @@
 
 namespace ugoki {
 
-/// The double that the whole of `text` denotes (decimal or exponent form, optional sign); nothing if there is anything
-/// else in it, or if it is not finite. No allocation for texts of up to 63 characters.
+/// Parses the whole of `text` as a double in decimal or exponent form with an optional sign. The result is rounded correctly.
+/// Empty optional if `text` contains any other character, also a blank, or if the value is not finite.
+/// No allocation for texts of up to 63 characters.
 [[nodiscard]] std::optional<double> parse_double(std::string_view text);
 
-/// The integer that the whole of `text` denotes; nothing if it is not one or does not fit.
+/// Parses the whole of `text` as a decimal integer with an optional sign. Empty optional if it is not one or does not fit into a long.
 [[nodiscard]] std::optional<long> parse_long(std::string_view text);
 
-/// The shortest decimal text that parse_double turns back into the same bits.
+/// The shortest decimal text from which parse_double() restores the same bits (for finite values).
 [[nodiscard]] std::string to_text(double value);
 
-/// `value` with `digits` digits after the point, for people.
+/// `value` with `digits` digits after the decimal point (clamped to 0 ... 340), for display.
 [[nodiscard]] std::string to_fixed(double value, int digits);
 
 }  // namespace ugoki

@@ -3,7 +3,7 @@
 namespace ugoki {
 
 std::string Problem::text() const {
-  std::string out = place.empty() ? message : place + ": " + message;
+  std::string out = location.empty() ? message : location + ": " + message;
   if (!remedy.empty()) out += " " + remedy;
   return out;
 }

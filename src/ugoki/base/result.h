@@ -1,5 +1,5 @@
 #pragma once
-// What every reader of outside data returns: a value, or the problems found, each with a place and a remedy.
+// Result type of every function that reads data from outside: a value, or the problems found, each with its location and a remedy.
 
 #include <expected>
 #include <string>
@@ -9,52 +9,53 @@
 namespace ugoki {
 
 enum class ErrorCode {
-  syntax,       ///< the text or bytes do not follow the format
+  syntax,       ///< the text or bytes do not conform to the format
   truncated,    ///< the data ends too early
-  range,        ///< a number is out of its range, or not finite
-  unknown,      ///< a name that nothing has
-  duplicate,    ///< a name that two things have
-  structure,    ///< the parts do not fit together (impossible mechanism, wrong wire)
-  unsupported,  ///< valid, but this program does not do it
+  range,        ///< a value is outside its allowed range, or not finite
+  unknown,      ///< a name refers to nothing
+  duplicate,    ///< two items have the same name, or several match it
+  structure,    ///< the items are inconsistent (impossible mechanism, wire between incompatible pins)
+  unsupported,  ///< valid, but not supported by this program
   io,           ///< the file, database or socket failed
-  conflict,     ///< somebody else changed it first
+  conflict,     ///< another program or user changed or locked the data
   cancelled,    ///< stopped by the user
 };
 
-/// One problem: where it is, what is wrong, what to do about it.
+/// One problem: its location, a description and a remedy.
 struct Problem {
   ErrorCode code = ErrorCode::syntax;
-  std::string place;    ///< "walk.bvh:17", "scenario/characters/0/track", "link left_foot"
-  std::string message;  ///< a sentence
-  std::string remedy;   ///< a sentence; may be empty where the message says it all
+  std::string location;  ///< for example "walk.bvh:17", "scenario/characters/0/track", "link left_foot"; may be empty
+  std::string message;   ///< one sentence: what is wrong
+  std::string remedy;    ///< one sentence: what the user can do; may be empty
 
-  /// "place: message Remedy."
+  /// "location: Message. Remedy."
   [[nodiscard]] std::string text() const;
 };
 
-/// At least one problem; readers report all they found, not only the first.
+/// The problems found by a function, in the order in which they were found. Readers report all problems, not only the first.
 struct Error {
   std::vector<Problem> problems;
 
   Error() = default;
   Error(Problem problem) { problems.push_back(std::move(problem)); }
-  Error(ErrorCode code, std::string place, std::string message, std::string remedy = {}) {
-    problems.push_back({code, std::move(place), std::move(message), std::move(remedy)});
+  Error(ErrorCode code, std::string location, std::string message, std::string remedy = {}) {
+    problems.push_back({code, std::move(location), std::move(message), std::move(remedy)});
   }
   [[nodiscard]] bool empty() const { return problems.empty(); }
-  void add(ErrorCode code, std::string place, std::string message, std::string remedy = {}) {
-    problems.push_back({code, std::move(place), std::move(message), std::move(remedy)});
+  void add(ErrorCode code, std::string location, std::string message, std::string remedy = {}) {
+    problems.push_back({code, std::move(location), std::move(message), std::move(remedy)});
   }
-  /// One line a problem.
+  /// The texts of all problems, one per line.
   [[nodiscard]] std::string text() const;
 };
 
+/// A value, or an error with at least one problem.
 template <class T>
 using Result = std::expected<T, Error>;
 
-/// `return fail(ErrorCode::syntax, "a.bvh:3", "...", "...");` in a function that returns Result<T>.
-[[nodiscard]] inline std::unexpected<Error> fail(ErrorCode code, std::string place, std::string message, std::string remedy = {}) {
-  return std::unexpected<Error>(Error(code, std::move(place), std::move(message), std::move(remedy)));
+/// An error result with one problem: `return fail(ErrorCode::syntax, "a.bvh:3", "...", "...");` in a function that returns Result<T>.
+[[nodiscard]] inline std::unexpected<Error> fail(ErrorCode code, std::string location, std::string message, std::string remedy = {}) {
+  return std::unexpected<Error>(Error(code, std::move(location), std::move(message), std::move(remedy)));
 }
 [[nodiscard]] inline std::unexpected<Error> fail(Error error) { return std::unexpected<Error>(std::move(error)); }
 

@@ -49,12 +49,12 @@ void add_block(State& state, const unsigned char* block) {
 std::string sha256(std::span<const std::byte> bytes) {
   State state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  std::size_t left = bytes.size();
-  for (; left >= 64; left -= 64, data += 64) add_block(state, data);
+  std::size_t remaining = bytes.size();
+  for (; remaining >= 64; remaining -= 64, data += 64) add_block(state, data);
   unsigned char end[128] = {};
-  if (left > 0) std::memcpy(end, data, left);
-  end[left] = 0x80;
-  const std::size_t size = left < 56 ? 64 : 128;
+  if (remaining > 0) std::memcpy(end, data, remaining);
+  end[remaining] = 0x80;
+  const std::size_t size = remaining < 56 ? 64 : 128;  // bytes: the padding needs 9 bytes after the data
   const std::uint64_t bits = static_cast<std::uint64_t>(bytes.size()) * 8;
   for (std::size_t i = 0; i < 8; ++i) end[size - 1 - i] = static_cast<unsigned char>(bits >> (8 * i));
   for (std::size_t at = 0; at < size; at += 64) add_block(state, end + at);

@@ -2,7 +2,8 @@
 
 namespace ugoki {
 
-/// Built with a sanitizer whose shadow memory takes terabytes of addresses: no limit on memory can then be set.
+/// True if the program is built with a sanitizer whose shadow memory reserves terabytes of address space. A limit on the address space
+/// (RLIMIT_AS) must not be set then.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool has_shadow_memory = true;
 #elif defined(__has_feature)

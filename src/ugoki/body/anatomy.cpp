@@ -12,8 +12,8 @@ constexpr std::array<const char*, 16> part_names = {"",     "pelvis", "trunk",  
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Lower case, without a name space ("mixamorig:") and without blanks.
-std::string plain(const std::string& name) {
+/// Lower case, without a namespace prefix ("mixamorig:") and without blanks.
+std::string normalized_name(const std::string& name) {
   const std::size_t colon = name.rfind(':');
   std::string out;
   for (std::size_t i = colon == std::string::npos ? 0 : colon + 1; i < name.size(); ++i) {
@@ -25,7 +25,7 @@ std::string plain(const std::string& name) {
 }
 bool has(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
 
-/// The name that the partner on the right would have; empty if the name does not say left.
+/// Name of the mirrored joint on the right side; empty if `left` does not name a joint on the left side.
 std::string right_name(const std::string& left) {
   std::string out = left;
   if (const std::size_t i = left.find("left"); i != std::string::npos) return out.replace(i, 4, "right");
@@ -40,6 +40,7 @@ std::string right_name(const std::string& left) {
   return {};
 }
 
+/// Finds the anatomy of one skeleton; run() performs the steps in order.
 class Finder {
  public:
   explicit Finder(const Skeleton& skeleton) : s_(skeleton), n_(static_cast<int>(skeleton.joints.size())) {}
@@ -47,11 +48,11 @@ class Finder {
   Anatomy run() {
     a_.p = rest_positions(s_);
     a_.children.resize(at(n_));
-    a_.places.resize(at(n_));
+    a_.parts.resize(at(n_));
     a_.mirror.assign(at(n_), -1);
     a_.bone.resize(at(n_));
     for (int i = 0; i < n_; ++i) {
-      names_.push_back(plain(s_.joints[at(i)].name));
+      names_.push_back(normalized_name(s_.joints[at(i)].name));
       if (const int parent = s_.joints[at(i)].parent; parent >= 0) a_.children[at(parent)].push_back(i);
     }
     turn_to_anatomical_axes();
@@ -59,8 +60,8 @@ class Finder {
     a_.why_not = find_human();
     a_.human = a_.why_not.empty();
     if (!a_.human) {
-      a_.places.assign(at(n_), {});
-      if (by_shape_) {  // what is no figure has no left
+      a_.parts.assign(at(n_), {});
+      if (by_shape_) {  // without a human anatomy, a left side guessed from the shape is meaningless
         a_.R_WA = Mat3::identity();
         a_.p = rest_positions(s_);
         find_bones();
@@ -72,7 +73,7 @@ class Finder {
   }
 
  private:
-  /// Left is where joints named left lie; without such names the shape tells it.
+  /// Sets R_WA: left is the mean direction from right-named to left-named joints, without such names left_by_shape().
   void turn_to_anatomical_axes() {
     Vec3 left{};
     for (int i = 0; i < n_; ++i) {
@@ -92,10 +93,11 @@ class Finder {
     for (Vec3& p : a_.p) p = transpose_times(a_.R_WA, p);
   }
 
-  /// Horizontal, across the plane that legs and arms are mirrored in; the toes point forward. Zero: nothing is mirrored.
+  /// Unit horizontal vector to the left: the normal of the mirror plane of legs and arms, signed so that the toes point forward.
+  /// Zero if the skeleton has no mirrored limbs.
   [[nodiscard]] Vec3 left_by_shape() const {
-    std::vector<double> length(at(n_));  // of all that hangs on a joint
-    std::vector<int> count(at(n_));
+    std::vector<double> length(at(n_));  // [joints] m, total bone length below a joint
+    std::vector<int> count(at(n_));      // [joints] number of joints below
     for (int i = n_ - 1; i >= 0; --i)
       for (const int c : a_.children[at(i)]) {
         length[at(i)] += length[at(c)] + norm(s_.joints[at(c)].offset);
@@ -118,12 +120,12 @@ class Finder {
     const SinCos turn = sin_cos(angle);
     Vec3 left{turn.cos, turn.sin, 0};
     if (left.y < 0) left = -left;
-    const double forward = dot(toes_point(), cross(left, Vec3{0, 0, 1}));
+    const double forward = dot(toe_direction(), cross(left, Vec3{0, 0, 1}));
     return forward < 0 ? -left : left;
   }
 
-  /// Sum over the lowest ends of their horizontal way from the joint before, where they point more than steeply down.
-  [[nodiscard]] Vec3 toes_point() const {
+  /// Sum [m] of the horizontal directions of the lowest end bones; bones that point steeply down (horizontal share below 0.35) are skipped.
+  [[nodiscard]] Vec3 toe_direction() const {
     double low = 1e300, high = -1e300;
     for (const Vec3& p : a_.p) {
       low = std::min(low, p.z);
@@ -133,15 +135,15 @@ class Finder {
     for (int i = 0; i < n_; ++i) {
       const int parent = s_.joints[at(i)].parent;
       if (!a_.children[at(i)].empty() || parent < 0 || a_.p[at(i)].z > low + 0.1 * (high - low)) continue;
-      Vec3 way = a_.p[at(i)] - a_.p[at(parent)];
-      for (const Vec3& e : s_.joints[at(i)].end_sites) way += e;
-      const Vec3 flat{way.x, way.y, 0};
-      if (norm(flat) > 0.35 * norm(way)) sum += flat;
+      Vec3 end = a_.p[at(i)] - a_.p[at(parent)];
+      for (const Vec3& e : s_.joints[at(i)].end_sites) end += e;
+      const Vec3 flat{end.x, end.y, 0};
+      if (norm(flat) > 0.35 * norm(end)) sum += flat;
     }
     return sum;
   }
 
-  /// Farthest point of the bone that starts at joint i: child or end site.
+  /// Sets the bone of every joint: the vector to its farthest child or end site.
   void find_bones() {
     for (int i = 0; i < n_; ++i) {
       Vec3 best{};
@@ -153,6 +155,7 @@ class Finder {
     }
   }
 
+  /// Far end of a leaf's bone, m.
   [[nodiscard]] Vec3 tip(int leaf) const { return a_.p[at(leaf)] + a_.bone[at(leaf)]; }
   [[nodiscard]] std::vector<int> path_from_root(int i) const {
     std::vector<int> path;
@@ -166,13 +169,14 @@ class Finder {
     for (std::size_t k = 0; k < std::min(a.size(), b.size()) && a[k] == b[k]; ++k) last = a[k];
     return last;
   }
-  /// Joints below `from` on the way to `leaf`.
+  /// Joints on the path from `from` (excluded) to its descendant `leaf`.
   [[nodiscard]] std::vector<int> path_below(int from, int leaf) const {
     std::vector<int> path = path_from_root(leaf);
     const auto it = std::find(path.begin(), path.end(), from);
     path.erase(path.begin(), it == path.end() ? path.begin() : it + 1);
     return path;
   }
+  /// Length [m] of the bones from `from` to the tip of `leaf`.
   [[nodiscard]] double path_length(int from, int leaf) const {
     double length = norm(a_.bone[at(leaf)]);
     int last = from;
@@ -182,22 +186,22 @@ class Finder {
     }
     return length;
   }
-  void mark(int joint, Part part, int side) { a_.places[at(joint)] = {part, side}; }
-  /// Joints that nothing has claimed belong to the part of their parent.
+  void mark(int joint, Part part, int side) { a_.parts[at(joint)] = {part, side}; }
+  /// Joints without a part get the part of their parent; below hand and foot they are fingers, thumb or toes.
   void mark_rest() {
     for (int i = 0; i < n_; ++i) {
-      if (a_.places[at(i)].part != Part::other) continue;
+      if (a_.parts[at(i)].part != Part::other) continue;
       const int parent = s_.joints[at(i)].parent;
       if (parent < 0) continue;
-      Place place = a_.places[at(parent)];
-      if (place.part == Part::hand) place.part = Part::fingers;
-      if (place.part == Part::foot) place.part = Part::toes;
-      if (place.side != 0 && has(names_[at(i)], "thumb")) place.part = Part::thumb;
-      a_.places[at(i)] = place;
+      SidedPart sided = a_.parts[at(parent)];
+      if (sided.part == Part::hand) sided.part = Part::fingers;
+      if (sided.part == Part::foot) sided.part = Part::toes;
+      if (sided.side != 0 && has(names_[at(i)], "thumb")) sided.part = Part::thumb;
+      a_.parts[at(i)] = sided;
     }
   }
 
-  /// @return why this is no human; empty if it is one
+  /// Finds all parts. Lengths are compared with the skeleton's height. @return why the skeleton is not human; empty if it is
   std::string find_human() {
     std::vector<int> leaves;
     for (int i = 0; i < n_; ++i)
@@ -208,7 +212,7 @@ class Finder {
       high = std::max(high, tip(l).z);
     }
     const double extent = high - low;
-    if (leaves.size() < 5 || !(extent > 0)) return "it has fewer than five ends (head, hands, feet).";
+    if (leaves.size() < 5 || !(extent > 0)) return "the skeleton has fewer than five end joints (head, hands, feet).";
     int leg_leaf[2] = {-1, -1};
     int head_leaf = -1;
     for (const int l : leaves) {
@@ -217,11 +221,10 @@ class Finder {
       if (std::fabs(t.y) > 0.01 * extent && (leg_leaf[side] < 0 || t.z < tip(leg_leaf[side]).z)) leg_leaf[side] = l;
       if (std::fabs(t.y) < 0.06 * extent && (head_leaf < 0 || t.z > tip(head_leaf).z)) head_leaf = l;
     }
-    if (leg_leaf[0] < 0 || leg_leaf[1] < 0 || head_leaf < 0) return "it has no two feet and a head.";
+    if (leg_leaf[0] < 0 || leg_leaf[1] < 0 || head_leaf < 0) return "no two feet and a head were found.";
     const int pelvis = common_ancestor(leg_leaf[0], leg_leaf[1]);
-    if (pelvis < 0) return "its legs have no common root.";
-    // From the pelvis up to the head.
-    if (common_ancestor(pelvis, head_leaf) < 0) return "its head does not hang on its pelvis.";
+    if (pelvis < 0) return "the legs have no common root.";
+    if (common_ancestor(pelvis, head_leaf) < 0) return "the head is not connected to the pelvis.";
     int arm_leaf[2] = {-1, -1};
     double arm_length[2] = {0, 0};
     for (const int l : leaves) {
@@ -236,12 +239,12 @@ class Finder {
         arm_length[side] = length;
       }
     }
-    if (arm_leaf[0] < 0 || arm_leaf[1] < 0) return "it has no two arms.";
+    if (arm_leaf[0] < 0 || arm_leaf[1] < 0) return "no two arms were found.";
     const int chest = std::min(common_ancestor(arm_leaf[0], head_leaf), common_ancestor(arm_leaf[1], head_leaf));
-    if (chest == pelvis) return "its arms hang on its pelvis.";
-    if (common_ancestor(chest, pelvis) != pelvis) return "its legs hang above its arms.";
+    if (chest == pelvis) return "the arms are attached to the pelvis.";
+    if (common_ancestor(chest, pelvis) != pelvis) return "the legs are attached above the arms.";
     for (int side = 0; side < 2; ++side) {
-      if (tip(arm_leaf[side]).z < low + 0.15 * extent) return "it stands on four legs.";
+      if (tip(arm_leaf[side]).z < low + 0.15 * extent) return "the skeleton has four legs.";
       if (const std::string why = find_leg(pelvis, leg_leaf[side], side, extent); !why.empty()) return why;
     }
     for (const int i : path_from_root(pelvis)) {
@@ -253,13 +256,13 @@ class Finder {
       mark(i, Part::trunk, 0);
       a_.trunk.push_back(i);
     }
-    if (a_.trunk.back() != chest) return "its arms do not hang on its spine.";
+    if (a_.trunk.back() != chest) return "the arms are not attached to the spine.";
     for (const int i : path_below(chest, head_leaf)) {
       mark(i, Part::neck, 0);
       a_.neck.push_back(i);
     }
-    if (a_.neck.empty()) return "it has no head above its arms.";
-    // The head is the last joint named so, or the last one.
+    if (a_.neck.empty()) return "no head was found above the arms.";
+    // The head is the first neck joint named "head", otherwise the last one.
     int head = a_.neck.back();
     for (const int i : a_.neck)
       if (has(names_[at(i)], "head")) {
@@ -279,11 +282,12 @@ class Finder {
              norm(a_.p[at(a_.legs[at(side)].distal)] - a_.p[at(a_.legs[at(side)].proximal)]);
     };
     if (std::fabs(leg_length(0) - leg_length(1)) > 0.15 * (leg_length(0) + leg_length(1)))
-      return "its legs differ in length by more than a third.";
-    if (leg_length(0) < 0.25 * extent) return "its legs are too short.";
+      return "the legs differ in length by more than a third.";
+    if (leg_length(0) < 0.25 * extent) return "the legs are shorter than a quarter of the height.";
     return {};
   }
 
+  /// Marks the joints of a leg. @return what is missing; empty if complete
   std::string find_leg(int pelvis, int leaf, int side, double extent) {
     const int sign = side == 0 ? 1 : -1;
     Limb& leg = a_.legs[at(side)];
@@ -308,6 +312,7 @@ class Finder {
     return leg.end < 0 ? "a leg has no thigh, shank and foot." : "";
   }
 
+  /// Marks the joints of an arm. @return what is missing; empty if complete
   std::string find_arm(int chest, int leaf, int side, double extent) {
     const int sign = side == 0 ? 1 : -1;
     Limb& arm = a_.arms[at(side)];
@@ -326,7 +331,7 @@ class Finder {
         if (elbow) arm.distal = i;
       } else if (arm.end < 0) {
         const bool far = norm(a_.p[at(i)] - a_.p[at(arm.distal)]) > 0.07 * extent;
-        // A bone between elbow and hand that only turns the forearm.
+        // A joint between elbow and hand that only twists the forearm belongs to the forearm.
         const bool turns = has(name, "roll") || has(name, "twist") || (has(name, "wrist") && bone > 0.035 * extent && k + 1 < path.size());
         mark(i, far && !turns ? Part::hand : Part::forearm, sign);
         if (far && !turns) arm.end = i;
@@ -338,14 +343,15 @@ class Finder {
     return arm.distal < 0 ? "an arm has no upper arm and forearm." : "";
   }
 
+  /// Pairs the joints of each part by their order on both sides.
   void find_mirror() {
     for (int i = 0; i < n_; ++i) {
-      const Place place = a_.places[at(i)];
-      if (place.side <= 0) continue;
+      const SidedPart sided = a_.parts[at(i)];
+      if (sided.side <= 0) continue;
       int rank = 0;
-      for (int k = 0; k < i; ++k) rank += a_.places[at(k)].part == place.part && a_.places[at(k)].side == place.side ? 1 : 0;
+      for (int k = 0; k < i; ++k) rank += a_.parts[at(k)].part == sided.part && a_.parts[at(k)].side == sided.side ? 1 : 0;
       for (int k = 0; k < n_; ++k) {
-        if (a_.places[at(k)].part != place.part || a_.places[at(k)].side != -1) continue;
+        if (a_.parts[at(k)].part != sided.part || a_.parts[at(k)].side != -1) continue;
         if (rank-- == 0) {
           a_.mirror[at(i)] = k;
           a_.mirror[at(k)] = i;
@@ -357,7 +363,7 @@ class Finder {
   const Skeleton& s_;
   int n_;
   std::vector<std::string> names_;
-  bool by_shape_ = false;  // no names tell left from right
+  bool by_shape_ = false;  // left was guessed from the shape, because no joint names give it
   Anatomy a_;
 };
 
@@ -367,34 +373,34 @@ Vec3 Anatomy::symmetric_bone(int i) const {
   const int other = mirror[at(i)];
   if (other < 0) return bone[at(i)];
   const Vec3 b = bone[at(other)];
-  // Added in the same order on both sides, so that both get the same bits.
-  const Vec3 l = places[at(i)].side > 0 ? bone[at(i)] : b, r = places[at(i)].side > 0 ? b : bone[at(i)];
+  // The sum has the same order for both sides, so that both get the same bits.
+  const Vec3 l = parts[at(i)].side > 0 ? bone[at(i)] : b, r = parts[at(i)].side > 0 ? b : bone[at(i)];
   const Vec3 mean = {0.5 * (l.x + r.x), 0.5 * (l.y - r.y), 0.5 * (l.z + r.z)};
-  return places[at(i)].side > 0 ? mean : Vec3{mean.x, -mean.y, mean.z};
+  return parts[at(i)].side > 0 ? mean : Vec3{mean.x, -mean.y, mean.z};
 }
 
 Anatomy find_anatomy(const Skeleton& skeleton) { return Finder(skeleton).run(); }
 
 std::string label_of(const Anatomy& anatomy, int joint) {
-  const Place place = anatomy.places[at(joint)];
-  if (place.part == Part::other) return {};
-  std::string text = part_names[static_cast<std::size_t>(place.part)];
-  if (place.part == Part::trunk) {
+  const SidedPart sided = anatomy.parts[at(joint)];
+  if (sided.part == Part::other) return {};
+  std::string text = part_names[static_cast<std::size_t>(sided.part)];
+  if (sided.part == Part::trunk) {
     const auto& t = anatomy.trunk;
     const auto it = std::find(t.begin(), t.end(), joint);
     if (it == t.end()) return {};
-    // The first trunk joints belong to the abdomen, the last one is the chest.
-    const auto first = std::find_if(t.begin(), t.end(), [&](int i) { return anatomy.places[at(i)].part == Part::trunk; });
+    // The first two trunk joints belong to the abdomen; the last one is the chest.
+    const auto first = std::find_if(t.begin(), t.end(), [&](int i) { return anatomy.parts[at(i)].part == Part::trunk; });
     text = it + 1 == t.end() ? "chest" : it == first ? "abdomen" : it == first + 1 ? "abdomen upper" : "back";
   }
   int rank = 0;
   for (int i = 0; i < joint; ++i)
-    rank += anatomy.places[at(i)].part == place.part && anatomy.places[at(i)].side == place.side && place.part != Part::trunk ? 1 : 0;
-  if (place.part == Part::neck && rank > 0)
+    rank += anatomy.parts[at(i)].part == sided.part && anatomy.parts[at(i)].side == sided.side && sided.part != Part::trunk ? 1 : 0;
+  if (sided.part == Part::neck && rank > 0)
     text = "neck upper";
   else if (rank > 0)
     text += " " + std::to_string(rank + 1);
-  if (place.side != 0) text += place.side > 0 ? " left" : " right";
+  if (sided.side != 0) text += sided.side > 0 ? " left" : " right";
   return text;
 }
 

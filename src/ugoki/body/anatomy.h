@@ -1,5 +1,5 @@
 #pragma once
-// Which joint of a skeleton is which part of a human body.
+// Recognises the human anatomy of a measured skeleton: the body part and side of each joint.
 
 #include <array>
 #include <string>
@@ -12,38 +12,40 @@ namespace ugoki::body {
 /// The part of the body that starts at a joint.
 enum class Part { other, pelvis, trunk, neck, head, hip, thigh, shank, foot, toes, shoulder, upper_arm, forearm, hand, fingers, thumb };
 
-struct Place {
+/// Body part and side of one joint.
+struct SidedPart {
   Part part = Part::other;
   int side = 0;  ///< 1 left, -1 right, 0 middle
 };
 
-/// Joints of a leg (thigh, shank, foot, toes) or an arm (upper arm, forearm, hand, fingers); -1 where there is none.
+/// First joints of the sections of a leg (thigh, shank, foot, toes) or an arm (upper arm, forearm, hand, fingers); -1: missing.
 struct Limb {
   int proximal = -1, distal = -1, end = -1, tip = -1;
 };
 
+/// Result of find_anatomy. Joint indices are those of the skeleton.
 struct Anatomy {
   bool human = false;
-  std::string why_not;           ///< a sentence, if no human
-  Mat3 R_WA = Mat3::identity();  ///< anatomical frame at rest: x forward, y left, z up
-  std::vector<Vec3> p;           ///< [joints] m, rest position in A's axes
-  std::vector<std::vector<int>> children;
-  std::vector<Place> places;       ///< [joints]
-  std::vector<int> trunk;          ///< joints of the trunk from the pelvis up, pelvis first
-  std::vector<int> neck;           ///< neck joints upwards and the head last
-  std::array<Limb, 2> legs, arms;  ///< left, right
-  std::vector<int> mirror;         ///< [joints] the same joint on the other side; -1 for those in the middle or without one
-  std::vector<Vec3> bone;          ///< [joints] m, from the joint along its bone to the next joint or end, in A's axes
+  std::string why_not;                     ///< sentence with the reason if `human` is false
+  Mat3 R_WA = Mat3::identity();            ///< world orientation of the anatomical frame A at rest: x forward, y left, z up
+  std::vector<Vec3> p;                     ///< [joints] m, rest positions in A's axes
+  std::vector<std::vector<int>> children;  ///< [joints]
+  std::vector<SidedPart> parts;            ///< [joints]; `other` everywhere if not human
+  std::vector<int> trunk;                  ///< joints of the trunk from the pelvis upwards
+  std::vector<int> neck;                   ///< neck joints upwards, the head last
+  std::array<Limb, 2> legs, arms;          ///< left, right
+  std::vector<int> mirror;                 ///< [joints] mirrored joint on the other side; -1: none (joints in the middle)
+  std::vector<Vec3> bone;                  ///< [joints] m, vector from the joint to the far end of its bone, in A's axes
 
-  /// Bone of joint i averaged with its mirrored partner: the same on both sides but for the sign of y.
+  /// Bone [m] of joint i averaged with the mirrored joint's bone. Both sides get the same bits except for the sign of y.
   [[nodiscard]] Vec3 symmetric_bone(int i) const;
 };
 
-/// Finds pelvis, trunk, neck, head, legs and arms from the tree's shape at rest; names tell left from right,
-/// collar bones, wrists and thumbs. Without names for left and right, mirrored limbs tell across, and toes forward.
+/// Finds pelvis, trunk, neck, head, legs and arms from the shape of the joint tree at rest. Joint names decide which side is left and
+/// identify collar bones, wrists and thumbs. Without such names, the mirror plane of the limbs and the direction of the toes decide.
 [[nodiscard]] Anatomy find_anatomy(const Skeleton& skeleton);
 
-/// Words for people and for matching: "thigh left".
+/// Label of the joint's link (Link::label), for example "thigh left"; empty if the part is unknown.
 [[nodiscard]] std::string label_of(const Anatomy& anatomy, int joint);
 
 }  // namespace ugoki::body

@@ -15,30 +15,31 @@ namespace ugoki::body {
 namespace {
 
 constexpr double degree = pi / 180;
-constexpr double nominal_ball = 0.019;       // height of the ball's joint over the ground, of the body's height
-constexpr double foot_length = 0.152;        // of the height (Drillis and Contini 1966, in Winter 2009, fig. 4.1)
-constexpr double leg_share = 0.245 + 0.246;  // thigh and shank, of the height (the same)
+constexpr double nominal_ball = 0.019;       // height of the ball's joint above the ground, share of the body's height
+constexpr double foot_length = 0.152;        // share of the height (Drillis and Contini 1966, in Winter 2009, fig. 4.1)
+constexpr double leg_share = 0.245 + 0.246;  // thigh and shank, share of the height (same source)
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Error check_input(const MeasuredMotion& m) {
   Error errors;
-  const std::string place = m.source.empty() ? m.name : m.source;
+  const std::string location = m.source.empty() ? m.name : m.source;
   const std::size_t n = m.skeleton.joints.size();
-  if (n == 0) errors.add(ErrorCode::structure, place, "the skeleton has no joints.", "Export it with its skeleton.");
+  if (n == 0) errors.add(ErrorCode::structure, location, "The skeleton has no joints.", "Export the motion with its skeleton.");
   if (m.translations.size() != n * at(m.frames) || m.rotations.size() != n * at(m.frames))
-    errors.add(ErrorCode::structure, place, "frames and joints do not fit together.", "Read the file again.");
+    errors.add(ErrorCode::structure, location, "The number of samples is not frames times joints.", "Export the file again.");
   for (std::size_t i = 0; i < n; ++i) {
     const SkeletonJoint& j = m.skeleton.joints[i];
     bool finite = is_finite(j.offset);
     for (const Vec3& e : j.end_sites) finite = finite && is_finite(e);
-    if (!finite) errors.add(ErrorCode::range, place + ", joint " + j.name, "its offset is not finite.", "Correct the file.");
+    if (!finite) errors.add(ErrorCode::range, location + ", joint " + j.name, "The offset is not finite.", "Correct the file.");
     if (j.parent >= static_cast<int>(i))
-      errors.add(ErrorCode::structure, place + ", joint " + j.name, "its parent does not come before it.", "Correct the order.");
+      errors.add(ErrorCode::structure, location + ", joint " + j.name, "The parent does not precede the joint.",
+                 "Put parents before their children in the file.");
   }
   for (const Vec3& t : m.translations)
     if (!is_finite(t)) {
-      errors.add(ErrorCode::range, place, "a measured position is not finite.", "Correct the file.");
+      errors.add(ErrorCode::range, location, "A measured position is not finite.", "Correct the file.");
       break;
     }
   return errors;
@@ -51,14 +52,14 @@ Shape turned(Shape s, const Mat3& R) {
   return s;
 }
 
-/// Makes one body; split into steps that each report what they found.
+/// Makes one body in steps, each of which adds its findings to Body::report.
 class Maker {
  public:
   Maker(const MeasuredMotion& motion, const BodyOptions& options) : m_(motion), o_(options), anatomy_(find_anatomy(motion.skeleton)) {}
 
   Result<Body> run() {
     auto body = build(false);
-    // Hinges were accepted by what they cost at their own children; if that adds up, take them only where they cost nothing.
+    // Hinges were accepted by the error at their own children. If these errors accumulate to 0.9e-6 m, build again with strict hinges.
     if (body && calc_position_error(*body, m_, to_motion(*body, m_)) > 0.9e-6) body = build(true);
     return body;
   }
@@ -73,10 +74,10 @@ class Maker {
     name_links();
     for (const SkeletonJoint& j : m_.skeleton.joints) body_.joint_names.push_back(j.name);
     if (anatomy_.human)
-      human();
+      build_human();
     else
-      generic();
-    join();
+      build_generic();
+    reset_root_frames();
     auto made = Mechanism::make(spec_);
     if (!made) return fail(std::move(made.error()));
     body_.mechanism = *made;
@@ -86,13 +87,14 @@ class Maker {
     return body_;
   }
 
-  void say(std::string sentence) { body_.report.push_back(std::move(sentence)); }
+  void note(std::string sentence) { body_.report.push_back(std::move(sentence)); }
 
+  /// Creates a link for each joint, with unique names.
   void name_links() {
-    std::set<std::string> taken;
+    std::set<std::string> used;
     for (const SkeletonJoint& j : m_.skeleton.joints) {
       std::string name = j.name.empty() ? "joint" : j.name;
-      for (int k = 2; !taken.insert(name).second; ++k) name = j.name + " " + std::to_string(k);
+      for (int k = 2; !used.insert(name).second; ++k) name = j.name + " " + std::to_string(k);
       LinkSpec link;
       link.name = std::move(name);
       if (j.parent >= 0) link.parent = spec_.links[at(j.parent)].name;
@@ -101,7 +103,7 @@ class Maker {
     spec_.name = m_.skeleton.name.empty() ? m_.name : m_.skeleton.name;
   }
 
-  void human() {
+  void build_human() {
     Build build{anatomy_, 0, 0, 1, {}};
     find_size(build);
     find_soles(build);
@@ -116,13 +118,14 @@ class Maker {
       set_joint_properties(link.joint, anatomy_, m_.skeleton.joints[i], static_cast<int>(i), build.mass);
       moved += link.joint.nv() > 0 ? 1 : 0;
     }
-    give_mass_to_empty_ends();
-    say(m_.frames == 1
-            ? "One frame does not tell how joints move; " + std::to_string(moved) + " of " + std::to_string(spec_.links.size()) +
-                  " that carry something can turn."
-            : std::to_string(moved) + " of " + std::to_string(spec_.links.size()) + " joints move in this motion; the others are fixed.");
+    give_mass_to_massless_ends();
+    note(m_.frames == 1
+             ? "One frame does not show how joints move; " + std::to_string(moved) + " of " + std::to_string(spec_.links.size()) +
+                   " joints were made movable."
+             : std::to_string(moved) + " of " + std::to_string(spec_.links.size()) + " joints move in this motion; the others are fixed.");
   }
 
+  /// Sets height, mass and breadth: given, from the file, or estimated.
   void find_size(Build& build) {
     const auto leg = [&](const Limb& l) {
       return norm(anatomy_.p[at(l.distal)] - anatomy_.p[at(l.proximal)]) + norm(anatomy_.p[at(l.end)] - anatomy_.p[at(l.distal)]);
@@ -130,25 +133,25 @@ class Maker {
     const double legs = 0.5 * (leg(anatomy_.legs[0]) + leg(anatomy_.legs[1]));
     build.height = o_.height > 0 ? o_.height : legs / leg_share;
     body_.height = build.height;
-    say(o_.height > 0 ? "Height " + to_fixed(build.height, 3) + " m, as given."
-                      : "Height " + to_fixed(build.height, 3) + " m, from legs of " + to_fixed(legs, 3) +
-                            " m (hip to ankle are 49.1 % of the height).");
+    note(o_.height > 0 ? "Height " + to_fixed(build.height, 3) + " m, as given."
+                       : "Height " + to_fixed(build.height, 3) + " m, estimated from legs of " + to_fixed(legs, 3) +
+                             " m (hip to ankle is 49.1 % of the height).");
     const double bmi = m_.skeleton.mass / (build.height * build.height);
     if (o_.mass > 0) {
       build.mass = o_.mass;
-      say("Mass " + to_fixed(build.mass, 1) + " kg, as given.");
+      note("Mass " + to_fixed(build.mass, 1) + " kg, as given.");
     } else if (bmi > 12 && bmi < 60) {
       build.mass = m_.skeleton.mass;
-      say("Mass " + to_fixed(build.mass, 1) + " kg, from the file.");
+      note("Mass " + to_fixed(build.mass, 1) + " kg, from the file.");
     } else {
       build.mass = 22.5 * build.height * build.height;
-      say("Mass " + to_fixed(build.mass, 1) + " kg, 22.5 kg/m^2 times height squared" +
-          (m_.skeleton.mass > 0 ? " (the file's mass is not plausible)." : "."));
+      note("Mass " + to_fixed(build.mass, 1) + " kg, estimated as 22.5 kg/m^2 times height squared" +
+           (m_.skeleton.mass > 0 ? " (the file's mass is not plausible)." : "."));
     }
     build.breadth = std::sqrt((build.mass / build.height) / (70 / 1.75)) / (build.height / 1.75);
   }
 
-  /// Ground normal and thickness of each sole from the feet that stand, else from the shank and usual proportions.
+  /// Sets ground normal and thickness of each sole from the stances, otherwise from the shank's direction and usual proportions.
   void find_soles(Build& build) {
     const Mat3 to_anatomical = anatomy_.R_WA.transposed();
     for (int side = 0; side < 2; ++side) {
@@ -177,7 +180,7 @@ class Maker {
       shape.foot = sole.foot;
       shape.toes = sole.toes;
       shape.ball = bone;
-      // Usual: the sole lies across the shank, the ball's joint lower than the ankle by 2 % of the height.
+      // Default normal: the shank's direction, projected to the sagittal plane.
       const Vec3 usual = normalized(shank - Vec3{1, 0, 0} * dot(shank, Vec3{1, 0, 0}));
       shape.foot_up = usual;
       shape.toes_up = usual;
@@ -200,36 +203,38 @@ class Maker {
       build.soles.push_back(shape);
     }
     if (!fit.found) {
-      say("No frame in which a foot stands was found; the soles are those of usual feet, the floor is not corrected.");
+      note("No frame with a standing foot was found; usual proportions are assumed for the soles, and the floor is not corrected.");
       return;
     }
     if (!o_.level_floor) return;
     const Pose X = calc_floor_pose(body_, m_);
-    say("The floor was found at " + to_fixed(-X.p.z * 100, 1) + " cm in the measured data" +
-        (fit.tilt > 1e-9 ? ", tilted by " + to_fixed(fit.tilt / degree, 2) + " degrees; the motion is levelled and shifted onto z = 0."
-                         : "; the motion is shifted onto z = 0."));
-    say("Soles: " + to_fixed(1000 * body_.soles[0].thickness, 0) + " mm (left) and " + to_fixed(1000 * body_.soles[1].thickness, 0) +
-        " mm (right) under the ball, heels " + to_fixed(1000 * build.soles[0].heel, 0) + " mm behind the ankles.");
+    note("The floor was found at " + to_fixed(-X.p.z * 100, 1) + " cm in the measured data" +
+         (fit.tilt > 1e-9 ? ", tilted by " + to_fixed(fit.tilt / degree, 2) + " degrees; the motion is levelled and shifted onto z = 0."
+                          : "; the motion is shifted onto z = 0."));
+    note("Soles: " + to_fixed(1000 * body_.soles[0].thickness, 0) + " mm (left) and " + to_fixed(1000 * body_.soles[1].thickness, 0) +
+         " mm (right) under the ball, heels " + to_fixed(1000 * build.soles[0].heel, 0) + " mm behind the ankles.");
   }
 
-  /// A movable link with nothing behind it that has mass gets a crumb, so that its equation can be solved.
-  void give_mass_to_empty_ends() {
+  /// Gives 2 % of the mass of the nearest ancestor with mass to each movable link whose subtree has no mass: its equation of motion
+  /// would be singular.
+  void give_mass_to_massless_ends() {
     std::vector<double> behind(spec_.links.size(), 0.0);
     for (std::size_t i = behind.size(); i-- > 0;) {
       LinkSpec& link = spec_.links[i];
       behind[i] += link.inertia.mass;
       if (link.joint.nv() > 0 && behind[i] <= 0) {
         double& donor = find_donor(i);
-        const double crumb = 0.02 * donor;
-        link.inertia = Inertia::from_centre(crumb, {}, {1e-4, 1e-4, 1e-4, 0, 0, 0});
-        behind[i] += crumb;
-        // The donor keeps its centre and gives mass and moments in proportion.
+        const double small_mass = 0.02 * donor;
+        link.inertia = Inertia::from_centre(small_mass, {}, {1e-4, 1e-4, 1e-4, 0, 0, 0});
+        behind[i] += small_mass;
+        // The donor keeps its centre of mass; its mass and moments decrease in proportion.
         LinkSpec& from = *donor_;
-        from.inertia = {from.inertia.mass - crumb, from.inertia.h * 0.98, from.inertia.I * 0.98};
+        from.inertia = {from.inertia.mass - small_mass, from.inertia.h * 0.98, from.inertia.I * 0.98};
       }
       if (const int parent = m_.skeleton.joints[i].parent; parent >= 0) behind[at(parent)] += behind[i];
     }
   }
+  /// Nearest ancestor with mass; sets donor_. @return its mass [kg]
   double& find_donor(std::size_t i) {
     int k = m_.skeleton.joints[i].parent;
     while (spec_.links[at(k)].inertia.mass <= 0) k = m_.skeleton.joints[at(k)].parent;
@@ -237,10 +242,10 @@ class Maker {
     return donor_->inertia.mass;
   }
 
-  /// No human: capsules along the bones.
-  void generic() {
-    say("No human anatomy was recognised: " + anatomy_.why_not + " The body is made of capsules of density 1000 kg/m^3 along the bones" +
-        (o_.mass > 0 ? ", scaled to the given mass." : "."));
+  /// Links of a skeleton that is not human: capsules along the bones.
+  void build_generic() {
+    note("No human anatomy was recognised: " + anatomy_.why_not + " The body is made of capsules of density 1000 kg/m^3 along the bones" +
+         (o_.mass > 0 ? ", scaled to the given mass." : "."));
     const std::vector<Vec3> p = rest_positions(m_.skeleton);
     double length = 0;
     std::vector<std::vector<Vec3>> bones(p.size());
@@ -252,12 +257,12 @@ class Maker {
       for (const Vec3& b : list) length = std::max(length, norm(b));
     const double height = rest_height(m_.skeleton);
     body_.height = o_.height > 0 ? o_.height : height;
-    const double least = std::max(0.02 * length, 0.005);
+    const double minimum = std::max(0.02 * length, 0.005);
     for (std::size_t i = 0; i < p.size(); ++i) {
       LinkSpec& link = spec_.links[i];
       for (const Vec3& b : bones[i])
-        if (norm(b) > least) link.shapes.push_back(Shape::capsule(std::max(0.1 * norm(b), 0.4 * least), {}, b));
-      if (link.shapes.empty()) link.shapes.push_back(Shape::sphere(std::max(0.08 * length, least)));
+        if (norm(b) > minimum) link.shapes.push_back(Shape::capsule(std::max(0.1 * norm(b), 0.4 * minimum), {}, b));
+      if (link.shapes.empty()) link.shapes.push_back(Shape::sphere(std::max(0.08 * length, minimum)));
       for (const Shape& s : link.shapes) link.inertia += solid_inertia(s, 1000);
       link.joint = fit_joint(m_, static_cast<int>(i), o_, strict_, body_.report);
       const double scale = link.inertia.mass;
@@ -271,12 +276,14 @@ class Maker {
     }
   }
 
-  void join() {
+  /// Floating roots start at the world's origin.
+  void reset_root_frames() {
     for (LinkSpec& l : spec_.links)
       if (l.joint.type == JointType::floating) l.joint.X_PJ = {};
   }
 
-  void tell_jumps(const Motion& motion, const Mechanism& mech) {
+  /// Reports joints whose angle jumps from one frame to the next.
+  void report_jumps(const Motion& motion, const Mechanism& mech) {
     const std::vector<Jump> jumps = find_jumps(motion, mech);
     std::string list;
     for (std::size_t from = 0, to = 0; from < jumps.size(); from = to) {
@@ -284,15 +291,16 @@ class Maker {
       list += (from > 0 ? ", " : "") + mech.link(jumps[from].link).name + " (" + std::to_string(to - from) + ")";
     }
     if (!list.empty())
-      say("Joints that turn over from one frame to the next in the data: " + list + "; motion control leaves these jumps out.");
+      note("Joints that turn over from one frame to the next in the data: " + list + "; motion control skips these jumps.");
   }
 
-  /// Widens limits that the measured motion exceeds, and lays springs' rest positions at the motion's median.
+  /// Widens limits that the measured motion exceeds (by a margin of 3 degrees) and sets the springs' rest positions to the motion's median.
+  /// Spherical joints that turn by more than 165 degrees get no limits and no spring: their rotation vector wraps around.
   void fit_limits() {
     if (m_.frames < 1) return;
     const Motion motion = to_motion(body_, m_);
     const Mechanism& mech = *body_.mechanism;
-    tell_jumps(motion, mech);
+    report_jumps(motion, mech);
     MechanismSpec spec = mech.spec();
     std::string widened;
     int count = 0;
@@ -310,7 +318,7 @@ class Maker {
       }
       bool wider = false;
       for (int k = 0; k < nv; ++k) {
-        Freedom& f = spec.links[at(i)].joint.freedoms[at(k)];
+        Dof& f = spec.links[at(i)].joint.dofs[at(k)];
         auto& values = x[at(k)];
         const auto [low, high] = std::minmax_element(values.begin(), values.end());
         if (wraps) {
@@ -332,7 +340,7 @@ class Maker {
         widened += (count++ > 0 ? ", " : "") + link.name;
       }
     }
-    if (count > 0) say("The motion goes beyond the usual joint limits, which were widened: " + widened + ".");
+    if (count > 0) note("The motion goes beyond the usual joint limits, which were widened: " + widened + ".");
     auto made = Mechanism::make(std::move(spec));
     UGOKI_CHECK(made.has_value());
     body_.mechanism = *made;
@@ -347,8 +355,8 @@ class Maker {
   Body body_;
 };
 
-/// Greatest turn [rad] of any joint from frame f to the next.
-double greatest_turn(const MeasuredMotion& m, int f) {
+/// Largest rotation [rad] of any joint from frame f to the next.
+double max_turn(const MeasuredMotion& m, int f) {
   const std::size_t n = m.skeleton.joints.size(), here = at(f) * n, next = here + n;
   double turn = 0;
   for (std::size_t i = 0; i < n; ++i) turn = std::max(turn, norm(log_map(m.rotations[here + i].conjugate() * m.rotations[next + i])));
@@ -359,8 +367,8 @@ double greatest_turn(const MeasuredMotion& m, int f) {
 
 bool has_calibration_frame(const MeasuredMotion& m) {
   if (m.frames < 4) return false;
-  const double later = std::max(greatest_turn(m, 1), greatest_turn(m, 2));
-  return greatest_turn(m, 0) > 20 * degree && greatest_turn(m, 0) > 5 * later;
+  const double later = std::max(max_turn(m, 1), max_turn(m, 2));
+  return max_turn(m, 0) > 20 * degree && max_turn(m, 0) > 5 * later;
 }
 
 Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options) {
@@ -374,7 +382,7 @@ Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options)
   Result<Body> body = Maker(rest, options).run();
   if (body)
     body->report.push_back(
-        "The first frame is a calibration pose, from which the motion jumps; it is replaced by what leads into the second frame.");
+        "The first frame is a calibration pose, from which the motion jumps; it is replaced by an extrapolation of the following frames.");
   return body;
 }
 
@@ -412,23 +420,23 @@ Motion to_motion(const Body& body, const MeasuredMotion& m) {
     const double* previous = f > 0 ? out.frame(f - 1) : nullptr;
     for (std::size_t i = 0; i < n; ++i) {
       const Link& link = mech.link(body.link_of_joint[i]);
-      const Pose want = X_WM * measured[i];
+      const Pose wanted = X_WM * measured[i];
       const int parent = m.skeleton.joints[i].parent;
       double* own = q + link.q_index;
       const double* before = previous ? previous + link.q_index : nullptr;
       if (link.joint.type == JointType::floating) {
-        own[0] = want.p.x;
-        own[1] = want.p.y;
-        own[2] = want.p.z;
+        own[0] = wanted.p.x;
+        own[1] = wanted.p.y;
+        own[2] = wanted.p.z;
         Joint ball;
         ball.type = JointType::spherical;
-        find_coordinates(ball, want.R, before ? before + 3 : nullptr, own + 3);
-        made[i] = want;
+        find_coordinates(ball, wanted.R, before ? before + 3 : nullptr, own + 3);
+        made[i] = wanted;
         continue;
       }
-      // Against the parent as it was made, so that what a hinge cannot do does not add up along a limb.
+      // Relative to the parent's reproduced pose, so that the errors of hinges do not accumulate along a limb.
       const Pose& base = made[at(parent)];
-      find_coordinates(link.joint, base.R.transposed() * want.R, before, own);
+      find_coordinates(link.joint, base.R.transposed() * wanted.R, before, own);
       made[i] = base * (link.joint.X_PJ * joint_pose(link.joint, own));
     }
   }
@@ -444,12 +452,12 @@ Motion to_motion(const Body& body, const MeasuredMotion& m) {
 
 double calc_position_error(const Body& body, const MeasuredMotion& measured, const Motion& motion) {
   const Pose X_WM = calc_floor_pose(body, measured);
-  std::vector<Pose> want, made(at(body.mechanism->link_count()));
+  std::vector<Pose> wanted, made(at(body.mechanism->link_count()));
   double worst = 0;
   for (int f = has_calibration_frame(measured) ? 1 : 0; f < measured.frames; ++f) {
-    measured.calc_joint_poses(f, want);
+    measured.calc_joint_poses(f, wanted);
     calc_poses(*body.mechanism, std::span(motion.frame(f), at(motion.nq)), made);
-    for (std::size_t i = 0; i < want.size(); ++i) worst = std::max(worst, norm(X_WM * want[i].p - made[at(body.link_of_joint[i])].p));
+    for (std::size_t i = 0; i < wanted.size(); ++i) worst = std::max(worst, norm(X_WM * wanted[i].p - made[at(body.link_of_joint[i])].p));
   }
   return worst;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Parts of make_body that share what was recognised of a human skeleton.
+// Steps of make_body that use the recognised human anatomy. Internal to body.
 
 #include <vector>
 
@@ -9,25 +9,26 @@
 
 namespace ugoki::body {
 
-/// The sole of one foot in its link's frames at rest (anatomical axes).
+/// Geometry of the sole of one foot at rest, in anatomical axes.
 struct SoleShape {
-  int foot = -1, toes = -1;
-  Vec3 foot_up, foot_forward;  ///< unit, in the foot's frame: ground normal, direction to the toes along the ground
+  int foot = -1, toes = -1;    ///< skeleton joints; toes -1: none
+  Vec3 foot_up, foot_forward;  ///< unit, in the foot's frame: ground normal, direction of the toes along the ground
   Vec3 toes_up, toes_forward;  ///< the same in the toes' frame
   Vec3 ball;                   ///< m, from the ankle
   double tip = 0;              ///< m, from the ball to the tip of the toes along the ground
   double heel = 0;             ///< m, from the ankle back to the heel along the ground
-  double thickness = 0;        ///< m, from the ball to the ground
-  double ankle = 0;            ///< m, from the ankle to the ground
+  double thickness = 0;        ///< m, height of the ball above the ground
+  double ankle = 0;            ///< m, height of the ankle above the ground
 };
 
-/// What the parts of a human body are built from. All in anatomical axes.
+/// Size and proportions of a human body (its build), in anatomical axes. `anatomy` must outlive it.
 struct Build {
   const Anatomy& anatomy;
-  double height = 0, mass = 0;
-  double breadth = 1;  ///< thickness of limbs against that of 1.75 m and 70 kg
-  std::vector<SoleShape> soles;
+  double height = 0, mass = 0;   ///< m, kg
+  double breadth = 1;            ///< thickness of the limbs relative to a person of 1.75 m and 70 kg at the same height scale
+  std::vector<SoleShape> soles;  ///< left, right
 
+  /// Sole whose foot or toes is `joint`; null: none.
   [[nodiscard]] const SoleShape* sole_of(int joint) const {
     for (const SoleShape& s : soles)
       if (s.foot == joint || s.toes == joint) return &s;
@@ -35,13 +36,13 @@ struct Build {
   }
 };
 
-/// The slabs of the trunk: joint i of Anatomy::trunk carries the trunk between heights [i] and [i + 1] (m, rest, A's axes).
+/// Heights [trunk joints + 1] (m, rest, A's axes) that divide the trunk: joint i of Anatomy::trunk carries the part from [i] to [i + 1].
 [[nodiscard]] std::vector<double> trunk_heights(const Build& build);
-/// Height at rest of the top of the head. m
+/// Height [m] of the top of the head at rest, in A's axes.
 [[nodiscard]] double head_top(const Build& build);
 
-/// Mass properties of every joint's link, in A's axes at the joint: de Leva's, spread over links where a segment has
-/// several; exactly mirrored left and right; summing to the mass.
+/// Mass properties [joints] of the links, in A's axes at the joint: de Leva's segments, distributed over the links of a segment.
+/// Left and right are exactly mirrored. The masses sum to build.mass.
 [[nodiscard]] std::vector<Inertia> human_inertias(const Build& build, Sex sex);
 /// Shapes of joint i's link in A's axes at the joint.
 [[nodiscard]] std::vector<Shape> human_shapes(const Build& build, int i);

@@ -7,22 +7,23 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// Upper median; `values` must not be empty.
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 double percentile(std::vector<double> values, double share) {
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
+  const auto position = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), position, values.end());
+  return *position;
 }
 
-/// World path of one foot.
+/// World trajectory of one foot, [frames].
 struct Track {
-  std::vector<Vec3> ankle, ball;
+  std::vector<Vec3> ankle, ball;  ///< m
   std::vector<Mat3> R_foot, R_toes;
-  std::vector<double> speed;  ///< m/s, the faster of ankle and ball
+  std::vector<double> speed;  ///< m/s, maximum of ankle and ball
 };
 
 std::vector<Track> track_feet(const MeasuredMotion& m, std::span<const Sole> soles) {
@@ -48,12 +49,14 @@ std::vector<Track> track_feet(const MeasuredMotion& m, std::span<const Sole> sol
   return tracks;
 }
 
-/// Slope of the floor [rise per m along x, y] from the places of the balls in stance; zero where they do not tell.
+/// Slope of the floor (dz/dx, dz/dy, 0) by least squares through the balls' stance positions, along their two principal directions.
+/// A direction gets slope zero if the stances span less than 1 m, or if the slope exceeds 0.035 (2 degrees). The same applies if the line
+/// does not reduce the rms error by a quarter, or leaves more than 12 mm.
 Vec3 find_slope(const std::vector<Track>& tracks, const std::vector<Stance>& stances) {
   struct Sample {
     double x, y, z;
   };
-  std::vector<Sample> samples;  // each foot about its own mean, because soles differ in thickness
+  std::vector<Sample> samples;  // relative to each foot's own mean, because soles differ in thickness
   for (std::size_t s = 0; s < tracks.size(); ++s) {
     Vec3 mean{};
     for (const int f : stances[s].frames) mean += tracks[s].ball[at(f)];
@@ -84,7 +87,7 @@ Vec3 find_slope(const std::vector<Track>& tracks, const std::vector<Stance>& sta
       uz += along * z;
       zz += z * z;
     }
-    if (high - low < 1.0) continue;  // the places lie too close together
+    if (high - low < 1.0) continue;  // too short a span to determine a slope
     const double rise = uz / uu;
     const double left = std::sqrt(std::max(0.0, zz - rise * uz) / static_cast<double>(samples.size()));
     const double before = std::sqrt(zz / static_cast<double>(samples.size()));
@@ -93,6 +96,7 @@ Vec3 find_slope(const std::vector<Track>& tracks, const std::vector<Stance>& sta
   return slope;
 }
 
+/// Componentwise median of the direction `up` in the frames R over the given frames, normalized.
 Vec3 median_direction(const std::vector<Mat3>& R, const std::vector<int>& frames, const Vec3& up) {
   std::vector<double> x, y, z;
   for (const int f : frames) {
@@ -104,9 +108,9 @@ Vec3 median_direction(const std::vector<Mat3>& R, const std::vector<int>& frames
   return normalized(Vec3{median(x), median(y), median(z)});
 }
 
-/// A floor that feet go through is none: walking on the spot (a treadmill, a loop of a game) has slow feet at the turn in the air alone,
-/// and the stance feet slide. Then feet stand where they are lowest.
-/// @return whether it is so; `stances` is set then
+/// Handles walking on the spot (treadmill, game loop): stance feet slide there, and feet are slow only at the reversal in the air.
+/// Feet then go below the floor found from slow feet, so the frames with the lowest feet become the stances.
+/// @return true if this case was detected and `stances` was replaced
 bool stand_where_lowest(const std::vector<Track>& tracks, double scale, std::vector<Stance>& stances) {
   std::vector<double> slow, all;
   for (std::size_t s = 0; s < tracks.size(); ++s) {
@@ -131,7 +135,7 @@ FloorFit fit_floor(const MeasuredMotion& m, std::span<const Sole> soles, double 
   if (soles.empty() || m.frames < 1) return fit;
   const std::vector<Track> tracks = track_feet(m, soles);
   const double scale = height / 1.7;
-  // Slow feet first; if a motion never has them, feet that are merely slower.
+  // Raise the speed limit (m/s, for a person of 1.7 m) until at least 4 frames and 2 % of the frames qualify.
   std::size_t found = 0;
   for (const double limit : {0.2, 0.4, 0.8}) {
     found = 0;
@@ -150,7 +154,7 @@ FloorFit fit_floor(const MeasuredMotion& m, std::span<const Sole> soles, double 
   const Vec3 up = normalized(Vec3{-slope.x, -slope.y, 1});
   fit.R_level = to_matrix(rotation_between(up, {0, 0, 1}));
   fit.tilt = acos(up.z);
-  // Only places near the lowest: not the stairs that somebody climbed.
+  // Keep stances within 4 cm of the lowest ones: feet on stairs or boxes are not on the floor.
   std::vector<double> heights;
   for (std::size_t s = 0; s < soles.size(); ++s)
     for (const int f : fit.stances[s].frames) heights.push_back(dot(up, tracks[s].ball[at(f)]));

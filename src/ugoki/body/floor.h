@@ -1,5 +1,5 @@
 #pragma once
-// The floor under measured motion: where the feet stand still, and the plane through those places.
+// Finds the floor under a measured motion: the plane through the positions at which the feet stand still.
 
 #include <span>
 #include <vector>
@@ -8,24 +8,25 @@
 
 namespace ugoki::body {
 
-/// Where one foot stands flat and still.
+/// Frames in which one foot stands flat and still.
 struct Stance {
-  std::vector<int> frames;  ///< frames in which it does
+  std::vector<int> frames;  ///< indices of these frames
   double ball_height = 0;   ///< m, median height of the ball along the floor's normal
-  Vec3 foot_up, toes_up;    ///< the floor's normal in the foot's and in the toes' frame, median over these frames
+  Vec3 foot_up, toes_up;    ///< unit, floor normal in the frames of foot and toes, median over these frames
 };
 
+/// Result of fit_floor.
 struct FloorFit {
-  bool found = false;
-  Mat3 R_level = Mat3::identity();  ///< turns measured directions so that the floor's normal becomes z
-  double tilt = 0;                  ///< rad, angle of the floor against the level in the measured data
+  bool found = false;               ///< at least one foot stands still in at least one frame
+  Mat3 R_level = Mat3::identity();  ///< rotates measured directions so that the floor's normal becomes z
+  double tilt = 0;                  ///< rad, angle between the measured floor and the horizontal plane
   std::vector<Stance> stances;      ///< [soles]
 };
 
-/// Finds frames in which each foot stands (both ankle and ball slower than 0.2 m/s, near the lowest height at which it
-/// does so; slower feet first if there are too few; where feet would go through that floor, as they do when somebody walks on the
-/// spot, all frames in which they are lowest) and, if the stance places tell it clearly, the floor's tilt.
-/// Heights of the balls are measured after levelling. @param height m, of the person
+/// Finds the frames in which each foot stands, and the floor's tilt if the stance positions determine it.
+/// A foot stands if ankle and ball are slower than 0.2 m/s (0.4 or 0.8 m/s if too few frames qualify; speeds scale with height / 1.7 m)
+/// and the ball is near the lowest such height. If feet go below that floor (walking on the spot), the lowest frames count instead.
+/// Ball heights are measured after levelling. @param height m, of the person
 [[nodiscard]] FloorFit fit_floor(const MeasuredMotion& motion, std::span<const Sole> soles, double height);
 
 }  // namespace ugoki::body

@@ -1,4 +1,4 @@
-// Mass properties of a human's links from de Leva's segments.
+// Mass properties of the links of a human body from de Leva's segments.
 
 #include <algorithm>
 
@@ -8,31 +8,32 @@
 namespace ugoki::body {
 namespace {
 
-constexpr double neck_share = 0.22;       // of the mass of head and neck
-constexpr double shoulder_share = 0.008;  // of the body's mass, taken from the upper trunk for each shoulder link
-constexpr double toes_share = 0.17;       // of the foot's mass
-constexpr double thumb_share = 0.08;      // of the hand's mass
-constexpr double palm_share = 0.62;
-constexpr double hand_length = 0.108;  // of the height, wrist to fingertip (Drillis and Contini 1966)
-constexpr double least_moment = 3e-5;  // kg m^2 about each axis, for 70 kg: smaller links would only harm the solution's accuracy
+constexpr double neck_share = 0.22;       // share of the mass of head and neck
+constexpr double shoulder_share = 0.008;  // share of the body's mass, moved from the upper trunk to each shoulder link
+constexpr double toes_share = 0.17;       // share of the foot's mass
+constexpr double thumb_share = 0.08;      // share of the hand's mass
+constexpr double palm_share = 0.62;       // share of the hand's mass without thumbs
+constexpr double hand_length = 0.108;     // share of the height, wrist to fingertip (Drillis and Contini 1966)
+constexpr double min_moment = 3e-5;       // kg m^2 about each axis, for 70 kg: smaller moments would make the mass matrix ill-conditioned
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Vec3 mirrored(const Vec3& v) { return {v.x, -v.y, v.z}; }
 Inertia mirrored(const Inertia& i) { return {i.mass, mirrored(i.h), {i.I.xx, i.I.yy, i.I.zz, -i.I.xy, i.I.xz, -i.I.yz}}; }
 
-/// Body of revolution about the unit vector u: second radii of gyration squared across and along it.
+/// Inertia of a body of revolution about the unit vector u. @param across2, along2 m^2, squared radii of gyration across and along u
 Inertia round_inertia(double mass, const Vec3& centre, const Vec3& u, double across2, double along2) {
   const Sym3 uu{u.x * u.x, u.y * u.y, u.z * u.z, u.x * u.y, u.x * u.z, u.y * u.z};
   const Sym3 one{1, 1, 1, 0, 0, 0};
   return Inertia::from_centre(mass, centre, (one * across2 + uu * (along2 - across2)) * mass);
 }
-/// Box with the given edge lengths along the axes x, y, z.
+/// Inertia of a box with the given edge lengths [m] along the columns of R.
 Inertia box_inertia(double mass, const Vec3& centre, const Vec3& edges, const Mat3& R) {
   const double x = edges.x * edges.x, y = edges.y * edges.y, z = edges.z * edges.z;
   return Inertia::from_centre(mass, centre, rotated(Sym3{mass * (y + z) / 12, mass * (x + z) / 12, mass * (x + y) / 12, 0, 0, 0}, R));
 }
 
+/// Distributes the segments' mass properties over the links of one body.
 class Distributor {
  public:
   Distributor(const Build& build, Sex sex)
@@ -54,9 +55,9 @@ class Distributor {
           put(i, round_inertia(shoulder_share, bone * 0.6, normalized(bone, {0, 1, 0}), dot(bone, bone) / 16 + 0.0006, 0.001));
         }
     }
-    // The same bits on both sides.
+    // Copy the left side to the right, so that both have the same bits.
     for (std::size_t i = 0; i < out_.size(); ++i)
-      if (a_.mirror[i] >= 0 && a_.places[i].side > 0) out_[at(a_.mirror[i])] = mirrored(out_[i]);
+      if (a_.mirror[i] >= 0 && a_.parts[i].side > 0) out_[at(a_.mirror[i])] = mirrored(out_[i]);
     double sum = 0;
     for (const Inertia& i : out_) sum += i.mass;
     const double scale = b_.mass / sum;
@@ -64,7 +65,7 @@ class Distributor {
       i = {i.mass * scale, i.h * scale, i.I * scale};
       if (i.mass <= 0) continue;
       const Sym3 c = i.about_centre();
-      const double lack = std::max(0.0, least_moment * b_.mass / 70 - std::min({c.xx, c.yy, c.zz}));
+      const double lack = std::max(0.0, min_moment * b_.mass / 70 - std::min({c.xx, c.yy, c.zz}));
       i.I = i.I + Sym3{lack, lack, lack, 0, 0, 0};
     }
     return std::move(out_);
@@ -73,11 +74,11 @@ class Distributor {
  private:
   void put(int joint, const Inertia& inertia) { out_[at(joint)] += inertia; }
 
-  /// Joints of one part on one side, from the body outwards.
+  /// Joints of one part on one side, from the trunk outwards.
   [[nodiscard]] std::vector<int> joints_of(Part part, int side) const {
     std::vector<int> joints;
-    for (std::size_t i = 0; i < a_.places.size(); ++i)
-      if (a_.places[i].part == part && a_.places[i].side == side) joints.push_back(static_cast<int>(i));
+    for (std::size_t i = 0; i < a_.parts.size(); ++i)
+      if (a_.parts[i].part == part && a_.parts[i].side == side) joints.push_back(static_cast<int>(i));
     return joints;
   }
 
@@ -85,7 +86,7 @@ class Distributor {
     const std::vector<double> z = trunk_heights(b_);
     struct Slice {
       const Segment* segment;
-      double bottom, top;  // shares of the trunk's height
+      double bottom, top;  // share of the trunk's height
     };
     const double total = t_.lower_trunk.length + t_.middle_trunk.length + t_.upper_trunk.length;
     const double low = t_.lower_trunk.length / total, mid = low + t_.middle_trunk.length / total;
@@ -101,7 +102,7 @@ class Distributor {
         if (to <= from) continue;
         double mass = s.segment->mass * (to - from) / ((s.top - s.bottom) * height);
         if (s.segment == &t_.upper_trunk) mass *= 1 - shoulders / s.segment->mass;
-        // An elliptic cylinder with the segment's radii of gyration: half axes a (forward), b (sideways).
+        // Elliptic cylinder with the segment's radii of gyration; semi-axes a (forward) and b (sideways).
         const double l2 = s.segment->length * b_.height * s.segment->length * b_.height * wide2_;
         const double sag = s.segment->sagittal * s.segment->sagittal * l2, tra = s.segment->transverse * s.segment->transverse * l2;
         const double lon = s.segment->longitudinal * s.segment->longitudinal * l2;
@@ -137,8 +138,8 @@ class Distributor {
     }
   }
 
-  /// A segment over its one joint as the table has it; over several as slices of a bar whose density changes linearly, so
-  /// that mass, centre and moments about the long axis are the table's.
+  /// Puts a segment on the joints of a part. One joint gets the table's values. Several joints get slices of a bar with linearly varying
+  /// density, so that total mass, centre of mass and moment about the long axis equal the table's.
   void limb(Part part, int side, const Segment& s) {
     std::vector<int> joints;
     std::vector<double> ends = {0};
@@ -177,7 +178,7 @@ class Distributor {
     }
   }
 
-  /// The mean of both soles, seen on the given side.
+  /// Mean of both soles, mirrored to the given side (1 left, -1 right).
   [[nodiscard]] SoleShape symmetric_sole(int side) const {
     SoleShape out = b_.soles[side > 0 ? 0 : 1];
     const SoleShape &l = b_.soles[0], &r = b_.soles[1];
@@ -204,14 +205,14 @@ class Distributor {
       return Mat3::columns(cross(y, up), y, up);
     };
     const bool toes = s.toes >= 0;
-    const double ball = dot(s.ball, s.foot_forward), rear = s.heel + ball, whole = rear + s.tip;
+    const double ball = dot(s.ball, s.foot_forward), rear = s.heel + ball, length = rear + s.tip;
     const double share = toes ? toes_share : 0;
-    // Along the ground from the heel, so that the whole foot's centre is the table's.
-    const double centre = (t_.foot.centre * whole - share * (rear + 0.5 * s.tip)) / (1 - share);
+    // Centre of the rear foot, m along the ground from the heel: foot and toes together have the table's centre of mass.
+    const double centre = (t_.foot.centre * length - share * (rear + 0.5 * s.tip)) / (1 - share);
     const double width = 0.045 * b_.height, height = 0.75 * s.ankle;
     const Vec3 c = s.foot_forward * (centre - s.heel) - s.foot_up * (0.55 * s.ankle);
     put(s.foot,
-        box_inertia(t_.foot.mass * (1 - share), c, {0.85 * (toes ? rear : whole), width, height}, frame(s.foot_forward, s.foot_up)));
+        box_inertia(t_.foot.mass * (1 - share), c, {0.85 * (toes ? rear : length), width, height}, frame(s.foot_forward, s.foot_up)));
     if (toes)
       put(s.toes, box_inertia(t_.foot.mass * share, s.toes_forward * (0.45 * s.tip) - s.toes_up * (0.4 * s.thickness),
                               {s.tip, 1.1 * width, s.thickness}, frame(s.toes_forward, s.toes_up)));
@@ -221,14 +222,14 @@ class Distributor {
     std::vector<int> joints = joints_of(Part::hand, side);
     const std::vector<int> fingers = joints_of(Part::fingers, side), thumbs = joints_of(Part::thumb, side);
     joints.insert(joints.end(), fingers.begin(), fingers.end());
-    if (joints.empty()) {  // the arm ends at the wrist: the hand rides on the forearm
+    if (joints.empty()) {  // the arm ends at the wrist: the forearm's link gets the hand's mass
       const std::vector<int> forearm = joints_of(Part::forearm, side);
       const Vec3 bone = a_.symmetric_bone(forearm.back());
       const double l = 0.5 * hand_length * b_.height;
       put(forearm.back(), round_inertia(t_.hand.mass, bone + normalized(bone) * (0.8 * l), normalized(bone), l * l / 3, 0.0008));
       return;
     }
-    // The palm: the first joint with a bone worth the name.
+    // The palm is the first joint whose bone is longer than 0.006 of the height.
     std::size_t palm = 0;
     while (palm + 1 < joints.size() && norm(a_.symmetric_bone(joints[palm])) < 0.006 * b_.height) ++palm;
     const double length = hand_length * b_.height;
@@ -272,7 +273,7 @@ std::vector<double> trunk_heights(const Build& build) {
   bool first = true;
   for (const int i : a.trunk) {
     double at_joint = hips;
-    if (a.places[at(i)].part == Part::trunk) {
+    if (a.parts[at(i)].part == Part::trunk) {
       at_joint = std::max(a.p[at(i)].z, first ? hips + 0.045 * build.height : hips);
       first = false;
     }
@@ -287,7 +288,7 @@ double head_top(const Build& build) {
   const int head = a.neck.back();
   const double end = a.p[at(head)].z + a.bone[at(head)].z;
   const double neck = trunk_heights(build).back();
-  // A head is 0.13 of the height; skeletons put its joint anywhere between the base of the skull and the nose.
+  // A head measures 0.13 of the height. Skeletons differ in the position of the head joint, from the base of the skull to the nose.
   return std::max({end, a.p[at(head)].z + 0.05 * build.height, neck + 0.135 * build.height});
 }
 

@@ -1,4 +1,4 @@
-// Human ranges, passive resistance and strength of joints. docs/design/body.md names the sources and says how coarse they are.
+// Ranges of motion, passive resistance and strength of human joints. docs/design/body.md lists the sources and their accuracy.
 
 #include <algorithm>
 
@@ -10,12 +10,12 @@ namespace {
 constexpr double degree = pi / 180;
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Of one part's joint; torques for a body of 70 kg.
+/// Passive properties of one joint for a body of 70 kg.
 struct Passive {
   double damping;    ///< N m s/rad
   double stiffness;  ///< N m/rad
-  double effort;     ///< N m
-  double armature;   ///< kg m^2
+  double effort;     ///< N m, maximum torque of the muscles
+  double armature;   ///< kg m^2, added inertia that keeps light links well conditioned
 };
 
 Passive passive_of(Part part) {
@@ -40,12 +40,13 @@ Passive passive_of(Part part) {
   return {1, 0, 400, 0};
 }
 
+/// Range of motion of a joint.
 struct Range {
-  Vec3 lower, upper;  ///< degrees of the rotation vector in anatomical axes (x forward, y left, z up), for the LEFT side
+  Vec3 lower, upper;  ///< degrees, rotation vector in anatomical axes (x forward, y left, z up), left side
 };
 
-/// Ranges from the posture in which legs and trunk are upright and arms are stretched out sideways.
-/// @param open degrees by which a thigh is spread, or a shoulder's arm hangs, at rest
+/// Range of motion relative to the rest posture: legs and trunk upright, arms stretched out sideways.
+/// @param open degrees by which the thigh is abducted, or the upper arm lowered, in the skeleton's rest posture
 Range range_of(Part part, double open) {
   switch (part) {
     case Part::trunk: return {{-30, -20, -30}, {30, 45, 30}};
@@ -68,44 +69,44 @@ Range range_of(Part part, double open) {
 }  // namespace
 
 void set_joint_properties(Joint& joint, const Anatomy& anatomy, const SkeletonJoint& source, int i, double mass) {
-  const Place place = anatomy.places[at(i)];
-  const Passive passive = passive_of(place.part);
+  const SidedPart sided = anatomy.parts[at(i)];
+  const Passive passive = passive_of(sided.part);
   const double strength = mass / 70;
   const int nv = joint.nv();
   if (joint.type == JointType::floating) return;
   for (int k = 0; k < nv; ++k) {
-    Freedom& f = joint.freedoms[at(k)];
+    Dof& f = joint.dofs[at(k)];
     f.damping = passive.damping * strength;
     f.stiffness = passive.stiffness * strength;
     f.effort = passive.effort * strength;
     f.armature = passive.armature;
   }
-  const bool own_freedoms = static_cast<int>(source.freedoms.size()) == nv && joint.type != JointType::spherical;
-  bool from_file = own_freedoms && nv > 0;
-  for (const MeasuredFreedom& f : source.freedoms) from_file = from_file && f.limited;
+  const bool own_dofs = static_cast<int>(source.dofs.size()) == nv && joint.type != JointType::spherical;
+  bool from_file = own_dofs && nv > 0;
+  for (const MeasuredDof& f : source.dofs) from_file = from_file && f.limited;
   if (from_file) {
     for (int k = 0; k < nv; ++k) {
-      joint.freedoms[at(k)].lower = source.freedoms[at(k)].lower;
-      joint.freedoms[at(k)].upper = source.freedoms[at(k)].upper;
+      joint.dofs[at(k)].lower = source.dofs[at(k)].lower;
+      joint.dofs[at(k)].upper = source.dofs[at(k)].upper;
     }
     return;
   }
-  if (place.part == Part::other) return;  // nothing is known about it
+  if (sided.part == Part::other) return;  // no human range is known for other parts
 
   double open = 0;
   const Vec3 bone = anatomy.symmetric_bone(i);
   const double outward = std::fabs(bone.y);
-  if (place.part == Part::thigh) open = atan2(outward, -bone.z) / degree;
-  if (place.part == Part::upper_arm) open = atan2(-bone.z, outward) / degree;
-  const Range range = range_of(place.part, open);
+  if (sided.part == Part::thigh) open = atan2(outward, -bone.z) / degree;
+  if (sided.part == Part::upper_arm) open = atan2(-bone.z, outward) / degree;
+  const Range range = range_of(sided.part, open);
   // The mirror image of a rotation vector (x, y, z) about the middle plane is (-x, y, -z).
   Vec3 lower = range.lower * degree, upper = range.upper * degree;
-  if (place.side < 0) {
+  if (sided.side < 0) {
     lower = {-range.upper.x * degree, lower.y, -range.upper.z * degree};
     upper = {-range.lower.x * degree, upper.y, -range.lower.z * degree};
   }
   if (joint.type == JointType::spherical) {
-    // The box of ranges in anatomical axes, seen in the link's axes (which differ only where the figure does not look along x).
+    // Bounding box, in the link's axes, of the range in anatomical axes. Both axes differ only if the character does not face x at rest.
     for (int k = 0; k < 3; ++k) {
       Vec3 a = transpose_times(anatomy.R_WA, Vec3{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
       double low = 0, high = 0;
@@ -113,27 +114,27 @@ void set_joint_properties(Joint& joint, const Anatomy& anatomy, const SkeletonJo
         low += a[c] > 0 ? a[c] * lower[c] : a[c] * upper[c];
         high += a[c] > 0 ? a[c] * upper[c] : a[c] * lower[c];
       }
-      joint.freedoms[at(k)].lower = low;
-      joint.freedoms[at(k)].upper = high;
+      joint.dofs[at(k)].lower = low;
+      joint.dofs[at(k)].upper = high;
     }
     return;
   }
-  if (place.part == Part::forearm && nv == 1) {  // an elbow that is a hinge flexes in the positive sense
-    joint.freedoms[0].lower = -10 * degree;
-    joint.freedoms[0].upper = 150 * degree;
+  if (sided.part == Part::forearm && nv == 1) {  // fit_hinge signs the axis so that an elbow flexes in the positive sense
+    joint.dofs[0].lower = -10 * degree;
+    joint.dofs[0].upper = 150 * degree;
     return;
   }
   for (int k = 0; k < nv; ++k) {
-    // Along one axis: as far as the box of ranges allows.
+    // Range along one axis: the part of the axis inside the box.
     const Vec3 axis = transpose_times(anatomy.R_WA, k == 0 ? joint.axis : joint.axis2);
     double low = 1e9, high = 1e9;
     for (int c = 0; c < 3; ++c) {
-      if (std::fabs(axis[c]) < 0.5) continue;  // a shank that is spread at rest still bends like a knee
+      if (std::fabs(axis[c]) < 0.5) continue;  // small components (an abducted shank at rest) must not narrow the main range
       low = std::min(low, axis[c] > 0 ? -lower[c] / axis[c] : upper[c] / -axis[c]);
       high = std::min(high, axis[c] > 0 ? upper[c] / axis[c] : -lower[c] / -axis[c]);
     }
-    joint.freedoms[at(k)].lower = -low;
-    joint.freedoms[at(k)].upper = high;
+    joint.dofs[at(k)].lower = -low;
+    joint.dofs[at(k)].upper = high;
   }
 }
 

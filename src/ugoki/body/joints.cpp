@@ -9,10 +9,10 @@ namespace ugoki::body {
 namespace {
 
 constexpr double degree = pi / 180;
-constexpr double unmoved = 0.01 * degree;    // below this a joint counts as not moved
-constexpr double position_tolerance = 2e-7;  // m; what one joint may add to the error of the positions that hang on it
-constexpr double hinge_tolerance = 8e-7;     // m; the same for a hinge and its children only
-constexpr double reported_shift = 5e-5;      // m; less is rounding of the file
+constexpr double unmoved = 0.01 * degree;    // rad, joints that turn less count as fixed
+constexpr double position_tolerance = 2e-7;  // m, position error that one joint may add for its descendants
+constexpr double hinge_tolerance = 8e-7;     // m, the same for a hinge and its children only
+constexpr double reported_shift = 5e-5;      // m, smaller shifts are rounding in the file and are not reported
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -23,7 +23,7 @@ const Vec3& translation(const MeasuredMotion& m, int frame, int joint) {
   return m.translations[at(frame) * m.skeleton.joints.size() + at(joint)];
 }
 
-/// Greatest distance [m] of a joint below `i` from `i` in any posture.
+/// Upper bound [m] of the distance of any descendant from joint `i` in any posture.
 double reach_of(const Skeleton& s, int i) {
   std::vector<double> distance(s.joints.size(), -1.0);
   distance[at(i)] = 0;
@@ -37,11 +37,11 @@ double reach_of(const Skeleton& s, int i) {
   return reach;
 }
 
-/// Angle about `axis` of the turn part of q (swing-twist).
+/// Twist angle [rad] of q about `axis` (swing-twist decomposition).
 double twist_angle(const Quat& q, const Vec3& axis) { return 2 * atan2(dot(q.vec(), axis), q.w); }
 double angle_of(const Quat& q) { return norm(log_map(q)); }
 
-/// Angles (outer, inner) of a universal joint nearest to R: exact where R is a turn about axis, then about axis2.
+/// Angles (outer, inner) [rad] of a universal joint that approximate R; exact if R is a rotation about axis followed by one about axis2.
 void universal_angles(const Vec3& axis, const Vec3& axis2, const Mat3& R, double* q) {
   const Vec3 from = axis2 - axis * dot(axis2, axis), moved = R * axis2;
   const Vec3 to = moved - axis * dot(moved, axis);
@@ -49,12 +49,13 @@ void universal_angles(const Vec3& axis, const Vec3& axis2, const Mat3& R, double
   q[1] = twist_angle(to_quat(rotation_about(axis, -q[0]) * R), axis2);
 }
 
+/// `angle` plus the multiple of 2 pi that brings it closest to `reference`.
 double nearest(double angle, double reference) {
   const double turns = (angle - reference) / (2 * pi);
   return angle - 2 * pi * std::floor(turns + 0.5);
 }
 
-/// Worst angle between the measured rotations and what the joint can do.
+/// Largest angle [rad] between the measured rotations and the closest rotations that the joint allows.
 double worst_misfit(const MeasuredMotion& m, int i, const Joint& joint) {
   double worst = 0;
   double q[7];
@@ -67,7 +68,7 @@ double worst_misfit(const MeasuredMotion& m, int i, const Joint& joint) {
   return worst;
 }
 
-/// Direction in which the rotation vectors v spread most (power iteration on their second moments).
+/// Unit principal direction of the rotation vectors v (power iteration on their second moments).
 Vec3 principal_direction(const std::vector<Vec3>& v) {
   Mat3 moments{};
   Vec3 best{};
@@ -80,7 +81,7 @@ Vec3 principal_direction(const std::vector<Vec3>& v) {
   return d;
 }
 
-/// A hinge through all measured rotations, if there is one.
+/// Hinge that reproduces all measured rotations within `tolerance` [rad]; nothing if there is none.
 std::optional<Joint> fit_hinge(const MeasuredMotion& m, int i, const Joint& base, double tolerance) {
   const Quat first = rotation(m, 0, i);
   std::vector<Vec3> turns(at(m.frames));
@@ -88,11 +89,11 @@ std::optional<Joint> fit_hinge(const MeasuredMotion& m, int i, const Joint& base
   Joint joint = base;
   joint.type = JointType::revolute;
   joint.axis = principal_direction(turns);
-  // Positive is the way it bends most of the time: knees and elbows flex.
+  // The axis is signed so that the mean angle is positive: knees and elbows flex in the positive sense.
   double mean = 0;
   for (int f = 0; f < m.frames; ++f) mean += twist_angle(rotation(m, f, i), joint.axis);
   if (mean < 0) joint.axis = -joint.axis;
-  // The first rotation = a constant one, then a turn about the axis; most often the constant is none.
+  // Decompose the first rotation into a constant rotation and a twist about the axis; the constant is usually the identity.
   const Quat constant = normalized(first * axis_angle(joint.axis, -twist_angle(first, joint.axis)));
   joint.X_PJ.R = angle_of(constant) < 1e-5 ? Mat3::identity() : to_matrix(constant);
   if (worst_misfit(m, i, joint) > tolerance) return std::nullopt;
@@ -110,10 +111,10 @@ Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool
   }
   joint.X_PJ.p = source.offset;
   if (m.frames == 0) {
-    joint.type = source.freedoms.empty() ? JointType::fixed : JointType::spherical;
+    joint.type = source.dofs.empty() ? JointType::fixed : JointType::spherical;
     return joint;
   }
-  // Where it is held against its parent.
+  // Position relative to the parent: the mean of the measured translations if they vary.
   Vec3 mean{};
   double shift = 0;
   for (int f = 0; f < m.frames; ++f) {
@@ -125,9 +126,9 @@ Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool
     joint.X_PJ.p += mean / m.frames;
     if (shift > reported_shift)
       report.push_back("Joint " + source.name + " is measured to shift by up to " + to_fixed(1000 * shift, 1) +
-                       " mm against its parent; the body holds it at the mean place, so positions below it differ by up to as much.");
+                       " mm against its parent; the body holds it at the mean position, so joints below it differ by up to as much.");
   }
-  // How it turns.
+  // Rotation: angle tolerances follow from the position tolerances and the lengths below the joint.
   const double reach = reach_of(m.skeleton, i);
   const double tolerance = std::min(1e-5, reach > 0 ? position_tolerance / reach : 1.0);
   double near = 0;
@@ -136,22 +137,22 @@ Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool
   const double near_tolerance = std::min(1e-5, near > 0 ? hinge_tolerance / near : 1.0);
   double moved = 0;
   for (int f = 1; f < m.frames; ++f) moved = std::max(moved, angle_of(rotation(m, 0, i).conjugate() * rotation(m, f, i)));
-  // One frame tells nothing about how joints move: what carries something turns as it likes.
+  // A single frame contains no information about joint types: joints that carry a bone become spherical.
   const bool carries = near > 0 || std::ranges::any_of(source.end_sites, [](const Vec3& e) { return norm(e) > 0; });
   const bool unknown = m.frames == 1 && carries;
   const bool still = !unknown && moved < std::min(unmoved, std::max(tolerance, 1e-9));
-  if (still && (source.freedoms.empty() || !options.keep_unmoved)) {
+  if (still && (source.dofs.empty() || !options.keep_unmoved)) {
     if (angle_of(rotation(m, 0, i)) > 1e-9) joint.X_PJ.R = to_matrix(rotation(m, 0, i));
     return joint;
   }
-  if (source.freedoms.size() == 1) {
+  if (source.dofs.size() == 1) {
     joint.type = JointType::revolute;
-    joint.axis = source.freedoms[0].axis;
+    joint.axis = source.dofs[0].axis;
     if (worst_misfit(m, i, joint) <= tolerance) return joint;
-  } else if (source.freedoms.size() == 2 && norm(cross(source.freedoms[0].axis, source.freedoms[1].axis)) > 0.1) {
+  } else if (source.dofs.size() == 2 && norm(cross(source.dofs[0].axis, source.dofs[1].axis)) > 0.1) {
     joint.type = JointType::universal;
-    joint.axis = source.freedoms[0].axis;
-    joint.axis2 = source.freedoms[1].axis;
+    joint.axis = source.dofs[0].axis;
+    joint.axis2 = source.dofs[1].axis;
     if (worst_misfit(m, i, joint) <= tolerance) return joint;
   }
   if (!options.keep_unmoved && !unknown)

@@ -1,5 +1,5 @@
 #pragma once
-// The joint of each link: its type from the measured freedoms and movement, its limits, its passive behaviour.
+// Joint of each link: type from the measured DOFs and motion, limits, passive properties. Internal to body.
 
 #include <string>
 #include <vector>
@@ -9,20 +9,22 @@
 
 namespace ugoki::body {
 
-/// The simplest joint that reproduces the measured movement of joint `i`: fixed, revolute, universal, spherical; floating
-/// for roots. Limits and passive properties are not set.
-/// @param strict a hinge must keep all positions below it; otherwise those of its children, because joints further on are
-///               turned so as to undo what the hinge cannot do
+/// Returns the simplest joint that reproduces the measured rotation of joint `i`: fixed, revolute, universal or spherical; floating for
+/// roots. Limits and passive properties are not set.
+/// @param strict true: a hinge must preserve the positions of all its descendants; false: only of its children, because joints further
+///               down compensate the error
+/// @param report receives a sentence if the joint's position shifts
 [[nodiscard]] Joint fit_joint(const MeasuredMotion& motion, int i, const BodyOptions& options, bool strict,
                               std::vector<std::string>& report);
 
-/// Coordinates of a joint that turns its link by R_PB against the parent link. For universal joints and hinges: the
-/// nearest turn. @param previous [nq] coordinates of the frame before (or nullptr), to which angles and signs are kept close
+/// Computes the coordinates with which the joint rotates its link by R_PB relative to the parent link; for hinges and universal joints
+/// the closest rotation they allow.
+/// @param previous [nq] coordinates of the previous frame or null; angles and quaternion signs are chosen close to them
 /// @param q [nq, out]
 void find_coordinates(const Joint& joint, const Mat3& R_PB, const double* previous, double* q);
 
-/// Limits (the file's, or human ranges), damping, stiffness and effort of a joint that moves, by the part it carries.
-/// @param mass kg of the whole body
+/// Sets limits (the file's, otherwise human ranges), damping, stiffness, armature and effort of a movable joint from its body part.
+/// @param source the skeleton's joint `i` @param mass kg, of the whole body
 void set_joint_properties(Joint& joint, const Anatomy& anatomy, const SkeletonJoint& source, int i, double mass);
 
 }  // namespace ugoki::body

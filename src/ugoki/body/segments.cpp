@@ -3,6 +3,7 @@
 namespace ugoki::body {
 namespace {
 
+// m, mean heights of the subjects; the published lengths are divided by them.
 constexpr double male_height = 1.741, female_height = 1.735;
 
 constexpr SegmentTable male = {

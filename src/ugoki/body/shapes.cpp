@@ -1,4 +1,4 @@
-// What a human's links look like and collide with: a quiet mannequin of capsules, and boxes as soles.
+// Shapes of the links of a human body, visible and colliding: capsules, and a box for each sole.
 
 #include <algorithm>
 
@@ -9,18 +9,20 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// The shape without collision.
 Shape decoration(Shape s) {
   s.collides = false;
   return s;
 }
 
+/// Makes the shapes of one joint's link. Radii below are m for a person of 1.75 m and 70 kg; h_ and w_ scale lengths and widths.
 class Modeller {
  public:
   Modeller(const Build& build, int joint)
-      : b_(build), a_(build.anatomy), i_(joint), h_(build.height / 1.75), w_(h_ * build.breadth), side_(a_.places[at(joint)].side) {}
+      : b_(build), a_(build.anatomy), i_(joint), h_(build.height / 1.75), w_(h_ * build.breadth), side_(a_.parts[at(joint)].side) {}
 
   std::vector<Shape> run() {
-    switch (a_.places[at(i_)].part) {
+    switch (a_.parts[at(i_)].part) {
       case Part::pelvis:
       case Part::trunk: trunk(); break;
       case Part::neck: along_bone(0.052, 0.0, 1.0); break;
@@ -54,14 +56,16 @@ class Modeller {
 
  private:
   [[nodiscard]] Vec3 bone() const { return a_.bone[at(i_)]; }
+  /// Capsule along the bone between the shares `from` and `to` of its length.
   void along_bone(double radius, double from, double to) {
     if (norm(bone()) > 0.02 * h_) out_.push_back(Shape::capsule(radius * w_, bone() * from, bone() * to));
   }
+  /// The same, visible only (muscles).
   void bulge(double radius, double from, double to) {
     if (norm(bone()) > 0.1 * h_) out_.push_back(decoration(Shape::capsule(radius * w_, bone() * from, bone() * to)));
   }
 
-  /// Sideways capsules at the link's part of the trunk: narrow at the waist, wide at the chest.
+  /// Transverse capsules over the link's part of the trunk, narrow at the waist and wide at the chest.
   void trunk() {
     const auto it = std::find(a_.trunk.begin(), a_.trunk.end(), i_);
     if (it == a_.trunk.end()) return;
@@ -79,15 +83,15 @@ class Modeller {
       const Vec3 c = middle(level) - own, y{0, half_width * w_, 0};
       out_.push_back(Shape::capsule(radius * w_, c - y, c + y));
     };
-    if (a_.places[at(i_)].part == Part::pelvis) {
-      if (k + 1 < a_.trunk.size() && a_.places[at(a_.trunk[k + 1])].part == Part::pelvis) return;  // shown by the last of them
+    if (a_.parts[at(i_)].part == Part::pelvis) {
+      if (k + 1 < a_.trunk.size() && a_.parts[at(a_.trunk[k + 1])].part == Part::pelvis) return;  // the last pelvis joint gets the shapes
       const double half = 0.5 * norm(a_.p[at(a_.legs[0].proximal)] - a_.p[at(a_.legs[1].proximal)]) / w_;
       across(z.front() + 0.025 * h_, std::max(0.05, half - 0.012), 0.088);
       across(z.front() + 0.07 * h_, 0.065, 0.088);
       return;
     }
     const double low = z[k], high = z[k + 1];
-    const auto half_width = [&](double level) {  // hips 0.065, waist 0.05, chest 0.085
+    const auto half_width = [&](double level) {  // m: hips 0.065, waist 0.05, chest 0.085
       const double t = (level - z.front()) / height;
       return t < 0.45 ? 0.05 + 0.015 * (0.45 - t) / 0.45 : 0.05 + 0.035 * std::min(1.0, (t - 0.45) / 0.35);
     };
@@ -97,13 +101,13 @@ class Modeller {
     };
     const bool chest = k + 1 == a_.trunk.size();
     const double top = chest ? std::max(low + 0.02 * h_, shoulder.z - 0.045 * h_) : high;
-    // As many as leave no gap between them.
+    // Spacing of at most 0.085 m, so that the capsules overlap.
     const int count = std::max(1, static_cast<int>((top - low) / (0.085 * h_) + 0.99));
     for (int c = 0; c < count; ++c) {
       const double level = low + (top - low) * (chest ? (c + 1.0) / count : (c + 0.5) / count);
       across(level, half_width(level), depth(level));
     }
-    // Upright capsules fill the grooves between them.
+    // Upright capsules fill the grooves between the transverse ones.
     const double bottom = low - 0.01 * h_, middle_level = 0.5 * (low + top);
     for (const double side : {-1.0, 0.0, 1.0}) {
       const Vec3 from = middle(bottom) + Vec3{0, side * half_width(bottom) * w_, 0},
@@ -139,13 +143,13 @@ class Modeller {
   void hand() {
     const Vec3 previous = a_.bone[at(std::max(0, wrist()))];
     const double length = 0.108 * b_.height;
-    const bool fingers = a_.places[at(i_)].part == Part::fingers;
+    const bool fingers = a_.parts[at(i_)].part == Part::fingers;
     const bool last = a_.children[at(i_)].empty();
     const double own = norm(bone());
     if (!fingers && own < 0.006 * b_.height && !last) return;  // the palm is on the next joint
     if (fingers && own < 0.006 * b_.height) return;
     const Vec3 u = normalized(bone(), normalized(previous));
-    // Where it starts, counted from the wrist.
+    // Distance of this joint from the wrist, m.
     const int w = wrist();
     const double start = w < 0 ? 0 : norm(a_.p[at(i_)] - a_.p[at(w)]);
     const bool palm = !fingers || start < 0.006 * b_.height;
@@ -167,7 +171,8 @@ class Modeller {
     return arm.end >= 0 ? arm.end : arm.distal;
   }
 
-  /// An invisible box from the heel to beyond the ball and a round heel bear on the ground; capsules that lie on the same plane are seen.
+  /// Foot: an invisible box from heel to ball and a round heel bear on the ground; visible capsules touch the same plane. Toes: visible
+  /// only.
   void sole() {
     const SoleShape* s = b_.sole_of(i_);
     if (!s) return;
@@ -183,7 +188,7 @@ class Modeller {
       const double across = dot(s->ball, R.column(1));
       const double ground = dot(s->ball, s->foot_up) - s->thickness;
       const double height = 0.8 * s->thickness;
-      // A round heel, as heels are: the foot rolls over it at heel strike. Ahead of it the sole is flat.
+      // The heel is round, so that the foot rolls over it at heel strike. Ahead of it the sole is flat.
       const double heel_r = std::min(0.04 * h_, 0.6 * s->ankle);
       const double back = std::max(0.0, s->heel - heel_r - 0.014 * h_);
       Shape box = Shape::box({0.5 * (front + back), 0.040 * w_, 0.5 * height},

@@ -8,24 +8,25 @@
 namespace ugoki::capture {
 namespace {
 
+/// True for the same segment or parent and child.
 bool neighbours(const MarkerSet& set, int a, int b) {
   const auto parent = [&](int i) { return set.segments[static_cast<std::size_t>(i)].parent; };
   return a == b || parent(a) == b || parent(b) == a;
 }
 
-/// The unknowns that all frames share: three of each place of a marker, then three of each length that is not known; those of
-/// mirrored segments are one, with the sign of y changed.
+/// Unknowns shared by all frames: three for each marker offset, then three for each unknown segment offset. A mirrored pair of segments
+/// shares its unknowns, with the sign of y changed on the second side.
 struct Shared {
-  std::vector<int> of_segment;  // [segments] first unknown, -1 where the offset is known
-  std::vector<char> flipped;    // [segments]
+  std::vector<int> of_segment;  // [segments] index of the first unknown; -1: the offset is known
+  std::vector<char> flipped;    // [segments] 1: uses the mirrored segment's unknowns
   std::vector<double> prior;    // [unknowns] 1 / sigma^2
   int count = 0;
 };
 
 Shared shared_unknowns(const Subject& s) {
   Shared out;
-  out.count = 3 * static_cast<int>(s.places.size());
-  for (std::size_t m = 0; m < s.places.size(); ++m) {
+  out.count = 3 * static_cast<int>(s.marker_offsets.size());
+  for (std::size_t m = 0; m < s.marker_offsets.size(); ++m) {
     const double sigma = std::max(s.marker(m).sigma * s.size, 1e-4);
     out.prior.insert(out.prior.end(), 3, 1 / (sigma * sigma));
   }
@@ -51,29 +52,30 @@ Shared shared_unknowns(const Subject& s) {
 
 Vec3 flip(const Vec3& v, char flipped) { return flipped != 0 ? Vec3{v.x, -v.y, v.z} : v; }
 
-/// Departure of every shared unknown from the marker set's own value.
+/// Difference [unknowns] [m] of every shared unknown from the marker set's value.
 std::vector<double> departures(const Subject& s, const Shared& shared) {
   std::vector<double> out(static_cast<std::size_t>(shared.count));
   const auto put = [&](int at, const Vec3& v) {
     for (int c = 0; c < 3; ++c) out[static_cast<std::size_t>(at + c)] = v[c];
   };
-  for (std::size_t m = 0; m < s.places.size(); ++m) put(3 * static_cast<int>(m), s.places[m] - s.marker(m).at * s.size);
+  for (std::size_t m = 0; m < s.marker_offsets.size(); ++m) put(3 * static_cast<int>(m), s.marker_offsets[m] - s.marker(m).at * s.size);
   for (std::size_t i = 0; i < s.segment_count(); ++i)
     if (shared.of_segment[i] >= 0 && shared.flipped[i] == 0) put(shared.of_segment[i], s.offsets[i] - s.segment(i).offset * s.size);
   return out;
 }
 
+/// Adds the step [unknowns] [m] to marker offsets and segment offsets.
 void apply(Subject& s, const Shared& shared, const std::vector<double>& step) {
   const auto get = [&](int at) {
     const double* d = step.data() + at;
     return Vec3{d[0], d[1], d[2]};
   };
-  for (std::size_t m = 0; m < s.places.size(); ++m) s.places[m] += get(3 * static_cast<int>(m));
+  for (std::size_t m = 0; m < s.marker_offsets.size(); ++m) s.marker_offsets[m] += get(3 * static_cast<int>(m));
   for (std::size_t i = 0; i < s.segment_count(); ++i)
     if (shared.of_segment[i] >= 0) s.offsets[i] += flip(get(shared.of_segment[i]), shared.flipped[i]);
 }
 
-/// The three rows of used marker m by the shared unknowns: blocks of three columns with a matrix each.
+/// Block of three columns of the Jacobian of a marker's world position with respect to the shared unknowns.
 struct Block {
   int column;
   Mat3 J;
@@ -91,17 +93,18 @@ void shared_blocks(const Subject& s, const Shared& shared, const Kinematics& k, 
   }
 }
 
-/// Adds one frame's part of the reduced normal equations: S += C - B^T H^-1 B, r += c - B^T H^-1 g.
+/// Normal equations of the shared unknowns with all poses eliminated. Each frame adds S += C - B^T H^-1 B and r += c - B^T H^-1 g.
+/// H and g belong to the frame's pose, C and c to the shared unknowns; B couples both.
 class Reduction {
  public:
   explicit Reduction(const Shared& shared) : shared_(shared), n_(static_cast<std::size_t>(shared.count)), S(n_ * n_), r(n_) {}
 
   void add(const Subject& s, const PoseSolver& solver, const MeasuredFrame& frame, const PoseOptions& options) {
-    const auto nf = static_cast<std::size_t>(s.freedoms);
+    const auto nf = static_cast<std::size_t>(s.dofs);
     B_.assign(nf * n_, 0);
-    for (std::size_t m = 0; m < frame.places.size(); ++m) {
+    for (std::size_t m = 0; m < frame.positions.size(); ++m) {
       if (frame.seen[m] == 0) continue;
-      const Vec3 error = marker_place(s, solver.kinematics(), m) - frame.places[m];
+      const Vec3 error = marker_position(s, solver.kinematics(), m) - frame.positions[m];
       const double weight = marker_weight(options, s.marker(m).noise, norm(error));
       shared_blocks(s, shared_, solver.kinematics(), m, blocks_);
       for (const Block& a : blocks_) {
@@ -123,10 +126,10 @@ class Reduction {
         }
       }
     }
-    eliminate(solver, nf, s.freedoms);
+    eliminate(solver, nf, s.dofs);
   }
 
-  /// The step of the shared unknowns; the poses are at their optimum, so that their own gradient is zero.
+  /// Step [unknowns] of the shared unknowns; empty if the matrix is not positive definite. The poses are at their optimum, so g is zero.
   std::vector<double> solve(const std::vector<double>& departure) {
     std::vector<double> step(n_);
     for (std::size_t i = 0; i < n_; ++i) {
@@ -139,10 +142,10 @@ class Reduction {
   }
 
  private:
-  void eliminate(const PoseSolver& solver, std::size_t nf, int freedoms) {
+  void eliminate(const PoseSolver& solver, std::size_t nf, int dofs) {
     L_.assign(solver.normal_matrix().begin(), solver.normal_matrix().end());
     for (std::size_t f = 0; f < nf; ++f) L_[f * nf + f] += 1e-6 * (1 + L_[f * nf + f]);
-    if (!dynamics::factor_cholesky(L_, freedoms, 1e-14)) return;
+    if (!dynamics::factor_cholesky(L_, dofs, 1e-14)) return;
     // Y = L^-1 B, row by row; then S -= Y^T Y.
     for (std::size_t f = 0; f < nf; ++f) {
       for (std::size_t g = 0; g < f; ++g) {
@@ -174,9 +177,9 @@ double marker_rms(const Subject& subject, const std::vector<MeasuredFrame>& fram
   Kinematics k;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     calc_kinematics(subject, poses[f], k);
-    for (std::size_t m = 0; m < frames[f].places.size(); ++m) {
+    for (std::size_t m = 0; m < frames[f].positions.size(); ++m) {
       if (frames[f].seen[m] == 0) continue;
-      const Vec3 error = marker_place(subject, k, m) - frames[f].places[m];
+      const Vec3 error = marker_position(subject, k, m) - frames[f].positions[m];
       squares += dot(error, error);
       ++count;
     }
@@ -187,7 +190,7 @@ double marker_rms(const Subject& subject, const std::vector<MeasuredFrame>& fram
 }  // namespace
 
 double estimate_size(const MarkerSet& set, const std::vector<int>& match, const MarkerMotion& motion) {
-  // Places of the markers with the model at rest.
+  // Marker positions of the model at rest.
   std::vector<int> identity(set.markers.size());
   for (std::size_t i = 0; i < identity.size(); ++i) identity[i] = static_cast<int>(i);
   const Subject model = make_subject(set, identity, 1);
@@ -200,7 +203,7 @@ double estimate_size(const MarkerSet& set, const std::vector<int>& match, const 
       if (match[a] < 0 || match[b] < 0) continue;
       const auto ma = static_cast<std::size_t>(match[a]), mb = static_cast<std::size_t>(match[b]);
       if (!neighbours(set, set.markers[ma].segment, set.markers[mb].segment)) continue;
-      const double own = norm(marker_place(model, k, ma) - marker_place(model, k, mb));
+      const double own = norm(marker_position(model, k, ma) - marker_position(model, k, mb));
       double sum = 0;
       int count = 0;
       for (int f = 0; f < motion.frames; f += stride) {
@@ -208,7 +211,7 @@ double estimate_size(const MarkerSet& set, const std::vector<int>& match, const 
         sum += norm(motion.at(f, static_cast<int>(a)) - motion.at(f, static_cast<int>(b)));
         ++count;
       }
-      // Short distances say little.
+      // Ratios of distances below 2 cm are dominated by noise.
       if (count > 0 && own > 0.02) ratios.push_back(sum / count / own);
     }
   }
@@ -223,16 +226,16 @@ std::vector<int> choose_frames(const MarkerMotion& motion, const Subject& subjec
   const int parts = std::min(count, motion.frames);
   for (int part = 0; part < parts; ++part) {
     const auto edge = [&](int i) { return static_cast<int>(static_cast<long>(motion.frames) * i / parts); };
-    int best = -1, most = -1;
+    int best = -1, maximum = -1;
     for (int f = edge(part); f < edge(part + 1); ++f) {
       int seen = 0;
       for (const int column : subject.columns) seen += motion.seen(f, column) ? 1 : 0;
-      if (seen > most) {
-        most = seen;
+      if (seen > maximum) {
+        maximum = seen;
         best = f;
       }
     }
-    if (2 * most > static_cast<int>(subject.columns.size())) out.push_back(best);
+    if (2 * maximum > static_cast<int>(subject.columns.size())) out.push_back(best);
   }
   return out;
 }
@@ -240,22 +243,22 @@ std::vector<int> choose_frames(const MarkerMotion& motion, const Subject& subjec
 double find_first_pose(PoseSolver& solver, const Subject& subject, const MeasuredFrame& frame, ModelPose& pose) {
   constexpr double pi = 3.14159265358979323846;
   Vec3 middle;
-  for (std::size_t m = 0; m < frame.places.size(); ++m)
-    if (frame.seen[m] != 0) middle += frame.places[m];
+  for (std::size_t m = 0; m < frame.positions.size(); ++m)
+    if (frame.seen[m] != 0) middle += frame.positions[m];
   middle = middle / std::max(1, frame.count);
-  double least = -1;
+  double minimum = -1;
   for (int heading = 0; heading < 8; ++heading) {
     for (const double arms : {0.0, 1.3}) {
       ModelPose start = subject.rest();
       start.rotations[0] = axis_angle({0, 0, 1}, heading * pi / 4);
       for (std::size_t i = 0; i < subject.segment_count(); ++i) {
         const ModelSegment& s = subject.segment(i);
-        // Limbs that stick out to the side, let down.
+        // Limbs that point sideways at rest are lowered by `arms` radians.
         if (s.joint == ModelJoint::ball && s.mirror >= 0 && i + 1 < subject.segment_count() && std::fabs(s.offset.y) > 0.1)
           start.rotations[i] = axis_angle({1, 0, 0}, s.offset.y > 0 ? -arms : arms);
       }
       start.p = middle;
-      // First the whole, then the parts: markers that are far off shall pull with all their force.
+      // First a coarse fit with a large sigma, then a fine one. The Huber limit is disabled (1 km), because all markers are far off.
       PoseOptions options;
       options.marker_sigma = 0.1 * subject.size;
       options.outlier = 1e3;
@@ -263,19 +266,19 @@ double find_first_pose(PoseSolver& solver, const Subject& subject, const Measure
       options = {};
       options.outlier = 1e3;
       const double cost = solver.solve(subject, frame, options, start);
-      if (least >= 0 && cost >= least) continue;
-      least = cost;
+      if (minimum >= 0 && cost >= minimum) continue;
+      minimum = cost;
       pose = start;
     }
   }
-  return least;
+  return minimum;
 }
 
 double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses) {
   const Shared shared = shared_unknowns(subject);
   const PoseOptions options;
   PoseSolver solver;
-  /// Solves all poses. @return their cost with that of the shared unknowns
+  // Solves all poses; returns their cost plus that of the shared unknowns.
   const auto solve_poses = [&](Subject& s, std::vector<ModelPose>& p, Reduction* reduction) {
     double cost = 0;
     for (std::size_t f = 0; f < frames.size(); ++f) {

@@ -13,11 +13,11 @@ namespace {
 
 std::string millimetres(double metres) { return to_fixed(1000 * metres, 1) + " mm"; }
 
-/// The set that knows most of the labels; its matches. Null where none knows enough to hold a body.
+/// Marker set that contains most of the labels; null if none contains any.
 struct Choice {
   const MarkerSet* set = nullptr;
-  std::vector<int> match;
-  int known = 0;
+  std::vector<int> match;  // [labels] match_labels
+  int known = 0;           // number of matched labels
 };
 Choice choose_set(const std::vector<std::string>& labels) {
   Choice best;
@@ -29,7 +29,7 @@ Choice choose_set(const std::vector<std::string>& labels) {
   return best;
 }
 
-/// Segments with markers below which the pose of the whole cannot be found.
+/// Number of segments that have at least one marker in the recording.
 int marked_segments(const Choice& choice) {
   std::vector<char> marked(choice.set->segments.size());
   for (const int i : choice.match)
@@ -37,6 +37,7 @@ int marked_segments(const Choice& choice) {
   return static_cast<int>(std::count(marked.begin(), marked.end(), 1));
 }
 
+/// List of the set's markers that the recording does not contain.
 std::string missing_labels(const Choice& choice) {
   std::string out;
   for (std::size_t k = 0; k < choice.set->markers.size(); ++k) {
@@ -46,8 +47,8 @@ std::string missing_labels(const Choice& choice) {
   return out;
 }
 
-/// Axes of hinges as the skeleton tells them; balls turn about three.
-std::vector<MeasuredFreedom> freedoms_of(const ModelSegment& s) {
+/// DOFs of a segment's joint for the skeleton; ball joints have three axes without limits.
+std::vector<MeasuredDof> dofs_of(const ModelSegment& s) {
   switch (s.joint) {
     case ModelJoint::hinge: return {{s.axis, true, s.lower, s.upper}};
     case ModelJoint::universal: return {{s.axis, true, s.lower, s.upper}, {s.second_axis, true, s.lower2, s.upper2}};
@@ -69,14 +70,14 @@ Skeleton skeleton_of(const Subject& subject, const std::string& name, double uni
     j.parent = s.parent;
     j.offset = subject.offsets[i];
     for (const Vec3& e : s.end_sites) j.end_sites.push_back(e * subject.size);
-    j.freedoms = freedoms_of(s);
+    j.dofs = dofs_of(s);
     j.translates = s.parent < 0;
     out.joints.push_back(std::move(j));
   }
   return out;
 }
 
-/// Runs through the recording and gathers what people want to know.
+/// Solves all frames of a recording and fills the result with motion and residuals.
 class Solver {
  public:
   Solver(const MarkerMotion& recorded, const MarkerMotion& clean, Subject subject, Capture& out)
@@ -96,12 +97,13 @@ class Solver {
     }
     squares_.assign(subject_.columns.size(), 0);
     seen_.assign(subject_.columns.size(), 0);
-    solve_frames(clean_, subject_, first, from, [this](int f, const PoseSolver& solver, const ModelPose& pose) { take(f, solver, pose); });
+    solve_frames(clean_, subject_, first, from,
+                 [this](int f, const PoseSolver& solver, const ModelPose& pose) { add_frame(f, solver, pose); });
     finish();
   }
 
  private:
-  void take(int frame, const PoseSolver& solver, const ModelPose& pose) {
+  void add_frame(int frame, const PoseSolver& solver, const ModelPose& pose) {
     const std::size_t n = subject_.segment_count(), at = static_cast<std::size_t>(frame) * n;
     for (std::size_t i = 0; i < n; ++i) {
       out_.measured.translations[at + i] = subject_.segment(i).parent < 0 ? pose.p : subject_.offsets[i];
@@ -111,13 +113,13 @@ class Solver {
     int count = 0;
     for (std::size_t m = 0; m < subject_.columns.size(); ++m) {
       if (!recorded_.seen(frame, subject_.columns[m])) continue;
-      const double error = norm(marker_place(subject_, solver.kinematics(), m) - recorded_.at(frame, subject_.columns[m]));
+      const double error = norm(marker_position(subject_, solver.kinematics(), m) - recorded_.at(frame, subject_.columns[m]));
       sum += error * error;
       ++count;
       squares_[m] += error * error;
       ++seen_[m];
-      if (error <= out_.residuals[m].greatest) continue;
-      out_.residuals[m].greatest = error;
+      if (error <= out_.residuals[m].maximum) continue;
+      out_.residuals[m].maximum = error;
       out_.residuals[m].worst_frame = frame;
     }
     out_.frame_rms[static_cast<std::size_t>(frame)] = count > 0 ? std::sqrt(sum / count) : 0;
@@ -145,7 +147,7 @@ class Solver {
   std::vector<long> seen_;
 };
 
-/// True if all markers of the recording lie in one plane, to 1 mm: a projection, from which no body in space can be found.
+/// True if all markers of the recording lie in one plane to within 1 mm (a projection): a body in space cannot be reconstructed from it.
 bool is_planar(const MarkerMotion& m) {
   Vec3 middle;
   double count = 0;
@@ -155,7 +157,7 @@ bool is_planar(const MarkerMotion& m) {
     count += 1;
   }
   middle = middle / std::max(1.0, count);
-  // The normal of a plane through most of them: from the two farthest of directions that are far from parallel.
+  // Normal of the plane: from the farthest point and the point that gives the longest cross product with it.
   Vec3 a, normal;
   for (std::size_t i = 0; i < m.positions.size(); ++i)
     if (m.residuals[i] >= 0 && norm(m.positions[i] - middle) > norm(a)) a = m.positions[i] - middle;
@@ -170,42 +172,42 @@ bool is_planar(const MarkerMotion& m) {
   return true;
 }
 
-/// What was done to the markers, as sentences. Long gaps stay.
+/// The markers without spikes and short gaps, low-pass filtered. Long gaps remain. @param report receives a sentence for each change
 MarkerMotion clean(const MarkerMotion& motion, const CaptureOptions& options, std::vector<std::string>& report) {
   MarkerMotion out = motion;
-  if (const int spikes = remove_spikes(out); spikes > 0) report.push_back(std::to_string(spikes) + " spikes are taken out.");
+  if (const int spikes = remove_spikes(out); spikes > 0) report.push_back(std::to_string(spikes) + " spikes were removed.");
   if (const int filled = fill_short_gaps(out, options.longest_gap); filled > 0)
-    report.push_back(std::to_string(filled) + " places in short gaps are filled by splines.");
+    report.push_back(std::to_string(filled) + " positions in short gaps were filled by splines.");
   const double cutoff = options.cutoff == 0 ? choose_cutoff(out) : options.cutoff;
   if (cutoff > 0 && cutoff < out.rate / 3) {
     filter_markers(out, cutoff);
-    report.push_back("Markers are filtered at " + to_fixed(cutoff, 1) + " Hz" +
+    report.push_back("The markers were filtered at " + to_fixed(cutoff, 1) + " Hz" +
                      (options.cutoff == 0 ? ", chosen by residual analysis." : "."));
   }
   return out;
 }
 
-/// The subject of a recording, fitted to it.
+/// A subject calibrated to a recording.
 struct Fit {
   std::string set_name;
   Subject subject;
-  ModelPose first;  // in frame `from`
-  int from = 0;
-  std::vector<std::string> unused;  // labels
+  ModelPose first;                  // pose in frame `from`
+  int from = 0;                     // frame with which solving begins
+  std::vector<std::string> unused;  // labels unknown to the set
 };
 
-/// @param markers the recording, clean
+/// @param motion the recording @param markers the same after clean()
 Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers, const CaptureOptions& options) {
   const Choice choice = choose_set(motion.labels);
   if (choice.set == nullptr || choice.known < 8 || marked_segments(choice) < 4)
-    return fail(
-        ErrorCode::unsupported, motion.source,
-        std::to_string(choice.known) + " of " + std::to_string(motion.labels.size()) +
-            " markers have a label of a known marker set; that is too few to find a body.",
-        "Name the markers as Plug-in Gait does (LASI, RASI, LKNE ...) or, for animals, by their joints (ShoulderL, KneeR ...)." +
-            (choice.set != nullptr ? " Missing of the set '" + choice.set->name + "': " + missing_labels(choice) + "." : std::string()));
+    return fail(ErrorCode::unsupported, motion.source,
+                std::to_string(choice.known) + " of " + std::to_string(motion.labels.size()) +
+                    " markers have a label of a known marker set; at least 8 on 4 segments are needed to find a body.",
+                "Name the markers as Plug-in Gait does (LASI, RASI, LKNE ...) or, for animals, by their joints (ShoulderL, KneeR ...)." +
+                    (choice.set != nullptr ? " Labels missing from the set '" + choice.set->name + "': " + missing_labels(choice) + "."
+                                           : std::string()));
   if (is_planar(motion))
-    return fail(ErrorCode::unsupported, motion.source, "all markers lie in one plane, so that no body in space can be found.",
+    return fail(ErrorCode::unsupported, motion.source, "All markers lie in one plane, so no body in space can be reconstructed.",
                 "Use the recording from which the plane was projected.");
   Fit out;
   out.set_name = choice.set->name;
@@ -213,13 +215,13 @@ Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers,
     if (choice.match[i] < 0) out.unused.push_back(motion.labels[i]);
   const double size = estimate_size(*choice.set, choice.match, markers);
   if (!(size > 1e-3 && size < 1e3))
-    return fail(ErrorCode::structure, motion.source, "the markers are never seen together, so the subject's size cannot be found.",
-                "Check that the recording holds one subject and that its markers are labelled.");
+    return fail(ErrorCode::structure, motion.source, "The markers are never seen together, so the subject's size cannot be estimated.",
+                "Check that the recording contains one subject and that its markers are labelled.");
   out.subject = make_subject(*choice.set, choice.match, size);
   const std::vector<int> chosen = choose_frames(markers, out.subject, options.calibration_frames);
   if (chosen.empty())
-    return fail(ErrorCode::structure, motion.source, "in no frame more than half of the markers are seen.",
-                "Label the markers, or cut the recording to where they are seen.");
+    return fail(ErrorCode::structure, motion.source, "In no frame more than half of the markers are seen.",
+                "Label the markers, or cut the recording to the frames in which they are seen.");
   std::vector<MeasuredFrame> frames;
   for (const int f : chosen) frames.push_back(measured_frame(markers, out.subject, f));
   PoseSolver solver;
@@ -232,20 +234,22 @@ Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers,
     solver.solve(out.subject, frames[i], options_far, poses[i]);
   }
   calibrate(out.subject, frames, poses);
-  mirror_unseen_places(out.subject, frames);
+  mirror_unseen_offsets(out.subject, frames);
   out.first = poses[0];
   out.from = chosen[0];
   return out;
 }
 
+/// Fills long gaps from the body's pose. @param report receives the counts
 void fill_by_body(MarkerMotion& markers, const Fit& fit, std::vector<std::string>& report) {
   int unknown = 0;
-  for (int f = 0; f < markers.frames; ++f) unknown += knows_body(markers, fit.subject, f) ? 0 : 1;
+  for (int f = 0; f < markers.frames; ++f) unknown += enough_markers_seen(markers, fit.subject, f) ? 0 : 1;
   if (unknown > 0)
-    report.push_back("In " + std::to_string(unknown) + " frames fewer than a third of the markers are seen; what the body does there is " +
-                     "not known, and it is held near where it was.");
+    report.push_back("In " + std::to_string(unknown) +
+                     " frames fewer than a third of the markers are seen; the pose in these frames is not known and " +
+                     "is kept close to the last known one.");
   if (const int carried = fill_gaps_by_body(markers, fit.subject, fit.first, fit.from); carried > 0)
-    report.push_back(std::to_string(carried) + " places in long gaps are where the body carries the marker.");
+    report.push_back(std::to_string(carried) + " positions in long gaps were filled from the pose of the body.");
 }
 
 }  // namespace
@@ -259,9 +263,9 @@ FilledMarkers fill_markers(const MarkerMotion& motion, const CaptureOptions& opt
   if (fit)
     fill_by_body(markers, *fit, out.report);
   else
-    out.report.push_back("No body was found by which long gaps could be filled: " + fit.error().problems.front().message);
+    out.report.push_back("Long gaps could not be filled from a body: " + fit.error().problems.front().message);
   if (const int carried = fill_gaps_by_neighbours(markers); carried > 0)
-    out.report.push_back(std::to_string(carried) + " places in long gaps are filled from markers that move along.");
+    out.report.push_back(std::to_string(carried) + " positions in long gaps were filled from markers that move with them as a rigid body.");
   out.markers = motion;
   remove_spikes(out.markers);
   int open = 0;
@@ -271,7 +275,7 @@ FilledMarkers fill_markers(const MarkerMotion& motion, const CaptureOptions& opt
     out.markers.residuals[i] = markers.residuals[i];
     open += markers.residuals[i] < 0 ? 1 : 0;
   }
-  if (open > 0) out.report.push_back(std::to_string(open) + " places could not be filled and stay unseen.");
+  if (open > 0) out.report.push_back(std::to_string(open) + " positions could not be filled and stay unseen.");
   return out;
 }
 
@@ -288,15 +292,14 @@ Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& 
   out.size = fit->subject.size;
   out.unused = std::move(fit->unused);
   Solver(motion, markers, std::move(fit->subject), out).run(fit->first, fit->from);
-  out.report.insert(out.report.begin(), "The markers are read as those of the set '" + out.marker_set + "', on a body " +
-                                            to_fixed(out.size, 3) + " times its size; they are met within " + millimetres(out.rms) +
-                                            " rms.");
+  out.report.insert(out.report.begin(), "The markers were matched to the set '" + out.marker_set + "' on a body of " +
+                                            to_fixed(out.size, 3) + " times its size; the rms distance is " + millimetres(out.rms) + ".");
   if (out.rms > 0.04 * out.size)
-    out.report.push_back("That is a poor fit: check that the labels are right and that left and right are not exchanged.");
+    out.report.push_back("This is a poor fit: check that the labels are correct and that left and right are not exchanged.");
   if (!out.unused.empty()) {
     std::string names;
     for (const std::string& label : out.unused) names += (names.empty() ? "" : ", ") + label;
-    out.report.push_back("Not used, because the set does not know them: " + names + ".");
+    out.report.push_back("Markers not used, because the set does not contain them: " + names + ".");
   }
   return out;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// From markers to a skeleton that moves: lengths, places of the markers, and the joints of every frame by least squares.
+// From markers to a moving skeleton: segment lengths, marker offsets, and the joints of every frame by least squares.
 
 #include <string>
 #include <vector>
@@ -10,44 +10,48 @@
 
 namespace ugoki::capture {
 
+/// Options of solve_markers and fill_markers.
 struct CaptureOptions {
-  int calibration_frames = 40;  ///< frames from which lengths and places of markers are found
-  double longest_gap = 0.2;     ///< s: shorter gaps of a marker are filled by a spline; longer ones are left to its neighbours
-  double cutoff = 0;            ///< Hz of the low-pass filter over the markers; 0: chosen by residual analysis, negative: none
+  int calibration_frames = 40;  ///< number of frames from which segment lengths and marker offsets are calibrated
+  double longest_gap = 0.2;     ///< s: shorter gaps are filled by splines, longer ones from the other markers
+  double cutoff = 0;            ///< Hz, low-pass filter of the markers; 0: chosen by residual analysis, negative: none
 };
 
+/// Fit of one marker: distances between recorded and reconstructed position.
 struct MarkerResidual {
   std::string label, segment;
-  double rms = 0, greatest = 0;  ///< m
+  double rms = 0, maximum = 0;  ///< m
   int worst_frame = 0;
-  double seen = 0;  ///< share of the frames, 0 ... 1
+  double seen = 0;  ///< share of the frames in which the marker was seen, 0 ... 1
 };
 
+/// Result of solve_markers.
 struct Capture {
-  MeasuredMotion measured;                ///< the skeleton, and its joints over time
-  std::string marker_set;                 ///< for people
-  double size = 1;                        ///< times the model's own size
-  double rms = 0;                         ///< m, over all seen markers and frames, against the positions as recorded
-  std::vector<MarkerResidual> residuals;  ///< of the markers that were used
-  std::vector<double> frame_rms;          ///< [frames] m
-  std::vector<std::string> unused;        ///< labels that the marker set does not know
-  std::vector<std::string> report;        ///< sentences for people
+  MeasuredMotion measured;                ///< the skeleton and its motion
+  std::string marker_set;                 ///< name for display
+  double size = 1;                        ///< size of the subject relative to the model
+  double rms = 0;                         ///< m, over all seen markers and frames, relative to the recorded positions
+  std::vector<MarkerResidual> residuals;  ///< one for each used marker
+  std::vector<double> frame_rms;          ///< [frames] m, root mean square over the markers
+  std::vector<std::string> unused;        ///< labels that the marker set does not contain
+  std::vector<std::string> report;        ///< sentences for display
 };
 
-/// A recording without gaps.
+/// Result of fill_markers.
 struct FilledMarkers {
-  MarkerMotion markers;             ///< as recorded where they were seen; filled places have a residual of 0
-  std::vector<std::string> report;  ///< sentences for people
+  MarkerMotion markers;             ///< recorded positions unchanged; filled positions have residual 0, open ones -1
+  std::vector<std::string> report;  ///< sentences for display
 };
 
-/// Closes the gaps of a recording: short ones by splines; longer ones by the body that the other markers tell, a marker that is never seen
-/// at the mirrored place of the one on the other side; markers that no set knows, and recordings in which no body is found, by markers
-/// that move with them as one rigid body. What none of these can fill stays unseen, and is told.
+/// Fills the gaps of a recording. Short gaps are filled by splines, longer ones from the body pose that the other markers determine.
+/// A marker that is never seen gets the mirrored offset of its partner on the other side. Markers unknown to the marker set, and recordings
+/// without a recognisable body, are filled from markers that move with them as one rigid body. Remaining gaps stay unseen and are reported.
 [[nodiscard]] FilledMarkers fill_markers(const MarkerMotion& motion, const CaptureOptions& options = {});
 
-/// Chooses the marker set whose labels fit best, fits it to the recording, and solves every frame.
-/// Errors: no marker set knows enough of the labels (the remedy names those missing), or too few markers are ever seen together.
-/// O(frames * (markers + freedoms^3)).
+/// Chooses the marker set that contains most of the labels, fits it to the recording, and solves every frame.
+/// Errors: no marker set contains enough of the labels (the remedy lists the missing ones); the markers are coplanar; too few markers are
+/// ever seen together.
+/// O(frames * (markers + DOFs^3)).
 [[nodiscard]] Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& options = {});
 
 }  // namespace ugoki::capture

@@ -9,29 +9,33 @@
 namespace ugoki::capture {
 namespace {
 
-constexpr double quiet_share = 0.1;  // of the samples: so many must carry nothing for an offset to be told
-constexpr double quiet_load = 0.05;  // of the greatest load: less is nothing, for finding the offset
-constexpr double least_size = 0.01;  // m, of a plate's sides
+constexpr double quiet_share = 0.1;  // share of the samples that must be unloaded to determine an offset
+constexpr double quiet_load = 0.05;  // share of the load range; samples with a smaller load count as unloaded for the offset
+constexpr double min_size = 0.01;    // m, minimum length of a plate's sides
 constexpr double newton_of_lbf = 4.4482216152605, metre_of_inch = 0.0254;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string plate_name(std::size_t i) { return "force plate " + std::to_string(i + 1); }
 
+/// Lower case, letters and digits only.
 std::string folded(std::string s) {
   std::erase_if(s, [](unsigned char c) { return std::isalnum(c) == 0; });
   for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return s;
 }
 
+/// Newtons per unit; 1 if the unit is unknown.
 double force_unit(const std::string& unit) {
   const std::string u = folded(unit);
   return u == "kn" ? 1000 : u == "lbf" || u == "lb" || u == "lbs" ? newton_of_lbf : 1;
 }
+/// Metres per unit; `otherwise` if the unit is unknown.
 double length_unit(const std::string& unit, double otherwise) {
   const std::string u = folded(unit);
   return u == "m" ? 1 : u == "cm" ? 0.01 : u == "mm" ? 0.001 : u == "in" || u == "inch" ? metre_of_inch : otherwise;
 }
+/// Newton metres per unit; `length` (newtons times the file's length unit) if the unit is unknown.
 double moment_unit(const std::string& unit, double length) {
   const std::string u = folded(unit);
   if (u == "nm") return 1;
@@ -42,13 +46,13 @@ double moment_unit(const std::string& unit, double length) {
   return length;
 }
 
-/// Where a plate lies: axes of the C3D convention from its corners (+x +y, -x +y, -x -y, +x -y).
-struct Place {
-  Mat3 R;  ///< plate to world
-  Vec3 middle;
+/// Pose of a plate: axes of the C3D convention from its corners (+x +y, -x +y, -x -y, +x -y).
+struct PlatePose {
+  Mat3 R;       ///< plate to world
+  Vec3 middle;  ///< m, world
 };
 
-/// Channels of one plate in N and N m (V where the file says so), [samples][channels].
+/// Evaluates the channels of one plate.
 class Plate {
  public:
   Plate(const MarkerMotion& motion, std::size_t index, const ForcePlateOptions& o)
@@ -59,37 +63,38 @@ class Plate {
     const int type = plate_.type;
     const std::size_t wanted = type == 3 ? 8 : 6;
     if (type < 1 || type > 4)
-      errors.add(ErrorCode::unsupported, name_, "It is of type " + std::to_string(type) + "; types 1 to 4 are understood.",
+      errors.add(ErrorCode::unsupported, name_, "The plate is of type " + std::to_string(type) + "; types 1 to 4 are supported.",
                  "Export it as forces and moments (type 2).");
     else if (plate_.channels.size() < wanted)
       errors.add(ErrorCode::structure, name_,
-                 "It names " + std::to_string(plate_.channels.size()) + " channels; its type has " + std::to_string(wanted) + ".",
+                 "The plate lists " + std::to_string(plate_.channels.size()) + " channels; its type needs " + std::to_string(wanted) + ".",
                  "Export the recording again with all channels of the plate.");
     for (const int c : plate_.channels)
       if (c < 0 || at(c) >= motion_.analog.size())
-        errors.add(ErrorCode::range, name_,
-                   "It names channel " + std::to_string(c + 1) + " of " + std::to_string(motion_.analog.size()) + ".",
-                   "Export the recording again with all channels of the plate.");
+        errors.add(
+            ErrorCode::range, name_,
+            "The plate refers to channel " + std::to_string(c + 1) + ", but the file has " + std::to_string(motion_.analog.size()) + ".",
+            "Export the recording again with all channels of the plate.");
     if (type == 4 && plate_.calibration.size() != 36)
-      errors.add(ErrorCode::structure, name_, "It is of type 4 but has no calibration matrix of 6 x 6.", "Give CAL_MATRIX in the file.");
+      errors.add(ErrorCode::structure, name_, "The plate is of type 4 but has no 6 x 6 calibration matrix.", "Add CAL_MATRIX to the file.");
     const Vec3 x = plate_.corners[0] - plate_.corners[1], y = plate_.corners[0] - plate_.corners[3];
-    if (!(norm(x) > least_size && norm(y) > least_size && norm(cross(x, y)) > 0.1 * norm(x) * norm(y)))
-      errors.add(ErrorCode::range, name_, "Its corners enclose no area.", "Give CORNERS in the file.");
+    if (!(norm(x) > min_size && norm(y) > min_size && norm(cross(x, y)) > 0.1 * norm(x) * norm(y)))
+      errors.add(ErrorCode::range, name_, "The corners of the plate enclose no area.", "Correct CORNERS in the file.");
     return errors;
   }
 
   std::vector<PlateForce> run(std::vector<std::string>& report) {
     read();
     if (o_.remove_offset) remove_offset(report);
-    const Place place = find_place();
-    // The sensor lies below the surface, whatever the sign that the file gives its place.
+    const PlatePose plate_pose = find_pose();
+    // The sensor is below the surface, whatever sign the file gives its position.
     Vec3 to_surface = plate_.origin;
     if (plate_.type == 3) to_surface = {0, 0, plate_.origin.z};
-    if ((place.R * to_surface).z < 0) to_surface = -to_surface;
+    if ((plate_pose.R * to_surface).z < 0) to_surface = -to_surface;
     for (std::size_t s = 0; s < samples_; ++s) find_wrench(s, to_surface);
     if (o_.cutoff > 0) filter();
-    turn_upwards(place, report);
-    return frames(place);
+    turn_upwards(plate_pose, report);
+    return frames(plate_pose);
   }
 
  private:
@@ -104,7 +109,7 @@ class Plate {
     for (std::size_t k = 0; k < channels_; ++k) {
       const std::string& unit = motion_.analog[at(plate_.channels[k])].unit;
       const bool force = plate_.type == 3 || k < 3;
-      const double factor = plate_.type == 4            ? 1  // the matrix says
+      const double factor = plate_.type == 4            ? 1  // the calibration matrix contains the units
                             : force                     ? force_unit(unit)
                             : plate_.type == 1 && k < 5 ? length_unit(unit, motion_.unit)
                                                         : moment_unit(unit, motion_.unit);
@@ -117,7 +122,7 @@ class Plate {
       for (std::size_t r = 0; r < 6; ++r) {
         double sum = 0;
         for (std::size_t c = 0; c < 6; ++c) sum += plate_.calibration[6 * r + c] * in[c];
-        values_[s * 6 + r] = r < 3 ? sum : sum * motion_.unit;  // moments come out in N times the file's length unit
+        values_[s * 6 + r] = r < 3 ? sum : sum * motion_.unit;  // the matrix gives moments in N times the file's length unit
       }
     }
   }
@@ -132,7 +137,7 @@ class Plate {
     for (std::size_t s = 0; s < samples_; ++s) load[s] = vertical(s);
     std::vector<double> sorted = load;
     std::sort(sorted.begin(), sorted.end());
-    // What stands on the plate pushes one way; nothing on it is at the other end of the range.
+    // A load has one sign only, so the unloaded value is the end of the range that is closer to zero.
     const double low = sorted.front(), high = sorted.back();
     const double base = std::fabs(low) < std::fabs(high) ? low : high;
     if (high - low < 10 * o_.threshold) return;
@@ -142,27 +147,27 @@ class Plate {
       for (std::size_t k = 0; k < channels_; ++k) quiet[k].push_back(values_[s * channels_ + k]);
     }
     if (static_cast<double>(quiet[0].size()) < quiet_share * static_cast<double>(samples_)) return;
-    const std::size_t last = plate_.type == 1 ? 3 : channels_;  // a centre of pressure has no offset
+    const std::size_t last = plate_.type == 1 ? 3 : channels_;  // type 1: channels 4 to 6 (centre of pressure, moment) have no offset
     std::vector<double> offset(channels_, 0.0);
     for (std::size_t k = 0; k < last; ++k) {
       const auto middle = quiet[k].begin() + static_cast<std::ptrdiff_t>(quiet[k].size() / 2);
-      std::nth_element(quiet[k].begin(), middle, quiet[k].end());  // the median: the beginnings of steps do not count
+      std::nth_element(quiet[k].begin(), middle, quiet[k].end());  // the median is robust against the beginnings of steps
       offset[k] = *middle;
       for (std::size_t s = 0; s < samples_; ++s) values_[s * channels_ + k] -= offset[k];
     }
     const double vertical_offset = plate_.type == 3 ? offset[4] + offset[5] + offset[6] + offset[7] : offset[2];
     if (std::fabs(vertical_offset) > 1)
       report.push_back(name_ + ": an offset of " + std::to_string(static_cast<int>(std::lround(vertical_offset))) +
-                       " N of the empty plate was taken away.");
+                       " N of the empty plate was removed.");
   }
 
-  [[nodiscard]] Place find_place() const {
+  [[nodiscard]] PlatePose find_pose() const {
     const Vec3* c = plate_.corners;
     const Vec3 x = normalized(c[0] + c[3] - c[1] - c[2]), z = normalized(cross(x, c[0] + c[1] - c[2] - c[3]));
     return {Mat3::columns(x, cross(z, x), z), (c[0] + c[1] + c[2] + c[3]) / 4};
   }
 
-  /// Force and moment about the middle of the surface, plate's axes.
+  /// Appends force and moment [N, N m] of one sample about the centre of the surface, plate's axes.
   void find_wrench(std::size_t s, const Vec3& to_surface) {
     const double* v = values_.data() + s * channels_;
     Vec3 F, M;
@@ -181,6 +186,7 @@ class Plate {
     wrench_.insert(wrench_.end(), {F.x, F.y, F.z, M.x, M.y, M.z});
   }
 
+  /// Low-pass filters the wrench; a cutoff of a third of the sampling rate or more is ignored.
   void filter() {
     const double rate = motion_.analog_rate;
     if (o_.cutoff >= rate / 3) return;
@@ -188,7 +194,7 @@ class Plate {
     for (std::size_t k = 0; k < 6; ++k) {
       std::vector<double> row;
       const auto value = [&](std::size_t s) { return wrench_[6 * s + k]; };
-      for (std::size_t i = pad; i > 0; --i) row.push_back(2 * value(0) - value(i));  // ends padded by reflection in the point
+      for (std::size_t i = pad; i > 0; --i) row.push_back(2 * value(0) - value(i));  // pad both ends by point reflection
       for (std::size_t s = 0; s < samples_; ++s) row.push_back(value(s));
       for (std::size_t i = 1; i <= pad; ++i) row.push_back(2 * value(samples_ - 1) - value(samples_ - 1 - i));
       filter_both_ways(row, rate, o_.cutoff);
@@ -196,16 +202,16 @@ class Plate {
     }
   }
 
-  /// Some laboratories record what acts on the plate, others what acts on the foot.
-  void turn_upwards(const Place& place, std::vector<std::string>& report) {
+  /// Inverts the wrench if its mean points down: some laboratories record the force on the plate instead of the force on the foot.
+  void turn_upwards(const PlatePose& plate_pose, std::vector<std::string>& report) {
     double sum = 0;
-    for (std::size_t s = 0; s < samples_; ++s) sum += (place.R * Vec3{wrench_[6 * s], wrench_[6 * s + 1], wrench_[6 * s + 2]}).z;
+    for (std::size_t s = 0; s < samples_; ++s) sum += (plate_pose.R * Vec3{wrench_[6 * s], wrench_[6 * s + 1], wrench_[6 * s + 2]}).z;
     if (sum >= 0) return;
     for (double& x : wrench_) x = -x;
-    report.push_back(name_ + ": it measures the load on the plate; the force of the ground is the opposite.");
+    report.push_back(name_ + ": the file contains the load on the plate; its sign was inverted to get the force of the ground.");
   }
 
-  [[nodiscard]] std::vector<PlateForce> frames(const Place& place) const {
+  [[nodiscard]] std::vector<PlateForce> frames(const PlatePose& plate_pose) const {
     const std::size_t each = at(motion_.samples_per_frame());
     std::vector<PlateForce> out;
     for (std::size_t f = 0; f < at(motion_.frames) && each > 0; ++f) {
@@ -215,14 +221,14 @@ class Plate {
         M += Vec3{wrench_[6 * s + 3], wrench_[6 * s + 4], wrench_[6 * s + 5]} / static_cast<double>(each);
       }
       PlateForce p;
-      p.force = place.R * F;
-      p.centre = place.middle;
+      p.force = plate_pose.R * F;
+      p.centre = plate_pose.middle;
       p.loaded = p.force.z > o_.threshold;
       if (p.loaded) {
         const Vec3 centre{-M.y / F.z, M.x / F.z, 0};
-        p.centre = place.middle + place.R * centre;
-        // About the upward normal, so that plates whose z points down agree.
-        p.free_moment = (M.z - (centre.x * F.y - centre.y * F.x)) * (place.R.zz >= 0 ? 1 : -1);
+        p.centre = plate_pose.middle + plate_pose.R * centre;
+        // The free moment refers to the upward normal, also for plates whose z axis points down.
+        p.free_moment = (M.z - (centre.x * F.y - centre.y * F.x)) * (plate_pose.R.zz >= 0 ? 1 : -1);
       }
       out.push_back(p);
     }
@@ -234,24 +240,24 @@ class Plate {
   std::string name_;
   const ForcePlateOptions& o_;
   std::size_t samples_ = 0, channels_ = 0;
-  std::vector<double> values_;  // [samples][channels]
-  std::vector<double> wrench_;  // [samples][6] N, N m
+  std::vector<double> values_;  // [samples][channels] N, N m (m for the centre of pressure of type 1)
+  std::vector<double> wrench_;  // [samples][6] N, N m about the centre of the surface
 };
 
-/// Horizontal distance of p from the convex line through the foot's places in a frame: the nearest of its points and of the lines between
-/// them.
-double distance_to(const SolePlaces& foot, int frame, const Vec3& p) {
-  const Vec3* s = foot.places.data() + at(frame) * at(foot.count);
-  double least = 1e300;
+/// Horizontal distance [m] of p from the foot in a frame: minimum over the segments between all pairs of the foot's points.
+double distance_to(const SolePoints& foot, int frame, const Vec3& p) {
+  const Vec3* s = foot.points.data() + at(frame) * at(foot.count);
+  double minimum = 1e300;
   for (int i = 0; i < foot.count; ++i)
     for (int k = i; k < foot.count; ++k) {
       const Vec3 a{s[i].x, s[i].y, 0}, d{s[k].x - s[i].x, s[k].y - s[i].y, 0}, q{p.x - a.x, p.y - a.y, 0};
       const double dd = dot(d, d), t = dd > 0 ? std::clamp(dot(q, d) / dd, 0.0, 1.0) : 0;
-      least = std::min(least, norm(q - d * t));
+      minimum = std::min(minimum, norm(q - d * t));
     }
-  return least;
+  return minimum;
 }
 
+/// True if p is above or below the plate's quadrilateral (horizontal test).
 bool inside(const ForcePlate& plate, const Vec3& p) {
   for (std::size_t i = 0, sides = 0; i < 4; ++i) {
     const Vec3 d = plate.corners[(i + 1) % 4] - plate.corners[i], q = p - plate.corners[i];
@@ -265,7 +271,8 @@ bool inside(const ForcePlate& plate, const Vec3& p) {
 
 Result<ForceRecording> calc_contact_forces(const MarkerMotion& motion, const ForcePlateOptions& options) {
   if (motion.plates.empty() || motion.analog.empty() || motion.samples.empty())
-    return fail(ErrorCode::structure, motion.source, "It has no force plates.", "Give a recording with plates and their analog channels.");
+    return fail(ErrorCode::structure, motion.source, "The recording has no force plates.",
+                "Use a recording with force plates and their analog channels.");
   Error errors;
   for (std::size_t i = 0; i < motion.plates.size(); ++i) {
     const Error wrong = Plate(motion, i, options).check();
@@ -277,14 +284,14 @@ Result<ForceRecording> calc_contact_forces(const MarkerMotion& motion, const For
       break;
     }
   if (motion.samples_per_frame() < 1)
-    errors.add(ErrorCode::range, motion.source, "Its analog rate is below its frame rate.", "Export the recording again.");
+    errors.add(ErrorCode::range, motion.source, "The analog rate is below the frame rate.", "Export the recording again.");
   if (!errors.empty()) return fail(std::move(errors));
   ForceRecording out;
   for (std::size_t i = 0; i < motion.plates.size(); ++i) out.plates.push_back(Plate(motion, i, options).run(out.report));
   return out;
 }
 
-std::vector<PlateStep> find_plate_steps(const MarkerMotion& motion, const ForceRecording& forces, std::span<const SolePlaces> feet,
+std::vector<PlateStep> find_plate_steps(const MarkerMotion& motion, const ForceRecording& forces, std::span<const SolePoints> feet,
                                         double near) {
   std::vector<PlateStep> steps;
   for (std::size_t k = 0; k < forces.plates.size(); ++k) {
@@ -307,7 +314,7 @@ std::vector<PlateStep> find_plate_steps(const MarkerMotion& motion, const ForceR
         Vec3 middle;
         double low = 1e300;
         for (int p = 0; p < feet[i].count; ++p) {
-          const Vec3& s = feet[i].places[at(f) * at(feet[i].count) + at(p)];
+          const Vec3& s = feet[i].points[at(f) * at(feet[i].count) + at(p)];
           middle += s / feet[i].count;
           low = std::min(low, s.z);
         }

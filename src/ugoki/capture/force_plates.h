@@ -1,6 +1,6 @@
 #pragma once
 // Contact forces from the analog channels of force plates.
-// Sources: the C3D format's manual, FORCE_PLATFORM group (platform types 1-4); Kistler's formulae for four three-component sensors.
+// Sources: C3D file format manual, FORCE_PLATFORM group (platform types 1-4); Kistler's formulae for four three-component sensors.
 
 #include <span>
 #include <vector>
@@ -10,48 +10,51 @@
 
 namespace ugoki::capture {
 
-/// What a plate measures in one frame: the force of the ground on what stands on it.
+/// Measurement of one plate in one frame: the force of the ground on the body that stands on it.
 struct PlateForce {
   Vec3 force;              ///< N, world; z is positive when something stands on the plate
-  Vec3 centre;             ///< m, world: centre of pressure on the plate's surface; the plate's middle where nothing stands
+  Vec3 centre;             ///< m, world: centre of pressure on the plate's surface; the plate's centre if unloaded
   double free_moment = 0;  ///< N m about the plate's normal through the centre of pressure
-  bool loaded = false;     ///< the force is above the threshold: the centre means something
+  bool loaded = false;     ///< the force is above the threshold, so `centre` is valid
 };
 
+/// Options of calc_contact_forces.
 struct ForcePlateOptions {
-  double threshold = 15;      ///< N: less is nothing
-  double cutoff = 20;         ///< Hz, zero-lag Butterworth; 0: none
-  bool remove_offset = true;  ///< channels are zero where the plate carries nothing for long enough (a tenth of the recording)
+  double threshold = 15;      ///< N, smaller vertical forces count as unloaded
+  double cutoff = 20;         ///< Hz, zero-lag Butterworth low-pass filter; 0: none
+  bool remove_offset = true;  ///< subtract the channels' offset, if the plate is unloaded in at least a tenth of the recording
 };
 
+/// Result of calc_contact_forces.
 struct ForceRecording {
-  std::vector<std::vector<PlateForce>> plates;  ///< [plates][frames]: means of each frame's samples
-  std::vector<std::string> report;              ///< sentences for people: offsets taken away, signs turned
+  std::vector<std::vector<PlateForce>> plates;  ///< [plates][frames], mean of each frame's samples
+  std::vector<std::string> report;              ///< sentences for display: offsets removed, signs inverted
 };
 
-/// Contact forces of all plates, one row a frame of the markers. Types: 1 force and centre of pressure, 2 force and moment, 3 eight
-/// channels of four sensors, 4 as 2 with a calibration matrix. The sign of a plate is the one with which it carries what stands on it; its
-/// sensor lies below its surface. Units are those of the channels' labels (N, kN, lbf; Nm, Nmm, lbf in; m, cm, mm); moments and places
-/// without one are in the file's length unit. Errors: no plates; another type; channels missing or of a length that does not fit; corners
-/// without area; a type 4 plate without matrix.
+/// Contact forces of all plates for each frame of the markers. Plate types: 1 force and centre of pressure, 2 force and moment, 3 eight
+/// channels of four sensors, 4 like 2 with a calibration matrix. Signs are chosen so that the mean vertical force points up and the sensor
+/// is below the surface. Units are those of the channels (N, kN, lbf; Nm, Nmm, lbf in; m, cm, mm); moments and positions without a unit use
+/// the file's length unit. Errors: no plates; unknown type; missing channels; analog rate below the frame rate; samples that are not
+/// finite; corners without area; a type 4 plate without matrix.
 [[nodiscard]] Result<ForceRecording> calc_contact_forces(const MarkerMotion& motion, const ForcePlateOptions& options = {});
 
-/// A foot on the ground: any points of its sole, for example markers of heel and toe.
-struct SolePlaces {
-  std::vector<Vec3> places;  ///< [frames][count] m
-  int count = 0;             ///< points of one frame
+/// Trajectory of one foot: any points of its sole, for example the markers of heel and toe.
+struct SolePoints {
+  std::vector<Vec3> points;  ///< [frames][count] m
+  int count = 0;             ///< number of points in each frame
 };
 
-/// A stretch of frames in which a plate carries something, and whose foot it is.
+/// A range of frames in which a plate is loaded, and the foot on it.
 struct PlateStep {
-  int plate = 0, first = 0, last = 0;
-  int foot = -1;        ///< nearest to the centre of pressure while the load is greatest; -1: none is near
-  double distance = 0;  ///< m, mean horizontal distance of the centre of pressure from the foot's line
-  bool shared = false;  ///< another foot stood on the plate too, so the force belongs to both
+  int plate = 0, first = 0, last = 0;  ///< index of the plate; frames, both included
+  int foot = -1;                       ///< foot with the smallest mean distance from the centre of pressure; -1: none within `near`
+  double distance = 0;                 ///< m, load-weighted mean horizontal distance of the centre of pressure from the foot
+  bool shared = false;                 ///< another foot was also on the plate for more than 20 % of the load: the force belongs to both
 };
 
-/// Steps on the plates. @param feet any number  @param near m: a foot farther from the centre of pressure does not stand there
+/// Finds the steps on the plates and assigns them to feet.
+/// @param near m, upper bound of the mean distance between centre of pressure and foot
 [[nodiscard]] std::vector<PlateStep> find_plate_steps(const MarkerMotion& motion, const ForceRecording& forces,
-                                                      std::span<const SolePlaces> feet, double near = 0.15);
+                                                      std::span<const SolePoints> feet, double near = 0.15);
 
 }  // namespace ugoki::capture

@@ -7,33 +7,33 @@
 namespace ugoki::capture {
 namespace {
 
-/// Where the segments were, by the markers that were seen.
-struct Bodies {
-  std::size_t segments;
-  std::vector<ModelPose> poses;  // [frames]
-  std::vector<Pose> places;      // [frames][segments]
-  std::vector<char> known;       // [frames] enough markers were seen
+/// Poses of the body and its segments in all frames.
+struct BodyPoses {
+  std::size_t segments;             // count
+  std::vector<ModelPose> poses;     // [frames]
+  std::vector<Pose> segment_poses;  // [frames][segments]
+  std::vector<char> known;          // [frames] enough_markers_seen
 
   [[nodiscard]] const Pose& at(int frame, std::size_t segment) const {
-    return places[static_cast<std::size_t>(frame) * segments + segment];
+    return segment_poses[static_cast<std::size_t>(frame) * segments + segment];
   }
 };
 
-Bodies find_bodies(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from) {
-  Bodies out{subject.segment_count(), {}, {}, {}};
+BodyPoses find_body_poses(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from) {
+  BodyPoses out{subject.segment_count(), {}, {}, {}};
   out.poses.resize(static_cast<std::size_t>(markers.frames));
-  out.places.resize(out.poses.size() * out.segments);
-  for (int f = 0; f < markers.frames; ++f) out.known.push_back(knows_body(markers, subject, f) ? 1 : 0);
+  out.segment_poses.resize(out.poses.size() * out.segments);
+  for (int f = 0; f < markers.frames; ++f) out.known.push_back(enough_markers_seen(markers, subject, f) ? 1 : 0);
   solve_frames(markers, subject, first, from, [&](int f, const PoseSolver& solver, const ModelPose& pose) {
     out.poses[static_cast<std::size_t>(f)] = pose;
     for (std::size_t i = 0; i < out.segments; ++i)
-      out.places[static_cast<std::size_t>(f) * out.segments + i] = {solver.kinematics().R[i], solver.kinematics().p[i]};
+      out.segment_poses[static_cast<std::size_t>(f) * out.segments + i] = {solver.kinematics().R[i], solver.kinematics().p[i]};
   });
   return out;
 }
 
-/// How far [m, segment's frame] used marker m is from its place when the other markers alone tell where its segment is.
-Vec3 offset_from_others(const MarkerMotion& markers, const Subject& subject, const Bodies& bodies, std::size_t m, int frame) {
+/// Difference [m, segment's frame] of used marker m from its calibrated offset if the pose is solved without this marker.
+Vec3 offset_from_others(const MarkerMotion& markers, const Subject& subject, const BodyPoses& bodies, std::size_t m, int frame) {
   MeasuredFrame measured = measured_frame(markers, subject, frame);
   measured.seen[m] = 0;
   const ModelPose near = bodies.poses[static_cast<std::size_t>(frame)];
@@ -45,12 +45,12 @@ Vec3 offset_from_others(const MarkerMotion& markers, const Subject& subject, con
   solver.solve(subject, measured, options, pose);
   const auto segment = static_cast<std::size_t>(subject.marker(m).segment);
   const Kinematics& k = solver.kinematics();
-  return k.R[segment].transposed() * (markers.at(frame, subject.columns[m]) - k.p[segment]) - subject.places[m];
+  return k.R[segment].transposed() * (markers.at(frame, subject.columns[m]) - k.p[segment]) - subject.marker_offsets[m];
 }
 
 }  // namespace
 
-bool knows_body(const MarkerMotion& markers, const Subject& subject, int frame) {
+bool enough_markers_seen(const MarkerMotion& markers, const Subject& subject, int frame) {
   const auto seen = std::ranges::count_if(subject.columns, [&](int column) { return markers.seen(frame, column); });
   return 3 * seen >= static_cast<std::ptrdiff_t>(subject.columns.size());
 }
@@ -61,7 +61,7 @@ int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const Model
   std::vector<int> used_of(markers.labels.size(), -1);
   for (std::size_t m = 0; m < subject.columns.size(); ++m) used_of[static_cast<std::size_t>(subject.columns[m])] = static_cast<int>(m);
   const MarkerMotion measured = markers;
-  const Bodies bodies = find_bodies(measured, subject, first, from);
+  const BodyPoses bodies = find_body_poses(measured, subject, first, from);
   int count = 0;
   for (const MarkerGap& gap : gaps) {
     const int used = used_of[static_cast<std::size_t>(gap.marker)];
@@ -76,7 +76,7 @@ int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const Model
       const double t = static_cast<double>(f - gap.first + 1) / (gap.last - gap.first + 2);
       const Pose& body = bodies.at(f, static_cast<std::size_t>(subject.marker(m).segment));
       const std::size_t at = markers.index(f, gap.marker);
-      markers.positions[at] = body * (subject.places[m] + a * (1 - t) + b * t);
+      markers.positions[at] = body * (subject.marker_offsets[m] + a * (1 - t) + b * t);
       markers.residuals[at] = 0;
       ++count;
     }
@@ -84,17 +84,18 @@ int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const Model
   return count;
 }
 
-void mirror_unseen_places(Subject& subject, const std::vector<MeasuredFrame>& seen) {
+void mirror_unseen_offsets(Subject& subject, const std::vector<MeasuredFrame>& seen) {
   const auto count = [&](std::size_t m) { return std::ranges::count_if(seen, [m](const MeasuredFrame& f) { return f.seen[m] != 0; }); };
   const auto is_image = [&](std::size_t m, std::size_t k) {
     const ModelMarker &a = subject.marker(m), &b = subject.marker(k);
     const int mirror = subject.segment(static_cast<std::size_t>(a.segment)).mirror;
     return m != k && b.segment == (mirror >= 0 ? mirror : a.segment) && b.at == Vec3{a.at.x, -a.at.y, a.at.z};
   };
-  for (std::size_t m = 0; m < subject.places.size(); ++m) {
+  for (std::size_t m = 0; m < subject.marker_offsets.size(); ++m) {
     if (count(m) > 0) continue;
-    for (std::size_t k = 0; k < subject.places.size(); ++k)
-      if (is_image(m, k) && count(k) > 0) subject.places[m] = {subject.places[k].x, -subject.places[k].y, subject.places[k].z};
+    for (std::size_t k = 0; k < subject.marker_offsets.size(); ++k)
+      if (is_image(m, k) && count(k) > 0)
+        subject.marker_offsets[m] = {subject.marker_offsets[k].x, -subject.marker_offsets[k].y, subject.marker_offsets[k].z};
   }
 }
 

@@ -1,13 +1,13 @@
 #pragma once
-// Places of markers that were not seen, from the subject that carries them. Internal to capture.
+// Fills positions of unseen markers from the pose of the subject that carries them. Internal to capture.
 
 #include "ugoki/capture/pose_solver.h"
 
 namespace ugoki::capture {
 
-/// Poses of all frames, each from the one before it: from `from` to the end, then back to the start.
+/// Solves the poses of all frames: from frame `from` to the end, then back to the start. Each frame starts from its neighbour's pose.
 /// @param first start of the iteration in frame `from`
-/// @param visit called after each frame with the solver at its solution
+/// @param visit called after each frame as visit(frame, solver, pose)
 template <class Visit>
 void solve_frames(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from, const Visit& visit) {
   PoseSolver solver;
@@ -18,7 +18,7 @@ void solve_frames(const MarkerMotion& markers, const Subject& subject, const Mod
       PoseOptions options;
       if (f != from) {
         options.near = &near;
-        options.step_sigma = 30 / markers.rate;  // a weak hold: it decides only where no marker tells
+        options.step_sigma = 30 / markers.rate;  // rad, a weak prior: decisive only for DOFs that no seen marker determines
       }
       solver.solve(subject, measured_frame(markers, subject, f), options, pose);
       visit(f, solver, pose);
@@ -26,16 +26,16 @@ void solve_frames(const MarkerMotion& markers, const Subject& subject, const Mod
   }
 }
 
-/// Whether a third of the subject's markers is seen in this frame. Where fewer are, a pose is more invented than measured.
-[[nodiscard]] bool knows_body(const MarkerMotion& markers, const Subject& subject, int frame);
+/// True if at least a third of the subject's markers is seen in the frame. With fewer markers the pose is dominated by the priors.
+[[nodiscard]] bool enough_markers_seen(const MarkerMotion& markers, const Subject& subject, int frame);
 
-/// Fills every gap of the subject's markers: the marker moves with its segment, whose pose the other markers tell; how far that is from
-/// where the marker was seen before and after the gap goes over from one into the other, so that nothing jumps.
-/// Frames in which the body is not known stay as they are.
-/// @return how many places were filled
+/// Fills every gap of the subject's markers from the pose of the marker's segment, which the other markers determine. The differences at
+/// the two ends of the gap are interpolated over the gap, so that the filled trajectory joins the recorded one without a jump.
+/// Frames without enough_markers_seen are not filled.
+/// @param first, from as for solve_frames @return number of filled positions
 int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from);
 
-/// Markers that no frame of `seen` has sit as their partners on the other side do, mirrored.
-void mirror_unseen_places(Subject& subject, const std::vector<MeasuredFrame>& seen);
+/// Gives markers that are seen in no frame of `seen` the mirrored offset of their partner on the other side.
+void mirror_unseen_offsets(Subject& subject, const std::vector<MeasuredFrame>& seen);
 
 }  // namespace ugoki::capture

@@ -8,20 +8,21 @@ namespace {
 constexpr double deg = 3.14159265358979323846 / 180;
 
 Vec3 mirrored(const Vec3& v) { return {v.x, -v.y, v.z}; }
-/// Axes turn the other way round in a mirror.
+/// Rotation axes are pseudovectors: the mirror plane keeps y and inverts x and z.
 Vec3 mirrored_axis(const Vec3& a) { return {-a.x, a.y, -a.z}; }
 
-/// Adds segments in the middle, or a left and a right one at once.
+/// Builds a marker set from middle segments and from mirrored pairs.
 class Builder {
  public:
   explicit Builder(std::string name) { set_.name = std::move(name); }
 
+  /// @return index of the segment
   int middle(ModelSegment s) {
     set_.segments.push_back(std::move(s));
     return static_cast<int>(set_.segments.size()) - 1;
   }
-  /// The left one as given, the right one mirrored; returns the left one's index, the right one follows it. "Left" in the name and a
-  /// parent that has sides are exchanged.
+  /// Adds `left` and its mirror image, which gets the next index. In the mirror image "Left" in the name becomes "Right", and a parent with
+  /// sides is replaced by its right one. @return index of the left segment
   int pair(ModelSegment left) {
     const int index = static_cast<int>(set_.segments.size());
     ModelSegment right = left;
@@ -40,7 +41,7 @@ class Builder {
   void marker(std::vector<std::string> labels, int segment, const Vec3& at, double sigma, double noise = 1) {
     set_.markers.push_back({std::move(labels), segment, at, sigma, noise});
   }
-  /// '<' in a label stands for L, and for R on the other side.
+  /// Adds a marker and its mirror image. '<' in a label stands for L on the left side and for R on the right side.
   void markers(const std::vector<std::string>& labels, int left_segment, const Vec3& at, double sigma, double noise = 1) {
     const bool sided = set_.segments[static_cast<std::size_t>(left_segment)].mirror >= 0;
     for (const bool left : {true, false}) {
@@ -74,8 +75,8 @@ ModelSegment hinge(std::string name, int parent, const Vec3& offset, const Vec3&
   return s;
 }
 
-/// A person of 1.75 m. Lengths of segments after de Leva (1996); places of markers on the skin by palpation rules of the
-/// Plug-in Gait model, as distances from the joint centres.
+/// A person of 1.75 m. Segment lengths: de Leva (1996). Marker positions on the skin relative to the joint centres: palpation rules of the
+/// Plug-in Gait model.
 MarkerSet make_human() {
   Builder b("human, Plug-in Gait and CMU labels");
   ModelSegment root = ball("Hips", -1, {}, {}, 1e3);
@@ -142,7 +143,7 @@ MarkerSet make_human() {
   return b.finish();
 }
 
-/// A rat-like animal, 0.2 m from snout to tail; other sizes are scaled.
+/// A rat-like animal of 0.2 m from snout to tail; other sizes are scaled.
 MarkerSet make_quadruped() {
   Builder b("four-legged animal, key points on the joints");
   ModelSegment root = ball("Pelvis", -1, {}, {}, 1e3);
@@ -191,7 +192,8 @@ MarkerSet make_quadruped() {
   return b.finish();
 }
 
-std::string plain(const std::string& label) {
+/// Capital letters without blanks, '_', '-' and '.'.
+std::string normalized_label(const std::string& label) {
   std::string out;
   for (const char c : label)
     if (c != ' ' && c != '_' && c != '-' && c != '.') out.push_back(c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c);
@@ -212,15 +214,15 @@ const MarkerSet& quadruped_key_points() {
 
 std::vector<int> match_labels(const MarkerSet& set, const std::vector<std::string>& labels) {
   std::vector<int> out(labels.size(), -1);
-  std::vector<char> taken(set.markers.size());
+  std::vector<char> used(set.markers.size());
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    std::string label = plain(labels[i]);
+    std::string label = normalized_label(labels[i]);
     if (const std::size_t colon = label.rfind(':'); colon != std::string::npos) label.erase(0, colon + 1);
     for (std::size_t k = 0; k < set.markers.size(); ++k) {
       const auto& names = set.markers[k].labels;
-      if (taken[k] != 0 || std::find(names.begin(), names.end(), label) == names.end()) continue;
+      if (used[k] != 0 || std::find(names.begin(), names.end(), label) == names.end()) continue;
       out[i] = static_cast<int>(k);
-      taken[k] = 1;
+      used[k] = 1;
       break;
     }
   }

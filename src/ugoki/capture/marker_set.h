@@ -1,5 +1,5 @@
 #pragma once
-// Marker sets: which labels sit where on which segment of a model skeleton.
+// Marker sets: labels, segments and positions of the markers on a model skeleton.
 
 #include <string>
 #include <vector>
@@ -11,42 +11,45 @@ namespace ugoki::capture {
 
 enum class ModelJoint : unsigned char { root, ball, hinge, universal, fixed };
 
-/// A segment of the model and the joint where it starts. Rest: the person stands with the arms out to the sides, palms forward; an
-/// animal stands. All frames are parallel to the world's: X forward, Y left, Z up. Lengths are those of the model's own size.
+/// A segment of the model and the joint at its start. Rest posture: a person stands with arms sideways and palms forward; an animal stands.
+/// At rest all frames are parallel to the world: X forward, Y left, Z up. Lengths refer to the model's own size.
 struct ModelSegment {
   std::string name;
-  int parent = -1;
-  Vec3 offset;        ///< m, from the parent's joint
-  Vec3 offset_sigma;  ///< m, standard deviation over people (or animals) of this size; 0: known
+  int parent = -1;    ///< index; -1: root
+  Vec3 offset;        ///< m, from the parent's joint, in the parent's frame
+  Vec3 offset_sigma;  ///< m, standard deviation over people (or animals) of this size; 0: the offset is exact
   ModelJoint joint = ModelJoint::ball;
-  Vec3 axis, second_axis;            ///< unit; hinge: the first, universal: both, the first one outermost
+  Vec3 axis, second_axis;            ///< unit; hinge: axis; universal: axis (outer) and second_axis (inner)
   double lower = 0, upper = 0;       ///< rad, limits of the first axis
-  double lower2 = 0, upper2 = 0;     ///< rad, of the second
-  double stiffness_sigma = 1e3;      ///< rad: how far from rest the joint usually is; spreads a bend over joints no marker tells apart
-  int mirror = -1;                   ///< the same segment on the other side
-  std::vector<Vec3> end_sites = {};  ///< m
+  double lower2 = 0, upper2 = 0;     ///< rad, limits of the second axis
+  double stiffness_sigma = 1e3;      ///< rad, standard deviation from rest: distributes a bend over joints that the markers do not separate
+  int mirror = -1;                   ///< index of the segment on the other side; -1: none
+  std::vector<Vec3> end_sites = {};  ///< m, in the segment's frame
 };
 
+/// A marker of a marker set.
 struct ModelMarker {
-  std::vector<std::string> labels;  ///< names in use for it, in capital letters
-  int segment = 0;
-  Vec3 at;           ///< m, in the segment's frame
-  double sigma = 0;  ///< m, how exactly it is placed
-  double noise = 1;  ///< how far skin moves it against the bone, times PoseOptions::marker_sigma
+  std::vector<std::string> labels;  ///< labels in use, in capital letters; the first is the usual one
+  int segment = 0;                  ///< index
+  Vec3 at;                          ///< m, in the segment's frame
+  double sigma = 0;                 ///< m, standard deviation of the placement
+  double noise = 1;                 ///< factor of PoseOptions::marker_sigma for motion of the skin relative to the bone
 };
 
+/// A model skeleton with its markers.
 struct MarkerSet {
-  std::string name;  ///< for people
+  std::string name;  ///< for display
   std::vector<ModelSegment> segments;
   std::vector<ModelMarker> markers;
 };
 
-/// Human body with the labels of Plug-in Gait, CMU and their kin.
+/// Human body with the labels of Plug-in Gait, CMU and similar sets.
 [[nodiscard]] const MarkerSet& human_markers();
 /// Four-legged animal with key points on its joints (Snout, SpineF, ShoulderL, HipR ...).
 [[nodiscard]] const MarkerSet& quadruped_key_points();
 
-/// Index into set.markers for each label of the recording; -1 where the set does not know it. Case, blanks, '_' and '-' do not count.
+/// Index into set.markers [labels] for each label of the recording; -1: not in the set. Case, blanks, '_', '-', '.' and a prefix before ':'
+/// are ignored.
 [[nodiscard]] std::vector<int> match_labels(const MarkerSet& set, const std::vector<std::string>& labels);
 
 }  // namespace ugoki::capture

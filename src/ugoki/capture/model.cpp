@@ -17,12 +17,12 @@ Subject make_subject(const MarkerSet& set, const std::vector<int>& match, double
   s.size = size;
   for (const ModelSegment& segment : set.segments) {
     s.offsets.push_back(segment.offset * size);
-    s.first_freedom.push_back(s.freedoms);
+    s.first_dof.push_back(s.dofs);
     switch (segment.joint) {
-      case ModelJoint::root: s.freedoms += 6; break;
-      case ModelJoint::ball: s.freedoms += 3; break;
-      case ModelJoint::universal: s.freedoms += 2; break;
-      case ModelJoint::hinge: s.freedoms += 1; break;
+      case ModelJoint::root: s.dofs += 6; break;
+      case ModelJoint::ball: s.dofs += 3; break;
+      case ModelJoint::universal: s.dofs += 2; break;
+      case ModelJoint::hinge: s.dofs += 1; break;
       case ModelJoint::fixed: break;
     }
   }
@@ -30,7 +30,7 @@ Subject make_subject(const MarkerSet& set, const std::vector<int>& match, double
     if (match[i] < 0) continue;
     s.markers.push_back(match[i]);
     s.columns.push_back(static_cast<int>(i));
-    s.places.push_back(set.markers[static_cast<std::size_t>(match[i])].at * size);
+    s.marker_offsets.push_back(set.markers[static_cast<std::size_t>(match[i])].at * size);
   }
   return s;
 }
@@ -51,14 +51,14 @@ void calc_kinematics(const Subject& subject, const ModelPose& pose, Kinematics& 
   const std::size_t n = subject.segment_count();
   k.R.resize(n);
   k.p.resize(n);
-  k.axes.resize(static_cast<std::size_t>(subject.freedoms));
+  k.axes.resize(static_cast<std::size_t>(subject.dofs));
   for (std::size_t i = 0; i < n; ++i) {
     const ModelSegment& s = subject.segment(i);
     const Mat3 local = to_matrix(joint_rotation(subject, pose, i));
     const auto parent = static_cast<std::size_t>(s.parent);
     k.p[i] = s.parent < 0 ? pose.p : k.p[parent] + k.R[parent] * subject.offsets[i];
     k.R[i] = s.parent < 0 ? local : k.R[parent] * local;
-    auto a = static_cast<std::size_t>(subject.first_freedom[i]);
+    auto a = static_cast<std::size_t>(subject.first_dof[i]);
     if (s.joint == ModelJoint::root)
       for (int c = 0; c < 3; ++c) k.axes[a++] = Mat3::identity().column(c);
     if (s.joint == ModelJoint::root || s.joint == ModelJoint::ball)
@@ -71,7 +71,7 @@ void calc_kinematics(const Subject& subject, const ModelPose& pose, Kinematics& 
 void move(const Subject& subject, std::span<const double> step, ModelPose& pose) {
   for (std::size_t i = 0; i < subject.segment_count(); ++i) {
     const ModelSegment& s = subject.segment(i);
-    const double* d = step.data() + subject.first_freedom[i];
+    const double* d = step.data() + subject.first_dof[i];
     if (s.joint == ModelJoint::root) {
       pose.p += Vec3{d[0], d[1], d[2]};
       d += 3;

@@ -1,5 +1,5 @@
 #pragma once
-// A model skeleton of one subject: a marker set with its lengths and marker places fitted, and its kinematics. Internal to capture.
+// Model skeleton of one subject (a marker set with calibrated lengths and marker offsets) and its kinematics. Internal to capture.
 
 #include <span>
 #include <vector>
@@ -8,50 +8,53 @@
 
 namespace ugoki::capture {
 
-/// Positions of all joints in one frame.
+/// Joint coordinates of a subject in one frame.
 struct ModelPose {
-  Vec3 p;                       ///< m, of the root
-  std::vector<Quat> rotations;  ///< [segments] of balls and the root, in the parent's frame
-  std::vector<double> angles;   ///< [2 segments] rad, of hinges and universals
+  Vec3 p;                       ///< m, position of the root
+  std::vector<Quat> rotations;  ///< [segments] ball joints and the root: rotation in the parent's frame
+  std::vector<double> angles;   ///< [2 segments] rad, angles of hinges and universal joints
 };
 
+/// A marker set calibrated to one subject.
 struct Subject {
-  const MarkerSet* set = nullptr;
-  double size = 1;                 ///< times the model's own size
-  std::vector<Vec3> offsets;       ///< [segments] m
-  std::vector<int> markers;        ///< [used] index into set->markers
-  std::vector<int> columns;        ///< [used] index of the marker in the recording
-  std::vector<Vec3> places;        ///< [used] m, in the segment's frame
-  std::vector<int> first_freedom;  ///< [segments] index of the joint's first freedom
-  int freedoms = 0;
+  const MarkerSet* set = nullptr;    ///< not owned
+  double size = 1;                   ///< size relative to the model
+  std::vector<Vec3> offsets;         ///< [segments] m, from the parent's joint
+  std::vector<int> markers;          ///< [used markers] index into set->markers
+  std::vector<int> columns;          ///< [used markers] index of the marker in the recording
+  std::vector<Vec3> marker_offsets;  ///< [used markers] m, position in the segment's frame
+  std::vector<int> first_dof;        ///< [segments] index of the joint's first DOF
+  int dofs = 0;                      ///< total number of DOFs
 
   [[nodiscard]] const ModelSegment& segment(std::size_t i) const { return set->segments[i]; }
   [[nodiscard]] const ModelMarker& marker(std::size_t used) const { return set->markers[static_cast<std::size_t>(markers[used])]; }
   [[nodiscard]] std::size_t segment_count() const { return set->segments.size(); }
+  /// All joints at rest, root at the origin.
   [[nodiscard]] ModelPose rest() const;
 };
 
-/// The model at `size` times its own, with the labels of the recording attached.
+/// Subject of the given relative size before calibration. @param match match_labels of the recording @param set must outlive the subject
 [[nodiscard]] Subject make_subject(const MarkerSet& set, const std::vector<int>& match, double size);
 
-/// World poses of all segments, and the world axes of all freedoms.
+/// World poses of all segments, and the world axes of all DOFs.
 struct Kinematics {
-  std::vector<Mat3> R;     ///< [segments]
-  std::vector<Vec3> p;     ///< [segments] m
-  std::vector<Vec3> axes;  ///< [freedoms] unit; the root's first three are translations along X, Y, Z
+  std::vector<Mat3> R;     ///< [segments] orientation
+  std::vector<Vec3> p;     ///< [segments] m, position of the joint
+  std::vector<Vec3> axes;  ///< [DOFs] unit; the root's first three are translations along X, Y, Z
 };
+/// Computes `k` for a pose. O(segments).
 void calc_kinematics(const Subject& subject, const ModelPose& pose, Kinematics& k);
 
 /// Rotation of segment i's joint in the parent's frame.
 [[nodiscard]] Quat joint_rotation(const Subject& subject, const ModelPose& pose, std::size_t i);
 
-/// Moves by `step` [freedoms] (m, rad about the freedoms' axes); angles stay within their limits.
+/// Adds `step` [DOFs] (m, rad about the DOFs' axes) to the pose; angles are clamped to their limits.
 void move(const Subject& subject, std::span<const double> step, ModelPose& pose);
 
-/// Place of a used marker in the world.
-[[nodiscard]] inline Vec3 marker_place(const Subject& subject, const Kinematics& k, std::size_t used) {
+/// World position [m] of a used marker. @param used index among the used markers
+[[nodiscard]] inline Vec3 marker_position(const Subject& subject, const Kinematics& k, std::size_t used) {
   const auto s = static_cast<std::size_t>(subject.marker(used).segment);
-  return k.p[s] + k.R[s] * subject.places[used];
+  return k.p[s] + k.R[s] * subject.marker_offsets[used];
 }
 
 }  // namespace ugoki::capture

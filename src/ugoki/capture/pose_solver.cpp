@@ -8,13 +8,13 @@
 namespace ugoki::capture {
 namespace {
 
-/// Freedoms of segment i's joint that turn; the root's translations are counted apart.
-struct Turning {
+/// Range of the rotational DOFs of a segment's joint; the root's three translations precede them.
+struct RotationDofs {
   std::size_t first;
   int count;
 };
-Turning turning(const Subject& s, std::size_t i) {
-  const auto first = static_cast<std::size_t>(s.first_freedom[i]);
+RotationDofs rotation_dofs(const Subject& s, std::size_t i) {
+  const auto first = static_cast<std::size_t>(s.first_dof[i]);
   switch (s.segment(i).joint) {
     case ModelJoint::root: return {first + 3, 3};
     case ModelJoint::ball: return {first, 3};
@@ -25,7 +25,7 @@ Turning turning(const Subject& s, std::size_t i) {
   return {first, 0};
 }
 
-/// Departure of segment i's joint from `from` in its turning freedoms, rad.
+/// Deviation [rad] of segment i's joint from pose `from` (null: rest) in its rotational DOFs.
 Vec3 departure(const Subject& s, const ModelPose& pose, const ModelPose* from, std::size_t i) {
   const ModelJoint joint = s.segment(i).joint;
   if (joint == ModelJoint::root || joint == ModelJoint::ball)
@@ -34,6 +34,7 @@ Vec3 departure(const Subject& s, const ModelPose& pose, const ModelPose* from, s
           pose.angles[2 * i + 1] - (from == nullptr ? 0 : from->angles[2 * i + 1]), 0};
 }
 
+/// Huber loss of r >= 0.
 double huber(double r, double limit) { return r <= limit ? 0.5 * r * r : limit * (r - 0.5 * limit); }
 
 }  // namespace
@@ -42,7 +43,7 @@ MeasuredFrame measured_frame(const MarkerMotion& motion, const Subject& subject,
   MeasuredFrame out;
   for (const int column : subject.columns) {
     const bool seen = motion.seen(frame, column);
-    out.places.push_back(motion.at(frame, column));
+    out.positions.push_back(motion.at(frame, column));
     out.seen.push_back(seen ? 1 : 0);
     out.count += seen ? 1 : 0;
   }
@@ -52,9 +53,9 @@ MeasuredFrame measured_frame(const MarkerMotion& motion, const Subject& subject,
 double PoseSolver::cost(const Subject& s, const MeasuredFrame& frame, const PoseOptions& o, const ModelPose& pose) {
   calc_kinematics(s, pose, k_);
   double sum = 0;
-  for (std::size_t m = 0; m < frame.places.size(); ++m)
+  for (std::size_t m = 0; m < frame.positions.size(); ++m)
     if (frame.seen[m] != 0)
-      sum += huber(norm(marker_place(s, k_, m) - frame.places[m]) / (o.marker_sigma * s.marker(m).noise), o.outlier / o.marker_sigma);
+      sum += huber(norm(marker_position(s, k_, m) - frame.positions[m]) / (o.marker_sigma * s.marker(m).noise), o.outlier / o.marker_sigma);
   for (std::size_t i = 0; i < s.segment_count(); ++i) {
     const Vec3 rest = departure(s, pose, nullptr, i) / s.segment(i).stiffness_sigma;
     sum += 0.5 * dot(rest, rest);
@@ -65,15 +66,15 @@ double PoseSolver::cost(const Subject& s, const MeasuredFrame& frame, const Pose
   return sum;
 }
 
-Vec3 PoseSolver::jacobian(const Subject& s, std::size_t used, std::size_t freedom) const {
-  const Vec3 x = marker_place(s, k_, used);
+Vec3 PoseSolver::jacobian(const Subject& s, std::size_t used, std::size_t dof) const {
+  const Vec3 x = marker_position(s, k_, used);
   for (int i = s.marker(used).segment; i >= 0; i = s.segment(static_cast<std::size_t>(i)).parent) {
     const auto j = static_cast<std::size_t>(i);
-    const auto first = static_cast<std::size_t>(s.first_freedom[j]);
-    if (freedom < first) continue;
-    const Turning t = turning(s, j);
-    if (freedom < t.first) return k_.axes[freedom];
-    if (freedom < t.first + static_cast<std::size_t>(t.count)) return cross(k_.axes[freedom], x - k_.p[j]);
+    const auto first = static_cast<std::size_t>(s.first_dof[j]);
+    if (dof < first) continue;
+    const RotationDofs t = rotation_dofs(s, j);
+    if (dof < t.first) return k_.axes[dof];
+    if (dof < t.first + static_cast<std::size_t>(t.count)) return cross(k_.axes[dof], x - k_.p[j]);
     return {};
   }
   return {};
@@ -85,20 +86,20 @@ double marker_weight(const PoseOptions& o, double noise, double distance) {
 }
 
 void PoseSolver::linearize(const Subject& s, const MeasuredFrame& frame, const PoseOptions& o, const ModelPose& pose) {
-  const auto n = static_cast<std::size_t>(s.freedoms);
+  const auto n = static_cast<std::size_t>(s.dofs);
   H_.assign(n * n, 0);
   g_.assign(n, 0);
   std::vector<std::pair<std::size_t, Vec3>> columns;
-  for (std::size_t m = 0; m < frame.places.size(); ++m) {
+  for (std::size_t m = 0; m < frame.positions.size(); ++m) {
     if (frame.seen[m] == 0) continue;
-    const Vec3 x = marker_place(s, k_, m);
-    const Vec3 error = x - frame.places[m];
+    const Vec3 x = marker_position(s, k_, m);
+    const Vec3 error = x - frame.positions[m];
     const double weight = marker_weight(o, s.marker(m).noise, norm(error));
     columns.clear();
     for (int i = s.marker(m).segment; i >= 0; i = s.segment(static_cast<std::size_t>(i)).parent) {
       const auto j = static_cast<std::size_t>(i);
-      const Turning t = turning(s, j);
-      for (std::size_t f = static_cast<std::size_t>(s.first_freedom[j]); f < t.first; ++f) columns.emplace_back(f, k_.axes[f]);
+      const RotationDofs t = rotation_dofs(s, j);
+      for (std::size_t f = static_cast<std::size_t>(s.first_dof[j]); f < t.first; ++f) columns.emplace_back(f, k_.axes[f]);
       for (std::size_t f = t.first; f < t.first + static_cast<std::size_t>(t.count); ++f)
         columns.emplace_back(f, cross(k_.axes[f], x - k_.p[j]));
     }
@@ -109,7 +110,7 @@ void PoseSolver::linearize(const Subject& s, const MeasuredFrame& frame, const P
     }
   }
   for (std::size_t i = 0; i < s.segment_count(); ++i) {
-    const Turning t = turning(s, i);
+    const RotationDofs t = rotation_dofs(s, i);
     const double rest = 1 / (s.segment(i).stiffness_sigma * s.segment(i).stiffness_sigma);
     const double step = o.near != nullptr && o.step_sigma > 0 ? 1 / (o.step_sigma * o.step_sigma) : 0;
     const Vec3 from_rest = departure(s, pose, nullptr, i), from_near = departure(s, pose, o.near, i);
@@ -122,7 +123,7 @@ void PoseSolver::linearize(const Subject& s, const MeasuredFrame& frame, const P
 }
 
 double PoseSolver::solve(const Subject& s, const MeasuredFrame& frame, const PoseOptions& o, ModelPose& pose) {
-  const auto n = static_cast<std::size_t>(s.freedoms);
+  const auto n = static_cast<std::size_t>(s.dofs);
   double now = cost(s, frame, o, pose), damping = 1e-3;
   for (int iteration = 0; iteration < o.max_iterations; ++iteration) {
     linearize(s, frame, o, pose);
@@ -135,8 +136,8 @@ double PoseSolver::solve(const Subject& s, const MeasuredFrame& frame, const Pos
         L_[f * n + f] += damping * (L_[f * n + f] + 1);
         step_[f] = -g_[f];
       }
-      if (dynamics::factor_cholesky(L_, s.freedoms, 1e-14)) {
-        dynamics::solve_cholesky(L_, s.freedoms, step_);
+      if (dynamics::factor_cholesky(L_, s.dofs, 1e-14)) {
+        dynamics::solve_cholesky(L_, s.dofs, step_);
         ModelPose trial = pose;
         move(s, step_, trial);
         const double then = cost(s, frame, o, trial);

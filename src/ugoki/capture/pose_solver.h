@@ -1,5 +1,5 @@
 #pragma once
-// The pose that brings a subject's markers to where they were measured. Internal to capture.
+// Finds the pose in which a subject's markers fit their measured positions best. Internal to capture.
 
 #include <span>
 #include <vector>
@@ -8,38 +8,40 @@
 
 namespace ugoki::capture {
 
-/// What was measured in one frame: places of the used markers, and which were seen.
+/// Measured positions of the used markers in one frame.
 struct MeasuredFrame {
-  std::vector<Vec3> places;  ///< [used] m
-  std::vector<char> seen;    ///< [used]
-  int count = 0;             ///< of the seen ones
+  std::vector<Vec3> positions;  ///< [used markers] m
+  std::vector<char> seen;       ///< [used markers] 1: seen
+  int count = 0;                ///< number of seen markers
 };
+/// One frame of a recording.
 [[nodiscard]] MeasuredFrame measured_frame(const MarkerMotion& motion, const Subject& subject, int frame);
 
+/// Weights of PoseSolver::solve.
 struct PoseOptions {
-  double marker_sigma = 0.01;       ///< m: noise of a marker on moving skin
-  double outlier = 0.05;            ///< m: beyond this a marker pulls with a constant force (Huber's loss)
-  double step_sigma = 0;            ///< rad | dm: how far freedoms usually move from `near`; 0: they are free
-  const ModelPose* near = nullptr;  ///< the frame before
+  double marker_sigma = 0.01;       ///< m, standard deviation of a marker on moving skin
+  double outlier = 0.05;            ///< m, Huber limit: larger errors count linearly
+  double step_sigma = 0;            ///< rad, standard deviation of joint rotations from `near`; 0: no such prior
+  const ModelPose* near = nullptr;  ///< pose of the neighbouring frame; null: none
   int max_iterations = 30;
 };
 
-/// Weight [1/m^2] with which a marker at this distance from its place enters the normal equations.
+/// Weight [1/m^2] of a marker in the normal equations. @param distance m, from its measured position @param noise ModelMarker::noise
 [[nodiscard]] double marker_weight(const PoseOptions& options, double noise, double distance);
 
-/// Least squares of marker errors, departure from rest by the joints' stiffness, and departure from `near`, by
-/// Levenberg-Marquardt; joint limits by projection.
+/// Minimises marker errors, deviation from rest (weighted by stiffness_sigma) and deviation from `near` by the Levenberg-Marquardt method.
+/// Joint limits are kept by projection.
 class PoseSolver {
  public:
-  /// @param pose start and result
-  /// @return the cost, 1/2 sum of squares in units of the sigmas
+  /// @param pose [in and out] start and result
+  /// @return the cost: half the sum of squares, each in units of its sigma
   double solve(const Subject& subject, const MeasuredFrame& frame, const PoseOptions& options, ModelPose& pose);
 
-  /// Normal equations at the last solution: H [freedoms^2] (lower triangle valid) without damping.
+  /// Normal equations at the last solution: H [DOFs^2] (lower triangle valid) without damping.
   [[nodiscard]] std::span<const double> normal_matrix() const { return H_; }
   [[nodiscard]] const Kinematics& kinematics() const { return k_; }
-  /// Column of the Jacobian of used marker m for freedom f at the last solution; zero for freedoms it does not hang on.
-  [[nodiscard]] Vec3 jacobian(const Subject& subject, std::size_t used, std::size_t freedom) const;
+  /// Derivative (m per m | rad) of the used marker's world position with respect to a DOF at the last solution; zero if it has no effect.
+  [[nodiscard]] Vec3 jacobian(const Subject& subject, std::size_t used, std::size_t dof) const;
 
  private:
   double cost(const Subject& subject, const MeasuredFrame& frame, const PoseOptions& options, const ModelPose& pose);

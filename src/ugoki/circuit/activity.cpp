@@ -7,7 +7,7 @@
 namespace ugoki::circuit {
 namespace {
 
-/// Appends to memory that it does not own.
+/// Appends text to a buffer of the caller; truncates at its end.
 class Text {
  public:
   explicit Text(std::span<char> buffer) : buffer_(buffer) {}
@@ -59,22 +59,22 @@ std::size_t describe_time(const RunningLsi& lsi, std::span<char> buffer) {
 }
 
 std::size_t describe_inputs(const RunningLsi& lsi, std::span<char> buffer) {
-  constexpr std::size_t most_pins = 6, most_numbers = 7;
+  constexpr std::size_t max_pins = 6, max_numbers = 7;
   Text text(buffer);
-  std::size_t told = 0;
-  for (std::size_t pin = 0; lsi.call && pin < lsi.lsi_class->inputs.size() && told < most_pins; ++pin) {
+  std::size_t printed = 0;
+  for (std::size_t pin = 0; lsi.call && pin < lsi.lsi_class->inputs.size() && printed < max_pins; ++pin) {
     const InputPin& declared = lsi.lsi_class->inputs[pin];
     const PinType& type = pin_type(declared.type);
     const std::uint32_t wire = lsi.call->in_first[pin];
     if (declared.multiple || !type.numeric || !lsi.call->in[wire]) continue;
     const std::size_t numbers = payload_bytes(type, lsi.call->in_count[wire]) / sizeof(double);
-    if (numbers == 0 || numbers > most_numbers) continue;
-    text << (told++ ? ", '" : " Its inputs were '") << declared.name << "' = ";
+    if (numbers == 0 || numbers > max_numbers) continue;
+    text << (printed++ ? ", '" : " Its inputs were '") << declared.name << "' = ";
     const auto* x = static_cast<const double*>(lsi.call->in[wire]);
     for (std::size_t i = 0; i < numbers; ++i) text << (i ? ", " : numbers > 1 ? "[" : "") << x[i];
     if (numbers > 1) text << "]";
   }
-  if (told) text << ".";
+  if (printed) text << ".";
   return text.finish();
 }
 

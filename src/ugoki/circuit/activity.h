@@ -1,5 +1,5 @@
 #pragma once
-// Which LSI is being executed right now: for a signal handler or a watching thread, when foreign code crashes or does not return.
+// Which LSI is being executed right now. A signal handler or a watchdog thread reads it when the code of an LSI crashes or hangs.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,28 +10,28 @@
 namespace ugoki::circuit {
 
 struct RunningLsi {
-  const char* id = "";  ///< "arm/elbow"
+  const char* id = "";  ///< id with the ids of the enclosing circuits: "arm/elbow"
   const LsiClass* lsi_class = nullptr;
   const Call* call = nullptr;  ///< null while the circuit is built
 };
 
-/// Owned by the host, written by interpreters (BuildOptions::activity) with plain stores of one word each.
+/// Owned by the host. Interpreters write it (BuildOptions::activity) with one atomic store per word.
 struct Activity {
-  const RunningLsi* running = nullptr;  ///< null: none
-  std::uint64_t passes = 0;             ///< ticks and refreshes begun: a running LSI is stuck if this does not change for long
+  const RunningLsi* running = nullptr;  ///< null: no LSI is running
+  std::uint64_t passes = 0;             ///< ticks and refreshes begun; an LSI is stuck if it runs and this does not change for long
 };
 
-/// Reads what another thread writes; with it come what the LSI reads: its names, the tick, its inputs.
+/// The LSI that another thread is running, or null. The load acquires: names, tick and inputs of the LSI may be read after it.
 [[nodiscard]] inline const RunningLsi* running_of(const Activity& a) { return __atomic_load_n(&a.running, __ATOMIC_ACQUIRE); }
 [[nodiscard]] inline std::uint64_t passes_of(const Activity& a) { return __atomic_load_n(&a.passes, __ATOMIC_RELAXED); }
 inline void set_running(Activity& a, const RunningLsi* lsi) { __atomic_store_n(&a.running, lsi, __ATOMIC_RELEASE); }
 
-/// "'quotient' (LSI 'divide' of library 'mine')": zero-terminated, cut off where the buffer ends. Allocates nothing.
-/// @return bytes written without the zero
+/// Writes "'quotient' (LSI 'divide' of library 'mine')", zero-terminated and truncated at the end of the buffer. Allocates nothing.
+/// @return bytes written, without the terminating zero
 std::size_t describe_lsi(const RunningLsi& lsi, std::span<char> buffer);
-/// " at 0.123 s (tick 61)" or " while the circuit was built".
+/// Writes " at 0.123 s (tick 61)" or " while the circuit was built", in the manner of describe_lsi.
 std::size_t describe_time(const RunningLsi& lsi, std::span<char> buffer);
-/// " Its inputs were 'a' = 4, 'b' = 0." for inputs of few numbers; empty where there are none.
+/// Writes " Its inputs were 'a' = 4, 'b' = 0.": the first 6 numeric inputs of at most 7 numbers each. Empty if the LSI has none.
 std::size_t describe_inputs(const RunningLsi& lsi, std::span<char> buffer);
 
 }  // namespace ugoki::circuit

@@ -10,8 +10,8 @@ namespace ugoki::circuit {
 
 Arena::Arena(std::size_t words) : size_(words) {
 #if defined(__linux__)
-  constexpr std::size_t page = 1 << 16;  // a multiple of every system's
-  constexpr std::size_t alignment = 64;  // a line of the cache
+  constexpr std::size_t page = 1 << 16;  // bytes; a multiple of the page sizes 4, 16 and 64 KiB
+  constexpr std::size_t alignment = 64;  // bytes of a cache line
   const std::size_t bytes = (words * sizeof(std::uint64_t) + alignment - 1) / alignment * alignment;
   const std::size_t inner = (bytes + page - 1) / page * page;
   void* mapped = ::mmap(nullptr, inner + 2 * page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -20,7 +20,8 @@ Arena::Arena(std::size_t words) : size_(words) {
     mapped_bytes_ = inner + 2 * page;
     auto* const first = static_cast<std::byte*>(mapped) + page;
     if (::mprotect(first, inner, PROT_READ | PROT_WRITE) == 0) {
-      data_ = reinterpret_cast<std::uint64_t*>(first + inner - bytes);  // its end is that of the page: there most go too far
+      // The memory ends where the last page ends: most wrong writes are past the end, and so hit the guard page at once.
+      data_ = reinterpret_cast<std::uint64_t*>(first + inner - bytes);
       return;
     }
   }

@@ -1,6 +1,6 @@
 #pragma once
-// The memory in which all payloads and states of a circuit lie. Where the system can, pages that nobody may touch lie on both sides, so
-// that an LSI that writes far beyond its own stops there and destroys nothing else of the process.
+// The memory that contains all payloads and states of a circuit. On Linux an inaccessible guard page precedes and follows it: an LSI that
+// writes far outside its own memory causes a fault instead of overwriting other data of the process.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace ugoki::circuit {
 class Arena {
  public:
   Arena() = default;
-  /// @param words of 8 bytes, zero
+  /// Allocates `words` words of 8 bytes each, all zero.
   explicit Arena(std::size_t words);
   ~Arena();
   Arena(Arena&&) noexcept;
@@ -19,12 +19,12 @@ class Arena {
 
   [[nodiscard]] std::uint64_t* data() { return data_; }
   [[nodiscard]] const std::uint64_t* data() const { return data_; }
-  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t size() const { return size_; }  ///< words
 
  private:
   std::uint64_t* data_ = nullptr;
   std::size_t size_ = 0;
-  void* mapped_ = nullptr;  ///< with the pages around; null: `own_` holds it
+  void* mapped_ = nullptr;  ///< mapping including the guard pages; null: the memory is `own_`
   std::size_t mapped_bytes_ = 0;
   std::vector<std::uint64_t> own_;
 };

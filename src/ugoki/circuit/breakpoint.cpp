@@ -18,9 +18,9 @@ std::string_view trimmed(std::string_view text) {
 bool read_pin(std::string_view text, Breakpoint& to) {
   text = trimmed(text);
   if (const auto open = text.rfind('['); open != std::string_view::npos && text.ends_with(']')) {
-    constexpr long most = 1'000'000;
+    constexpr long max_component = 1'000'000;  // keeps the conversion to an index safe; the interpreter checks the pin's own size
     const std::optional<long> component = parse_long(text.substr(open + 1, text.size() - open - 2));
-    if (!component || *component < 0 || *component > most) return false;
+    if (!component || *component < 0 || *component > max_component) return false;
     to.component = static_cast<std::size_t>(*component);
     text = trimmed(text.substr(0, open));
   }
@@ -39,7 +39,7 @@ Result<Breakpoint> read_breakpoint(std::string_view text) {
                                                                {"<", Comparison::below},
                                                                {"=", Comparison::equal}};
   const auto wrong = [&] {
-    return fail(ErrorCode::syntax, "condition", "'" + std::string(text) + "' is no condition.",
+    return fail(ErrorCode::syntax, "condition", "'" + std::string(text) + "' is not a condition.",
                 "Write it as \"id.pin > 3\", \"id.pin[2] < 0\", \"id.pin becomes true\" or \"id.pin changes\".");
   };
   Breakpoint b;

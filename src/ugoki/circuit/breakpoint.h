@@ -1,5 +1,5 @@
 #pragma once
-// Conditions of breakpoints as text.
+// Text form of breakpoint conditions.
 
 #include <string_view>
 
@@ -8,8 +8,8 @@
 
 namespace ugoki::circuit {
 
-/// "id.pin > 3" with one of > < == != (or =), "id.pin becomes true" (above 0), "id.pin changes". Of a pin of several numbers the first
-/// counts, or the one that is named: "id.pin[2] > 3", from 0. An error has the place "condition".
+/// The breakpoint written as "id.pin > 3" (one of > < == != or =), "id.pin becomes true" (above 0) or "id.pin changes". A pin of several
+/// numbers is compared by number 0, or by the one in brackets: "id.pin[2] > 3" (counted from 0). Errors have the location "condition".
 [[nodiscard]] Result<Breakpoint> read_breakpoint(std::string_view text);
 
 }  // namespace ugoki::circuit

@@ -1,5 +1,5 @@
 #pragma once
-// A circuit as data: the form people edit and save. Nothing here is checked against a library; building an interpreter does that.
+// A circuit as data: the form that users edit and save. Interpreter::build checks it against a library; nothing in this file does.
 
 #include <cstdint>
 #include <optional>
@@ -13,8 +13,9 @@
 
 namespace ugoki::circuit {
 
-inline constexpr int circuit_version = 1;
+inline constexpr int circuit_version = 2;
 
+/// Position or size in the plane of the editor, px.
 struct Position {
   double x = 0, y = 0;
   friend bool operator==(const Position&, const Position&) = default;
@@ -24,18 +25,18 @@ using NamedValue = std::pair<std::string, Value>;
 
 /// One LSI (or circuit used as an LSI) in a circuit.
 struct Instance {
-  std::string id;                      ///< stable, unique in its circuit, letters, digits, `_` and `-`
+  std::string id;                      ///< stable, unique in its circuit; 1 to 64 letters, digits, `_` and `-`
   std::string type;                    ///< name of a circuit in `circuits`, or of an LSI class
-  std::string label;                   ///< for people; may be empty
-  std::string note;                    ///< comment; may be empty
-  Position at;                         ///< in the editor
-  std::uint32_t every = 1;             ///< runs at each `every`-th tick; 0: only when the host asks (Interpreter::refresh)
-  std::vector<NamedValue> parameters;  ///< by name
-  std::vector<NamedValue> values;      ///< of inputs without wire, by pin
+  std::string label;                   ///< title shown in the editor; may be empty
+  std::string note;                    ///< comment of the user; may be empty
+  Position at;                         ///< position of the LSI's box in the editor
+  std::uint32_t every = 1;             ///< runs at each `every`-th tick; 0: only in Interpreter::refresh
+  std::vector<NamedValue> parameters;  ///< by parameter name
+  std::vector<NamedValue> values;      ///< fixed values of inputs without a wire, by pin name
   friend bool operator==(const Instance&, const Instance&) = default;
 };
 
-/// From an output to an input, both written "id.pin".
+/// A connection from an output to an input, both written "id.pin".
 struct Wire {
   std::string from, to;
   friend bool operator==(const Wire&, const Wire&) = default;
@@ -47,55 +48,58 @@ struct BoundaryPin {
   PinTypeId type = PinTypeId::scalar;
   std::string unit;
   std::string doc;
-  std::vector<std::string> ends;  ///< inputs: the "id.pin" it leads to; outputs: the one "id.pin" it comes from (none: it does not run yet)
+  /// Input: the inner inputs "id.pin" that receive the pin's value. Output: the single inner output "id.pin" whose value the pin passes
+  /// on; empty: the circuit is unfinished, and building it reports an error.
+  std::vector<std::string> ends;
   friend bool operator==(const BoundaryPin&, const BoundaryPin&) = default;
 };
 
-/// A parameter of the circuit itself: sets parameters inside.
+/// A parameter of the circuit itself. Its value is given to all inner parameters in `ends`.
 struct BoundaryParameter {
   std::string name;
   std::string doc;
-  std::vector<std::string> ends;  ///< "id.parameter"
+  std::vector<std::string> ends;  ///< inner parameters, "id.parameter"
   friend bool operator==(const BoundaryParameter&, const BoundaryParameter&) = default;
 };
 
-/// A note stuck into a circuit, for people only.
+/// A text note of the user in the circuit's diagram. It has no effect on the run.
 struct Note {
   std::string id;
   std::string text;
   Position at;
-  Position size;  ///< width, height; 0, 0: as large as its text
+  Position size;  ///< width, height; 0, 0: fitted to the text
   friend bool operator==(const Note&, const Note&) = default;
 };
 
-/// A curve of an output that the editor draws beside the LSIs.
+/// A plot of an output over time that the editor draws in the diagram. It has no effect on the run.
 struct ProbeMark {
   std::string pin;  ///< "id.pin"
   Position at;
-  std::vector<std::uint32_t> components;  ///< numbers of the payload; none: the first few
+  std::vector<std::uint32_t> components;  ///< indices of the plotted numbers of the payload; empty: the editor plots the first few
   friend bool operator==(const ProbeMark&, const ProbeMark&) = default;
 };
 
 struct Circuit {
   std::string name;
   std::string doc;
-  std::optional<Position> inputs_at, outputs_at;  ///< of the circuit's own pins in the editor
+  std::optional<Position> inputs_at, outputs_at;  ///< positions of the boxes of the circuit's own pins in the editor
   std::vector<BoundaryPin> inputs;
   std::vector<BoundaryPin> outputs;
   std::vector<BoundaryParameter> parameters;
   std::vector<Instance> lsis;
   std::vector<Wire> wires;
-  std::vector<Note> notes;        ///< nothing runs these
-  std::vector<ProbeMark> probes;  ///< nor these
-  std::vector<Circuit> circuits;  ///< used inside as LSIs, by name
+  std::vector<Note> notes;        ///< not run
+  std::vector<ProbeMark> probes;  ///< not run
+  std::vector<Circuit> circuits;  ///< definitions that `lsis` use by name
   friend bool operator==(const Circuit&, const Circuit&) = default;
 };
 
-/// The text of a circuit (JSON, docs/circuit.md). All problems are reported, each with its JSON path.
-/// @param place what the text is called in errors, for example "circuit"
-[[nodiscard]] Result<Circuit> read_circuit(std::string_view text, std::string_view place = "circuit");
+/// Reads the JSON text of a circuit (docs/circuit.md); circuits of earlier versions are converted. Reports all problems, each with its
+/// JSON path.
+/// @param location  start of the JSON paths in errors, for example "circuit"
+[[nodiscard]] Result<Circuit> read_circuit(std::string_view text, std::string_view location = "circuit");
 
-/// The canonical text: order kept, one pin, LSI or wire a line, numbers that read back to the same bits, final newline.
+/// The canonical JSON text: same order as in `circuit`, one pin, LSI or wire per line, final newline. Numbers read back to the same bits.
 [[nodiscard]] std::string write_circuit(const Circuit& circuit);
 
 }  // namespace ugoki::circuit

@@ -1,5 +1,5 @@
-// The text form of circuits. The JSON library stays in this file; every type is checked before it is read, so that
-// nothing is thrown.
+// Reads and writes the JSON text of circuits. The type of every JSON value is checked before it is read, so that the JSON library
+// never throws.
 
 #include <initializer_list>
 #include <nlohmann/json.hpp>
@@ -14,8 +14,8 @@ namespace {
 
 using json::Json;
 
-constexpr int max_depth = 32;               // circuits inside circuits
-constexpr std::size_t longest_shown = 100;  // bytes of a wrong name in a message
+constexpr int max_depth = 32;           // of circuits inside circuits; bounds the recursion of the reader
+constexpr std::size_t max_shown = 100;  // bytes of a wrong name that are printed in a message
 
 bool is_id(std::string_view text) {
   if (text.empty() || text.size() > 64) return false;
@@ -26,7 +26,7 @@ bool is_id(std::string_view text) {
   return true;
 }
 
-/// "id.pin" with both parts.
+/// Whether the text is "id.pin" with a valid id and a pin name that is not empty.
 bool is_end(std::string_view text) {
   const auto dot = text.find('.');
   return dot != std::string_view::npos && is_id(text.substr(0, dot)) && dot + 1 < text.size();
@@ -36,103 +36,104 @@ class Reader {
  public:
   Error problems;
 
-  Circuit read(const Json& json, const std::string& place, int depth, bool outermost) {
+  Circuit read(const Json& json, const std::string& location, int depth, bool outermost) {
     Circuit c;
-    if (!object(json, place)) return c;
+    if (!object(json, location)) return c;
     if (depth > max_depth) {
-      problems.add(ErrorCode::range, place, "Circuits are nested more than " + std::to_string(max_depth) + " deep.",
+      problems.add(ErrorCode::range, location, "Circuits are nested more than " + std::to_string(max_depth) + " deep.",
                    "Flatten the innermost ones.");
       return c;
     }
-    known_fields(json, place,
+    known_fields(json, location,
                  {"version", "name", "doc", "inputs_at", "outputs_at", "inputs", "outputs", "parameters", "lsis", "wires", "notes",
                   "probes", "circuits"});
-    if (outermost) read_version(json, place);
-    c.name = text(json, "name", place, !outermost);
-    c.doc = text(json, "doc", place, false);
-    if (json.contains("inputs_at")) c.inputs_at = position(json, "inputs_at", place);
-    if (json.contains("outputs_at")) c.outputs_at = position(json, "outputs_at", place);
-    each(json, "inputs", place, [&](const Json& j, const std::string& p) { c.inputs.push_back(read_pin(j, p, "to")); });
-    each(json, "outputs", place, [&](const Json& j, const std::string& p) { c.outputs.push_back(read_pin(j, p, "from")); });
-    each(json, "parameters", place, [&](const Json& j, const std::string& p) { c.parameters.push_back(read_parameter(j, p)); });
-    each(json, "lsis", place, [&](const Json& j, const std::string& p) { c.lsis.push_back(read_instance(j, p)); });
-    each(json, "wires", place, [&](const Json& j, const std::string& p) { c.wires.push_back(read_wire(j, p)); });
-    each(json, "notes", place, [&](const Json& j, const std::string& p) { c.notes.push_back(read_note(j, p)); });
-    each(json, "probes", place, [&](const Json& j, const std::string& p) { c.probes.push_back(read_probe(j, p)); });
-    each(json, "circuits", place, [&](const Json& j, const std::string& p) { c.circuits.push_back(read(j, p, depth + 1, false)); });
+    if (outermost) read_version(json, location);
+    c.name = text(json, "name", location, !outermost);
+    c.doc = text(json, "doc", location, false);
+    if (json.contains("inputs_at")) c.inputs_at = position(json, "inputs_at", location);
+    if (json.contains("outputs_at")) c.outputs_at = position(json, "outputs_at", location);
+    each(json, "inputs", location, [&](const Json& j, const std::string& p) { c.inputs.push_back(read_pin(j, p, "to")); });
+    each(json, "outputs", location, [&](const Json& j, const std::string& p) { c.outputs.push_back(read_pin(j, p, "from")); });
+    each(json, "parameters", location, [&](const Json& j, const std::string& p) { c.parameters.push_back(read_parameter(j, p)); });
+    each(json, "lsis", location, [&](const Json& j, const std::string& p) { c.lsis.push_back(read_instance(j, p)); });
+    each(json, "wires", location, [&](const Json& j, const std::string& p) { c.wires.push_back(read_wire(j, p)); });
+    each(json, "notes", location, [&](const Json& j, const std::string& p) { c.notes.push_back(read_note(j, p)); });
+    each(json, "probes", location, [&](const Json& j, const std::string& p) { c.probes.push_back(read_probe(j, p)); });
+    each(json, "circuits", location, [&](const Json& j, const std::string& p) { c.circuits.push_back(read(j, p, depth + 1, false)); });
     return c;
   }
 
  private:
-  bool object(const Json& json, const std::string& place) {
+  bool object(const Json& json, const std::string& location) {
     if (json.is_object()) return true;
-    problems.add(ErrorCode::syntax, place, "An object { } is expected here.", "See docs/circuit.md for the form.");
+    problems.add(ErrorCode::syntax, location, "An object { } is expected here.", "See docs/circuit.md for the format.");
     return false;
   }
 
-  void known_fields(const Json& json, const std::string& place, std::initializer_list<std::string_view> names) {
+  void known_fields(const Json& json, const std::string& location, std::initializer_list<std::string_view> names) {
     for (auto it = json.begin(); it != json.end(); ++it) {
       bool known = false;
       for (const std::string_view n : names) known = known || it.key() == n;
       if (!known)
-        problems.add(ErrorCode::unknown, place + "/" + it.key(), "There is no field '" + it.key() + "' here.",
-                     "Remove it, or mind the spelling; comments go into \"note\" or \"doc\".");
+        problems.add(ErrorCode::unknown, location + "/" + it.key(), "There is no field '" + it.key() + "' here.",
+                     "Remove it, or correct its spelling; write comments into \"note\" or \"doc\".");
     }
   }
 
-  void read_version(const Json& json, const std::string& place) {
+  void read_version(const Json& json, const std::string& location) {
     const auto it = json.find("version");
     if (it == json.end() || !it->is_number_integer()) {
-      problems.add(ErrorCode::syntax, place + "/version", "The version of the form is missing.",
+      problems.add(ErrorCode::syntax, location + "/version", "The version of the circuit format is missing.",
                    "Write \"version\": " + std::to_string(circuit_version) + ".");
     } else if (it->get<std::int64_t>() != circuit_version) {
       problems.add(
-          ErrorCode::unsupported, place + "/version",
-          "This program reads circuits up to version " + std::to_string(circuit_version) + ", this one has version " + it->dump() + ".",
+          ErrorCode::unsupported, location + "/version",
+          "This program reads circuits up to version " + std::to_string(circuit_version) + "; this circuit has version " + it->dump() + ".",
           "Use the program that wrote it, or a newer one.");
     }
   }
 
   template <class Visit>
-  void each(const Json& json, const char* field, const std::string& place, Visit visit) {
+  void each(const Json& json, const char* field, const std::string& location, Visit visit) {
     const auto it = json.find(field);
     if (it == json.end()) return;
-    const std::string at = place + "/" + field;
+    const std::string at = location + "/" + field;
     if (!it->is_array()) {
-      problems.add(ErrorCode::syntax, at, "A list [ ] is expected here.", "See docs/circuit.md for the form.");
+      problems.add(ErrorCode::syntax, at, "A list [ ] is expected here.", "See docs/circuit.md for the format.");
       return;
     }
     for (std::size_t i = 0; i < it->size(); ++i) visit((*it)[i], at + "/" + std::to_string(i));
   }
 
-  std::string text(const Json& json, const char* field, const std::string& place, bool required) {
+  std::string text(const Json& json, const char* field, const std::string& location, bool required) {
     const auto it = json.find(field);
     if (it == json.end()) {
-      if (required) problems.add(ErrorCode::syntax, place, "The field '" + std::string(field) + "' is missing.", "Add it.");
+      if (required) problems.add(ErrorCode::syntax, location, "The field '" + std::string(field) + "' is missing.", "Add it.");
       return {};
     }
     if (!it->is_string()) {
-      problems.add(ErrorCode::syntax, place + "/" + field, "A text is expected here.", "Put it into double quotes.");
+      problems.add(ErrorCode::syntax, location + "/" + field, "A string is expected here.", "Put it into double quotes.");
       return {};
     }
     return it->get<std::string>();
   }
 
-  std::string end(const Json& json, const std::string& place) {
+  std::string end(const Json& json, const std::string& location) {
     if (json.is_string()) {
       auto value = json.get<std::string>();
       if (is_end(value)) return value;
     }
-    problems.add(ErrorCode::syntax, place, "A pin is expected here.", "Write it as \"id.pin\".");
+    problems.add(ErrorCode::syntax, location, "A pin is expected here.", "Write it as \"id.pin\".");
     return {};
   }
 
-  std::vector<std::string> ends(const Json& json, const char* field, const std::string& place) {
+  std::vector<std::string> ends(const Json& json, const char* field, const std::string& location) {
     std::vector<std::string> out;
     const auto it = json.find(field);
-    const std::string at = place + "/" + field;
+    const std::string at = location + "/" + field;
     if (it == json.end()) {
-      problems.add(ErrorCode::syntax, place, "The field '" + std::string(field) + "' is missing.", "Name the pins inside as \"id.pin\".");
+      problems.add(ErrorCode::syntax, location, "The field '" + std::string(field) + "' is missing.",
+                   "Name the pins inside the circuit as \"id.pin\".");
     } else if (it->is_array()) {
       for (std::size_t i = 0; i < it->size(); ++i) out.push_back(end((*it)[i], at + "/" + std::to_string(i)));
     } else {
@@ -141,44 +142,44 @@ class Reader {
     return out;
   }
 
-  BoundaryPin read_pin(const Json& json, const std::string& place, const char* direction) {
+  BoundaryPin read_pin(const Json& json, const std::string& location, const char* direction) {
     BoundaryPin pin;
-    if (!object(json, place)) return pin;
-    known_fields(json, place, {"name", "type", "unit", "doc", direction});
-    pin.name = text(json, "name", place, true);
+    if (!object(json, location)) return pin;
+    known_fields(json, location, {"name", "type", "unit", "doc", direction});
+    pin.name = text(json, "name", location, true);
     if (pin.name.find('.') != std::string::npos)
-      problems.add(ErrorCode::syntax, place + "/name", "A pin's name may not contain a point.", "Use a space or '_'.");
-    const std::string type = text(json, "type", place, true);
+      problems.add(ErrorCode::syntax, location + "/name", "The name of a pin must not contain '.'.", "Use a space or '_'.");
+    const std::string type = text(json, "type", location, true);
     if (const PinType* found = find_pin_type(type)) {
       pin.type = found->id;
     } else {
       std::string all;
       for (const PinType& t : pin_types()) all += (all.empty() ? "" : ", ") + std::string(t.name);
-      problems.add(ErrorCode::unknown, place + "/type", "There is no pin type '" + type.substr(0, longest_shown) + "'.",
-                   "Types are: " + all + ".");
+      problems.add(ErrorCode::unknown, location + "/type", "There is no pin type '" + type.substr(0, max_shown) + "'.",
+                   "Use one of: " + all + ".");
     }
-    pin.unit = text(json, "unit", place, false);
-    pin.doc = text(json, "doc", place, false);
-    pin.ends = ends(json, direction, place);
+    pin.unit = text(json, "unit", location, false);
+    pin.doc = text(json, "doc", location, false);
+    pin.ends = ends(json, direction, location);
     if (std::string_view(direction) == "from" && pin.ends.size() > 1)
-      problems.add(ErrorCode::structure, place + "/from", "An output comes from one pin only.", "Name one \"id.pin\".");
+      problems.add(ErrorCode::structure, location + "/from", "An output takes its value from one pin only.", "Name one \"id.pin\".");
     return pin;
   }
 
-  BoundaryParameter read_parameter(const Json& json, const std::string& place) {
+  BoundaryParameter read_parameter(const Json& json, const std::string& location) {
     BoundaryParameter p;
-    if (!object(json, place)) return p;
-    known_fields(json, place, {"name", "doc", "to"});
-    p.name = text(json, "name", place, true);
-    p.doc = text(json, "doc", place, false);
-    p.ends = ends(json, "to", place);
+    if (!object(json, location)) return p;
+    known_fields(json, location, {"name", "doc", "to"});
+    p.name = text(json, "name", location, true);
+    p.doc = text(json, "doc", location, false);
+    p.ends = ends(json, "to", location);
     return p;
   }
 
-  void read_values(const Json& json, const char* field, const std::string& place, std::vector<NamedValue>& out) {
+  void read_values(const Json& json, const char* field, const std::string& location, std::vector<NamedValue>& out) {
     const auto it = json.find(field);
     if (it == json.end()) return;
-    const std::string at = place + "/" + field;
+    const std::string at = location + "/" + field;
     if (!object(*it, at)) return;
     for (auto value = it->begin(); value != it->end(); ++value) {
       const std::string here = at + "/" + value.key();
@@ -194,87 +195,88 @@ class Reader {
           if (n.is_number()) numbers.push_back(n.get<double>());
         }
         if (numbers.size() != value->size())
-          problems.add(ErrorCode::syntax, here, "A list of numbers is expected here.", "Leave out what is not a number.");
+          problems.add(ErrorCode::syntax, here, "A list of numbers is expected here.", "Remove the elements that are not numbers.");
         out.emplace_back(value.key(), std::move(numbers));
       } else {
-        problems.add(ErrorCode::syntax, here, "A number, true or false, a text or a list of numbers is expected here.",
-                     "Remove it to get the default.");
+        problems.add(ErrorCode::syntax, here, "A number, true, false, a string or a list of numbers is expected here.",
+                     "Remove it to use the default.");
       }
     }
   }
 
-  Instance read_instance(const Json& json, const std::string& place) {
+  Instance read_instance(const Json& json, const std::string& location) {
     Instance lsi;
-    if (!object(json, place)) return lsi;
-    known_fields(json, place, {"id", "type", "label", "note", "at", "every", "parameters", "values"});
-    lsi.id = text(json, "id", place, true);
+    if (!object(json, location)) return lsi;
+    known_fields(json, location, {"id", "type", "label", "note", "at", "every", "parameters", "values"});
+    lsi.id = text(json, "id", location, true);
     if (json.contains("id") && !is_id(lsi.id))
-      problems.add(ErrorCode::syntax, place + "/id", "'" + lsi.id.substr(0, longest_shown) + "' cannot be an id.",
+      problems.add(ErrorCode::syntax, location + "/id", "'" + lsi.id.substr(0, max_shown) + "' cannot be an id.",
                    "Use 1 to 64 letters, digits, '_' and '-'.");
-    lsi.type = text(json, "type", place, true);
-    lsi.label = text(json, "label", place, false);
-    lsi.note = text(json, "note", place, false);
-    lsi.at = position(json, "at", place);
+    lsi.type = text(json, "type", location, true);
+    lsi.label = text(json, "label", location, false);
+    lsi.note = text(json, "note", location, false);
+    lsi.at = position(json, "at", location);
     if (const auto it = json.find("every"); it != json.end()) {
       if (it->is_number_unsigned() && it->get<std::uint64_t>() <= 1000000) {
         lsi.every = it->get<std::uint32_t>();
       } else {
-        problems.add(ErrorCode::range, place + "/every", "A whole number of ticks from 0 to 1000000 is expected here.",
-                     "1 runs it at each tick, 0 when it is asked for.");
+        problems.add(ErrorCode::range, location + "/every", "A whole number of ticks from 0 to 1000000 is expected here.",
+                     "Use 1 to run it at each tick, 0 to run it on demand only.");
       }
     }
-    read_values(json, "parameters", place, lsi.parameters);
-    read_values(json, "values", place, lsi.values);
+    read_values(json, "parameters", location, lsi.parameters);
+    read_values(json, "values", location, lsi.values);
     return lsi;
   }
 
-  Position position(const Json& json, const char* field, const std::string& place) {
+  Position position(const Json& json, const char* field, const std::string& location) {
     const auto it = json.find(field);
     if (it == json.end()) return {};
     if (it->is_array() && it->size() == 2 && (*it)[0].is_number() && (*it)[1].is_number())
       return {(*it)[0].get<double>(), (*it)[1].get<double>()};
-    problems.add(ErrorCode::syntax, place + "/" + field, "Two numbers [x, y] are expected here.", "Write two numbers.");
+    problems.add(ErrorCode::syntax, location + "/" + field, "Two numbers [x, y] are expected here.", "Write a list of two numbers.");
     return {};
   }
 
-  Note read_note(const Json& json, const std::string& place) {
+  Note read_note(const Json& json, const std::string& location) {
     Note note;
-    if (!object(json, place)) return note;
-    known_fields(json, place, {"id", "text", "at", "size"});
-    note.id = text(json, "id", place, true);
-    note.text = text(json, "text", place, false);
-    note.at = position(json, "at", place);
-    note.size = position(json, "size", place);
+    if (!object(json, location)) return note;
+    known_fields(json, location, {"id", "text", "at", "size"});
+    note.id = text(json, "id", location, true);
+    note.text = text(json, "text", location, false);
+    note.at = position(json, "at", location);
+    note.size = position(json, "size", location);
     return note;
   }
 
-  ProbeMark read_probe(const Json& json, const std::string& place) {
+  ProbeMark read_probe(const Json& json, const std::string& location) {
     ProbeMark probe;
-    if (!object(json, place)) return probe;
-    known_fields(json, place, {"pin", "at", "components"});
+    if (!object(json, location)) return probe;
+    known_fields(json, location, {"pin", "at", "components"});
     const auto pin = json.find("pin");
-    probe.pin = end(pin == json.end() ? Json() : *pin, place + "/pin");
-    probe.at = position(json, "at", place);
-    const std::string at = place + "/components";
-    each(json, "components", place, [&](const Json& j, const std::string&) {
+    probe.pin = end(pin == json.end() ? Json() : *pin, location + "/pin");
+    probe.at = position(json, "at", location);
+    const std::string at = location + "/components";
+    each(json, "components", location, [&](const Json& j, const std::string&) {
       if (j.is_number_unsigned() && j.get<std::uint64_t>() < (1u << 24))
         probe.components.push_back(j.get<std::uint32_t>());
       else
-        problems.add(ErrorCode::syntax, at, "A list of whole numbers from 0 is expected here.", "Number the payload's values from 0.");
+        problems.add(ErrorCode::syntax, at, "A list of integers from 0 is expected here.",
+                     "Give indices of the pin's numbers, counted from 0.");
     });
     return probe;
   }
 
-  Wire read_wire(const Json& json, const std::string& place) {
+  Wire read_wire(const Json& json, const std::string& location) {
     Wire wire;
-    if (!object(json, place)) return wire;
-    known_fields(json, place, {"from", "to"});
+    if (!object(json, location)) return wire;
+    known_fields(json, location, {"from", "to"});
     for (const char* field : {"from", "to"}) {
       const auto it = json.find(field);
       if (it == json.end()) {
-        problems.add(ErrorCode::syntax, place, "The field '" + std::string(field) + "' is missing.", "Write it as \"id.pin\".");
+        problems.add(ErrorCode::syntax, location, "The field '" + std::string(field) + "' is missing.", "Write it as \"id.pin\".");
       } else {
-        (std::string_view(field) == "from" ? wire.from : wire.to) = end(*it, place + "/" + field);
+        (std::string_view(field) == "from" ? wire.from : wire.to) = end(*it, location + "/" + field);
       }
     }
     return wire;
@@ -379,14 +381,12 @@ std::string circuit_text(const Circuit& c, const std::string& indent, bool outer
 
 }  // namespace
 
-Result<Circuit> read_circuit(std::string_view text, std::string_view place) {
-  Result<Json> json = json::parse_json(text, place);
+Result<Circuit> read_circuit(std::string_view text, std::string_view location) {
+  Result<Json> json = json::parse_json(text, location);
   if (!json) return fail(std::move(json.error()));
-  if (json->is_object() && json->contains("version") && (*json)["version"].is_number_integer())
-    if (const auto version = (*json)["version"].get<std::int64_t>(); version >= 1 && version < circuit_version)
-      migrate(*json, version, migrations());
+  migrate(*json);
   Reader reader;
-  Circuit circuit = reader.read(*json, std::string(place), 0, true);
+  Circuit circuit = reader.read(*json, std::string(location), 0, true);
   if (!reader.problems.empty()) return fail(std::move(reader.problems));
   return circuit;
 }

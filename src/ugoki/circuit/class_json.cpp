@@ -11,7 +11,7 @@ using json::Json;
 
 constexpr const char* kind_names[] = {"number", "integer", "boolean", "text", "choice", "vector"};
 constexpr const char* field_names[] = {"", "f64", "f32", "i64", "i32", "u64", "u32", "i8", "u8"};
-constexpr double open = 1e300;  // bound of a parameter that has none
+constexpr double unbounded = 1e300;  // the bound of a parameter without a limit; such bounds are not written
 
 void add_range(Json& j, double minimum, double maximum) {
   if (minimum == maximum) return;
@@ -28,14 +28,14 @@ Json value_json(const Value& value) {
 
 class Reader {
  public:
-  Reader(const Json& json, const std::string& place, Error& problems) : f(json, place, problems) {}
+  Reader(const Json& json, const std::string& location, Error& problems) : f(json, location, problems) {}
   json::Fields f;
 
   std::uint32_t count(const char* key) {
     int n = 0;
     f.integer(key, n);
     if (n < 0 || n > 100'000'000) {
-      f.report(ErrorCode::range, f.path(key), "A count from 0 is expected here.", "Install the library again.");
+      f.report(ErrorCode::range, f.path(key), "A count from 0 to 100000000 is expected here.", "Install the library again.");
       return 0;
     }
     return static_cast<std::uint32_t>(n);
@@ -48,22 +48,22 @@ class Reader {
     f.report(ErrorCode::unknown, f.path("type"), "There is no pin type '" + name + "'.", "Install the library again.");
     return PinTypeId::scalar;
   }
-  template <class Thing>
-  void texts(Thing& thing) {
+  template <class Item>
+  void texts(Item& item) {
     f.require("name", "a name");
-    f.text("name", thing.name);
-    f.text("unit", thing.unit);
-    f.text("doc", thing.doc);
+    f.text("name", item.name);
+    f.text("unit", item.unit);
+    f.text("doc", item.doc);
   }
-  template <class Thing>
-  void range(Thing& thing) {
-    f.number("minimum", thing.minimum);
-    f.number("maximum", thing.maximum);
+  template <class Item>
+  void range(Item& item) {
+    f.number("minimum", item.minimum);
+    f.number("maximum", item.maximum);
   }
 };
 
-InputPin read_input(const Json& json, const std::string& place, Error& problems) {
-  Reader r(json, place, problems);
+InputPin read_input(const Json& json, const std::string& location, Error& problems) {
+  Reader r(json, location, problems);
   InputPin pin;
   r.texts(pin);
   pin.type = r.type();
@@ -76,8 +76,8 @@ InputPin read_input(const Json& json, const std::string& place, Error& problems)
   return pin;
 }
 
-OutputPin read_output(const Json& json, const std::string& place, std::size_t inputs, Error& problems) {
-  Reader r(json, place, problems);
+OutputPin read_output(const Json& json, const std::string& location, std::size_t inputs, Error& problems) {
+  Reader r(json, location, problems);
   OutputPin pin;
   r.texts(pin);
   pin.type = r.type();
@@ -86,14 +86,15 @@ OutputPin read_output(const Json& json, const std::string& place, std::size_t in
   r.range(pin);
   r.f.integer("like", pin.like);
   if (pin.like < -1 || pin.like >= static_cast<int>(inputs)) {
-    r.f.report(ErrorCode::range, r.f.path("like"), "It names an input that there is not.", "Install the library again.");
+    r.f.report(ErrorCode::range, r.f.path("like"), "'like' is " + std::to_string(pin.like) + ", which is not the index of an input.",
+               "Install the library again.");
     pin.like = -1;
   }
   return pin;
 }
 
-Parameter read_parameter(const Json& json, const std::string& place, Error& problems) {
-  Reader r(json, place, problems);
+Parameter read_parameter(const Json& json, const std::string& location, Error& problems) {
+  Reader r(json, location, problems);
   Parameter p;
   r.texts(p);
   std::string kind = "number";
@@ -128,7 +129,8 @@ Parameter read_parameter(const Json& json, const std::string& place, Error& prob
       std::string x;
       r.f.text("initial", x);
       if (p.kind == ParameterKind::choice && std::find(p.choices.begin(), p.choices.end(), x) == p.choices.end())
-        r.f.report(ErrorCode::range, r.f.path("initial"), "It is none of the choices.", "Install the library again.");
+        r.f.report(ErrorCode::range, r.f.path("initial"), "The initial value '" + x + "' is not one of the choices.",
+                   "Install the library again.");
       p.initial = x;
       break;
     }
@@ -142,8 +144,8 @@ Parameter read_parameter(const Json& json, const std::string& place, Error& prob
   return p;
 }
 
-StateField read_field(const Json& json, const std::string& place, std::size_t state_bytes, Error& problems) {
-  Reader r(json, place, problems);
+StateField read_field(const Json& json, const std::string& location, std::size_t state_bytes, Error& problems) {
+  Reader r(json, location, problems);
   StateField field;
   r.texts(field);
   std::string type;
@@ -157,14 +159,16 @@ StateField read_field(const Json& json, const std::string& place, std::size_t st
   field.count = r.count("count");
   r.f.number("initial", field.initial);
   if (field.offset + std::uint64_t{field.count} * bytes_of(field.type) > state_bytes)
-    r.f.report(ErrorCode::range, place, "The field lies outside of the state.", "Install the library again.");
+    r.f.report(ErrorCode::range, location,
+               "The field '" + field.name + "' is outside the state of " + std::to_string(state_bytes) + " bytes.",
+               "Install the library again.");
   return field;
 }
 
-template <class Things, class Read>
-void read_list(json::Fields& f, const char* key, Things& things, Read read) {
+template <class Items, class Read>
+void read_list(json::Fields& f, const char* key, Items& items, Read read) {
   if (const Json* list = f.list(key, 10000, key))
-    for (std::size_t i = 0; i < list->size(); ++i) things.push_back(read((*list)[i], f.path(key) + "/" + std::to_string(i)));
+    for (std::size_t i = 0; i < list->size(); ++i) items.push_back(read((*list)[i], f.path(key) + "/" + std::to_string(i)));
 }
 
 }  // namespace
@@ -193,8 +197,8 @@ Json class_json(const LsiClass& c) {
               {"unit", parameter.unit},
               {"doc", parameter.doc},
               {"live", parameter.live}};
-    if (parameter.minimum > -open) p["minimum"] = parameter.minimum;
-    if (parameter.maximum < open) p["maximum"] = parameter.maximum;
+    if (parameter.minimum > -unbounded) p["minimum"] = parameter.minimum;
+    if (parameter.maximum < unbounded) p["maximum"] = parameter.maximum;
     if (!parameter.choices.empty()) p["choices"] = parameter.choices;
     parameters.push_back(std::move(p));
   }
@@ -214,9 +218,9 @@ Json class_json(const LsiClass& c) {
   return j;
 }
 
-LsiClass read_class(const Json& json, const std::string& place, Error& problems) {
+LsiClass read_class(const Json& json, const std::string& location, Error& problems) {
   LsiClass c;
-  Reader r(json, place, problems);
+  Reader r(json, location, problems);
   r.f.require("name", "a name");
   r.f.text("name", c.name);
   r.f.text("doc", c.doc);

@@ -1,5 +1,5 @@
 #pragma once
-// Declarations of LSIs as JSON: for editors, documentation, and the manifests of installed libraries.
+// JSON form of LSI declarations: for editors, documentation, and the manifests of installed libraries.
 
 #include <string>
 
@@ -8,12 +8,13 @@
 
 namespace ugoki::circuit {
 
-/// {"name", "doc", "group", "from", "version", "inputs", "outputs", "parameters", "fields", "state_bytes"}
+/// The declaration as an object {"name", "doc", "group", "from", "version", "inputs", "outputs", "parameters", "fields", "state_bytes"}.
 [[nodiscard]] json::Json class_json(const LsiClass& c);
-/// Everything but the functions. Problems have their path behind `place`.
-[[nodiscard]] LsiClass read_class(const json::Json& json, const std::string& place, Error& problems);
+/// Reads the object that class_json writes; the functions of the class stay null. Each problem has its JSON path, which begins with
+/// `location`.
+[[nodiscard]] LsiClass read_class(const json::Json& json, const std::string& location, Error& problems);
 
-/// {"pin_types": [...], "classes": [...]}: all that an editor must know.
+/// {"pin_types": [...], "classes": [...]}: all pin types and LSI classes, for an editor.
 [[nodiscard]] json::Json library_json(const Library& library);
 
 }  // namespace ugoki::circuit

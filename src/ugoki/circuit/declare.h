@@ -1,5 +1,5 @@
 #pragma once
-// Short ways to write the declarations of the signal LSIs. Internal to circuit.
+// Functions that shorten the declarations of the signal LSIs. Internal to this module.
 
 #include <string>
 #include <utility>
@@ -46,7 +46,7 @@ inline LsiClass lsi(std::string name, std::string doc, std::vector<InputPin> inp
   return c;
 }
 
-/// A number that needs no wire.
+/// A scalar input that needs no wire; without a wire its value is `value`.
 inline InputPin optional(std::string name, double value = 0, std::string doc = {}) {
   InputPin pin = in(std::move(name), PinTypeId::scalar, std::move(doc));
   pin.required = false;
@@ -54,7 +54,7 @@ inline InputPin optional(std::string name, double value = 0, std::string doc = {
   return pin;
 }
 
-/// Parts of add_signal_lsis.
+/// Called by add_signal_lsis.
 void add_logic_lsis(Library& library);
 void add_machine_lsis(Library& library);
 

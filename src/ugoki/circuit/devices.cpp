@@ -11,13 +11,14 @@ namespace {
 
 using json::Json;
 
-constexpr std::size_t most_keys = 64, longest_code = 32, most_axes = 32, most_buttons = 64;
-constexpr double most_notches = 1000;
+// Limits of a message from the page, far above the values of real devices: beyond them it is refused (lists, names of keys) or clamped.
+constexpr std::size_t max_keys = 64, max_code_length = 32, max_axes = 32, max_buttons = 64;
+constexpr double max_notches = 1000;
 
 struct MousePin {
   const char* name;
   double (*value)(const MouseState&);
-  bool press;
+  bool press;  ///< a button: DeviceFeed::presses observes it
 };
 constexpr MousePin mouse_pins[] = {
     {"x", [](const MouseState& m) { return m.x; }, false},
@@ -28,6 +29,7 @@ constexpr MousePin mouse_pins[] = {
     {"wheel", [](const MouseState& m) { return m.wheel; }, false},
 };
 
+/// 1 if the button is pressed at least half-way, otherwise 0.
 double down(double button) { return button >= 0.5 ? 1 : 0; }
 
 struct GamepadPin {
@@ -49,15 +51,15 @@ constexpr GamepadPin gamepad_pins[] = {
 };
 
 std::optional<std::vector<std::string>> read_keys(json::Fields& f) {
-  const Json* list = f.list("keyboard", most_keys, "keys");
+  const Json* list = f.list("keyboard", max_keys, "keys");
   if (!list) return std::nullopt;
   std::vector<std::string> keys;
   for (const Json& key : *list) {
     const std::string code = key.is_string() ? key.get<std::string>() : std::string();
-    const bool good = !code.empty() && code.size() <= longest_code &&
+    const bool good = !code.empty() && code.size() <= max_code_length &&
                       std::ranges::all_of(code, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; });
     if (!good) {
-      f.report(ErrorCode::syntax, f.path("keyboard") + "/" + std::to_string(&key - &(*list)[0]), "This is no key.",
+      f.report(ErrorCode::syntax, f.path("keyboard") + "/" + std::to_string(&key - &(*list)[0]), "This is not the name of a key.",
                "Name keys by KeyboardEvent.code: Space, KeyW, ArrowUp.");
       return std::nullopt;
     }
@@ -84,42 +86,43 @@ void read_mouse(json::Fields& f, DeviceChange& out) {
   out.mouse_moved[1] = m.has("y");
   mouse.x = std::clamp(mouse.x, 0.0, 1.0);
   mouse.y = std::clamp(mouse.y, 0.0, 1.0);
-  mouse.wheel = std::clamp(mouse.wheel, -most_notches, most_notches);
+  mouse.wheel = std::clamp(mouse.wheel, -max_notches, max_notches);
 }
 
-/// Fills as many of `to` as the list has.
-void read_list(json::Fields& f, const char* key, std::size_t most, double least, std::span<double> to) {
-  const Json* list = f.list(key, most, key);
+/// Copies the list into the first elements of `to`, clamped to [minimum, 1]. Elements beyond the size of `to` are ignored.
+void read_list(json::Fields& f, const char* key, std::size_t maximum, double minimum, std::span<double> to) {
+  const Json* list = f.list(key, maximum, key);
   if (!list) return;
   for (std::size_t i = 0; i < list->size(); ++i) {
     const Json& x = (*list)[i];
     if (!x.is_number())
-      f.report(ErrorCode::syntax, f.path(key) + "/" + std::to_string(i), "This is no number.", "Give a number for each.");
+      f.report(ErrorCode::syntax, f.path(key) + "/" + std::to_string(i), "This is not a number.",
+               "Give a number for each axis and button.");
     else if (i < to.size())
-      to[i] = std::clamp(x.get<double>(), least, 1.0);
+      to[i] = std::clamp(x.get<double>(), minimum, 1.0);
   }
 }
 
 void read_gamepads(json::Fields& f, DeviceChange& out) {
-  const Json* list = f.list("gamepads", most_gamepads, "gamepads");
+  const Json* list = f.list("gamepads", max_gamepads, "gamepads");
   if (!list) return;
   auto& gamepads = out.gamepads.emplace();
   for (std::size_t i = 0; i < list->size(); ++i) {
     if ((*list)[i].is_null()) continue;
     json::Fields g((*list)[i], f.path("gamepads") + "/" + std::to_string(i), f.problems());
-    read_list(g, "axes", most_axes, -1, gamepads[i].axes);
-    read_list(g, "buttons", most_buttons, 0, gamepads[i].buttons);
+    read_list(g, "axes", max_axes, -1, gamepads[i].axes);
+    read_list(g, "buttons", max_buttons, 0, gamepads[i].buttons);
     g.refuse_others();
   }
 }
 
 }  // namespace
 
-Result<DeviceChange> read_device_change(std::string_view text, std::string_view place) {
-  const Result<Json> json = json::parse_json(text, place);
+Result<DeviceChange> read_device_change(std::string_view text, std::string_view location) {
+  const Result<Json> json = json::parse_json(text, location);
   if (!json) return fail(json.error());
   Error problems;
-  json::Fields f(*json, std::string(place), problems);
+  json::Fields f(*json, std::string(location), problems);
   DeviceChange out;
   out.keys = read_keys(f);
   read_mouse(f, out);
@@ -145,13 +148,13 @@ std::string write_device_use(const DeviceUse& use) {
 
 double DeviceFeed::Slot::value(const DeviceState& state) const {
   if (mouse) return mouse_pins[pin].value(state.mouse);
-  if (gamepad < most_gamepads) return gamepad_pins[pin].value(state.gamepads[gamepad]);
+  if (gamepad < max_gamepads) return gamepad_pins[pin].value(state.gamepads[gamepad]);
   return std::ranges::binary_search(state.keys, key) ? 1 : 0;
 }
 
 bool DeviceFeed::Slot::is_press() const {
   if (mouse) return mouse_pins[pin].press;
-  return gamepad == most_gamepads || gamepad_pins[pin].press;
+  return gamepad == max_gamepads || gamepad_pins[pin].press;
 }
 
 DeviceFeed::DeviceFeed(Interpreter& interpreter) {
@@ -170,7 +173,7 @@ DeviceFeed::DeviceFeed(Interpreter& interpreter) {
     } else if (d.device == "gamepad") {
       const std::optional<long> pad = parse_long(d.address);
       slot.pin = named(gamepad_pins, d.pin);
-      if (!pad || *pad < 0 || *pad >= static_cast<long>(most_gamepads) || slot.pin == std::size(gamepad_pins)) continue;
+      if (!pad || *pad < 0 || *pad >= static_cast<long>(max_gamepads) || slot.pin == std::size(gamepad_pins)) continue;
       slot.gamepad = static_cast<std::size_t>(*pad);
     } else {
       continue;
@@ -188,7 +191,7 @@ DeviceUse DeviceFeed::use() const {
   for (const Slot& s : slots_) {
     if (s.mouse)
       out.mouse = true;
-    else if (s.gamepad < most_gamepads)
+    else if (s.gamepad < max_gamepads)
       add(out.gamepads, static_cast<int>(s.gamepad));
     else
       add(out.keys, s.key);

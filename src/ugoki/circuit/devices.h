@@ -1,5 +1,6 @@
 #pragma once
-// From what a user holds in hand to the LSIs keyboard, mouse and gamepad. The text form is the message `input` of docs/studio-protocol.md.
+// State of the user's input devices, and how it reaches the LSIs keyboard, mouse and gamepad of a circuit. The text form is the message
+// `input` of docs/studio-protocol.md.
 
 #include <array>
 #include <cstddef>
@@ -13,72 +14,73 @@
 
 namespace ugoki::circuit {
 
-inline constexpr std::size_t most_gamepads = 4;
+inline constexpr std::size_t max_gamepads = 4;
 
 struct MouseState {
-  double x = 0, y = 0;  ///< over the viewport: 0 left, top; 1 right, bottom
-  bool left = false, middle = false, right = false;
-  double wheel = 0;  ///< notches so far, positive towards the user
+  double x = 0, y = 0;  ///< position in the viewport: (0, 0) is the top left corner, (1, 1) the bottom right one
+  bool left = false, middle = false, right = false;  ///< whether the button is pressed
+  double wheel = 0;                                  ///< notches turned so far, positive towards the user
   friend bool operator==(const MouseState&, const MouseState&) = default;
 };
 
-/// In the standard mapping of the W3C; zeros: there is none.
+/// A gamepad in the W3C standard gamepad mapping. All zero: no gamepad is connected.
 struct GamepadState {
-  std::array<double, 4> axes{};      ///< left x, left y, right x, right y from -1 to 1: to the right and backwards
-  std::array<double, 17> buttons{};  ///< 0 to 1
+  std::array<double, 4> axes{};      ///< left x, left y, right x, right y, each from -1 to 1; positive to the right and backwards
+  std::array<double, 17> buttons{};  ///< 0 (released) to 1 (fully pressed)
   friend bool operator==(const GamepadState&, const GamepadState&) = default;
 };
 
 struct DeviceState {
-  std::vector<std::string> keys;  ///< that are down, by KeyboardEvent.code; sorted, each once
+  std::vector<std::string> keys;  ///< pressed keys by KeyboardEvent.code; sorted, no duplicates
   MouseState mouse;
-  std::array<GamepadState, most_gamepads> gamepads;
+  std::array<GamepadState, max_gamepads> gamepads;
   friend bool operator==(const DeviceState&, const DeviceState&) = default;
 };
 
-/// News of some devices; what is absent stays as it was.
+/// New state of some devices. Devices without a value keep their state.
 struct DeviceChange {
   std::optional<std::vector<std::string>> keys;
-  std::optional<MouseState> mouse;  ///< its wheel: notches since the news before
-  bool mouse_moved[2] = {};         ///< whether x and y are told
-  std::optional<std::array<GamepadState, most_gamepads>> gamepads;
+  std::optional<MouseState> mouse;  ///< its `wheel` is the change since the previous message, notches
+  bool mouse_moved[2] = {};         ///< whether `mouse` specifies x and y; if not, the coordinate keeps its value
+  std::optional<std::array<GamepadState, max_gamepads>> gamepads;
 };
 
-/// Reads `keyboard`, `mouse` and `gamepads` of a JSON object; other fields of it are somebody else's.
-[[nodiscard]] Result<DeviceChange> read_device_change(std::string_view text, std::string_view place = "input");
+/// Reads the fields `keyboard`, `mouse` and `gamepads` of a JSON object and ignores its other fields.
+[[nodiscard]] Result<DeviceChange> read_device_change(std::string_view text, std::string_view location = "input");
 void apply(const DeviceChange& change, DeviceState& state);
 
-/// What a circuit reads.
+/// The devices that a circuit reads.
 struct DeviceUse {
-  std::vector<std::string> keys;  ///< sorted, each once
+  std::vector<std::string> keys;  ///< KeyboardEvent.code; sorted, no duplicates
   bool mouse = false;
-  std::vector<int> gamepads;  ///< sorted, each once
+  std::vector<int> gamepads;  ///< indices; sorted, no duplicates
   friend bool operator==(const DeviceUse&, const DeviceUse&) = default;
 };
-/// {"keyboard": ["KeyW"], "mouse": true, "gamepads": [0]}
+/// JSON: {"keyboard": ["KeyW"], "mouse": true, "gamepads": [0]}
 [[nodiscard]] std::string write_device_use(const DeviceUse& use);
 
-/// The device outputs of one interpreter, which must outlive it; made anew where that is replaced.
+/// Writes the state of the devices into the device LSIs of one interpreter. The interpreter must outlive the feed; a new interpreter
+/// needs a new feed.
 class DeviceFeed {
  public:
   DeviceFeed() = default;
   explicit DeviceFeed(Interpreter& interpreter);
 
   [[nodiscard]] DeviceUse use() const;
-  /// Whether the circuit has got just this.
+  /// Whether the device LSIs already output this state.
   [[nodiscard]] bool has(const DeviceState& state) const;
-  /// Whether a key or a button that the circuit reads goes down from one state to the other.
+  /// Whether a key or button that the circuit reads is released in `before` and pressed in `after`.
   [[nodiscard]] bool presses(const DeviceState& before, const DeviceState& after) const;
-  /// To be called between ticks.
+  /// Writes the state to the outputs of the device LSIs. Call it between ticks only.
   void give(const DeviceState& state) const;
 
  private:
   struct Slot {
-    std::string key;  // of the keyboard
+    std::string key;  // KeyboardEvent.code, if it is a key of the keyboard
     bool mouse = false;
-    std::size_t gamepad = most_gamepads;  // most_gamepads: it is none
-    std::size_t pin = 0;                  // of mouse or gamepad, in the tables of devices.cpp
-    double* number = nullptr;
+    std::size_t gamepad = max_gamepads;  // index; max_gamepads: the slot is not a gamepad's
+    std::size_t pin = 0;                 // mouse or gamepad: index into mouse_pins or gamepad_pins of devices.cpp
+    double* number = nullptr;            // the output of the LSI
     [[nodiscard]] double value(const DeviceState& state) const;
     [[nodiscard]] bool is_press() const;
   };

@@ -1,6 +1,6 @@
 #pragma once
-// From the circuit as data to a flat list of LSIs whose inputs know their sources: nested circuits opened, names resolved, wires,
-// values and parameters checked.
+// Converts a circuit to a flat list of LSIs whose inputs refer to the outputs that feed them. Nested circuits are expanded; names, wires,
+// values and parameters are checked against the library.
 
 #include <string>
 #include <vector>
@@ -10,40 +10,40 @@
 
 namespace ugoki::circuit {
 
-/// An output of a flat LSI.
+/// An output of an LSI of the flat circuit.
 struct Source {
-  int lsi = -1;
-  int pin = 0;
+  int lsi = -1;  ///< index into FlatCircuit::lsis; -1: none
+  int pin = 0;   ///< index of the output
   friend bool operator==(const Source&, const Source&) = default;
 };
 
 struct FlatInput {
-  std::vector<Source> sources;  ///< none, one, or (multiple pins) several in the order of (lsi, pin)
-  std::vector<double> value;    ///< what the circuit gives instead of a wire; may be empty
+  std::vector<Source> sources;  ///< at most one; pins declared `multiple`: any number, sorted by (lsi, pin)
+  std::vector<double> value;    ///< fixed value that the circuit specifies instead of a wire; empty: none
 };
 
 struct FlatLsi {
-  std::string id;  ///< with the ids of the circuits around it: "arm/elbow/gain"
+  std::string id;  ///< id with the ids of the enclosing circuits: "arm/elbow/gain"
   const LsiClass* lsi_class = nullptr;
-  std::string place;  ///< JSON path
-  std::uint32_t every = 1;
-  std::vector<Value> parameters;  ///< all of the class, in the order of declaration
+  std::string location;           ///< JSON path
+  std::uint32_t every = 1;        ///< runs at each `every`-th tick; 0: on demand only
+  std::vector<Value> parameters;  ///< [parameters of the class], in the order of declaration
   std::vector<FlatInput> inputs;  ///< [inputs of the class]
 };
 
 struct FlatPort {
   std::string name;
-  Source source;  ///< inputs of the circuit: the LSI that stands for it
+  Source source;  ///< output that provides the value; for an input of the circuit: of a placeholder LSI without functions in `lsis`
 };
 
 struct FlatCircuit {
-  std::vector<FlatLsi> lsis;     ///< sorted by id, so that an index is a stable rank
-  std::vector<FlatPort> inputs;  ///< of the outermost circuit
+  std::vector<FlatLsi> lsis;     ///< sorted by id, so that indices do not depend on the order in the file
+  std::vector<FlatPort> inputs;  ///< inputs of the outermost circuit
   std::vector<FlatPort> outputs;
 };
 
-/// Opens the circuit; everything wrong with it goes into `problems` (the result is then of no use).
-/// @param library outlives the result
+/// The flat form of the circuit. All errors are added to `problems`; if there are any, the result must not be used.
+/// @param library  must outlive the result
 [[nodiscard]] FlatCircuit flatten(const Circuit& circuit, const Library& library, Error& problems);
 
 }  // namespace ugoki::circuit

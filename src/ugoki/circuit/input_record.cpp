@@ -13,7 +13,7 @@ namespace {
 
 using json::Json;
 
-constexpr std::size_t most_readable = 7;  // numbers; longer payloads are written as bytes
+constexpr std::size_t max_readable = 7;  // numbers (a pose has 7); longer payloads are written as hexadecimal bytes
 
 std::string hex(std::uint64_t word) {
   std::string out(16, '0');
@@ -43,10 +43,10 @@ bool read_hex(const std::string& text, std::vector<std::byte>& bytes) {
   return true;
 }
 
-/// "[1, 2.5]", or empty where the bytes are not a few ordinary numbers.
+/// "[1, 2.5]"; empty if the bytes are not 1 to max_readable finite doubles that decimal text keeps exactly (subnormals excluded).
 std::string numbers_text(const std::vector<std::byte>& bytes) {
   const std::size_t n = bytes.size() / sizeof(double);
-  if (n == 0 || n > most_readable || bytes.size() % sizeof(double) != 0) return {};
+  if (n == 0 || n > max_readable || bytes.size() % sizeof(double) != 0) return {};
   std::string out = "[";
   for (std::size_t i = 0; i < n; ++i) {
     double x;
@@ -60,14 +60,14 @@ std::string numbers_text(const std::vector<std::byte>& bytes) {
 void read_change(const Json& json, const std::string& path, Error& problems, InputChange& change) {
   json::Fields f(json, path, problems);
   double tick = 0;
-  f.require("tick", "the tick before which the value came");
+  f.require("tick", "the tick before which the value was set");
   f.number("tick", tick);
   if (!(tick >= 0 && tick < 9e15 && std::floor(tick) == tick))
-    f.report(ErrorCode::range, f.path("tick"), "A tick is a whole number from 0.", "Take the record as it was written.");
+    f.report(ErrorCode::range, f.path("tick"), "A tick is an integer from 0.", "Use the record file unchanged.");
   else
     change.tick = static_cast<std::uint64_t>(tick);
   const char* name = f.has("parameter") ? "parameter" : "input";
-  f.require(name, "the name of what changed");
+  f.require(name, "the name of the input or parameter");
   f.text(name, change.name);
   if (f.has("parameter")) {
     change.component = 0;
@@ -77,8 +77,8 @@ void read_change(const Json& json, const std::string& path, Error& problems, Inp
   if (f.has("bytes")) {
     f.text("bytes", bytes);
     if (!read_hex(bytes, change.bytes))
-      f.report(ErrorCode::syntax, f.path("bytes"), "Bytes are pairs of hexadecimal digits.", "Take the record as it was written.");
-  } else if (const Json* list = f.list("numbers", most_readable, "numbers")) {
+      f.report(ErrorCode::syntax, f.path("bytes"), "The bytes are not pairs of hexadecimal digits.", "Use the record file unchanged.");
+  } else if (const Json* list = f.list("numbers", max_readable, "numbers")) {
     std::vector<double> numbers(list->size());
     if (f.numbers("numbers", numbers)) {
       change.bytes.resize(numbers.size() * sizeof(double));
@@ -104,12 +104,12 @@ std::string write_input_record(const InputRecord& record) {
   return out + (record.changes.empty() ? "]\n}\n" : "\n  ]\n}\n");
 }
 
-Result<InputRecord> read_input_record(std::string_view text, std::string_view place) {
-  const Result<Json> json = json::parse_json(text, place);
+Result<InputRecord> read_input_record(std::string_view text, std::string_view location) {
+  const Result<Json> json = json::parse_json(text, location);
   if (!json) return fail(json.error());
   Error problems;
   InputRecord record;
-  json::Fields f(*json, std::string(place), problems);
+  json::Fields f(*json, std::string(location), problems);
   int version = 0;
   double ticks = 0;
   std::string circuit;
@@ -120,15 +120,15 @@ Result<InputRecord> read_input_record(std::string_view text, std::string_view pl
   f.text("circuit", circuit);
   std::vector<std::byte> layout;
   if (circuit.size() != 16 || !read_hex(circuit, layout))
-    f.report(ErrorCode::syntax, f.path("circuit"), "The hash of the circuit has 16 hexadecimal digits.",
-             "Take the record as it was written.");
+    f.report(ErrorCode::syntax, f.path("circuit"), "The hash of the circuit does not have 16 hexadecimal digits.",
+             "Use the record file unchanged.");
   for (const std::byte b : layout) record.layout = record.layout << 8 | static_cast<std::uint64_t>(b);
   f.number("dt", record.dt);
   f.number("ticks", ticks);
   if (ticks >= 0 && ticks < 9e15) record.ticks = static_cast<std::uint64_t>(ticks);
   if (const Json* changes = f.list("changes", 10'000'000, "changes")) {
     record.changes.resize(changes->size());
-    for (std::size_t i = 0; i < changes->size() && problems.problems.size() < json::most_problems; ++i)
+    for (std::size_t i = 0; i < changes->size() && problems.problems.size() < json::max_problems; ++i)
       read_change((*changes)[i], f.path("changes") + "/" + std::to_string(i), problems, record.changes[i]);
   }
   f.refuse_others();

@@ -1,5 +1,5 @@
 #pragma once
-// All that came from outside while a circuit ran: with it a run can be repeated bit by bit, for example for a bug report.
+// Record of all inputs that a circuit received while it ran. Replaying it repeats the run bit for bit, for example for a bug report.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,25 +11,25 @@
 
 namespace ugoki::circuit {
 
-/// A new value, there before tick `tick` is computed.
+/// A new value of an input, a device or a parameter, set before tick `tick` is computed.
 struct InputChange {
   std::uint64_t tick = 0;
   std::string name;              ///< input of the circuit, "id.pin" of a device, or "id.parameter"
-  int component = -1;            ///< of a parameter; -1: it is an input
-  std::vector<std::byte> bytes;  ///< the whole payload, or one double
+  int component = -1;            ///< parameter: index of the component; input or device: -1
+  std::vector<std::byte> bytes;  ///< parameter: one double; input or device: the complete payload
   friend bool operator==(const InputChange&, const InputChange&) = default;
 };
 
 struct InputRecord {
   std::uint64_t layout = 0;          ///< hash of the circuit that was recorded
   double dt = 0;                     ///< s
-  std::uint64_t ticks = 0;           ///< done when the record was taken
-  std::vector<InputChange> changes;  ///< by tick
+  std::uint64_t ticks = 0;           ///< ticks computed when the recording ended
+  std::vector<InputChange> changes;  ///< sorted by tick
   friend bool operator==(const InputRecord&, const InputRecord&) = default;
 };
 
-/// JSON, one change a line; numbers read back to the same bits (payloads that are not numbers are hexadecimal).
+/// JSON text, one change per line. Numbers read back to the same bits; payloads that are not a few finite numbers are hexadecimal bytes.
 [[nodiscard]] std::string write_input_record(const InputRecord& record);
-[[nodiscard]] Result<InputRecord> read_input_record(std::string_view text, std::string_view place = "record");
+[[nodiscard]] Result<InputRecord> read_input_record(std::string_view text, std::string_view location = "record");
 
 }  // namespace ugoki::circuit

@@ -1,6 +1,6 @@
 #pragma once
-// Runs a circuit, tick by tick. Everything is decided when it is built; a tick calls functions through bound addresses in a fixed
-// order, allocates nothing and locks nothing, and gives the same bits every time.
+// Runs a circuit, tick by tick. Addresses, sizes and order are fixed when the circuit is built. A tick calls the functions of the LSIs in
+// this order, allocates nothing and locks nothing; repeated runs give the same bits.
 
 #include <cstddef>
 #include <cstdint>
@@ -23,23 +23,24 @@ class Executor;
 
 struct BuildOptions {
   double dt = 0.002;             ///< s, between ticks
-  bool check_finite = true;      ///< after each LSI, stop if a number it gave is not finite
-  Activity* activity = nullptr;  ///< where to note which LSI runs (activity.h); outlives the interpreter
+  bool check_finite = true;      ///< stop if an LSI writes a number that is not finite; checked after each LSI
+  Activity* activity = nullptr;  ///< receives which LSI runs (activity.h); must outlive the interpreter
 };
 
-/// Why an interpreter stopped. The values of delayed outputs (the state) are still those of the last good tick.
+/// Why an interpreter stopped. Delayed outputs keep the values of the last complete tick.
 struct Stop {
-  std::string lsi;
-  std::string pin;      ///< "id.pin" of the output that was not finite; empty otherwise
-  std::string library;  ///< that the LSI was installed with; empty: the program's own
+  std::string lsi;      ///< id
+  std::string pin;      ///< "id.pin" of the output at fault (not finite, or overrun); empty: none
+  std::string library;  ///< installed library of the LSI; empty: built in
   std::string reason;
-  std::string inputs;  ///< " Its inputs were ..." for those of few numbers
+  std::string inputs;  ///< " Its inputs were ...": see describe_inputs
   std::uint64_t tick = 0;
   double time = 0;  ///< s
+  /// "'id' of library 'x' stopped at 0.123 s (tick 61): REASON INPUTS"
   [[nodiscard]] std::string text() const;
 };
 
-/// A payload seen from outside, valid until the interpreter ends; read it between ticks.
+/// View of the payload of an output. Valid for the lifetime of the interpreter; read it between ticks only.
 struct PinView {
   PinTypeId type = PinTypeId::scalar;
   std::uint32_t count = 0;  ///< elements
@@ -51,30 +52,30 @@ struct PinView {
   }
 };
 
-/// Time that one LSI took so far, in the clock's units.
+/// Time spent in one LSI.
 struct Timing {
-  std::string lsi;
-  std::uint64_t runs = 0;  ///< calls of step and advance that were timed
-  std::uint64_t total = 0;
+  std::string lsi;          ///< id
+  std::uint64_t runs = 0;   ///< timed calls of step and advance
+  std::uint64_t total = 0;  ///< time of these calls, in the unit of the clock
 };
 
 enum class Comparison : std::uint8_t { above, below, equal, not_equal, changed };
 
-/// A condition on a number of a pin. It is met at the tick at which it becomes true.
+/// A condition on one number of a pin. It is met at the tick at which it becomes true.
 struct Breakpoint {
-  std::string pin;  ///< "id.pin"
-  std::size_t component = 0;
+  std::string pin;            ///< "id.pin"
+  std::size_t component = 0;  ///< index of the number in the payload
   Comparison comparison = Comparison::above;
   double value = 0;  ///< unused by `changed`
 };
 
-/// What probes have caught: rows of the same numbers, oldest first.
+/// View of the samples of the probes: one row per sampled tick, oldest first. Valid until the next tick or set_probes.
 class ProbeRows {
  public:
   [[nodiscard]] std::size_t size() const { return rows_; }
-  [[nodiscard]] std::uint64_t first() const { return first_; }  ///< rows that were caught and overwritten before row 0
+  [[nodiscard]] std::uint64_t first() const { return first_; }  ///< number of older rows, already overwritten
   [[nodiscard]] std::uint64_t tick(std::size_t row) const { return ticks_[at(row)]; }
-  /// The numbers of all pins, in the order in which they were given to set_probes.
+  /// The numbers of all probed pins, in the order of the pins given to set_probes.
   [[nodiscard]] std::span<const double> numbers(std::size_t row) const { return {data_ + at(row) * width_, width_}; }
 
  private:
@@ -86,26 +87,27 @@ class ProbeRows {
   std::uint64_t first_ = 0;
 };
 
-/// An output that the host writes between ticks: a key, an axis, a packet.
+/// An output that the host writes between ticks, for example the state of a key or an axis, or the value of a network message.
 struct DeviceSlot {
-  std::string id;       ///< of the LSI
+  std::string id;       ///< id of the LSI
   std::string device;   ///< LsiClass::device: "keyboard"
-  std::string address;  ///< its first text or choice: which key
+  std::string address;  ///< value of the LSI's first text or choice parameter, for example the name of the key
   std::string pin;
   std::span<double> numbers;
 };
 
 class Interpreter {
  public:
-  /// Counts in any unit; nothing in the runtime depends on it.
+  /// Returns a time in any unit; the unit has no effect on the run.
   using Clock = std::uint64_t (*)();
-  /// The processor's counter of time, the cheapest clock there is (0 where there is none).
+  /// The processor's time counter (x86-64: TSC, AArch64: CNTVCT), the cheapest clock available; 0 on other processors.
   static std::uint64_t processor_clock();
-  /// The form that runs; seen by the runtime only.
+  /// The executable form of the circuit (machine.h). Private to this module.
   struct Machine;
 
-  /// Opens, checks, sizes and schedules the circuit, and sets the first state. All problems are reported, with the names of LSIs
-  /// and pins. @param library, resources outlive the interpreter
+  /// Flattens, checks and schedules the circuit, sizes its payloads, and sets the initial state. All problems are reported, each with the
+  /// names of its LSIs and pins.
+  /// @param library, resources  must outlive the interpreter
   [[nodiscard]] static Result<Interpreter> build(const Circuit& circuit, const Library& library, const Resources* resources,
                                                  const BuildOptions& options);
 
@@ -113,82 +115,91 @@ class Interpreter {
   Interpreter& operator=(Interpreter&&) noexcept;
   ~Interpreter();
 
-  /// Computes one tick. False: an LSI stopped it (see stopped()); a stopped interpreter stays so until reset or restore.
+  /// Computes one tick. Returns false if an LSI stopped the interpreter (see stopped()). The interpreter remains stopped until reset() or
+  /// restore().
   bool tick();
-  /// Computes up to `count` ticks: cheaper than as many calls of tick(). Ends after a tick that met a breakpoint, and where an LSI stopped
-  /// it.
-  /// @return ticks done
+  /// Computes up to `count` ticks, cheaper than `count` calls of tick(). Ends early after a tick in which a breakpoint's condition was
+  /// met, or if an LSI stopped the interpreter.
+  /// @return number of completed ticks
   std::uint64_t run(std::uint64_t count);
-  /// Runs one LSI of the tick that is under way, or the first of the next; the last one ends the tick. tick() completes what is begun.
+  /// Runs the next LSI of the current tick. The call that runs the last LSI also ends the tick. If tick() is called earlier, it runs
+  /// the remaining LSIs and ends the tick.
+  /// Returns false if an LSI stopped the interpreter.
   bool step_lsi();
-  /// Id of the LSI that step_lsi would run; empty where the circuit has none.
+  /// Id of the LSI that step_lsi would run; empty if none is due.
   [[nodiscard]] std::string next_lsi() const;
-  /// Runs the LSIs that run on demand only (displays), on the values of the last tick. False: one of them stopped.
+  /// Runs the LSIs that run on demand only (displays), with the values of the last tick. Returns false if one of them stopped.
   bool refresh();
-  /// Back to the first state.
+  /// Restores the initial state.
   void reset();
 
-  [[nodiscard]] std::uint64_t ticks() const;  ///< done so far
+  [[nodiscard]] std::uint64_t ticks() const;  ///< computed so far
   [[nodiscard]] double time() const;          ///< s, ticks() * dt
-  [[nodiscard]] const Stop* stopped() const;  ///< null while all is well
+  [[nodiscard]] const Stop* stopped() const;  ///< null: not stopped
 
-  /// The output "id.pin" (ids of nested circuits with '/'), or an error that names it.
+  /// The output "id.pin" (ids in nested circuits: "arm/elbow.pin"), or an error whose location is `pin`.
   [[nodiscard]] Result<PinView> find_output(std::string_view pin) const;
   /// An output of the circuit itself, by name.
   [[nodiscard]] Result<PinView> find_circuit_output(std::string_view name) const;
-  /// Payload of an input of the circuit itself, to be written between ticks; empty if there is none of this name. Keeps its value.
+  /// Writable payload of an input of the circuit itself; empty if there is no input of this name. Write it between ticks only. The value
+  /// is kept until it is written again.
   [[nodiscard]] std::span<std::byte> find_circuit_input(std::string_view name);
 
-  /// All outputs that devices feed. They keep their values until they are written again.
+  /// All outputs of device LSIs. The host writes them between ticks; each value is kept until it is written again.
   [[nodiscard]] std::vector<DeviceSlot> devices();
 
-  /// Changes a live parameter between ticks: `pin` is "id.parameter", `component` counts in vectors.
+  /// Changes a live parameter between ticks.
+  /// @param parameter  "id.parameter"
+  /// @param component  index in a vector parameter; otherwise 0
   Result<void> set_parameter(std::string_view parameter, double value, std::size_t component = 0);
 
-  /// All state as bytes. The same circuit, library and dt can take it back.
+  /// Writes the complete state to `bytes`. An interpreter of the same circuit, library and dt can restore it.
   void save(std::vector<std::byte>& bytes);
-  /// Refuses bytes of another circuit and damaged ones, and is then unchanged.
+  /// Restores a state written by save. If the bytes are damaged or of another circuit: returns an error and changes nothing.
   Result<void> restore(std::span<const std::byte> bytes);
-  /// Takes over the state of every LSI that is the same in `other` (id, class, version, sizes): for rebuilding a circuit while
-  /// it runs. Where only the layout of the state differs, declared fields of the same name, type and count are taken.
-  /// @return number of LSIs whose state was taken whole
+  /// Copies the state of every LSI that both interpreters have with the same id, class, version and sizes: to rebuild a circuit while it
+  /// runs. If only the layout of the state differs, declared fields of the same name, type and count are copied.
+  /// @return number of LSIs whose state was copied completely
   std::size_t adopt(Interpreter& other) { return adopt_report(other).kept; }
   struct Adoption {
-    std::size_t kept = 0;
-    std::vector<std::string> partly, afresh;  ///< sentences: "'id': the field 'y' is new."
+    std::size_t kept = 0;             ///< LSIs whose state was copied completely
+    std::vector<std::string> partly;  ///< one sentence per LSI: "'id' keeps 1 fields of its state; the field 'y' is new."
+    std::vector<std::string> afresh;  ///< one sentence per LSI that starts from its initial state, with the reason
   };
   Adoption adopt_report(Interpreter& other);
 
-  /// Starts counting at zero. Null: off.
-  /// @param one_in how many ticks go to one whose LSIs are timed. 1: each tick. A look at the clock costs more than a small LSI; of
-  ///   one tick in four (spread so that LSIs that run at every n-th tick are met as often as all others) the means are the same.
+  /// Starts timing the LSIs with `clock`, with all times reset to zero; null: stops timing.
+  /// @param one_in  times one tick in `one_in`; 1: each tick. Reading the clock costs more than a small LSI. The timed ticks are spread
+  ///   pseudo-randomly, so that LSIs that run at every n-th tick are sampled as often as all others, and mean times stay unbiased.
   void set_timing(Clock clock, std::uint32_t one_in = 1);
-  /// Ticks whose LSIs were timed since then.
+  /// Number of ticks timed since set_timing.
   [[nodiscard]] std::uint64_t timed_ticks() const;
   [[nodiscard]] std::vector<Timing> timings() const;
 
-  /// Catches these numeric pins ("id.pin") at each `every`-th tick, as consumers see them, into a ring of `rows`. Replaces what was probed.
+  /// Samples these numeric pins ("id.pin") at each `every`-th tick into a ring buffer of `rows` rows, with the values that consumers read
+  /// in the tick. Replaces all earlier probes.
   Result<void> set_probes(std::span<const std::string> pins, std::size_t rows, std::uint32_t every = 1);
   [[nodiscard]] ProbeRows probes() const;
 
-  /// Replaces all breakpoints. A tick at which one is met is completed; breakpoint_hit() then tells which.
+  /// Replaces all breakpoints. A tick at which one is met is completed; breakpoint_hit() then returns its index.
   Result<void> set_breakpoints(std::span<const Breakpoint> breakpoints);
   /// Index of the breakpoint that the last tick met, or -1.
   [[nodiscard]] int breakpoint_hit() const;
 
-  /// Records what comes from outside (inputs of the circuit, devices, parameters), from now on.
+  /// Starts recording the changes of inputs of the circuit, devices and parameters.
   void start_recording();
-  /// What was recorded, with the time between ticks and a hash of the circuit.
+  /// The changes recorded so far, with dt and a hash of the circuit.
   [[nodiscard]] InputRecord recording() const;
-  /// From now on every change comes at its tick. Refuses a record of another circuit.
+  /// Applies each change of the record before its tick, from now on. Returns an error for a record of another circuit.
   Result<void> replay(const InputRecord& record);
 
-  /// Runs independent LSIs on several threads, with the same bits; null: on this one. It outlives the interpreter.
+  /// Runs independent LSIs on the threads of `executor`, with the same bits; null: on the calling thread. `executor` must outlive the
+  /// interpreter.
   void set_executor(Executor* executor);
 
-  /// Ids in the order in which steps run.
+  /// Ids of the LSIs in the order in which their steps run.
   [[nodiscard]] std::vector<std::string> schedule() const;
-  /// Bytes of the arena in which all payloads and states lie.
+  /// Size of the memory that contains all payloads and states, bytes.
   [[nodiscard]] std::size_t arena_bytes() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// All LSI classes that circuits may use, by name.
+// The LSI classes that circuits can use, by name.
 
 #include <map>
 #include <span>
@@ -13,17 +13,18 @@ namespace ugoki::circuit {
 
 class Library {
  public:
-  /// Adds a class; a second one of the same name is the programmer's mistake, and so is a declaration that contradicts itself.
+  /// Adds a class. A duplicate name or an inconsistent declaration fails a UGOKI_CHECK.
   void add(LsiClass lsi_class);
-  /// The class of this name, or the only one "library/name" of an installed library, or null. Valid until the next add.
+  /// The class of this name. If there is none: the class "library/name", if exactly one installed library has it; otherwise null.
+  /// The pointer is valid until the next add.
   [[nodiscard]] const LsiClass* find(std::string_view name) const;
-  [[nodiscard]] bool has(std::string_view name) const;  ///< of exactly this name
-  /// In the order of their names.
+  [[nodiscard]] bool has(std::string_view name) const;  ///< whether a class has exactly this name
+  /// All classes, sorted by name.
   [[nodiscard]] std::span<const LsiClass> classes() const { return classes_; }
 
-  /// The library `name` is installed and could not be used: for messages about its LSIs. @param why a sentence
+  /// Notes that the installed library `name` cannot be used, for messages about its LSIs. @param why  a sentence
   void note_refused(std::string name, std::string why) { refused_[std::move(name)] = std::move(why); }
-  /// Why the library `name` is not used; null: it was not refused.
+  /// The reason why the library `name` cannot be used; null: it was not refused.
   [[nodiscard]] const std::string* find_refusal(std::string_view name) const;
 
  private:

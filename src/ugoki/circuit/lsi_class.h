@@ -1,11 +1,11 @@
 #pragma once
-// What the author of a software LSI declares, and what its functions are given.
+// Declaration of a software LSI: its pins, parameters, state and functions.
 //
 // An LSI has two functions that run at every tick of the interpreter:
 //   step     reads the `direct` inputs and writes the feed-through outputs (those not marked `delayed`);
-//   advance  reads all inputs (final by then), moves the state on and writes the `delayed` outputs, which all consumers see
-//            change together at the end of the tick.
-// So the value of a delayed output during a tick is that of the tick before, and feedback is possible through it.
+//   advance  runs after all steps, reads all inputs, updates the state and writes the `delayed` outputs. Consumers see the new values of
+//            all delayed outputs from the end of the tick on.
+// During a tick a delayed output therefore has its value of the previous tick, and feedback is possible through it.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,17 +20,20 @@
 
 namespace ugoki::circuit {
 
-/// The binary interface of LSIs is a C header, so that functions compiled elsewhere are called as ours are: without anything between.
+// The binary interface of LSIs is the C header ugoki/lsi.h: functions of plug-ins are called directly, like built-in ones.
+
+/// Time and index of a tick.
 using Tick = ugoki_tick;
-/// What step, advance and init are given: addresses bound once when the circuit is built.
+/// Argument of step, advance and init: addresses of inputs, outputs, parameters and state, bound once when the circuit is built.
 using Call = ugoki_call;
-/// 0: done. Anything else stops the interpreter; Call::reason says why.
+/// Returns 0 on success. Any other value stops the interpreter; Call::reason then contains the reason as text.
 using StepFunction = ugoki_step_function;
 
-/// Payload of input wire i as doubles (null where nothing is wired to a sized pin).
+/// Payload of input wire i as doubles; null if nothing is wired to a pin whose size is not fixed.
 inline const double* input(const Call* call, std::size_t i) { return static_cast<const double*>(call->in[i]); }
+/// Payload of output pin i as doubles.
 inline double* output(const Call* call, std::size_t i) { return static_cast<double*>(call->out[i]); }
-/// Writes the reason and returns 1: `return stop(call, "...")`.
+/// Writes `reason` into the call, truncated to its buffer, and returns 1. Use: `return stop(call, "...")`.
 std::int32_t stop(const Call* call, std::string_view reason);
 
 struct InputPin {
@@ -38,13 +41,13 @@ struct InputPin {
   PinTypeId type = PinTypeId::scalar;
   std::string unit;
   std::string doc;
-  bool required = true;     ///< refuses to run without a wire or a value
-  bool direct = true;       ///< read by `step`; false: read by `advance` only, so that no value goes round through it in one tick
-  bool multiple = false;    ///< takes any number of wires, ordered by the ids of their sources; after all other inputs
-  std::uint32_t count = 0;  ///< elements; 0: those of the type, or of what is wired to it
-  double value = 0;         ///< every number of an optional numeric pin that has no wire (rotations, poses: the identity)
-  double minimum = 0;       ///< what the LSI is meant for; refused outside as a given value. Equal to maximum: any number
-  double maximum = 0;
+  bool required = true;     ///< a circuit without a wire or a fixed value for this pin is refused
+  bool direct = true;       ///< read by `step`; false: read by `advance` only, and so never part of an algebraic loop
+  bool multiple = false;    ///< accepts any number of wires, sorted by the ids of their sources; declared after all other inputs
+  std::uint32_t count = 0;  ///< elements; 0: the type's own number, or that of the wired output
+  double value = 0;         ///< every number of an optional numeric pin without a wire (rotations and poses: the identity)
+  double minimum = 0;       ///< lower bound of fixed values, which are refused outside [minimum, maximum]; minimum == maximum: no bounds
+  double maximum = 0;       ///< upper bound of fixed values
 };
 
 struct OutputPin {
@@ -52,11 +55,11 @@ struct OutputPin {
   PinTypeId type = PinTypeId::scalar;
   std::string unit;
   std::string doc;
-  bool delayed = false;     ///< written by `advance`, seen from the next tick on
-  std::uint32_t count = 0;  ///< elements; 0: those of the type, or as `like` says, or set by `configure`
-  double minimum = 0;       ///< what it usually lies between, for plots. Equal to maximum: unknown
-  double maximum = 0;
-  int like = -1;  ///< as many elements as this input has
+  bool delayed = false;     ///< written by `advance`, seen by consumers from the next tick on
+  std::uint32_t count = 0;  ///< elements; 0: the type's own number, or that of input `like`, or set by `configure`
+  double minimum = 0;       ///< lower end of the usual values, for plots; minimum == maximum: unknown
+  double maximum = 0;       ///< upper end of the usual values
+  int like = -1;            ///< index of the input that has the same number of elements; -1: none
 };
 
 enum class ParameterKind : std::uint8_t { number, integer, boolean, text, choice, vector };
@@ -66,66 +69,67 @@ using Value = std::variant<double, bool, std::string, std::vector<double>>;
 struct Parameter {
   std::string name;
   ParameterKind kind = ParameterKind::number;
-  Value initial = 0.0;      ///< choice: the word
-  double minimum = -1e300;  ///< number, integer, vector components
-  double maximum = 1e300;
+  Value initial = 0.0;      ///< default value; a choice: one of `choices`
+  double minimum = -1e300;  ///< lower bound of a number, an integer or each component of a vector; -1e300: no bound
+  double maximum = 1e300;   ///< upper bound, as `minimum`; 1e300: no bound
   std::vector<std::string> choices;
   std::string unit;
   std::string doc;
-  bool live = true;  ///< may be changed while it runs (never text)
+  bool live = true;  ///< may be changed while the circuit runs; ignored for text, which never may
 };
 
-enum class FieldType : std::uint8_t { f64 = 1, f32, i64, i32, u64, u32, i8, u8 };  // as ugoki_field_type
+enum class FieldType : std::uint8_t { f64 = 1, f32, i64, i32, u64, u32, i8, u8 };  // same values as ugoki_field_type
 [[nodiscard]] std::size_t bytes_of(FieldType type);
 
-/// A declared part of the state: shown, and kept by name when a library is rebuilt with another layout.
+/// A declared part of the state. Editors show it; it keeps its value when a library is rebuilt with another layout of the state.
 struct StateField {
   std::string name;
   FieldType type = FieldType::f64;
-  std::uint32_t offset = 0;  ///< bytes into the state
+  std::uint32_t offset = 0;  ///< from the beginning of the state, bytes
   std::uint32_t count = 1;   ///< elements
   std::string unit;
   std::string doc;
-  double initial = 0;  ///< every element at the start
+  double initial = 0;  ///< initial value of every element
   friend bool operator==(const StateField&, const StateField&) = default;
 };
 
 class Setup;
 
-/// A kind of software LSI. Declared once: pins, documentation, widgets, save format and checks follow from it.
+/// A kind of software LSI. Documentation, editor widgets, the save format and checks are derived from this declaration.
 struct LsiClass {
-  std::string name;           ///< "motion control"; unique in a library
-  std::string doc;            ///< a sentence or two
-  std::string group;          ///< where a search lists it: "signal"
-  std::string from;           ///< library that it was installed with; empty: built in
-  std::uint32_t version = 1;  ///< of its state layout; saved states of another version are not restored
+  std::string name;           ///< "motion control"; unique in a library; of an installed library: "library/name"
+  std::string doc;            ///< one or two sentences
+  std::string group;          ///< heading in the editor's list of LSIs: "signal"
+  std::string from;           ///< name of the installed library; empty: built in
+  std::uint32_t version = 1;  ///< version of the state's layout and meaning; a state saved with another version is not restored
   std::vector<InputPin> inputs;
   std::vector<OutputPin> outputs;
   std::vector<Parameter> parameters;
-  std::vector<StateField> fields;  ///< declared parts of the state; may be none
-  std::size_t state_bytes = 0;     ///< of the state, where `configure` does not ask for more
-  /// Not empty: its outputs are written by the host between ticks (a key, a packet), and recorded with the inputs of the circuit.
+  std::vector<StateField> fields;  ///< declared parts of the state; may be empty
+  std::size_t state_bytes = 0;     ///< minimum size of the state; `configure` may set a larger one
+  /// Name of the device ("keyboard"). If not empty, the host writes the outputs between ticks, and they are recorded as inputs.
   std::string device;
 
-  /// Sets sizes of sized outputs and of the state from parameters, resources and the sizes of inputs; may be called several
-  /// times as sizes become known; keeps nothing. Null: all pins have the sizes of their types, no state.
+  /// Sets the sizes of the state and of outputs without a fixed size, from parameters, resources and the sizes of inputs. It may be called
+  /// several times while sizes become known, and must not keep anything between calls. Null: all pins have the sizes of their types.
   void (*configure)(Setup&) = nullptr;
-  /// Called once, when all sizes are known: makes what does not fit into plain bytes. Null result with a problem: refused.
+  /// Creates Call::object, for data that is not plain bytes. Called once, when all sizes are known. To refuse the circuit, it reports a
+  /// problem and returns null.
   void* (*make)(Setup&) = nullptr;
   void (*destroy)(void* object) = nullptr;
-  const ugoki_class* abi = nullptr;  ///< the declaration of a plug-in, for its `make`
-  /// Sets the first state and the first values of delayed outputs (zeroed before). Called at build and at reset.
+  const ugoki_class* abi = nullptr;  ///< the declaration of a plug-in, used by its `make`
+  /// Sets the initial state and the initial values of delayed outputs (both zeroed before). Called at build and at reset.
   StepFunction init = nullptr;
   StepFunction step = nullptr;
   StepFunction advance = nullptr;
-  /// For an `object` that remembers: moves what it remembers to and from `state`, before a save and after a restore.
+  /// For an `object` that has state of its own: `store` copies it into `state` before a save, `recall` copies it back after a restore.
   void (*store)(const Call*) = nullptr;
   void (*recall)(const Call*) = nullptr;
 
   [[nodiscard]] int find_input(std::string_view pin) const;  ///< index or -1
   [[nodiscard]] int find_output(std::string_view pin) const;
   [[nodiscard]] int find_parameter(std::string_view parameter) const;
-  /// Hash of version, size and declared fields of the state: equal hashes mean that the bytes of one fit the other.
+  /// Hash of version, size and declared fields of the state. Classes with equal hashes can exchange the bytes of their states.
   [[nodiscard]] std::uint64_t state_layout() const;
 };
 

@@ -8,7 +8,7 @@
 namespace ugoki::circuit {
 namespace {
 
-/// Hands out parts of the arena before it exists.
+/// Assigns offsets in the arena before the arena is allocated.
 class Layout {
  public:
   std::size_t take(std::size_t bytes) {
@@ -26,12 +26,13 @@ std::size_t output_bytes(const Unit& unit, std::size_t pin) {
   return payload_bytes(pin_type(unit.lsi_class->outputs[pin].type), unit.outputs[pin].count);
 }
 
-/// Places what LSIs write, with fences around where they are of libraries.
+/// Places the outputs and states of LSIs, with fences around those of LSIs of installed libraries.
 class Placer {
  public:
   Placer(Layout& layout, std::vector<Fence>& fences) : layout_(layout), fences_(fences) {}
 
-  /// The outputs of one kind (delayed or not): numbers first, so that one range holds all that must be finite.
+  /// Places the outputs of one kind (delayed or not). Numeric outputs come first, so that one range contains all numbers that must be
+  /// finite. @return this range
   Range outputs(Unit& unit, std::uint32_t lsi, bool delayed) {
     const auto is_here = [delayed](const OutputPin& pin) { return pin.delayed == delayed; };
     if (std::ranges::any_of(unit.lsi_class->outputs, is_here)) fence(unit, {0, lsi, 0, Fence::Side::before_outputs});
@@ -58,7 +59,7 @@ class Placer {
 
  private:
   void fence(const Unit& unit, Fence fence) {
-    if (unit.lsi_class->from.empty()) return;  // our own
+    if (unit.lsi_class->from.empty()) return;  // built-in LSIs are trusted
     fence.at = layout_.take(sizeof Fence::intact);
     fences_.push_back(fence);
   }
@@ -67,7 +68,7 @@ class Placer {
   std::vector<Fence>& fences_;
 };
 
-/// What an optional input without wire reads.
+/// The numbers that an optional input without a wire reads: `given`, or the default of the pin if that is empty.
 std::vector<double> default_payload(const InputPin& pin, const std::vector<double>& given) {
   if (!given.empty()) return given;
   const PinType& type = pin_type(pin.type);
@@ -93,7 +94,7 @@ std::uint64_t hash_layout(const std::vector<Unit>& units, double dt) {
   return hash.value();
 }
 
-/// A declared field at its first value. @param state of the LSI
+/// Sets all elements of a declared field to its initial value. @param state  of the LSI
 void set_field(const StateField& field, std::byte* state) {
   const auto fill = [&]<class T>(T value) {
     for (std::uint32_t i = 0; i < field.count; ++i) std::memcpy(state + field.offset + i * sizeof(T), &value, sizeof(T));
@@ -156,7 +157,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
   m.back.begin = layout.take(m.front.size());
   m.back.end = layout.size();
   const std::size_t to_back = m.back.begin - m.front.begin;
-  for (std::size_t i = first_delayed, n_fences = m.fences.size(); i < n_fences; ++i) m.fences[i].at += to_back;  // where they are written
+  for (std::size_t i = first_delayed, n_fences = m.fences.size(); i < n_fences; ++i) m.fences[i].at += to_back;  // LSIs write to `back`
   for (const int i : m.order) {
     Unit& u = m.units[static_cast<std::size_t>(i)];
     u.delayed_numbers.begin += to_back;
@@ -164,7 +165,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
     u.state = placer.state(u, static_cast<std::uint32_t>(i), plan.setups[static_cast<std::size_t>(i)].state_bytes());
   }
   std::vector<Constant> constants;
-  std::vector<std::vector<std::size_t>> constant_offsets(n);  // [lsi][input], valid where nothing is wired
+  std::vector<std::vector<std::size_t>> constant_offsets(n);  // [lsi][input] bytes in the arena; set for inputs without a wire
   for (std::size_t i = 0; i < n; ++i) {
     const FlatLsi& lsi = flat.lsis[i];
     constant_offsets[i].resize(lsi.inputs.size());
@@ -180,7 +181,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
   for (const Constant& c : constants) std::memcpy(m.bytes() + c.offset, c.numbers.data(), c.numbers.size() * sizeof(double));
   m.layout = hash_layout(m.units, options.dt);
 
-  // Counts first: the vectors that calls point into may not grow afterwards.
+  // Reserve first: calls point into these vectors, so they must not be reallocated.
   std::size_t wires = 0, ins = 0, outs = 0, numbers = 0;
   for (std::size_t i = 0; i < n; ++i) {
     ins += flat.lsis[i].inputs.size() + 1;
@@ -311,7 +312,8 @@ void Interpreter::Machine::set_fences() {
   for (const Fence& f : fences) std::memcpy(bytes() + f.at, &Fence::intact, sizeof Fence::intact);
 }
 
-/// False: an LSI has written beyond its own, and that stops it. Looked at after some ticks, so the fault may be a few ticks old.
+/// Returns false and stops the interpreter if an LSI has written outside its own memory. It is checked after each run of ticks, so the
+/// write may have happened some ticks earlier than the tick in `stop`.
 bool Interpreter::Machine::are_fences_intact() {
   const auto is_intact = [this](const Fence& f) {
     std::uint64_t now;
@@ -350,7 +352,7 @@ void Interpreter::Machine::fail(const Job& job, bool not_finite) {
   stop.library = u.lsi_class->from;
   stop.tick = tick.index;
   stop.time = tick.time;
-  stop.reason = job.call->reason[0] ? job.call->reason : "It failed without saying why.";
+  stop.reason = job.call->reason[0] ? job.call->reason : "It failed and gave no reason.";
   char buffer[512];
   stop.inputs = std::string(buffer, describe_inputs(*job.who, buffer));
   if (!not_finite) return;

@@ -1,5 +1,5 @@
 #pragma once
-// The form that runs: one arena, calls with bound addresses, lists of jobs. Private to the interpreter.
+// Executable form of a circuit: one arena, calls with bound addresses, lists of jobs. Private to the interpreter.
 
 #include <memory>
 #include <span>
@@ -13,80 +13,82 @@
 
 namespace ugoki::circuit {
 
-/// One call of a schedule.
+/// One call of a schedule: the step or the advance of an LSI.
 struct Job {
   StepFunction run = nullptr;
   Call* call = nullptr;
   const RunningLsi* who = nullptr;
-  const double* check = nullptr;  ///< numbers it writes, to be finite
+  const double* check = nullptr;  ///< numbers that it writes and that must be finite; null: unchecked
   std::uint32_t check_count = 0;
-  std::uint32_t every = 1;
-  std::uint32_t lsi = 0;
+  std::uint32_t every = 1;  ///< runs at each `every`-th tick
+  std::uint32_t lsi = 0;    ///< index into Machine::units
 };
 
-/// Jobs [begin, end) that do not depend on each other; those of plug-ins from own_end on.
+/// Jobs [begin, end) that do not depend on each other: first those of built-in LSIs, from own_end on those of plug-ins.
 struct Wave {
   std::uint32_t begin = 0, own_end = 0, end = 0;
 };
 
-/// Where a part of the arena lies, bytes.
+/// A part of the arena: offsets in bytes.
 struct Range {
   std::size_t begin = 0, end = 0;
   [[nodiscard]] std::size_t size() const { return end - begin; }
 };
 
+/// One LSI of the circuit.
 struct Unit {
   std::string id;
   const LsiClass* lsi_class = nullptr;
   std::uint32_t every = 1;
   std::vector<Shape> outputs;
-  std::vector<std::size_t> output_offsets;  ///< in the arena, where consumers read
+  std::vector<std::size_t> output_offsets;  ///< [outputs] in the arena, where consumers read; bytes
   Range state;
-  Range direct_numbers, delayed_numbers;  ///< numeric outputs to check; delayed ones where the LSI writes
-  std::size_t parameters = 0;             ///< first one in Machine::parameters
-  std::string address;                    ///< of a device: its first text or choice
+  Range direct_numbers, delayed_numbers;  ///< numeric outputs to check, where the LSI writes them (delayed ones: in Machine::back)
+  std::size_t parameters = 0;             ///< index of the first one in Machine::parameters
+  std::string address;                    ///< value of the LSI's first text parameter or choice; empty: it has none. Devices use it
 };
 
-/// A word in front of and behind what an LSI of a library writes, which nobody may change: so one that writes beyond its own is found.
+/// A guard word before or after the memory that an LSI of an installed library writes. A changed word proves that the LSI wrote outside
+/// its own memory.
 struct Fence {
-  static constexpr std::uint64_t intact = 0x5AFE5AFE5AFE5AFE;  // finite as a number: it may lie between some that are checked to be
+  static constexpr std::uint64_t intact = 0x5AFE5AFE5AFE5AFE;  // finite as a double: the range checked for finite numbers contains fences
   enum class Side : std::uint8_t { before_outputs, after_output, before_state, after_state };
-  std::size_t at = 0;  ///< bytes in the arena
+  std::size_t at = 0;  ///< offset in the arena, bytes
   std::uint32_t lsi = 0, pin = 0;
   Side side = Side::after_output;
 };
 
 struct ProbeBuffer {
-  std::vector<const double*> sources;  ///< [width] numbers that are copied at the end of a tick
+  std::vector<const double*> sources;  ///< [width] numbers to copy at the end of a tick
   std::vector<double> rows;            ///< [capacity][width]
   std::vector<std::uint64_t> ticks;
-  std::uint64_t written = 0;  ///< rows so far
-  std::size_t next = 0;       ///< row to write
+  std::uint64_t written = 0;  ///< rows written so far, including overwritten ones
+  std::size_t next = 0;       ///< index of the row to write next
   std::uint32_t every = 1;
 
   [[nodiscard]] std::size_t width() const { return sources.size(); }
 };
 
 struct ActiveBreakpoint {
-  Breakpoint what;
+  Breakpoint condition;
   const double* number = nullptr;
-  double last = 0;
-  bool armed = false;  ///< the condition was false at the tick before, or `last` is known
+  double last = 0;     ///< value at the previous tick
+  bool armed = false;  ///< Comparison::changed: `last` is set; others: the condition was false at the previous tick
 };
 
-/// What may come from outside: an input of the circuit, an output of a device, a parameter.
+/// A value that the host writes: an input of the circuit or an output of a device.
 struct RecordedSlot {
   std::string name;
-  std::span<std::byte> now;
-  std::vector<std::byte> before;
+  std::span<std::byte> now;       ///< its payload in the arena
+  std::vector<std::byte> before;  ///< its payload at the previous tick
 };
 
 struct InputLog {
   std::vector<RecordedSlot> slots;
-  std::vector<InputChange> changes;
+  std::vector<InputChange> changes;  ///< recorded so far
   bool recording = false;
-  std::vector<InputChange> replay;  ///< by tick
-  std::size_t next = 0;
+  std::vector<InputChange> replay;  ///< changes to apply, sorted by tick
+  std::size_t next = 0;             ///< index into `replay`
 };
 
 struct Interpreter::Machine {
@@ -96,40 +98,40 @@ struct Interpreter::Machine {
   std::vector<RunningLsi> running;     ///< [lsis]
   std::vector<Call> calls;             ///< [lsis] in the order of the schedule
   std::vector<std::uint32_t> call_of;  ///< [lsis] index into calls
-  std::vector<const void*> in;         ///< of all calls
+  std::vector<const void*> in;         ///< inputs of all calls; each call points into this and the following vectors
   std::vector<void*> out;
   std::vector<std::uint32_t> in_first, in_count, out_count;
   std::vector<double> parameters;
   Arena arena;
   std::vector<Fence> fences;
-  Range front, back;           ///< delayed outputs: as seen, as written; same order
-  std::vector<Job> jobs;       ///< of a tick: all steps, then all advances
-  std::size_t step_count = 0;  ///< how many of them are steps
+  Range front, back;           ///< delayed outputs: `front` is what consumers read, `back` what LSIs write; same layout
+  std::vector<Job> jobs;       ///< calls of a tick: all `step` calls, then all `advance` calls
+  std::size_t step_count = 0;  ///< number of steps at the beginning of `jobs`
   std::vector<Job> on_demand;
-  std::vector<std::uint32_t> wave_ends;  ///< ends in `jobs` of the steps of equal depth
-  std::vector<int> order;
+  std::vector<std::uint32_t> wave_ends;  ///< one-past-end indices in `jobs` of the steps of each depth (plan.h)
+  std::vector<int> order;                ///< indices of LSIs in the order in which their steps run
   std::vector<FlatPort> inputs, outputs;
   std::uint64_t layout = 0;  ///< hash of ids, classes, versions and sizes
   Tick tick{};
   Activity* activity = nullptr;
-  Activity own_activity;
+  Activity own_activity;  ///< used if the host gives none
 
-  // What costs nothing while it is off.
-  bool plain = true;  ///< none of the following
-  bool fast = true;   ///< nothing but a clock and probes at each tick
+  // Optional features; they cost nothing while they are off.
+  bool plain = true;  ///< all of them are off
+  bool fast = true;   ///< at most timing, and probes at each tick, are on: run_fast can run
   Clock clock = nullptr;
   std::uint32_t timed_one_in = 1;
   std::uint64_t timed_ticks = 0;
   std::vector<Timing> timings;  ///< [lsis], id empty
   Executor* executor = nullptr;
-  std::vector<std::vector<char>> reasons;  ///< [workers]
-  std::vector<Job> wave_jobs;              ///< `jobs`, sorted for threads
+  std::vector<std::vector<char>> reasons;  ///< [workers] buffers for Call::reason
+  std::vector<Job> wave_jobs;              ///< `jobs` grouped by `waves`
   std::vector<Wave> waves;
   ProbeBuffer probes;
   std::vector<ActiveBreakpoint> breakpoints;
   int breakpoint_hit = -1;
   InputLog log;
-  std::uint32_t cursor = 0;  ///< jobs of this tick that are done (single step)
+  std::uint32_t cursor = 0;  ///< jobs of the current tick already run by step_lsi
 
   bool is_stopped = false;
   Stop stop;
@@ -162,10 +164,11 @@ struct Interpreter::Machine {
   void replay_inputs();
 };
 
-/// Lays out the arena and binds all addresses. @param problems gets what `make` of an LSI refuses
+/// Lays out the arena, binds all addresses, calls `make` of the LSIs and sets the initial state.
+/// @param problems  receives the problems that `make` of an LSI reports
 [[nodiscard]] std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, const BuildOptions& options, Error& problems);
 
-/// All finite, without a branch for each: x - x is 0 for a finite x only.
+/// Whether all numbers are finite, without a branch for each: x - x is 0 for finite x only.
 inline bool all_finite(const double* x, std::uint32_t count) {
   if (count == 1) return *x - *x == 0;
   double even = 0, odd = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Circuits that an older program wrote: brought to the present form before they are read. Internal to circuit.
+// Conversion of circuits of earlier versions to the present format.
 
 #include <span>
 
@@ -7,15 +7,18 @@
 
 namespace ugoki::circuit {
 
-/// Changes the JSON of a circuit of one version into that of the next. It must take whatever is there: what does not have the form is
-/// left alone, for the reader to refuse with its path.
+/// Converts the JSON of a circuit of one version to the next version. It accepts any JSON: a part without the expected form is left
+/// unchanged, so that the reader can report it with its path.
 using Migration = void (*)(json::Json& circuit);
 
-/// Item k leads from version k + 1 to version k + 2; there are circuit_version - 1. To change the form: count circuit_version up, add the
-/// step here, and keep a file of the old version in tests/circuit/versions.
+/// Migrations in order: item k converts version k + 1 to version k + 2. To change the form, increase circuit_version, add the migration
+/// here, and keep a file of the former version in tests/circuit/versions.
 [[nodiscard]] std::span<const Migration> migrations();
 
-/// Does the steps from `version` (at least 1) on, and sets the field "version".
+/// Applies `steps` from `version` (at least 1) to the last one, and sets the field "version".
 void migrate(json::Json& circuit, std::int64_t version, std::span<const Migration> steps);
+
+/// Converts a circuit of an earlier version to circuit_version; any other JSON is left unchanged.
+void migrate(json::Json& circuit);
 
 }  // namespace ugoki::circuit

@@ -1,4 +1,4 @@
-// Looking into a circuit that runs: probes, breakpoints, recording and replay of what comes from outside.
+// Observation of a running circuit: probes, breakpoints, recording and replay of inputs.
 
 #include <algorithm>
 #include <cstring>
@@ -12,7 +12,7 @@ const double* Interpreter::Machine::find_number(std::string_view pin, std::size_
   const int lsi = dot == std::string_view::npos ? -1 : find_unit(pin.substr(0, dot));
   const int k = lsi < 0 ? -1 : units[static_cast<std::size_t>(lsi)].lsi_class->find_output(pin.substr(dot + 1));
   if (k < 0) {
-    problems.add(ErrorCode::unknown, std::string(pin), "The circuit has no such output.", "Write it as \"id.pin\".");
+    problems.add(ErrorCode::unknown, std::string(pin), "The circuit has no output '" + std::string(pin) + "'.", "Write it as \"id.pin\".");
     return nullptr;
   }
   const PinView v = view({lsi, k});
@@ -21,8 +21,8 @@ const double* Interpreter::Machine::find_number(std::string_view pin, std::size_
     return nullptr;
   }
   if (component >= v.numbers().size()) {
-    problems.add(ErrorCode::range, std::string(pin), "The pin has " + std::to_string(v.numbers().size()) + " numbers only.",
-                 "Count them from 0.");
+    problems.add(ErrorCode::range, std::string(pin), "The pin has no number [" + std::to_string(component) + "].",
+                 "Use an index from 0 to " + std::to_string(v.numbers().size() - 1) + ".");
     return nullptr;
   }
   return v.numbers().data() + component;
@@ -30,7 +30,7 @@ const double* Interpreter::Machine::find_number(std::string_view pin, std::size_
 
 Result<void> Interpreter::set_probes(std::span<const std::string> pins, std::size_t rows, std::uint32_t every) {
   Machine& m = *machine_;
-  constexpr std::size_t most_numbers = std::size_t{1} << 27;  // 1 GB
+  constexpr std::size_t max_numbers = std::size_t{1} << 27;  // 1 GiB of doubles: bounds condition a request can allocate
   Error problems;
   ProbeBuffer probes;
   for (const std::string& pin : pins) {
@@ -43,8 +43,9 @@ Result<void> Interpreter::set_probes(std::span<const std::string> pins, std::siz
     for (std::size_t i = 0; i < count; ++i) probes.sources.push_back(from + i);
   }
   if (!problems.empty()) return ugoki::fail(std::move(problems));
-  if (rows == 0 || every == 0 || rows > most_numbers / std::max<std::size_t>(1, probes.width()))
-    return ugoki::fail(ErrorCode::range, "probes", "The ring must have room for at least one row, and for at most 1 GB.",
+  if (rows == 0 || every == 0 || rows > max_numbers / std::max<std::size_t>(1, probes.width()))
+    return ugoki::fail(ErrorCode::range, "probes",
+                       "The ring buffer of the probes must hold at least 1 row and at most 1 GiB, and `every` must be at least 1.",
                        "Keep fewer rows, or probe fewer pins.");
   probes.every = every;
   probes.rows.resize(rows * probes.width());
@@ -94,11 +95,11 @@ void Interpreter::Machine::test_breakpoints() {
     ActiveBreakpoint& b = breakpoints[i];
     const double x = *b.number;
     bool met = false;
-    switch (b.what.comparison) {
-      case Comparison::above: met = x > b.what.value; break;
-      case Comparison::below: met = x < b.what.value; break;
-      case Comparison::equal: met = x == b.what.value; break;
-      case Comparison::not_equal: met = x != b.what.value; break;
+    switch (b.condition.comparison) {
+      case Comparison::above: met = x > b.condition.value; break;
+      case Comparison::below: met = x < b.condition.value; break;
+      case Comparison::equal: met = x == b.condition.value; break;
+      case Comparison::not_equal: met = x != b.condition.value; break;
       case Comparison::changed:
         met = b.armed && x != b.last;
         b.last = x;
@@ -135,7 +136,7 @@ void Interpreter::start_recording() {
   m.log.changes.clear();
   for (const FlatPort& port : m.inputs) m.log.slots.push_back({port.name, find_circuit_input(port.name), {}});
   for (const DeviceSlot& d : devices()) m.log.slots.push_back({d.id + "." + d.pin, std::as_writable_bytes(d.numbers), {}});
-  for (RecordedSlot& s : m.log.slots) s.before.resize(s.now.size());  // zero, as after a reset
+  for (RecordedSlot& s : m.log.slots) s.before.resize(s.now.size());  // zero, the value after a reset
   m.log.recording = true;
   m.update_plain();
 }
@@ -155,20 +156,22 @@ Result<void> Interpreter::replay(const InputRecord& record) {
   Machine& m = *machine_;
   if (record.layout != m.layout || record.dt != m.tick.dt)
     return ugoki::fail(ErrorCode::conflict, "record",
-                       "The record is of another circuit, of other versions of its LSIs, or of another step.",
-                       "Run the circuit with which it was made.");
+                       "The record was made with another circuit, other versions of its LSIs, or another time step.",
+                       "Run the circuit with which the record was made.");
   start_recording();
   m.log.recording = false;
   Error problems;
   const auto later = [](const InputChange& a, const InputChange& b) { return a.tick < b.tick; };
   if (!std::is_sorted(record.changes.begin(), record.changes.end(), later))
-    problems.add(ErrorCode::structure, "record/changes", "The changes are not in the order of their ticks.", "Sort them.");
+    problems.add(ErrorCode::structure, "record/changes", "The changes are not sorted by tick.", "Sort them by tick.");
   for (const InputChange& c : record.changes) {
     if (c.component >= 0) continue;
     const auto slot = std::find_if(m.log.slots.begin(), m.log.slots.end(), [&](const RecordedSlot& s) { return s.name == c.name; });
     if (slot == m.log.slots.end() || slot->now.size() != c.bytes.size())
-      problems.add(ErrorCode::structure, c.name, "The record changes an input that the circuit does not have in this form.",
-                   "Run the circuit with which it was made.");
+      problems.add(ErrorCode::structure, c.name,
+                   "The record sets '" + c.name + "' with " + std::to_string(c.bytes.size()) +
+                       " bytes; the circuit has no input of this name and size.",
+                   "Run the circuit with which the record was made.");
   }
   if (!problems.empty()) {
     m.update_plain();

@@ -10,11 +10,13 @@ constexpr PinType types[] = {
     {PinTypeId::vector, "vector", "#a7f3d0", 0, 24, 1, true, "x, y, z."},
     {PinTypeId::rotation, "rotation", "#f0abfc", 0, 32, 1, true, "Unit quaternion w, x, y, z."},
     {PinTypeId::pose, "pose", "#e9d5ff", 0, 56, 1, true, "Position x, y, z and unit quaternion w, x, y, z."},
-    {PinTypeId::joint_values, "joint values", "#fcd34d", 0, 8, 0, true, "One number for each coordinate or freedom of a mechanism."},
+    {PinTypeId::joint_values, "joint values", "#fcd34d", 0, 8, 0, true,
+     "One number for each coordinate or degree of freedom of a mechanism."},
     {PinTypeId::state, "state", "#fda4af", 0, 8, 0, true, "Positions and velocities of every mechanism of the world."},
     {PinTypeId::contacts, "contacts", "#fdba74", 8, 128, 0, false, "Points at which links touch each other or the ground, with forces."},
-    {PinTypeId::motion, "motion", "#c4b5fd", 0, 8, 0, true, "What a mechanism shall do: positions, velocities, accelerations, stance."},
-    {PinTypeId::event, "event", "#f87171", 8, 128, 32, false, "What happens at this moment: pushes, grabs, throws."},
+    {PinTypeId::motion, "motion", "#c4b5fd", 0, 8, 0, true,
+     "Reference motion of a mechanism: positions, velocities, accelerations, stance."},
+    {PinTypeId::event, "event", "#f87171", 8, 128, 32, false, "Events of this tick: pushes, grabs, throws."},
 };
 
 }  // namespace

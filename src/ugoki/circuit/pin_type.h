@@ -1,8 +1,8 @@
 #pragma once
-// Pin types: what may flow through a wire, and how it lies in memory.
+// Pin types: the kinds of values that wires carry, and their memory layout.
 //
-// A payload is `header_bytes` followed by `count` elements of `element_bytes`, 8-byte aligned. `count` belongs to the pin: it is
-// the type's own (one number in a scalar), or resolved when the circuit is built (joint values of this mechanism).
+// The payload of a pin (the value in memory) is `header_bytes` followed by `count` elements of `element_bytes`, 8-byte aligned. `count` is
+// fixed by the type (1 for a scalar), or resolved for each pin when the circuit is built (the joint values of a certain mechanism).
 
 #include <cstddef>
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace ugoki::circuit {
 
-/// Numbers are part of the binary interface: never renumber.
+/// The values are part of the binary interface of plug-ins: do not change them.
 enum class PinTypeId : std::uint16_t {
   scalar = 1,        ///< f64
   vector = 2,        ///< f64 x, y, z
   rotation = 3,      ///< f64 unit quaternion w, x, y, z
   pose = 4,          ///< f64 position x, y, z, unit quaternion w, x, y, z
-  joint_values = 5,  ///< f64 for each coordinate or freedom of one mechanism
+  joint_values = 5,  ///< f64 for each coordinate or DOF of one mechanism
   state = 6,         ///< f64 q and v of every mechanism of the world
   contacts = 7,      ///< u64 number of records in use, then records of 128 bytes
-  motion = 8,        ///< f64 a reference: q, v, a and more of one mechanism
+  motion = 8,        ///< f64 a reference: q, v, a and more of one mechanism (lsi/payload.h)
   event = 9,         ///< u64 number of records in use, then records of 128 bytes
 };
 
@@ -31,8 +31,8 @@ struct PinType {
   std::string_view color;  ///< "#rrggbb", for editors
   std::uint32_t header_bytes = 0;
   std::uint32_t element_bytes = 8;
-  std::uint32_t default_count = 1;  ///< elements of a pin that says nothing; 0: resolved when the circuit is built
-  bool numeric = true;              ///< the payload is f64 only, so that it can be checked, plotted and given as a constant
+  std::uint32_t default_count = 1;  ///< elements of a pin that declares no count; 0: resolved when the circuit is built
+  bool numeric = true;              ///< the payload is f64 only: it can be checked to be finite, plotted, and given as a fixed value
   std::string_view doc;
 };
 

@@ -12,9 +12,9 @@ const OutputPin& output_of(const FlatCircuit& flat, const Source& s) {
 }
 
 /// "circuit/lsis/3 'arm'"
-std::string place_of(const FlatLsi& lsi) { return lsi.place + " '" + lsi.id + "'"; }
+std::string location_of(const FlatLsi& lsi) { return lsi.location + " '" + lsi.id + "'"; }
 
-/// Every input with a wire: visit(lsi, pin, source).
+/// Calls visit(lsi, pin, source) for every wire: indices of the consuming LSI and its input, and the output that feeds it.
 template <class Visit>
 void each_wire(const FlatCircuit& flat, Visit visit) {
   for (std::size_t i = 0; i < flat.lsis.size(); ++i)
@@ -46,9 +46,10 @@ void resolve_sizes(const FlatCircuit& flat, std::vector<Setup>& setups, Error& p
     setup.follow_inputs();
     if (lsi.lsi_class->configure) lsi.lsi_class->configure(setup);
     if (setup.outputs() == before) continue;
-    if (++visits[i] > 64) {
-      problems.add(ErrorCode::structure, place_of(lsi), "The sizes of '" + lsi.id + "' do not settle.",
-                   "Insert a delay of a given size into the circle of wires it is in.");
+    if (++visits[i] > 64) {  // sizes usually change once or twice; in a cycle of wires they could change without end
+      problems.add(ErrorCode::structure, location_of(lsi),
+                   "The output sizes of '" + lsi.id + "' depend on themselves through a cycle of wires.",
+                   "Insert a delay whose parameter 'count' is set into this cycle.");
       return;
     }
     for (const int c : consumers[i]) {
@@ -64,9 +65,9 @@ void check_sizes(const FlatCircuit& flat, const std::vector<Setup>& setups, Erro
     const FlatLsi& lsi = flat.lsis[i];
     for (std::size_t pin = 0; pin < lsi.lsi_class->outputs.size(); ++pin)
       if (setups[i].outputs()[pin].count == 0)
-        problems.add(ErrorCode::structure, place_of(lsi),
-                     "Nothing decides the size of '" + lsi.id + "." + lsi.lsi_class->outputs[pin].name + "'.",
-                     "Wire its inputs, or give the LSI its size as a parameter.");
+        problems.add(ErrorCode::structure, location_of(lsi),
+                     "The size of '" + lsi.id + "." + lsi.lsi_class->outputs[pin].name + "' is undefined.",
+                     "Wire its inputs, or set the size with a parameter of the LSI.");
   }
   if (!problems.empty()) return;
   each_wire(flat, [&](int i, int pin, const Source& s) {
@@ -74,25 +75,25 @@ void check_sizes(const FlatCircuit& flat, const std::vector<Setup>& setups, Erro
     const std::uint32_t wanted = in.count ? in.count : pin_type(in.type).default_count;
     const std::uint32_t got = setups[static_cast<std::size_t>(s.lsi)].outputs()[static_cast<std::size_t>(s.pin)].count;
     if (wanted != 0 && wanted != got)
-      problems.add(ErrorCode::structure, place_of(at(flat, i)),
-                   "'" + at(flat, s.lsi).id + "." + output_of(flat, s).name + "' gives " + std::to_string(got) + " elements, '" +
+      problems.add(ErrorCode::structure, location_of(at(flat, i)),
+                   "'" + at(flat, s.lsi).id + "." + output_of(flat, s).name + "' has " + std::to_string(got) + " elements, but '" +
                        at(flat, i).id + "." + in.name + "' takes " + std::to_string(wanted) + ".",
-                   "Wire something of that size.");
+                   "Wire an output of " + std::to_string(wanted) + " elements.");
     if (at(flat, s.lsi).every == 0 && at(flat, i).every != 0)
-      problems.add(ErrorCode::structure, place_of(at(flat, i)),
-                   "'" + at(flat, i).id + "' runs at every tick but takes '" + at(flat, s.lsi).id + "." + output_of(flat, s).name +
-                       "', which is made only on demand.",
+      problems.add(ErrorCode::structure, location_of(at(flat, i)),
+                   "'" + at(flat, i).id + "' runs at every tick but reads '" + at(flat, s.lsi).id + "." + output_of(flat, s).name +
+                       "', which is computed on demand only.",
                    "Set \"every\" of '" + at(flat, s.lsi).id + "' to 1.");
   });
   for (const FlatLsi& lsi : flat.lsis)
     if (lsi.every == 0 && lsi.lsi_class->advance)
-      problems.add(ErrorCode::structure, place_of(lsi),
-                   "'" + lsi.id + "' has a state that moves on with the ticks, so it cannot run on demand only.", "Set \"every\" to 1.");
+      problems.add(ErrorCode::structure, location_of(lsi),
+                   "'" + lsi.id + "' has a state that changes at every tick, so it cannot run on demand only.", "Set \"every\" to 1.");
 }
 
-/// A circle among the LSIs that could not be ordered, starting at its smallest id.
-std::vector<std::pair<Source, std::pair<int, int>>> find_circle(const FlatCircuit& flat, const std::vector<int>& open_edges) {
-  // walk backwards from the first unordered LSI along unordered producers until one is met again
+/// A cycle among the LSIs that could not be ordered, starting at its smallest id: pairs of an output and (LSI, input) that it feeds.
+std::vector<std::pair<Source, std::pair<int, int>>> find_cycle(const FlatCircuit& flat, const std::vector<int>& open_edges) {
+  // Walk backwards from the first unordered LSI along unordered producers until an LSI is reached for the second time.
   const auto n = flat.lsis.size();
   int current = -1;
   for (std::size_t i = 0; i < n && current < 0; ++i)
@@ -122,7 +123,7 @@ std::vector<std::pair<Source, std::pair<int, int>>> find_circle(const FlatCircui
   return path;
 }
 
-/// @return LSIs by depth, then by id. @param wave_ends gets where each depth ends
+/// The LSIs sorted by depth, then by id. @param wave_ends  receives the one-past-end index of each depth
 std::vector<int> order_steps(const FlatCircuit& flat, std::vector<std::uint32_t>& wave_ends, Error& problems) {
   const std::size_t n = flat.lsis.size();
   std::vector<int> open_edges(n, 0);
@@ -150,13 +151,13 @@ std::vector<int> order_steps(const FlatCircuit& flat, std::vector<std::uint32_t>
 
   std::string names;
   std::string last;
-  for (const auto& [source, sink] : find_circle(flat, open_edges)) {
+  for (const auto& [source, sink] : find_cycle(flat, open_edges)) {
     const FlatLsi& to = at(flat, sink.first);
     last = at(flat, source.lsi).id + "." + output_of(flat, source).name;
     names += (names.empty() ? "" : ", ") + last + " -> " + to.id + "." + to.lsi_class->inputs[static_cast<std::size_t>(sink.second)].name;
   }
-  problems.add(ErrorCode::structure, "circuit", "Values go round in a circle within one tick: " + names + ".",
-               "Insert a delay behind '" + last + "'.");
+  problems.add(ErrorCode::structure, "circuit", "Values form a cycle within one tick: " + names + ".",
+               "Insert a delay after '" + last + "'.");
   return order;
 }
 
@@ -166,7 +167,7 @@ Plan make_plan(const FlatCircuit& flat, const Resources* resources, double dt, E
   Plan plan;
   plan.setups.reserve(flat.lsis.size());
   for (const FlatLsi& lsi : flat.lsis)
-    plan.setups.emplace_back(lsi.id, place_of(lsi), *lsi.lsi_class, lsi.parameters, resources, dt, problems).set_every(lsi.every);
+    plan.setups.emplace_back(lsi.id, location_of(lsi), *lsi.lsi_class, lsi.parameters, resources, dt, problems).set_every(lsi.every);
   plan.order = order_steps(flat, plan.wave_ends, problems);
   resolve_sizes(flat, plan.setups, problems);
   if (!problems.empty()) return plan;

@@ -1,5 +1,5 @@
 #pragma once
-// The static schedule of a flat circuit: sizes of all payloads, and the order in which steps run.
+// Static schedule of a flat circuit: the sizes of all payloads and the order of the steps.
 
 #include <memory>
 #include <vector>
@@ -10,13 +10,15 @@
 namespace ugoki::circuit {
 
 struct Plan {
-  std::vector<Setup> setups;             ///< [lsis] with parameters, sizes and resources
-  std::vector<int> order;                ///< of `step`: producers before consumers; by depth (wires from a source), then by id
-  std::vector<std::uint32_t> wave_ends;  ///< ends in `order` of the LSIs of equal depth, which do not depend on each other
+  std::vector<Setup> setups;  ///< [lsis] with parameters, sizes and resources
+  /// Indices of LSIs in the order in which their steps run: producers before consumers, sorted by depth, then by id. The depth of an LSI is
+  /// the length of the longest chain of feed-through wires that ends at it.
+  std::vector<int> order;
+  std::vector<std::uint32_t> wave_ends;  ///< one-past-end indices in `order` of each depth; LSIs of one depth are independent
 };
 
-/// Sizes every payload and orders the steps. Refused, with all names: sizes that nothing decides, wires between different subjects or
-/// sizes, circles of feed-through outputs and direct inputs.
+/// Sizes every payload and orders the steps. Reports, with the names of LSIs and pins: undefined sizes, wires between pins of different
+/// size or subject, and algebraic loops (cycles of feed-through outputs and direct inputs).
 [[nodiscard]] Plan make_plan(const FlatCircuit& flat, const Resources* resources, double dt, Error& problems);
 
 }  // namespace ugoki::circuit

@@ -1,5 +1,5 @@
 #pragma once
-// What LSIs may ask the host for while a circuit is built: mechanisms, motions, settings. The runtime does not know what they are.
+// Objects of the host that LSIs may request while a circuit is built: mechanisms, motions, settings. The runtime does not know their types.
 
 #include <string_view>
 
@@ -8,7 +8,7 @@ namespace ugoki::circuit {
 class Resources {
  public:
   virtual ~Resources() = default;
-  /// The thing of this kind and name, or null. It stays where it is as long as the interpreter lives.
+  /// The object of this kind and name, or null. Its address is valid for the lifetime of the interpreter.
   [[nodiscard]] virtual const void* find(std::string_view kind, std::string_view name) const = 0;
 };
 

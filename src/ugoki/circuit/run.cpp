@@ -1,4 +1,4 @@
-// One tick: the part of the runtime whose cost every LSI pays.
+// Execution of ticks. The cost of this code is added to every LSI, so it is optimised.
 
 #include <algorithm>
 #include <cstring>
@@ -12,7 +12,9 @@ namespace {
 
 inline bool is_due(const Job& job, std::uint64_t index) { return job.every <= 1 || index % job.every == 0; }
 
-/// Runs the jobs in order. @return the one that failed, or null; `not_finite` then tells which way
+/// Runs the jobs in order, and `after(job)` after each successful one.
+/// @param not_finite [out]  true: the job failed because it wrote a number that is not finite; false: it returned an error
+/// @return the job that failed, or null
 template <class AfterJob>
 inline const Job* run_jobs(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& not_finite, AfterJob after) {
   for (const Job& job : jobs) {
@@ -34,8 +36,8 @@ inline const Job* run_plainly(std::span<const Job> jobs, std::uint64_t index, Ac
   return run_jobs(jobs, index, activity, not_finite, [](const Job&) {});
 }
 
-/// The end of one LSI is the beginning of the next: one look at the clock for each.
-/// @param before when the first one began
+/// Runs the jobs and adds their times. The clock is read once per LSI: the end of one LSI is the start of the next.
+/// @param before  time at which the first job starts
 const Job* run_timed(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& not_finite, Interpreter::Clock clock,
                      std::vector<Timing>& timings, std::uint64_t before) {
   const auto timed = [&](auto now) {
@@ -53,20 +55,20 @@ const Job* run_timed(std::span<const Job> jobs, std::uint64_t index, Activity& a
   return timed(clock);
 }
 
-/// Whether tick `index` is one of those that are timed: one in `one_in`, in no step with LSIs that run at every n-th tick.
-/// Mixing by an odd constant near 2^64 / golden ratio: Knuth, The Art of Computer Programming, vol. 3, 6.4.
+/// Whether tick `index` is timed: one tick in `one_in`, spread so that the choice does not correlate with LSIs that run at every n-th tick.
+/// The index is multiplied by an odd constant near 2^64 / golden ratio: Knuth, The Art of Computer Programming, vol. 3, 6.4.
 inline bool is_timed(std::uint64_t index, std::uint32_t one_in) {
   return one_in <= 1 || ((index * 0x9E3779B97F4A7C15u) >> 32) * one_in >> 32 == 0;
 }
 
-/// A slice of a wave for each worker, and what went wrong in it.
+/// The jobs of a wave divided among workers, and the job that failed for each worker.
 struct WaveWork {
-  static constexpr int most_workers = 64;
+  static constexpr int max_workers = 64;
   std::span<const Job> jobs;
   std::uint64_t index = 0;
   int workers = 1;
-  const Job* failed[most_workers] = {};
-  bool not_finite[most_workers] = {};
+  const Job* failed[max_workers] = {};
+  bool not_finite[max_workers] = {};
 
   [[nodiscard]] std::span<const Job> share(int worker) const {
     const std::size_t begin = jobs.size() * static_cast<std::size_t>(worker) / static_cast<std::size_t>(workers);
@@ -74,8 +76,8 @@ struct WaveWork {
     return jobs.subspan(begin, end - begin);
   }
   void run(int worker) {
-    Activity unseen;
-    failed[worker] = run_plainly(share(worker), index, unseen, not_finite[worker]);
+    Activity unused;  // the shared Activity has one entry and belongs to the main thread
+    failed[worker] = run_plainly(share(worker), index, unused, not_finite[worker]);
   }
 };
 
@@ -99,8 +101,8 @@ inline void Interpreter::Machine::end_tick() {
   tick.time = static_cast<double>(tick.index) * tick.dt;
 }
 
-/// Ticks with nothing but perhaps a clock and probes: what a circuit usually runs as. All that a call into an LSI could change as far as
-/// the compiler knows is kept in locals, so that a tick of one LSI costs hardly more than the LSI.
+/// Computes ticks with at most timing and probes, the usual case. Members are copied to locals, because the compiler must assume that
+/// a call of an LSI changes members: with locals, a tick of a single LSI costs little more than the LSI itself.
 template <bool timed, bool probed>
 std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
   const std::span<const Job> all(jobs);
@@ -161,8 +163,8 @@ bool Interpreter::Machine::run_one_by_one(std::span<const Job> some) {
   return !failed;
 }
 
-/// Our own LSIs of a wave on all threads, those of plug-ins after them on this one: nobody knows whether they share something.
-/// Of several that fail, the one that would have been first is told.
+/// Runs a wave: built-in LSIs on all threads, then those of plug-ins on this thread, because plug-ins may share data among their LSIs.
+/// If several LSIs fail, the one with the smallest index is reported.
 bool Interpreter::Machine::run_wave(const Wave& wave) {
   const std::span<const Job> all(wave_jobs);
   const Job* failed = nullptr;
@@ -176,7 +178,7 @@ bool Interpreter::Machine::run_wave(const Wave& wave) {
   work.jobs = all.subspan(wave.begin, wave.own_end - wave.begin);
   work.index = tick.index;
   if (work.jobs.size() > 1) {
-    work.workers = std::min(executor->workers(), WaveWork::most_workers);
+    work.workers = std::min(executor->workers(), WaveWork::max_workers);
     for (int w = 0; w < work.workers; ++w)
       for (const Job& job : work.share(w)) job.call->reason = reasons[static_cast<std::size_t>(w)].data();
     executor->run([](void* context, int worker) { static_cast<WaveWork*>(context)->run(worker); }, &work);
@@ -195,7 +197,7 @@ bool Interpreter::Machine::run_waves() {
   return std::all_of(waves.begin(), waves.end(), [this](const Wave& w) { return run_wave(w); });
 }
 
-/// With probes, breakpoints, recording, timing, threads, or a tick that was begun LSI by LSI.
+/// Computes one tick with any combination of probes, breakpoints, recording, timing and threads; also completes a tick begun by step_lsi.
 bool Interpreter::Machine::tick_with_extras() {
   __atomic_store_n(&activity->passes, activity->passes + 1, __ATOMIC_RELAXED);
   breakpoint_hit = -1;
@@ -284,9 +286,9 @@ bool Interpreter::refresh() {
   m.reason[0] = '\0';
   bool good = true;
   for (const Job& job : m.on_demand) {
-    Job once = job;
-    once.every = 1;
-    good = good && m.run_one_by_one({&once, 1});
+    Job due = job;
+    due.every = 1;  // on-demand jobs have 0
+    good = good && m.run_one_by_one({&due, 1});
   }
   set_running(*m.activity, nullptr);
   return good && m.are_fences_intact();

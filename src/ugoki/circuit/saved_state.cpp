@@ -1,4 +1,4 @@
-// The state of a circuit as bytes, and its way into another circuit.
+// Save and restore of the state of a circuit, and copying it into a rebuilt circuit.
 
 #include <algorithm>
 #include <cstring>
@@ -12,11 +12,11 @@ constexpr std::uint64_t saved_magic = 0x3253434b4f4755ULL;  // "UGOKCS2"
 
 struct SavedHeader {
   std::uint64_t magic, layout, ticks;
-  std::uint64_t done;  ///< jobs of a tick that was begun LSI by LSI
+  std::uint64_t done;  ///< Machine::cursor: jobs of the current tick already run by step_lsi
   std::uint64_t arena_words, parameters, checksum;
 };
 
-/// Of tick and content, a word at a time: states are saved while they play.
+/// Hash of the tick count and the content (FNV-1a by words of 8 bytes). It is fast, because states are saved during playback.
 std::uint64_t checksum_of(std::uint64_t ticks, std::span<const std::byte> content) {
   std::uint64_t hash = 0xcbf29ce484222325ULL ^ ticks;
   for (std::size_t at = 0; at + sizeof hash <= content.size(); at += sizeof hash) {
@@ -28,7 +28,7 @@ std::uint64_t checksum_of(std::uint64_t ticks, std::span<const std::byte> conten
   return hash;
 }
 
-/// What keeps `to` from taking over the state of `from` whole; empty: nothing.
+/// The reason why the complete state of `from` cannot be copied to `to`; empty if it can.
 std::string difference(const Unit& to, const Unit& from) {
   if (from.lsi_class->name != to.lsi_class->name) return "it was another LSI, '" + from.lsi_class->name + "'";
   if (from.lsi_class->version != to.lsi_class->version)
@@ -40,10 +40,11 @@ std::string difference(const Unit& to, const Unit& from) {
   const bool same_pins = std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const OutputPin& x, const OutputPin& y) {
     return x.name == y.name && x.type == y.type && x.delayed == y.delayed;
   });
-  return same_pins && from.outputs == to.outputs ? "" : "its outputs are others";
+  return same_pins && from.outputs == to.outputs ? "" : "its outputs are different";
 }
 
-/// Copies the declared fields that both have. @return what was not carried over, as the end of a sentence
+/// Copies the declared fields that both classes have with the same name, type and count.
+/// @return a clause about each field that was not copied: "the field 'y' is new"; empty if all were copied
 std::string copy_fields(const LsiClass& from, const std::byte* old_state, const LsiClass& to, std::byte* state, std::size_t& copied) {
   std::string left;
   const auto note = [&left](const std::string& text) { left += (left.empty() ? "" : ", ") + text; };
@@ -52,7 +53,7 @@ std::string copy_fields(const LsiClass& from, const std::byte* old_state, const 
     if (same == from.fields.end()) {
       note("the field '" + f.name + "' is new");
     } else if (same->type != f.type || same->count != f.count) {
-      note("the field '" + f.name + "' has another form");
+      note("the field '" + f.name + "' has another type or count");
     } else {
       std::memcpy(state + f.offset, old_state + same->offset, f.count * bytes_of(f.type));
       ++copied;
@@ -81,10 +82,11 @@ Result<void> Interpreter::restore(std::span<const std::byte> bytes) {
   SavedHeader header{};
   if (bytes.size() >= sizeof header) std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != saved_magic)
-    return ugoki::fail(ErrorCode::syntax, "saved state", "These bytes are not a saved state.", "Give what save wrote.");
+    return ugoki::fail(ErrorCode::syntax, "saved state", "These bytes are not a saved state.", "Give the bytes that save wrote.");
   if (header.layout != m.layout || header.done > m.jobs.size() || header.arena_words != m.arena.size() ||
       header.parameters != m.parameters.size())
-    return ugoki::fail(ErrorCode::conflict, "saved state", "The state was saved by another circuit, or another version of its LSIs.",
+    return ugoki::fail(ErrorCode::conflict, "saved state",
+                       "The state was saved with another circuit, other versions of its LSIs, or another time step.",
                        "Run from the beginning.");
   const std::size_t arena_size = m.arena.size() * 8, parameter_size = m.parameters.size() * 8;
   const std::span<const std::byte> content = bytes.subspan(sizeof header);
@@ -114,8 +116,8 @@ Interpreter::Adoption Interpreter::adopt_report(Interpreter& other) {
     const int k = o.find_unit(to.id);
     if (k < 0) continue;
     const Unit& from = o.units[static_cast<std::size_t>(k)];
-    const std::string why = difference(to, from);
-    if (!why.empty()) {
+    const std::string reason = difference(to, from);
+    if (!reason.empty()) {
       std::size_t copied = 0;
       std::string left;
       const bool same_meaning = from.lsi_class->name == to.lsi_class->name && from.lsi_class->version == to.lsi_class->version;
@@ -125,7 +127,7 @@ Interpreter::Adoption Interpreter::adopt_report(Interpreter& other) {
         report.partly.push_back("'" + to.id + "' keeps " + std::to_string(copied) + " fields of its state" +
                                 (left.empty() ? "." : "; " + left + "."));
       else if (to.state.size() || from.state.size())
-        report.afresh.push_back("'" + to.id + "' starts afresh: " + why + ".");
+        report.afresh.push_back("'" + to.id + "' starts from its initial state: " + reason + ".");
       continue;
     }
     if (to.state.size()) std::memcpy(m.bytes() + to.state.begin, o.bytes() + from.state.begin, to.state.size());

@@ -11,10 +11,10 @@ std::size_t numbers_of(ParameterKind kind) { return kind == ParameterKind::text 
 
 }  // namespace
 
-Setup::Setup(std::string id, std::string place, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources,
+Setup::Setup(std::string id, std::string location, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources,
              double dt, Error& problems)
     : id_(std::move(id)),
-      place_(std::move(place)),
+      location_(std::move(location)),
       class_(&lsi_class),
       parameters_(std::move(parameters)),
       resources_(resources),
@@ -56,13 +56,17 @@ std::string Setup::first_word() const {
 
 const void* Setup::find_resource(std::string_view kind, std::string_view name) {
   const void* found = resources_ ? resources_->find(kind, name) : nullptr;
-  if (!found)
-    fail(ErrorCode::unknown, "There is no " + std::string(kind) + " '" + std::string(name) + "' here.", "Name one that the content has.");
+  if (!found) {
+    const std::string message =
+        name.empty() ? "No " + std::string(kind) + " is given." : "There is no " + std::string(kind) + " '" + std::string(name) + "' here.";
+    fail(ErrorCode::unknown, message,
+         "Run the circuit with a content that has this " + std::string(kind) + ", or correct the parameter that names it.");
+  }
   return found;
 }
 
 void Setup::fail(ErrorCode code, std::string message, std::string remedy) {
-  problems_->add(code, place_, std::move(message), std::move(remedy));
+  problems_->add(code, location_, std::move(message), std::move(remedy));
 }
 
 std::vector<double> Setup::numbers() const {

@@ -1,5 +1,5 @@
 #pragma once
-// What `configure` and `make` of an LSI class are given: its parameters, the sizes around it, the host's resources.
+// Argument of `configure` and `make` of an LSI class: the LSI's parameters, the sizes of its pins, and the host's resources.
 
 #include <cstdint>
 #include <string>
@@ -12,11 +12,12 @@
 
 namespace ugoki::circuit {
 
-/// Size of a payload and whom it is about. A subject is a number that the LSIs of a library agree on (a character's index);
-/// it travels with the sizes, so that a wire from the wrong character is refused when the circuit is built.
+/// Size and subject of a payload. The subject is the object that the payload describes, as an index defined by the LSIs of a library (the
+/// index of a character). It is passed along the wires with the sizes, so that building the circuit refuses a wire from the wrong
+/// character.
 struct Shape {
   std::uint32_t count = 0;  ///< elements; 0: not known yet
-  int subject = -1;         ///< -1: nobody in particular
+  int subject = -1;         ///< -1: no particular subject
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
@@ -31,41 +32,41 @@ class Setup {
 
   /// Number of wires into input `pin` (an index of the declaration).
   [[nodiscard]] std::size_t wires(std::size_t pin) const { return inputs_[pin].size(); }
-  /// Size of wire `wire` into `pin`; count 0 where it is not known yet or nothing is wired.
+  /// Size of wire `wire` into `pin`; count 0 if the size is not known yet or nothing is wired.
   [[nodiscard]] Shape in(std::size_t pin, std::size_t wire = 0) const { return wire < inputs_[pin].size() ? inputs_[pin][wire] : Shape{}; }
   void set_out(std::size_t pin, std::uint32_t count, int subject = -1);
   void set_state(std::size_t bytes) { state_bytes_ = bytes; }
   [[nodiscard]] double dt() const { return dt_; }               ///< s, between ticks
-  [[nodiscard]] std::uint32_t every() const { return every_; }  ///< it runs at each `every`-th tick; 0: on demand
+  [[nodiscard]] std::uint32_t every() const { return every_; }  ///< the LSI runs at each `every`-th tick; 0: on demand only
 
-  /// The host's thing of type T named `name`, or null with a problem reported. T::resource_kind names the kind.
+  /// The host's object of type T named `name`. If there is none: reports a problem and returns null. T::resource_kind names the kind.
   template <class T>
   const T* resource(std::string_view name) {
     return static_cast<const T*>(find_resource(T::resource_kind, name));
   }
-  /// Refuses the circuit; the place is this LSI: "circuit/lsis/3 'arm'".
+  /// Reports a problem, so that the circuit is refused. Its location is this LSI: "circuit/lsis/3 'arm'".
   void fail(ErrorCode code, std::string message, std::string remedy);
 
-  // For the builder.
+  // For the code that builds the circuit.
   void set_every(std::uint32_t every) { every_ = every; }
-  Setup(std::string id, std::string place, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources, double dt,
-        Error& problems);
+  Setup(std::string id, std::string location, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources,
+        double dt, Error& problems);
   void set_in(std::size_t pin, std::vector<Shape> wires) { inputs_[pin] = std::move(wires); }
   [[nodiscard]] const std::vector<Shape>& outputs() const { return outputs_; }
   [[nodiscard]] std::size_t state_bytes() const { return state_bytes_ > class_->state_bytes ? state_bytes_ : class_->state_bytes; }
-  /// Sizes of outputs that are declared to be like an input.
+  /// Sets the sizes of outputs declared with OutputPin::like.
   void follow_inputs();
-  /// The first text or choice; empty where there is none.
+  /// The value of the first text or choice parameter; empty if there is none.
   [[nodiscard]] std::string first_word() const;
   [[nodiscard]] const std::vector<Value>& parameters() const { return parameters_; }
-  /// Parameters as numbers, as Call::parameters holds them.
+  /// Parameters as numbers, in the layout of Call::parameters: a vector has 3 numbers, a choice is its index, a text is left out.
   [[nodiscard]] std::vector<double> numbers() const;
 
  private:
   const void* find_resource(std::string_view kind, std::string_view name);
   [[nodiscard]] const Value& value(std::string_view parameter) const;
 
-  std::string id_, place_;
+  std::string id_, location_;
   const LsiClass* class_;
   std::vector<Value> parameters_;
   const Resources* resources_;
@@ -77,7 +78,7 @@ class Setup {
   std::size_t state_bytes_ = 0;
 };
 
-/// Offset of parameter `index` in Call::parameters.
+/// Index in Call::parameters of the first number of parameter `index`.
 [[nodiscard]] std::size_t parameter_offset(const LsiClass& lsi_class, std::size_t index);
 
 }  // namespace ugoki::circuit

@@ -1,4 +1,4 @@
-// Signal LSIs of logic and time: comparisons, holds, timers, counters, shapers, noise, curves.
+// Signal LSIs for logic, memory, time, curves and vectors.
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@ StateField field(std::string name, std::uint32_t offset, FieldType type = FieldT
   return f;
 }
 
-/// An LSI whose state is numbers, by name; declared so that a rebuilt circuit keeps them.
-LsiClass remembering(LsiClass c, std::initializer_list<const char*> names) {
+/// Gives an LSI a state of doubles with these names. They are declared as fields, so that a rebuilt circuit keeps their values.
+LsiClass with_state(LsiClass c, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     c.fields.push_back(field(name, static_cast<std::uint32_t>(c.state_bytes)));
     c.state_bytes += sizeof(double);
@@ -45,8 +45,8 @@ double absolute(double x) { return std::fabs(x); }
 double sign(double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; }
 double rounded(double x) { return std::floor(x + 0.5); }
 double negated(double x) { return x > 0 ? 0.0 : 1.0; }
-double least(double a, double b) { return a < b ? a : b; }
-double greatest(double a, double b) { return a > b ? a : b; }
+double minimum(double a, double b) { return a < b ? a : b; }
+double maximum(double a, double b) { return a > b ? a : b; }
 double both(double a, double b) { return a > 0 && b > 0 ? 1.0 : 0.0; }
 double either(double a, double b) { return a > 0 || b > 0 ? 1.0 : 0.0; }
 double same(double a, double b) { return a == b ? 1.0 : 0.0; }
@@ -65,121 +65,125 @@ std::int32_t modulo(const Call* c) {
 }
 
 void add_maths(Library& l) {
-  l.add(lsi("absolute", "The size of a number, without its sign.", {in("in")}, {out("out")}, unary<absolute>));
-  l.add(lsi("sign", "1, 0 or -1.", {in("in")}, {out("out")}, unary<sign>));
-  l.add(lsi("round", "The nearest whole number; halves go up.", {in("in")}, {out("out")}, unary<rounded>));
-  l.add(lsi("square root", "The square root; stops where the input is negative.", {in("in")}, {out("out")}, square_root));
-  l.add(lsi("minimum", "The lesser of two numbers.", {in("a"), in("b")}, {out("out")}, binary<least>));
-  l.add(lsi("maximum", "The greater of two numbers.", {in("a"), in("b")}, {out("out")}, binary<greatest>));
-  l.add(lsi("modulo", "What is left of a when b is taken from it as often as possible; from 0 to b.", {in("a"), in("b")}, {out("out")},
-            modulo));
-  l.add(lsi("and", "1 where both are above zero.", {in("a"), in("b")}, {out("out")}, binary<both>));
-  l.add(lsi("or", "1 where one is above zero.", {in("a"), in("b")}, {out("out")}, binary<either>));
-  l.add(lsi("not", "1 where the input is not above zero.", {in("in")}, {out("out")}, unary<negated>));
-  l.add(lsi("equal", "1 where both are the same number.", {in("a"), in("b")}, {out("out")}, binary<same>));
+  l.add(lsi("absolute", "Absolute value of the input.", {in("in")}, {out("out")}, unary<absolute>));
+  l.add(lsi("sign", "Sign of the input: 1, 0 or -1.", {in("in")}, {out("out")}, unary<sign>));
+  l.add(lsi("round", "Nearest integer; halves are rounded up.", {in("in")}, {out("out")}, unary<rounded>));
+  l.add(lsi("square root", "Square root of the input; a negative input stops the circuit.", {in("in")}, {out("out")}, square_root));
+  l.add(lsi("minimum", "The smaller of two numbers.", {in("a"), in("b")}, {out("out")}, binary<minimum>));
+  l.add(lsi("maximum", "The larger of two numbers.", {in("a"), in("b")}, {out("out")}, binary<maximum>));
+  l.add(lsi("modulo", "Remainder of a / b, with the sign of b: a - b floor(a / b). If b is zero, the circuit stops.", {in("a"), in("b")},
+            {out("out")}, modulo));
+  l.add(lsi("and", "1 if both inputs are above zero, otherwise 0.", {in("a"), in("b")}, {out("out")}, binary<both>));
+  l.add(lsi("or", "1 if at least one input is above zero, otherwise 0.", {in("a"), in("b")}, {out("out")}, binary<either>));
+  l.add(lsi("not", "1 if the input is not above zero, otherwise 0.", {in("in")}, {out("out")}, unary<negated>));
+  l.add(lsi("equal", "1 if both numbers are exactly equal, otherwise 0.", {in("a"), in("b")}, {out("out")}, binary<same>));
 }
 
 void add_memory(Library& l) {
-  LsiClass hold = remembering(lsi("hold", "The newest input at which `when` was above zero.", {in("in"), in("when")}, {out("out")},
-                                  [](const Call* c) -> std::int32_t {
-                                    if (*input(c, 1) > 0) *state(c) = *input(c, 0);
-                                    *output(c, 0) = *state(c);
-                                    return 0;
-                                  }),
-                              {"held"});
-  hold.parameters = {number("initial", 0, "Value before the first.")};
+  LsiClass hold =
+      with_state(lsi("hold", "Holds the last value that `in` had while `when` was above zero.", {in("in"), in("when")}, {out("out")},
+                     [](const Call* c) -> std::int32_t {
+                       if (*input(c, 1) > 0) *state(c) = *input(c, 0);
+                       *output(c, 0) = *state(c);
+                       return 0;
+                     }),
+                 {"held"});
+  hold.parameters = {number("initial", 0, "Value until `when` is above zero for the first time.")};
   hold.init = [](const Call* c) -> std::int32_t {
     *state(c) = c->parameters[0];
     return 0;
   };
   l.add(std::move(hold));
 
-  l.add(remembering(lsi("edge", "1 in the tick in which the input rises above zero.", {in("in")}, {out("out")},
-                        [](const Call* c) -> std::int32_t {
-                          const double on = *input(c, 0) > 0 ? 1.0 : 0.0;
-                          *output(c, 0) = on > *state(c) ? 1.0 : 0.0;
-                          *state(c) = on;
-                          return 0;
-                        }),
-                    {"was on"}));
+  l.add(with_state(lsi("edge", "1 in the tick in which the input rises above zero, otherwise 0.", {in("in")}, {out("out")},
+                       [](const Call* c) -> std::int32_t {
+                         const double on = *input(c, 0) > 0 ? 1.0 : 0.0;
+                         *output(c, 0) = on > *state(c) ? 1.0 : 0.0;
+                         *state(c) = on;
+                         return 0;
+                       }),
+                   {"was on"}));
 
-  LsiClass counter = remembering(lsi("counter", "Counts how often the input rises above zero.", {in("in"), optional("reset")}, {out("out")},
-                                     [](const Call* c) -> std::int32_t {
-                                       double* s = state(c);
-                                       const double on = *input(c, 0) > 0 ? 1.0 : 0.0;
-                                       if (on > s[1]) s[0] += 1;
-                                       if (*input(c, 1) > 0) s[0] = 0;
-                                       s[1] = on;
-                                       *output(c, 0) = s[0];
-                                       return 0;
-                                     }),
-                                 {"count", "was on"});
+  LsiClass counter = with_state(lsi("counter", "Counts how often the input rises above zero; `reset` above zero sets the count to 0.",
+                                    {in("in"), optional("reset")}, {out("out")},
+                                    [](const Call* c) -> std::int32_t {
+                                      double* s = state(c);
+                                      const double on = *input(c, 0) > 0 ? 1.0 : 0.0;
+                                      if (on > s[1]) s[0] += 1;
+                                      if (*input(c, 1) > 0) s[0] = 0;
+                                      s[1] = on;
+                                      *output(c, 0) = s[0];
+                                      return 0;
+                                    }),
+                                {"count", "was on"});
   l.add(std::move(counter));
 
-  LsiClass hysteresis = remembering(lsi("hysteresis", "On above `high`, off below `low`, as it was between.", {in("in")}, {out("out")},
-                                        [](const Call* c) -> std::int32_t {
-                                          const double x = *input(c, 0);
-                                          if (x > c->parameters[1]) *state(c) = 1;
-                                          if (x < c->parameters[0]) *state(c) = 0;
-                                          *output(c, 0) = *state(c);
-                                          return 0;
-                                        }),
-                                    {"on"});
-  hysteresis.parameters = {number("low", -1, "Off below this."), number("high", 1, "On above this.")};
+  LsiClass hysteresis =
+      with_state(lsi("hysteresis", "1 (on) above `high`, 0 (off) below `low`; between them it keeps its state.", {in("in")}, {out("out")},
+                     [](const Call* c) -> std::int32_t {
+                       const double x = *input(c, 0);
+                       if (x > c->parameters[1]) *state(c) = 1;
+                       if (x < c->parameters[0]) *state(c) = 0;
+                       *output(c, 0) = *state(c);
+                       return 0;
+                     }),
+                 {"on"});
+  hysteresis.parameters = {number("low", -1, "Switches off below this value."), number("high", 1, "Switches on above this value.")};
   l.add(std::move(hysteresis));
 
-  l.add(remembering(
-      lsi("derivative", "How fast the input changes, from the tick before; 0 at first.", {in("in", PinTypeId::scalar)}, {out("out")},
-          [](const Call* c) -> std::int32_t {
-            double* s = state(c);
-            const double x = *input(c, 0);
-            *output(c, 0) = s[1] > 0 ? (x - s[0]) / c->tick->dt : 0.0;
-            s[0] = x;
-            s[1] = 1;
-            return 0;
-          }),
-      {"last", "has last"}));
+  l.add(with_state(lsi("derivative", "Rate of change of the input per second, from the previous tick to this one; 0 at the first tick.",
+                       {in("in", PinTypeId::scalar)}, {out("out")},
+                       [](const Call* c) -> std::int32_t {
+                         double* s = state(c);
+                         const double x = *input(c, 0);
+                         *output(c, 0) = s[1] > 0 ? (x - s[0]) / c->tick->dt : 0.0;
+                         s[0] = x;
+                         s[1] = 1;
+                         return 0;
+                       }),
+                   {"last", "has last"}));
 
-  LsiClass limit = remembering(lsi("rate limit", "Follows its input, at most so fast.", {in("in")}, {out("out")},
-                                   [](const Call* c) -> std::int32_t {
-                                     double* s = state(c);
-                                     const double most = c->parameters[0] * c->tick->dt, way = *input(c, 0) - *s;
-                                     *s += way > most ? most : way < -most ? -most : way;
-                                     *output(c, 0) = *s;
-                                     return 0;
-                                   }),
-                               {"value"});
-  limit.parameters = {number("rate", 1, "Change in a second.", 0, 1e300, "1/s"), number("initial", 0, "Value at the start.")};
+  LsiClass limit = with_state(lsi("rate limit", "Follows its input, but changes by at most `rate` per second.", {in("in")}, {out("out")},
+                                  [](const Call* c) -> std::int32_t {
+                                    double* s = state(c);
+                                    const double maximum = c->parameters[0] * c->tick->dt, change = *input(c, 0) - *s;
+                                    *s += change > maximum ? maximum : change < -maximum ? -maximum : change;
+                                    *output(c, 0) = *s;
+                                    return 0;
+                                  }),
+                              {"value"});
+  limit.parameters = {number("rate", 1, "Maximum change per second.", 0, 1e300, "1/s"), number("initial", 0, "Value at the start.")};
   limit.init = [](const Call* c) -> std::int32_t {
     *state(c) = c->parameters[1];
     return 0;
   };
   l.add(std::move(limit));
 
-  LsiClass high = remembering(lsi("high-pass", "What a low-pass leaves out: changes pass, what stays fades.", {in("in")}, {out("out")},
-                                  [](const Call* c) -> std::int32_t {
-                                    const double x = *input(c, 0), share = c->tick->dt / (c->parameters[0] + c->tick->dt);
-                                    *state(c) += (x - *state(c)) * share;
-                                    *output(c, 0) = x - *state(c);
-                                    return 0;
-                                  }),
-                              {"slow part"});
-  high.parameters = {number("time", 0.1, "Time constant.", 0, 1e6, "s")};
+  LsiClass high = with_state(
+      lsi("high-pass", "First-order high-pass filter: passes changes of its input and removes constant values.", {in("in")}, {out("out")},
+          [](const Call* c) -> std::int32_t {
+            const double x = *input(c, 0), share = c->tick->dt / (c->parameters[0] + c->tick->dt);
+            *state(c) += (x - *state(c)) * share;
+            *output(c, 0) = x - *state(c);
+            return 0;
+          }),
+      {"slow part"});
+  high.parameters = {number("time", 0.1, "Time constant of the filter.", 0, 1e6, "s")};
   l.add(std::move(high));
 }
 
 void add_time(Library& l) {
-  LsiClass timer = remembering(lsi("timer", "Seconds during which `run` was above zero; `reset` begins anew.",
-                                   {optional("run", 1), optional("reset")}, {out("time"), out("done")},
-                                   [](const Call* c) -> std::int32_t {
-                                     if (*input(c, 1) > 0) *state(c) = 0;
-                                     *output(c, 0) = *state(c);
-                                     *output(c, 1) = *state(c) >= c->parameters[0] ? 1.0 : 0.0;
-                                     if (*input(c, 0) > 0) *state(c) += c->tick->dt;
-                                     return 0;
-                                   }),
-                               {"time"});
-  timer.parameters = {number("duration", 1, "`done` is 1 from here on.", 0, 1e9, "s")};
+  LsiClass timer = with_state(lsi("timer", "Seconds during which `run` was above zero; `reset` above zero sets the time to 0.",
+                                  {optional("run", 1), optional("reset")}, {out("time"), out("done")},
+                                  [](const Call* c) -> std::int32_t {
+                                    if (*input(c, 1) > 0) *state(c) = 0;
+                                    *output(c, 0) = *state(c);
+                                    *output(c, 1) = *state(c) >= c->parameters[0] ? 1.0 : 0.0;
+                                    if (*input(c, 0) > 0) *state(c) += c->tick->dt;
+                                    return 0;
+                                  }),
+                              {"time"});
+  timer.parameters = {number("duration", 1, "`done` is 1 from this time on.", 0, 1e9, "s")};
   l.add(std::move(timer));
 
   LsiClass pulse =
@@ -189,45 +193,45 @@ void add_time(Library& l) {
         *output(c, 0) = within < c->parameters[1] * period ? 1.0 : 0.0;
         return 0;
       });
-  pulse.parameters = {number("period", 1, "Time from one pulse to the next.", 1e-6, 1e9, "s"),
-                      number("share", 0.5, "Part of the period that is 1.", 0, 1),
-                      number("ahead", 0, "How far into the first period it begins.", -1e9, 1e9, "s")};
+  pulse.parameters = {number("period", 1, "Time from the start of one pulse to the start of the next.", 1e-6, 1e9, "s"),
+                      number("share", 0.5, "Fraction of the period during which the output is 1.", 0, 1),
+                      number("ahead", 0, "Time in the first period at which the circuit starts.", -1e9, 1e9, "s")};
   l.add(std::move(pulse));
 
   // xorshift64*, Vigna, An experimental exploration of Marsaglia's xorshift generators, scrambled (2016)
-  LsiClass noise =
-      lsi("noise", "A random number at each tick, the same ones for the same seed.", {}, {out("out")}, [](const Call* c) -> std::int32_t {
-        auto& s = *static_cast<std::uint64_t*>(c->state);
-        const auto next = [&s] {
-          s ^= s >> 12;
-          s ^= s << 25;
-          s ^= s >> 27;
-          return static_cast<double>((s * 0x2545f4914f6cdd1dULL) >> 11) * 0x1p-53;
-        };
-        double x = next();
-        if (c->parameters[1] > 0) {  // the sum of 12 numbers from 0 to 1 has variance 1
-          for (int i = 0; i < 11; ++i) x += next();
-          x -= 6;
-        } else {
-          x = 2 * x - 1;
-        }
-        *output(c, 0) = c->parameters[2] * x;
-        return 0;
-      });
+  LsiClass noise = lsi("noise", "A random number at each tick; the same seed gives the same sequence.", {}, {out("out")},
+                       [](const Call* c) -> std::int32_t {
+                         auto& s = *static_cast<std::uint64_t*>(c->state);
+                         const auto next = [&s] {
+                           s ^= s >> 12;
+                           s ^= s << 25;
+                           s ^= s >> 27;
+                           return static_cast<double>((s * 0x2545f4914f6cdd1dULL) >> 11) * 0x1p-53;
+                         };
+                         double x = next();
+                         if (c->parameters[1] > 0) {  // normal: the sum of 12 uniform numbers from 0 to 1 has mean 6 and variance 1
+                           for (int i = 0; i < 11; ++i) x += next();
+                           x -= 6;
+                         } else {
+                           x = 2 * x - 1;
+                         }
+                         *output(c, 0) = c->parameters[2] * x;
+                         return 0;
+                       });
   Parameter shape;
   shape.name = "shape";
   shape.kind = ParameterKind::choice;
   shape.choices = {"even", "normal"};
   shape.initial = std::string("even");
-  shape.doc = "even: from -1 to 1; normal: with variance 1.";
-  Parameter seed = number("seed", 1, "Another seed gives other numbers.", 0, 1e15);
+  shape.doc = "even: uniformly distributed from -1 to 1; normal: approximately normal with mean 0 and variance 1.";
+  Parameter seed = number("seed", 1, "A different seed gives a different sequence.", 0, 1e15);
   seed.kind = ParameterKind::integer;
   seed.live = false;
-  noise.parameters = {seed, shape, number("size", 1, "A factor.")};
+  noise.parameters = {seed, shape, number("size", 1, "Factor on the random numbers.")};
   noise.fields = {field("position", 0, FieldType::u64)};
   noise.state_bytes = sizeof(std::uint64_t);
   noise.init = [](const Call* c) -> std::int32_t {
-    // splitmix64, so that seeds near each other give unlike numbers
+    // splitmix64, so that neighbouring seeds give uncorrelated sequences; the state of xorshift must not be 0
     std::uint64_t z = static_cast<std::uint64_t>(c->parameters[0]) + 0x9e3779b97f4a7c15ULL;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
@@ -241,7 +245,7 @@ struct CurvePoint {
   double x, y;
 };
 
-/// "0:0, 0.5:2, 1:0"
+/// Reads points "0:0, 0.5:2, 1:0" with strictly increasing x. False if the text is anything else.
 bool read_points(const std::string& text, std::vector<CurvePoint>& points) {
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find(',', at), text.size());
@@ -258,8 +262,8 @@ bool read_points(const std::string& text, std::vector<CurvePoint>& points) {
 }
 
 void add_curve(Library& l) {
-  LsiClass curve = lsi("curve", "A function given by points: straight between them, level before the first and after the last.", {in("in")},
-                       {out("out")}, [](const Call* c) -> std::int32_t {
+  LsiClass curve = lsi("curve", "A piecewise linear function through the given points; constant before the first point and after the last.",
+                       {in("in")}, {out("out")}, [](const Call* c) -> std::int32_t {
                          const auto& p = *static_cast<const std::vector<CurvePoint>*>(c->object);
                          const double x = *input(c, 0);
                          const auto after = std::upper_bound(p.begin(), p.end(), x, [](double v, const CurvePoint& q) { return v < q.x; });
@@ -275,14 +279,14 @@ void add_curve(Library& l) {
   points.name = "points";
   points.kind = ParameterKind::text;
   points.initial = std::string("0:0, 1:1");
-  points.doc = "x:y, x:y, ... with rising x.";
+  points.doc = "Points x:y, x:y, ... with increasing x.";
   points.live = false;
   curve.parameters = {points};
   curve.make = [](Setup& s) -> void* {
     auto p = std::make_unique<std::vector<CurvePoint>>();
     if (read_points(s.text("points"), *p)) return p.release();
-    s.fail(ErrorCode::syntax, "'" + s.text("points") + "' is no list of points.",
-           "Write the parameter 'points' as 0:0, 0.5:2, 1:0 with rising first numbers.");
+    s.fail(ErrorCode::syntax, "'" + s.text("points") + "' is not a list of points.",
+           "Write the parameter 'points' as 0:0, 0.5:2, 1:0 with increasing x (the first number of each point).");
     return nullptr;
   };
   curve.destroy = [](void* p) { delete static_cast<std::vector<CurvePoint>*>(p); };
@@ -302,20 +306,21 @@ void add_vectors(Library& l) {
     for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = input(c, 0)[i] - input(c, 1)[i];
     return 0;
   }));
-  l.add(lsi("dot product", "Length of a along b times the length of b.", {in("a", vector), in("b", vector)}, {out("out")},
-            [](const Call* c) -> std::int32_t {
-              *output(c, 0) = dot_of(input(c, 0), input(c, 1));
-              return 0;
-            }));
-  l.add(lsi("cross product", "The vector at right angles to both.", {in("a", vector), in("b", vector)}, {out("out", vector)}, cross));
+  l.add(
+      lsi("dot product", "Scalar product of a and b.", {in("a", vector), in("b", vector)}, {out("out")}, [](const Call* c) -> std::int32_t {
+        *output(c, 0) = dot_of(input(c, 0), input(c, 1));
+        return 0;
+      }));
+  l.add(lsi("cross product", "Vector product a x b, perpendicular to both inputs.", {in("a", vector), in("b", vector)},
+            {out("out", vector)}, cross));
   l.add(lsi("length", "Length of a vector.", {in("in", vector)}, {out("out")}, [](const Call* c) -> std::int32_t {
     *output(c, 0) = std::sqrt(dot_of(input(c, 0), input(c, 0)));
     return 0;
   }));
-  l.add(lsi("direction", "A vector of length 1; stops where the input has no length.", {in("in", vector)}, {out("out", vector)},
-            [](const Call* c) -> std::int32_t {
+  l.add(lsi("direction", "Unit vector in the direction of the input; an input of length 0 stops the circuit.", {in("in", vector)},
+            {out("out", vector)}, [](const Call* c) -> std::int32_t {
               const double size = std::sqrt(dot_of(input(c, 0), input(c, 0)));
-              if (!(size > 0)) return stop(c, "Its input 'in' has no length, so it has no direction.");
+              if (!(size > 0)) return stop(c, "Its input 'in' has length 0 and therefore no direction.");
               for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = input(c, 0)[i] / size;
               return 0;
             }));

@@ -28,31 +28,31 @@ std::int32_t divide(const Call* c) {
 }
 
 void add_scalar_parts(Library& library) {
-  LsiClass constant = lsi("constant", "A number that stays.", {}, {out("out")}, [](const Call* c) -> std::int32_t {
+  LsiClass constant = lsi("constant", "A constant number.", {}, {out("out")}, [](const Call* c) -> std::int32_t {
     *output(c, 0) = c->parameters[0];
     return 0;
   });
   constant.parameters = {number("value", 0, "The number.")};
   library.add(std::move(constant));
 
-  library.add(lsi("clock", "The time of this tick [s].", {}, {out("time")}, [](const Call* c) -> std::int32_t {
+  library.add(lsi("clock", "Time of this tick, s.", {}, {out("time")}, [](const Call* c) -> std::int32_t {
     *output(c, 0) = c->tick->time;
     return 0;
   }));
   library.add(lsi("add", "a + b.", {in("a"), in("b")}, {out("out")}, binary<add>));
   library.add(lsi("subtract", "a - b.", {in("a"), in("b")}, {out("out")}, binary<subtract>));
-  library.add(lsi("multiply", "a times b.", {in("a"), in("b")}, {out("out")}, binary<multiply>));
-  library.add(lsi("divide", "a / b; stops where b is zero.", {in("a"), in("b")}, {out("out")}, divide));
-  library.add(lsi("compare", "1 where a is greater than b, otherwise 0.", {in("a"), in("b")}, {out("out")}, binary<is_above>));
+  library.add(lsi("multiply", "a b (product).", {in("a"), in("b")}, {out("out")}, binary<multiply>));
+  library.add(lsi("divide", "a / b; if b is zero, the circuit stops.", {in("a"), in("b")}, {out("out")}, divide));
+  library.add(lsi("compare", "1 if a > b, otherwise 0.", {in("a"), in("b")}, {out("out")}, binary<is_above>));
 
-  LsiClass gain = lsi("gain", "A factor.", {in("in")}, {out("out")}, [](const Call* c) -> std::int32_t {
+  LsiClass gain = lsi("gain", "Multiplies its input by a constant factor.", {in("in")}, {out("out")}, [](const Call* c) -> std::int32_t {
     *output(c, 0) = c->parameters[0] * *input(c, 0);
     return 0;
   });
   gain.parameters = {number("gain", 1, "The factor.")};
   library.add(std::move(gain));
 
-  LsiClass sum = lsi("sum", "The sum of all that is wired to it.", {in("in")}, {out("out")}, [](const Call* c) -> std::int32_t {
+  LsiClass sum = lsi("sum", "Sum of all inputs that are wired to it.", {in("in")}, {out("out")}, [](const Call* c) -> std::int32_t {
     double total = 0;
     for (std::uint32_t i = 0; i < c->in_first[1]; ++i) total += *input(c, i);
     *output(c, 0) = total;
@@ -62,24 +62,26 @@ void add_scalar_parts(Library& library) {
   sum.inputs[0].required = false;
   library.add(std::move(sum));
 
-  LsiClass clamp = lsi("clamp", "Keeps a number between two others.", {in("in")}, {out("out")}, [](const Call* c) -> std::int32_t {
-    const double x = *input(c, 0);
-    *output(c, 0) = x < c->parameters[0] ? c->parameters[0] : x > c->parameters[1] ? c->parameters[1] : x;
-    return 0;
-  });
-  clamp.parameters = {number("minimum", 0, "The least value."), number("maximum", 1, "The greatest value.")};
+  LsiClass clamp = lsi("clamp", "Limits its input to the range from `minimum` to `maximum`.", {in("in")}, {out("out")},
+                       [](const Call* c) -> std::int32_t {
+                         const double x = *input(c, 0);
+                         *output(c, 0) = x < c->parameters[0] ? c->parameters[0] : x > c->parameters[1] ? c->parameters[1] : x;
+                         return 0;
+                       });
+  clamp.parameters = {number("minimum", 0, "Lower limit."), number("maximum", 1, "Upper limit.")};
   library.add(std::move(clamp));
 
-  library.add(lsi("switch", "`on` where the condition is above zero, otherwise `off`.", {in("condition"), in("on"), in("off")},
-                  {out("out")}, [](const Call* c) -> std::int32_t {
+  library.add(lsi("switch", "The value of `on` if `condition` is above zero, otherwise the value of `off`.",
+                  {in("condition"), in("on"), in("off")}, {out("out")}, [](const Call* c) -> std::int32_t {
                     *output(c, 0) = *input(c, 0) > 0 ? *input(c, 1) : *input(c, 2);
                     return 0;
                   }));
 }
 
-/// Scalar state y, held in the state bytes so that it survives save and restore.
+/// LSIs with one scalar state y, kept in the state bytes so that it is saved and restored.
 void add_scalar_dynamics(Library& library) {
-  LsiClass integrator = lsi("integrator", "Sums its input over time: out' = in.", {in("in")}, {out("out")}, nullptr);
+  LsiClass integrator =
+      lsi("integrator", "Integral of its input over time (explicit Euler): out' = in.", {in("in")}, {out("out")}, nullptr);
   integrator.parameters = {number("initial", 0, "Value at the start.")};
   integrator.inputs[0].direct = false;
   integrator.outputs[0].delayed = true;
@@ -139,16 +141,17 @@ void add_vector_parts(Library& library) {
                   }));
 }
 
-/// "delay" for scalars, "delay vector", ...: the value of the tick before. Sized types take their size from the input, or from
-/// the parameter `count` where the wire comes round in a circle.
+/// "delay" for scalars, "delay vector", ...: the value of the previous tick. A type without a fixed size takes it from the input, or from
+/// the parameter `count` if the input depends on the delay's own output (a cycle of wires).
 void add_delays(Library& library) {
   for (const PinType& type : pin_types()) {
     const std::string name = type.id == PinTypeId::scalar ? "delay" : "delay " + std::string(type.name);
-    LsiClass c = lsi(name, "The value of the tick before; breaks circles of wires.", {in("in", type.id)}, {out("out", type.id)}, nullptr);
+    LsiClass c = lsi(name, "The value that the input had at the previous tick; allows cycles of wires (feedback).", {in("in", type.id)},
+                     {out("out", type.id)}, nullptr);
     c.inputs[0].direct = false;
     c.outputs[0].delayed = true;
     if (type.default_count == 0) {
-      Parameter count = number("count", 0, "Elements; 0: as many as the input has.", 0, 1e6);
+      Parameter count = number("count", 0, "Number of elements; 0: as many as the input has.", 0, 1e6);
       count.kind = ParameterKind::integer;
       count.live = false;
       c.parameters.push_back(std::move(count));
@@ -156,8 +159,8 @@ void add_delays(Library& library) {
         const double given = s.number("count");
         const Shape from = s.in(0);
         if (given > 0 && from.count > 0 && static_cast<double>(from.count) != given)
-          s.fail(ErrorCode::structure, "Its input has " + std::to_string(from.count) + " elements, its parameter 'count' says otherwise.",
-                 "Set 'count' to 0 or to that number.");
+          s.fail(ErrorCode::structure, "Its input has " + std::to_string(from.count) + " elements, but its parameter 'count' is different.",
+                 "Set 'count' to 0 or to " + std::to_string(from.count) + ".");
         s.set_out(0, given > 0 ? static_cast<std::uint32_t>(given) : from.count, from.subject);
       };
     }
@@ -182,7 +185,7 @@ void add_delays(Library& library) {
           output(call, 0)[3] = 1;
           return 0;
         };
-      // The size of an element is not part of a call; each pin type has its own function.
+      // A call does not contain the size of an element, so each pin type has its own function.
       c.advance = [&]() -> StepFunction {
         switch (type.id) {
           case PinTypeId::vector:

@@ -1,12 +1,12 @@
 #pragma once
-// The signal LSIs: numbers and vectors, no physics. docs/circuit.md lists them.
+// The signal LSIs: operations on numbers and vectors, without physics. docs/circuit.md lists them.
 
 #include "ugoki/circuit/library.h"
 
 namespace ugoki::circuit {
 
-/// Adds numbers and maths, vectors, filters, delays, holds, switches, curves, noise, timers, a state machine, and what stands for
-/// keyboard, mouse, gamepad and OSC.
+/// Adds the LSIs for numbers, vectors, filters, delays, holds, switches, curves, noise, timers and state machines, and the device LSIs
+/// keyboard, mouse, gamepad and OSC (Open Sound Control).
 void add_signal_lsis(Library& library);
 
 }  // namespace ugoki::circuit

@@ -12,25 +12,27 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A body at a moment, as far as the bound needs it.
+/// State of a body at one time, as needed by the bound of the approach.
 struct Mover {
   const Collider& shape;
   Pose X_WS;
-  Vec3 v, w;     // m/s of the centre, rad/s; world
-  double a = 0;  // m/s^2, rad/s^2: greatest accelerations until the end
+  Vec3 v, w;     // m/s of the bounding sphere's centre, rad/s; world
+  double a = 0;  // m/s^2 of the centre; alpha: rad/s^2. Upper bounds until the end of the step
   double alpha = 0;
 };
 
-/// How far [m] points of the body can be from its centre, less what is round about a core: turning does not move that.
+/// Maximum distance [m] of the body's points from its centre. For convex bodies without the radius around the core: the approach is bounded
+/// for the cores, and rotation does not change the radius.
 double reach(const Mover& m, bool convex) { return convex ? m.shape.bound - m.shape.support.radius : m.shape.bound; }
 
-/// d(t + s) >= d(t) - (speed s + acceleration s^2 / 2), whichever of the two points is nearest.
+/// Bound of the approach of two bodies within a time s: d(t + s) >= d(t) - (speed s + acceleration s^2 / 2).
 struct Approach {
   double speed = 0;         // m/s
   double acceleration = 0;  // m/s^2, not negative
 
+  /// Upper bound [m] of the approach within s [s].
   [[nodiscard]] double within(double s) const { return std::max(speed, 0.0) * s + 0.5 * acceleration * s * s; }
-  /// Time in which they can come closer by `gap` > 0; infinite: never.
+  /// Minimum time [s] in which the bodies can approach by `gap` > 0 [m]; infinite: never.
   [[nodiscard]] double time_for(double gap) const {
     const double root = std::sqrt(std::max(speed * speed + 2 * acceleration * gap, 0.0));
     const double divisor = speed + root;
@@ -38,7 +40,8 @@ struct Approach {
   }
 };
 
-/// Along n, from b towards a, that separates convex bodies (or hulls); without n, in any direction.
+/// Bound of the approach of a and b along n.
+/// @param n unit, world: from b towards a, separates the bodies or their convex hulls; null: bound for every direction
 Approach approach_of(const Mover& a, const Mover& b, const Vec3* n) {
   const double ra = reach(a, n != nullptr && a.shape.convex), rb = reach(b, n != nullptr && b.shape.convex);
   Approach out;
@@ -50,21 +53,23 @@ Approach approach_of(const Mover& a, const Mover& b, const Vec3* n) {
   return out;
 }
 
-/// What one look at a pair tells.
-struct Look {
+/// Result of check_pair().
+struct PairCheck {
   PairDistance near;
-  double safe = 0;  ///< s from now in which they do not come closer than half the tolerance; infinite: not until the end
-  bool known = false;
+  double safe = 0;     ///< s from now in which they do not come closer than half the tolerance; infinite: until the end of the step
+  bool known = false;  ///< false: a pose or velocity is not finite, or a shape has no surface
 };
 
-Look look_at(const Mover& a, const Mover& b, double remaining, double tolerance, PairCache& cache, DistanceWorkspace& workspace) {
-  Look out;
-  const double most = approach_of(a, b, nullptr).within(remaining);
-  if (!(most < infinity)) return out;
-  out.near = find_pair_distance(a.shape, a.X_WS, b.shape, b.X_WS, most + tolerance, cache, workspace);
+/// Measures the distance of a and b, and computes the time in which they cannot touch.
+/// @param remaining s until the end of the step
+PairCheck check_pair(const Mover& a, const Mover& b, double remaining, double tolerance, PairCache& cache, DistanceWorkspace& workspace) {
+  PairCheck out;
+  const double maximum = approach_of(a, b, nullptr).within(remaining);
+  if (!(maximum < infinity)) return out;
+  out.near = find_pair_distance(a.shape, a.X_WS, b.shape, b.X_WS, maximum + tolerance, cache, workspace);
   out.known = out.near.lower > -infinity;
   if (!out.known || out.near.lower <= tolerance) return out;
-  if (!out.near.exact && out.near.lower >= most + tolerance) {
+  if (!out.near.exact && out.near.lower >= maximum + tolerance) {
     out.safe = infinity;
     return out;
   }
@@ -74,7 +79,8 @@ Look look_at(const Mover& a, const Mover& b, double remaining, double tolerance,
   return out;
 }
 
-/// A spin about the axis of what is round about it moves nothing; what is left turns with the axis.
+/// Removes the spin of cylinders and capsules about their own axis, which does not move their surface. The remaining angular velocity
+/// turns with the axis; its rate of change is added to alpha.
 Mover without_spin(const Mover& m) {
   if (m.shape.shape.type != ShapeType::cylinder && m.shape.shape.type != ShapeType::capsule) return m;
   Mover out = m;
@@ -105,29 +111,29 @@ Impact find_impact(const Collider& a, const BodyMotion& motion_a, const Collider
   while (out.iterations < options.max_iterations) {
     const Mover at_a{a, motion_a.at(a.centre, out.time), motion_a.v, motion_a.w, 0, 0};
     const Mover at_b{b, motion_b.at(b.centre, out.time), motion_b.v, motion_b.w, 0, 0};
-    const Look look = look_at(at_a, at_b, dt - out.time, options.tolerance, cache, workspace);
+    const PairCheck check = check_pair(at_a, at_b, dt - out.time, options.tolerance, cache, workspace);
     ++out.iterations;
-    out.near = look.near;
-    if (!look.known) {
+    out.near = check.near;
+    if (!check.known) {
       out.status = ImpactStatus::not_finite;
       return out;
     }
-    if (look.safe <= 0) {
+    if (check.safe <= 0) {
       out.status = out.time > 0 ? ImpactStatus::impact : ImpactStatus::touching;
       return out;
     }
-    if (out.time + look.safe >= dt) {
+    if (out.time + check.safe >= dt) {
       out.status = ImpactStatus::none;
       out.time = dt;
       return out;
     }
-    out.time += look.safe;
+    out.time += check.safe;
   }
   return out;
 }
 
 ImpactSearch::ImpactSearch(const Scene& scene, const AdvancementOptions& options) : scene_(scene), options_(options) {
-  ground_.shape.type = ShapeType::height_field;  // no closed form
+  ground_.shape.type = ShapeType::height_field;  // a type without closed form selects Gilbert's method on the half-space
   ground_.support = Support::half_space();
   for (const MechanismPtr& m : scene.systems()) {
     System& s = systems_.emplace_back();
@@ -141,9 +147,9 @@ ImpactSearch::ImpactSearch(const Scene& scene, const AdvancementOptions& options
   for (const SceneShape& shape : scene.shapes()) half_width_.push_back(half_width_of(shape));
 }
 
-/// Poses and velocities at the beginning, and bounds of the accelerations at constant joint velocities:
+/// Computes poses and velocities at the beginning of the step, and upper bounds of the motion at constant joint velocities:
 ///   |w| <= |w_parent| + |w_joint|,   |w'| <= |w'_parent| + |w_parent| |w_joint|,
-///   |a| <= |a_parent| + (|w'_parent| + |w_parent|^2) L + 2 |w_parent| |v_joint|,   L: from origin to origin, at most
+///   |a| <= |a_parent| + (|w'_parent| + |w_parent|^2) L + 2 |w_parent| |v_joint|,   L: maximum distance of the two origins
 void ImpactSearch::prepare(std::size_t system, const SystemMotion& motion, double dt) {
   System& s = systems_[system];
   const Mechanism& m = *scene_.systems()[system];
@@ -156,8 +162,8 @@ void ImpactSearch::prepare(std::size_t system, const SystemMotion& motion, doubl
     const double *q = motion.q.data() + link.q_index, *v = motion.v.data() + link.v_index;
     const LinkBound parent = link.parent < 0 ? LinkBound{} : s.bounds[static_cast<std::size_t>(link.parent)];
     Vec6 S[6], rate;
-    const int freedoms = joint_subspace(joint, q, S);
-    for (int k = 0; k < freedoms; ++k) rate += S[k] * v[k];
+    const int dofs = joint_subspace(joint, q, S);
+    for (int k = 0; k < dofs; ++k) rate += S[k] * v[k];
     double w = norm(rate.w), alpha = 0;
     const double slide = norm(rate.v);
     if (joint.type == JointType::universal) {
@@ -205,10 +211,10 @@ void ImpactSearch::add_candidate(int a, int b) {
   const SceneShape& sa = scene_.shapes()[static_cast<std::size_t>(a)];
   const Sweep& wa = sweeps_[static_cast<std::size_t>(a)];
   if (b < 0) {
-    if (!sa.movable || wa.way < least_way_ || wa.centre.z - wa.radius > scene_.ground().height + options_.tolerance) return;
+    if (!sa.movable || wa.travel < min_travel_ || wa.centre.z - wa.radius > scene_.ground().height + options_.tolerance) return;
   } else {
     const Sweep& wb = sweeps_[static_cast<std::size_t>(b)];
-    if (wa.way + wb.way < least_way_) return;
+    if (wa.travel + wb.travel < min_travel_) return;
     if (!sa.movable && !scene_.shapes()[static_cast<std::size_t>(b)].movable) return;
     const Vec3 gap = wa.centre - wb.centre;
     const double reach = wa.radius + wb.radius + options_.tolerance;
@@ -217,7 +223,8 @@ void ImpactSearch::add_candidate(int a, int b) {
   candidates_.push_back({a, b, 0, 0, {}});
 }
 
-/// Between systems: sorted along x, so that only shapes whose ways overlap there are compared.
+/// Collects the pairs whose swept spheres overlap. Between systems the shapes are sorted along x, so that only shapes whose sweeps
+/// overlap along x are compared.
 void ImpactSearch::find_candidates() {
   candidates_.clear();
   const int systems = static_cast<int>(scene_.systems().size()), shapes = static_cast<int>(scene_.shapes().size());
@@ -269,25 +276,25 @@ SceneImpact ImpactSearch::make_impact(const Candidate& c, const PairDistance& d,
   return out;
 }
 
-void ImpactSearch::prepare_all(double dt, double least_way) {
-  least_way_ = least_way;
+void ImpactSearch::prepare_all(double dt, double min_travel) {
+  min_travel_ = min_travel;
   for (std::size_t s = 0; s < motions_.size(); ++s) prepare(s, motions_[s], dt);
   for (std::size_t i = 0; i < sweeps_.size(); ++i) {
     const Moving m = moving(static_cast<int>(i), 0);
     const SceneShape& shape = scene_.shapes()[i];
-    // The middle of the centre's way, were it straight.
-    const double way = norm(m.v) * dt + 0.5 * m.a * dt * dt;
+    // The sphere is centred at the midpoint of the centre's path at constant velocity.
+    const double travel = norm(m.v) * dt + 0.5 * m.a * dt * dt;
     sweeps_[i] = {m.X_WS * shape.centre + m.v * (0.5 * dt), shape.bound + 0.5 * dt * norm(m.v) + 0.5 * m.a * dt * dt,
-                  way + (norm(m.w) * dt + 0.5 * m.alpha * dt * dt) * shape.bound};
+                  travel + (norm(m.w) * dt + 0.5 * m.alpha * dt * dt) * shape.bound};
   }
 }
 
 SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt, double margin) {
   UGOKI_CHECK(systems.size() == systems_.size());
   motions_ = systems;
-  prepare_all(dt, margin);  // what is nearer is left out, and others cannot touch
+  prepare_all(dt, margin);  // pairs nearer than margin are skipped; pairs farther apart cannot touch if they travel less than margin
   find_candidates();
-  // Whoever may be first is looked at next, so that the first that touches is the first of all.
+  // The candidate with the earliest safe time is checked next. The first candidate that touches is therefore the first impact.
   const auto later = [&](std::uint32_t x, std::uint32_t y) {
     return candidates_[x].time != candidates_[y].time ? candidates_[x].time > candidates_[y].time : x > y;
   };
@@ -302,21 +309,21 @@ SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt,
     std::pop_heap(queue_.begin(), queue_.end(), later);
     const Moving a = moving(c.a, c.time), b = moving(c.b, c.time);
     const Collider& shape_b = c.b < 0 ? ground_ : static_cast<const Collider&>(scene_.shapes()[static_cast<std::size_t>(c.b)]);
-    const Look look = look_at({scene_.shapes()[static_cast<std::size_t>(c.a)], a.X_WS, a.v, a.w, a.a, a.alpha},
-                              {shape_b, b.X_WS, b.v, b.w, b.a, b.alpha}, dt - c.time, options_.tolerance, c.cache, workspace_);
+    const PairCheck check = check_pair({scene_.shapes()[static_cast<std::size_t>(c.a)], a.X_WS, a.v, a.w, a.a, a.alpha},
+                                       {shape_b, b.X_WS, b.v, b.w, b.a, b.alpha}, dt - c.time, options_.tolerance, c.cache, workspace_);
     ++distances;
     ++c.iterations;
-    const bool left_out = c.time == 0 && look.known && look.near.exact && look.near.distance <= margin;
-    const bool touches = !left_out && !(look.safe > 0), exhausted = c.iterations >= options_.max_iterations;
-    if (touches || (exhausted && c.time + look.safe < dt && !left_out)) {
-      const ImpactStatus status = !look.known ? ImpactStatus::not_finite : touches ? ImpactStatus::impact : ImpactStatus::not_converged;
+    const bool is_contact = c.time == 0 && check.known && check.near.exact && check.near.distance <= margin;
+    const bool touches = !is_contact && !(check.safe > 0), exhausted = c.iterations >= options_.max_iterations;
+    if (touches || (exhausted && c.time + check.safe < dt && !is_contact)) {
+      const ImpactStatus status = !check.known ? ImpactStatus::not_finite : touches ? ImpactStatus::impact : ImpactStatus::not_converged;
       const int pairs = out.pairs;
-      out = make_impact(c, look.near, status);
+      out = make_impact(c, check.near, status);
       out.pairs = pairs;
       break;
     }
-    c.time += look.safe;
-    if (left_out || c.time >= dt) {
+    c.time += check.safe;
+    if (is_contact || c.time >= dt) {
       queue_.pop_back();
     } else {
       std::push_heap(queue_.begin(), queue_.end(), later);
@@ -326,57 +333,60 @@ SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt,
   return out;
 }
 
-/// The signed distance of convex bodies falls no faster along its normal than their points approach along it, also where they overlap.
-bool ImpactSearch::passes(Candidate& c, double end, double dt) {
-  constexpr int most_looks = 20000;
+/// True if the depth of two convex bodies may exceed its limit before `end` [s]; c.time is then a time before which it does not.
+/// Valid because the signed distance of convex bodies decreases at most as fast as their points approach along its normal, also while they
+/// overlap. `both` is the sum of the half widths. The search stops 2 % of `both` before the limit, and each step aims at 1 % before it, so
+/// that the number of steps stays small.
+bool ImpactSearch::passes_through(Candidate& c, double end, double dt) {
+  constexpr int max_checks = 20000;  // bounds the loop; a pair that reaches it is reported as unsafe
   const SceneShape &sa = scene_.shapes()[static_cast<std::size_t>(c.a)], &sb = scene_.shapes()[static_cast<std::size_t>(c.b)];
   const double both = half_width_[static_cast<std::size_t>(c.a)] + half_width_[static_cast<std::size_t>(c.b)];
   double deepest = 0.5 * both;
-  for (int look = 0; look < most_looks; ++look) {
+  for (int check_count = 0; check_count < max_checks; ++check_count) {
     const Moving at_a = moving(c.a, c.time), at_b = moving(c.b, c.time);
     const Mover a = without_spin({sa, at_a.X_WS, at_a.v, at_a.w, at_a.a, at_a.alpha});
     const Mover b = without_spin({sb, at_b.X_WS, at_b.v, at_b.w, at_b.a, at_b.alpha});
-    const double most = approach_of(a, b, nullptr).within(dt - c.time);
-    if (!(most < infinity) || (c.time == 0 && most < both)) return false;
-    const PairDistance d = find_pair_distance(sa, a.X_WS, sb, b.X_WS, most + options_.tolerance, c.cache, workspace_);
+    const double maximum = approach_of(a, b, nullptr).within(dt - c.time);
+    if (!(maximum < infinity) || (c.time == 0 && maximum < both)) return false;
+    const PairDistance d = find_pair_distance(sa, a.X_WS, sb, b.X_WS, maximum + options_.tolerance, c.cache, workspace_);
     if (!(d.lower > -infinity)) return false;
-    if (c.time == 0) deepest = std::max(deepest, -d.distance + 0.1 * both);  // what was deep already may stay so
-    if (most < d.lower + deepest) return false;
+    if (c.time == 0) deepest = std::max(deepest, -d.distance + 0.1 * both);  // a pair that overlaps at the beginning may stay at its depth
+    if (maximum < d.lower + deepest) return false;
     const double left = d.lower + deepest;
     if (!(left > 0.02 * both)) return true;
     c.time += approach_of(a, b, norm(d.n) > 0.5 ? &d.n : nullptr).time_for(left - 0.01 * both);
     if (c.time >= end) return false;
   }
-  return true;  // not known to be safe any longer
+  return true;  // max_checks reached: the rest of the step is not proved safe
 }
 
-/// The core of the one that is convex touches the other's surface.
+/// True if the core of the convex shape of the pair comes closer to the other's surface than the tolerance before `end` [s].
 bool ImpactSearch::core_touches(Candidate& c, double end, double dt) {
-  constexpr int most_looks = 20000;
+  constexpr int max_checks = 20000;  // bounds the loop; a pair that reaches it is reported as unsafe
   const SceneShape &sa = scene_.shapes()[static_cast<std::size_t>(c.a)], &sb = scene_.shapes()[static_cast<std::size_t>(c.b)];
   const Core* const core = (sa.convex ? sa : sb).core.get();
   if (core == nullptr) return false;
   const double depth = core->depth;
-  double tolerance = 0.1 * depth;  // it stops before it touches, so that the next step knows the side
-  for (int look = 0; look < most_looks; ++look) {
+  double tolerance = 0.1 * depth;  // m: stop before the core touches, so that the next step knows on which side of the surface it is
+  for (int check_count = 0; check_count < max_checks; ++check_count) {
     const Moving at_a = moving(c.a, c.time), at_b = moving(c.b, c.time);
     const Mover a =
         without_spin({sa.convex ? core->collider : static_cast<const Collider&>(sa), at_a.X_WS, at_a.v, at_a.w, at_a.a, at_a.alpha});
     const Mover b =
         without_spin({sb.convex ? core->collider : static_cast<const Collider&>(sb), at_b.X_WS, at_b.v, at_b.w, at_b.a, at_b.alpha});
     if (c.time == 0 && approach_of(a, b, nullptr).within(dt) < 0.02 * depth) return false;
-    Look near = look_at(a, b, dt - c.time, tolerance, c.cache, workspace_);
-    if (c.time == 0 && near.known && !(near.safe > 0)) {
-      tolerance = 0.5 * near.near.lower;
-      if (!(tolerance > 1e-9 * depth)) return false;  // what was deep already may stay so
-      near = look_at(a, b, dt, tolerance, c.cache, workspace_);
+    PairCheck check = check_pair(a, b, dt - c.time, tolerance, c.cache, workspace_);
+    if (c.time == 0 && check.known && !(check.safe > 0)) {
+      tolerance = 0.5 * check.near.lower;
+      if (!(tolerance > 1e-9 * depth)) return false;  // a core that touches at the beginning may stay where it is
+      check = check_pair(a, b, dt, tolerance, c.cache, workspace_);
     }
-    if (!near.known || near.safe == infinity) return false;
-    if (!(near.safe > 0)) return true;
-    c.time += near.safe;
+    if (!check.known || check.safe == infinity) return false;
+    if (!(check.safe > 0)) return true;
+    c.time += check.safe;
     if (c.time >= end) return false;
   }
-  return true;  // not known to be safe any longer
+  return true;  // max_checks reached: the rest of the step is not proved safe
 }
 
 SceneImpact ImpactSearch::find_passage(std::span<const SystemMotion> systems, double dt) {
@@ -390,7 +400,7 @@ SceneImpact ImpactSearch::find_passage(std::span<const SystemMotion> systems, do
     if (c.b < 0) continue;
     const int convex =
         (scene_.shapes()[static_cast<std::size_t>(c.a)].convex ? 1 : 0) + (scene_.shapes()[static_cast<std::size_t>(c.b)].convex ? 1 : 0);
-    if (convex == 0 || !(convex == 2 ? passes(c, out.time, dt) : core_touches(c, out.time, dt))) continue;
+    if (convex == 0 || !(convex == 2 ? passes_through(c, out.time, dt) : core_touches(c, out.time, dt))) continue;
     out = make_impact(c, {}, ImpactStatus::impact);
   }
   return out;

@@ -1,10 +1,11 @@
 #pragma once
-// Conservative advancement: when two moving bodies first touch, found from true distances so that nothing fast or thin gets past.
+// Conservative advancement: the time at which two moving bodies first touch, found from true distances. No impact of a fast or thin
+// body is missed.
 //
-// At a time t at which two bodies are d apart along the unit vector n, no point of one can reach the other before they have come d
-// closer. How fast they can is bounded by their velocities at t, n (v_b - v_a) + |n x w_a| r_a + |n x w_b| r_b, and by the
-// greatest acceleration that any of their points can have until the end of the step. That gives a time until which nothing can
-// happen; there the distance is measured anew.
+// At time t two bodies are d apart along the unit vector n. They cannot touch before they have approached each other by d. Their speed
+// of approach at t is at most n (v_b - v_a) + |n x w_a| r_a + |n x w_b| r_b. It grows at most by the maximum acceleration of their
+// points until the end of the step. These two bounds give a time before which the bodies cannot touch. The search advances to that time
+// and measures the distance again.
 // Sources: Mirtich, Impulse-based dynamic simulation of rigid body systems (1996); Zhang, Lee, Kim, Interactive continuous collision
 // detection for non-convex polyhedra (2006); Zhang, Redon, Lee, Kim, Continuous collision detection for articulated models (2007).
 
@@ -19,107 +20,119 @@
 namespace ugoki::collision {
 
 struct AdvancementOptions {
-  double tolerance = 1e-5;   ///< m: closer than this is touching
-  int max_iterations = 500;  ///< distances measured for one pair
+  double tolerance = 1e-5;   ///< m: bodies closer than this are touching
+  int max_iterations = 500;  ///< maximum count of distances measured for one pair
 };
 
 enum class ImpactStatus : std::uint8_t {
-  none,           ///< nothing touches until the end of the step
+  none,           ///< the bodies do not touch until the end of the step
   impact,         ///< they touch at `time`
-  touching,       ///< they touch, or overlap, at the beginning (time 0)
-  not_converged,  ///< the bound of iterations was reached: nothing touches before `time`, more is not known
-  not_finite,     ///< a pose or velocity is NaN or infinite: nothing is known
+  touching,       ///< they touch or overlap at the beginning (time 0)
+  not_converged,  ///< max_iterations was reached: they do not touch before `time`; unknown afterwards
+  not_finite,     ///< a pose or velocity is NaN or infinite: the result is undefined
 };
 
+/// Result of find_impact().
 struct Impact {
   ImpactStatus status = ImpactStatus::none;
-  double time = 0;     ///< s from the beginning, never after the true impact; none: the length of the step
-  PairDistance near;   ///< at `time`; status none: the last that was measured, perhaps nothing
-  int iterations = 0;  ///< distances measured
+  double time = 0;     ///< s from the beginning, never after the true impact; status none: the length of the step
+  PairDistance near;   ///< distance at `time`; status none: the last measured distance, at an earlier time
+  int iterations = 0;  ///< count of distances measured
 };
 
-/// A body that turns at a constant angular velocity about the centre of its bound, which moves at a constant velocity.
+/// Motion with constant angular velocity about the centre of the shape's bounding sphere; the centre moves at constant velocity.
 struct BodyMotion {
-  Pose X_WS;  ///< m, world: of the shape at time 0
+  Pose X_WS;  ///< m, world: pose of the shape at time 0
   Vec3 w;     ///< rad/s, world
-  Vec3 v;     ///< m/s, world: of the shape's `centre`
+  Vec3 v;     ///< m/s, world: velocity of the centre of the bounding sphere
 
+  /// Pose of the shape in the world at `time` [s].
+  /// @param centre m, shape's frame: Collider::centre of the shape
   [[nodiscard]] Pose at(const Vec3& centre, double time) const;
 };
-/// From one pose to another in `dt`, the shorter way round.
+/// Motion that takes the shape from one world pose to another in `dt` [s], turning by the smaller angle (at most pi).
 [[nodiscard]] BodyMotion motion_between(const Collider& collider, const Pose& from, const Pose& to, double dt);
 
-/// First time in [0, dt] at which two bodies come closer than the tolerance.
-/// No allocation after the workspace has grown.
+/// First time in [0, dt] at which two bodies come closer than options.tolerance.
+/// @param cache [in, out] warm start of this pair
+/// No allocation once the workspace has grown.
 [[nodiscard]] Impact find_impact(const Collider& a, const BodyMotion& motion_a, const Collider& b, const BodyMotion& motion_b, double dt,
                                  PairCache& cache, DistanceWorkspace& workspace, const AdvancementOptions& options = {});
 
-/// One system of a scene within a step: q(t) = q (+) v t. Spans of the caller's memory.
+/// Motion of one system of a scene within a step: q(t) = q (+) v t, where (+) integrates on the joints' manifolds. The spans refer to
+/// memory of the caller. q: [nq] m | rad | unit quaternions; v: [nv] m/s | rad/s.
 struct SystemMotion {
   std::span<const double> q, v;
 };
 
+/// Result of ImpactSearch.
 struct SceneImpact {
-  ImpactStatus status = ImpactStatus::none;  ///< touching does not occur: pairs that touch at the beginning are contacts, and left out
-  double time = 0;                           ///< s, never after the true impact; none: the length of the step
-  ContactPoint contact;                      ///< who with whom (-1, -1: the ground), where, normal, friction; key 0
+  ImpactStatus status = ImpactStatus::none;  ///< never `touching`: pairs that touch at the beginning are skipped as contacts
+  double time = 0;                           ///< s, never after the true impact; status none: the length of the step
+  ContactPoint contact;                      ///< the two links (-1, -1: the ground), point, normal, friction; key = 0
   int shape_a = -1, shape_b = -1;            ///< indices into Scene::shapes(); -1: the ground
-  int pairs = 0;                             ///< pairs that could meet within the step
-  int distances = 0;                         ///< distances measured
+  int pairs = 0;                             ///< count of pairs whose swept spheres overlap within the step
+  int distances = 0;                         ///< count of distances measured
 };
 
-/// The first impact of a scene within a step, in joint-space motion. Keeps scratch memory: one for each thread.
+/// Finds the first impact of a scene within a step, for motion in joint space. Owns scratch memory: use one object per thread.
 class ImpactSearch {
  public:
-  /// The scene must outlive it.
+  /// The scene must outlive this object.
   explicit ImpactSearch(const Scene& scene, const AdvancementOptions& options = {});
 
-  /// Pairs as in find_contacts. Pairs closer than `margin` at the beginning are left out: they are contacts already, which the contact
-  /// solver holds apart; with a smaller margin than that of find_contacts nothing falls between the two.
-  /// @param systems [systems of the scene]
-  /// @param margin m, at least the tolerance
+  /// Returns the first impact within [0, dt]. Tests the same pairs as find_contacts. Pairs closer than `margin` at the beginning are
+  /// skipped: they are contacts, and the contact solver keeps them apart. Use a margin below that of find_contacts, so that every pair
+  /// is either a contact or tested here.
   /// No allocation, unless the number of pairs grows.
+  /// @param systems [systems of the scene]
+  /// @param dt s
+  /// @param margin m, at least options.tolerance
   [[nodiscard]] SceneImpact find(std::span<const SystemMotion> systems, double dt, double margin);
 
-  /// Whether anything gets so deep into anything else within the step that it may come out on the other side: deeper than half of what
-  /// both are thick, whatever they were at the beginning. Where no pair moves that far, O(links). The ground, which has no other side, and
-  /// pairs that are both not convex are left out; where one is, the core of the other must not reach its surface (core.h).
-  /// @return status impact and the time [s] until which nothing was as deep; none, and the length of the step
+  /// Checks whether a shape may pass through another one within the step. Pairs with the ground and pairs of two shapes that are not
+  /// convex are skipped. The time of the result is a time up to which no pair has passed the limit:
+  /// - two convex shapes: a penetration depth of half the sum of their half widths (half_width_of, core.h), or, if they overlap more
+  ///   deeply than 0.4 of the sum at the beginning, of the initial depth plus a tenth of the sum;
+  /// - a convex shape and a surface of triangles: the core of the convex shape comes close to the surface (core.h).
+  /// Measures no distance of convex pairs that approach by less than the sum of their half widths.
+  /// @return status impact with that time [s], or status none with the length of the step
   [[nodiscard]] SceneImpact find_passage(std::span<const SystemMotion> systems, double dt);
 
  private:
-  /// A shape at a moment.
+  /// State of a shape at one time.
   struct Moving {
     Pose X_WS;
-    Vec3 v, w;         // m/s of the bound's centre, rad/s; world
-    double a = 0;      // m/s^2: greatest acceleration of the centre during the step
-    double alpha = 0;  // rad/s^2: greatest angular acceleration
+    Vec3 v, w;         // m/s of the bounding sphere's centre, rad/s; world
+    double a = 0;      // m/s^2: upper bound of the centre's acceleration during the step
+    double alpha = 0;  // rad/s^2: upper bound of the angular acceleration during the step
   };
+  /// Upper bounds of a link's motion during the step.
   struct LinkBound {
-    double w = 0, alpha = 0, a = 0;  // rad/s, rad/s^2, m/s^2 of the frame's origin
+    double w = 0, alpha = 0, a = 0;  // rad/s, rad/s^2; m/s^2 of the origin of the link's frame
   };
   struct System {
     std::vector<double> q;
     std::vector<Pose> X_WB;
-    std::vector<Vec6> V;  // in each link's frame
+    std::vector<Vec6> V;  // spatial velocities, each in its link's frame
     std::vector<LinkBound> bounds;
-    double time = -1;  // s: of X_WB, V
+    double time = -1;  // s: time of X_WB and V; -1: none
   };
   struct Candidate {
-    int a, b;     // shapes; b = -1: the ground
-    double time;  // s: nothing happens before
+    int a, b;     // indices of shapes; b = -1: the ground
+    double time;  // s: the pair does not touch before
     int iterations = 0;
     PairCache cache;
   };
   struct Sweep {
     Vec3 centre;
-    double radius = 0;  // m: holds the shape during the whole step
-    double way = 0;     // m: no point of it goes farther
+    double radius = 0;  // m: the sphere about `centre` contains the shape during the whole step
+    double travel = 0;  // m: upper bound of the path length of any point of the shape
   };
 
   void prepare(std::size_t system, const SystemMotion& motion, double dt);
-  void prepare_all(double dt, double least_way);
-  bool passes(Candidate& c, double end, double dt);
+  void prepare_all(double dt, double min_travel);
+  bool passes_through(Candidate& c, double end, double dt);
   bool core_touches(Candidate& c, double end, double dt);
   void move_to(std::size_t system, double time);
   [[nodiscard]] Moving moving(int shape, double time);
@@ -132,12 +145,12 @@ class ImpactSearch {
   Collider ground_;
   std::span<const SystemMotion> motions_;
   std::vector<System> systems_;
-  double least_way_ = 0;                       // m that two shapes must be able to go together to be looked at
+  double min_travel_ = 0;                      // m: pairs whose summed travel is below this are skipped
   std::vector<Sweep> sweeps_;                  // [shapes]
-  std::vector<double> half_width_;             // m [shapes] half of the least distance of two parallel planes that hold it
-  std::vector<std::pair<double, int>> order_;  // [shapes] least x of its way, shape
+  std::vector<double> half_width_;             // m [shapes] half_width_of() of each shape
+  std::vector<std::pair<double, int>> order_;  // [shapes] minimum x [m, world] of the swept sphere, index of the shape
   std::vector<Candidate> candidates_;
-  std::vector<std::uint32_t> queue_;  // heap of candidates, the earliest first
+  std::vector<std::uint32_t> queue_;  // heap of indices into candidates_, the earliest time first
   DistanceWorkspace workspace_;
 };
 

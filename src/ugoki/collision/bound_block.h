@@ -1,5 +1,5 @@
 #pragma once
-// The bounds of a sphere tree as they lie in memory. Plain data, so that kernels can include it.
+// Memory layout of the bounds of a sphere tree. Plain data, so that the SIMD kernels can include this header.
 
 #include <cstdint>
 
@@ -7,16 +7,17 @@ namespace ugoki::collision {
 
 inline constexpr int block_lanes = 8;
 
-/// Up to eight bounds that have the same parent, side by side, so that all are tested at once. Lengths in m about
-/// SphereTree::centre, rounded outwards: each bound holds all its triangles.
+/// Up to eight bounds with the same parent, stored lane by lane so that one SIMD test covers all of them. Each bound is a sphere and an
+/// oriented box that both contain all its triangles (values are rounded outwards). Frame: that of the mesh, with SphereTree::centre as
+/// origin. Lengths in m.
 struct BoundBlock {
-  float sphere[3][block_lanes];     ///< centre, on the surface to within rounding
-  float radius[block_lanes];        ///< of the sphere about it
-  float box[3][block_lanes];        ///< centre of the box
-  float axis[2][3][block_lanes];    ///< unit: two of the box's axes; the third is their cross product
-  float half[3][block_lanes];       ///< half extents along the three axes
-  std::int32_t child[block_lanes];  ///< the block of its children, or -1 - triangle
-  std::int32_t count;               ///< lanes in use
+  float sphere[3][block_lanes];     ///< x, y, z of the sphere's centre, on the surface up to rounding
+  float radius[block_lanes];        ///< radius of the sphere
+  float box[3][block_lanes];        ///< x, y, z of the box's centre
+  float axis[2][3][block_lanes];    ///< unit vectors: two of the box's axes; the third is their cross product
+  float half[3][block_lanes];       ///< half extents of the box along its three axes
+  std::int32_t child[block_lanes];  ///< index of the block of its children; a leaf: -1 - index of its triangle
+  std::int32_t count;               ///< count of lanes in use
 };
 
 }  // namespace ugoki::collision

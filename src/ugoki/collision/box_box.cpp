@@ -9,22 +9,23 @@ namespace {
 
 double smallest(const Vec3& e) { return std::min({e.x, e.y, e.z}); }
 
-/// The best separating axes of two boxes. All separations are those along unit vectors, so none is above the true
-/// signed distance, and the greatest of all 15 is the depth where the boxes meet.
+/// The best separating axes of two boxes: the best face normal and the best cross product of edges. The separation along a unit vector
+/// is never above the true signed distance. The maximum of all 15 separations is the negative depth of overlapping boxes. Lengths in m.
 /// Source: Gottschalk, Lin, Manocha, OBBTree (1996).
 struct Axes {
-  double face = -1e300;  // separation along the best face normal
-  int face_axis = 0;     // 0 ... 2: of a, 3 ... 5: of b
-  bool face_out = true;  // the face's outward normal is +axis
-  double edge = -1e300;  // separation along the best cross product
-  int edge_a = 0, edge_b = 0;
-  Vec3 edge_n;  // unit, in a's frame, from b towards a
+  double face = -1e300;        // separation along the best face normal
+  int face_axis = 0;           // 0 ... 2: of a, 3 ... 5: of b
+  bool face_out = true;        // true: the face's outward normal is +axis; false: -axis
+  double edge = -1e300;        // separation along the best cross product
+  int edge_a = 0, edge_b = 0;  // axes 0 ... 2 of a and of b whose cross product it is
+  Vec3 edge_n;                 // unit, in a's frame, from b towards a
 
   [[nodiscard]] double best() const { return std::max(face, edge); }
 };
 
-/// @param stop do not look at more axes once a separation is at least this
-/// @param bias take b's face only where it is better than a's by this much, so that contacts do not flicker
+/// Computes the separations along the axes.
+/// @param stop m: return as soon as a separation is at least this
+/// @param bias m: use a face of b only if its separation exceeds that of a's face by this, so that contacts do not alternate
 Axes calc_axes(const Box& a, const Box& b, double stop, double bias) {
   const Mat3 R = a.X.R.transposed() * b.X.R;  // b's axes in a's frame, as columns
   const Vec3 p = transpose_times(a.X.R, b.X.p - a.X.p);
@@ -57,7 +58,7 @@ Axes calc_axes(const Box& a, const Box& b, double stop, double bias) {
     for (int j = 0; j < 3; ++j) {
       Vec3 n = cross(unit, R.column(j));
       const double length = norm(n);
-      if (length < 1e-9) continue;  // parallel edges: a face normal does as well
+      if (length < 1e-9) continue;  // parallel edges (sine below 1e-9): the direction is that of a face normal, which is tested above
       n = n / length;
       if (dot(n, p) > 0) n = -n;
       double s = -dot(n, p);
@@ -73,16 +74,17 @@ Axes calc_axes(const Box& a, const Box& b, double stop, double bias) {
   return out;
 }
 
-/// The edge along axis i that is farthest in direction n (all in the frame of the poses), and its number 0 ... 3.
-Round support_edge(const Box& box, int i, const Vec3& n, std::uint32_t& number) {
+/// Edge of the box along its axis i that is farthest in direction n (frame of the poses).
+/// @param index [out] 0 ... 3: which of the four edges along axis i
+Round support_edge(const Box& box, int i, const Vec3& n, std::uint32_t& index) {
   Vec3 corner;
   const Vec3 local = transpose_times(box.X.R, n);
-  number = 0;
+  index = 0;
   for (int k = 0; k < 3; ++k) {
     if (k == i) continue;
     const bool positive = local[k] >= 0;
     corner[k] = positive ? box.e[k] : -box.e[k];
-    number = number * 2 + (positive ? 1U : 0U);
+    index = index * 2 + (positive ? 1U : 0U);
   }
   return {box.X * corner, box.X.R.column(i), box.e[i], 0};
 }
@@ -90,22 +92,25 @@ Round support_edge(const Box& box, int i, const Vec3& n, std::uint32_t& number) 
 BoxPair nearest_on_edges(const Box& a, const Box& b, const Axes& axes, std::uint32_t& feature) {
   BoxPair out;
   out.n = a.X.R * axes.edge_n;
-  std::uint32_t number_a = 0, number_b = 0;
-  const Round edge_a = support_edge(a, axes.edge_a, -out.n, number_a), edge_b = support_edge(b, axes.edge_b, out.n, number_b);
+  std::uint32_t index_a = 0, index_b = 0;
+  const Round edge_a = support_edge(a, axes.edge_a, -out.n, index_a), edge_b = support_edge(b, axes.edge_b, out.n, index_b);
   const SegmentPair pair = nearest_on_segments(edge_a, edge_b);
   out.pa = edge_a.at(pair.s);
   out.pb = edge_b.at(pair.t);
   out.distance = axes.edge;
-  feature = 8192U + static_cast<std::uint32_t>((axes.edge_a * 3 + axes.edge_b) * 16) + number_a * 4 + number_b;
+  feature = 8192U + static_cast<std::uint32_t>((axes.edge_a * 3 + axes.edge_b) * 16) + index_a * 4 + index_b;
   return out;
 }
 
-/// Boxes that do not meet: every nearest pair lies on an edge of a, or on a corner of b and a face of a.
+/// Closest points of two separate boxes. One of them lies on an edge of a, or is a corner of b.
+/// @param feature [out] identifies the edge or corner
 BoxPair nearest_apart(const Box& a, const Box& b, std::uint32_t& feature) {
   BoxPair out;
   out.distance = 1e300;
   const double size = a.e.x + a.e.y + a.e.z + b.e.x + b.e.y + b.e.z;
-  const auto nearer = [&](double d) { return d < out.distance - 1e-9 * std::min(out.distance, size); };  // the first of equally near pairs
+  const auto nearer = [&](double d) {
+    return d < out.distance - 1e-9 * std::min(out.distance, size);
+  };  // if distances are equal, the first is used
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     for (std::uint32_t c = 0; c < 4; ++c) {
@@ -133,8 +138,8 @@ BoxPair nearest_apart(const Box& a, const Box& b, std::uint32_t& feature) {
   return out;
 }
 
-/// A corner of the clipped face: place along the reference face's axes, height above it, and the two lines that meet in
-/// it (0 ... 3: edges of the incident face, 4 ... 7: sides of the reference face).
+/// A corner of the clipped face: coordinates u, v [m] along the reference face's axes, height h [m] above it, and the labels of the two
+/// lines that meet in it (0 ... 3: edges of the incident face, 4 ... 7: sides of the reference face).
 struct Corner {
   double u, v, h;
   std::uint8_t in, out;
@@ -147,7 +152,8 @@ struct Polygon {
   }
 };
 
-/// Keeps what has side * (u or v) <= limit.
+/// Clips the polygon to the half-plane side * (u or v) <= limit.
+/// @param label label of the clipping line
 void clip(const Polygon& from, bool along_u, double side, double limit, std::uint8_t label, Polygon& to) {
   to.count = 0;
   for (int i = 0; i < from.count; ++i) {
@@ -163,7 +169,7 @@ void clip(const Polygon& from, bool along_u, double side, double limit, std::uin
   }
 }
 
-/// Four of the corners that span the polygon: the deepest, the farthest from it, and the farthest on both sides.
+/// Reduces the polygon to four corners: the deepest, the one farthest from it, and the farthest on both sides of the line between them.
 void keep_four(Polygon& polygon) {
   if (polygon.count <= 4) return;
   const auto at = [&](int i) -> const Corner& { return polygon.corners[static_cast<std::size_t>(i)]; };
@@ -199,7 +205,8 @@ void keep_four(Polygon& polygon) {
   polygon = kept;
 }
 
-/// Clips the other box's face against the best face. @return the least distance found, or a great number
+/// Clips the incident face of the other box against the best face and adds the corners below `margin` to `out`.
+/// @return minimum height [m] of the clipped corners above the best face; 1e300 if none is left
 double add_face(const Box& a, const Box& b, const Axes& axes, double margin, Manifold& out) {
   const bool of_a = axes.face_axis < 3;
   const Box& reference = of_a ? a : b;
@@ -208,7 +215,7 @@ double add_face(const Box& a, const Box& b, const Axes& axes, double margin, Man
   const double up = axes.face_out ? 1.0 : -1.0;
   const Vec3 normal = reference.X.R.column(w) * up;
 
-  // The incident face looks most against the normal.
+  // The incident face is the one whose outward normal is most opposed to the reference normal.
   const Vec3 m = transpose_times(incident.X.R, normal);
   const int k = std::fabs(m.x) >= std::fabs(m.y) && std::fabs(m.x) >= std::fabs(m.z) ? 0 : std::fabs(m.y) >= std::fabs(m.z) ? 1 : 2;
   const bool k_out = m[k] < 0;
@@ -223,17 +230,17 @@ double add_face(const Box& a, const Box& b, const Axes& axes, double margin, Man
     const Vec3 local = transpose_times(reference.X.R, incident.X * corner - reference.X.p);
     one.add({local[u], local[v], up * local[w] - reference.e[w], static_cast<std::uint8_t>((i + 3) & 3), i});
   }
-  const double slack = 1 + 1e-6;  // boxes of the same size on each other keep their own corners
+  const double slack = 1 + 1e-6;  // stacked boxes of equal size keep their own corners, despite rounding
   clip(one, true, 1, reference.e[u] * slack, 4, two);
   clip(two, true, -1, reference.e[u] * slack, 5, one);
   clip(one, false, 1, reference.e[v] * slack, 6, two);
   clip(two, false, -1, reference.e[v] * slack, 7, one);
 
-  double least = 1e300;
+  double minimum = 1e300;
   Polygon near;
   for (int i = 0; i < one.count; ++i) {
     const Corner& c = one.corners[static_cast<std::size_t>(i)];
-    least = std::min(least, c.h);
+    minimum = std::min(minimum, c.h);
     if (c.h < margin) near.add(c);
   }
   keep_four(near);
@@ -246,7 +253,7 @@ double add_face(const Box& a, const Box& b, const Axes& axes, double margin, Man
     local[w] = up * (reference.e[w] + 0.5 * c.h);
     out.add(reference.X * local, of_a ? -normal : normal, c.h, faces * 64 + c.in * 8U + c.out);
   }
-  return least;
+  return minimum;
 }
 
 BoxPair nearest(const Box& a, const Box& b, std::uint32_t& feature) {
@@ -258,15 +265,15 @@ BoxPair nearest(const Box& a, const Box& b, std::uint32_t& feature) {
   }
   if (axes.edge > axes.face + 1e-12 * size) return nearest_on_edges(a, b, axes, feature);
 
-  // A face is the way out, through the middle of the deepest corners.
+  // The shortest separating translation is along a face normal. The points are at the mean of the deepest corners.
   feature = 16384U + 64 + static_cast<std::uint32_t>(axes.face_axis);
   Manifold manifold;
-  const double least = add_face(a, b, axes, 1e300, manifold);
+  const double minimum = add_face(a, b, axes, 1e300, manifold);
   Vec3 sum;
   double weight = 0;
   for (int i = 0; i < manifold.count; ++i) {
     const ManifoldPoint& point = manifold.points[static_cast<std::size_t>(i)];
-    if (point.distance > least + 1e-9 * size) continue;
+    if (point.distance > minimum + 1e-9 * size) continue;
     sum += point.p;
     weight += 1;
   }
@@ -294,7 +301,8 @@ void add_box_box(const Box& a, const Box& b, double margin, Manifold& out) {
   std::uint32_t feature = 0;
   if (axes.edge > axes.face + bias) {
     const BoxPair pair = nearest_on_edges(a, b, axes, feature);
-    if (axes.edge <= 0 || norm(pair.pa - pair.pb) <= axes.edge * (1 + 1e-9)) {  // not so where the nearest points are ends
+    // If a closest point is an end of its edge, the points are farther apart than axes.edge, and other features may be closer.
+    if (axes.edge <= 0 || norm(pair.pa - pair.pb) <= axes.edge * (1 + 1e-9)) {
       out.add((pair.pa + pair.pb) * 0.5, pair.n, pair.distance, feature);
       return;
     }
@@ -303,7 +311,7 @@ void add_box_box(const Box& a, const Box& b, double margin, Manifold& out) {
     if (add_face(a, b, axes, margin, out) <= axes.best() + bias) return;
     out.count = before;
   }
-  // Corners or edges are nearer to each other than the faces say.
+  // Neither the chosen pair of edges nor the clipped faces contain the closest points: all corners and edges are searched.
   const BoxPair pair = nearest(a, b, feature);
   if (pair.distance < margin) out.add((pair.pa + pair.pb) * 0.5, pair.n, pair.distance, feature);
 }

@@ -3,15 +3,18 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr std::size_t few = 10000;  // pairs that are gone through as quickly as the tree's front
+// Up to this count of pairs, testing all of them is as fast as scanning the tree's front (docs/design/superior-tree.md: 140 bodies).
+constexpr std::size_t max_all_pairs = 10000;
 
 }  // namespace
 
-bool BroadPhase::covers(const Scene& scene, int system) { return scene.self_collision(system) && scene.self_pairs(system).size() > few; }
+bool BroadPhase::covers(const Scene& scene, int system) {
+  return scene.self_collision(system) && scene.self_pairs(system).size() > max_all_pairs;
+}
 
-bool BroadPhase::pays(const Scene& scene) {
+bool BroadPhase::is_faster(const Scene& scene) {
   const std::size_t systems = scene.systems().size();
-  if (scene.options().between_systems && systems * (systems - 1) / 2 > few) return true;
+  if (scene.options().between_systems && systems * (systems - 1) / 2 > max_all_pairs) return true;
   for (std::size_t s = 0; s < systems; ++s)
     if (covers(scene, static_cast<int>(s))) return true;
   return false;
@@ -22,7 +25,7 @@ void BroadPhase::begin(const Scene& scene) {
   content_ = scene.content();
   covered_.clear();
   for (int s = 0; s < systems; ++s) covered_.push_back(covers(scene, s) ? 1 : 0);
-  // What nothing moves is a group of its own, whose shapes do not count among each other.
+  // All immovable shapes form one group. Pairs inside that group are not reported.
   std::vector<TreeBody> bodies;
   for (const SceneShape& s : scene.shapes()) bodies.push_back({{}, {s.bound, s.bound, s.bound}, s.bound, s.movable ? s.system : systems});
   tree_ = SuperiorTree(bodies);

@@ -1,6 +1,6 @@
 #pragma once
-// Which shapes of a scene are near each other, in crowds: the superior tree over their bounding spheres, instead of all pairs.
-// What it gives depends on the present spheres alone, not on how they came there.
+// Broad phase of collision detection for crowds: finds the close pairs of shapes with a superior tree over their bounding spheres, instead
+// of testing all pairs. The result depends only on the current spheres, not on earlier calls.
 
 #include <cstdint>
 #include <span>
@@ -13,23 +13,23 @@ namespace ugoki::collision {
 
 class BroadPhase {
  public:
-  /// Is this cheaper than looking at all pairs? O(systems)
-  [[nodiscard]] static bool pays(const Scene& scene);
-  /// The pairs inside this system are among those of find(); where not, Scene::self_pairs() is short enough to be gone through.
+  /// True if find() is faster for this scene than testing all pairs. O(systems)
+  [[nodiscard]] static bool is_faster(const Scene& scene);
+  /// True if find() includes the pairs inside this system. If false, testing all of Scene::self_pairs() is as fast.
   [[nodiscard]] static bool covers(const Scene& scene, int system);
 
-  /// All pairs of shapes whose spheres are closer than `margin` and which belong to different systems, one of them movable, or to one
-  /// system that is covered; in the order of (a, b), a < b. Among them are some that are not that near.
-  /// @param balls [shapes] world; those that are not finite are near nothing
-  /// No allocation in coherent motion.
+  /// Returns the pairs (a, b), a < b, of shapes whose spheres are closer than `margin` [m], sorted by (a, b). The shapes belong to
+  /// different systems and one of them is movable, or they belong to one covered system. The list may include pairs that are farther apart.
+  /// The span is valid until the next call. No allocation in coherent motion.
+  /// @param balls [shapes] m, world: bounding spheres; spheres that are not finite are in no pair
   [[nodiscard]] std::span<const BodyPair> find(const Scene& scene, std::span<const Workspace::Ball> balls, double margin);
 
  private:
   void begin(const Scene& scene);
 
-  std::uint64_t content_ = 0;
-  std::vector<std::uint8_t> covered_;  // [systems]
-  std::vector<Pose> centres_;          // [shapes]
+  std::uint64_t content_ = 0;          // Scene::content() of the scene that tree_ was built for
+  std::vector<std::uint8_t> covered_;  // [systems] result of covers()
+  std::vector<Pose> centres_;          // [shapes] world; identity rotations at the spheres' centres
   SuperiorTree tree_;
   BoxesWithin within_{PairFilter{}};
   std::vector<BodyPair> found_;

@@ -8,7 +8,7 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr double farthest_pose = 1e9;  // m
+constexpr double farthest_pose = 1e9;  // m: poses farther away get status not_finite
 
 const BubbleKernel* table_of(BubbleWidth width) {
 #ifdef UGOKI_X86_WIDTHS
@@ -19,7 +19,7 @@ const BubbleKernel* table_of(BubbleWidth width) {
   return width == BubbleWidth::plain ? &plain::bubble_table : nullptr;
 }
 
-// What a test chose; written only by use_bubble_width(), while nothing else runs.
+// Kernel selected by use_bubble_width() (tests and benchmarks, before other threads run); null: the widest one.
 const BubbleKernel* chosen = nullptr;
 
 KernelTree plain_tree(const SphereTree& t) { return {t.blocks.data(), &t.vertices.data()->x, t.triangles.data()->data()}; }
@@ -34,7 +34,7 @@ KernelPose<Real> kernel_pose(const Pose& X) {
   return out;
 }
 
-/// Entries that a depth-first search can have waiting: each step down leaves at most seven more.
+/// Maximum count of entries on the stack of a depth-first search: each level adds at most seven (block_lanes - 1).
 std::size_t stack_size(const SphereTree& a, const SphereTree& b) {
   const auto levels = [](std::size_t n) {
     std::size_t out = 2;
@@ -44,12 +44,12 @@ std::size_t stack_size(const SphereTree& a, const SphereTree& b) {
   return (block_lanes - 1) * (levels(a.triangles.size()) + levels(b.triangles.size())) + block_lanes;
 }
 
-/// One pair of trees at their poses.
+/// Two trees at their poses. The frames A and B of this struct have their origins at the trees' centres.
 struct Placed {
   const SphereTree& a;
   const SphereTree& b;
-  Pose X_WA, X_AB;  // about the trees' centres
-  double reach;     // m: no coordinate in a's frame is beyond it
+  Pose X_WA, X_AB;  // m
+  double reach;     // m: upper bound of all coordinates in frame A
 
   Placed(const SphereTree& ta, const Pose& A, const SphereTree& tb, const Pose& B)
       : a(ta),
@@ -59,13 +59,16 @@ struct Placed {
     reach = norm(X_AB.p) + a.radius + b.radius;
   }
 
+  /// Distance and closest points of two triangles, in frame A.
   [[nodiscard]] TriangleDistance test(const TrianglePair& pair) const {
     return triangle_distance({a.corner(pair.a, 0), a.corner(pair.a, 1), a.corner(pair.a, 2)},
                              {X_AB * b.corner(pair.b, 0), X_AB * b.corner(pair.b, 1), X_AB * b.corner(pair.b, 2)});
   }
-  /// 0 where they touch to within 1e-14 of their size.
+  /// The distance, or 0 if it is at most 1e-14 of the bodies' size: smaller values are rounding.
   [[nodiscard]] double snapped(double distance) const { return distance <= 1e-14 * (a.radius + b.radius) ? 0 : distance; }
 
+  /// Query of the SIMD kernel.
+  /// @param best m: search radius
   [[nodiscard]] KernelQuery query(BubbleWorkspace& workspace, double best) const {
     KernelQuery q{};
     q.a = plain_tree(a);
@@ -73,7 +76,7 @@ struct Placed {
     q.X_AB = kernel_pose<double>(X_AB);
     q.X_AB_f = kernel_pose<float>(X_AB);
     q.X_BA_f = kernel_pose<float>(X_AB.inverse());
-    q.slack = static_cast<float>(4e-6 * reach);
+    q.slack = static_cast<float>(4e-6 * reach);  // covers the rounding of the float tests, about 30 float epsilons of the coordinates
     q.best2 = best * best;
     q.shrink = 1;
     q.nearest = {-1, -1};
@@ -84,7 +87,7 @@ struct Placed {
   }
 };
 
-bool names_triangles(const TrianglePair& p, const SphereTree& a, const SphereTree& b) {
+bool is_valid_pair(const TrianglePair& p, const SphereTree& a, const SphereTree& b) {
   return p.a >= 0 && p.b >= 0 && static_cast<std::size_t>(p.a) < a.triangles.size() && static_cast<std::size_t>(p.b) < b.triangles.size();
 }
 
@@ -116,12 +119,12 @@ BubbleDistance find_distance(const SphereTree& a, const Pose& X_WA, const Sphere
   BubbleDistance out;
   if (a.empty() || b.empty() || !can_be_placed(X_WA) || !can_be_placed(X_WB) || std::isnan(options.farthest)) return out;
   const Placed placed(a, X_WA, b, X_WB);
-  // Nothing is farther away than all of it.
+  // No two points of the bodies are farther apart than 2 * reach.
   const double above = std::min(std::max(options.farthest, 0.0), 2 * placed.reach);
   TriangleDistance nearest;
   nearest.distance = above;
   TrianglePair pair;
-  if (names_triangles(warm, a, b)) {
+  if (is_valid_pair(warm, a, b)) {
     const TriangleDistance last = placed.test(warm);
     if (last.distance < above) {
       nearest = last;

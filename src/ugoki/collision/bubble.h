@@ -1,9 +1,10 @@
 #pragma once
-// Exact distances of non-convex meshes: the search of two trees of spheres, warm-started from the last nearest triangles.
+// Exact distances of non-convex meshes (the paper's "bubble" method): a search of two sphere trees, warm-started from the closest triangles
+// of the previous query.
 // Source: Quinlan, Efficient distance computation between non-convex objects (1994).
 //
-// A mesh is its SURFACE: a body inside a closed one has a distance from it. Where surfaces pierce each other the distance is 0;
-// how deep is told by find_penetration (mesh_penetration.h).
+// A mesh means its SURFACE: a body inside a closed mesh has a positive distance from it. Surfaces that intersect have distance 0; their
+// penetration depth is computed by find_penetration (mesh_point.h).
 
 #include <cstdint>
 #include <limits>
@@ -16,7 +17,8 @@
 
 namespace ugoki::collision {
 
-/// Indices into SphereTree::triangles; the warm start of a pair of bodies. Wrong or foreign indices cost time, never truth.
+/// Two indices into SphereTree::triangles; the warm start of a pair of bodies. Indices of other triangles, or out of range, make a query
+/// slower but not wrong. -1: none.
 struct TrianglePair {
   std::int32_t a = -1, b = -1;
   friend bool operator==(const TrianglePair&, const TrianglePair&) = default;
@@ -24,56 +26,58 @@ struct TrianglePair {
 
 enum class BubbleStatus : std::uint8_t {
   separated,   ///< distance > 0
-  touching,    ///< the surfaces pierce each other, or touch to within 1e-14 of the bodies' size: distance 0, no direction
-  beyond,      ///< not closer than options.farthest; distance and lower are that, and there are no points
-  not_finite,  ///< a pose is not finite or farther away than 1e9 m, or a tree is empty: nothing is known
+  touching,    ///< the surfaces intersect, or their distance is below 1e-14 of the bodies' size: distance 0, no direction
+  beyond,      ///< not closer than options.farthest: distance = lower = farthest, points and n are not set
+  not_finite,  ///< a pose is not finite or farther away than 1e9 m, or a tree is empty: the result is undefined
 };
 
 struct BubbleOptions {
-  double relative_error = 0;                                  ///< e >= 0: the true distance is not below distance / (1 + e). 0: exact
-  double farthest = std::numeric_limits<double>::infinity();  ///< m: pairs not closer than this are of no interest
+  double relative_error = 0;                                  ///< e >= 0: the true distance is at least distance / (1 + e); 0: exact
+  double farthest = std::numeric_limits<double>::infinity();  ///< m: search radius; bodies at this distance or farther give `beyond`
 };
 
-/// distance is that of the points; pa - pb = n * distance.
+/// Result of find_distance(). pa - pb = n * distance.
 struct BubbleDistance {
   BubbleStatus status = BubbleStatus::not_finite;
-  double distance = 0;  ///< m: an upper bound, attained by pa and pb
-  double lower = 0;     ///< m: a lower bound, proved
-  Vec3 pa, pb;          ///< m, world: a nearest pair of points on a and b
-  Vec3 n;               ///< unit, world: from b towards a; zero where touching
-  TrianglePair nearest;
-  int bound_tests = 0, triangle_tests = 0;  ///< pairs of bounds and of triangles that were looked at
+  double distance = 0;                      ///< m: upper bound, the distance of pa and pb
+  double lower = 0;                         ///< m: proved lower bound of the true distance
+  Vec3 pa, pb;                              ///< m, world: closest points on a and b
+  Vec3 n;                                   ///< unit, world: from b towards a; zero if touching
+  TrianglePair nearest;                     ///< the triangles of pa and pb
+  int bound_tests = 0, triangle_tests = 0;  ///< counts of tested pairs of bounds and of triangles
 };
 
-/// Two triangles closer than a margin, and their nearest points (world).
+/// Two triangles closer than a margin, with their closest points.
 struct TriangleContact {
   TrianglePair pair;
-  double distance = 0;  ///< m, 0 where they pierce each other
-  Vec3 pa, pb;          ///< m, world
+  double distance = 0;  ///< m; 0: the triangles intersect
+  Vec3 pa, pb;          ///< m, world: points on the triangles of a and b
 };
 
+/// Result of find_pairs_within().
 struct PairsFound {
   BubbleStatus status = BubbleStatus::separated;  ///< separated, or not_finite
-  std::size_t count = 0;                          ///< of `out` that were filled
-  bool complete = true;                           ///< false: there were more than `out` holds
+  std::size_t count = 0;                          ///< count of entries of `out` that were filled
+  bool complete = true;                           ///< false: there are more pairs than `out` has entries
 };
 
-/// Scratch memory of the searches; one for each thread, any trees may use it. Grows with the depth of the trees, then stays.
+/// Scratch memory of the searches; one object per thread, for any trees. Grows with the depth of the trees and is then reused.
 struct BubbleWorkspace {
   std::vector<KernelEntry> stack, stack_of_points, penetration;
   std::vector<KernelPair> pairs;
 };
 
-/// A pose that searches take: finite, and not farther away than 1e9 m.
+/// True if the searches accept this pose: all values are finite and their magnitudes sum to less than 1e9.
 [[nodiscard]] bool can_be_placed(const Pose& X);
 
 /// Distance of mesh a at pose X_WA and mesh b at pose X_WB.
-/// @param warm the nearest triangles of the last query of this pair, in and out; {} at the start
-/// No allocation once the workspace has grown; the same bits on every machine for the same warm start.
+/// @param warm [in, out] the closest triangles of the previous query of this pair; {} at the first query
+/// No allocation once the workspace has grown. Same bits on every machine for the same warm start.
 [[nodiscard]] BubbleDistance find_distance(const SphereTree& a, const Pose& X_WA, const SphereTree& b, const Pose& X_WB, TrianglePair& warm,
                                            BubbleWorkspace& workspace, const BubbleOptions& options = {});
 
-/// All pairs of triangles closer than `margin` [m], in the order of the search (the same in every run), as many as `out` holds.
+/// Writes the pairs of triangles closer than `margin` [m] to `out`, in the order of the search (the same in every run). If there are more
+/// than `out` has entries, the rest is omitted and `complete` is false.
 [[nodiscard]] PairsFound find_pairs_within(const SphereTree& a, const Pose& X_WA, const SphereTree& b, const Pose& X_WB, double margin,
                                            std::span<TriangleContact> out, BubbleWorkspace& workspace);
 

@@ -1,8 +1,9 @@
 #pragma once
-// The search of bubble.h, compiled for each width of registers (bubble_width.h). Plain data only: see spatial/lanes.h.
+// Interface of the mesh search of bubble.h, which is compiled once per SIMD width (bubble_width.h). Plain data only, for the reason given
+// in spatial/lanes.h.
 //
-// Bounds are tested in float: a block of eight against one, in the block's frame. `slack` covers all rounding there, so that a
-// pair is dropped only where its true distance is not below the limit. Triangles are tested in double.
+// Bounds are tested in float: a block of eight bounds against one bound, in the block's frame. `slack` covers the rounding of these tests:
+// a pair is dropped only if its true distance is not below the limit. Triangles are tested in double.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,51 +12,55 @@
 
 namespace ugoki::collision {
 
+/// View of a SphereTree.
 struct KernelTree {
   const BoundBlock* blocks;
-  const double* vertices;         ///< [3 * vertices]
-  const std::int32_t* triangles;  ///< [3 * triangles]
+  const double* vertices;         ///< [3 * vertices] m
+  const std::int32_t* triangles;  ///< [3 * triangles] indices of vertices
 };
 
-/// Two lanes of bounds (block * block_lanes + lane), and the square of a lower bound of their distance.
+/// A pair of bounds on the stack of the search. a, b: block * block_lanes + lane; gap2: m^2, squared lower bound of their distance.
 struct KernelEntry {
   std::int32_t a, b;
   float gap2;
 };
+/// Indices of two triangles.
 struct KernelPair {
   std::int32_t a, b;
 };
 
-/// Row by row, and the translation.
+/// A pose: the rotation matrix by rows, and the translation [m].
 template <class Real>
 struct KernelPose {
   Real R[3][3], p[3];
 };
 
+/// Input, output and scratch memory of one search.
 struct KernelQuery {
   KernelTree a, b;
-  KernelPose<double> X_AB;  ///< coordinates of b into a, each about the centre of its tree
-  KernelPose<float> X_AB_f, X_BA_f;
-  float slack;              ///< m
-  float towards_b[3];       ///< unit, a's frame: about from a's nearest point to b's; zero where unknown. A good one saves tests
-  double best2;             ///< m^2, in and out: what is not closer is of no interest
-  double shrink;            ///< 1 / (1 + relative error), once there is a nearest pair
-  KernelPair nearest;       ///< in and out: the pair whose distance best2 is, or -1, -1
-  KernelEntry* stack;       ///< stack_size(...) entries
-  KernelPair* pairs;        ///< all pairs closer than best2 at the start, at most `room`; null: the nearest only
-  std::size_t room, found;  ///< found: out, may exceed room by one: there are more
-  std::int32_t bound_tests, triangle_tests;  ///< out
+  KernelPose<double> X_AB;           ///< pose of b in a; the frames' origins are the centres of the trees
+  KernelPose<float> X_AB_f, X_BA_f;  ///< the same and its inverse, for tests of bounds
+  float slack;                       ///< m: bound of the rounding errors of tests of bounds
+  float towards_b[3];  ///< unit, a's frame: estimated direction from a's closest point to b's; zero: unknown. A good estimate saves tests
+  double best2;        ///< m^2 [in, out]: squared search radius; afterwards the squared distance of `nearest`
+  double shrink;       ///< 1 / (1 + relative_error): factor of the search radius once `nearest` is set
+  KernelPair nearest;  ///< [in, out] the pair of triangles with squared distance best2; -1, -1: none
+  KernelEntry* stack;  ///< [stack_size()] scratch memory
+  KernelPair* pairs;   ///< [out, room] all pairs closer than the initial search radius; null: search only for the closest pair
+  std::size_t room, found;                   ///< found [out]: count of pairs; room + 1: there are more than `room`
+  std::int32_t bound_tests, triangle_tests;  ///< [out] counts of tests
 };
 
 struct BubbleKernel {
   void (*search)(KernelQuery&);
 };
 
-/// The kernel for the widest registers that this processor has.
+/// The kernel for the widest SIMD registers of this processor.
 [[nodiscard]] const BubbleKernel& bubble_kernel();
 
 enum class BubbleWidth : std::uint8_t { plain, avx2, avx512 };
-/// For tests and measurements, before other threads run. @return false where the processor or the build lacks it
+/// Selects a kernel, for tests and benchmarks. Call it before other threads run.
+/// @return false if the processor or the build does not support this width
 bool use_bubble_width(BubbleWidth width);
 
 namespace plain {

@@ -1,6 +1,6 @@
 #pragma once
-// The search for one width: included once by each bubble_<width>.cpp, which defines UGOKI_WIDTH (the name of the table's
-// namespace), UGOKI_DOUBLE_LANES and UGOKI_FLOAT_LANES (at most block_lanes).
+// The mesh search for one SIMD width. Each bubble_<width>.cpp includes this file once, after it has defined UGOKI_WIDTH (the namespace of
+// the kernel's table), UGOKI_DOUBLE_LANES and UGOKI_FLOAT_LANES (at most block_lanes).
 
 #include "ugoki/collision/bubble_kernel.h"
 #include "ugoki/collision/triangle_kernel.h"
@@ -12,7 +12,7 @@ using Floats = Lanes<float, UGOKI_FLOAT_LANES>;
 using Doubles = Lanes<double, UGOKI_DOUBLE_LANES>;
 using F1 = Lanes<float, 1>;
 
-/// Bit i: the mask of lane i.
+/// The mask as an integer: bit i is set if lane i is.
 template <class Real, int N>
 unsigned bits(LaneMask<Real, N> m) {
 #ifdef __clang__
@@ -28,20 +28,22 @@ unsigned bits(LaneMask<Real, N> m) {
 #endif
 }
 
-/// One bound, in the frame of the block that it is tested against.
+/// One bound (sphere and box), in the frame of the block that it is tested against. Lengths in m.
 struct Single {
-  Vec3T<F1> sphere, box, axis[3];
+  Vec3T<F1> sphere, box, axis[3];  ///< centre of the sphere, centre and axes of the box
   F1 radius, half[3];
-  Vec3T<F1> towards;  ///< unit: from it towards the block, as the nearest pair so far lies; zero where there is none
+  Vec3T<F1> towards;  ///< unit: from this bound towards the block, along the closest pair found so far; zero: none
 };
 
+/// Vector `lane` of the block's array v, rotated by X.
 Vec3T<F1> turned(const KernelPose<float>& X, const float (*v)[block_lanes], int lane) {
   const float x = v[0][lane], y = v[1][lane], z = v[2][lane];
   return {F1(X.R[0][0] * x + X.R[0][1] * y + X.R[0][2] * z), F1(X.R[1][0] * x + X.R[1][1] * y + X.R[1][2] * z),
           F1(X.R[2][0] * x + X.R[2][1] * y + X.R[2][2] * z)};
 }
 
-/// @param X of the bound's tree in the frame of the block; `towards` in that frame
+/// @param X pose of the bound's tree in the frame of the block
+/// @param towards unit or zero, frame of the block: see Single::towards
 Single make_single(const BoundBlock& block, int lane, const KernelPose<float>& X, const Vec3T<F1>& towards) {
   Single s;
   const Vec3T<F1> p{F1(X.p[0]), F1(X.p[1]), F1(X.p[2])};
@@ -56,20 +58,23 @@ Single make_single(const BoundBlock& block, int lane, const KernelPose<float>& X
   return s;
 }
 
+/// The vector in all lanes.
 template <class T>
 Vec3T<T> spread(const Vec3T<F1>& v) {
   return {T(v.x.v), T(v.y.v), T(v.z.v)};
 }
+/// Vectors of the lanes from i on.
 template <class T>
 Vec3T<T> load3(const float (*v)[block_lanes], int i) {
   return {T::load(v[0] + i), T::load(v[1] + i), T::load(v[2] + i)};
 }
+/// Absolute value of each lane.
 template <class T>
 T magnitude(T x) {
-  return greatest(x, -x);
+  return maximum(x, -x);
 }
 
-/// How far the boxes are apart along s.towards; may be negative.
+/// Separation [m] of the boxes along s.towards: a lower bound of their distance; may be negative.
 template <class T>
 T gap_along(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* half) {
   F1 reach_s(0);
@@ -80,12 +85,12 @@ T gap_along(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T*
   return gap;
 }
 
-/// Whether the boxes are farther apart than `limit` along the line of their centres; false where the centres coincide.
+/// True if the boxes are farther apart than `limit` [m] along the line of their centres; false if the centres coincide.
 template <class T>
 typename T::Mask beyond_along_centres(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* half, T limit) {
   const Vec3T<T> line = box - spread<T>(s.box);
   const T length2 = dot(line, line);
-  T reach = sqrt(length2) * limit;  // times the line's length
+  T reach = sqrt(length2) * limit;  // all terms are multiplied by the line's length, which avoids a division
   for (int k = 0; k < 3; ++k) {
     reach += magnitude(dot(line, axis[k])) * half[k];
     reach += magnitude(dot(line, spread<T>(s.axis[k]))) * T(s.half[k].v);
@@ -93,12 +98,12 @@ typename T::Mask beyond_along_centres(const Single& s, const Vec3T<T>& box, cons
   return length2 > reach;
 }
 
-/// Square of how far the boxes are apart: the greater of two lower bounds, each the distance of one box from the other's
-/// bounding box along the first one's axes.
+/// Lower bound [m^2] of the squared distance of the boxes: the maximum of two bounds. Each is the distance of one box from the bounding
+/// box of the other along the axes of the first.
 template <class T>
 T box_gap2(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* half) {
   const Vec3T<T> apart = box - spread<T>(s.box);
-  T reach_s[3] = {T(s.half[0].v), T(s.half[1].v), T(s.half[2].v)};  // along the axes of s
+  T reach_s[3] = {T(s.half[0].v), T(s.half[1].v), T(s.half[2].v)};  // summed half extents along the axes of s
   T gap2_block(0);
   const Vec3T<T> sa[3] = {spread<T>(s.axis[0]), spread<T>(s.axis[1]), spread<T>(s.axis[2])};
   for (int i = 0; i < 3; ++i) {
@@ -108,17 +113,18 @@ T box_gap2(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* 
       reach += r * T(s.half[j].v);
       reach_s[j] += r * half[i];
     }
-    const T gap = greatest(magnitude(dot(apart, axis[i])) - reach, T(0));
+    const T gap = maximum(magnitude(dot(apart, axis[i])) - reach, T(0));
     gap2_block += gap * gap;
   }
   T gap2_s(0);
   for (int j = 0; j < 3; ++j) {
-    const T gap = greatest(magnitude(dot(apart, sa[j])) - reach_s[j], T(0));
+    const T gap = maximum(magnitude(dot(apart, sa[j])) - reach_s[j], T(0));
     gap2_s += gap * gap;
   }
-  return greatest(gap2_block, gap2_s);
+  return maximum(gap2_block, gap2_s);
 }
 
+/// Depth-first search of two trees, nearest bounds first.
 class Search {
  public:
   explicit Search(KernelQuery& query) : q_(query) {}
@@ -143,12 +149,13 @@ class Search {
         expand<true>(ca, make_single(in_b, lb, q_.X_AB_f, -towards_b_), e.b, cb);
       else
         expand<false>(cb, make_single(in_a, la, q_.X_BA_f, in_b_frame(towards_b_)), e.a, ca);
-      if (all_found_) return;
+      if (done_) return;
     }
     flush();
   }
 
  private:
+  /// Updates the float search radius from best2. The factor 1.000001 covers the rounding of the conversion to float.
   void set_limit() {
     const double reach = __builtin_sqrt(q_.best2) * (q_.nearest.a >= 0 ? q_.shrink : 1.0);
     limit_ = static_cast<float>(reach) * 1.000001F + q_.slack;
@@ -161,7 +168,10 @@ class Search {
             F1(R[2][0]) * v.x + F1(R[2][1]) * v.y + F1(R[2][2]) * v.z};
   }
 
-  /// The block's lanes against one bound; those that may be close enough go on the stack, the nearest on top.
+  /// Tests all lanes of a block against one bound. Lanes that may be within the limit are pushed on the stack, the closest on top; pairs of
+  /// leaves are passed to add_leaf().
+  /// @param block_of_a true: the block belongs to tree a and the bound to tree b
+  /// @param single, single_child lane index (KernelEntry) and BoundBlock::child of the bound
   template <bool block_of_a>
   void expand(std::int32_t block_index, const Single& s, std::int32_t single, std::int32_t single_child) {
     const BoundBlock& block = (block_of_a ? q_.a : q_.b).blocks[block_index];
@@ -195,7 +205,7 @@ class Search {
       const std::int32_t child = block.child[lane];
       if (child < 0 && single_child < 0) {
         add_leaf(block_of_a ? KernelPair{-1 - child, -1 - single_child} : KernelPair{-1 - single_child, -1 - child}, gap2[lane]);
-        if (all_found_) return;
+        if (done_) return;
         continue;
       }
       const std::int32_t id = block_index * block_lanes + lane;
@@ -205,20 +215,23 @@ class Search {
     }
   }
 
+  /// Collects a pair of triangles, and tests the collected pairs when there are leaf_room of them.
   void add_leaf(KernelPair pair, float gap2) {
     leaves_[leaf_count_] = pair;
     leaf_gap2_[leaf_count_] = gap2;
     if (++leaf_count_ == leaf_room) flush();
   }
 
+  /// Tests the collected pairs that are still within the limit.
   void flush() {
     int kept = 0;
     for (int i = 0; i < leaf_count_; ++i)
       if (leaf_gap2_[i] < limit2_) leaves_[kept++] = leaves_[i];
     leaf_count_ = 0;
-    for (int i = 0; i < kept && !all_found_; i += Doubles::count) test_leaves(i, kept - i < Doubles::count ? kept - i : Doubles::count);
+    for (int i = 0; i < kept && !done_; i += Doubles::count) test_leaves(i, kept - i < Doubles::count ? kept - i : Doubles::count);
   }
 
+  /// Tests `count` pairs of triangles from leaves_[first] on, one per lane.
   void test_leaves(int first, int count) {
     double corners[18][Doubles::count];
     for (int lane = 0; lane < Doubles::count; ++lane) {
@@ -242,7 +255,7 @@ class Search {
     }
     q_.triangle_tests += count;
     const Doubles best(q_.best2);
-    const Doubles d2 = nearest_points<false>(p, q, best).d2;
+    const Doubles d2 = closest_points<false>(p, q, best).d2;
     unsigned closer = bits(d2 < best) & ((1U << count) - 1);
     if (closer == 0) return;
     double each[Doubles::count];
@@ -250,28 +263,28 @@ class Search {
     for (; closer != 0; closer &= closer - 1) {
       const int lane = __builtin_ctz(closer);
       if (q_.pairs != nullptr) {
-        if (q_.found == q_.room) all_found_ = true;
-        if (!all_found_) q_.pairs[q_.found] = leaves_[first + lane];
+        if (q_.found == q_.room) done_ = true;
+        if (!done_) q_.pairs[q_.found] = leaves_[first + lane];
         ++q_.found;
-        if (all_found_) return;
+        if (done_) return;
       } else if (each[lane] < q_.best2) {
         q_.best2 = each[lane];
         q_.nearest = leaves_[first + lane];
         set_limit();
       }
     }
-    if (q_.pairs == nullptr && q_.best2 == 0) all_found_ = true;
+    if (q_.pairs == nullptr && q_.best2 == 0) done_ = true;
   }
 
   static constexpr int leaf_room = 8;
   KernelQuery& q_;
-  Vec3T<F1> towards_b_;  // unit, a's frame: from a towards b, between the nearest triangles so far
-  float limit_ = 0, limit2_ = 0;
-  std::int32_t top_ = 0;
+  Vec3T<F1> towards_b_;           // unit or zero, a's frame: KernelQuery::towards_b
+  float limit_ = 0, limit2_ = 0;  // m, m^2: search radius of bounds and its square
+  std::int32_t top_ = 0;          // count of entries on the stack
   int leaf_count_ = 0;
   KernelPair leaves_[leaf_room];
-  float leaf_gap2_[leaf_room];
-  bool all_found_ = false;
+  float leaf_gap2_[leaf_room];  // m^2: lower bounds of the squared distances
+  bool done_ = false;           // `pairs` is full, or the closest pair has distance 0
 };
 
 void search(KernelQuery& query) { Search(query).run(); }

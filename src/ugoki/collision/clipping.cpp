@@ -6,13 +6,13 @@
 namespace ugoki::collision {
 namespace {
 
-/// A corner of the polygon while it is clipped, and the two lines that meet in it.
+/// A corner of the polygon during clipping. in, out: labels of the two lines that meet in it.
 struct Clipped {
   Vec3 p;
   std::uint32_t in, out;
 };
 struct Polygon {
-  std::array<Clipped, 2 * Patch::most> corners;
+  std::array<Clipped, 2 * Patch::max_corners> corners;
   int count = 0;
   void add(const Clipped& c) {
     if (count < static_cast<int>(corners.size())) corners[static_cast<std::size_t>(count++)] = c;
@@ -20,7 +20,8 @@ struct Polygon {
   [[nodiscard]] const Clipped& at(int i) const { return corners[static_cast<std::size_t>(i)]; }
 };
 
-/// Keeps what has m . p <= limit.
+/// Clips a polygon, or a segment of two points, to the half-space m . p <= limit.
+/// @param label label of the clipping plane
 void clip(const Polygon& from, const Vec3& m, double limit, std::uint32_t label, Polygon& to) {
   to.count = 0;
   const bool closed = from.count > 2;
@@ -39,18 +40,19 @@ void clip(const Polygon& from, const Vec3& m, double limit, std::uint32_t label,
   }
 }
 
-constexpr double one_direction = 0.95;  // cosine of 18 degrees
+constexpr double same_direction_cos = 0.95;  // cosine of 18 degrees: normals within this angle form one group
 
-/// Places of the outermost four of the points, seen along n; fewer where they lie on a line.
+/// Indices of the four outermost points in the projection along n; -1 for missing ones, if the points are collinear.
+/// The tolerances (1e-9, 1e-6, relative) keep the choice stable when points differ only by rounding.
 void outermost(std::span<const ManifoldPoint> points, const Vec3& n, int (&chosen)[4]) {
   const Vec3 u = any_perpendicular(n), v = cross(n, u);
   const auto at = [&](int i) -> const Vec3& { return points[static_cast<std::size_t>(i)].p; };
   const int count = static_cast<int>(points.size());
-  const auto best = [&](const auto& measure, double least) {
+  const auto best = [&](const auto& score, double maximum) {
     int found = -1;
     for (int i = 0; i < count; ++i)
-      if (const double m = measure(at(i)); m > least + 1e-9 * std::fabs(least)) {
-        least = m;
+      if (const double m = score(at(i)); m > maximum + 1e-9 * std::fabs(maximum)) {
+        maximum = m;
         found = i;
       }
     return found;
@@ -69,7 +71,7 @@ void outermost(std::span<const ManifoldPoint> points, const Vec3& n, int (&chose
 
 }  // namespace
 
-std::uint32_t mixed(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+std::uint32_t feature_hash(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
   std::uint32_t h = 2166136261U;
   for (const std::uint32_t x : {a, b, c, d}) {
     h = (h ^ x) * 16777619U;
@@ -93,7 +95,7 @@ void cut(const Patch& reference, const Patch& incident, const Vec3& n, std::uint
       const Vec3& from = reference.at(i).p;
       const Vec3 edge = reference.at((i + 1) % reference.count).p - from;
       const Vec3 outward = normalized(cross(edge, n), {});
-      // shapes of the same size on each other keep their own corners
+      // Stacked shapes of equal size keep their own corners, despite rounding: the planes are moved outwards by 1e-6 of the edge's length.
       clip(*now, outward, dot(outward, from) + 1e-6 * norm(edge), (1U << 30) + reference.at(i).label, *next);
       std::swap(now, next);
     }
@@ -102,11 +104,11 @@ void cut(const Patch& reference, const Patch& incident, const Vec3& n, std::uint
   for (int i = 0; i < now->count; ++i) {
     const Clipped& c = now->at(i);
     const double h = dot(n, c.p) - base - incident.radius - reference.radius;
-    out.add({c.p - n * incident.radius, h, mixed(side, reference.face, c.in, c.out)});
+    out.add({c.p - n * incident.radius, h, feature_hash(side, reference.face, c.in, c.out)});
   }
 }
 
-double least_height(const Candidates& c) {
+double min_height(const Candidates& c) {
   double h = 1e300;
   for (int i = 0; i < c.count; ++i) h = std::min(h, c.at(i).h);
   return h;
@@ -118,18 +120,18 @@ void add_spanning(std::span<ManifoldPoint> points, double slack, Manifold& out) 
                                                     [](const ManifoldPoint& a, const ManifoldPoint& b) { return a.distance < b.distance; });
     std::size_t count = 0;
     for (ManifoldPoint& p : points)
-      if (dot(p.n, deepest.n) > one_direction) std::swap(points[count++], p);
+      if (dot(p.n, deepest.n) > same_direction_cos) std::swap(points[count++], p);
     const std::span<ManifoldPoint> group = points.first(count);
     int chosen[4];
     outermost(group, deepest.n, chosen);
-    double least = 1e300;
+    double minimum = 1e300;
     for (int k = 0; k < 4; ++k) {
       if (chosen[k] < 0 || std::find(chosen, chosen + k, chosen[k]) != chosen + k) continue;
       const ManifoldPoint& p = group[static_cast<std::size_t>(chosen[k])];
-      least = std::min(least, p.distance);
+      minimum = std::min(minimum, p.distance);
       out.add(p.p, p.n, p.distance, p.feature);
     }
-    if (deepest.distance < least - slack) out.add(deepest.p, deepest.n, deepest.distance, deepest.feature);
+    if (deepest.distance < minimum - slack) out.add(deepest.p, deepest.n, deepest.distance, deepest.feature);
     points = points.subspan(group.size());
   }
 }

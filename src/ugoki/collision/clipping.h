@@ -1,5 +1,5 @@
 #pragma once
-// Flat pieces of two bodies cut against each other, and few of many contact points; internal to collision.
+// Clipping of the touching faces of two bodies, and the reduction of many contact points to a few. Internal to collision.
 
 #include <span>
 #include <vector>
@@ -9,34 +9,39 @@
 
 namespace ugoki::collision {
 
-/// A point of the cut patch: on its surface, and its height above the reference.
+/// A corner of the clipped incident patch.
 struct Candidate {
-  Vec3 p;  ///< m
-  double h = 0;
-  std::uint32_t feature = 0;
+  Vec3 p;                     ///< m: on the surface of the incident body
+  double h = 0;               ///< m: height above the surface of the reference body
+  std::uint32_t feature = 0;  ///< < 2^24: see ManifoldPoint::feature
 };
+/// Fixed-capacity list of candidates.
 struct Candidates {
-  std::array<Candidate, 2 * Patch::most> list;
+  std::array<Candidate, 2 * Patch::max_corners> list;
   int count = 0;
+  /// Ignored when the list is full.
   void add(const Candidate& c) {
     if (count < static_cast<int>(list.size())) list[static_cast<std::size_t>(count++)] = c;
   }
   [[nodiscard]] const Candidate& at(int i) const { return list[static_cast<std::size_t>(i)]; }
 };
 
-/// The incident patch, cut to what lies above the reference polygon (or beside the reference segment).
-/// @param n unit: of the reference, outwards
-/// @param side a number that tells features of this cut from those of others
+/// Clips the incident patch to the prism above the reference polygon, or to the slab between the end planes of the reference segment.
+/// @param n unit: outward normal of the reference
+/// @param side constant that makes the features of this kind of cut differ from those of other kinds
+/// @param out replaced by the corners of the clipped patch
 void cut(const Patch& reference, const Patch& incident, const Vec3& n, std::uint32_t side, Candidates& out);
 
-[[nodiscard]] double least_height(const Candidates& c);
+/// Minimum height [m] of the candidates; 1e300 if there are none.
+[[nodiscard]] double min_height(const Candidates& c);
 
-/// A number below 2^24 from four.
-[[nodiscard]] std::uint32_t mixed(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
+/// Hash of four values, below 2^24: the identifier of a contact feature.
+[[nodiscard]] std::uint32_t feature_hash(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
 
-/// Adds few of many points that span the rest: for each direction of the normals (to 18 degrees) the outermost four of them and, if
-/// it is clearly deeper, the deepest; the deepest direction first. Reorders `points`.
-/// @param slack m: differences of depth below this do not count
+/// Reduces many contact points to a few and adds them to `out`. Points whose normals differ by less than 18 degrees form a group. Each
+/// group adds its four outermost points, and its deepest point if that is deeper than these by more than `slack`. The group of the deepest
+/// point is added first. Reorders `points`.
+/// @param slack m: smaller differences of depth are ignored
 void add_spanning(std::span<ManifoldPoint> points, double slack, Manifold& out);
 
 }  // namespace ugoki::collision

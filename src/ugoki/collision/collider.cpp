@@ -5,6 +5,7 @@
 namespace ugoki::collision {
 namespace {
 
+/// Prepared data of the geometry; if it is declared convex but is not, those of its surface.
 PreparedPtr prepared_of(const Geometry& geometry) {
   if (geometry.prepared) return geometry.prepared;
   Result<PreparedPtr> made = make_prepared(geometry, {}, {}, "mesh");
@@ -28,9 +29,9 @@ void set_bound(Collider& out) {
     case ShapeType::cylinder: out.bound = std::sqrt(half.x * half.x + half.z * half.z); break;
     case ShapeType::ellipsoid: out.bound = std::max({half.x, half.y, half.z}); break;
     case ShapeType::mesh: {
-      double most = 0;
-      for (const Vec3& p : out.shape.geometry->vertices) most = std::max(most, dot(p - out.centre, p - out.centre));
-      out.bound = std::sqrt(most);
+      double maximum = 0;
+      for (const Vec3& p : out.shape.geometry->vertices) maximum = std::max(maximum, dot(p - out.centre, p - out.centre));
+      out.bound = std::sqrt(maximum);
       break;
     }
     case ShapeType::box:

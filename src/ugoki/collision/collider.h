@@ -1,5 +1,5 @@
 #pragma once
-// A shape as collision analysis sees it, prepared once.
+// A shape prepared for collision analysis.
 
 #include <memory>
 
@@ -11,22 +11,23 @@ namespace ugoki::collision {
 
 struct Core;
 
+/// A shape with its bounds and support function. Built once by make_collider(), then constant.
 struct Collider {
   Shape shape;
-  bool convex = true;                ///< `support` says what it is; otherwise its triangles do (mesh that is not convex, height field)
-  Support support;                   ///< of the shape; of a mesh that is not convex: of its convex hull, if that is known
-  PreparedPtr prepared;              ///< mesh; keeps what `support` points at alive
-  Vec3 centre;                       ///< m, shape's frame: of the sphere that holds it
-  double bound = 0;                  ///< m: its radius
-  double reach = 0;                  ///< m: no point is farther from the shape's origin
-  Vec3 half;                         ///< m: half extents of the box about `centre`, along the shape's axes, that holds it
-  double thickness = 0;              ///< m: the least of them
-  std::shared_ptr<const Core> core;  ///< of convex shapes in scenes with surfaces of triangles; else null
+  bool convex = true;    ///< true: `support` defines the shape; false: its triangles do (mesh that is not convex, height field)
+  Support support;       ///< support function of the shape; for a mesh that is not convex, of its convex hull if that was prepared
+  PreparedPtr prepared;  ///< meshes only: hull and sphere tree; owns the hull that `support` points to
+  Vec3 centre;           ///< m, shape's frame: centre of the bounding sphere
+  double bound = 0;      ///< m: radius of the bounding sphere
+  double reach = 0;      ///< m: upper bound of the distance of the shape's points from its origin
+  Vec3 half;             ///< m: half extents of the bounding box along the shape's axes; its centre is `centre`
+  double thickness = 0;  ///< m: minimum component of `half`
+  std::shared_ptr<const Core> core;  ///< see core.h; set for convex shapes in scenes with non-convex shapes, else null
 };
 
-/// Uses what a mesh's geometry has prepared; what is missing is prepared here (all but the hull of a mesh that is not convex). A
-/// mesh that cannot be prepared (said to be convex, and is not) is taken as its surface.
-/// O(1) for what is prepared, O(triangles log triangles) otherwise.
+/// Makes the collider of a shape. Uses the prepared data of a mesh's geometry; missing data are prepared here, except for the hull of a
+/// mesh that is not convex. A mesh that is declared convex but is not is used as a surface of triangles. O(vertices) if the mesh is
+/// prepared, O(triangles log triangles) otherwise.
 [[nodiscard]] Collider make_collider(const Shape& shape);
 
 }  // namespace ugoki::collision

@@ -5,16 +5,18 @@
 
 namespace ugoki::collision {
 
-/// Contact points of a and b with distances below `margin`, replacing what `out` held: closed forms for spheres, capsules and boxes,
-/// faces cut against each other for other convex shapes, triangles where one is not convex. A mesh that is not convex meets a
-/// height field with its convex hull; two height fields do not meet.
-/// @param X_WS, X_WT poses of the SHAPES themselves
-/// @param cache of this pair from the last step
+/// Contact points of a and b with distances below `margin` [m]. Replaces the content of `out`.
+/// - Spheres, capsules and boxes: closed forms.
+/// - Other convex shapes: faces clipped against each other.
+/// - One shape is not convex: its triangles. A mesh that is not convex is replaced by its convex hull against a height field.
+/// - Two height fields: no points.
+/// @param X_WS, X_WT poses of the SHAPES themselves (not of their links)
+/// @param cache [in, out] warm start of this pair from the previous step
 void find_manifold(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double margin, GilbertCache& cache,
                    ManifoldWorkspace& workspace, Manifold& out);
 
-/// Contact points of a with the plane z = height, n = +z, distances below `margin`.
-/// @param hint [in, out] a vertex of its hull from the last step; 0 at the start
+/// Contact points of a with the plane z = height [m], with n = +z and distances below `margin` [m]. Replaces the content of `out`.
+/// @param hint [in, out] the lowest vertex of its hull in the previous step; 0 at the start
 void find_ground_manifold(const Collider& a, const Pose& X_WS, double height, double margin, std::int32_t& hint,
                           ManifoldWorkspace& workspace, Manifold& out);
 

@@ -7,10 +7,10 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr double parallel_sin2 = 0.03;  // segments closer to parallel than this (10 degrees) lie along each other
+constexpr double parallel_sin2 = 0.03;  // squared sine of 10 degrees: edges at a smaller angle touch along a line, others at a point
 
-/// Four of the points below the margin that span the rest, seen along n: the deepest, the one farthest from it, and the farthest
-/// on both sides of the line between them.
+/// Adds four of the candidates below the margin to `out`: the deepest, the one farthest from it, and, in the projection along n, the
+/// farthest on both sides of the line between them.
 void add_four(const Candidates& c, const Vec3& n, double margin, const Vec3& contact_normal, Manifold& out) {
   int chosen[4] = {-1, -1, -1, -1};
   for (int i = 0; i < c.count; ++i)
@@ -50,9 +50,9 @@ void add_four(const Candidates& c, const Vec3& n, double margin, const Vec3& con
   }
 }
 
-/// Are they known to overlap by less than -`margin`, from the last separating direction (or the line of their centres) alone? Spares the
-/// depth of all that touch when only deep overlaps are asked for.
-bool hardly_overlap(const Support& a, const Pose& X_a, const Support& b, const Pose& X_b, double margin, const GilbertCache& cache) {
+/// True if the separation along one direction proves that the shapes overlap by at most -`margin` [m] (margin < 0). The direction is the
+/// last separating direction, or the line of their centres. Avoids the exact penetration depth when only deep overlaps are requested.
+bool is_depth_below(const Support& a, const Pose& X_a, const Support& b, const Pose& X_b, double margin, const GilbertCache& cache) {
   const bool known = dot(cache.n, cache.n) > 0.5;
   const Vec3 n = known ? X_a.R * cache.n : normalized(X_a * centre_of(a) - X_b * centre_of(b));
   const bool hint = known && cache.count > 0;
@@ -62,7 +62,8 @@ bool hardly_overlap(const Support& a, const Pose& X_a, const Support& b, const P
 }
 
 bool has_face(const Patch& p) { return p.count > 2; }
-bool along_each_other(const Patch& a, const Patch& b) {
+/// True if both patches are edges that are almost parallel.
+bool are_parallel_edges(const Patch& a, const Patch& b) {
   if (a.count != 2 || b.count != 2) return false;
   const Vec3 u = normalized(a.at(1).p - a.at(0).p), v = normalized(b.at(1).p - b.at(0).p), s = cross(u, v);
   return dot(s, s) < parallel_sin2;
@@ -72,7 +73,7 @@ bool along_each_other(const Patch& a, const Patch& b) {
 
 void add_convex_convex(const Collider& a, const Pose& X_a, const Collider& b, const Pose& X_b, double margin, GilbertCache& cache,
                        PenetrationWorkspace& workspace, Manifold& out) {
-  if (margin < 0 && hardly_overlap(a.support, X_a, b.support, X_b, margin, cache)) return;
+  if (margin < 0 && is_depth_below(a.support, X_a, b.support, X_b, margin, cache)) return;
   GilbertOptions options;
   options.farthest = margin;
   const SignedDistance d = signed_distance(a.support, X_a, b.support, X_b, cache, workspace, options);
@@ -85,19 +86,20 @@ void add_convex_convex(const Collider& a, const Pose& X_a, const Collider& b, co
   find_patch(a, X_a, -d.n, cache.count > 0 ? cache.a[0] : 0, on_a);
   find_patch(b, X_b, d.n, cache.count > 0 ? cache.b[0] : 0, on_b);
   Candidates points;
-  // The face that is better across the shortest way; a's, unless b's is clearly so, that contacts do not flicker.
+  // The reference is the face whose normal is closer to d.n. The face of b is used only if its sine is smaller by 1e-4, so that rounding
+  // does not make the contacts alternate between the two faces.
   const auto lean = [&](const Patch& p) { return norm(cross(p.normal, d.n)); };
   const bool b_first = has_face(on_b) && has_face(on_a) && lean(on_b) < lean(on_a) - 1e-4;
   for (const bool of_b : {b_first, !b_first}) {
     const Patch &reference = of_b ? on_b : on_a, &incident = of_b ? on_a : on_b;
     if (!has_face(reference) || incident.count < 2) continue;
     cut(reference, incident, reference.normal, of_b ? 2 : 1, points);
-    if (std::fabs(least_height(points) - d.distance) <= bias)
+    if (std::fabs(min_height(points) - d.distance) <= bias)
       return add_four(points, reference.normal, margin, of_b ? reference.normal : -reference.normal, out);
   }
-  if (along_each_other(on_a, on_b)) {
+  if (are_parallel_edges(on_a, on_b)) {
     cut(on_b, on_a, d.n, 3, points);
-    if (points.count == 2 && std::fabs(least_height(points) - d.distance) <= bias) return add_four(points, d.n, margin, d.n, out);
+    if (points.count == 2 && std::fabs(min_height(points) - d.distance) <= bias) return add_four(points, d.n, margin, d.n, out);
   }
   out.add((d.pa + d.pb) * 0.5, d.n, d.distance, 0);
 }
@@ -121,15 +123,15 @@ void add_convex_ground(const Collider& a, const Pose& X, double height, double m
     return add_spanning(scratch, 1e-4 * a.thickness, out);
   }
   if (s.kind == SupportKind::cylinder) {
-    const double r = s.size.x, z = down.z < 0 ? -s.size.z : s.size.z, aside = std::sqrt(down.x * down.x + down.y * down.y);
+    const double r = s.size.x, z = down.z < 0 ? -s.size.z : s.size.z, horizontal = std::sqrt(down.x * down.x + down.y * down.y);
     const std::uint32_t end = down.z < 0 ? 0 : 8;
     add(X * Vec3{r, 0, z}, end);
     add(X * Vec3{0, r, z}, end + 1);
     add(X * Vec3{-r, 0, z}, end + 2);
     add(X * Vec3{0, -r, z}, end + 3);
-    if (aside > 1e-6) {
-      add(X * Vec3{r * down.x / aside, r * down.y / aside, z}, end + 4);
-      add(X * Vec3{r * down.x / aside, r * down.y / aside, -z}, end + 5);
+    if (horizontal > 1e-6) {  // tilted (sine of the angle above 1e-6): also the ends of the lowest line of the side
+      add(X * Vec3{r * down.x / horizontal, r * down.y / horizontal, z}, end + 4);
+      add(X * Vec3{r * down.x / horizontal, r * down.y / horizontal, -z}, end + 5);
     }
     for (const ManifoldPoint& p : scratch) out.add(p.p, p.n, p.distance, p.feature);
     return;

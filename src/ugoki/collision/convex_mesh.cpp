@@ -8,11 +8,12 @@ namespace ugoki::collision {
 namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+/// Vector of lane i.
 Vec3 lane3(const float (*v)[block_lanes], int i) {
   return {static_cast<double>(v[0][i]), static_cast<double>(v[1][i]), static_cast<double>(v[2][i])};
 }
 
-/// All in the mesh's frame, about the centre of its tree.
+/// Search of the tree for the triangle closest to the shape. Frame: that of the mesh, with the tree's centre as origin. Lengths in m.
 class Search {
  public:
   Search(const Support& shape, const Pose& X, const SphereTree& tree, const BubbleOptions& options, double above, ConvexMeshWorkspace& work)
@@ -27,14 +28,15 @@ class Search {
     best.distance = above;
   }
 
-  /// @param cache of the shape and the triangle, perhaps from another triangle
+  /// Measures the distance of the shape and triangle t, and keeps it if it is the minimum so far.
+  /// @param cache warm start, possibly from another triangle
   void try_triangle(std::int32_t t, const GilbertCache& cache) {
     Hull& h = work_.corners;
     for (int k = 0; k < 3; ++k) h.vertices[static_cast<std::size_t>(k)] = tree_.corner(t, k);
     h.centre = (h.vertices[0] + h.vertices[1] + h.vertices[2]) / 3;
     h.radius = std::max({norm(h.vertices[0] - h.centre), norm(h.vertices[1] - h.centre), norm(h.vertices[2] - h.centre)});
-    GilbertCache mine = cache;
-    const GilbertResult d = gilbert_distance(shape_, X_, Support::of(h), {}, mine, {.tolerance = 1e-12, .farthest = limit()});
+    GilbertCache warm = cache;
+    const GilbertResult d = gilbert_distance(shape_, X_, Support::of(h), {}, warm, {.tolerance = 1e-12, .farthest = limit()});
     ++triangle_tests;
     const bool near = d.status == GilbertStatus::separated || d.status == GilbertStatus::not_converged;
     const double distance = d.status == GilbertStatus::touching || (near && d.distance <= 0) ? 0 : near ? d.distance : best.distance;
@@ -43,7 +45,7 @@ class Search {
     best.distance = distance;
     best.lower = distance > 0 ? std::max(d.lower, 0.0) : 0;
     triangle = t;
-    gilbert = mine;
+    gilbert = warm;
     if (distance > 0) reach_ = dot(-d.n, X_ * find_support(shape_, transpose_times(X_.R, -d.n)).p) + shape_.radius;
   }
 
@@ -65,16 +67,17 @@ class Search {
     }
   }
 
-  GilbertResult best;
+  GilbertResult best;  // best.distance: m, minimum so far, or the search radius while triangle == -1
   GilbertCache gilbert;
   std::int32_t triangle = -1;
   int bound_tests = 0, triangle_tests = 0;
   [[nodiscard]] double shrink() const { return shrink_; }
 
  private:
+  /// Bounds at this distance [m] or farther are skipped.
   [[nodiscard]] double limit() const { return triangle >= 0 ? best.distance * shrink_ : best.distance; }
 
-  /// Lower bound by Gilbert's method.
+  /// Lower bound [m] of the distance of the shape from a bound's box, by Gilbert's method with a coarse tolerance.
   double box_distance(const BoundBlock& block, int lane) {
     const Vec3 x = lane3(block.axis[0], lane), y = lane3(block.axis[1], lane);
     const Pose box{Mat3::columns(x, y, cross(x, y)), lane3(block.box, lane)};
@@ -85,7 +88,8 @@ class Search {
     return d.status == GilbertStatus::touching ? 0 : d.lower - slack_;
   }
 
-  /// Lower bounds by the spheres that hold the shape and the part, and along the direction of the nearest pair so far.
+  /// Pushes the bounds of a block on the stack, the closest on top. Their lower bounds are the distance of the bounding spheres and the
+  /// separation along the direction of the closest pair so far.
   void expand(std::int32_t index) {
     const BoundBlock& block = tree_.blocks[at(index)];
     const std::size_t first = work_.stack.size();
@@ -108,17 +112,18 @@ class Search {
   Pose X_;
   const SphereTree& tree_;
   Vec3 centre_;
-  double radius_, slack_, shrink_;
-  double reach_ = 0;  // m: of the shape along -best.n
+  double radius_, slack_, shrink_;  // m: bounding radius of the shape; m: rounding of the float bounds; 1 / (1 + relative error)
+  double reach_ = 0;                // m: maximum coordinate of the shape along -best.n
   ConvexMeshWorkspace& work_;
 };
 
+/// True for a bounded core with finite sizes below 1e9 m.
 bool is_bounded(const Support& s) {
   const double sum = s.radius + s.size.x + s.size.y + s.size.z + (s.kind == SupportKind::hull && s.hull != nullptr ? s.hull->radius : 0);
   return s.kind != SupportKind::half_space && sum < 1e9;
 }
 
-/// The centre of a sphere is a point.
+/// Distance of a sphere: that of its centre, less the radius.
 BubbleDistance point_distance(double radius, const Pose& X_WA, const SphereTree& b, const Pose& X_WB, ConvexMeshCache& cache,
                               ConvexMeshWorkspace& workspace, const BubbleOptions& options) {
   BubbleDistance out;
@@ -151,7 +156,7 @@ BubbleDistance find_distance(const Support& a, const Pose& X_WA, const SphereTre
   BubbleDistance out;
   if (b.empty() || !is_bounded(a) || !can_be_placed(X_WA) || !can_be_placed(X_WB) || std::isnan(options.farthest)) return out;
   if (a.kind == SupportKind::point) return point_distance(a.radius, X_WA, b, X_WB, cache, workspace, options);
-  const Pose X_WC{X_WB.R, X_WB * b.centre};  // the tree's own frame
+  const Pose X_WC{X_WB.R, X_WB * b.centre};  // frame of the mesh with the tree's centre as origin
   const Pose X{X_WC.R.transposed() * X_WA.R, transpose_times(X_WC.R, X_WA.p - X_WC.p)};
   const double reach = norm(X * centre_of(a)) + bounding_radius(a) + b.radius;
   Search search(a, X, b, options, std::min(std::max(options.farthest, 0.0), 2 * reach), workspace);

@@ -1,35 +1,39 @@
 #pragma once
-// Exact distance of a convex shape and a mesh: Gilbert's method of the shape against bounds, and against triangles at the leaves.
+// Exact distance of a convex shape and a mesh: a search of the mesh's sphere tree. Gilbert's method gives the distance of the shape from
+// the bounds and, at the leaves, from the triangles.
 //
-// The convex shape is solid, the mesh is its SURFACE: the distance of a shape that a closed mesh encloses is that from its walls.
+// The convex shape is solid; a mesh means its SURFACE. A shape inside a closed mesh has a positive distance from the mesh's walls.
 
 #include "ugoki/collision/bubble.h"
 #include "ugoki/collision/gilbert.h"
 
 namespace ugoki::collision {
 
-/// What a pair remembers from one query to the next; all {} at the start. Wrong or foreign content costs time, never truth.
+/// Warm start of a pair, kept from one query to the next; {} at the first query. Content from another pair makes a query slower but not
+/// wrong.
 struct ConvexMeshCache {
-  std::int32_t triangle = -1;  ///< of the tree: the nearest
-  GilbertCache gilbert;        ///< of the shape and that triangle
+  std::int32_t triangle = -1;  ///< index of the closest triangle in the tree; -1: none
+  GilbertCache gilbert;        ///< warm start of the shape and that triangle
 };
 
-/// Scratch memory of find_distance; one for each thread, any pair may use it. Grows with the depth of the trees, then stays.
+/// Scratch memory of find_distance; one object per thread, for any pairs. Grows with the depth of the trees and is then reused.
 class ConvexMeshWorkspace {
  public:
+  /// A bound on the stack of the search.
   struct Entry {
     std::int32_t lane;  ///< block * block_lanes + lane
     double lower;       ///< m: a lower bound of the distance
   };
   std::vector<Entry> stack;
-  Hull corners;              ///< of the triangle that is looked at
-  BubbleWorkspace of_point;  ///< for spheres
+  Hull corners;              ///< the current triangle, as a flat hull
+  BubbleWorkspace of_point;  ///< search for the point of the mesh closest to a sphere's centre
   ConvexMeshWorkspace();
 };
 
-/// Distance of shape a (bounded: no half-space) at pose X_WA and mesh b at pose X_WB, poses of their frames. Exact to 1e-12 of the
-/// sizes for polytopes, and to that of Gilbert's duality gap for curved shapes; options as for two meshes. nearest.a is always -1.
-/// status touching: the shape reaches the surface, distance 0.
+/// Distance of shape a (bounded: no half-space) at pose X_WA and mesh b at pose X_WB. The error is at most 1e-12 of the sizes for
+/// polytopes; for curved shapes it is the duality gap of Gilbert's method (distance - lower). Options as for two meshes. Status touching:
+/// the shape intersects the surface, distance 0. nearest.a of the result is always -1.
+/// @param cache [in, out] warm start of this pair
 [[nodiscard]] BubbleDistance find_distance(const Support& a, const Pose& X_WA, const SphereTree& b, const Pose& X_WB,
                                            ConvexMeshCache& cache, ConvexMeshWorkspace& workspace, const BubbleOptions& options = {});
 

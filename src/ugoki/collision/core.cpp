@@ -6,21 +6,22 @@
 namespace ugoki::collision {
 namespace {
 
-/// The face that p is least far behind, and how far.
+/// The face whose plane is closest above p, and the depth [m] of p below it (negative: outside).
 std::pair<std::size_t, double> nearest_face(const Hull& hull, const Vec3& p) {
   std::size_t face = 0;
-  double least = HUGE_VAL;
+  double minimum = HUGE_VAL;
   for (std::size_t f = 0; f < hull.normals.size(); ++f) {
     const double behind = hull.offsets[f] - dot(hull.normals[f], p);
-    if (behind < least) {
-      least = behind;
+    if (behind < minimum) {
+      minimum = behind;
       face = f;
     }
   }
-  return {face, least};
+  return {face, minimum};
 }
 
-/// Moves p behind the faces that it is not deep enough behind, one after another.
+/// Moves p inwards by alternating projection: each round moves it to `depth` [m] below its closest face, until it is deep enough below all
+/// faces or `rounds` is reached.
 Vec3 moved_inwards(const Hull& hull, Vec3 p, double depth, int rounds) {
   for (int k = 0; k < rounds; ++k) {
     const auto [face, behind] = nearest_face(hull, p);
@@ -30,16 +31,17 @@ Vec3 moved_inwards(const Hull& hull, Vec3 p, double depth, int rounds) {
   return p;
 }
 
-/// Each vertex moved inwards until it is deep enough; what slow alternation leaves, towards a point that is deeper.
+/// Hull of the vertices, each moved inwards to `depth` [m]. A vertex that is not deep enough after all rounds is moved towards a deep
+/// point. Hulls with more than 200 vertices are scaled about the deep point instead, because the projections would be slow.
 std::unique_ptr<Hull> core_of(const Hull& hull, double depth) {
   constexpr int rounds = 100;
-  constexpr std::size_t many = 200;
+  constexpr std::size_t max_projected = 200;
   auto out = std::make_unique<Hull>();
   out->dimension = hull.dimension;
   const Vec3 deep = moved_inwards(hull, hull.centre, 1.1 * depth, rounds);
   const double at_deep = nearest_face(hull, deep).second;
   for (const Vec3& v : hull.vertices) {
-    if (hull.vertices.size() > many) {  // smaller, about the point that is deep
+    if (hull.vertices.size() > max_projected) {  // scaled about the deep point
       out->vertices.push_back(deep + (v - deep) * std::max(1 - depth / at_deep, 0.0));
       continue;
     }
@@ -57,14 +59,14 @@ std::unique_ptr<Hull> core_of(const Hull& hull, double depth) {
 
 double half_width_of(const Collider& c) {
   if (c.support.kind != SupportKind::hull || c.support.hull == nullptr) return c.thickness;
-  double least = c.thickness;
+  double minimum = c.thickness;
   const Hull& hull = *c.support.hull;
   for (std::size_t f = 0; f < hull.normals.size(); ++f) {
     double low = hull.offsets[f];
     for (const Vec3& v : hull.vertices) low = std::min(low, dot(hull.normals[f], v));
-    least = std::min(least, 0.5 * (hull.offsets[f] - low) + c.support.radius);
+    minimum = std::min(minimum, 0.5 * (hull.offsets[f] - low) + c.support.radius);
   }
-  return least;
+  return minimum;
 }
 
 std::shared_ptr<const Core> make_core(const Collider& c) {

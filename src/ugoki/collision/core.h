@@ -1,6 +1,6 @@
 #pragma once
-// The core of a convex shape: what of it lies deeper than a given depth. While the core of a body does not touch a surface, the body has
-// not come through it, however thin the surface is. Internal to collision.
+// The core of a convex shape: its points deeper than a given depth below its surface. While the core does not touch a surface of triangles,
+// the shape has not passed through that surface, however thin the surface is. Internal to collision.
 
 #include <memory>
 
@@ -8,16 +8,17 @@
 
 namespace ugoki::collision {
 
-/// m: half of the least distance of two parallel planes that hold the shape; of a hull, of those along its faces.
+/// Half width [m] of the shape: half the minimum distance of two parallel planes that enclose it. For hulls only planes parallel to a face
+/// or to two axes of the shape's frame are considered.
 [[nodiscard]] double half_width_of(const Collider& c);
 
-/// A convex shape within another, at least `depth` from its surface (of an ellipsoid and a hull, perhaps a little more).
+/// Core of a convex shape. Its points are at least `depth` below the surface; those of ellipsoids and hulls may be slightly deeper.
 struct Core {
   Collider collider;
-  double depth = 0;            ///< m
-  std::unique_ptr<Hull> hull;  ///< of a hull: what the support points at
+  double depth = 0;            ///< m: depth below the shape's surface
+  std::unique_ptr<Hull> hull;  ///< hulls only: the core's hull, to which collider.support points
 };
-/// Half as deep as half_width_of(c). Hulls: O(vertices faces)
+/// Makes the core of `c` with a depth of half_width_of(c) / 2. O(1); hulls: O(vertices * faces).
 [[nodiscard]] std::shared_ptr<const Core> make_core(const Collider& c);
 
 }  // namespace ugoki::collision

@@ -1,5 +1,5 @@
 #pragma once
-// The difference a - b of two shapes' cores (Minkowski's), in the frame of a: what Gilbert's method and the polytope search.
+// Minkowski difference a - b of the cores of two shapes, in the frame of a. The penetration search grows its polytope inside it.
 
 #include "ugoki/collision/simplex.h"
 #include "ugoki/collision/support_point.h"
@@ -10,13 +10,14 @@ namespace ugoki::collision {
 struct Difference {
   const Support& a;
   const Support& b;
-  Mat3 R;  ///< pose of b in a
-  Vec3 p;
+  Mat3 R;  ///< rotation of b in a
+  Vec3 p;  ///< m: position of b in a
 
   Difference(const Support& one, const Pose& X_WA, const Support& two, const Pose& X_WB)
       : a(one), b(two), R(X_WA.R.transposed() * X_WB.R), p(transpose_times(X_WA.R, X_WB.p - X_WA.p)) {}
 
-  /// Its farthest point along d.
+  /// The farthest point of the difference along d (frame of a), with the vertices of a and b that form it.
+  /// @param hint_a, hint_b vertices from which the searches start
   [[nodiscard]] Corner support(const Vec3& d, std::int32_t hint_a, std::int32_t hint_b) const {
     const SupportPoint on_a = support_point(a, d, hint_a), on_b = support_point(b, -transpose_times(R, d), hint_b);
     return {on_a.p - (R * on_b.p + p), on_a.p, on_a.vertex, on_b.vertex};

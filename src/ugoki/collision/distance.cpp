@@ -8,7 +8,7 @@
 namespace ugoki::collision {
 namespace {
 
-double tell(const PairDistance& d, Vec3* pa, Vec3* pb, Vec3* n) {
+double copy_out(const PairDistance& d, Vec3* pa, Vec3* pb, Vec3* n) {
   if (pa != nullptr) *pa = d.pa;
   if (pb != nullptr) *pb = d.pb;
   if (n != nullptr) *n = d.n;
@@ -21,11 +21,12 @@ double distance(const Collider& a, const Pose& X_WA, const Collider& b, const Po
   PairCache cache;
   DistanceWorkspace workspace;
   constexpr double any = std::numeric_limits<double>::infinity();
-  return tell(find_pair_distance(a, X_WA * a.shape.X_BS, b, X_WB * b.shape.X_BS, any, cache, workspace), pa, pb, n);
+  return copy_out(find_pair_distance(a, X_WA * a.shape.X_BS, b, X_WB * b.shape.X_BS, any, cache, workspace), pa, pb, n);
 }
 
 double distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Vec3* pa, Vec3* pb, Vec3* n) {
-  if (has_closed_form(a.type) && has_closed_form(b.type)) return tell(closed_form_distance(a, X_WA * a.X_BS, b, X_WB * b.X_BS), pa, pb, n);
+  if (has_closed_form(a.type) && has_closed_form(b.type))
+    return copy_out(closed_form_distance(a, X_WA * a.X_BS, b, X_WB * b.X_BS), pa, pb, n);
   return distance(make_collider(a), X_WA, make_collider(b), X_WB, pa, pb, n);
 }
 

@@ -1,11 +1,13 @@
 #pragma once
-// Numbers of about 32 digits as the sum of two doubles, for the few places where differences of products decide.
+// Double-double arithmetic: values with about 32 decimal digits, stored as the sum of two doubles. Used where the sign of a difference of
+// products decides a branch.
 // Source: Dekker, A floating-point technique for extending the available precision (1971).
 
 #include "ugoki/spatial/vec3.h"
 
 namespace ugoki::collision {
 
+/// The value high + low.
 struct DoubleDouble {
   double high = 0, low = 0;
 
@@ -14,9 +16,9 @@ struct DoubleDouble {
     const double s = a + b, t = s - a;
     return {s, (a - (s - t)) + (b - t)};
   }
-  /// a * b without error (magnitudes below 1e290).
+  /// a * b without error, for magnitudes below 1e290.
   static DoubleDouble product(double a, double b) {
-    constexpr double split = 134217729.0;
+    constexpr double split = 134217729.0;  // 2^27 + 1 splits a double into two halves of 26 bits (Dekker, Veltkamp)
     const double p = a * b, ca = split * a, cb = split * b;
     const double ah = ca - (ca - a), al = a - ah, bh = cb - (cb - b), bl = b - bh;
     return {p, ((ah * bh - p) + ah * bl + al * bh) + al * bl};
@@ -32,6 +34,7 @@ struct DoubleDouble {
   }
 };
 
+/// Vector of three double-double coordinates.
 struct DoubleDoubleVec {
   DoubleDouble x, y, z;
 };

@@ -11,20 +11,24 @@ namespace {
 
 constexpr std::uint64_t ground_index = (1U << 20) - 1;
 
+/// ContactPoint::key: 20 bits for each shape, 24 bits for the feature.
 std::uint64_t make_key(std::uint64_t a, std::uint64_t b, std::uint32_t feature) { return (a << 44) | (b << 24) | feature; }
 
-/// What is remembered of another scene is forgotten.
-void fit_memory(const Scene& scene, Workspace& work) {
+/// Clears the warm starts if they belong to another scene.
+void reset_if_other_scene(const Scene& scene, Workspace& work) {
   if (work.content == scene.content()) return;
   work.content = scene.content();
   work.pairs.clear();
   work.lowest.assign(scene.shapes().size(), 0);
 }
 
-/// Row z of a rotation: world heights of directions given in the link's frame.
+/// Row z of a rotation matrix: the world's up direction in the link's frame.
 Vec3 heights(const Mat3& R) { return {R.zx, R.zy, R.zz}; }
 
-/// Height of the lowest point of a shape, without its whole pose; of a mesh or height field that of a box around it.
+/// Height [m, world] of a shape's lowest point, computed without the shape's full pose; of a mesh or height field, that of its bounding
+/// box.
+/// @param origin m: height of the shape's origin
+/// @param up_B unit: the world's up direction in the link's frame
 double lowest_height(const SceneShape& shape, double origin, const Vec3& up_B) {
   const Shape& s = shape.shape;
   const Vec3 up = transpose_times(s.X_BS.R, up_B);
@@ -42,6 +46,7 @@ double lowest_height(const SceneShape& shape, double origin, const Vec3& up_B) {
   return origin;
 }
 
+/// State of one call of find_contacts().
 struct Search {
   const Scene& scene;
   std::span<const std::span<const Pose>> X_WB;
@@ -57,6 +62,8 @@ struct Search {
     return X_WB[static_cast<std::size_t>(s.system)][static_cast<std::size_t>(s.link)];
   }
 
+  /// Appends the points of `manifold` to `out`.
+  /// @param b null: the ground
   void add(const SceneShape& a, std::uint64_t index_a, const SceneShape* b, std::uint64_t index_b, double friction, double restitution) {
     for (int i = 0; i < manifold.count; ++i) {
       const ManifoldPoint& point = manifold.points[static_cast<std::size_t>(i)];
@@ -76,6 +83,7 @@ struct Search {
     }
   }
 
+  /// Contacts of all shapes with the ground.
   void ground() {
     const double height = scene.ground().height, limit = height + margin;
     const std::span<const SceneShape> shapes = scene.shapes();
@@ -91,6 +99,7 @@ struct Search {
     }
   }
 
+  /// True if the bounding spheres of shapes i and j are closer than the margin.
   [[nodiscard]] bool bounds_near(std::size_t i, std::size_t j) const {
     const Workspace::Ball &ball_a = work.balls[i], &ball_b = work.balls[j];
     const Vec3 gap = ball_a.c - ball_b.c;
@@ -98,6 +107,7 @@ struct Search {
     return dot(gap, gap) < reach * reach;
   }
 
+  /// Contacts of shapes i and j.
   void pair(std::size_t i, std::size_t j) {
     const SceneShape &a = scene.shapes()[i], &b = scene.shapes()[j];
     if (is_simple(a.shape.type) && is_simple(b.shape.type)) {
@@ -110,6 +120,7 @@ struct Search {
     add(a, i, &b, j, std::sqrt(a.shape.friction * b.shape.friction), std::max(a.shape.restitution, b.shape.restitution));
   }
 
+  /// Computes the poses and bounding spheres of all shapes, and the extents of all systems.
   void bounds() {
     const std::span<const SceneShape> shapes = scene.shapes();
     for (std::size_t s = 0; s < X_WB.size(); ++s) {
@@ -127,8 +138,9 @@ struct Search {
     }
   }
 
+  /// Contacts between the shapes of one system.
   void within(int system) {
-    // Collect the few pairs whose bounds are near without a branch for each pair, then look at those.
+    // The few pairs with close bounds are first collected in chunks without a branch per pair, then tested exactly.
     constexpr std::size_t chunk = 64;
     const std::span<const ShapePair> pairs = scene.self_pairs(system);
     for (std::size_t begin = 0; begin < pairs.size(); begin += chunk) {
@@ -153,6 +165,7 @@ struct Search {
     return near({ball.c - r, ball.c + r}, work.extents[static_cast<std::size_t>(system)]);
   }
 
+  /// Contacts between the shapes of two systems.
   void between(int system_a, int system_b) {
     if (!near(work.extents[static_cast<std::size_t>(system_a)], work.extents[static_cast<std::size_t>(system_b)])) return;
     for (int i = scene.first_shape(system_a); i < scene.first_shape(system_a + 1); ++i) {
@@ -166,6 +179,7 @@ struct Search {
     }
   }
 
+  /// Contacts of all pairs, without a broad phase.
   void all_pairs() {
     const int systems = static_cast<int>(X_WB.size());
     for (int s = 0; s < systems; ++s)
@@ -176,15 +190,15 @@ struct Search {
         if (!is_still(a) || !is_still(b)) between(a, b);
   }
 
-  /// What all_pairs() looks at, in the same order, from the few pairs that the superior tree names.
+  /// The same contacts as all_pairs(), in the same order. The candidate pairs come from the superior tree.
   void crowd() {
     const std::span<const SceneShape> shapes = scene.shapes();
     if (!work.broad_phase) work.broad_phase = std::make_unique<BroadPhase>();
-    const std::span<const BodyPair> named = work.broad_phase->find(scene, std::span(work.balls).first(shapes.size()), margin);
+    const std::span<const BodyPair> candidates = work.broad_phase->find(scene, std::span(work.balls).first(shapes.size()), margin);
     const auto system = [&](std::int32_t i) { return shapes[static_cast<std::size_t>(i)].system; };
     const auto first = [](const ShapePair& p) { return std::pair(p.a, p.b); };
     work.near.clear();
-    for (const BodyPair& p : named) {
+    for (const BodyPair& p : candidates) {
       const auto a = static_cast<std::size_t>(p.a), b = static_cast<std::size_t>(p.b);
       const int of_a = system(p.a), of_b = system(p.b);
       if ((is_still(of_a) && is_still(of_b)) || !bounds_near(a, b)) continue;
@@ -199,20 +213,20 @@ struct Search {
     };
     if (!std::ranges::is_sorted(work.near, before)) std::ranges::sort(work.near, before);
     auto next = work.near.begin();
-    const auto look = [&](const ShapePair& p) { pair(static_cast<std::size_t>(p.a), static_cast<std::size_t>(p.b)); };
+    const auto add_pair = [&](const ShapePair& p) { pair(static_cast<std::size_t>(p.a), static_cast<std::size_t>(p.b)); };
     for (int s = 0; s < static_cast<int>(X_WB.size()); ++s) {
       if (!scene.self_collision(s) || is_still(s)) continue;
       if (!BroadPhase::covers(scene, s)) within(s);
-      for (; next != work.near.end() && system(next->b) == s && system(next->a) == s; ++next) look(*next);
+      for (; next != work.near.end() && system(next->b) == s && system(next->a) == s; ++next) add_pair(*next);
     }
-    for (; next != work.near.end(); ++next) look(*next);
+    for (; next != work.near.end(); ++next) add_pair(*next);
   }
 };
 
 }  // namespace
 
 void begin_from(const Scene& scene, std::span<const std::span<const Pose>> X_WB, std::span<const ContactPoint> contacts, Workspace& work) {
-  fit_memory(scene, work);
+  reset_if_other_scene(scene, work);
   std::uint64_t last = 0;
   for (const ContactPoint& c : contacts) {
     const std::uint64_t a = c.key >> 44, b = (c.key >> 24) & ground_index, key = make_key(a, b, 1);
@@ -232,10 +246,10 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
     work.balls.resize(scene.shapes().size());
     work.poses.resize(scene.shapes().size());
   }
-  fit_memory(scene, work);
+  reset_if_other_scene(scene, work);
   if (work.extents.size() < X_WB.size()) work.extents.resize(X_WB.size());
   out.clear();
-  // Every corner on the ground, and four points between shapes for each shape.
+  // Per shape: the 8 corners of a box on the ground, and four points with other shapes. More contacts make `out` grow.
   if (out.capacity() < 12 * scene.shapes().size()) out.reserve(12 * scene.shapes().size());
 
   Search search{scene, X_WB, margin, work, out, moved, {}};
@@ -246,7 +260,7 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
   for (int s = 0; s < systems; ++s) self = self || scene.self_collision(s);
   if (!between && !self) return;
   search.bounds();
-  if (BroadPhase::pays(scene))
+  if (BroadPhase::is_faster(scene))
     search.crowd();
   else
     search.all_pairs();

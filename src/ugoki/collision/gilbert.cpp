@@ -6,7 +6,7 @@
 namespace ugoki::collision {
 namespace {
 
-/// One of them a half-space: closed form.
+/// Distance if one shape is a half-space, in closed form.
 GilbertResult half_space_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB) {
   GilbertResult out;
   const bool first = a.kind == SupportKind::half_space;
@@ -36,6 +36,7 @@ const bool has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_suppo
 #endif
 
 bool is_empty(const Support& s) { return s.kind == SupportKind::hull && (s.hull == nullptr || s.hull->vertices.empty()); }
+/// True for hulls on which hill climbing is prepared (Hull::walk).
 bool has_walk(const Support& s) { return s.kind == SupportKind::hull && !s.hull->walk.nodes.empty(); }
 
 }  // namespace

@@ -1,7 +1,10 @@
 #pragma once
-// Gilbert distance: the true distance of two convex shapes, with its own certificate, cheap in coherent motion.
+// Gilbert distance: the true distance of two convex shapes with proved upper and lower bounds. Fast in coherent motion, as each query
+// starts from the closest features of the previous one.
+//
+// Design: docs/design/convex-distance.md.
 // Sources: Gilbert, Johnson, Keerthi, A fast procedure for computing the distance between complex objects in three-dimensional
-// space (1988); Cameron, Enhancing GJK (1997): the walk on the hull; Montanari, Petrinic, Barbieri, Improving the GJK algorithm
+// space (1988); Cameron, Enhancing GJK (1997): hill climbing on the hull; Montanari, Petrinic, Barbieri, Improving the GJK algorithm
 // (2017): signed volumes.
 
 #include <array>
@@ -13,50 +16,51 @@
 
 namespace ugoki::collision {
 
-/// Where the direction between two hulls goes while their motion passes vertices at nearly every query (hull_leap.h); all zero at the
-/// start.
+/// Predicted direction between two hulls, used in fast motion, when the closest vertices change at nearly every query (hull_leap.h). All
+/// zero at the start.
 struct GilbertTrend {
-  std::int32_t pace = 0;                   ///< smoothed: 1024 for each vertex that a query passes
-  double inverse_distance = 0;             ///< 1/m, of the last query
-  std::array<double, 4> next{}, change{};  ///< world: from b towards a, about 1 long: as foretold; what is added to it from query to query
+  std::int32_t pace = 0;                   ///< smoothed rate: 1024 times the mean count of closest vertices (0 ... 2) that change per query
+  double inverse_distance = 0;             ///< 1/m, of the previous query; 0: no prediction yet
+  std::array<double, 4> next{}, change{};  ///< world: predicted direction from b towards a, length about 1; its change per query
 };
 
-/// What a pair remembers from one query to the next; all zero at the start. Wrong or foreign content costs time, never truth,
-/// but one cache belongs to one pair of supports (vertices are indices into their hulls).
+/// Warm start of a pair of shapes, kept from one query to the next; all zero at the first query. Use one cache per pair, as vertices are
+/// indices into the hulls of that pair. Content from another pair makes a query slower but not wrong.
 struct GilbertCache {
-  std::array<std::int32_t, 3> a{}, b{};  ///< vertices of the nearest features
-  std::int32_t count = 0;                ///< how many of them; 0: nothing known
-  Vec3 n;                                ///< unit or zero, shape a's frame, from b towards a: last separating direction
+  std::array<std::int32_t, 3> a{}, b{};  ///< vertices of the closest features of a and b
+  std::int32_t count = 0;                ///< count of entries of a and b in use; 0: none
+  Vec3 n;                                ///< unit or zero, shape a's frame, from b towards a: separating direction of the previous query
   GilbertTrend trend;
 };
 
 enum class GilbertStatus : std::uint8_t {
-  separated,      ///< distance > 0, certified: distance - lower <= the tolerance
-  touching,       ///< the cores overlap or touch (within 1e-14 of their size): no separating direction; see penetration.h
-  beyond,         ///< farther apart than options.farthest; `lower` proves it, the rest is an estimate
-  not_converged,  ///< stopped at the bound of iterations or of rounding: `distance` and `lower` still hold
-  not_finite,     ///< a pose or size is NaN or infinite: nothing is known
-  not_bounded,    ///< two half-spaces
+  separated,      ///< the cores are apart, and distance - lower <= the tolerance
+  touching,       ///< the cores overlap or touch (to 1e-14 of their size): no separating direction; see penetration.h
+  beyond,         ///< lower > options.farthest; the other results are estimates
+  not_converged,  ///< stopped by max_iterations or by rounding: `distance` and `lower` are valid bounds with a larger gap
+  not_finite,     ///< a pose or size is NaN or infinite: the result is undefined
+  not_bounded,    ///< both shapes are half-spaces
 };
 
 struct GilbertOptions {
-  double tolerance = 1e-10;                                   ///< of the sum of both bounding radii: greatest duality gap accepted
-  double farthest = std::numeric_limits<double>::infinity();  ///< m: stop as soon as the distance is known to be greater
-  int max_iterations = 200;                                   ///< penetration: twice as many
+  double tolerance = 1e-10;  ///< relative to the sum of both bounding radii: accepted duality gap (distance - lower)
+  double farthest = std::numeric_limits<double>::infinity();  ///< m: stop as soon as the distance is proved to be larger
+  int max_iterations = 200;                                   ///< the penetration search of penetration.h allows twice as many
 };
 
-/// Separated: distance = |pa - pb| (cores' distance less the radii, which may be negative where inflated shapes overlap while
-/// their cores do not), pa - pb = n * distance.
+/// Result of gilbert_distance(). If separated: pa - pb = n * distance. The distance is that of the cores less both radii; it is negative if
+/// the shapes overlap but their cores do not.
 struct GilbertResult {
   GilbertStatus status = GilbertStatus::not_finite;
-  double distance = 0;  ///< m, between the surfaces: an upper bound, reached by pa and pb. touching: minus both radii
-  double lower = 0;     ///< m: no two points of the shapes are closer (proved by the direction n)
-  Vec3 pa, pb;          ///< m, world: a nearest pair of points on a and b
+  double distance = 0;  ///< m, between the surfaces: upper bound, attained by pa and pb. touching: minus the sum of the radii
+  double lower = 0;     ///< m: lower bound of the true distance, proved by the direction n
+  Vec3 pa, pb;          ///< m, world: closest points on a and b
   Vec3 n;               ///< unit, world: from b towards a
-  int iterations = 0;   ///< support points computed in each shape
+  int iterations = 0;   ///< count of support points computed per shape
 };
 
-/// Distance of a at pose X_WA and b at pose X_WB. No allocation; the same bits on every machine for the same cache.
+/// Distance of a at pose X_WA and b at pose X_WB. No allocation. Same bits on every machine for the same cache.
+/// @param cache [in, out] warm start of this pair
 [[nodiscard]] GilbertResult gilbert_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
                                              const GilbertOptions& options = {});
 

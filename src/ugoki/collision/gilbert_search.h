@@ -1,7 +1,7 @@
 #pragma once
-// The search of Gilbert's method, for the translation units that compile it for each width of registers (gilbert.cpp, gilbert_avx2.cpp,
-// gilbert_avx512.cpp): the same operations in the same order, so the same bits. Internal linkage on purpose: no function made for wide
-// registers may be merged with one made for others.
+// The general search of Gilbert's method. It is compiled once per SIMD width (gilbert.cpp, gilbert_avx2.cpp, gilbert_avx512.cpp), with the
+// same operations in the same order, so that all widths give the same bits. Everything has internal linkage on purpose: the linker must not
+// merge a function compiled for wide registers with one for other processors.
 
 #include <cmath>
 
@@ -12,37 +12,41 @@
 namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see above
 
-constexpr double rounding = 1e-15;  ///< of the coordinates: what a difference of support points is exact to
-constexpr double touch = 1e-14;     ///< of the coordinates: nearer is touching
+constexpr double rounding = 1e-15;  ///< relative to the coordinates: error of a difference of support points
+constexpr double touch = 1e-14;     ///< relative to the coordinates: closer cores are touching
 
-constexpr int most_fresh_starts = 5;
+constexpr int max_restarts = 5;  ///< restarts from a single point before the search returns not_converged
 
 static inline bool all_finite(const Pose& X) {
   const double sum = X.R.xx + X.R.xy + X.R.xz + X.R.yx + X.R.yy + X.R.yz + X.R.zx + X.R.zy + X.R.zz + X.p.x + X.p.y + X.p.z;
   return sum - sum == 0;
 }
 
-/// A hull as the search sees it.
+/// Interface of the search to a hull with prepared hill climbing (Hull::walk).
 struct HullCore {
   const Support& s;
   const Hull& h;
   explicit HullCore(const Support& of) : s(of), h(*of.hull) {}
+  /// True if the core has finitely many corners.
   static constexpr bool polytope() { return true; }
   [[nodiscard]] SupportPoint support(const Vec3& d, std::int32_t hint) const {
     const std::int32_t v = walk_to_extreme(h, d, hint);
     return {h.vertices[static_cast<std::size_t>(v)], v};
   }
+  /// @param p [out] m: corner v. @return false: there is no corner v
   [[nodiscard]] bool corner(std::int32_t v, Vec3& p) const {
     if (static_cast<std::size_t>(v) >= h.vertices.size()) return false;
     p = h.vertices[static_cast<std::size_t>(v)];
     return true;
   }
+  /// Start vertex for the direction d.
   [[nodiscard]] std::int32_t seed(const Vec3& d) const { return seed_vertex(h, d); }
   [[nodiscard]] Vec3 centre() const { return h.centre; }
+  /// Radius [m] of the sphere about centre() that contains the core.
   [[nodiscard]] double extent() const { return h.radius; }
 };
 
-/// Any other bounded core.
+/// Interface of the search to any other bounded core.
 struct AnyCore {
   const Support& s;
   explicit AnyCore(const Support& of) : s(of) {}
@@ -54,6 +58,8 @@ struct AnyCore {
   [[nodiscard]] double extent() const { return bounding_radius(s) - s.radius; }
 };
 
+/// One query. The search runs in the frame of a, on the difference a - b of the cores. v_ is the point of the current simplex closest to
+/// the origin; its length is an upper bound of the distance. Each support point along -v_ gives a lower bound and a new corner.
 template <class A, class B>
 class Search {
  public:
@@ -74,9 +80,9 @@ class Search {
     const double beyond = options_.farthest + radii_;
     const bool warm = start(between);
     double vv = dot(v_, v_);
-    double lower2 = 0;  // square of the greatest lower bound so far
+    double lower2 = 0;  // m^2: square of the maximum lower bound so far
     out.status = GilbertStatus::not_converged;
-    int fresh_starts = 0;
+    int restarts = 0;
     std::int32_t ha = 0, hb = 0;
     if (warm) nearest_hints(ha, hb);
     while (out.iterations < options_.max_iterations) {
@@ -102,7 +108,7 @@ class Search {
         }
       }
       const double gap = vv - vw;
-      if (simplex_.count > 0 && (gap <= 0 || gap * gap <= tolerance * tolerance * vv || known(c))) {
+      if (simplex_.count > 0 && (gap <= 0 || gap * gap <= tolerance * tolerance * vv || is_in_simplex(c))) {
         out.status = GilbertStatus::separated;
         break;
       }
@@ -117,8 +123,8 @@ class Search {
       v_ = v;
       if (out.status == GilbertStatus::beyond) break;
       if (simplex_.count > 1 && !(next < vv) && out.iterations > 1) {
-        // Only rounding is left of the simplex: begin anew from this point, which is all but the nearest.
-        if (++fresh_starts > most_fresh_starts) break;
+        // The simplex is so small that rounding prevents progress: restart from this point, which is almost the closest.
+        if (++restarts > max_restarts) break;
         simplex_.count = 1;
         simplex_.corner[0] = c;
         simplex_.weight[0] = 1;
@@ -138,14 +144,16 @@ class Search {
     return {a.p - (R_ * b.p + p_), a.p, a.vertex, b.vertex};
   }
 
-  bool known(const Corner& c) const {
+  /// True if the corner is already in the simplex, so that the search cannot improve further (polytopes only).
+  bool is_in_simplex(const Corner& c) const {
     if (!a_.polytope() || !b_.polytope()) return false;
     for (int k = 0; k < simplex_.count; ++k)
       if (simplex_.corner[k].ia == c.ia && simplex_.corner[k].ib == c.ib) return true;
     return false;
   }
 
-  /// The simplex of the last query at the new poses; without one, a first direction.
+  /// Sets simplex_ and v_ from the closest features of the previous query at the new poses; without them, only a first direction v_.
+  /// @return true if the simplex was set
   bool start(const Vec3& between) {
     simplex_.count = 0;
     if (a_.polytope() && b_.polytope() && cache_.count > 0 && cache_.count <= 3) {
@@ -169,7 +177,7 @@ class Search {
     return false;
   }
 
-  /// Where to start on each hull: the corner that weighs most.
+  /// Start vertices on both hulls: those of the corner with the maximum weight.
   void nearest_hints(std::int32_t& ha, std::int32_t& hb) const {
     int best = 0;
     for (int k = 1; k < simplex_.count; ++k)
@@ -178,6 +186,7 @@ class Search {
     hb = simplex_.corner[best].ib;
   }
 
+  /// Fills in the result and the cache.
   void finish(GilbertResult& out, double lower2, double tolerance) {
     const double lower = std::sqrt(lower2);
     Vec3 on_a, w;
@@ -193,7 +202,7 @@ class Search {
     }
     const double d = norm(v_);
     const Vec3 n = v_ / d;
-    // The corners' own point says what is reached, should the plane of a sliver have been wrong.
+    // v_ comes from the normal of a face, which is wrong for slivers. If it differs from the weighted sum of the corners, use that sum.
     const Vec3 off = w - v_;
     const double reached = dot(off, off) <= tolerance * tolerance ? d : norm(w);
     if (out.status != GilbertStatus::beyond)
@@ -207,6 +216,7 @@ class Search {
     remember();
   }
 
+  /// Stores the vertices of the simplex in the cache.
   void remember() {
     cache_.count = simplex_.count < 3 ? simplex_.count : 3;
     for (int k = 0; k < cache_.count; ++k) {
@@ -220,10 +230,12 @@ class Search {
   const Pose& X_WA_;
   GilbertCache& cache_;
   const GilbertOptions& options_;
-  Mat3 R_;      ///< pose of b in a
-  Vec3 p_, v_;  ///< v: nearest point so far, from b towards a
+  Mat3 R_;      ///< rotation of b in a
+  Vec3 p_, v_;  ///< m, frame of a: position of b; closest point of the difference so far (directed from b towards a)
   Simplex simplex_;
-  double radii_ = 0, size_ = 0, scale_ = 0;
+  double radii_ = 0;  ///< m: sum of the radii around the cores
+  double size_ = 0;   ///< m: sum of the bounding radii of the cores
+  double scale_ = 0;  ///< m: bound of the coordinates, the unit of rounding errors
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// Gilbert's search of two hulls, compiled for wider registers.
+// Gilbert's method for two hulls, compiled for AVX2 and AVX-512. The caller checks that the processor supports them.
 
 #include "ugoki/collision/gilbert.h"
 

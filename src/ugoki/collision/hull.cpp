@@ -16,15 +16,15 @@ std::int32_t find_extreme_vertex(const Hull& hull, const Vec3& d, std::int32_t s
   return best;
 }
 
-std::int32_t highest_of_overflow(const Hull& hull, const HullWalk::Node& node, const Vec3& d, double& least, std::int32_t none) {
+std::int32_t highest_of_overflow(const Hull& hull, const HullWalk::Node& node, const Vec3& d, double& highest, std::int32_t fallback) {
   const auto first = static_cast<std::size_t>(node.more), last = first + static_cast<std::size_t>(node.more_count);
   for (std::size_t i = first; i < last; ++i) {
     const std::int32_t v = hull.walk.overflow[i];
     const Vec3& p = hull.vertices[static_cast<std::size_t>(v)];
     const double f = p.x * d.x + p.y * d.y + p.z * d.z;
-    if (f > least) least = f, none = v;
+    if (f > highest) highest = f, fallback = v;
   }
-  return none;
+  return fallback;
 }
 
 std::int32_t seed_vertex(const Hull& hull, const Vec3& d) {

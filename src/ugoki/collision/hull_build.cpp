@@ -1,4 +1,4 @@
-// Hulls from vertices and faces: what is derived from them, and whether they are a convex hull at all.
+// assemble_hull(): checks that vertices and faces are those of a convex hull, and derives the hull's other arrays.
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,10 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr std::size_t scanned = 16;  ///< hulls of at most so many vertices are scanned, not walked on
-constexpr double slack = 1e-9;       ///< of the radius: how far a hull may be from convex
+constexpr std::size_t max_scanned = 16;  ///< hulls of at most this count of vertices are scanned: two nodes of eight, no hill climbing
+constexpr double slack = 1e-9;           ///< relative to the radius: how far a vertex may be outside a face's plane
 
-/// One corner's edge to the next corner of its face.
+/// Directed edge from one corner of a face to the next. from, to: vertices; corner: index into Hull::corners.
 struct HalfEdge {
   std::int32_t from, to;
   std::int32_t face, corner;
@@ -23,32 +23,42 @@ struct HalfEdge {
 
 std::string vertex_name(std::size_t i) { return "vertex " + std::to_string(i); }
 
+/// Errors in the arrays: empty, out of range, not finite.
 Error find_bad_arrays(const Hull& h) {
   Error error;
   const auto n = static_cast<std::int64_t>(h.vertices.size());
-  if (n == 0) error.add(ErrorCode::structure, "hull", "It has no vertices.");
-  if (n > 1'000'000'000) error.add(ErrorCode::range, "hull", "It has more than a thousand million vertices.");
+  if (n == 0) error.add(ErrorCode::structure, "hull", "The hull has no vertices.", "Provide at least one vertex.");
+  if (n > 1'000'000'000)
+    error.add(ErrorCode::range, "hull", "The hull has " + std::to_string(n) + " vertices; at most 1000000000 are allowed.",
+              "Simplify the shape.");
   for (std::size_t i = 0; i < h.vertices.size(); ++i)
     if (!is_finite(h.vertices[i])) {
-      error.add(ErrorCode::range, vertex_name(i), "A coordinate is not a finite number.");
+      error.add(ErrorCode::range, vertex_name(i), "A coordinate is not a finite number.", "Replace the coordinate by a finite value.");
       break;
     }
   for (std::size_t f = 0; f + 1 < h.first_corner.size(); ++f)
     if (h.first_corner[f] < 0 || h.first_corner[f + 1] - std::int64_t{h.first_corner[f]} < 3) {
-      error.add(ErrorCode::structure, "face " + std::to_string(f), "It has fewer than three corners.");
+      error.add(ErrorCode::structure, "face " + std::to_string(f), "The face has fewer than three corners.",
+                "Remove the face, or give it three corners or more.");
       break;
     }
   const std::int64_t last = h.first_corner.empty() ? 0 : h.first_corner.back();
   if ((!h.first_corner.empty() && h.first_corner.front() != 0) || last != static_cast<std::int64_t>(h.corners.size()))
-    error.add(ErrorCode::structure, "hull", "The faces' corners do not fill the list of corners.");
+    error.add(ErrorCode::structure, "hull",
+              "The faces end at corner " + std::to_string(last) + ", but the list has " + std::to_string(h.corners.size()) + " corners.",
+              "Build the hull from its vertices again.");
   for (const std::int32_t c : h.corners)
     if (c < 0 || c >= n) {
-      error.add(ErrorCode::range, "corner", "It names vertex " + std::to_string(c) + ", which there is not.");
+      error.add(
+          ErrorCode::range, "corner",
+          "A corner refers to vertex " + std::to_string(c) + ", but the hull has " + std::to_string(n) + " vertices (counted from 0).",
+          "Build the hull from its vertices again.");
       break;
     }
   return error;
 }
 
+/// All directed edges, sorted by (from, to).
 std::vector<HalfEdge> half_edges(const Hull& h) {
   std::vector<HalfEdge> edges;
   edges.reserve(h.corners.size());
@@ -62,7 +72,7 @@ std::vector<HalfEdge> half_edges(const Hull& h) {
   return edges;
 }
 
-/// The proximity list; false where the faces do not close to one surface.
+/// Makes the proximity list. @return false if the faces do not form one closed surface (Euler characteristic 2) of all vertices
 bool make_neighbours(Hull& h, const std::vector<HalfEdge>& edges, const std::vector<HalfEdge>& opposite) {
   const std::size_t n = h.vertices.size();
   h.first_neighbour.assign(n + 1, 0);
@@ -83,7 +93,7 @@ bool make_neighbours(Hull& h, const std::vector<HalfEdge>& edges, const std::vec
   return static_cast<std::int64_t>(n) - static_cast<std::int64_t>(edges.size() / 2) + faces == 2;
 }
 
-/// Unit normal and area of face f, summed about its first corner.
+/// Outward normal of face f with the face's area [m^2] as length, summed over the triangles at its first corner.
 Vec3 face_area_vector(const Hull& h, std::size_t f) {
   Vec3 sum;
   const auto corner = [&](std::int32_t c) { return h.vertices[static_cast<std::size_t>(h.corners[static_cast<std::size_t>(c)])]; };
@@ -92,6 +102,7 @@ Vec3 face_area_vector(const Hull& h, std::size_t f) {
   return sum * 0.5;
 }
 
+/// Computes `normals` and `offsets` of the faces.
 void make_planes(Hull& h) {
   const std::size_t count = h.first_corner.size() - 1;
   h.normals.resize(count);
@@ -105,6 +116,7 @@ void make_planes(Hull& h) {
   }
 }
 
+/// Computes `volume`, `centre` and `radius`.
 void make_measures(Hull& h) {
   Vec3 mean;
   for (const Vec3& v : h.vertices) mean += v;
@@ -117,7 +129,7 @@ void make_measures(Hull& h) {
     const auto corner = [&](std::int32_t c) { return h.vertices[static_cast<std::size_t>(h.corners[static_cast<std::size_t>(c)])] - mean; };
     for (std::int32_t c = first + 1; c + 1 < h.first_corner[f + 1]; ++c) {
       const Vec3 p = corner(first), q = corner(c), r = corner(c + 1), area = cross(q - p, r - p);
-      // Solid: six times the volume to `mean`. Flat: twice the area.
+      // Weight w. Solid: six times the volume of the tetrahedron with apex `mean`. Flat: twice the area of the triangle.
       const double w = h.dimension == 3 ? dot(p, area) : norm(area);
       weight += w;
       moment += (p + q + r) * (h.dimension == 3 ? 0.25 * w : w / 3);
@@ -131,11 +143,12 @@ void make_measures(Hull& h) {
   h.radius = std::sqrt(r2);
 }
 
+/// True if, at each edge, the neighbouring face is below the plane of the face, and the centre is below all planes.
 bool is_convex(const Hull& h, const std::vector<HalfEdge>& edges, const std::vector<HalfEdge>& opposite) {
   const double allowed = slack * h.radius;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const auto f = static_cast<std::size_t>(edges[i].face), g = static_cast<std::size_t>(opposite[i].face);
-    // The corner of the other face after this edge.
+    // c: the corner of the neighbouring face that follows the edge.
     std::int32_t c = opposite[i].corner + 2;
     const std::int32_t first = h.first_corner[g], last = h.first_corner[g + 1];
     if (c >= last) c = first + (c - last);
@@ -147,7 +160,7 @@ bool is_convex(const Hull& h, const std::vector<HalfEdge>& edges, const std::vec
   return true;
 }
 
-/// A node about `own` that holds the first eight of `list`.
+/// Makes the node of vertex `own`, with the first eight of `list` as neighbours.
 HullWalk::Node make_node(const std::vector<Vec3>& vertices, std::size_t own, std::span<const std::int32_t> list) {
   HullWalk::Node node{};
   const Vec3& p = vertices[own];
@@ -160,17 +173,18 @@ HullWalk::Node make_node(const std::vector<Vec3>& vertices, std::size_t own, std
   return node;
 }
 
-/// Direction through the middle of a cell; the inverse of direction_cell.
+/// Direction through the centre of a cell of the cube map; the inverse of direction_cell.
 Vec3 cell_direction(std::int32_t side, std::int32_t i, std::int32_t j, std::int32_t cells) {
   const double u = (2.0 * i + 1) / cells - 1, v = (2.0 * j + 1) / cells - 1, m = side % 2 == 0 ? 1 : -1;
   return side < 2 ? Vec3{m, u, v} : side < 4 ? Vec3{v, m, u} : Vec3{u, v, m};
 }
 
+/// Makes Hull::walk: nodes, overflow, and either the scan or the table of seeds.
 void make_walk(Hull& h) {
   HullWalk& walk = h.walk;
   const std::size_t n = h.vertices.size();
   walk = {};
-  if (n <= scanned) {
+  if (n <= max_scanned) {
     std::vector<std::int32_t> all(n);
     for (std::size_t v = 0; v < n; ++v) all[v] = static_cast<std::int32_t>(v);
     for (std::size_t v = 0; v < n; v += 8) walk.scan.push_back(make_node(h.vertices, v, std::span(all).subspan(v)));
@@ -186,13 +200,14 @@ void make_walk(Hull& h) {
     }
     walk.nodes.push_back(node);
   }
-  if (n <= scanned) return;
+  if (n <= max_scanned) return;
   const auto cells = std::clamp(static_cast<std::int32_t>(std::sqrt(static_cast<double>(n) / 6)), 2, 64);
   std::int32_t v = 0;
   for (std::int32_t side = 0; side < 6; ++side)
     for (std::int32_t i = 0; i < cells; ++i)
       for (std::int32_t k = 0; k < cells; ++k) {
-        const std::int32_t j = i % 2 == 0 ? k : cells - 1 - k;  // there and back, so that each walk is short
+        const std::int32_t j =
+            i % 2 == 0 ? k : cells - 1 - k;  // boustrophedon order: consecutive cells are adjacent, so that each climb is short
         v = walk_to_extreme(h, cell_direction(side, i, j, cells), v);
         walk.seeds.resize(static_cast<std::size_t>(6 * cells * cells));
         walk.seeds[static_cast<std::size_t>((side * cells + i) * cells + j)] = v;
@@ -200,6 +215,7 @@ void make_walk(Hull& h) {
   walk.cells = cells;
 }
 
+/// Hash of vertices and faces.
 std::uint64_t hash_of(const Hull& h) {
   Hash64 hash;
   for (const Vec3& v : h.vertices) hash.add(v.x), hash.add(v.y), hash.add(v.z);
@@ -208,6 +224,7 @@ std::uint64_t hash_of(const Hull& h) {
   return hash.value();
 }
 
+/// True for two opposite faces that both contain all vertices.
 bool is_flat(const Hull& h) {
   if (h.first_corner.size() != 3 || h.corners.size() != 2 * h.vertices.size()) return false;
   return dot(h.normals[0], h.normals[1]) < 0;
@@ -228,7 +245,7 @@ Result<Hull> assemble_hull(std::vector<Vec3> vertices, std::vector<std::int32_t>
   std::sort(opposite.begin(), opposite.end(),
             [](const HalfEdge& a, const HalfEdge& b) { return a.to != b.to ? a.to < b.to : a.from < b.from; });
   if (!make_neighbours(h, edges, opposite) || (edges.empty() && h.vertices.size() > 2))
-    return fail(ErrorCode::structure, "hull", "Its faces do not close to one surface that uses all vertices.",
+    return fail(ErrorCode::structure, "hull", "The faces do not form one closed surface of all vertices.",
                 "Each edge must belong to two faces, in opposite directions.");
   make_planes(h);
   h.dimension = edges.empty() ? static_cast<int>(h.vertices.size()) - 1 : is_flat(h) ? 2 : 3;
@@ -238,7 +255,7 @@ Result<Hull> assemble_hull(std::vector<Vec3> vertices, std::vector<std::int32_t>
   }
   make_measures(h);
   if (!is_convex(h, edges, opposite))
-    return fail(ErrorCode::structure, "hull", "Its faces are not those of a convex solid.", "Make the hull of its vertices again.");
+    return fail(ErrorCode::structure, "hull", "The faces are not those of a convex solid.", "Build the hull from its vertices again.");
   make_walk(h);
   h.hash = hash_of(h);
   return h;

@@ -1,8 +1,9 @@
 #pragma once
-// Gilbert's search of two hulls in slow motion, for the translation units that compile it for each width of registers: the same operations
-// in the same order, so the same bits. Everything stays in lanes and is chosen by masks, so that nothing waits for memory or for
-// a branch that cannot be foretold: the hulls are looked at ring by ring (a vertex and its neighbours), one ring of each a step.
-// Internal linkage on purpose: see gilbert_search.h.
+// Gilbert's method for two hulls that move little between two queries: a fast search from the closest features of the previous query. It is compiled once per
+// SIMD width, with the same operations in the same order, so that all widths give the same bits. Values stay in SIMD lanes and are selected
+// by masks, which avoids stalls on memory and on branches that the processor cannot predict. Each step inspects one ring of each hull.
+// Ring: a vertex and its neighbours. Internal linkage on purpose: see gilbert_search.h.
+// Design: docs/design/convex-distance.md.
 
 #include <cmath>
 
@@ -18,29 +19,30 @@
 namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see above
 
-constexpr int most_rings = 24;        ///< looked at before the general search takes over
-constexpr double least_apart = 1e-5;  ///< of the coordinates: nearer pairs are the general search's
-constexpr double level = 1e-15;       ///< of the coordinates: neighbours that are higher by less are as high
+constexpr int max_rings = 24;           ///< count of rings inspected before the general search is used
+constexpr double min_apart = 1e-5;      ///< relative to the coordinates: for closer pairs the general search is used
+constexpr double equal_height = 1e-15;  ///< relative to the coordinates: smaller differences of height are rounding
 
-/// Leaves points where they are.
-struct InPlace {
+/// The identity transform.
+struct Identity {
   Four3 operator()(const Four3& q) const { return q; }
 };
 
-/// A pose, each of its numbers in all lanes.
+/// A pose with each of its coefficients in all lanes.
 struct LanePose {
-  Four3 x, y, z;  ///< rows
-  Four3 p;        ///< m
+  Four3 x, y, z;  ///< rows of the rotation matrix
+  Four3 p;        ///< m: translation
 
   Four3 operator()(const Four3& q) const {
     return {x.x * q.x + x.y * q.y + x.z * q.z + p.x, y.x * q.x + y.y * q.y + y.z * q.z + p.y, z.x * q.x + z.y * q.y + z.z * q.z + p.z};
   }
+  /// Rotates a direction.
   Four3 turn(const Four3& q) const {
     return {x.x * q.x + x.y * q.y + x.z * q.z, y.x * q.x + y.y * q.y + y.z * q.z, z.x * q.x + z.y * q.y + z.z * q.z};
   }
 };
 
-/// Row `row` of a pose's matrix; the last lane is whatever follows it there.
+/// Row `row` of a pose's rotation matrix. Lane 3 contains the value that follows in memory; do not use it.
 static inline Four row_of(const Pose& X, int row) {
   static_assert(sizeof(Pose) == 12 * sizeof(double));
   Four out;
@@ -60,26 +62,28 @@ static inline LanePose between(const Pose& X_WA, const Pose& X_WB) {
   return {spread(x), spread(y), spread(z), spread(p)};
 }
 
-/// Where a step on a hull has led, in the frame of a.
-struct Place {
-  Four3 at;  ///< m, all lanes the same
+/// Result of a step from a vertex of a hull, in the frame of a.
+struct VertexStep {
+  Four3 at;  ///< m: position of `vertex`, the same in all lanes
   std::int32_t vertex;
   bool moved;
 };
 
-/// How points of a hull come into the frame of a, made when it is needed.
-struct StayInPlace {
-  InPlace operator()() const { return {}; }
+/// Makers of the transform from a hull's frame to that of a: the identity for a, the pose of b in a for b.
+struct MakeIdentity {
+  Identity operator()() const { return {}; }
 };
-struct MoveBetween {
+struct MakePose {
   const Pose &X_WA, &X_WB;
   LanePose operator()() const { return between(X_WA, X_WB); }
 };
 
-/// A step among the neighbours beyond eight, after one among the eight. Makes the motion anew, so that nothing of the search must lie in
-/// memory for it.
+/// Continues a step with the neighbours beyond eight (HullWalk::overflow).
+/// @param make makes the transform again, so that the caller need not keep it in memory for this rare case
+/// @param best result among the first eight neighbours
 template <class Make>
-[[gnu::noinline]] static Place step_beyond(const Hull& h, const HullWalk::Node& node, Make make, Four3 v, double slack, Place best) {
+[[gnu::noinline]] static VertexStep step_beyond(const Hull& h, const HullWalk::Node& node, Make make, Four3 v, double slack,
+                                                VertexStep best) {
   const auto move = make();
   const auto more = static_cast<std::size_t>(node.more), count = static_cast<std::size_t>(node.more_count);
   for (std::size_t i = more; i < more + count; ++i) {
@@ -90,14 +94,15 @@ template <class Make>
   return best;
 }
 
-/// A vertex and its neighbours.
+/// A vertex and its first eight neighbours.
 struct Ring {
   std::int32_t vertex;
   const HullWalk::Node* node;
-  Four3 low, high;  ///< m, frame of a: the neighbours
+  Four3 low, high;  ///< m, frame of a: neighbours 0 ... 3 and 4 ... 7
 };
 
-/// @param move from the hull's frame to that of a
+/// The ring of a vertex.
+/// @param move transform from the hull's frame to that of a
 template <class Move>
 static inline Ring ring_at(const Hull& h, std::int32_t vertex, const Move& move) {
   const HullWalk::Node& node = h.walk.nodes[static_cast<std::size_t>(vertex)];
@@ -105,13 +110,14 @@ static inline Ring ring_at(const Hull& h, std::int32_t vertex, const Move& move)
           move(Four3{four_at(node.x + 4), four_at(node.y + 4), four_at(node.z + 4)})};
 }
 
-/// One step down along v: to the lowest neighbour (of which those that differ by rounding are as good), or none.
-/// @param at the ring's middle in the frame of a, all lanes the same
+/// One descent step: to the neighbour with the minimum v . x, or to the ring's own vertex if no neighbour is lower by more than slack.
+/// @param at m, frame of a: position of the ring's vertex, the same in all lanes
+/// @param slack m^2: smaller differences of v . x are rounding
 template <class Make>
-static inline Place step_down(const Hull& h, const Ring& ring, const Four3& at, const Make& make, const Four3& v, double slack) {
+static inline VertexStep step_down(const Hull& h, const Ring& ring, const Four3& at, const Make& make, const Four3& v, double slack) {
   const Four lowest = lowest_with_lane(dot(v, ring.low), dot(v, ring.high));
   const FourInts lower = lowest < dot(v, at) - all(slack);
-  Place out;
+  VertexStep out;
   out.at = select(
       lower, {lane_of(ring.low.x, ring.high.x, lowest), lane_of(ring.low.y, ring.high.y, lowest), lane_of(ring.low.z, ring.high.z, lowest)},
       at);
@@ -122,22 +128,24 @@ static inline Place step_down(const Hull& h, const Ring& ring, const Four3& at, 
   return out;
 }
 
-constexpr std::int32_t brisk = 400;   ///< GilbertTrend::pace above which the direction is followed
-constexpr double trust = 0.65;        ///< how much of what was not foretold is the motion's and not the facets'
-constexpr double trust_change = 0.1;  ///< the same of its change from query to query
+constexpr std::int32_t fast_pace = 400;  ///< GilbertTrend::pace above which the motion is fast: 0.4 changed vertices per query
+constexpr double level_gain = 0.65;      ///< smoothing gain of the direction; the rest of a prediction error is attributed to the facets
+constexpr double change_gain = 0.1;      ///< smoothing gain of the direction's change per query
 
-/// A direction more, about 1 long: level and change are smoothed (Holt 1957).
-static inline void follow(GilbertTrend& trend, const Four& n) {
+/// Updates the predicted direction with the direction n (length about 1) of this query, by double exponential smoothing (Holt 1957).
+static inline void predict_next(GilbertTrend& trend, const Four& n) {
   const Four next = four_at(trend.next.data()), change = four_at(trend.change.data());
-  const Four ahead = n * (trust + trust_change) + (next * (1 - trust - trust_change) + change), turned = change + (n - next) * trust_change;
+  const Four ahead = n * (level_gain + change_gain) + (next * (1 - level_gain - change_gain) + change),
+             turned = change + (n - next) * change_gain;
   __builtin_memcpy(trend.next.data(), &ahead, sizeof ahead);
   __builtin_memcpy(trend.change.data(), &turned, sizeof turned);
 }
 
-/// Counts vertices passed, and follows the direction where they are many.
-static inline void watch(GilbertTrend& trend, std::int32_t passed, const Vec3& n, double distance) {
+/// Updates the rate of changed vertices and, in fast motion, the predicted direction.
+/// @param passed count of hulls (0 ... 2) whose closest vertex changed in this query
+static inline void update_trend(GilbertTrend& trend, std::int32_t passed, const Vec3& n, double distance) {
   trend.pace += 32 * passed - (trend.pace >> 5);
-  if (trend.pace <= brisk) [[likely]] {
+  if (trend.pace <= fast_pace) [[likely]] {
     trend.inverse_distance = 0;
     return;
   }
@@ -145,17 +153,18 @@ static inline void watch(GilbertTrend& trend, std::int32_t passed, const Vec3& n
     trend.next = {n.x, n.y, n.z, 0};
     trend.change = {};
   }
-  follow(trend, Four{n.x, n.y, n.z, 0});
+  predict_next(trend, Four{n.x, n.y, n.z, 0});
   trend.inverse_distance = 1 / distance;
 }
 
-/// Search of two hulls from what the last query left.
+/// Search of two hulls from the closest features of the previous query. The general search (gilbert_search.h) is the fallback.
 class HullSearch {
  public:
   HullSearch(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache, const GilbertOptions& options)
       : sa_(a), sb_(b), a_(*a.hull), b_(*b.hull), X_WA_(X_WA), X_WB_(X_WB), cache_(cache), options_(options) {}
 
-  /// False where the general search must do it: nothing is known of the pair yet, or it is too close, or does not converge at once.
+  /// Returns false if the general search must be used: the cache is empty, the hulls are too close, or the search does not converge. The
+  /// cache is then unchanged.
   bool run(GilbertResult& out) {
     if (!is_cached()) return false;
     const LanePose X = between(X_WA_, X_WB_);
@@ -165,13 +174,13 @@ class HullSearch {
     simplex.ia = FourInts{a0_[1], a0_[2], a0_[0], a0_[0]};
     simplex.ib = FourInts{b0_[1], b0_[2], b0_[0], b0_[0]};
     simplex.alive = all(std::int64_t{cache_.count}) > FourInts{1, 2, 3, 3};
-    return go_on(out, X, Measures(*this, X), simplex, {third(on_a), a0_[0], false}, {third(on_b), b0_[0], false}, true, 1);
+    return search_rings(out, X, Measures(*this, X), simplex, {lane_2(on_a), a0_[0], false}, {lane_2(on_b), b0_[0], false}, true, 1);
   }
 
  protected:
-  /// What is small and what is not.
+  /// Tolerance and scale of a query.
   struct Measures {
-    double tolerance, scale;  ///< m: greatest gap; size of the coordinates
+    double tolerance, scale;  ///< m: accepted duality gap; bound of the coordinates, the unit of rounding errors
     Measures(const HullSearch& of, const LanePose& X) {
       const double size = of.a_.radius + of.b_.radius;
       tolerance = of.options_.tolerance * (size + of.sa_.radius + of.sb_.radius);
@@ -179,26 +188,28 @@ class HullSearch {
     }
   };
 
-  /// Ring by ring from a corner to the nearest point.
-  /// @param news whether the corner (a, b) is not among those of the simplex
-  /// @param k rings looked at, this one included
-  [[gnu::always_inline]] bool go_on(GilbertResult& out, const LanePose& X, const Measures& measures, LaneSimplex simplex, Place a, Place b,
-                                    bool news, int k) {
-    const double tolerance = measures.tolerance, scale = measures.scale, least = least_apart * scale;
-    for (; k < most_rings; ++k) {
-      // Before the simplex is reduced, as they do not wait for it.
-      const Ring ring_a = ring_at(a_, a.vertex, InPlace()), ring_b = ring_at(b_, b.vertex, X);
-      if (news) simplex.add(a.at - b.at, a.vertex, b.vertex);
+  /// Gilbert's iteration: each step inspects the rings of two vertices, descends on both hulls, and adds the new corner to the simplex. It
+  /// ends when no neighbour is lower and the duality gap is within the tolerance.
+  /// @param a, b vertices to start from
+  /// @param is_new true: the corner (a, b) is not yet in the simplex
+  /// @param k count of rings inspected so far, including the first of this call
+  [[gnu::always_inline]] bool search_rings(GilbertResult& out, const LanePose& X, const Measures& measures, LaneSimplex simplex,
+                                           VertexStep a, VertexStep b, bool is_new, int k) {
+    const double tolerance = measures.tolerance, scale = measures.scale, minimum = min_apart * scale;
+    for (; k < max_rings; ++k) {
+      // The rings are loaded before the simplex is reduced, as they do not depend on its result.
+      const Ring ring_a = ring_at(a_, a.vertex, Identity()), ring_b = ring_at(b_, b.vertex, X);
+      if (is_new) simplex.add(a.at - b.at, a.vertex, b.vertex);
       const Four3 v = simplex.v;
       const double vv = dot(v, v)[0], d = std::sqrt(vv);
-      if (!(d > least)) return false;
-      const double slack = level * scale * d;
-      a = step_down(a_, ring_a, a.at, StayInPlace(), v, slack);
-      b = step_down(b_, ring_b, b.at, MoveBetween{X_WA_, X_WB_}, {-v.x, -v.y, -v.z}, slack);
+      if (!(d > minimum)) return false;
+      const double slack = equal_height * scale * d;
+      a = step_down(a_, ring_a, a.at, MakeIdentity(), v, slack);
+      b = step_down(b_, ring_b, b.at, MakePose{X_WA_, X_WB_}, {-v.x, -v.y, -v.z}, slack);
       const double vw = dot(v, a.at - b.at)[0];
       if (!(vw > 0)) return false;
-      news = vv - vw > tolerance * d;
-      if (!news && !a.moved && !b.moved) {
+      is_new = vv - vw > tolerance * d;
+      if (!is_new && !a.moved && !b.moved) {
         out.iterations = k;
         return finish(out, simplex, d, vw / d, tolerance, ring_a.vertex, ring_b.vertex);
       }
@@ -206,12 +217,13 @@ class HullSearch {
     return false;
   }
 
-  static Four3 third(const Four3& q) {
+  /// Lane 2 in all lanes.
+  static Four3 lane_2(const Four3& q) {
     const auto lane = [](const Four& x) { return __builtin_shufflevector(x, x, 2, 2, 2, 2); };
     return {lane(q.x), lane(q.y), lane(q.z)};
   }
 
-  /// Whether the cache names vertices of these hulls; entries beyond its count become its first.
+  /// Loads the vertices of the cache; entries beyond its count repeat the first. @return false if it is empty or has invalid vertices
   bool is_cached() {
     const std::int32_t count = cache_.count;
     if (count <= 0 || count > 3) return false;
@@ -226,13 +238,14 @@ class HullSearch {
     return in;
   }
 
-  /// The cached corners; the first of them in lane 2.
+  /// Positions of three cached vertices: i[1], i[2], i[0] in lanes 0 to 2; lane 3 repeats i[0].
   static Four3 corners(const Hull& h, const std::int32_t* i) {
     const double *r = h.walk.nodes[static_cast<std::size_t>(i[0])].own, *p = h.walk.nodes[static_cast<std::size_t>(i[1])].own,
                  *q = h.walk.nodes[static_cast<std::size_t>(i[2])].own;
     return {Four{p[0], q[0], r[0], r[0]}, Four{p[1], q[1], r[1], r[1]}, Four{p[2], q[2], r[2], r[2]}};
   }
 
+  /// Fills in the result and the cache. @return false if the simplex is too inaccurate
   [[gnu::always_inline]] bool finish(GilbertResult& out, const LaneSimplex& simplex, double d, double lower, double tolerance,
                                      std::int32_t ia, std::int32_t ib) {
     const Four& weight = simplex.weight;
@@ -254,12 +267,12 @@ class HullSearch {
     out.pa = X_WA_ * (on_a - n * sa_.radius);
     out.pb = out.pa - out.n * out.distance;
     cache_.n = n;
-    watch(cache_.trend, (a0_[0] != ia ? 1 : 0) + (b0_[0] != ib ? 1 : 0), out.n, d);
+    update_trend(cache_.trend, (a0_[0] != ia ? 1 : 0) + (b0_[0] != ib ? 1 : 0), out.n, d);
     remember(simplex, ia, ib);
     return true;
   }
 
-  /// The middles of the last rings first.
+  /// Stores the vertices of the simplex in the cache. The vertices (ia, ib) of the last rings become its first entry.
   [[gnu::always_inline]] void remember(const LaneSimplex& simplex, std::int32_t ia, std::int32_t ib) {
     std::size_t count = 0, middle = 0;
     for (int k = 0; k < 3; ++k) {
@@ -282,7 +295,7 @@ class HullSearch {
   const Pose &X_WA_, &X_WB_;
   GilbertCache& cache_;
   const GilbertOptions& options_;
-  std::int32_t a0_[3], b0_[3];  ///< vertices of the cache
+  std::int32_t a0_[3], b0_[3];  ///< vertices loaded by is_cached()
 };
 
 }  // namespace

@@ -1,12 +1,12 @@
 #pragma once
-// The walk to a hull's extreme vertex, inline for the inner loops of Gilbert's method.
+// Hill climbing to a hull's extreme vertex, inline for the inner loops of Gilbert's method.
 
 #include "ugoki/collision/hull.h"
 #include "ugoki/collision/lanes_of_four.h"
 
 namespace ugoki::collision {
 
-/// Cell of the cube of directions that d points through.
+/// Index of the cell of the cube map of directions (HullWalk::seeds) that contains the direction d; 0 for d = 0.
 static inline std::int32_t direction_cell(const Vec3& d, std::int32_t cells) {
   const double x = d.x < 0 ? -d.x : d.x, y = d.y < 0 ? -d.y : d.y, z = d.z < 0 ? -d.z : d.z;
   double u, v, m;
@@ -26,8 +26,9 @@ static inline std::int32_t direction_cell(const Vec3& d, std::int32_t cells) {
   return (side * cells + i) * cells + j;
 }
 
-/// The neighbour in `node` with the greatest d . x where that is above `least`, else `none`.
-static inline std::int32_t highest_of(const HullWalk::Node& node, const Vec3& d, double& least, std::int32_t none) {
+/// Index of the neighbour in `node` with the maximum d . x, if that exceeds `highest`; otherwise `fallback`.
+/// @param highest [in, out] the value to exceed; set to that of the returned neighbour
+static inline std::int32_t highest_of(const HullWalk::Node& node, const Vec3& d, double& highest, std::int32_t fallback) {
   Four x, y, z, x2, y2, z2;
   __builtin_memcpy(&x, node.x, sizeof x);
   __builtin_memcpy(&y, node.y, sizeof y);
@@ -42,15 +43,15 @@ static inline std::int32_t highest_of(const HullWalk::Node& node, const Vec3& d,
   const std::int64_t l01 = best[1] > best[0] ? lane[1] : lane[0], l23 = best[3] > best[2] ? lane[3] : lane[2];
   const double f = f23 > f01 ? f23 : f01;
   const std::int32_t vertex = node.vertex[f23 > f01 ? l23 : l01];
-  none = f > least ? vertex : none;
-  least = f > least ? f : least;
-  return none;
+  fallback = f > highest ? vertex : fallback;
+  highest = f > highest ? f : highest;
+  return fallback;
 }
 
-/// The same among the neighbours beyond eight.
-std::int32_t highest_of_overflow(const Hull& hull, const HullWalk::Node& node, const Vec3& d, double& least, std::int32_t none);
+/// The same for the neighbours beyond eight (HullWalk::overflow).
+std::int32_t highest_of_overflow(const Hull& hull, const HullWalk::Node& node, const Vec3& d, double& highest, std::int32_t fallback);
 
-/// find_extreme_vertex for a hull with a walk. Every step goes strictly uphill in the very numbers that are compared, so it ends.
+/// find_extreme_vertex for a hull with `walk`. It terminates, because each step strictly increases the computed value d . x.
 static inline std::int32_t walk_to_extreme(const Hull& hull, const Vec3& d, std::int32_t v) {
   const HullWalk::Node* nodes = hull.walk.nodes.data();
   if (!hull.walk.scan.empty()) {

@@ -1,11 +1,13 @@
 #pragma once
-// A corner of the difference of two hulls with four edges that leave it, in lanes, for hull_leap.h: the nearest point of all of them.
+// A fan: a corner of the difference of two hulls with four edges that start at it, in SIMD lanes, for hull_leap.h. Computes the point of
+// its edges and faces that is closest to the origin.
 
 #include "ugoki/collision/lane_simplex.h"
 
 namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see gilbert_search.h
 
+/// Lanes i, j, k, l of x.
 template <int i, int j, int k, int l, class T>
 static inline T shuffle(const T& x) {
   return __builtin_shufflevector(x, x, i, j, k, l);
@@ -21,7 +23,7 @@ static inline bool any_of(const FourInts& mask) {
   return (two[0] | two[1]) != 0;
 }
 
-/// The least and the next of eight, in all lanes, named as by lowest_with_lane.
+/// The minimum and the second lowest of eight values, in all lanes; their lowest bits are lane indices as in lowest_with_lane().
 struct TwoLowest {
   Four first, second;
 };
@@ -38,14 +40,15 @@ static inline TwoLowest two_lowest_with_lanes(const Four& x, const Four& y) {
 }
 
 #if defined(__AVX2__) && !defined(__AVX512VL__)
-/// Each lane's number modulo four as those of its two halves.
+/// Each 64-bit lane of `named` has a lane index i in its lowest two bits. Returns 2 i and 2 i + 1, the indices of the 32-bit halves of
+/// lane i, in the halves of that lane: AVX2 permutes 32-bit values only.
 static inline __m256i halves_of(const Four& named) {
   const __m256i lanes = _mm256_and_si256(_mm256_shuffle_epi32((__m256i)named, 0xa0), _mm256_set1_epi32(3));
   return _mm256_add_epi32(_mm256_slli_epi32(lanes, 1), _mm256_set_epi32(1, 0, 1, 0, 1, 0, 1, 0));
 }
 #endif
 
-/// In each lane that lane of x and y (eight) which `named` names there.
+/// In each lane: the value of the eight lanes of x and y whose index is in the lowest three bits of that lane of `named`.
 static inline Four pick(const Four& x, const Four& y, const Four& named) {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
   return (Four)_mm256_permutex2var_pd((__m256d)x, (__m256i)named, (__m256d)y);
@@ -59,7 +62,7 @@ static inline Four pick(const Four& x, const Four& y, const Four& named) {
   return Four{both[i[0]], both[i[1]], both[i[2]], both[i[3]]};
 #endif
 }
-/// In all lanes that lane of x (four) which `named` names.
+/// In all lanes: the value of the lane of x whose index is in the lowest two bits of `named`.
 static inline Four take(const Four& x, const Four& named) {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
   return (Four)_mm256_permutexvar_pd((__m256i)named, (__m256d)x);
@@ -72,27 +75,30 @@ static inline Four take(const Four& x, const Four& named) {
 }
 static inline Four3 take(const Four3& x, const Four& named) { return {take(x.x, named), take(x.y, named), take(x.z, named)}; }
 
-/// A corner p of the difference and four edges that leave it: lanes 0 and 2 along edges of a, 1 and 3 along edges of b. Looked at are the
-/// edges and four faces: those of lanes 0 and 1, 1 and 3, 2 and 0, 3 and 0. Edges of different hulls span parallelograms.
+/// A corner p of the difference and four edges that start at it: edges of a in lanes 0 and 2, edges of b in lanes 1 and 3. The features are
+/// the four edges and the four faces of the lane pairs (0, 1), (1, 3), (2, 0) and (3, 0). Edges of different hulls span a parallelogram,
+/// edges of one hull a triangle.
 struct LaneFan {
-  Four named;  ///< its lowest bits are the lane of the nearest feature (of its first edge)
-  Four s, t;   ///< of all lanes: how far along the first and the second edge the nearest point lies, 0 ... 1 of it
-  Four3 v;     ///< m: the nearest point, all lanes the same
+  Four named;  ///< its lowest two bits are the lane of the closest feature (of its first edge)
+  Four s, t;   ///< per lane: coordinates 0 ... 1 of the closest point along the first and the second edge
+  Four3 v;     ///< m: the closest point, the same in all lanes
   Four3 f;     ///< m: the second edge of each lane's face
 
+  /// Masks of the lanes whose first, or second, edge belongs to hull a.
   static constexpr FourInts first_of_a = {-1, 0, -1, 0}, second_of_a = {0, 0, -1, -1};
 
-  /// @param e edges from p, m @param p m, all lanes the same
+  /// @param e m: edges from p
+  /// @param p m: corner, the same in all lanes
   LaneFan(const Four3& e, const Four3& p) : f{seconds(e.x), seconds(e.y), seconds(e.z)} {
-    const Four zero = all(0.0), one = all(1.0), none = all(1e300);
-    const FourInts mixed = {-1, 0, 0, -1};
+    const Four zero = all(0.0), one = all(1.0), far = all(1e300);
+    const FourInts parallelogram = {-1, 0, 0, -1};
     const Four3 n = cross(e, f);
     const Four nn = dot(n, n), height = dot(n, p), ee = dot(e, e), ff = seconds(ee), ef = dot(e, f);
     const Four along = -dot(e, p), along_f = seconds(along);
-    // Weights of the edges' ends, times n . n.
-    const Four ws = along * ff - along_f * ef, wt = along_f * ee - along * ef, most = mixed ? greater(ws, wt) : ws + wt;
-    const FourInts face_ok = (ws >= zero) & (wt >= zero) & (most <= nn) & (nn > 1e-28 * ee * ff);
-    const Four scale = one / nn, face_vv = face_ok ? (height * height) * scale : none;
+    // Coordinates of the projected origin along both edges, times n . n. A face is skipped if its edges are parallel to 1e-14 (sine).
+    const Four ws = along * ff - along_f * ef, wt = along_f * ee - along * ef, maximum = parallelogram ? greater(ws, wt) : ws + wt;
+    const FourInts face_ok = (ws >= zero) & (wt >= zero) & (maximum <= nn) & (nn > 1e-28 * ee * ff);
+    const Four scale = one / nn, face_vv = face_ok ? (height * height) * scale : far;
     const Four pp = dot(p, p);
     const FourInts before = along <= zero, past = along >= ee;
     Four u = along / ee;
@@ -101,8 +107,8 @@ struct LaneFan {
     u = past ? one : u;
     u = before ? zero : u;
     const FourInts is_face = face_vv < edge_vv;
-    const Four least = lesser(face_vv, edge_vv);
-    named = (Four)(((FourInts)least & ~FourInts{3, 3, 3, 3}) | FourInts{0, 1, 2, 3});
+    const Four minimum = lesser(face_vv, edge_vv);
+    named = (Four)(((FourInts)minimum & ~FourInts{3, 3, 3, 3}) | FourInts{0, 1, 2, 3});
     named = lesser(named, shuffle<2, 3, 0, 1>(named));
     named = lesser(named, shuffle<1, 0, 3, 2>(named));
     const Four sf = ws * scale, tf = wt * scale;
@@ -110,11 +116,13 @@ struct LaneFan {
     t = is_face ? tf : zero;
     v = take(select(is_face, p + e * sf + f * tf, p + e * u), named);
   }
-  /// The lane of a face's second edge.
+  /// Lane of the second edge of the face whose first edge is in `lane`.
   static int second_lane(int lane) { return lane == 0 ? 1 : lane == 1 ? 3 : 0; }
+  /// Lane of the closest feature.
   [[nodiscard]] int lane() const { return static_cast<int>(((FourInts)named)[0] & 3); }
 
  private:
+  /// Values of the faces' second edges.
   static Four seconds(const Four& x) { return shuffle<1, 3, 0, 0>(x); }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// The simplex of Gilbert's method in lanes, for hull_search.h: as `reduce` in simplex.h, without branches. Where it loses digits
-// (slivers, points close to the origin) the gap stays open, and the general search takes over.
+// The simplex of Gilbert's method in SIMD lanes, for hull_search.h. It computes the same as `reduce` in simplex.h, without branches. It is
+// less accurate for slivers and for points close to the origin; the duality gap then stays open, and the general search is used.
 
 #include <cstdint>
 
@@ -14,6 +14,7 @@
 namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see gilbert_search.h
 
+/// The value in all lanes.
 static inline Four all(double x) { return Four{x, x, x, x}; }
 static inline FourInts all(std::int64_t x) { return FourInts{x, x, x, x}; }
 static inline Four four_at(const double* p) {
@@ -22,6 +23,7 @@ static inline Four four_at(const double* p) {
   return x;
 }
 
+/// Four 3-vectors, one per lane.
 template <class T>
 struct Lanes3 {
   T x, y, z;
@@ -36,11 +38,11 @@ static inline Four3 cross(const Four3& a, const Four3& b) { return {a.y * b.z - 
 static inline Four3 operator-(const Four3& a, const Four3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 static inline Four3 select(const FourInts& m, const Four3& a, const Four3& b) { return {m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z}; }
 static inline Four3 all(const Vec3& v) { return {all(v.x), all(v.y), all(v.z)}; }
-/// The first three lanes, each in all lanes.
+/// Lanes 0, 1 and 2, each in all lanes of one coordinate.
 static inline Four3 spread(const Four& x) {
   return {__builtin_shufflevector(x, x, 0, 0, 0, 0), __builtin_shufflevector(x, x, 1, 1, 1, 1), __builtin_shufflevector(x, x, 2, 2, 2, 2)};
 }
-/// Lane k takes lane k + 1, or k + 2, of the first three.
+/// next, after_next: lane k receives lane k + 1, or k + 2, cyclically among lanes 0 to 2; lane 3 is unchanged.
 template <class T>
 static inline T next(const T& x) {
   return __builtin_shufflevector(x, x, 1, 2, 0, 3);
@@ -50,7 +52,7 @@ static inline T after_next(const T& x) {
   return __builtin_shufflevector(x, x, 2, 0, 1, 3);
 }
 
-/// The least of eight in all lanes; its lowest three bits are the number of its lane instead of digits.
+/// The minimum of eight values, in all lanes. Its lowest three mantissa bits are replaced by its lane index (0 ... 3 in x, 4 ... 7 in y).
 static inline Four lowest_with_lane(const Four& x, const Four& y) {
   const FourInts eight = all(~std::int64_t{7}), lanes = {0, 1, 2, 3}, more_lanes = {4, 5, 6, 7};
   const Four a = (Four)(((FourInts)x & eight) | lanes), b = (Four)(((FourInts)y & eight) | more_lanes), four = b < a ? b : a;
@@ -58,9 +60,9 @@ static inline Four lowest_with_lane(const Four& x, const Four& y) {
   const Four d = __builtin_shufflevector(two, two, 1, 0, 3, 2), one = d < two ? d : two;
   return __builtin_shufflevector(one, one, 0, 0, 0, 0);
 }
-/// The lane that lowest_with_lane has named.
+/// The lane index in the result of lowest_with_lane().
 static inline int lane_in(const Four& named) { return static_cast<int>(((FourInts)named)[0] & 7); }
-/// That lane of x and y in all lanes.
+/// The value of that lane of x and y, in all lanes.
 static inline Four lane_of(const Four& x, const Four& y, const Four& named) {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
   return (Four)_mm256_permutex2var_pd((__m256d)x, (__m256i)named, (__m256d)y);
@@ -70,33 +72,36 @@ static inline Four lane_of(const Four& x, const Four& y, const Four& named) {
 #endif
 }
 
-/// The point of a simplex of up to three corners (lanes 0 ... 2) that is nearest to the origin.
+/// A simplex of up to three corners (lanes 0 ... 2) and its point closest to the origin.
 struct LaneSimplex {
-  Four3 w;                 ///< m: corners
-  FourInts ia, ib, alive;  ///< their vertices; which of them there are
-  Four weight;             ///< of the corners: they make v
-  Four3 v;                 ///< m, all lanes the same
+  Four3 w;                 ///< m: corners of the difference a - b
+  FourInts ia, ib, alive;  ///< vertices of the corners; mask of the corners in use
+  Four weight;             ///< barycentric weights: v is the weighted sum of the corners
+  Four3 v;                 ///< m: the closest point, the same in all lanes
 
-  /// With a new corner p, of which nearer points are known to need it; one of three lanes is free.
+  /// Adds the corner p (vertices pa, pb) and reduces the simplex to the feature that contains its point closest to the origin. Only
+  /// features that contain p are tested, as the simplex without p was reduced before. A feature has at most two other corners, so one lane
+  /// is left for p. The tetrahedron's interior is not tested.
   void add(const Four3& p, std::int32_t pa, std::int32_t pb) {
-    const Four zero = all(0.0), one = all(1.0), none = all(1e300);
+    const Four zero = all(0.0), one = all(1.0), far = all(1e300);
     const Four3 e = w - p, f{next(e.x), next(e.y), next(e.z)}, n = cross(e, f);
     const Four nn = dot(n, n), height = dot(n, p), ee = dot(e, e), ff = next(ee), ef = dot(e, f), pp = dot(p, p);
     const Four along = -dot(e, p), along_f = next(along);
-    // Faces (p, k, k + 1): weights times n . n.
+    // Faces (p, k, k + 1): barycentric weights times n . n. A face is skipped if its edges are parallel to 1e-14 (sine).
     const Four wq = along * ff - along_f * ef, wr = along_f * ee - along * ef, wp = nn - wq - wr;
     const FourInts face_ok = alive & next(alive) & (wp >= zero) & (wq >= zero) & (wr >= zero) & (nn > 1e-28 * ee * ff);
-    const Four scale = one / nn, hs = height * scale, face_vv = face_ok ? height * hs : none;
+    const Four scale = one / nn, hs = height * scale, face_vv = face_ok ? height * hs : far;
     // Edges (p, k).
     Four t = along / ee;
     t = t > zero ? t : zero;
     t = alive ? (t < one ? t : one) : zero;
     const Four edge_vv = pp - t * (along + (along - t * ee));
     const FourInts is_face = face_vv < edge_vv;
-    const Four least = is_face ? face_vv : edge_vv;
+    const Four minimum = is_face ? face_vv : edge_vv;
     const Four3 point{is_face ? n.x * hs : p.x + e.x * t, is_face ? n.y * hs : p.y + e.y * t, is_face ? n.z * hs : p.z + e.z * t};
-    // The least of three, the first of equals (its lane stands in its last bits); the corners that it needs; p takes the lane after them.
-    const Four named = (Four)(((FourInts)least & ~FourInts{3, 3, 3, 3}) | FourInts{0, 1, 2, 3});
+    // Select the minimum of three features; the lane index in the last bits makes it unique. best, second: masks of the corners that it
+    // keeps; newest: mask of the lane that receives p.
+    const Four named = (Four)(((FourInts)minimum & ~FourInts{3, 3, 3, 3}) | FourInts{0, 1, 2, 3});
     const FourInts best = (named < next(named)) & (named < after_next(named));
     const FourInts second = after_next(best & is_face), newest = next(best);
     const Four own = is_face ? wq * scale : t, rest = next(is_face ? wp * scale : one - t);
@@ -111,7 +116,7 @@ struct LaneSimplex {
   }
 
  private:
-  /// The one lane that the mask takes, in all lanes.
+  /// Copies the value of the single lane that is set in the mask to all lanes.
   static Four of(const FourInts& mask, const Four& x) {
     const FourInts one = mask & (FourInts)x, two = one | __builtin_shufflevector(one, one, 1, 0, 3, 2);
     return (Four)(two | __builtin_shufflevector(two, two, 2, 3, 0, 1));

@@ -1,5 +1,6 @@
 #pragma once
-// Four doubles side by side, as the compiler knows them: two registers of SSE2, one of AVX2, plain numbers elsewhere; the same bits.
+// Vectors of four doubles, as a compiler extension: two registers of SSE2, one of AVX2, scalar code on other processors. Same bits in all
+// cases.
 
 #include <cstdint>
 

@@ -9,8 +9,10 @@
 namespace ugoki::collision {
 namespace {
 
-// Segments closer to parallel than this (square of the sine, 10 degrees) have two contact points.
+// sin^2 of 10 degrees: segments within this angle of each other, or of a box face, have two contact points, others one.
 constexpr double parallel_sin2 = 0.03;
+// Overlaps of parallel segments shorter than this fraction of the half length have one contact point.
+constexpr double min_overlap = 0.01;
 
 void add_round_round(const Round& a, const Round& b, double margin, Manifold& out) {
   const SegmentPair nearest = nearest_on_segments(a, b);
@@ -24,10 +26,10 @@ void add_round_round(const Round& a, const Round& b, double margin, Manifold& ou
   };
   double low = 0, high = 0;
   const bool side_by_side = a.half > 0 && b.half > 0 && nearest.sin2 < parallel_sin2 && overlap_on(a, b, low, high) &&
-                            high - low > 0.01 * std::min(a.half, b.half);
+                            high - low > min_overlap * std::min(a.half, b.half);
   if (!side_by_side) return add(deepest, 0);
 
-  // Both ends of the overlap, or the crossing between them and the end farther from it.
+  // Normally the contact points are the two ends of the overlap. If the deepest point is between them, it replaces the nearer end.
   const auto end = [&](double s) { return round_pair_at(a, b, s, clamp_to(dot(b.d, a.at(s) - b.c), b.half), nearest.sin2); };
   const RoundPair first = end(low), second = end(high);
   if (std::min(first.distance, second.distance) <= deepest.distance + 1e-6 * (a.radius + b.radius)) {
@@ -42,7 +44,7 @@ void add_round_round(const Round& a, const Round& b, double margin, Manifold& ou
   }
 }
 
-/// n points from the box to the round shape, or the other way if `flip`.
+/// Contact points of a sphere or capsule and a box. The normals point from the box to the round shape; reversed if `flip`.
 void add_round_box(const Round& world, const Box& box, bool flip, double margin, Manifold& out) {
   const Round s = in_box(world, box.X);
   const SegmentBox nearest = nearest_on_segment_and_box(s, box.e);
@@ -55,12 +57,12 @@ void add_round_box(const Round& world, const Box& box, bool flip, double margin,
   };
   const double along = dot(nearest.n, s.d);
   double low = -s.half, high = s.half;
-  bool lies = s.half > 0 && nearest.edge < 0 && along * along < parallel_sin2;
-  // It lies on a face or along an edge: cut it to the part beside the box, in the directions in which the box extends there.
-  for (int i = 0; i < 3 && lies; ++i)
-    if (std::fabs(nearest.n[i]) < 0.1) lies = cut_to_slab(s, box.e, i, low, high);
-  lies = lies && high - low > 0.01 * s.half;
-  if (!lies) return add(nearest.t, nearest.n, nearest.distance - s.radius, 0);
+  bool parallel = s.half > 0 && nearest.edge < 0 && along * along < parallel_sin2;
+  // The segment is parallel to a face or an edge: clip it to the box along the axes of that face or edge.
+  for (int i = 0; i < 3 && parallel; ++i)
+    if (std::fabs(nearest.n[i]) < 0.1) parallel = cut_to_slab(s, box.e, i, low, high);
+  parallel = parallel && high - low > min_overlap * s.half;
+  if (!parallel) return add(nearest.t, nearest.n, nearest.distance - s.radius, 0);
 
   struct End {
     Vec3 n;
@@ -71,7 +73,7 @@ void add_round_box(const Round& world, const Box& box, bool flip, double margin,
     const Vec3 gap = p - clamp_to(p, box.e);
     const double d = norm(gap);
     if (d > 1e-9 * (box.e.x + box.e.y + box.e.z)) return {gap / d, d - s.radius};
-    const Vec3& n = nearest.n;  // inside: out through the same face as the rest of the segment
+    const Vec3& n = nearest.n;  // the end is inside the box: use the face through which the whole segment leaves it
     return {n, dot(p, n) - (box.e.x * std::fabs(n.x) + box.e.y * std::fabs(n.y) + box.e.z * std::fabs(n.z)) - s.radius};
   };
   const End first = end(low), second = end(high);

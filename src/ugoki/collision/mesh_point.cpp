@@ -14,7 +14,7 @@ Vec3 face_normal(const SphereTree& tree, std::int32_t t) {
   return normalized(cross(c[1] - c[0], c[2] - c[0]), {});
 }
 
-/// Outward normal of a closed mesh at a feature of triangle t. Source: Baerentzen, Aanaes (2005).
+/// Outward angle-weighted pseudonormal of a closed mesh at a feature of triangle t, unit. Source: Baerentzen, Aanaes (2005).
 Vec3 pseudo_normal(const SphereTree& tree, std::int32_t t, TriangleFeature feature) {
   const auto f = static_cast<std::size_t>(feature);
   if (feature >= TriangleFeature::corner_0) return tree.vertex_normals[at(tree.triangles[at(t)][f - 4])];
@@ -22,7 +22,7 @@ Vec3 pseudo_normal(const SphereTree& tree, std::int32_t t, TriangleFeature featu
   return feature == TriangleFeature::face ? n : normalized(n + face_normal(tree, tree.across[at(t)][f - 1]), n);
 }
 
-/// Squares of lower bounds of the distances of a block's bounds from a point.
+/// Squared lower bounds [m^2] of the distances from point p to the boxes of a block. All lanes are computed, used or not.
 void point_gaps(const BoundBlock& b, const float (&p)[3], float (&gap2)[block_lanes]) {
   for (int i = 0; i < block_lanes; ++i) {
     const float x = p[0] - b.box[0][i], y = p[1] - b.box[1][i], z = p[2] - b.box[2][i];
@@ -36,7 +36,7 @@ void point_gaps(const BoundBlock& b, const float (&p)[3], float (&gap2)[block_la
   }
 }
 
-/// The point is about the tree's centre.
+/// Depth-first search (nearest bounds first) for the triangle nearest to a point p, which is given relative to the tree's centre.
 class PointSearch {
  public:
   PointSearch(const SphereTree& tree, const Vec3& p, double farthest, std::vector<KernelEntry>& stack)
@@ -94,7 +94,8 @@ class PointSearch {
   std::vector<KernelEntry>& stack_;
 };
 
-/// The vertex of one mesh that is deepest inside the other, in the other's frame (about the centres of the trees).
+/// Search for the vertex of mesh `tree` that is deepest inside mesh `other`. Points are in the frame of `other`, relative to the centre
+/// of its tree; X maps points of `tree` (relative to its centre) to that frame.
 class DeepestVertex {
  public:
   DeepestVertex(const SphereTree& tree, const SphereTree& other, const Pose& X, double above, BubbleWorkspace& workspace)
@@ -121,13 +122,13 @@ class DeepestVertex {
   }
 
  private:
-  /// Depth of a point of the other's frame: negative outside.
+  /// Depth [m] of a point inside the other mesh; negative outside.
   double depth_of(const Vec3& p, SurfacePoint& found) {
     ++points;
     found = find_nearest_point(other_, p + other_.centre, warm_, workspace_);
     return found.inside ? found.distance : -found.distance;
   }
-  /// Puts a bound on the stack, with what the deepest of its points can reach at most.
+  /// Pushes a bound with an upper bound of the depth of its points (stored in KernelEntry::gap2), unless it cannot beat `depth`.
   void push(std::int32_t block, std::int32_t lane) {
     const BoundBlock& b = tree_.blocks[at(block)];
     const Vec3 c =
@@ -135,8 +136,8 @@ class DeepestVertex {
     const double r = static_cast<double>(b.radius[lane]) * (1 + 1e-6);
     if (norm(c) - r > other_.radius) return;
     SurfacePoint found;
-    const auto most = static_cast<float>((depth_of(c, found) + r) * (1 + 1e-6));
-    if (static_cast<double>(most) > depth) workspace_.penetration.push_back({block * block_lanes + lane, 0, most});
+    const auto max_depth = static_cast<float>((depth_of(c, found) + r) * (1 + 1e-6));
+    if (static_cast<double>(max_depth) > depth) workspace_.penetration.push_back({block * block_lanes + lane, 0, max_depth});
   }
   void try_vertex(std::int32_t v) {
     const Vec3 p = X_ * tree_.vertices[at(v)];
@@ -155,7 +156,7 @@ class DeepestVertex {
   std::int32_t warm_ = -1;
 
  public:
-  double depth;  // m: the greatest so far; vertices that are not deeper are of no interest
+  double depth;  // m: the maximum so far; only deeper vertices are recorded
   Vec3 vertex, surface;
   bool any = false;
   int points = 0;

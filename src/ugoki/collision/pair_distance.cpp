@@ -12,8 +12,9 @@ namespace ugoki::collision {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double hysteresis = 0.02;  // of the smaller body's radius
-constexpr double far_apart = 0.25;   // of the same: from there on hulls are tried even where any distance is of interest
+// Fractions of the smaller bounding radius, for the switch between hulls and triangles:
+constexpr double hysteresis = 0.02;  // extra hull distance before the switch returns to the hulls
+constexpr double far_apart = 0.25;   // replaces larger cutoffs, so that the switch returns to the hulls even if the cutoff is infinite
 
 BoxPair nearest_round_box(const Round& round, const Box& box) {
   const Round s = in_box(round, box.X);
@@ -31,8 +32,9 @@ Support core_of(const Shape& s) {
   return s.type == ShapeType::capsule ? Support::capsule(s.radius, s.half_length) : Support::sphere(s.radius);
 }
 
-/// Edges that are all but parallel, and all but touch, leave closed forms with few digits: the certificate tells, and Gilbert's method
-/// finds them again.
+/// Replaces a closed-form distance by that of Gilbert's method if it is inaccurate and Gilbert's is more accurate. The closed forms lose
+/// digits for edges that are almost parallel and almost touch. The error is bounded by the gap between the distance and the lower bound
+/// that the direction d.n proves.
 void certify(const Shape& a, const Pose& X_WS, const Shape& b, const Pose& X_WT, PairDistance& d) {
   const Support sa = core_of(a), sb = core_of(b);
   const Vec3 low = X_WS * find_support(sa, transpose_times(X_WS.R, -d.n)).p, high = X_WT * find_support(sb, transpose_times(X_WT.R, d.n)).p;
@@ -51,9 +53,9 @@ PairDistance unknown() {
   return out;
 }
 
-PairDistance of_convex(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double enough, PairCache& cache,
+PairDistance of_convex(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double cutoff, PairCache& cache,
                        DistanceWorkspace& workspace) {
-  const GilbertOptions options{.farthest = enough};
+  const GilbertOptions options{.farthest = cutoff};
   const GilbertResult g = gilbert_distance(a.support, X_WS, b.support, X_WT, cache.gilbert, options);
   if (g.status == GilbertStatus::separated)
     return {g.distance, std::min(g.lower, g.distance), g.pa, g.pb, g.n, true, DistanceMethod::gilbert};
@@ -63,46 +65,48 @@ PairDistance of_convex(const Collider& a, const Pose& X_WS, const Collider& b, c
   return {d.distance, std::min(d.lower, d.distance), d.pa, d.pb, d.n, d.status != DistanceStatus::beyond, DistanceMethod::gilbert};
 }
 
-/// A convex shape's nearest point is its own; a hull's, where it is one vertex of the shape.
+/// True if the nearest point found on the support is a point of the shape: always for a convex shape; for the hull of a non-convex shape
+/// only if the nearest feature is a single vertex.
 bool on_shape(const Collider& c, const std::array<std::int32_t, 3>& vertices, int count) {
   if (c.convex) return true;
   return count > 0 && std::all_of(vertices.begin(), vertices.begin() + count, [&](std::int32_t v) { return v == vertices[0]; });
 }
 
-/// By the hulls; lower = -infinity where they are not known.
-PairDistance of_hulls(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double enough, PairCache& cache) {
+/// Distance of the convex hulls; `lower` = -infinity if a hull is not known or the hulls overlap.
+PairDistance of_hulls(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double cutoff, PairCache& cache) {
   const auto known = [](const Collider& c) { return c.convex || (c.support.hull != nullptr && !c.support.hull->vertices.empty()); };
   if (!known(a) || !known(b)) return unknown();
-  const GilbertResult h = gilbert_distance(a.support, X_WS, b.support, X_WT, cache.gilbert, {.farthest = enough});
+  const GilbertResult h = gilbert_distance(a.support, X_WS, b.support, X_WT, cache.gilbert, {.farthest = cutoff});
   if (h.status != GilbertStatus::separated && h.status != GilbertStatus::beyond) return unknown();
   const bool exact = h.status == GilbertStatus::separated && h.lower > 0 && on_shape(a, cache.gilbert.a, cache.gilbert.count) &&
                      on_shape(b, cache.gilbert.b, cache.gilbert.count);
   return {h.distance, std::min(h.lower, h.distance), h.pa, h.pb, h.n, exact, DistanceMethod::hulls};
 }
 
-BubbleDistance turned_round(BubbleDistance d) {
+/// The same distance with a and b exchanged.
+BubbleDistance swapped(BubbleDistance d) {
   std::swap(d.pa, d.pb);
   d.n = -d.n;
   return d;
 }
 
-PairDistance of_surfaces(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double enough, PairCache& cache,
+PairDistance of_surfaces(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double cutoff, PairCache& cache,
                          DistanceWorkspace& workspace) {
   if ((!a.convex && !a.prepared) || (!b.convex && !b.prepared)) return unknown();
-  const BubbleOptions options{.farthest = enough};
+  const BubbleOptions options{.farthest = cutoff};
   BubbleDistance d;
   if (a.convex)
     d = find_distance(a.support, X_WS, b.prepared->spheres, X_WT, cache.convex_mesh, workspace.convex_mesh, options);
   else if (b.convex)
-    d = turned_round(find_distance(b.support, X_WT, a.prepared->spheres, X_WS, cache.convex_mesh, workspace.convex_mesh, options));
+    d = swapped(find_distance(b.support, X_WT, a.prepared->spheres, X_WS, cache.convex_mesh, workspace.convex_mesh, options));
   else
     d = find_distance(a.prepared->spheres, X_WS, b.prepared->spheres, X_WT, cache.triangles, workspace.bubble, options);
   if (d.status == BubbleStatus::not_finite) return unknown();
   PairDistance out{d.distance, std::min(d.lower, d.distance), d.pa, d.pb, d.n, d.status != BubbleStatus::beyond, DistanceMethod::bubble};
   if (d.status != BubbleStatus::touching || a.convex || b.convex) return out;
-  const MeshPenetration deep = find_penetration(a.prepared->spheres, X_WS, b.prepared->spheres, X_WT, workspace.bubble);
-  if (deep.status != PenetrationStatus::penetrating) return out;
-  return {-deep.depth, -deep.depth, deep.pa, deep.pb, deep.n, true, DistanceMethod::bubble};
+  const MeshPenetration penetration = find_penetration(a.prepared->spheres, X_WS, b.prepared->spheres, X_WT, workspace.bubble);
+  if (penetration.status != PenetrationStatus::penetrating) return out;
+  return {-penetration.depth, -penetration.depth, penetration.pa, penetration.pb, penetration.n, true, DistanceMethod::bubble};
 }
 
 }  // namespace
@@ -128,22 +132,22 @@ PairDistance closed_form_distance(const Shape& a, const Pose& X_WS, const Shape&
   return out;
 }
 
-PairDistance find_pair_distance(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double enough, PairCache& cache,
+PairDistance find_pair_distance(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double cutoff, PairCache& cache,
                                 DistanceWorkspace& workspace) {
   if (has_closed_form(a.shape.type) && has_closed_form(b.shape.type)) {
     const PairDistance d = closed_form_distance(a.shape, X_WS, b.shape, X_WT);
     return std::isfinite(d.distance) ? d : unknown();
   }
-  // A half-space sees of a shape no more than its hull.
+  // The distance of a shape from a half-space equals that of its convex hull.
   const auto plane = [](const Collider& c) { return c.support.kind == SupportKind::half_space; };
-  if ((a.convex || plane(b)) && (b.convex || plane(a))) return of_convex(a, X_WS, b, X_WT, enough, cache, workspace);
+  if ((a.convex || plane(b)) && (b.convex || plane(a))) return of_convex(a, X_WS, b, X_WT, cutoff, cache, workspace);
   if (!cache.near) {
-    const PairDistance hulls = of_hulls(a, X_WS, b, X_WT, enough, cache);
-    if (hulls.exact || hulls.lower >= enough) return hulls;
+    const PairDistance hulls = of_hulls(a, X_WS, b, X_WT, cutoff, cache);
+    if (hulls.exact || hulls.lower >= cutoff) return hulls;
     cache.near = true;
   }
-  const PairDistance surfaces = of_surfaces(a, X_WS, b, X_WT, enough, cache, workspace);
-  const double size = std::min(a.bound, b.bound), apart = std::min(enough, far_apart * size) + hysteresis * size;
+  const PairDistance surfaces = of_surfaces(a, X_WS, b, X_WT, cutoff, cache, workspace);
+  const double size = std::min(a.bound, b.bound), apart = std::min(cutoff, far_apart * size) + hysteresis * size;
   if (!(surfaces.exact && surfaces.distance <= apart)) {
     const PairDistance hulls = of_hulls(a, X_WS, b, X_WT, apart, cache);
     cache.near = !(hulls.lower > apart);

@@ -1,7 +1,7 @@
 #pragma once
-// True distance of two shapes, whatever they are: closed forms, Gilbert's method for convex shapes, bubble for the others, and the
-// switch between the last two by the distance of the convex hulls.
-// Source: Nagashima (1999) section 6.1.
+// Signed distance of any two shapes: closed forms for spheres, capsules and boxes, Gilbert's method for other convex shapes, and for
+// non-convex shapes the switch between Gilbert's method on the convex hulls (far apart) and the bubble method, a search of sphere trees
+// over the triangles (near). Source: Nagashima (1999) section 6.1.
 
 #include <cstdint>
 #include <limits>
@@ -14,55 +14,58 @@
 
 namespace ugoki::collision {
 
-/// What found a distance.
+/// The method that computed a distance.
 enum class DistanceMethod : std::uint8_t {
-  none,         ///< nothing: a pose that is not finite, or a shape without surface
-  closed_form,  ///< sphere, capsule, box
-  gilbert,      ///< convex shapes
-  hulls,        ///< Gilbert's method on the convex hull of a shape that is not convex
-  bubble,       ///< surfaces of triangles
+  none,         ///< no result: a pose is not finite, or a shape has no surface
+  closed_form,  ///< formula for spheres, capsules and boxes
+  gilbert,      ///< Gilbert's method on two convex shapes
+  hulls,        ///< Gilbert's method on the convex hulls, where at least one shape is not convex
+  bubble,       ///< search of sphere trees over the triangles (bubble.h, convex_mesh.h), where at least one shape is not convex
 };
 
-/// pa - pb = n * distance.
+/// Distance of two shapes a and b. pa - pb = n * distance.
 struct PairDistance {
-  double distance = 0;  ///< m, between the surfaces; negative: depth of penetration
-  double lower = 0;     ///< m: the true distance is not below; -infinity where nothing is known
-  Vec3 pa, pb;          ///< m, world: a nearest (deepest) pair of points on a and b
+  double distance = 0;  ///< m, between the surfaces; negative: depth of penetration. Infinite where nothing is known
+  double lower = 0;     ///< m: proved lower bound of the true distance; -infinity where nothing is known
+  Vec3 pa, pb;          ///< m, world: a closest (deepest) pair of points on a and b
   Vec3 n;               ///< unit, world: from b towards a; zero where surfaces of triangles pierce each other
-  bool exact = false;   ///< false: only `lower` holds
+  bool exact = false;   ///< false: only `lower` is valid
   DistanceMethod method = DistanceMethod::none;
 };
 
-/// What a pair remembers from one query to the next. A new one knows nothing; a wrong one costs time, never truth.
+/// Warm start of one pair, kept from one query to the next. A default-constructed cache is empty; a wrong cache costs time but does not
+/// change the result.
 struct PairCache {
   GilbertCache gilbert;
-  TrianglePair triangles;       ///< two meshes: the nearest
+  TrianglePair triangles;       ///< two meshes: the closest triangles of the last query
   ConvexMeshCache convex_mesh;  ///< convex shape and mesh
-  bool near = false;            ///< the side of the switch: the surfaces of triangles were compared the last time
+  bool near = false;            ///< state of the switch; true: the next query starts with the triangles, false: with the hulls
 };
 
-/// Scratch memory; one for each thread, any pair may use it. Grows, then stays.
+/// Scratch memory; one for each thread, any pair may use it. Grows to what is needed, then keeps its size.
 struct DistanceWorkspace {
   PenetrationWorkspace penetration;
   BubbleWorkspace bubble;
   ConvexMeshWorkspace convex_mesh;
 };
 
-/// Signed distance of a at pose X_WS and b at pose X_WT, poses of the SHAPES (X_WB * shape.X_BS). Depths: of convex shapes the shortest
-/// translation that separates them; of two closed meshes that of the deepest vertex (mesh_point.h); otherwise 0 where surfaces pierce
-/// each other. A body that is wholly inside a mesh has a distance from its surface.
+/// Signed distance of a at pose X_WS and b at pose X_WT, poses of the SHAPES (X_WB * shape.X_BS).
+/// Depth of penetration: for convex shapes the shortest translation that separates them; for two closed meshes the depth of the deepest
+/// vertex (mesh_point.h); otherwise 0 where surfaces pierce each other. A body that is wholly inside a mesh has a positive distance
+/// from the mesh's surface.
 ///
-/// The switch, for pairs of which one is not convex: where the hulls are farther apart than `enough`, that is the answer (exact =
-/// false, `lower` not below enough; exact where vertices of the hulls are nearest, as these belong to the shapes). Otherwise the triangles
-/// are compared, and that is gone on with until the hulls are apart by a little more (a fiftieth of the smaller body) than `enough`.
-/// @param enough m: greater distances are of no interest: exact = false and some `lower` not below it will do. Infinity: always exact
+/// The switch, for pairs with a non-convex shape: if the convex hulls are farther apart than `cutoff`, their distance is the result.
+/// It is exact where the closest features of the hulls are single vertices, which belong to the shapes too; otherwise exact = false and
+/// `lower` >= cutoff. If the hulls are closer than `cutoff`, the triangles are compared. Later queries keep comparing triangles until
+/// the hulls are farther apart than min(cutoff, 0.25 r) + 0.02 r, where r is the smaller bounding radius (hysteresis).
 /// No allocation after the workspace has grown.
-[[nodiscard]] PairDistance find_pair_distance(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double enough,
+/// @param cutoff m: a larger distance need not be exact: the result may be exact = false with `lower` >= cutoff. Infinity: always exact
+[[nodiscard]] PairDistance find_pair_distance(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double cutoff,
                                               PairCache& cache, DistanceWorkspace& workspace);
 
-/// Sphere, capsule and box.
+/// True for sphere, capsule and box: closed_form_distance() accepts them.
 [[nodiscard]] inline bool has_closed_form(ShapeType t) { return t == ShapeType::sphere || t == ShapeType::capsule || t == ShapeType::box; }
-/// Exact up to rounding, O(1). Both shapes must have a closed form; X_WS, X_WT as above.
+/// Signed distance of two shapes for which has_closed_form() is true. Exact up to rounding, O(1). X_WS, X_WT: poses of the SHAPES.
 [[nodiscard]] PairDistance closed_form_distance(const Shape& a, const Pose& X_WS, const Shape& b, const Pose& X_WT);
 
 }  // namespace ugoki::collision

@@ -27,8 +27,9 @@ double size_of(const SuperiorTree::Box& b) {
   return d.x + d.y + d.z;
 }
 
-/// By how much [m] a bound must be above the limit, so that it may hold for the next eight steps, or for ever where nothing moves.
-double lasting(const SuperiorTree& tree, const PairFront::Entry& e) {
+/// Margin [m] added to the limit of a distance query, so that the resulting bound rules the pair out for about the next eight steps at the
+/// present speed (permanently if nothing moves).
+double bound_margin(const SuperiorTree& tree, const PairFront::Entry& e) {
   return 8 * (tree.last_travel(e.a) + tree.last_travel(e.b)) + 4 * tree.slack();
 }
 
@@ -41,7 +42,8 @@ void PairFilter::exclude(std::vector<BodyPair> pairs) {
 
 bool PairFilter::excluded(int a, int b) const { return !excluded_.empty() && std::ranges::binary_search(excluded_, ordered(a, b)); }
 
-/// Hands `store` the coarsest pairs below (a, b) that are farther than `limit`, and those of two bodies, with their boxes' bound.
+/// Calls store(a, b, box distance) for the coarsest pairs of nodes below (a, b) that are farther apart than `limit`, and for the
+/// remaining pairs of two bodies. Pairs that the filter excludes are skipped.
 template <class Store>
 void PairFront::expand(SuperiorTree& tree, int a, int b, double limit, const Store& store) {
   stack_.clear();
@@ -75,13 +77,13 @@ void PairFront::expand(SuperiorTree& tree, int a, int b, double limit, const Sto
   }
 }
 
-/// Entries of two bodies into old_, in order; without what does not hold any longer.
+/// Copies the entries of two bodies to old_, sorted. Bounds of an earlier epoch are dropped; entries without a bound and a cache too.
 void PairFront::keep_old_bounds(const SuperiorTree& tree) {
   old_.clear();
-  const bool bounds_hold = made_ && epoch_ == tree.epoch();
+  const bool bounds_valid = made_ && epoch_ == tree.epoch();
   for (Entry e : entries_) {
-    if (!leaf(tree, e) || (e.cache < 0 && !bounds_hold)) continue;
-    if (!bounds_hold) e.key = -infinity;
+    if (!leaf(tree, e) || (e.cache < 0 && !bounds_valid)) continue;
+    if (!bounds_valid) e.key = -infinity;
     old_.push_back(e);
   }
   std::ranges::sort(old_, before);
@@ -116,12 +118,13 @@ void PairFront::make(SuperiorTree& tree, int a, int b, double limit) {
   made_ = true;
 }
 
-/// Room for growing. Small fronts get what they can ever need: each pair of bodies once, and as much again that was split.
+/// Reserves memory so that later queries do not allocate. A front never has more than bodies^2 entries: one for each pair of bodies, and
+/// at most as many that were split. Large fronts get memory for four times their present number of entries, plus 4096.
 void PairFront::reserve(std::size_t bodies) {
   const std::size_t capacity = std::min(bodies * bodies, 4 * entries_.size() + 4096);
   if (capacity <= entries_.capacity()) return;
   entries_.reserve(capacity);
-  touched_.reserve(capacity);
+  candidates_.reserve(capacity);
   spare_.reserve(capacity);
   old_.reserve(capacity);
   stack_.reserve(256);
@@ -134,24 +137,24 @@ void PairFront::reserve_caches() {
 
 void PairFront::scan(const SuperiorTree& tree, double limit) {
   const double* travel = tree.travel();
-  limit = std::min(limit + tree.slack(), std::numeric_limits<double>::max());  // infinite bounds are never touched
-  touched_.clear();
+  limit = std::min(limit + tree.slack(), std::numeric_limits<double>::max());  // finite: entries with infinite bounds never qualify
+  candidates_.clear();
   const std::size_t count = entries_.size();
-  touched_.resize(count);
-  // Without branches: a step touches a few entries, at places that nothing predicts.
+  candidates_.resize(count);
+  // Branch-free: only a few entries qualify, at unpredictable positions.
   std::size_t found = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Entry& e = entries_[i];
-    touched_[found] = static_cast<std::uint32_t>(i);
+    candidates_[found] = static_cast<std::uint32_t>(i);
     found += e.key - travel[e.a] - travel[e.b] <= limit ? 1 : 0;
   }
-  touched_.resize(found);
+  candidates_.resize(found);
   counts_ = {static_cast<int>(count), static_cast<int>(found), 0};
 }
 
 void PairFront::refine(SuperiorTree& tree, std::size_t index, double limit) {
   const Entry old = entries_[index];
-  entries_[index].key = infinity;  // stays so where it is split
+  entries_[index].key = infinity;  // remains infinite if the entry is split
   expand(tree, old.a, old.b, limit, [&](int a, int b, double apart) {
     const Entry e = make_entry(tree, a, b, apart);
     if (e.a == old.a && e.b == old.b)
@@ -161,7 +164,7 @@ void PairFront::refine(SuperiorTree& tree, std::size_t index, double limit) {
   });
 }
 
-PairDistance PairFront::measure(SuperiorTree& tree, std::size_t index, double enough, PairFunction& distance) {
+PairDistance PairFront::measure(SuperiorTree& tree, std::size_t index, double cutoff, PairFunction& distance) {
   Entry& e = entries_[index];
   if (e.cache < 0) {
     if (free_caches_.empty()) {
@@ -174,7 +177,7 @@ PairDistance PairFront::measure(SuperiorTree& tree, std::size_t index, double en
     }
   }
   ++counts_.distances;
-  const PairDistance d = distance.distance(e.a, e.b, enough, caches_[static_cast<std::size_t>(e.cache)]);
+  const PairDistance d = distance.distance(e.a, e.b, cutoff, caches_[static_cast<std::size_t>(e.cache)]);
   e.key = d.lower + tree.travel()[e.a] + tree.travel()[e.b];
   return d;
 }
@@ -189,7 +192,7 @@ void PairFront::sort_new() {
   sorted_ = entries_.size();
 }
 
-NearestPair::NearestPair(int group_a, int group_b, PairFilter filter) : PairFront(std::move(filter)), group_a_(group_a), group_b_(group_b) {
+ClosestPair::ClosestPair(int group_a, int group_b, PairFilter filter) : PairFront(std::move(filter)), group_a_(group_a), group_b_(group_b) {
   filter_.between_groups = true;
   if (group_a != group_b) return;
   const auto g = static_cast<std::size_t>(group_a);
@@ -197,15 +200,16 @@ NearestPair::NearestPair(int group_a, int group_b, PairFilter filter) : PairFron
   filter_.inside_group[g] = 1;
 }
 
-bool NearestPair::consider(const Entry& e, const PairDistance& d) {
+/// Makes (e, d) the best pair if it is closer, or equally close and first in order. @return whether it did
+bool ClosestPair::consider(const Entry& e, const PairDistance& d) {
   const BodyPair bodies{e.a, e.b};
   if (!d.exact || d.distance > best_.near.distance || (d.distance == best_.near.distance && bodies > best_.bodies)) return false;
   best_ = {bodies, d};
   return true;
 }
 
-/// Greedy: always to the nearer child. Bodies -1 where it ends at a pair that does not count.
-BodyPair NearestPair::first_guess(SuperiorTree& tree) const {
+/// A near pair of bodies, by greedy descent to the nearer child. Bodies -1 if the descent ends at an excluded pair.
+BodyPair ClosestPair::first_guess(SuperiorTree& tree) const {
   int a = tree.group_root(group_a_), b = tree.group_root(group_b_);
   if (group_a_ == group_b_) {
     if (tree.is_body(a)) return {};
@@ -225,32 +229,32 @@ BodyPair NearestPair::first_guess(SuperiorTree& tree) const {
   return filter_.excluded(a, b) ? BodyPair{} : BodyPair{a, b};
 }
 
-void NearestPair::begin(SuperiorTree& tree, const BodyPair& guess, double limit) {
+void ClosestPair::begin(SuperiorTree& tree, const BodyPair& guess, double limit) {
   make(tree, tree.group_root(group_a_), tree.group_root(group_b_), limit);
   reserve_caches();
   const auto found = std::ranges::find_if(entries_, [&](const Entry& e) { return BodyPair{e.a, e.b} == guess; });
   best_entry_ = static_cast<std::size_t>(found - entries_.begin());
 }
 
-void NearestPair::look_into(SuperiorTree& tree, std::size_t index, PairFunction& distance) {
+void ClosestPair::examine(SuperiorTree& tree, std::size_t index, PairFunction& distance) {
   const std::size_t before = entries_.size();
   refine(tree, index, best_.near.distance + tree.slack());
   for (std::size_t i = index; i < entries_.size(); i = i == index ? before : i + 1) {
     const Entry e = entries_[i];
     const double limit = best_.near.distance;
     if (!leaf(tree, e) || !may_be_within(tree, e, limit)) continue;
-    if (consider(e, measure(tree, i, limit + lasting(tree, e), distance))) best_entry_ = i;
+    if (consider(e, measure(tree, i, limit + bound_margin(tree, e), distance))) best_entry_ = i;
   }
 }
 
-const NearPair& NearestPair::find(SuperiorTree& tree, PairFunction& distance) {
+const NearPair& ClosestPair::find(SuperiorTree& tree, PairFunction& distance) {
   const BodyPair last = best_.bodies;
   best_ = {};
   best_.near.distance = best_.near.lower = infinity;
   counts_ = {};
   const auto empty = [&](int group) { return group >= tree.groups() || tree.group_root(group) < 0; };
   if (empty(group_a_) || empty(group_b_)) return best_;
-  if (!holds(tree)) {
+  if (!is_valid(tree)) {
     const BodyPair guess = last.a >= 0 ? last : first_guess(tree);
     PairCache cache;
     begin(tree, guess, guess.a < 0 ? infinity : distance.distance(guess.a, guess.b, infinity, cache).distance);
@@ -258,18 +262,18 @@ const NearPair& NearestPair::find(SuperiorTree& tree, PairFunction& distance) {
   const std::size_t known = best_entry_;
   if (known < entries_.size()) (void)consider(entries_[known], measure(tree, known, infinity, distance));
   scan(tree, best_.near.distance);
-  for (const std::uint32_t i : touched_)
-    if (i != known && may_be_within(tree, entries_[i], best_.near.distance)) look_into(tree, i, distance);
-  if (grown()) begin(tree, best_.bodies, best_.near.distance);
+  for (const std::uint32_t i : candidates_)
+    if (i != known && may_be_within(tree, entries_[i], best_.near.distance)) examine(tree, i, distance);
+  if (has_grown()) begin(tree, best_.bodies, best_.near.distance);
   return best_;
 }
 
-template <class Found, class Ask>
-void PairFront::ask_within(SuperiorTree& tree, double margin, std::vector<Found>& out, std::vector<Found>& late, const Ask& ask) {
+template <class Found, class Visit>
+void PairFront::visit_within(SuperiorTree& tree, double margin, std::vector<Found>& out, std::vector<Found>& late, const Visit& visit) {
   scan(tree, margin);
   const double limit = margin + tree.slack();
   const std::size_t before_splits = entries_.size();
-  for (const std::uint32_t i : touched_) {
+  for (const std::uint32_t i : candidates_) {
     if (!leaf(tree, entries_[i])) {
       refine(tree, i, limit);
       continue;
@@ -278,12 +282,12 @@ void PairFront::ask_within(SuperiorTree& tree, double margin, std::vector<Found>
     if (apart > limit)
       entries_[i].key = make_entry(tree, entries_[i].a, entries_[i].b, apart).key;
     else
-      ask(i, i < sorted_ ? out : late);
+      visit(i, i < sorted_ ? out : late);
   }
   for (std::size_t i = before_splits; i < entries_.size(); ++i)
-    if (leaf(tree, entries_[i]) && may_be_within(tree, entries_[i], margin)) ask(i, late);
+    if (leaf(tree, entries_[i]) && may_be_within(tree, entries_[i], margin)) visit(i, late);
   if (entries_.size() - sorted_ > sorted_ / 8 + 64) sort_new();
-  // Both lists in the order of (a, b): merged from their ends.
+  // Both lists are in the order of (a, b): merge `late` into `out` from the ends, in place.
   std::ranges::sort(late, {}, bodies_of<Found>);
   std::size_t i = out.size(), j = late.size(), k = i + j;
   out.resize(k);
@@ -300,14 +304,14 @@ void PairsWithin::find(SuperiorTree& tree, double margin, PairFunction& distance
   late_.clear();
   counts_ = {};
   if (tree.root() < 0) return;
-  if (!holds(tree) || grown()) {
+  if (!is_valid(tree) || has_grown()) {
     make(tree, tree.root(), tree.root(), margin);
     reserve_caches();
     late_.reserve(std::min<std::size_t>(entries_.capacity(), 4096));
   }
-  ask_within(tree, margin, out, late_, [&](std::size_t i, std::vector<NearPair>& found) {
+  visit_within(tree, margin, out, late_, [&](std::size_t i, std::vector<NearPair>& found) {
     const Entry& e = entries_[i];
-    const PairDistance d = measure(tree, i, margin + lasting(tree, e), distance);
+    const PairDistance d = measure(tree, i, margin + bound_margin(tree, e), distance);
     if (d.exact && d.distance <= margin) found.push_back({{e.a, e.b}, d});
   });
 }
@@ -317,13 +321,13 @@ void BoxesWithin::find(SuperiorTree& tree, double margin, std::vector<BodyPair>&
   late_.clear();
   counts_ = {};
   if (tree.root() < 0) return;
-  if (!holds(tree) || grown()) {
+  if (!is_valid(tree) || has_grown()) {
     make(tree, tree.root(), tree.root(), margin);
     late_.reserve(std::min<std::size_t>(entries_.capacity(), 4096));
     out.reserve(late_.capacity());
   }
-  ask_within(tree, margin, out, late_,
-             [&](std::size_t i, std::vector<BodyPair>& found) { found.push_back({entries_[i].a, entries_[i].b}); });
+  visit_within(tree, margin, out, late_,
+               [&](std::size_t i, std::vector<BodyPair>& found) { found.push_back({entries_[i].a, entries_[i].b}); });
 }
 
 }  // namespace ugoki::collision

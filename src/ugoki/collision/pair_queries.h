@@ -1,11 +1,11 @@
 #pragma once
-// Questions to the superior tree: the nearest pair of two groups, all pairs closer than a margin, or only those whose boxes are; with
-// pairs left out.
+// Queries of the superior tree: the closest pair of two groups, all pairs closer than a margin, or all pairs whose boxes are closer
+// than a margin. A PairFilter excludes pairs.
 //
-// Each question keeps a front: pairs of nodes that together cover all pairs of bodies, with a lower bound for each. A step looks at
-// the bounds, less what the nodes have moved since, and goes into only those pairs whose bound does not rule them out: by the
-// nodes' boxes, then by their children, at last by the true distance, which is the pair's new bound. In coherent motion that is a
-// few pairs a step, however many there are.
+// Each query keeps a front: pairs of nodes that together cover all pairs of bodies, each with a lower bound of its distance. A step
+// subtracts from each bound the motion of both nodes since the bound was computed. It examines only the pairs that the bound does not
+// rule out: first by the nodes' boxes, then by splitting a node into its children, last (for two bodies) by the true distance, which
+// becomes the new bound. In coherent motion a step examines a few pairs, whatever the number of bodies.
 
 #include <cstdint>
 #include <limits>
@@ -16,32 +16,35 @@
 
 namespace ugoki::collision {
 
-/// What measures two bodies, at the poses of the tree's last update.
+/// Computes the distance of two bodies at the poses of the tree's last update. Implemented by the caller of a query.
 class PairFunction {
  public:
   virtual ~PairFunction() = default;
-  /// @param enough m: where the distance is greater, a `lower` above it is answer enough (exact = false)
-  /// @param cache of this pair and this question alone; new at the pair's first call
-  [[nodiscard]] virtual PairDistance distance(int a, int b, double enough, PairCache& cache) = 0;
+  /// Distance of bodies a and b.
+  /// @param cutoff m: for a larger distance the result may be exact = false with `lower` above the cutoff
+  /// @param cache [in, out] warm start of this pair in this query; empty at the first call for the pair
+  [[nodiscard]] virtual PairDistance distance(int a, int b, double cutoff, PairCache& cache) = 0;
 };
 
+/// Indices of two bodies of the tree.
 struct BodyPair {
   int a = -1, b = -1;
   friend auto operator<=>(const BodyPair&, const BodyPair&) = default;
 };
 
+/// Two bodies and their distance: the result of a query.
 struct NearPair {
   BodyPair bodies;
   PairDistance near;
 };
 
-/// Which pairs of bodies do not count.
+/// Selects the pairs of bodies that a query considers.
 class PairFilter {
  public:
-  bool between_groups = true;
-  /// In each group: do its bodies count among each other? Missing: no.
+  bool between_groups = true;  ///< pairs of bodies of different groups are considered
+  /// [groups] not 0: pairs of bodies inside this group are considered. Missing entries: 0.
   std::vector<std::uint8_t> inside_group;
-  /// Leaves out pairs of bodies, in either order.
+  /// Excludes pairs of bodies, given in either order.
   void exclude(std::vector<BodyPair> pairs);
 
   [[nodiscard]] bool inside(int group) const {
@@ -54,36 +57,42 @@ class PairFilter {
   std::vector<BodyPair> excluded_;  // sorted, a < b
 };
 
-/// What a question went into in its last step, for those who tune.
+/// Work of the last find() of a query, for tuning.
 struct QueryCounts {
-  int front = 0;      ///< pairs of nodes in the front
-  int touched = 0;    ///< of these not ruled out by their bounds
-  int distances = 0;  ///< true distances asked for
+  int front = 0;       ///< pairs of nodes in the front
+  int candidates = 0;  ///< pairs of these that their bounds did not rule out
+  int distances = 0;   ///< calls of PairFunction::distance
 };
 
-/// The front that both questions share.
+/// The front of pairs of nodes: common base of the queries.
 class PairFront {
  public:
+  /// A pair of nodes of the tree.
   struct Entry {
-    double key;  ///< m: lower bound of the distance plus the travel of both nodes at that time
-    std::int32_t a, b;
-    std::int32_t cache;  ///< index, -1: none yet
+    double key;          ///< m: lower bound of the distance, plus SuperiorTree::travel() of both nodes when it was computed
+    std::int32_t a, b;   ///< nodes
+    std::int32_t cache;  ///< index of its PairCache; -1: none yet
   };
 
   explicit PairFront(PairFilter filter) : filter_(std::move(filter)) {}
 
  protected:
-  [[nodiscard]] bool holds(const SuperiorTree& tree) const { return made_ && epoch_ == tree.epoch() && topology_ == tree.topology(); }
-  [[nodiscard]] bool grown() const { return entries_.size() > 2 * size_when_made_ + 64; }
-  /// Begins anew from the pair (a, b), as fine as `limit` needs; bounds and caches of bodies are kept where they still hold.
+  /// True while the front fits the tree; otherwise make() must rebuild it.
+  [[nodiscard]] bool is_valid(const SuperiorTree& tree) const { return made_ && epoch_ == tree.epoch() && topology_ == tree.topology(); }
+  /// True when the front has doubled since make() and should be rebuilt. 64: small fronts may grow by this many entries more.
+  [[nodiscard]] bool has_grown() const { return entries_.size() > 2 * size_when_made_ + 64; }
+  /// Rebuilds the front from the pair of nodes (a, b), split until each entry is two bodies or farther apart than `limit` [m]. Bounds and
+  /// caches of pairs of bodies are kept where they are still valid.
   void make(SuperiorTree& tree, int a, int b, double limit);
-  /// Indices of the entries that may be nearer than `limit`, ascending, in touched_.
+  /// Fills candidates_ with the indices, ascending, of the entries whose distance may be up to `limit` [m].
   void scan(const SuperiorTree& tree, double limit);
-  /// Bounds an entry by its boxes; where they are not farther than `limit`, splits it: it is ruled out for ever, and finer ones,
-  /// each of two bodies or farther than `limit`, come last.
+  /// Recomputes the bound of an entry from its boxes. If the boxes are not farther apart than `limit` [m] and a node can be split, the
+  /// entry's key becomes infinite, which rules it out permanently. Finer entries, each of two bodies or farther apart than `limit`, are
+  /// appended.
   void refine(SuperiorTree& tree, std::size_t index, double limit);
-  /// Asks for the distance of an entry of two bodies and keeps the bound.
-  PairDistance measure(SuperiorTree& tree, std::size_t index, double enough, PairFunction& distance);
+  /// Computes the distance of an entry of two bodies and stores its `lower` as the new bound.
+  PairDistance measure(SuperiorTree& tree, std::size_t index, double cutoff, PairFunction& distance);
+  /// m: lower bound of the entry's distance at the present poses.
   [[nodiscard]] double bound(const SuperiorTree& tree, const Entry& e) const {
     const double* travel = tree.travel();
     return e.key - travel[e.a] - travel[e.b];
@@ -93,20 +102,21 @@ class PairFront {
     return lower <= limit + tree.slack() && lower < std::numeric_limits<double>::infinity();
   }
   [[nodiscard]] bool leaf(const SuperiorTree& tree, const Entry& e) const { return tree.is_body(e.a) && tree.is_body(e.b); }
-  /// Entry of two nodes whose boxes are `apart`.
+  /// Entry of two nodes whose boxes are `apart` [m] from each other.
   [[nodiscard]] Entry make_entry(const SuperiorTree& tree, int a, int b, double apart) const;
-  /// Calls ask(index, list) for every entry of two bodies that may be within `margin`, which appends to the list what it finds; `out`
-  /// is then in the order of (a, b).
-  template <class Found, class Ask>
-  void ask_within(SuperiorTree& tree, double margin, std::vector<Found>& out, std::vector<Found>& late, const Ask& ask);
-  /// For make(): also of what measure() needs.
+  /// Calls visit(index, list) for every entry of two bodies whose boxes may be within `margin` [m]; visit appends its results to the list.
+  /// On return `out` contains all results in the order of (a, b).
+  /// @param late scratch: results of entries that are not yet in sorted order
+  template <class Found, class Visit>
+  void visit_within(SuperiorTree& tree, double margin, std::vector<Found>& out, std::vector<Found>& late, const Visit& visit);
+  /// Reserves caches for measure(); called after make().
   void reserve_caches();
-  /// Brings the entries from sorted_ on into the order of the others, and drops what was split.
+  /// Sorts the entries from index sorted_ on into the others, and removes split entries that have no cache.
   void sort_new();
 
   PairFilter filter_;
   std::vector<Entry> entries_;
-  std::vector<std::uint32_t> touched_;
+  std::vector<std::uint32_t> candidates_;  // indices of entries, ascending; result of scan()
   QueryCounts counts_;
   std::size_t sorted_ = 0;  // entries before this are in the order of (a, b)
 
@@ -123,16 +133,16 @@ class PairFront {
   std::size_t size_when_made_ = 0;
   std::uint32_t epoch_ = 0, topology_ = 0;
   bool made_ = false;
-  bool symmetric_ = false;  // begun from one node: entries have a < b
+  bool symmetric_ = false;  // built from the pair of a node with itself: entries have a < b
 };
 
-/// The nearest pair of two groups, or inside one (a group with itself).
-class NearestPair : private PairFront {
+/// Query: the closest pair of bodies of two groups, or inside one group (group_a == group_b).
+class ClosestPair : private PairFront {
  public:
-  NearestPair(int group_a, int group_b, PairFilter filter = {});
-  /// The same as measuring all pairs and taking the least distance (where several are equal, the first in the order of the
-  /// bodies' numbers). Body a is of group a. No pair: bodies -1, distance infinite.
-  /// Call it after each update of the tree, or after several: any number of steps may lie between.
+  ClosestPair(int group_a, int group_b, PairFilter filter = {});
+  /// Closest pair at the poses of the tree's last update. The result equals that of measuring all pairs and taking the minimum distance;
+  /// among equal distances the first in the order of the body indices wins. Body a belongs to group_a. No pair: bodies -1, distance
+  /// infinite. The tree may have been updated any number of times since the last call. The reference is valid until the next call.
   [[nodiscard]] const NearPair& find(SuperiorTree& tree, PairFunction& distance);
   [[nodiscard]] const QueryCounts& counts() const { return counts_; }
 
@@ -140,18 +150,19 @@ class NearestPair : private PairFront {
   [[nodiscard]] BodyPair first_guess(SuperiorTree& tree) const;
   bool consider(const Entry& e, const PairDistance& d);
   void begin(SuperiorTree& tree, const BodyPair& guess, double limit);
-  void look_into(SuperiorTree& tree, std::size_t index, PairFunction& distance);
+  void examine(SuperiorTree& tree, std::size_t index, PairFunction& distance);
 
   int group_a_, group_b_;
   NearPair best_;
   std::size_t best_entry_ = 0;
 };
 
-/// All pairs closer than a margin.
+/// Query: all pairs of bodies closer than a margin.
 class PairsWithin : private PairFront {
  public:
   explicit PairsWithin(PairFilter filter) : PairFront(std::move(filter)) {}
-  /// @param out cleared, then all pairs with a distance not above `margin`, in the order of (a, b), a < b; keeps its memory
+  /// Finds all pairs with a distance <= `margin` [m] at the poses of the tree's last update.
+  /// @param out cleared, then filled in the order of (a, b), with a < b; keeps its memory
   void find(SuperiorTree& tree, double margin, PairFunction& distance, std::vector<NearPair>& out);
   [[nodiscard]] const QueryCounts& counts() const { return counts_; }
 
@@ -159,12 +170,13 @@ class PairsWithin : private PairFront {
   std::vector<NearPair> late_;
 };
 
-/// All pairs whose boxes are closer than a margin: candidates for those who measure in their own way.
+/// Query: all pairs of bodies whose boxes are closer than a margin: candidates for a caller that computes distances itself.
 class BoxesWithin : private PairFront {
  public:
   explicit BoxesWithin(PairFilter filter) : PairFront(std::move(filter)) {}
-  /// @param out cleared, then all pairs with a box_distance() not above `margin`, in the order of (a, b), a < b; keeps its memory.
-  ///   Bodies that turn: as far as their motion has not ruled out before that they are that near
+  /// Finds all pairs with a box_distance() <= `margin` [m] at the poses of the tree's last update. A pair may be missing if one of its
+  /// bodies has turned, which enlarges its box; then the motion bound proves that the bodies themselves are farther apart than `margin`.
+  /// @param out cleared, then filled in the order of (a, b), with a < b; keeps its memory
   void find(SuperiorTree& tree, double margin, std::vector<BodyPair>& out);
   [[nodiscard]] const QueryCounts& counts() const { return counts_; }
 

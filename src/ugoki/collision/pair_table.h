@@ -1,5 +1,5 @@
 #pragma once
-// What pairs of shapes remember from step to step, by the pair's number; internal to collision.
+// Hash table of the warm starts of pairs of shapes. Internal to collision/.
 
 #include <cstdint>
 #include <vector>
@@ -8,24 +8,26 @@
 
 namespace ugoki::collision {
 
-/// Open addressing; grows when half full, never forgets. Finding a pair that was there before does not allocate.
+/// Map from the key of a pair of shapes to its GilbertCache. Open addressing; grows when half full; pairs are never removed one by one.
+/// Looking up a known pair does not allocate.
 class PairTable {
  public:
-  /// The pair's memory; new and empty at the first call. Valid until the next call.
+  /// The pair's cache; created empty at the first call with this key. The reference is valid until the next call.
   /// @param key not 0
   [[nodiscard]] GilbertCache& at(std::uint64_t key) {
     if (2 * (used_ + 1) > slots_.size()) grow();
-    Slot& slot = slots_[place_of(key)];
+    Slot& slot = slots_[slot_of(key)];
     if (slot.key == 0) {
       slot.key = key;
       ++used_;
     }
     return slot.cache;
   }
-  /// The pairs stay, without what they remembered. O(pairs)
+  /// Resets all caches and keeps the pairs and the memory. O(pairs)
   void forget() {
     for (Slot& slot : slots_) slot.cache = {};
   }
+  /// Removes all pairs and releases their slots.
   void clear() {
     slots_.clear();
     used_ = 0;
@@ -36,7 +38,7 @@ class PairTable {
     std::uint64_t key = 0;
     GilbertCache cache;
   };
-  [[nodiscard]] std::size_t place_of(std::uint64_t key) const {
+  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const {
     std::uint64_t h = key * 0x9e3779b97f4a7c15ULL;
     h ^= h >> 32;
     std::size_t i = static_cast<std::size_t>(h) & (slots_.size() - 1);
@@ -47,7 +49,7 @@ class PairTable {
     std::vector<Slot> old(slots_.empty() ? 64 : 2 * slots_.size());
     old.swap(slots_);
     for (const Slot& slot : old)
-      if (slot.key != 0) slots_[place_of(slot.key)] = slot;
+      if (slot.key != 0) slots_[slot_of(slot.key)] = slot;
   }
 
   std::vector<Slot> slots_;

@@ -1,5 +1,6 @@
 #pragma once
-// The part of a convex shape's surface with which it can lie on something: a face, a side, or a point; internal to collision.
+// Patch: the part of a convex shape's surface with which it can rest on another shape: a face, a straight side, or a point. Internal to
+// collision/.
 
 #include <array>
 #include <cstdint>
@@ -8,29 +9,30 @@
 
 namespace ugoki::collision {
 
-/// A polygon (3 or more corners), a segment (2) or a point (1), in the world. What lies within `radius` of it belongs to it.
+/// A polygon (3 or more corners), a segment (2) or a point (1), in the frame of the pose (usually the world), inflated by `radius`.
 struct Patch {
   struct Corner {
     Vec3 p;                   ///< m
-    std::uint32_t label = 0;  ///< which corner of the shape this is
+    std::uint32_t label = 0;  ///< identifies the corner within the shape; stable from step to step
   };
-  static constexpr int most = 32;
-  std::array<Corner, most> corners;
+  static constexpr int max_corners = 32;
+  std::array<Corner, max_corners> corners;
   int count = 0;
-  Vec3 normal;  ///< polygon: unit, outwards
-  double radius = 0;
-  std::uint32_t face = 0;  ///< which face or side of the shape this is
+  Vec3 normal;             ///< polygon only: unit, outwards
+  double radius = 0;       ///< m, radius of the support (spheres, capsules, inflated shapes)
+  std::uint32_t face = 0;  ///< index of the face or side within the shape
 
   [[nodiscard]] const Corner& at(int i) const { return corners[static_cast<std::size_t>(i)]; }
+  /// Appends a corner; ignored when the patch is full.
   void add(const Vec3& p, std::uint32_t label) {
-    if (count < most) corners[static_cast<std::size_t>(count++)] = {p, label};
+    if (count < max_corners) corners[static_cast<std::size_t>(count++)] = {p, label};
   }
 };
 
-/// The face of the convex shape that looks best along d; a side (capsule, cylinder) where that is across d to 10 degrees; otherwise
-/// the farthest point.
-/// @param d unit, world
-/// @param hint vertex of a hull close to the one that is farthest along d
+/// Finds the patch of a convex shape in direction d: the face whose outward normal is closest to d (box, hull, end of a cylinder); the
+/// side of a capsule or cylinder if it is perpendicular to d within 10 degrees; otherwise the farthest point along d.
+/// @param d unit, in the frame of the pose
+/// @param hint hulls: index of a vertex near the one that is farthest along d; starts the search
 void find_patch(const Collider& shape, const Pose& X_WS, const Vec3& d, std::int32_t hint, Patch& out);
 
 }  // namespace ugoki::collision

@@ -19,25 +19,29 @@ PenetrationWorkspace& PenetrationWorkspace::operator=(PenetrationWorkspace&& oth
 
 namespace {
 
-constexpr double flat = 1e-14;  ///< of the coordinates: thinner has no inside
+/// Relative to the size of the coordinates: a difference of shapes thinner than this counts as flat, without an interior.
+constexpr double flat = 1e-14;
 
-/// What the expansion finds: the way out of the difference of the cores.
-struct WayOut {
-  Vec3 n;            ///< unit, frame of a: out of the difference, that is from a towards b
-  double depth = 0;  ///< m: how far the difference reaches along n
-  double lower = 0;  ///< m: it reaches no less far in any direction
-  Vec3 on_a;         ///< m, frame of a
+/// Result of the expansion: the shortest translation that moves the origin out of the Minkowski difference of the cores.
+struct MinimumTranslation {
+  Vec3 n;            ///< unit, frame of a: outward from the difference, that is from a towards b
+  double depth = 0;  ///< m: extent of the difference along n, measured from the origin
+  double lower = 0;  ///< m: lower bound of that extent over all directions
+  Vec3 on_a;         ///< m, frame of a: deepest point on the core of a
   int iterations = 0;
   bool converged = false;
 };
 
+/// The expanding polytope algorithm for the difference of two overlapping cores.
 class Expansion {
  public:
+  /// @param size m: scale of the coordinates, for thresholds
+  /// @param tolerance m: accepted gap between `depth` and `lower`
   /// @param shared m, frame of a: a point of both cores
   Expansion(const Difference& difference, const GilbertCache& cache, Polytope& polytope, double size, double tolerance, const Vec3& shared)
       : difference_(difference), cache_(cache), polytope_(polytope), size_(size), tolerance_(tolerance), shared_(shared) {}
 
-  WayOut run(int max_iterations) {
+  MinimumTranslation run(int max_iterations) {
     if (!start()) return best_;
     while (best_.iterations < max_iterations) {
       const std::int32_t f = polytope_.nearest();
@@ -60,80 +64,83 @@ class Expansion {
     return best_;
   }
 
-  /// Corners of the face that the way out leads through.
-  [[nodiscard]] const Corner* corners() const { return through_; }
-  [[nodiscard]] int corner_count() const { return through_count_; }
+  /// Corners of the polytope feature through which the minimum translation leaves the difference: the warm start of the next query.
+  [[nodiscard]] const Corner* corners() const { return exit_corners_; }
+  [[nodiscard]] int corner_count() const { return exit_count_; }
 
  private:
-  Corner look(const Vec3& d) {
+  Corner support(const Vec3& d) {
     const Corner c = difference_.support(d, 0, 0);
     ++best_.iterations;
     return c;
   }
 
-  /// The point of the surface on the way out: of all faces as near as the nearest (several may lie in its plane) the closest.
+  /// Finds on_a: the point of the polytope's surface closest to n * depth. All faces as near to the origin as the nearest are tried,
+  /// because several faces may be in the same plane.
   void find_point() {
     const Vec3 foot = best_.n * best_.depth;
-    double least = 1e300;
+    double min_off2 = 1e300;
     for (std::int32_t f = 0; f < polytope_.face_count(); ++f) {
       const PolytopeFace& face = polytope_.face(f);
       if (!face.alive || face.d > best_.depth + tolerance_) continue;
-      for (int turn = 0; turn < 3; ++turn) {  // reduce() looks at the features of the last corner
+      for (int turn = 0; turn < 3; ++turn) {  // reduce() considers only features with the last corner: each corner is last once
         Simplex s;
         s.count = 3;
         for (int k = 0; k < 3; ++k) {
           s.corner[k] = polytope_.corner(face.corner[(k + turn) % 3]);
-          s.corner[k].w -= foot;  // nearest to the foot, not to the origin
+          s.corner[k].w -= foot;  // moves the origin to the foot
         }
         bool inside;
         const Vec3 off = reduce(s, 0, inside);
-        if (!(dot(off, off) < least)) continue;
-        least = dot(off, off);
+        if (!(dot(off, off) < min_off2)) continue;
+        min_off2 = dot(off, off);
         best_.on_a = {};
         for (int k = 0; k < s.count; ++k) best_.on_a += s.corner[k].a * s.weight[k];
-        for (int k = 0; k < 3; ++k) through_[k] = polytope_.corner(face.corner[k]);
+        for (int k = 0; k < 3; ++k) exit_corners_[k] = polytope_.corner(face.corner[k]);
       }
     }
-    through_count_ = 3;
+    exit_count_ = 3;
   }
 
-  /// The difference has no inside: it is the point, line or plane of `count` points, and n is square on it.
+  /// Finishes for a flat difference: a point, segment or polygon spanned by `count` (1 to 3) points, with n perpendicular to it.
+  /// @return false
   bool end_flat(const Vec3& n, const Corner* c, int count) {
-    const double up = dot(n, look(n).w), down = -dot(n, look(-n).w);
+    const double up = dot(n, support(n).w), down = -dot(n, support(-n).w);
     best_.n = down < up ? -n : n;
     best_.depth = down < up ? down : up;
     best_.lower = std::fmin(best_.depth, 0);
     best_.on_a = shared_;
     best_.converged = true;
-    for (int k = 0; k < count; ++k) through_[k] = c[k];
-    through_count_ = count;
+    for (int k = 0; k < count; ++k) exit_corners_[k] = c[k];
+    exit_count_ = count;
     return false;
   }
 
   void collect(const Corner& c) {
-    if (found_count_ < most_found) found_[found_count_++] = c;
+    if (found_count_ < max_found) found_[found_count_++] = c;
   }
 
-  /// Farthest of the points found so far by `measure`.
+  /// Index of the collected point with the maximum measure(w).
   template <class Measure>
   int farthest(Measure measure) const {
     int best = 0;
-    double greatest = -1;
+    double best_measure = -1;
     for (int k = 0; k < found_count_; ++k)
-      if (const double m = measure(found_[k].w); m > greatest) greatest = m, best = k;
+      if (const double m = measure(found_[k].w); m > best_measure) best_measure = m, best = k;
     return best;
   }
 
-  /// A tetrahedron with the points of the last query and some more; false where the difference is flat (then all is done).
+  /// Builds the first tetrahedron from the points of the last query and some extreme points. False if the difference is flat; then
+  /// best_ is complete.
   bool start() {
     best_.depth = 1e300;
-    recall();
+    collect_cached();
     if (found_count_ < 4)
       for (int k = 0; k < 3; ++k) {
         Vec3 d;
         d[k] = 1;
-        collect(look(d));
-        collect(look(-d));
+        collect(support(d));
+        collect(support(-d));
       }
     const double thin = flat * size_;
     Corner t[4];
@@ -145,6 +152,7 @@ class Expansion {
     const Vec3 axis = along / length;
     const auto from_line = [&](const Vec3& w) { return norm(cross(axis, w - t[0].w)); };
     t[2] = found_[farthest(from_line)];
+    // A triangle or tetrahedron thinner than 1e-3 of the size is a poor start: more extreme points are collected first.
     if (!(from_line(t[2].w) > 1e-3 * size_)) widen(axis);
     t[2] = found_[farthest(from_line)];
     if (!(from_line(t[2].w) > thin)) return end_flat(any_perpendicular(axis), t, 2);
@@ -152,8 +160,8 @@ class Expansion {
     const auto from_plane = [&](const Vec3& w) { return std::fabs(dot(normal, w - t[0].w)); };
     t[3] = found_[farthest(from_plane)];
     if (!(from_plane(t[3].w) > 1e-3 * size_)) {
-      collect(look(normal));
-      collect(look(-normal));
+      collect(support(normal));
+      collect(support(-normal));
     }
     t[3] = found_[farthest(from_plane)];
     if (!(from_plane(t[3].w) > thin) || !polytope_.start(t[0], t[1], t[2], t[3])) return end_flat(normal, t, 3);
@@ -161,16 +169,17 @@ class Expansion {
     return true;
   }
 
+  /// Collects extreme points in four directions perpendicular to `axis`.
   void widen(const Vec3& axis) {
     const Vec3 u = any_perpendicular(axis), v = cross(axis, u);
-    collect(look(u));
-    collect(look(-u));
-    collect(look(v));
-    collect(look(-v));
+    collect(support(u));
+    collect(support(-u));
+    collect(support(v));
+    collect(support(-v));
   }
 
-  /// The corners that Gilbert's method, or the last query, left in the cache.
-  void recall() {
+  /// Collects the corners that Gilbert's method, or the last query, stored in the cache, and the extreme points along the cached normal.
+  void collect_cached() {
     for (int k = 0; k < cache_.count && k < 3; ++k) {
       const auto i = static_cast<std::size_t>(k);
       Vec3 a, b;
@@ -178,22 +187,22 @@ class Expansion {
       collect({a - (difference_.R * b + difference_.p), a, cache_.a[i], cache_.b[i]});
     }
     if (dot(cache_.n, cache_.n) > 0.5) {
-      collect(look(-cache_.n));
-      collect(look(cache_.n));
+      collect(support(-cache_.n));
+      collect(support(cache_.n));
     }
   }
 
-  static constexpr int most_found = 24;
+  static constexpr int max_found = 24;
   const Difference& difference_;
   const GilbertCache& cache_;
   Polytope& polytope_;
   double size_, tolerance_;
   Vec3 shared_;
-  WayOut best_;
-  Corner found_[most_found];
+  MinimumTranslation best_;
+  Corner found_[max_found];
   int found_count_ = 0;
-  Corner through_[3];
-  int through_count_ = 0;
+  Corner exit_corners_[3];
+  int exit_count_ = 0;
 };
 
 DistanceStatus to_status(const GilbertResult& g) {
@@ -221,18 +230,18 @@ SignedDistance signed_distance(const Support& a, const Pose& X_WA, const Support
   const double scale = sizes + norm(difference.p);
   const double tolerance = std::fmax(options.tolerance * sizes, 4e-15 * scale);
   Expansion expansion(difference, cache, workspace.polytope(), scale, tolerance, transpose_times(X_WA.R, g.pa - X_WA.p));
-  const WayOut way = expansion.run(2 * options.max_iterations);
+  const MinimumTranslation translation = expansion.run(2 * options.max_iterations);
 
   SignedDistance out;
-  out.status = way.converged ? DistanceStatus::penetrating : DistanceStatus::not_converged;
-  out.distance = -way.depth - a.radius - b.radius;
-  out.lower = out.distance;  // they come apart along n
-  out.upper = -way.lower - a.radius - b.radius;
-  out.iterations = g.iterations + way.iterations;
-  out.n = X_WA.R * -way.n;
-  out.pa = X_WA * (way.on_a + way.n * a.radius);
+  out.status = translation.converged ? DistanceStatus::penetrating : DistanceStatus::not_converged;
+  out.distance = -translation.depth - a.radius - b.radius;
+  out.lower = out.distance;  // n separates the shapes after this translation: the true depth is not larger
+  out.upper = -translation.lower - a.radius - b.radius;
+  out.iterations = g.iterations + translation.iterations;
+  out.n = X_WA.R * -translation.n;
+  out.pa = X_WA * (translation.on_a + translation.n * a.radius);
   out.pb = out.pa - out.n * out.distance;
-  cache.n = -way.n;
+  cache.n = -translation.n;
   cache.count = expansion.corner_count();
   for (int k = 0; k < cache.count; ++k) {
     const auto i = static_cast<std::size_t>(k);

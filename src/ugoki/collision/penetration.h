@@ -1,5 +1,6 @@
 #pragma once
-// Penetration of two convex shapes, and the signed distance that joins it with Gilbert's.
+// Signed distance of two convex shapes: Gilbert's distance where they are apart, penetration depth where they overlap.
+// The depth is found by the expanding polytope algorithm (EPA).
 // Source: van den Bergen, Proximity queries and penetration depth computation on 3D game objects (2001).
 
 #include "ugoki/collision/gilbert.h"
@@ -8,7 +9,7 @@ namespace ugoki::collision {
 
 class Polytope;
 
-/// Scratch memory of penetration and signed_distance; one for each thread, any pair may use it. Grows to what is needed, then stays.
+/// Scratch memory of signed_distance(); one for each thread, any pair may use it. Grows to what is needed, then keeps its size.
 class PenetrationWorkspace {
  public:
   PenetrationWorkspace();
@@ -26,23 +27,25 @@ enum class DistanceStatus : std::uint8_t {
   separated,      ///< distance > 0
   penetrating,    ///< distance <= 0
   beyond,         ///< farther apart than options.farthest
-  not_converged,  ///< stopped at the bound of iterations or of rounding: the true value is between `lower` and `upper`
+  not_converged,  ///< stopped by the iteration limit or by rounding: the true value is between `lower` and `upper`
   not_finite,     ///< a pose or size is NaN or infinite: nothing is known
-  not_bounded,    ///< two half-spaces
+  not_bounded,    ///< two half-spaces: their distance is not defined
 };
 
-/// pa - pb = n * distance: pushing a by n * (-distance), when they penetrate, makes them touch.
+/// Signed distance of two convex shapes a and b. pa - pb = n * distance: if they penetrate, translating a by n * (-distance) makes them
+/// touch.
 struct SignedDistance {
   DistanceStatus status = DistanceStatus::not_finite;
-  double distance = 0;          ///< m, between the surfaces: positive apart, negative the depth (the shortest translation that separates)
-  double lower = 0, upper = 0;  ///< m: the true value is between them; they differ by rounding and options.tolerance
-  Vec3 pa, pb;                  ///< m, world: nearest (deepest) points on a and b
+  double distance = 0;          ///< m, between the surfaces; negative: minus the depth (length of the shortest separating translation)
+  double lower = 0, upper = 0;  ///< m: bounds of the true value; they differ by rounding and options.tolerance
+  Vec3 pa, pb;                  ///< m, world: closest (deepest) points on a and b
   Vec3 n;                       ///< unit, world: from b towards a
-  int iterations = 0;
+  int iterations = 0;           ///< support points computed in each shape
 };
 
-/// Distance, or depth where they overlap. Polytopes: exact to rounding; curved shapes: to options.tolerance.
-/// No allocation after the workspace has grown.
+/// Signed distance of a at pose X_WA and b at pose X_WB. Polytopes: exact up to rounding; curved shapes: to options.tolerance (a
+/// fraction of the sum of both bounding radii). No allocation after the workspace has grown.
+/// @param cache [in, out] warm start of this pair
 [[nodiscard]] SignedDistance signed_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
                                              PenetrationWorkspace& workspace, const GilbertOptions& options = {});
 

@@ -9,15 +9,16 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// Sign of the volume of (b - a, c - a, p - a): positive where p lies outside of the face a, b, c. In doubles where they suffice.
+/// Sign of det(b - a, c - a, p - a): 1 if p is on the outer side of the face a, b, c; -1 on the inner side; 0 in its plane. Computed in
+/// doubles if the result exceeds their rounding error (2e-15 of the product of sizes), otherwise in double-double.
 int side_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   const Vec3 e = b - a, f = c - a, g = p - a, n = cross(e, f);
   const double volume = dot(n, g);
-  const double greatest = (std::fabs(e.x) + std::fabs(e.y) + std::fabs(e.z)) * (std::fabs(f.x) + std::fabs(f.y) + std::fabs(f.z)) *
-                          (std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z));
-  if (std::fabs(volume) > 2e-15 * greatest) return volume > 0 ? 1 : -1;
+  const double scale = (std::fabs(e.x) + std::fabs(e.y) + std::fabs(e.z)) * (std::fabs(f.x) + std::fabs(f.y) + std::fabs(f.z)) *
+                       (std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z));
+  if (std::fabs(volume) > 2e-15 * scale) return volume > 0 ? 1 : -1;
   const DoubleDouble exact = dot(cross(exact_difference(b, a), exact_difference(c, a)), exact_difference(p, a));
-  if (std::fabs(exact.high) <= 1e-29 * greatest) return 0;
+  if (std::fabs(exact.high) <= 1e-29 * scale) return 0;
   return exact.high > 0 ? 1 : -1;
 }
 
@@ -32,7 +33,7 @@ void Polytope::set_plane(PolytopeFace& f) const {
   const Vec3 &a = corner(f.corner[0]).w, &b = corner(f.corner[1]).w, &c = corner(f.corner[2]).w;
   const Vec3 e = b - a, g = c - a;
   Vec3 n = cross(e, g);
-  if (dot(n, n) < 1e-8 * dot(e, e) * dot(g, g)) {  // a sliver: its plane needs more digits
+  if (dot(n, n) < 1e-8 * dot(e, e) * dot(g, g)) {  // a sliver, sine of its angle below 1e-4: double-double keeps the normal accurate
     const DoubleDoubleVec exact = cross(exact_difference(b, a), exact_difference(c, a));
     n = {exact.x.high, exact.y.high, exact.z.high};
   }
@@ -50,7 +51,7 @@ bool Polytope::start(const Corner& a, const Corner& b, const Corner& c, const Co
   const int side = side_of(a.w, b.w, c.w, e.w);
   if (side == 0) return false;
   if (side > 0) std::swap(corners_[1], corners_[2]);
-  // Outward faces of a tetrahedron whose last corner is below the first three.
+  // Outward faces of a tetrahedron whose last corner is on the inner side of the first three.
   static constexpr std::int32_t corners[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
   static constexpr std::int32_t across[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}};
   for (int f = 0; f < 4; ++f) {
@@ -78,7 +79,7 @@ bool Polytope::find_horizon(const Vec3& p, std::int32_t seed) {
       if (seen_[at(g)] == 2) horizon_.push_back({f.corner[k], f.corner[(k + 1) % 3], g});
     }
   }
-  // One closed way: every corner begins one edge of it.
+  // The horizon must be one closed cycle of edges: each of its corners is the start of exactly one edge.
   bool simple = horizon_.size() >= 3;
   for (const HorizonEdge& e : horizon_) {
     simple = simple && starts_[at(e.from)] < 0;
@@ -101,7 +102,7 @@ bool Polytope::find_horizon(const Vec3& p, std::int32_t seed) {
 }
 
 bool Polytope::add_beyond(const Corner& c, std::int32_t seed) {
-  if (corners_.size() >= most_corners || !find_horizon(c.w, seed)) return false;
+  if (corners_.size() >= max_corners || !find_horizon(c.w, seed)) return false;
   const auto added = static_cast<std::int32_t>(corners_.size());
   corners_.push_back(c);
   starts_.push_back(-1);

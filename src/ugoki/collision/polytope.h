@@ -1,5 +1,6 @@
 #pragma once
-// The expanding polytope: the convex hull of points of a difference of shapes, grown a point at a time, its faces' planes known.
+// Expanding polytope of the EPA (penetration.h): the convex hull of points of the Minkowski difference of two shapes. It grows by one
+// point at a time and knows the plane of each face.
 
 #include <cstdint>
 #include <vector>
@@ -8,37 +9,39 @@
 
 namespace ugoki::collision {
 
-/// A triangle, counter-clockwise seen from outside: n . w = d. d < 0: the origin is outside of it.
+/// A triangular face in the plane n . w = d, counter-clockwise seen from outside. d < 0: the origin is on the outer side of the plane.
 struct PolytopeFace {
-  std::int32_t corner[3];
-  std::int32_t across[3];  ///< face beyond the edge corner[k], corner[k + 1]
-  Vec3 n;                  ///< unit
-  double d = 0;            ///< m
-  bool alive = true;
+  std::int32_t corner[3];  ///< indices of its corners
+  std::int32_t across[3];  ///< adjacent face at the edge from corner[k] to corner[k + 1]
+  Vec3 n;                  ///< unit, outward, frame of shape a
+  double d = 0;            ///< m, signed distance of the plane from the origin
+  bool alive = true;       ///< false: no longer a face; its slot is reused
 };
 
+/// A closed convex surface of triangles. Side tests use double-double arithmetic where rounding of doubles could decide.
 class Polytope {
  public:
-  static constexpr int most_corners = 512;
+  static constexpr int max_corners = 512;
 
-  /// Starts from a tetrahedron; false where its corners lie in a plane.
+  /// Starts from the tetrahedron a, b, c, e. False if its corners are coplanar.
   bool start(const Corner& a, const Corner& b, const Corner& c, const Corner& e);
-  /// Adds a point that may lie anywhere; nothing happens where it is inside. False where rounding leaves no consistent surface, or
-  /// there is no room: then the polytope is as it was.
+  /// Adds a point; a point inside changes nothing and counts as added. False, with the polytope unchanged, if rounding leaves no
+  /// consistent surface or if there are max_corners corners already.
   bool add(const Corner& c);
-  /// The same for a point outside of `face`.
+  /// Adds a point that is on the outer side of `face`. Returns as add().
   bool add_beyond(const Corner& c, std::int32_t face);
 
-  /// Face with the least d.
+  /// Index of the alive face with the minimum d. O(faces)
   [[nodiscard]] std::int32_t nearest() const;
-  /// Faces 0 ... face_count() - 1; those that are not alive are gone.
+  /// Count of face slots 0 ... face_count() - 1, including those that are not alive.
   [[nodiscard]] std::int32_t face_count() const { return static_cast<std::int32_t>(faces_.size()); }
   [[nodiscard]] const PolytopeFace& face(std::int32_t f) const { return faces_[static_cast<std::size_t>(f)]; }
   [[nodiscard]] const Corner& corner(std::int32_t c) const { return corners_[static_cast<std::size_t>(c)]; }
 
  private:
+  /// Edge between a face that is visible from the new point and one that is not.
   struct HorizonEdge {
-    std::int32_t from, to, outside;
+    std::int32_t from, to, outside;  // corners in the order of the visible face; the face that is not visible
   };
   [[nodiscard]] bool sees(std::int32_t face, const Vec3& p) const;
   void set_plane(PolytopeFace& f) const;
@@ -46,10 +49,12 @@ class Polytope {
 
   std::vector<Corner> corners_;
   std::vector<PolytopeFace> faces_;
-  std::vector<std::int32_t> visible_, starts_;  ///< starts_: new face that begins at a corner, or -1
-  std::vector<std::int8_t> seen_;               ///< 1 visible, 2 not; 0 not asked
+  // Scratch of add_beyond():
+  std::vector<std::int32_t> visible_;  ///< faces visible from the new point
+  std::vector<std::int32_t> starts_;   ///< [corners] new face whose horizon edge starts at this corner, or -1
+  std::vector<std::int8_t> seen_;      ///< [faces] 0 not tested, 1 visible from the new point, 2 not visible
   std::vector<HorizonEdge> horizon_;
-  std::vector<std::int32_t> free_;
+  std::vector<std::int32_t> free_;  ///< slots of faces that are not alive
 };
 
 }  // namespace ugoki::collision

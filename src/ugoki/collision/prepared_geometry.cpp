@@ -9,6 +9,7 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+/// Fills first_face and faces from the hull.
 void list_faces(PreparedGeometry& out) {
   const Hull& hull = out.hull;
   out.first_face.assign(hull.vertices.size() + 1, 0);
@@ -20,7 +21,7 @@ void list_faces(PreparedGeometry& out) {
     for (const std::int32_t v : hull.face(f)) out.faces[at(next[at(v)]++)] = f;
 }
 
-/// Where several triangles share a side none of them has a neighbour there.
+/// Fills `across`. A side shared by more than two triangles has no neighbour.
 void find_neighbours(PreparedGeometry& out) {
   struct Side {
     std::int32_t low, high, triangle, k;
@@ -51,7 +52,7 @@ void find_neighbours(PreparedGeometry& out) {
   }
 }
 
-Result<Hull> hull_of_convex(const Geometry& geometry, const std::string& place) {
+Result<Hull> hull_of_convex(const Geometry& geometry, const std::string& location) {
   std::vector<std::int32_t> first = {0}, corners;
   for (const Triangle& t : geometry.triangles) {
     corners.insert(corners.end(), t.begin(), t.end());
@@ -59,15 +60,15 @@ Result<Hull> hull_of_convex(const Geometry& geometry, const std::string& place) 
   }
   Result<Hull> hull = assemble_hull(geometry.vertices, std::move(first), std::move(corners));
   if (!hull)
-    return fail(ErrorCode::structure, place, "The mesh is said to be convex, but is not: " + hull.error().problems[0].message,
-                "Take \"convex\" away, or give the convex hull.");
+    return fail(ErrorCode::structure, location, "The mesh is marked as convex but is not: " + hull.error().problems[0].message,
+                "Remove \"convex\", or replace the mesh by its convex hull.");
   return hull;
 }
 
 }  // namespace
 
-Result<PreparedPtr> make_prepared(const Geometry& geometry, Hull hull, SphereTree spheres, std::string_view place) {
-  const std::string where(place);
+Result<PreparedPtr> make_prepared(const Geometry& geometry, Hull hull, SphereTree spheres, std::string_view location) {
+  const std::string where(location);
   auto out = std::make_shared<PreparedGeometry>();
   if (hull.vertices.empty() && geometry.convex) {
     Result<Hull> made = hull_of_convex(geometry, where);
@@ -76,10 +77,9 @@ Result<PreparedPtr> make_prepared(const Geometry& geometry, Hull hull, SphereTre
   }
   if (hull.vertices.size() > geometry.vertices.size() ||
       (!geometry.convex && !spheres.empty() && spheres.triangles.size() != geometry.triangles.size()))
-    return fail(ErrorCode::structure, where, "What was prepared for the mesh belongs to another one.",
-                "Remove \"prepared\"; it is made anew.");
+    return fail(ErrorCode::structure, where, "The prepared collision data belongs to another mesh.", "Remove \"prepared\"; it is rebuilt.");
   if (!geometry.convex && spheres.empty()) {
-    Result<SphereTree> made = make_sphere_tree(geometry.vertices, geometry.triangles, place);
+    Result<SphereTree> made = make_sphere_tree(geometry.vertices, geometry.triangles, location);
     if (!made) return fail(std::move(made.error()));
     spheres = std::move(*made);
   }

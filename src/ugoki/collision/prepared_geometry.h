@@ -1,5 +1,5 @@
 #pragma once
-// What collision analysis computes from a geometry once, to be stored with it.
+// Data that collision analysis computes once from a geometry and that is stored with the geometry.
 
 #include <array>
 #include <cstdint>
@@ -14,24 +14,27 @@
 
 namespace ugoki::collision {
 
-/// `hull` and `spheres` are stored; the rest follows from them.
+/// Prepared data of one geometry. Files store `hull` and `spheres`; the other members are derived from these two.
 struct PreparedGeometry {
-  Hull hull;           ///< convex hull with its proximity list; without vertices where it is not known
-  SphereTree spheres;  ///< empty for convex geometry
+  Hull hull;           ///< convex hull with its proximity list; without vertices if it is not known
+  SphereTree spheres;  ///< tree over the triangles; empty for convex geometry
 
-  /// The faces around each vertex of the hull: faces[first_face[v]] ... faces[first_face[v + 1] - 1].
+  /// The faces around vertex v of the hull are faces[first_face[v]] ... faces[first_face[v + 1] - 1].
   std::vector<std::int32_t> first_face, faces;  ///< [hull vertices + 1], [hull corners]
-  /// [triangles of the tree] the triangle beyond side k (from corner k to k + 1), or -1
+  /// [triangles of the tree] the adjacent triangle at side k (from corner k to k + 1); -1: none, or more than one
   std::vector<std::array<std::int32_t, 3>> across;
 };
 using PreparedPtr = std::shared_ptr<const PreparedGeometry>;
 
-/// From a hull (without vertices: none is known; convex geometry gets the one that its triangles are) and a tree (empty: made
-/// here, unless the geometry is convex).
-/// Errors (at `place`): the geometry is said to be convex and is not; hull or tree belong to another geometry.
-[[nodiscard]] Result<PreparedPtr> make_prepared(const Geometry& geometry, Hull hull, SphereTree spheres, std::string_view place);
+/// Makes the prepared data of a geometry.
+/// @param hull convex hull; without vertices: not known. Then convex geometry gets the hull formed by its own triangles, and other
+///   geometry none
+/// @param spheres sphere tree; empty: built here, unless the geometry is convex
+/// Errors (at `location`): the geometry is marked as convex but is not; hull or tree belong to another geometry; errors of
+/// make_sphere_tree().
+[[nodiscard]] Result<PreparedPtr> make_prepared(const Geometry& geometry, Hull hull, SphereTree spheres, std::string_view location);
 
-/// The same geometry with what was prepared for it.
+/// A copy of the geometry that refers to the prepared data.
 [[nodiscard]] GeometryPtr with_prepared(const Geometry& geometry, PreparedPtr prepared);
 
 }  // namespace ugoki::collision

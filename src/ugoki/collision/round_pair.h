@@ -1,17 +1,20 @@
 #pragma once
-// Two spheres or capsules: the pair of surface points that belongs to a pair of points on their segments.
+// Two spheres or capsules: surface points, normal and distance for a given pair of points on their segments.
 
 #include "ugoki/collision/round.h"
 
 namespace ugoki::collision {
 
+/// A pair of points on the surfaces of two round shapes. pa - pb = n * distance.
 struct RoundPair {
-  Vec3 pa, pb;
-  Vec3 n;  ///< unit, from b towards a
-  double distance = 0;
+  Vec3 pa, pb;          ///< m
+  Vec3 n;               ///< unit, from b towards a
+  double distance = 0;  ///< m; negative: depth of penetration
 };
 
-/// @param sin2 square of the sine between the segments; where they touch, the normal is across both
+/// Surface points that belong to the points at parameters s and t [m] on the segments of a and b. If the two points coincide, the normal is
+/// perpendicular to both segments, or to the only one of non-zero length; for two spheres it is +z.
+/// @param sin2 square of the sine of the angle between the segments
 [[nodiscard]] inline RoundPair round_pair_at(const Round& a, const Round& b, double s, double t, double sin2) {
   const Vec3 on_a = a.at(s), on_b = b.at(t), gap = on_a - on_b;
   const double d = norm(gap);

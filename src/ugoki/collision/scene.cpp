@@ -13,13 +13,13 @@
 namespace ugoki::collision {
 namespace {
 
-/// Which links of a mechanism are one body, and which bodies share a joint.
+/// The bodies of a mechanism (links welded together) and the joints between them.
 struct Bodies {
   static constexpr int no_body = -2;
   std::vector<int> body;                    // [links] index of the first link of its body; -1: the world
-  std::vector<std::pair<int, int>> joined;  // bodies that one joint connects, smaller first
-  std::vector<Vec3> joint_origin;           // [links] m, of its joint, in the frame of the link on which it hangs
-  std::vector<int> hangs_on;                // [links] body on which its body's joint hangs; -2: on none, it floats
+  std::vector<std::pair<int, int>> joined;  // pairs of bodies that a joint or a loop joint connects, smaller index first
+  std::vector<Vec3> joint_origin;           // [links] m, origin of its body's joint, in the frame of the parent body's first link
+  std::vector<int> parent_of;               // [links] body to which its body's joint is attached; no_body: it floats
 
   explicit Bodies(const Mechanism& m) {
     const auto count = static_cast<std::size_t>(m.link_count());
@@ -32,17 +32,17 @@ struct Bodies {
       const bool welded = link.joint.nv() == 0;
       body.push_back(welded ? parent_body : static_cast<int>(i));
       const bool floats = link.joint.type == JointType::floating;
-      hangs_on.push_back(welded && link.parent >= 0 ? hangs_on[p] : floats ? no_body : parent_body);
+      parent_of.push_back(welded && link.parent >= 0 ? parent_of[p] : floats ? no_body : parent_body);
       X_body[i] = welded ? X_parent * link.joint.X_PJ : Pose{};
       const Vec3 origin = X_parent * link.joint.X_PJ.p;
       joint_origin.push_back(welded && link.parent >= 0 ? joint_origin[p] : origin);
     }
-    for (std::size_t i = 0; i < count; ++i) {  // a virtual link is its real link's body
+    for (std::size_t i = 0; i < count; ++i) {  // a virtual link belongs to the body of its real link
       const Link& link = m.links()[i];
-      if (link.real >= 0) join(hangs_on[i], body[static_cast<std::size_t>(link.real)]);
-      join(hangs_on[i], body[i]);
+      if (link.real >= 0) join(parent_of[i], body[static_cast<std::size_t>(link.real)]);
+      join(parent_of[i], body[i]);
     }
-    for (const Loop& loop : m.loops())  // links joined by a loop touch at their joint
+    for (const Loop& loop : m.loops())  // links connected by a loop joint touch there; gears and distances do not join links
       if (loop.type != LoopType::gear && loop.type != LoopType::distance && loop.link_a >= 0 && loop.link_b >= 0)
         join(body[static_cast<std::size_t>(loop.link_a)], body[static_cast<std::size_t>(loop.link_b)]);
     for (std::size_t i = 0; i < count; ++i) {
@@ -59,7 +59,7 @@ struct Bodies {
     const auto a = static_cast<std::size_t>(link_a), b = static_cast<std::size_t>(link_b);
     if (body[a] == body[b]) return true;
     if (std::binary_search(joined.begin(), joined.end(), ordered(body[a], body[b]))) return true;
-    return hangs_on[a] == hangs_on[b] && hangs_on[a] != no_body && norm(joint_origin[a] - joint_origin[b]) < 1e-6;
+    return parent_of[a] == parent_of[b] && parent_of[a] != no_body && norm(joint_origin[a] - joint_origin[b]) < 1e-6;
   }
 };
 
@@ -83,7 +83,7 @@ Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const Scen
         out.ground_restitution = std::max(shape.restitution, ground.restitution);
       }
     }
-    UGOKI_CHECK(shapes_.size() < (1U << 20) - 1);  // room in ContactPoint::key
+    UGOKI_CHECK(shapes_.size() < (1U << 20) - 1);  // ContactPoint::key has 20 bits for a shape's index
 
     std::vector<Pose> X_WB(static_cast<std::size_t>(m.link_count()));
     calc_poses(m, m.neutral(), X_WB);

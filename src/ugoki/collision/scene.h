@@ -1,5 +1,6 @@
 #pragma once
-// Which shapes can collide with which, prepared once; and the search for all contact points of a moment.
+// Scene: the shapes of all mechanisms and the pairs that can collide, prepared once. find_contacts() finds all contact points at given
+// poses.
 
 #include <cstdint>
 #include <memory>
@@ -13,17 +14,18 @@
 
 namespace ugoki::collision {
 
+/// Options of a scene. A system is one mechanism of the scene.
 struct SceneOptions {
   bool with_ground = true;      ///< there is a ground plane
-  bool between_systems = true;  ///< shapes of different mechanisms collide
-  bool self_collision = false;  ///< links of one mechanism collide, at the start; see Scene::set_self_collision
+  bool between_systems = true;  ///< shapes of different systems collide
+  bool self_collision = false;  ///< initial value of Scene::self_collision(): links of one system collide with each other
 };
 
-/// A shape that collides, as it runs.
+/// A shape that can collide, in the form used at run time.
 struct SceneShape : Collider {
-  int system = 0, link = 0;
-  bool movable = true;                                 ///< false: no joint between it and the world moves
-  double ground_friction = 0, ground_restitution = 0;  ///< of the pair with the ground
+  int system = 0, link = 0;                            ///< indices of its system in the scene and of its link in the mechanism
+  bool movable = true;                                 ///< false: only fixed joints between it and the world
+  double ground_friction = 0, ground_restitution = 0;  ///< combined coefficients of this shape and the ground
 };
 
 /// Two shapes, indices into Scene::shapes().
@@ -31,14 +33,16 @@ struct ShapePair {
   std::int32_t a, b;
 };
 
-/// Immutable but for the self-collision switches.
+/// The shapes of several systems (mechanisms) and the ground. Immutable except for the self-collision switch of each system.
 class Scene {
  public:
   Scene() = default;
-  /// Takes every shape with `collides` of every mechanism. Shapes of one mechanism can collide unless their links are
-  /// the same body (welded by fixed joints, or a virtual link and its real link), are joined by one joint, hang with
-  /// coinciding joints on the same link, or the two shapes overlap in the neutral position. Shapes that nothing moves
-  /// collide neither with the ground nor with each other. O(shapes^2) for each mechanism.
+  /// Takes every shape with `collides` of every mechanism. Two shapes of one mechanism can collide unless one of these is true:
+  ///   - their links are the same body (welded by fixed joints, or a virtual link and its real link);
+  ///   - a joint or a loop joint connects their bodies;
+  ///   - their joints are attached to the same body at the same point (to 1e-6 m);
+  ///   - the shapes overlap or touch (distance <= 1e-9 m) in the neutral position.
+  /// Shapes that are not movable collide neither with the ground nor with each other. O(shapes^2) for each mechanism.
   explicit Scene(std::vector<MechanismPtr> systems, const Ground& ground = {}, const SceneOptions& options = {});
 
   [[nodiscard]] std::span<const MechanismPtr> systems() const { return systems_; }
@@ -47,11 +51,12 @@ class Scene {
   [[nodiscard]] std::span<const SceneShape> shapes() const { return shapes_; }
   /// Shapes of system s are shapes()[first_shape(s)] ... shapes()[first_shape(s + 1) - 1].
   [[nodiscard]] int first_shape(int system) const { return first_shape_[static_cast<std::size_t>(system)]; }
-  /// The pairs inside system s that can collide, whether its switch is on or not.
+  /// The pairs inside a system that can collide while its self-collision is on.
   [[nodiscard]] std::span<const ShapePair> self_pairs(int system) const { return self_pairs_[static_cast<std::size_t>(system)]; }
   [[nodiscard]] bool self_collision(int system) const { return self_on_[static_cast<std::size_t>(system)] != 0; }
+  /// Switches collisions between the links of one system on or off.
   void set_self_collision(int system, bool on) { self_on_[static_cast<std::size_t>(system)] = on ? 1 : 0; }
-  /// Of the shapes: where it is the same, what a Workspace remembers of pairs fits.
+  /// Hash of the shapes. The warm starts in a Workspace are valid for every scene with the same hash.
   [[nodiscard]] std::uint64_t content() const { return content_; }
 
  private:
@@ -67,57 +72,60 @@ class Scene {
 
 class BroadPhase;
 
-/// Scratch memory of find_contacts; one for each thread. Any scene may use it; it grows to the largest.
+/// Scratch memory and warm starts of find_contacts(); one for each thread. Any scene may use it; it grows to the largest.
 struct Workspace {
+  /// Bounding sphere.
   struct Ball {
-    Vec3 c;
-    double r;
+    Vec3 c;    ///< m, world
+    double r;  ///< m
   };
+  /// Axis-aligned box.
   struct Extent {
-    Vec3 low, high;
+    Vec3 low, high;  ///< m, world
   };
-  std::vector<Ball> balls;           ///< [shapes] bounding spheres in the world
+  std::vector<Ball> balls;           ///< [shapes] bounding spheres
   std::vector<Pose> poses;           ///< [shapes] X_WS
-  std::vector<Extent> extents;       ///< [systems] boxes along the world's axes that hold all balls of a system
-  std::vector<ShapePair> near;       ///< those looked at, of a crowd
-  PairTable pairs;                   ///< by pair of shapes: where the last search ended
-  std::vector<std::int32_t> lowest;  ///< [shapes] vertex of the hull that was nearest to the ground
-  std::uint64_t content = 0;         ///< of the scene to which `pairs` and `lowest` belong
+  std::vector<Extent> extents;       ///< [systems] boxes that contain all bounding spheres of a system
+  std::vector<ShapePair> near;       ///< candidate pairs from the broad phase
+  PairTable pairs;                   ///< warm start of each pair of convex shapes
+  std::vector<std::int32_t> lowest;  ///< [shapes] hull vertex that was nearest to the ground
+  std::uint64_t content = 0;         ///< Scene::content() of the scene to which `pairs` and `lowest` belong
   ManifoldWorkspace manifold;
-  std::unique_ptr<BroadPhase> broad_phase;  ///< made where many shapes can meet
+  std::unique_ptr<BroadPhase> broad_phase;  ///< created for scenes with many possible pairs
 
   Workspace();
   explicit Workspace(const Scene& scene);
   Workspace(Workspace&&) noexcept;
   Workspace& operator=(Workspace&&) noexcept;
   ~Workspace();
-  /// As if nothing had been searched before; keeps its memory. Warm starts change the last bits of distances: who must get the
-  /// same bits after going back in time forgets.
+  /// Resets all warm starts; keeps the memory. Warm starts change the last bits of distances: call this after a state was restored if the
+  /// simulation must repeat bit by bit.
   void forget();
 };
 
-/// Where the next search of pairs of convex shapes begins: the normals of their contacts at these poses, the first of each pair. Spares
-/// find_contacts with a negative margin the depth of what has hardly moved.
+/// Sets the warm starts of pairs of convex shapes: the normal of the first contact of each pair, as found at the poses X_WB. A following
+/// find_contacts() with a negative margin then usually need not compute the depth of pairs that have hardly moved.
+/// @param X_WB [systems][links] m, world
 void begin_from(const Scene& scene, std::span<const std::span<const Pose>> X_WB, std::span<const ContactPoint> contacts,
                 Workspace& workspace);
 
-/// All contact points with a distance below `margin`, in an order that depends only on the scene: ground contacts by
-/// shape, pairs inside each system, pairs between systems.
-///   points of a pair: sphere or ellipsoid with anything convex 1; capsule with ground, capsule or box up to 2; box with ground
-///   every corner within the margin; other convex shapes with each other up to 4; with the ground up to 6; what is not
-///   convex up to 16.
-/// The least distance of a pair is the true distance between the two shapes (boxes that overlap, cylinders and meshes: to 1e-4 of
-/// the least half extent, because faces are preferred to edges), unless it is above the margin. Surfaces of triangles that
-/// pierce each other: see surface_manifold.h.
-/// Shapes at poses that are not finite have no contacts.
+/// Finds all contact points with a distance below `margin`, in an order that depends only on the scene: ground contacts by shape, then
+/// pairs inside each system, then pairs between systems.
+///
+/// Points for each pair of shapes: sphere or ellipsoid with any convex shape: 1; capsule with ground, capsule or box: up to 2; box with
+/// ground: every corner within the margin; other convex shapes with each other: up to 4, with the ground: up to 6; pairs with a
+/// non-convex shape: up to 16.
+/// The minimum distance over the points of a pair is the true distance of the two shapes, if it is below the margin. For overlapping
+/// boxes, cylinders and meshes it is accurate to 1e-4 of the minimum half extent, because faces are preferred to edges. Surfaces of
+/// triangles that pierce each other: see surface_manifold.h. Shapes at poses that are not finite have no contacts.
+///
+/// Scenes with few possible pairs test all pairs; larger scenes (crowds, mechanisms with hundreds of links) get candidate pairs from the
+/// superior tree (broad_phase.h). The contacts are the same. No allocation after the first calls with the same workspace and `out`, unless
+/// new pairs come near or the count of contacts grows.
 /// @param X_WB [systems][links] m, world
 /// @param margin m, may be negative
-/// @param moved [systems] only pairs of which one system has moved (not 0), with each other and with the ground; empty: all
 /// @param out cleared and filled; keeps its memory
-/// Two figures' pairs are gone through, those of a crowd, or of a mechanism of hundreds of links, come from the superior tree
-/// (broad_phase.h): the contacts are the same.
-/// No allocation after the first calls with the same workspace and out, unless pairs come near that were not, or contacts grow in
-/// number.
+/// @param moved [systems] not 0: the system has moved. Only pairs (also with the ground) with a moved system are tested; empty: all pairs
 void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& workspace,
                    std::vector<ContactPoint>& out, std::span<const char> moved = {});
 

@@ -13,14 +13,14 @@ std::vector<TreeBody> bodies_of(const Scene& scene) {
   return out;
 }
 
-/// Pairs inside a system that cannot collide.
-std::vector<BodyPair> apart_inside(const Scene& scene, int system) {
-  std::vector<BodyPair> can, out;
-  for (const ShapePair& p : scene.self_pairs(system)) can.push_back({std::min(p.a, p.b), std::max(p.a, p.b)});
-  std::ranges::sort(can);
+/// The pairs of shapes inside a system that cannot collide, ordered.
+std::vector<BodyPair> non_colliding_pairs(const Scene& scene, int system) {
+  std::vector<BodyPair> colliding, out;
+  for (const ShapePair& p : scene.self_pairs(system)) colliding.push_back({std::min(p.a, p.b), std::max(p.a, p.b)});
+  std::ranges::sort(colliding);
   for (int i = scene.first_shape(system); i < scene.first_shape(system + 1); ++i)
     for (int j = i + 1; j < scene.first_shape(system + 1); ++j)
-      if (!std::ranges::binary_search(can, BodyPair{i, j})) out.push_back({i, j});
+      if (!std::ranges::binary_search(colliding, BodyPair{i, j})) out.push_back({i, j});
   return out;
 }
 
@@ -28,15 +28,15 @@ PairFilter filter_of(const Scene& scene) {
   PairFilter out;
   out.between_groups = scene.options().between_systems;
   std::vector<BodyPair> excluded;
-  std::vector<int> still;
+  std::vector<int> fixed;
   for (int i = 0; i < static_cast<int>(scene.shapes().size()); ++i)
-    if (!scene.shapes()[static_cast<std::size_t>(i)].movable) still.push_back(i);
-  for (std::size_t i = 0; i < still.size(); ++i)
-    for (std::size_t j = i + 1; j < still.size(); ++j) excluded.push_back({still[i], still[j]});
+    if (!scene.shapes()[static_cast<std::size_t>(i)].movable) fixed.push_back(i);
+  for (std::size_t i = 0; i < fixed.size(); ++i)
+    for (std::size_t j = i + 1; j < fixed.size(); ++j) excluded.push_back({fixed[i], fixed[j]});
   for (int s = 0; s < static_cast<int>(scene.systems().size()); ++s) {
     out.inside_group.push_back(scene.self_collision(s) ? 1 : 0);
     if (!scene.self_collision(s)) continue;
-    const std::vector<BodyPair> apart = apart_inside(scene, s);
+    const std::vector<BodyPair> apart = non_colliding_pairs(scene, s);
     excluded.insert(excluded.end(), apart.begin(), apart.end());
   }
   out.exclude(std::move(excluded));
@@ -48,9 +48,9 @@ PairFilter filter_of(const Scene& scene) {
 class SceneTree::Distances final : public PairFunction {
  public:
   Distances(const Scene& scene, const std::vector<Pose>& poses) : scene_(scene), poses_(poses) {}
-  PairDistance distance(int a, int b, double enough, PairCache& cache) override {
+  PairDistance distance(int a, int b, double cutoff, PairCache& cache) override {
     const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-    return find_pair_distance(scene_.shapes()[i], poses_[i], scene_.shapes()[j], poses_[j], enough, cache, workspace_);
+    return find_pair_distance(scene_.shapes()[i], poses_[i], scene_.shapes()[j], poses_[j], cutoff, cache, workspace_);
   }
 
  private:
@@ -78,12 +78,12 @@ void SceneTree::update(std::span<const std::span<const Pose>> X_WB) {
 }
 
 const NearPair& SceneTree::nearest(int system_a, int system_b) {
-  for (const auto& q : questions_)
+  for (const auto& q : queries_)
     if (q->a == system_a && q->b == system_b) return q->query.find(tree_, *distances_);
   PairFilter filter;
-  if (system_a == system_b) filter.exclude(apart_inside(scene_, system_a));
-  questions_.push_back(std::make_unique<Question>(Question{system_a, system_b, NearestPair(system_a, system_b, std::move(filter))}));
-  return questions_.back()->query.find(tree_, *distances_);
+  if (system_a == system_b) filter.exclude(non_colliding_pairs(scene_, system_a));
+  queries_.push_back(std::make_unique<Query>(Query{system_a, system_b, ClosestPair(system_a, system_b, std::move(filter))}));
+  return queries_.back()->query.find(tree_, *distances_);
 }
 
 void SceneTree::pairs_within(double margin, std::vector<NearPair>& out) { within_.find(tree_, margin, *distances_, out); }

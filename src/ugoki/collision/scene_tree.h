@@ -1,5 +1,5 @@
 #pragma once
-// The superior tree over a scene: its systems are the groups, their shapes the bodies.
+// The superior tree over a scene: the groups of the tree are the systems of the scene, the bodies are their shapes.
 
 #include <memory>
 #include <span>
@@ -10,35 +10,37 @@
 
 namespace ugoki::collision {
 
-/// Questions about the distances of a scene's shapes. Body i is Scene::shapes()[i]. One for each thread.
+/// Distance queries over the shapes of a scene. Body i is Scene::shapes()[i]. One instance for each thread.
 class SceneTree {
  public:
-  /// The scene must outlive it; its switches of self-collision are taken as they are now.
+  /// The scene must outlive this object. The self-collision switches are read here; later changes have no effect.
   explicit SceneTree(const Scene& scene);
   ~SceneTree();
 
+  /// Moves the shapes to the given poses of the links; call it before the queries of a step.
   /// @param X_WB [systems][links] m, world
   void update(std::span<const std::span<const Pose>> X_WB);
 
-  /// Nearest pair of shapes of two systems, which may be the same one: then of the pairs that can collide. Bodies -1: there is none.
-  /// Keeps what it found for the next step; the first question about two systems allocates.
+  /// Closest pair of shapes of two systems. If both are the same system, only pairs that can collide count. Bodies -1: no pair.
+  /// Each pair of systems has its own query, warm-started from step to step; the first call for a pair allocates it.
   [[nodiscard]] const NearPair& nearest(int system_a, int system_b);
 
-  /// All pairs closer than `margin`, of those that find_contacts looks at, without the ground; in the order of (a, b).
+  /// Finds all pairs with a distance <= `margin` [m], among the pairs that find_contacts() tests, without the ground.
+  /// @param out cleared, then filled in the order of (a, b), with a < b
   void pairs_within(double margin, std::vector<NearPair>& out);
 
  private:
   class Distances;
-  struct Question {
+  struct Query {
     int a, b;
-    NearestPair query;
+    ClosestPair query;
   };
 
   const Scene& scene_;
   std::vector<Pose> poses_;  // [shapes] X_WS
   SuperiorTree tree_;
   std::unique_ptr<Distances> distances_;
-  std::vector<std::unique_ptr<Question>> questions_;
+  std::vector<std::unique_ptr<Query>> queries_;
   PairsWithin within_;
 };
 

@@ -5,14 +5,14 @@
 namespace ugoki::collision {
 namespace {
 
-/// Half the slope of the squared distance to the box along the segment. It never falls with t and is linear between the
-/// parameters at which a coordinate passes a face.
+/// Half the derivative of the squared distance to the box with respect to the segment's parameter t. It is a non-decreasing function of t,
+/// linear between the parameters at which a coordinate crosses a face plane.
 double half_slope(const Round& s, const Vec3& e, double t) {
   const Vec3 p = s.at(t);
   return dot(p - clamp_to(p, e), s.d);
 }
 
-/// Middle of the parameters at which the segment is nearest to the box.
+/// Middle of the interval of parameters at which the segment is nearest to the box.
 double nearest_parameter(const Round& s, const Vec3& e) {
   if (s.half == 0) return 0;
   double knots[8];
@@ -30,7 +30,7 @@ double nearest_parameter(const Round& s, const Vec3& e) {
   }
   knots[count++] = s.half;
 
-  // A slope this small is rounding: along a face it stays so over the whole width of the box.
+  // Slopes below this are rounding. A segment parallel to a face has such a slope over the whole width of the box.
   const double zero = 1e-14 * (std::fabs(s.c.x) + std::fabs(s.c.y) + std::fabs(s.c.z) + s.half);
   double low = s.half, high = s.half;
   double before = 0;
@@ -53,9 +53,9 @@ double nearest_parameter(const Round& s, const Vec3& e) {
   return 0.5 * (low + high);
 }
 
-/// The segment meets the box: the Minkowski sum of the box and the mirrored segment has facets across the box's axes and
-/// across (axis x segment); the nearest of them is the way out.
-SegmentBox way_out(const Round& s, const Vec3& e) {
+/// Shortest translation that takes a segment out of a box that it overlaps. The Minkowski sum of the box and the mirrored segment has
+/// facets perpendicular to the box's axes and to (axis x segment); the facet nearest to the origin gives the translation.
+SegmentBox minimum_translation(const Round& s, const Vec3& e) {
   SegmentBox out;
   out.distance = -1e300;
   for (int i = 0; i < 3; ++i) {
@@ -69,7 +69,7 @@ SegmentBox way_out(const Round& s, const Vec3& e) {
     }
   }
   if (s.half > 0) {
-    // across an edge only where that is clearly shorter, so that a segment along a face does not flicker
+    // An edge must be shorter by a margin, so that the result for a segment along a face does not alternate between face and edge.
     double best = out.distance + 1e-9 * std::min({e.x, e.y, e.z});
     for (int i = 0; i < 3; ++i) {
       Vec3 a;
@@ -89,7 +89,7 @@ SegmentBox way_out(const Round& s, const Vec3& e) {
   }
   if (out.edge < 0) {
     const int i = out.n.x != 0 ? 0 : out.n.y != 0 ? 1 : 2;
-    // deepest end, or the middle of what is inside if the segment lies along the face
+    // The deepest end; or, for a segment parallel to the face, the middle of the part over the face.
     const double tilt = s.d[i] * out.n[i];
     double low = -s.half, high = s.half;
     const bool over = cut_to_slab(s, e, (i + 1) % 3, low, high) && cut_to_slab(s, e, (i + 2) % 3, low, high);
@@ -129,7 +129,7 @@ SegmentBox nearest_on_segment_and_box(const Round& s, const Vec3& e) {
   out.on_box = clamp_to(p, e);
   const Vec3 gap = p - out.on_box;
   out.distance = norm(gap);
-  if (out.distance <= 1e-12 * (e.x + e.y + e.z)) return way_out(s, e);
+  if (out.distance <= 1e-12 * (e.x + e.y + e.z)) return minimum_translation(s, e);
   out.n = gap / out.distance;
   return out;
 }

@@ -1,27 +1,28 @@
 #pragma once
-// A segment and a box, in the box's frame.
+// Distance of a segment and a box, in the box's frame.
 
 #include "ugoki/collision/round.h"
 
 namespace ugoki::collision {
 
-/// Nearest pair of a segment and a solid box, or the deepest one if they meet.
+/// Closest points of a segment and a solid box, or the deepest points if they overlap.
 struct SegmentBox {
-  double t = 0;         ///< parameter on the segment
+  double t = 0;         ///< m, parameter on the segment
   Vec3 on_box;          ///< m, in the box's frame, on its surface
   Vec3 n;               ///< unit, in the box's frame: from the box towards the segment
-  double distance = 0;  ///< m; negative: the shortest translation that takes the segment out of the box
-  int edge = -1;        ///< segment inside and its way out is across an edge: the axis of that edge; otherwise -1
+  double distance = 0;  ///< m; negative: minus the length of the shortest translation that takes the segment out of the box
+  int edge = -1;        ///< if that translation is across an edge of the box: the axis of that edge (0, 1, 2); otherwise -1
 };
 
+/// Closest or deepest points of a segment and a box.
 /// @param s segment in the box's frame (its radius is not used)
-/// @param e half extents
+/// @param e half extents of the box, m
 [[nodiscard]] SegmentBox nearest_on_segment_and_box(const Round& s, const Vec3& e);
 
-/// Point of the solid box nearest to p, in the box's frame.
+/// Point of the solid box with half extents e nearest to p, in the box's frame.
 inline Vec3 clamp_to(const Vec3& p, const Vec3& e) { return {clamp_to(p.x, e.x), clamp_to(p.y, e.y), clamp_to(p.z, e.z)}; }
 
-/// Cuts [low, high] to the parameters at which the segment's i-th coordinate is within the box; false where nothing is left.
+/// Clips [low, high] to the parameters at which the segment's i-th coordinate is within the box. False if nothing remains.
 [[nodiscard]] bool cut_to_slab(const Round& s, const Vec3& e, int i, double& low, double& high);
 
 /// The segment in the frame of a box at pose X.

@@ -1,8 +1,8 @@
 #pragma once
-// Points of a simplex nearest to the origin, for Gilbert's method: each feature by its barycentric coordinates, each answer from
-// differences of the corners, so that a small distance keeps its digits.
-// Source of the idea to trust no sign: Montanari, Petrinic, Barbieri, Improving the GJK algorithm for faster and more reliable
-// distance queries between convex objects (2017).
+// Point of a simplex nearest to the origin, for Gilbert's method. Each feature (corner, edge, face) is tested by its barycentric
+// coordinates. Results are computed from differences of the corners, so that small distances keep their relative accuracy.
+// Source of the idea to compare all features instead of trusting signs: Montanari, Petrinic, Barbieri, Improving the GJK algorithm for
+// faster and more reliable distance queries between convex objects (2017).
 
 #include <cstdint>
 
@@ -11,24 +11,25 @@
 
 namespace ugoki::collision {
 
-/// A point of the difference a - b of two shapes, and what it is made of.
+/// A point of the Minkowski difference of two shapes a and b, with the points of the shapes from which it was computed.
 struct Corner {
-  Vec3 w, a;            ///< m, frame of a; w = a - b
-  std::int32_t ia, ib;  ///< vertices of the two shapes
+  Vec3 w, a;            ///< m, frame of a: the point of the difference (w = a - b), and the point on shape a
+  std::int32_t ia, ib;  ///< vertex indices of the two shapes (SupportPoint::vertex)
 };
 
-/// Up to four corners; after `reduce` those that span the nearest point, with their weights.
+/// Up to four corners; after reduce() only those that span the nearest point, with their weights.
 struct Simplex {
   Corner corner[4];
-  double weight[4];
+  double weight[4];  ///< barycentric coordinates of the nearest point
   int count = 0;
 };
 
-/// Reduces the simplex to the corners that span its point nearest to the origin, which is returned: the nearest of all its features
-/// that hold the newest corner, which is the last (when the rest had been reduced before, no other can be nearer). All are
-/// computed side by side and the nearest is taken: nothing hangs on the sign of a volume that rounding may have made.
-/// @param noise length below which the origin's distance from a plane is not known
-/// @param inside [out] the origin lies in the tetrahedron; the weights then make the origin
+/// Reduces the simplex to the corners that span its point nearest to the origin, and returns this point [m]. Only features that contain the
+/// newest corner (the last) are considered: the other corners were reduced before, so that no other feature can be nearer. All these
+/// features are computed side by side and the nearest is selected. Hence the result does not depend on the sign of a volume that may be
+/// rounding error only.
+/// @param noise m: rounding error of the origin's distance from a plane
+/// @param inside [out] the origin is inside the tetrahedron; the weights are then its barycentric coordinates
 static inline Vec3 reduce(Simplex& s, double noise, bool& inside) {
   inside = false;
   const int last = s.count - 1;
@@ -37,7 +38,7 @@ static inline Vec3 reduce(Simplex& s, double noise, bool& inside) {
     s.weight[0] = 1;
     return p;
   }
-  // Lane k: edge e from p to corner k, and the face between it and the next edge f. Missing corners repeat others.
+  // Lane k: edge e from p to corner k, and the face between e and the next edge f. Lanes without a corner repeat another corner.
   const int index[4] = {0, last > 1 ? 1 : 0, last > 2 ? 2 : last > 1 ? 1 : 0, 0};
   const Vec3 e0 = s.corner[index[0]].w - p, e1 = s.corner[index[1]].w - p, e2 = s.corner[index[2]].w - p;
   const Four ex = {e0.x, e1.x, e2.x, e0.x}, ey = {e0.y, e1.y, e2.y, e0.y}, ez = {e0.z, e1.z, e2.z, e0.z};
@@ -56,15 +57,15 @@ static inline Vec3 reduce(Simplex& s, double noise, bool& inside) {
       return {};
     }
   }
-  // Faces: barycentric weights times n . n.
+  // Faces: barycentric coordinates of the foot of the origin, times n . n. Faces with sine below 1e-14 between their edges are skipped.
   const Four mx = ny * p.z - nz * p.y, my = nz * p.x - nx * p.z, mz = nx * p.y - ny * p.x;
   const Four wr = ex * mx + ey * my + ez * mz, wq = -(fx * mx + fy * my + fz * mz), wp = nn - wq - wr;
   const Four ee = ex * ex + ey * ey + ez * ez, ff = fx * fx + fy * fy + fz * fz;
   const Four none = {1e300, 1e300, 1e300, 1e300}, zero = {0, 0, 0, 0}, one = {1, 1, 1, 1};
   const Four scale = one / nn;
-  const Four least = wp < wq ? (wp < wr ? wp : wr) : (wq < wr ? wq : wr);
+  const Four min_weight = wp < wq ? (wp < wr ? wp : wr) : (wq < wr ? wq : wr);
   Four face_vv = height * height * scale;
-  face_vv = least >= zero ? face_vv : none;
+  face_vv = min_weight >= zero ? face_vv : none;
   face_vv = nn > 1e-28 * ee * ff ? face_vv : none;
   // Edges.
   const Four along = -(ex * p.x + ey * p.y + ez * p.z);
@@ -99,7 +100,7 @@ static inline Vec3 reduce(Simplex& s, double noise, bool& inside) {
     s.weight[s.count++] = w;
   }
   if (w < 1) {
-    if (w > 0) {  // square on the edge, also where v is short
+    if (w > 0) {  // makes v perpendicular to the edge, even if v is short compared with the corners' position vectors
       const Vec3 e{ex[k], ey[k], ez[k]};
       v -= e * (dot(v, e) / ee[k]);
     }

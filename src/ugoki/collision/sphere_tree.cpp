@@ -9,14 +9,17 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr double farthest = 1e6;  // m
+constexpr double max_coordinate = 1e6;  // m; larger coordinates are refused, as in make_geometry()
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-bool within_reach(const Vec3& p) { return std::fabs(p.x) <= farthest && std::fabs(p.y) <= farthest && std::fabs(p.z) <= farthest; }
+bool in_range(const Vec3& p) {
+  return std::fabs(p.x) <= max_coordinate && std::fabs(p.y) <= max_coordinate && std::fabs(p.z) <= max_coordinate;
+}
 
-/// Vertices in the order in which the triangles first need them, about tree.centre; triangles with the longest side first.
-void take_surface(SphereTree& tree, std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
-  std::vector<std::int32_t> place(vertices.size(), -1);
+/// Copies the mesh to the tree: triangles in the order of tree.source, each with its longest side first; vertices relative to tree.centre
+/// in the order of their first use.
+void copy_surface(SphereTree& tree, std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
+  std::vector<std::int32_t> new_index(vertices.size(), -1);
   tree.triangles.reserve(triangles.size());
   for (const std::int32_t s : tree.source) {
     Triangle t = triangles[at(s)];
@@ -27,18 +30,18 @@ void take_surface(SphereTree& tree, std::span<const Vec3> vertices, std::span<co
     const double l[3] = {side(0), side(1), side(2)};
     std::rotate(t.begin(), t.begin() + (l[0] >= l[1] && l[0] >= l[2] ? 0 : l[1] >= l[2] ? 1 : 2), t.end());
     for (std::int32_t& v : t) {
-      if (place[at(v)] < 0) {
-        place[at(v)] = static_cast<std::int32_t>(tree.vertices.size());
+      if (new_index[at(v)] < 0) {
+        new_index[at(v)] = static_cast<std::int32_t>(tree.vertices.size());
         tree.vertices.push_back(vertices[at(v)] - tree.centre);
         tree.vertex_source.push_back(v);
       }
-      v = place[at(v)];
+      v = new_index[at(v)];
     }
     tree.triangles.push_back(t);
   }
 }
 
-/// Fills tree.across and tells whether every side has exactly one partner.
+/// Fills tree.across. @return whether every side has exactly one partner of opposite direction; otherwise tree.across is empty
 bool find_partners(SphereTree& tree) {
   struct Side {
     std::uint64_t from_to;
@@ -60,9 +63,10 @@ bool find_partners(SphereTree& tree) {
     if (sides[i].from_to == sides[i - 1].from_to) return false;
   tree.across.resize(tree.triangles.size());
   for (const Side& s : sides) {
-    const std::uint64_t turned = (s.from_to << 32) | (s.from_to >> 32);
-    const auto partner = std::lower_bound(sides.begin(), sides.end(), turned, [](const Side& x, std::uint64_t v) { return x.from_to < v; });
-    if (partner == sides.end() || partner->from_to != turned) {
+    const std::uint64_t reversed = (s.from_to << 32) | (s.from_to >> 32);
+    const auto partner =
+        std::lower_bound(sides.begin(), sides.end(), reversed, [](const Side& x, std::uint64_t v) { return x.from_to < v; });
+    if (partner == sides.end() || partner->from_to != reversed) {
       tree.across.clear();
       return false;
     }
@@ -71,14 +75,15 @@ bool find_partners(SphereTree& tree) {
   return true;
 }
 
-/// Of a closed surface: the sides of a triangle in the other order where it looks inwards, and normals of the vertices.
+/// For a closed surface: reverses all triangles if they are oriented inwards (negative volume), and computes the angle-weighted normals of
+/// the vertices.
 void make_normals(SphereTree& tree) {
   double volume = 0;
   const auto count = static_cast<std::int32_t>(tree.triangles.size());
   for (std::int32_t i = 0; i < count; ++i) volume += dot(tree.corner(i, 0), cross(tree.corner(i, 1), tree.corner(i, 2)));
   if (volume < 0)
     for (std::size_t i = 0; i < tree.triangles.size(); ++i) {
-      std::swap(tree.triangles[i][0], tree.triangles[i][1]);  // side 0 stays, 1 and 2 change places
+      std::swap(tree.triangles[i][0], tree.triangles[i][1]);  // side 0 keeps its index, sides 1 and 2 are exchanged
       std::swap(tree.across[i][1], tree.across[i][2]);
     }
   tree.vertex_normals.assign(tree.vertices.size(), {});
@@ -95,29 +100,31 @@ void make_normals(SphereTree& tree) {
 
 }  // namespace
 
-Result<SphereTree> make_sphere_tree(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::string_view place) {
+Result<SphereTree> make_sphere_tree(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::string_view location) {
   const auto refuse = [&](ErrorCode code, std::string message, const char* remedy) {
-    return fail(code, std::string(place), std::move(message), remedy);
+    return fail(code, std::string(location), std::move(message), remedy);
   };
-  if (triangles.empty()) return refuse(ErrorCode::structure, "The mesh has no triangle.", "Give a mesh with a surface.");
-  if (triangles.size() > most_triangles || vertices.size() > 3 * most_triangles)
+  if (triangles.empty()) return refuse(ErrorCode::structure, "The mesh has no triangles.", "Use a mesh with at least one triangle.");
+  if (triangles.size() > max_triangles || vertices.size() > 3 * max_triangles)
     return refuse(ErrorCode::range,
                   "The mesh has " + std::to_string(triangles.size()) + " triangles and " + std::to_string(vertices.size()) +
-                      " vertices; at most " + std::to_string(most_triangles) + " triangles and three times as many vertices are used.",
-                  "Reduce it, or take its convex hull.");
+                      " vertices; at most " + std::to_string(max_triangles) + " triangles and three times as many vertices are allowed.",
+                  "Simplify the mesh, or use its convex hull.");
   for (const Triangle& t : triangles)
     for (const std::int32_t i : t)
       if (i < 0 || at(i) >= vertices.size())
         return refuse(ErrorCode::range,
-                      "A triangle names the vertex " + std::to_string(i) + ", but there are " + std::to_string(vertices.size()) + ".",
+                      "A triangle refers to vertex " + std::to_string(i) + ", but the mesh has " + std::to_string(vertices.size()) +
+                          " vertices (the first is 0).",
                       "Export the mesh again.");
   Vec3 low = vertices[at(triangles.front()[0])], high = low;
   for (const Triangle& t : triangles)
     for (const std::int32_t i : t) {
       const Vec3& p = vertices[at(i)];
-      if (!within_reach(p))
-        return refuse(ErrorCode::range, "The vertex " + std::to_string(i) + " of the mesh is not finite, or farther away than 1e6 m.",
-                      "Export the mesh again.");
+      if (!in_range(p))
+        return refuse(ErrorCode::range,
+                      "Vertex " + std::to_string(i) + " of the mesh has a coordinate that is not finite or is beyond +-1e6 m.",
+                      "Check the unit of length and export the mesh again.");
       for (int k = 0; k < 3; ++k) {
         low[k] = std::min(low[k], p[k]);
         high[k] = std::max(high[k], p[k]);
@@ -126,7 +133,7 @@ Result<SphereTree> make_sphere_tree(std::span<const Vec3> vertices, std::span<co
   SphereTree tree;
   tree.centre = (low + high) * 0.5;
   tree.source = build::order_triangles(vertices, triangles, tree.centre);
-  take_surface(tree, vertices, triangles);
+  copy_surface(tree, vertices, triangles);
   for (const Vec3& v : tree.vertices) tree.radius = std::max(tree.radius, norm(v));
   tree.radius *= 1 + 4 * std::numeric_limits<double>::epsilon();
   build::fit_bounds(tree);

@@ -1,5 +1,6 @@
 #pragma once
-// Hierarchical spheres over the triangles of a mesh, with an oriented box in each, flat, for exact distances (bubble.h).
+// Sphere tree: a hierarchy of spheres over the triangles of a mesh, each with an oriented box, in flat arrays. For exact distances
+// (bubble.h).
 // Source: Quinlan, Efficient distance computation between non-convex objects (1994): spheres with centres on the surface;
 // Gottschalk, Lin, Manocha, OBBTree (1996): boxes along the principal axes of the surface.
 
@@ -15,49 +16,53 @@
 
 namespace ugoki::collision {
 
-/// Immutable once made; shared by all bodies that have the mesh.
+/// Sphere tree of one mesh. Immutable after make_sphere_tree(); shared by all bodies that have the mesh.
 struct SphereTree {
-  Vec3 centre;          ///< m, mesh's frame: the origin of everything below
-  double radius = 0;    ///< m: of the sphere about `centre` that holds the mesh
-  bool closed = false;  ///< every side of a triangle is shared by exactly one other, the other way round: there is an inside
+  Vec3 centre;        ///< m, mesh's frame: the origin to which blocks and vertices refer
+  double radius = 0;  ///< m: radius of the sphere about `centre` that contains the mesh
+  /// True: every side of a triangle is shared with exactly one other triangle, in the opposite direction, so that the mesh has an inside.
+  bool closed = false;
 
-  std::vector<BoundBlock> blocks;           ///< [0] has one lane, the root; parents before children
-  std::vector<Vec3> vertices;               ///< about `centre`, in the order in which the triangles need them
-  std::vector<Triangle> triangles;          ///< neighbours in space are neighbours here; the longest side first
-  std::vector<std::int32_t> source;         ///< [triangles] index of the triangle in the mesh it was made from
+  std::vector<BoundBlock> blocks;           ///< block 0 has one lane, the root; parents are before their children
+  std::vector<Vec3> vertices;               ///< m, relative to `centre`, in the order in which the triangles first use them
+  std::vector<Triangle> triangles;          ///< neighbours in space are near each other in this list; longest side first
+  std::vector<std::int32_t> source;         ///< [triangles] index of the triangle in the mesh from which the tree was made
   std::vector<std::int32_t> vertex_source;  ///< [vertices] index of the vertex in that mesh
 
-  /// Closed meshes only: the normals that tell inside from outside where the nearest point lies on a side or a corner.
+  /// Closed meshes only: pseudonormals, which separate inside from outside where the nearest point is on a side or a corner.
   /// Source: Baerentzen, Aanaes, Signed distance computation using the angle weighted pseudonormal (2005).
-  std::vector<Vec3> vertex_normals;                 ///< [vertices] unit
-  std::vector<std::array<std::int32_t, 3>> across;  ///< [triangles] the triangle at the other side of side k (k to k + 1)
+  std::vector<Vec3> vertex_normals;                 ///< [vertices] unit, outward
+  std::vector<std::array<std::int32_t, 3>> across;  ///< [triangles] adjacent triangle at side k (from corner k to k + 1)
 
   [[nodiscard]] bool empty() const { return triangles.empty(); }
+  /// m, relative to `centre`.
   [[nodiscard]] Vec3 corner(std::int32_t triangle, int k) const {
     return vertices[static_cast<std::size_t>(triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)])];
   }
 };
 
-/// Same tree on every machine. O(n log n) time, no more than 600 bytes a triangle at any moment. Triangles without area are
-/// taken as they are; Geometry has none.
-/// Errors (at `place`): no triangle, more than most_triangles, an index out of range, a number not finite or beyond 1e6 m.
+/// Builds the sphere tree of a mesh (m, mesh's frame). The tree is the same on every machine. O(n log n) time, at most 600 bytes of
+/// memory for each triangle. Triangles without area are accepted; Geometry contains none.
+/// Errors (at `location`): no triangle; more than max_triangles; an index out of range; a coordinate not finite or beyond 1e6 m.
 [[nodiscard]] Result<SphereTree> make_sphere_tree(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                                                  std::string_view place = "mesh");
+                                                  std::string_view location = "mesh");
 
-/// What `ugoki info` tells of a tree.
+/// Statistics of a sphere tree, printed by `ugoki info`.
 struct SphereTreeReport {
-  std::size_t spheres = 0, triangles = 0, bytes = 0;
-  std::vector<std::size_t> spheres_at;  ///< [depth] the root has depth 0
-  std::vector<double> mean_radius;      ///< [depth] m
-  /// [depth] of two spheres with the same parent: how far they reach into each other, as a part of the smaller diameter
-  /// (0: apart, 1: one is inside the other); the mean over all such pairs.
+  std::size_t spheres = 0, triangles = 0, bytes = 0;  ///< counts, and memory of the arrays
+  std::vector<std::size_t> spheres_at;                ///< [depth] count of spheres; the root has depth 0
+  std::vector<double> mean_radius;                    ///< [depth] m
+  /// [depth] Overlap of two spheres with the same parent, as a fraction of the smaller diameter (0: apart, 1: one inside the other); mean
+  /// over all sibling pairs of that depth.
   std::vector<double> mean_overlap;
 };
+/// Statistics of a tree. O(spheres)
 [[nodiscard]] SphereTreeReport report_of(const SphereTree& tree);
 
-/// The tree as bytes (little-endian, versioned, with a checksum), to be kept with the mesh's hash.
+/// The tree as bytes (little-endian, with version and checksum), to be stored with the mesh's hash.
 [[nodiscard]] std::vector<std::uint8_t> write_bytes(const SphereTree& tree);
-/// Errors (at `place`): other bytes than write_bytes() gave; whatever they are, what it returns is safe to search.
-[[nodiscard]] Result<SphereTree> read_sphere_tree(std::span<const std::uint8_t> bytes, std::string_view place = "sphere tree");
+/// Reads the bytes of write_bytes(). A tree that is returned is safe to search, whatever the bytes were.
+/// Errors (at `location`): not a sphere tree; another version; damaged or truncated; inconsistent indices.
+[[nodiscard]] Result<SphereTree> read_sphere_tree(std::span<const std::uint8_t> bytes, std::string_view location = "sphere tree");
 
 }  // namespace ugoki::collision

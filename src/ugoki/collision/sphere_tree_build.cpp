@@ -11,41 +11,44 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// Triangles begin ... begin + count - 1 of the order.
+/// A range of the ordered triangles: begin ... begin + count - 1.
 struct Part {
   std::size_t begin, count;
 };
+/// The parts into which a part is split: one for each lane of a block.
 struct Parts {
   std::array<Part, block_lanes> part;
   std::size_t count = 1;
 };
 
-/// Cuts a part into at most eight, each time the largest, each time near its middle: where no block below is left half empty.
-/// The cuts depend on the count alone. `divide(part, left)` brings the first `left` triangles of the part to its front.
+/// Splits a part into at most eight: repeatedly splits the largest near its middle, at a multiple of the triangle count of a full
+/// subtree, so that the blocks below are full. The split positions depend only on the count of triangles. `divide(part, left)` must move
+/// the triangles that belong to the first `left` of the part to its front.
 template <class Divide>
-Parts cut_up(const Part& whole, Divide divide) {
+Parts split(const Part& whole, Divide divide) {
   Parts out;
   out.part[0] = whole;
-  std::size_t grain = 1;  // a power of eight below the count: what a full subtree holds
+  std::size_t grain = 1;  // count of triangles in a full subtree: a power of eight below the count of the part, at most 512
   while (grain * block_lanes < whole.count && grain < 512) grain *= block_lanes;
   while (out.count < block_lanes) {
-    std::size_t most = 0;
+    std::size_t largest = 0;
     for (std::size_t i = 1; i < out.count; ++i)
-      if (out.part[i].count > out.part[most].count) most = i;
-    const Part p = out.part[most];
+      if (out.part[i].count > out.part[largest].count) largest = i;
+    const Part p = out.part[largest];
     if (p.count <= grain) break;
     const std::size_t grains = (p.count + grain - 1) / grain, left = grain * (grains / 2);
     divide(p, left);
-    std::move_backward(out.part.begin() + static_cast<std::ptrdiff_t>(most) + 1, out.part.begin() + static_cast<std::ptrdiff_t>(out.count),
+    std::move_backward(out.part.begin() + static_cast<std::ptrdiff_t>(largest) + 1,
+                       out.part.begin() + static_cast<std::ptrdiff_t>(out.count),
                        out.part.begin() + static_cast<std::ptrdiff_t>(out.count) + 1);
-    out.part[most] = {p.begin, left};
-    out.part[most + 1] = {p.begin + left, p.count - left};
+    out.part[largest] = {p.begin, left};
+    out.part[largest + 1] = {p.begin + left, p.count - left};
     ++out.count;
   }
   return out;
 }
 
-/// Eigenvectors of a symmetric matrix by Jacobi's rotations, in the order of falling eigenvalues, right-handed.
+/// Unit eigenvectors of a symmetric matrix by Jacobi rotations, in the order of decreasing eigenvalues, right-handed.
 std::array<Vec3, 3> principal_axes(const Sym3& s) {
   double a[3][3] = {{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}};
   double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -83,12 +86,13 @@ std::array<Vec3, 3> principal_axes(const Sym3& s) {
   return {x, y, cross(x, y)};
 }
 
-/// Area, and its first and second moments.
+/// Area [m^2] of triangles, and its first [m^3] and second [m^4] moments about the origin.
 struct Moments {
   double area = 0;
   Vec3 first;
   Sym3 second;
 
+  /// Adds the triangle a, b, c.
   void add(const Vec3& a, const Vec3& b, const Vec3& c) {
     const double s = 0.5 * norm(cross(b - a, c - a));
     const Vec3 sum = a + b + c;
@@ -97,12 +101,14 @@ struct Moments {
     const Mat3 m = (Mat3::outer(a, a) + Mat3::outer(b, b) + Mat3::outer(c, c) + Mat3::outer(sum, sum)) * (s / 12);
     second = second + symmetric_part(m);
   }
+  /// Second moment about the centroid, m^4.
   [[nodiscard]] Sym3 covariance() const {
     const Vec3 mean = first / area;
     return second - symmetric_part(Mat3::outer(mean, mean)) * area;
   }
 };
 
+/// Computes the order of the triangles by recursive splitting.
 class Order {
  public:
   Order(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const Vec3& centre)
@@ -121,11 +127,12 @@ class Order {
  private:
   void arrange(const Part& whole) {  // NOLINT(misc-no-recursion): depth log(n)
     if (whole.count <= 1) return;
-    const Parts parts = cut_up(whole, [this](const Part& p, std::size_t left) { divide(p, left); });
+    const Parts parts = split(whole, [this](const Part& p, std::size_t left) { divide(p, left); });
     for (std::size_t i = 0; i < parts.count; ++i) arrange(parts.part[i]);
   }
 
-  /// Across the longest principal axis of the centroids; ties by index, so that the halves are the same with every library.
+  /// Partitions a part along the longest principal axis of its centroids. Ties are broken by index, so that the partition does not depend
+  /// on the standard library's nth_element.
   void divide(const Part& p, std::size_t left) {
     const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(p.begin), end = begin + static_cast<std::ptrdiff_t>(p.count);
     Vec3 sum;
@@ -154,11 +161,12 @@ class Order {
     std::copy(copy, copy + static_cast<std::ptrdiff_t>(p.count), begin);
   }
 
-  std::vector<Vec3> centroid_;  // three times, about the mesh's centre
-  std::vector<double> key_;
+  std::vector<Vec3> centroid_;  // m: three times each triangle's centroid, relative to the mesh's centre
+  std::vector<double> key_;     // m: coordinate along the axis of the current split
   std::vector<std::int32_t> order_, scratch_;
 };
 
+/// Fills the blocks of a tree with bounds, bottom-up.
 class Fit {
  public:
   explicit Fit(SphereTree& tree) : tree_(tree) {}
@@ -169,7 +177,7 @@ class Fit {
   }
 
  private:
-  /// Bounds of a part and everything below it. @return its moments
+  /// Fills one lane of a block with the bounds of a part, and the blocks below it. @return the moments of the part
   Moments fill(std::size_t block, int lane, const Part& part) {  // NOLINT(misc-no-recursion): depth log(n)
     Moments sum;
     if (part.count == 1) {
@@ -182,7 +190,7 @@ class Fit {
       fit(block, lane, part, {x, y, cross(x, y)});
       return sum;
     }
-    const Parts parts = cut_up(part, [](const Part&, std::size_t) {});
+    const Parts parts = split(part, [](const Part&, std::size_t) {});
     const std::size_t below = tree_.blocks.size();
     tree_.blocks.emplace_back();
     tree_.blocks[below].count = static_cast<std::int32_t>(parts.count);
@@ -197,6 +205,7 @@ class Fit {
     return sum;
   }
 
+  /// Fits the oriented box with the given axes, then the sphere, to a part.
   void fit(std::size_t block, int lane, const Part& part, const std::array<Vec3, 3>& axes) {
     BoundBlock& out = tree_.blocks[block];
     Vec3 axis[3];
@@ -206,8 +215,8 @@ class Fit {
         axis[k][i] = static_cast<double>(out.axis[k][i][lane]);
       }
     axis[2] = cross(axis[0], axis[1]);
-    constexpr double most = std::numeric_limits<double>::max();
-    Vec3 low{most, most, most}, high{-most, -most, -most};
+    constexpr double maximum = std::numeric_limits<double>::max();
+    Vec3 low{maximum, maximum, maximum}, high{-maximum, -maximum, -maximum};
     each_corner(part, [&](const Vec3& v) {
       for (int k = 0; k < 3; ++k) {
         const double x = dot(axis[k], v);
@@ -215,7 +224,7 @@ class Fit {
         high[k] = std::max(high[k], x);
       }
     });
-    // The axes are at right angles to within float's rounding, and so is the centre; `slack` covers both.
+    // Axes and centre are rounded to float; `slack` covers both errors.
     const Vec3 middle = axis[0] * (0.5 * (low.x + high.x)) + axis[1] * (0.5 * (low.y + high.y)) + axis[2] * (0.5 * (low.z + high.z));
     const double slack = 4e-7 * tree_.radius;
     for (int k = 0; k < 3; ++k) {
@@ -225,13 +234,14 @@ class Fit {
     fit_sphere(out, lane, part, middle);
   }
 
-  /// About the surface's point that is nearest to the middle of the box; for one triangle, about the middle of the least circle
-  /// that holds it. The radius is that of the part's own corners: with the same centre, the children's spheres need a greater.
+  /// Fits the sphere of a part. Its centre is the surface point nearest to the centre of the box; for one triangle it is the point of the
+  /// triangle nearest to its circumcentre. The radius contains the corners of the part's triangles; a sphere that contains the children's
+  /// spheres would be larger.
   void fit_sphere(BoundBlock& out, int lane, const Part& part, const Vec3& middle) {
     Vec3 best;
     double best2 = std::numeric_limits<double>::infinity();
     for (std::size_t i = part.begin; i < part.begin + part.count; ++i) {
-      const Vec3 x = nearest_to(static_cast<std::int32_t>(i), part.count == 1 ? circle_middle(static_cast<std::int32_t>(i)) : middle);
+      const Vec3 x = nearest_to(static_cast<std::int32_t>(i), part.count == 1 ? circumcentre(static_cast<std::int32_t>(i)) : middle);
       const double d2 = dot(x - middle, x - middle);
       if (d2 < best2) {
         best2 = d2;
@@ -248,8 +258,8 @@ class Fit {
     out.radius[lane] = static_cast<float>(std::sqrt(r2) * (1 + 2e-7) + std::numeric_limits<float>::min());
   }
 
-  /// Of the circle through the corners; where the triangle is blunt, its point nearest to that is the middle of the longest side.
-  [[nodiscard]] Vec3 circle_middle(std::int32_t t) const {
+  /// Circumcentre of a triangle. In an obtuse triangle the point nearest to it is the middle of the longest side.
+  [[nodiscard]] Vec3 circumcentre(std::int32_t t) const {
     const Vec3 a = tree_.corner(t, 0), c = tree_.corner(t, 1) - a, b = tree_.corner(t, 2) - a;  // c: the longest side
     const double cc = dot(c, c), bc = dot(b, c), x = cc > 0 ? bc / cc : 0;
     const Vec3 g = b - c * x;

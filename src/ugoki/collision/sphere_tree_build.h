@@ -1,5 +1,5 @@
 #pragma once
-// The two halves of make_sphere_tree(). Internal to collision/.
+// The two stages of make_sphere_tree(): ordering of the triangles, then fitting of the bounds. Internal to collision/.
 
 #include <cstdint>
 #include <span>
@@ -9,11 +9,12 @@
 
 namespace ugoki::collision::build {
 
-/// The triangles so that neighbours in space are neighbours in the list; fit_bounds() cuts it at the same places.
+/// Returns the indices of the triangles, ordered so that triangles near each other in space are near each other in the list. fit_bounds()
+/// splits the list at the same indices.
 [[nodiscard]] std::vector<std::int32_t> order_triangles(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                                                         const Vec3& centre);
 
-/// Blocks over triangles that are in order.
+/// Fills tree.blocks. The triangles must be in the order of order_triangles().
 void fit_bounds(SphereTree& tree);
 
 }  // namespace ugoki::collision::build

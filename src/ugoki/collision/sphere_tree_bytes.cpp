@@ -1,4 +1,4 @@
-// A sphere tree as bytes: magic, version, checksum of the rest, sizes, arrays.
+// A sphere tree as bytes: magic, version, checksum of the remaining bytes, centre, radius, closed, then each array with its count.
 
 #include <bit>
 #include <cstring>
@@ -13,7 +13,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 constexpr std::uint32_t magic = 0x54534755, version = 1;  // "UGST"
-constexpr std::size_t head = 16;                          // magic, version, checksum
+constexpr std::size_t head = 16;                          // bytes of magic, version and checksum
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -65,19 +65,19 @@ std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
 
 bool in_range(std::int32_t i, std::size_t count) { return i >= 0 && at(i) < count; }
 
-/// Indices that a search follows stay inside; every block and every triangle hangs in the tree exactly once.
+/// True if all child indices are in range and every block and every triangle has exactly one parent.
 bool is_tree(const SphereTree& tree) {
   const std::size_t blocks = tree.blocks.size(), triangles = tree.triangles.size();
   if (blocks == 0 || triangles == 0 || tree.blocks[0].count != 1) return false;
-  std::size_t deepest = 2;
-  for (std::size_t n = triangles; n > 1; n = (n + 1) / 2) ++deepest;
-  std::vector<std::size_t> depth(blocks, 0);  // 0: hangs nowhere yet
+  std::size_t max_depth = 2;
+  for (std::size_t n = triangles; n > 1; n = (n + 1) / 2) ++max_depth;
+  std::vector<std::size_t> depth(blocks, 0);  // 0: no parent found yet
   std::vector<char> seen(triangles, 0);
   depth[0] = 1;
   std::size_t leaves = 0, linked = 1;
   for (std::size_t b = 0; b < blocks; ++b) {
     const BoundBlock& block = tree.blocks[b];
-    if (depth[b] == 0 || depth[b] > deepest || block.count < 1 || block.count > block_lanes) return false;
+    if (depth[b] == 0 || depth[b] > max_depth || block.count < 1 || block.count > block_lanes) return false;
     for (std::int32_t i = 0; i < block.count; ++i) {
       const std::int32_t child = block.child[i];
       if (child < 0) {
@@ -86,7 +86,8 @@ bool is_tree(const SphereTree& tree) {
         seen[static_cast<std::size_t>(t)] = 1;
         ++leaves;
       } else {
-        if (at(child) >= blocks || depth[at(child)] != 0) return false;  // so children come after their parents
+        // Blocks are visited in order and must have a depth by then: this ensures that parents are before their children.
+        if (at(child) >= blocks || depth[at(child)] != 0) return false;
         depth[at(child)] = depth[b] + 1;
         ++linked;
       }
@@ -95,6 +96,7 @@ bool is_tree(const SphereTree& tree) {
   return leaves == triangles && linked == blocks;
 }
 
+/// True if the tree is safe to search: finite, with consistent array sizes and indices.
 bool is_sound(const SphereTree& tree) {
   if (!is_finite(tree.centre) || !std::isfinite(tree.radius) || !is_tree(tree)) return false;
   if (tree.source.size() != tree.triangles.size() || tree.vertex_source.size() != tree.vertices.size()) return false;
@@ -133,24 +135,25 @@ std::vector<std::uint8_t> write_bytes(const SphereTree& tree) {
   return out;
 }
 
-Result<SphereTree> read_sphere_tree(std::span<const std::uint8_t> bytes, std::string_view place) {
+Result<SphereTree> read_sphere_tree(std::span<const std::uint8_t> bytes, std::string_view location) {
   const auto refuse = [&](ErrorCode code, const char* message) {
-    return fail(code, std::string(place), message, "Have it computed again from the mesh.");
+    return fail(code, std::string(location), message, "Remove \"prepared\"; the sphere tree is rebuilt from the mesh.");
   };
   Reader reader(bytes);
-  std::uint32_t first = 0, number = 0;
+  std::uint32_t first = 0, found_version = 0;
   std::uint64_t sum = 0, closed = 0;
-  if (!reader.get(first) || !reader.get(number) || !reader.get(sum) || first != magic)
+  if (!reader.get(first) || !reader.get(found_version) || !reader.get(sum) || first != magic)
     return refuse(ErrorCode::syntax, "These bytes are not a sphere tree.");
-  if (number != version) return refuse(ErrorCode::unsupported, "The sphere tree is of another version.");
+  if (found_version != version)
+    return refuse(ErrorCode::unsupported, "The sphere tree has an unsupported version; only version 1 is supported.");
   SphereTree tree;
   if (checksum(bytes.subspan(head)) != sum || !reader.get(tree.centre) || !reader.get(tree.radius) || !reader.get(closed) ||
       !reader.get_array(tree.blocks) || !reader.get_array(tree.vertices) || !reader.get_array(tree.triangles) ||
       !reader.get_array(tree.source) || !reader.get_array(tree.vertex_source) || !reader.get_array(tree.vertex_normals) ||
       !reader.get_array(tree.across) || !reader.at_end())
-    return refuse(ErrorCode::truncated, "The sphere tree is damaged or cut off.");
+    return refuse(ErrorCode::truncated, "The sphere tree is damaged or truncated.");
   tree.closed = closed != 0;
-  if (!is_sound(tree)) return refuse(ErrorCode::structure, "The parts of the sphere tree do not fit together.");
+  if (!is_sound(tree)) return refuse(ErrorCode::structure, "The arrays of the sphere tree are inconsistent.");
   return tree;
 }
 

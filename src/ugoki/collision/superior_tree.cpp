@@ -9,15 +9,15 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr std::uint64_t updates_between_checks = 64;  // of how well the hierarchy still fits
-constexpr double worn_out = 1.5;                      // it is made anew when its boxes have grown by this
-constexpr double greatest_travel = 1e5;               // m: sums are then begun anew, so that they stay precise
-constexpr double rounding = 4e-15;                    // share of coordinates
+constexpr std::uint64_t updates_between_checks = 64;  // between two checks of the total size of the boxes
+constexpr double rebuild_growth = 1.5;                // the hierarchy is rebuilt when the total size has grown by this factor
+constexpr double max_travel = 1e5;                    // m: travel is reset to 0 above this, so that its rounding error stays small
+constexpr double rounding = 4e-15;                    // rounding error relative to the coordinates: about 18 units of 2^-52
 
 double sum_of_magnitudes(const Vec3& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); }
 
-/// Bound of how far points of a body move between two poses, m. Not finite where a pose is not.
-/// A rotation by an angle t moves points of a sphere by at most 2 sin(t/2) radius; |R - R'| = 2 sqrt(2) sin(t/2).
+/// Upper bound [m] of the motion of a body's points between two poses. Not finite if a pose is not finite.
+/// A rotation by the angle t moves points of a sphere by at most 2 sin(t/2) radius; the Frobenius norm |R - R'| is 2 sqrt(2) sin(t/2).
 double bound_of_motion(const TreeBody& body, const Pose& from, const Pose& to) {
   const Mat3 D{to.R.xx - from.R.xx, to.R.xy - from.R.xy, to.R.xz - from.R.xz, to.R.yx - from.R.yx, to.R.yy - from.R.yy,
                to.R.yz - from.R.yz, to.R.zx - from.R.zx, to.R.zy - from.R.zy, to.R.zz - from.R.zz};
@@ -64,11 +64,11 @@ void SuperiorTree::update(std::span<const Pose> X_WB) {
   if (count == 0) return;
   ++updates_;
   for (std::size_t i = 0; i < count; ++i) step_[i] = bound_of_motion(bodies_[i], poses_[i], X_WB[i]);
-  bool same = true;
+  bool bounds_valid = true;
   double farthest = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const bool present = step_[i] < std::numeric_limits<double>::infinity();
-    same = same && present == (present_[i] != 0);
+    bounds_valid = bounds_valid && present == (present_[i] != 0);
     present_[i] = present ? 1 : 0;
     if (!present) {
       step_[i] = 0;
@@ -83,17 +83,17 @@ void SuperiorTree::update(std::span<const Pose> X_WB) {
     farthest = std::max(farthest, away + travel);
   }
   slack_ = rounding * farthest;
-  if (farthest > 2 * greatest_travel) {
-    double greatest = 0;
-    for (std::size_t i = 0; i < count; ++i) greatest = std::max(greatest, travel_[i]);
-    if (greatest > greatest_travel) {
+  if (farthest > 2 * max_travel) {
+    double maximum = 0;
+    for (std::size_t i = 0; i < count; ++i) maximum = std::max(maximum, travel_[i]);
+    if (maximum > max_travel) {
       std::ranges::fill(travel_, 0.0);
-      same = false;
+      bounds_valid = false;
     }
   }
-  if (!same) ++epoch_;
+  if (!bounds_valid) ++epoch_;
   const bool check = updates_ == 1 || updates_ % updates_between_checks == 0;
-  if (updates_ == 1 || !same || (check && total_size() > worn_out * size_when_made_)) {
+  if (updates_ == 1 || !bounds_valid || (check && total_size() > rebuild_growth * size_when_made_)) {
     make_topology();
   } else {
     for (std::size_t i = count - 1; i-- > 0;) {
@@ -131,7 +131,8 @@ void SuperiorTree::make_box(int node) {
   }
 }
 
-/// Halves at the median of the axis along which the centres spread most; nodes that are equal there keep the order of their numbers.
+/// Splits the items at the median along the axis of the largest spread of their centres; ties are broken by node index. @return the node
+/// over all items
 int SuperiorTree::make_subtree(std::span<Item> items, int group) {
   if (items.size() == 1) return items[0].node;
   Vec3 low = items[0].centre, high = low;
@@ -159,7 +160,7 @@ void SuperiorTree::make_topology() {
   std::ranges::fill(box_made_, 0);
   std::fill(travel_.begin() + bodies(), travel_.end(), 0.0);
   std::fill(step_.begin() + bodies(), step_.end(), 0.0);
-  // Bodies by group, each group in the order of its numbers.
+  // Bodies sorted by group, then by index.
   items_.clear();
   for (int i = 0; i < bodies(); ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -170,7 +171,7 @@ void SuperiorTree::make_topology() {
     const int ga = group_of(a.node), gb = group_of(b.node);
     return ga != gb ? ga < gb : a.node < b.node;
   });
-  // A parent must come before its children: the nodes over the groups take the first numbers, once their number is known.
+  // Parents must be before their children: the nodes above the groups take the first indices, so the groups are counted first.
   std::size_t with_bodies = 0;
   for (std::size_t first = 0, last = 0; first < items_.size(); first = last, ++with_bodies)
     while (last < items_.size() && group_of(items_[last].node) == group_of(items_[first].node)) ++last;

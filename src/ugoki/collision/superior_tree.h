@@ -1,10 +1,10 @@
 #pragma once
-// The superior tree: a hierarchy of boxes over the links of groups of links, with what is needed to carry bounds of distances from
-// step to step.
+// The superior tree: a hierarchy of boxes over groups of links. It also bounds the motion of its nodes, so that bounds of distances stay
+// usable in later steps.
 //
-// Each node (a link, or links together) adds up how far its points can have moved since the beginning. A lower bound of the
-// distance of two nodes, found once, then holds for all later steps: less what both have moved since (pair_front.h). Boxes are
-// made anew only where somebody asks for them.
+// Each node (one link, or several) accumulates an upper bound of the motion of its points, its travel. A lower bound of the distance of two
+// nodes, computed once, remains valid in all later steps after the travel of both nodes since then is subtracted (PairFront in
+// pair_queries.h). Boxes are recomputed only on demand.
 // Sources: Nagashima (1999) section 6.2; Mirtich, Timewarp rigid body simulation (2000): bounds from motion; Li, Chen (1998): fronts.
 
 #include <cstdint>
@@ -15,59 +15,60 @@
 
 namespace ugoki::collision {
 
-/// A link, or one shape of it, as the tree sees it.
+/// Bounds of one body of the tree: a link, or one shape of a link.
 struct TreeBody {
-  Vec3 centre;        ///< m, of the box, in the body's frame
-  Vec3 half_extents;  ///< m, along the axes of the body's frame: the box holds the body
-  double radius = 0;  ///< m, of a sphere about `centre` that holds the body
-  int group = 0;      ///< 0, 1, ...: the links of one figure, for example
+  Vec3 centre;        ///< m, body's frame: centre of the box
+  Vec3 half_extents;  ///< m, along the axes of the body's frame: the box contains the body
+  double radius = 0;  ///< m: radius of a sphere about `centre` that contains the body
+  int group = 0;      ///< 0, 1, ...: for example one group for the links of each character
 };
 
-/// Of a shape, in the frame of the SHAPE: the tree then wants X_WB * shape.X_BS. O(vertices) for meshes.
+/// Bounds of a shape in the frame of the SHAPE: SuperiorTree::update() must then get X_WB * shape.X_BS. O(vertices) for meshes.
 [[nodiscard]] TreeBody make_tree_body(const Collider& collider, int group);
 
-/// Nodes: 0 ... bodies - 1 are the bodies themselves, the others hold two nodes each.
+/// Binary tree over bodies. Nodes 0 ... bodies() - 1 are the bodies themselves; every other node has two children.
 class SuperiorTree {
  public:
+  /// Axis-aligned box.
   struct Box {
-    Vec3 low, high;  ///< m, world; low above high: nothing
+    Vec3 low, high;  ///< m, world; low above high: empty
   };
 
   SuperiorTree() = default;
   explicit SuperiorTree(std::span<const TreeBody> bodies);
 
-  /// The bodies are now at these poses. Bodies at poses that are not finite are left out until they are finite again.
-  /// O(bodies); no allocation.
+  /// Moves the bodies to the given poses. A body whose pose is not finite is excluded until its pose is finite again.
+  /// O(bodies), O(bodies log bodies) when the hierarchy is rebuilt; no allocation.
   /// @param X_WB [bodies] m, world
   void update(std::span<const Pose> X_WB);
 
   [[nodiscard]] int bodies() const { return static_cast<int>(bodies_.size()); }
   [[nodiscard]] int groups() const { return static_cast<int>(group_root_.size()); }
   [[nodiscard]] int group_of(int body) const { return bodies_[static_cast<std::size_t>(body)].group; }
-  /// Node over all bodies of a group; -1 where it has none.
+  /// Node over all bodies of a group; -1 if the group has none.
   [[nodiscard]] int group_root(int group) const { return group_root_[static_cast<std::size_t>(group)]; }
-  /// Node over everything; -1 without bodies.
+  /// Node over all bodies; -1 without bodies.
   [[nodiscard]] int root() const { return root_; }
   [[nodiscard]] bool is_body(int node) const { return node < bodies(); }
   [[nodiscard]] int left(int node) const { return children_[static_cast<std::size_t>(node - bodies())].left; }
   [[nodiscard]] int right(int node) const { return children_[static_cast<std::size_t>(node - bodies())].right; }
-  /// The one group to which all of the node's bodies belong, or -1.
+  /// Index of the group of all bodies of the node; -1 if the bodies belong to more than one group.
   [[nodiscard]] int group_of_node(int node) const { return node_group_[static_cast<std::size_t>(node)]; }
 
-  /// m, [nodes]: no point of a node has moved more between two moments than the difference of this.
+  /// [nodes] m: accumulated bound of motion. Between two times no point of a node moves farther than the difference of its travel.
   [[nodiscard]] const double* travel() const { return travel_.data(); }
-  /// m: no point of the node has moved more in the last update.
+  /// m: upper bound of the motion of the node's points in the last update.
   [[nodiscard]] double last_travel(int node) const { return step_[static_cast<std::size_t>(node)]; }
-  /// Box of a node at the present poses. Made on demand: O(1) where it was asked for before, at most O(bodies in it).
+  /// Box of a node at the present poses. Computed at the first call after an update, O(bodies in the node); later calls O(1).
   [[nodiscard]] const Box& box(int node) {
     if (box_made_[static_cast<std::size_t>(node)] != updates_) make_box(node);
     return boxes_[static_cast<std::size_t>(node)];
   }
-  /// Changes when bounds that were found before do not hold any longer.
+  /// Changes when earlier bounds of distances are no longer valid.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
-  /// Changes when nodes hold other bodies than before (bounds of two bodies still hold).
+  /// Changes when the hierarchy is rebuilt. Bounds of pairs of bodies are still valid then, bounds of other nodes are not.
   [[nodiscard]] std::uint32_t topology() const { return topology_; }
-  /// m: how far bounds may be off by rounding.
+  /// m: rounding error of bounds.
   [[nodiscard]] double slack() const { return slack_; }
 
  private:
@@ -84,23 +85,24 @@ class SuperiorTree {
   [[nodiscard]] double total_size();
 
   std::vector<TreeBody> bodies_;
-  std::vector<Pose> poses_;            // [bodies] of the last update; where that was not finite, of the last that was
-  std::vector<double> reaches_;        // [bodies] m, from the frame's origin, no less than it is
-  std::vector<std::uint8_t> present_;  // [bodies] the pose is finite
-  std::vector<Children> children_;     // [bodies - 1], a node before its children
-  std::vector<double> travel_, step_;  // [nodes]
-  std::vector<Box> boxes_;             // [nodes]
-  std::vector<std::uint64_t> box_made_;
-  std::vector<int> node_group_;
-  std::vector<int> group_root_;
-  std::vector<Item> items_, roots_;  // scratch of make_topology
-  int root_ = -1, made_ = 0;
+  std::vector<Pose> poses_;              // [bodies] last finite pose
+  std::vector<double> reaches_;          // [bodies] m, upper bound of the distance of its points from the body frame's origin
+  std::vector<std::uint8_t> present_;    // [bodies] 1: the pose is finite
+  std::vector<Children> children_;       // [bodies - 1] of node bodies + i; parents are before their children
+  std::vector<double> travel_, step_;    // [nodes] m: travel(), last_travel()
+  std::vector<Box> boxes_;               // [nodes]
+  std::vector<std::uint64_t> box_made_;  // [nodes] value of updates_ when the box was computed
+  std::vector<int> node_group_;          // [nodes] group_of_node()
+  std::vector<int> group_root_;          // [groups]
+  std::vector<Item> items_, roots_;      // scratch of make_topology()
+  int root_ = -1, made_ = 0;             // made_: next free index into children_
   std::uint64_t updates_ = 0;
   std::uint32_t epoch_ = 0, topology_ = 0;
   double slack_ = 0, size_when_made_ = 0;
 };
 
-/// Lower bound [m] of the signed distance of what two boxes hold: their distance, or where they overlap minus the least overlap.
+/// Lower bound [m] of the signed distance of bodies in two boxes: the distance of the boxes, or, if they overlap, minus the minimum
+/// overlap over the three axes.
 [[nodiscard]] inline double box_distance(const SuperiorTree::Box& a, const SuperiorTree::Box& b) {
   const auto gap = [](double low_a, double high_a, double low_b, double high_b) {
     const double x = low_a - high_b, y = low_b - high_a;

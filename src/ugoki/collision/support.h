@@ -1,5 +1,5 @@
 #pragma once
-// Convex shapes as what Gilbert's method sees of them: the point that lies farthest in a direction.
+// Convex shapes described by their support mapping: the point that is farthest along a direction. This is all that Gilbert's method needs.
 
 #include <cstdint>
 
@@ -7,16 +7,17 @@
 
 namespace ugoki::collision {
 
+/// Kind of the core of a Support.
 enum class SupportKind : std::uint8_t { point, segment, box, hull, cylinder, ellipsoid, half_space };
 
-/// A convex core and everything within `radius` of it, in the shape's own frame. Distances are computed between cores and
-/// the radii subtracted, so that spheres and capsules are exact.
+/// A convex shape in its own frame: a core, inflated by `radius`. Distances are computed between the cores, then the radii are subtracted,
+/// so that spheres and capsules are exact.
 struct Support {
   SupportKind kind = SupportKind::point;
-  double radius = 0;           ///< m: added all round the core
+  double radius = 0;           ///< m: by which the core is inflated
   Vec3 size;                   ///< m; segment: (0, 0, half length); box: half extents; cylinder: (radius, radius, half length);
                                ///<   ellipsoid: semi-axes; else unused
-  const Hull* hull = nullptr;  ///< kind hull; not owned, must outlive this
+  const Hull* hull = nullptr;  ///< kind hull only; not owned, must outlive this object
 
   static Support sphere(double radius) { return {SupportKind::point, radius, {}, nullptr}; }
   /// Along z; half_length from the centre to the centre of a cap.
@@ -28,24 +29,26 @@ struct Support {
   }
   static Support ellipsoid(const Vec3& semi_axes, double radius = 0) { return {SupportKind::ellipsoid, radius, semi_axes, nullptr}; }
   static Support of(const Hull& hull, double radius = 0) { return {SupportKind::hull, radius, {}, &hull}; }
-  /// Everything with z <= 0 (and `radius` above it). Against another half-space there is no distance: status not_bounded.
+  /// The half-space z <= radius. Two half-spaces have no distance: GilbertStatus::not_bounded.
   static Support half_space(double radius = 0) { return {SupportKind::half_space, radius, {}, nullptr}; }
 
   friend bool operator==(const Support&, const Support&) = default;
 };
 
+/// Result of find_support().
 struct SupportPoint {
   Vec3 p;                   ///< m, shape's frame, on the core
-  std::int32_t vertex = 0;  ///< hull: its index; box: bit i set where coordinate i is positive; segment 0, 1; else 0
+  std::int32_t vertex = 0;  ///< hull: vertex index; box: bit i is set if coordinate i is positive; segment: 0 or 1; otherwise 0
 };
 
-/// Point of the core with the greatest d . p (d not zero); half-space: unbounded, not to be asked.
-/// @param hint the vertex of a nearby direction's answer (hulls start from it)
+/// Point of the core with the maximum d . p. Not defined for half-spaces (assertion).
+/// @param d shape's frame, not zero, any length
+/// @param hint hulls: result vertex of a similar direction, which starts the search
 [[nodiscard]] SupportPoint find_support(const Support& s, const Vec3& d, std::int32_t hint = 0);
 
-/// A point inside the core.
+/// A point inside the core, m, shape's frame.
 [[nodiscard]] Vec3 centre_of(const Support& s);
-/// Radius [m] of the sphere about centre_of(s) that holds the shape, its `radius` included; infinite for a half-space.
+/// Radius [m] of the sphere about centre_of(s) that contains the shape, including its `radius`; infinite for a half-space.
 [[nodiscard]] double bounding_radius(const Support& s);
 
 }  // namespace ugoki::collision

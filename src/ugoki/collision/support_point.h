@@ -1,5 +1,5 @@
 #pragma once
-// find_support, inline for the inner loops of Gilbert's method.
+// Inline version of find_support() for the inner loops of Gilbert's method.
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 
 namespace ugoki::collision {
 
-/// Point of a cylinder's flat disc of radius r that lies farthest along (x, y).
+/// Point (px, py) of a disc of radius r that is farthest along (x, y).
 static inline void support_of_disc(double r, double x, double y, double& px, double& py) {
   const double big = std::fmax(std::fabs(x), std::fabs(y));
   if (!(big > 1e-300)) {
@@ -19,6 +19,7 @@ static inline void support_of_disc(double r, double x, double y, double& px, dou
   px = u * s, py = v * s;
 }
 
+/// Same as find_support().
 static inline SupportPoint support_point(const Support& s, const Vec3& d, std::int32_t hint) {
   const Vec3& h = s.size;
   switch (s.kind) {
@@ -49,7 +50,7 @@ static inline SupportPoint support_point(const Support& s, const Vec3& d, std::i
   return {};
 }
 
-/// Corner `vertex` of a polytope, as support_point names them; false where there is none such (curved, or a foreign index).
+/// Corner of a polytope with the index `vertex` that support_point() returned, in p. False for curved shapes and for invalid indices.
 static inline bool corner_of(const Support& s, std::int32_t vertex, Vec3& p) {
   const Vec3& h = s.size;
   switch (s.kind) {

@@ -5,32 +5,33 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr double on_side = 1e-7;   // of the longest side: closer to a side than this lies on it
-constexpr double aligned = 1e-6;   // sine: directions closer than this are one
-constexpr int most_around = 1000;  // triangles around a corner that are looked at
+constexpr double side_tolerance = 1e-7;  // fraction of the longest side: a point nearer to a side than this is on the side
+constexpr double sine_tolerance = 1e-6;  // rad: directions within this angle count as equal
+constexpr int max_around = 1000;         // triangles around a corner that are visited in each sense, to bound the time
 
 double square(double x) { return x * x; }
 
-/// The normal n lies between those of the two triangles that share a side, which stands out.
+/// True if n is between the normals m and other of the two triangles that share a convex side.
 bool between(const Vec3& m, const Vec3& other, const Vec3& n) {
   const Vec3 turn = cross(m, other);
-  return dot(cross(m, n), turn) >= -aligned * norm(turn) && dot(cross(n, other), turn) >= -aligned * norm(turn);
+  return dot(cross(m, n), turn) >= -sine_tolerance * norm(turn) && dot(cross(n, other), turn) >= -sine_tolerance * norm(turn);
 }
 
-/// Is corner k of the facet farthest along n of all the corners around it? Then a body in that direction touches it.
-bool corner_stands_out(const Surface& surface, const Surface::Facet& facet, int k, const Vec3& n, bool& least) {
+/// True if corner k of the facet is farther along n than all corners of the triangles around it, so that a body in direction n touches it.
+/// @param is_first [in, out] set to false if a triangle around the corner has a smaller index than the facet
+bool corner_is_extreme(const Surface& surface, const Surface::Facet& facet, int k, const Vec3& n, bool& is_first) {
   const Vec3 v = facet.p[static_cast<std::size_t>(k)];
-  const auto slopes = [&](const Vec3& p) { return dot(n, p - v) > aligned * norm(p - v); };
-  for (const int way : {0, 1}) {  // round the corner one way, and where the surface ends the other way
+  const auto rises = [&](const Vec3& p) { return dot(n, p - v) > sine_tolerance * norm(p - v); };
+  for (const int sense : {0, 1}) {  // around the corner in one sense; if the surface has a border there, in the other sense too
     Surface::Facet here = facet;
     int corner = k;
-    for (int step = 0; step < most_around; ++step) {
-      if (slopes(here.p[static_cast<std::size_t>((corner + 1) % 3)]) || slopes(here.p[static_cast<std::size_t>((corner + 2) % 3)]))
+    for (int step = 0; step < max_around; ++step) {
+      if (rises(here.p[static_cast<std::size_t>((corner + 1) % 3)]) || rises(here.p[static_cast<std::size_t>((corner + 2) % 3)]))
         return false;
-      const std::int32_t next = surface.across(here.index, way == 0 ? corner : (corner + 2) % 3);
+      const std::int32_t next = surface.across(here.index, sense == 0 ? corner : (corner + 2) % 3);
       if (next < 0) break;
       if (next == facet.index) return true;
-      least = least && facet.index < next;
+      is_first = is_first && facet.index < next;
       here = surface.facet(next);
       corner = -1;
       for (int i = 0; i < 3; ++i)
@@ -84,7 +85,7 @@ void Surface::collect_cells(const Bounds& box, std::vector<std::int32_t>& out) c
     for (int column = std::min(first(box.low.x, field_->half_x, columns), columns - 1); column <= c1; ++column) {
       const double a = field_->point(column, row).z, b = field_->point(column + 1, row).z, c = field_->point(column + 1, row + 1).z,
                    d = field_->point(column, row + 1).z;
-      if (std::max({a, b, c, d}) < box.low.z) continue;  // what is below the surface counts, however deep
+      if (std::max({a, b, c, d}) < box.low.z) continue;  // no upper limit: a box below the surface is inside the solid
       out.push_back(2 * (row * columns + column));
       out.push_back(2 * (row * columns + column) + 1);
     }
@@ -118,33 +119,36 @@ void Surface::collect(const Bounds& box, std::vector<std::int32_t>& stack, std::
 
 bool touches_from(const Surface& surface, const Surface::Facet& f, const Vec3& q, const Vec3& n) {
   const double along = dot(n, f.n);
-  if (along > 1 - 0.5 * aligned * aligned) return true;
+  if (along > 1 - 0.5 * sine_tolerance * sine_tolerance) return true;
   if (surface.closed() && along <= -1 + 1e-9) return false;
   const double size = std::max({norm(f.p[1] - f.p[0]), norm(f.p[2] - f.p[1]), norm(f.p[0] - f.p[2])});
   int sides[3], count = 0;
   for (int k = 0; k < 3; ++k) {
     const Vec3 from = f.p[static_cast<std::size_t>(k)], edge = f.p[static_cast<std::size_t>((k + 1) % 3)] - from;
     const Vec3 inward = normalized(cross(f.n, edge), {});
-    if (dot(inward, q - from) < on_side * size) sides[count++] = k;
+    if (dot(inward, q - from) < side_tolerance * size) sides[count++] = k;
   }
-  if (count == 0) return !surface.closed() || along > 0.999;  // inside the triangle: out of a solid one only
+  if (count == 0)
+    return !surface.closed() || along > 0.999;  // q is inside the triangle: out of a solid only along its normal (2.6 degrees)
   if (count == 1) {
     const std::int32_t next = surface.across(f.index, sides[0]);
-    if (next < 0) return !surface.closed() || along > -aligned;
+    if (next < 0) return !surface.closed() || along > -sine_tolerance;
     if (next < f.index) return false;
     const Surface::Facet other = surface.facet(next);
-    // beyond the side the other triangle must fall away
+    // The side is convex only if the other triangle is below the plane of this one.
     const Vec3 from = f.p[static_cast<std::size_t>(sides[0])];
-    double lowest = 0, far = 0;  // the least: clang 19 forgets the second fabs of "if (fabs(h) > fabs(height)) height = h" when it unrolls
+    // `lowest` is a minimum, not the height of largest magnitude: clang 19 loses the second fabs of
+    // "if (fabs(h) > fabs(height)) height = h" when it unrolls the loop.
+    double lowest = 0, far = 0;
     for (const Vec3& p : other.p) {
       lowest = std::min(lowest, dot(f.n, p - from));
       far = std::max(far, norm(p - from));
     }
-    return lowest < -aligned * far && between(f.n, other.n, n);
+    return lowest < -sine_tolerance * far && between(f.n, other.n, n);
   }
   const int corner = (sides[0] == 0 && sides[1] == 2) ? 0 : sides[1];
-  bool least = true;
-  return corner_stands_out(surface, f, corner, n, least) && least;
+  bool is_first = true;
+  return corner_is_extreme(surface, f, corner, n, is_first) && is_first;
 }
 
 }  // namespace ugoki::collision

@@ -1,5 +1,5 @@
 #pragma once
-// Triangles of a mesh or a height field, one by one, with their neighbours; internal to collision.
+// Surface: uniform access to the triangles of a mesh or a height field, with their neighbours. Internal to collision/.
 
 #include <array>
 #include <cstdint>
@@ -9,24 +9,25 @@
 
 namespace ugoki::collision {
 
-/// A view of a collider whose triangles count; in the frame of its shape.
+/// View of a collider that is a surface of triangles (a mesh or a height field); in the frame of its shape. The collider must outlive it.
 class Surface {
  public:
   explicit Surface(const Collider& collider)
       : prepared_(collider.prepared.get()), field_(collider.shape.type == ShapeType::height_field ? collider.shape.field.get() : nullptr) {}
 
+  /// One triangle.
   struct Facet {
-    std::array<Vec3, 3> p;  ///< m, counter-clockwise seen from outside
+    std::array<Vec3, 3> p;  ///< m, corners, counter-clockwise seen from outside
     Vec3 n;                 ///< unit, outwards
-    std::int32_t index;
+    std::int32_t index;     ///< index of the triangle
   };
   [[nodiscard]] Facet facet(std::int32_t triangle) const;
-  /// The triangle beyond side k, from corner k to k + 1; -1: none.
+  /// Adjacent triangle at side k (from corner k to k + 1); -1: none.
   [[nodiscard]] std::int32_t across(std::int32_t triangle, int k) const;
-  /// There is an inside, into which nothing may be pushed.
+  /// True if the surface encloses a solid: contacts must not push bodies into it. Height fields count as closed.
   [[nodiscard]] bool closed() const { return field_ != nullptr || prepared_->spheres.closed; }
 
-  /// Indices of all triangles that may reach into the box, and perhaps of some that do not.
+  /// Appends the indices of all triangles that may intersect the box (in the shape's frame). Some of them may not intersect it.
   /// @param stack scratch
   void collect(const Bounds& box, std::vector<std::int32_t>& stack, std::vector<std::int32_t>& out) const;
 
@@ -37,9 +38,9 @@ class Surface {
   const HeightField* field_;
 };
 
-/// May a body that lies in direction n (unit, out of the surface) touch the surface at point q of the facet? Not where a neighbouring
-/// triangle would be touched in another direction: the sides between triangles in one plane, and of dents, are no edges.
-/// Of several facets that share the point only the one with the least index says yes.
+/// True if a contact at point q of the facet with normal n (unit, from the surface towards the body) is geometrically possible. It is not
+/// possible if q is on a side or corner and n points away from the range of normals there: sides between coplanar triangles, and sides
+/// of dents, are not edges that a body can touch. If several facets share q, only the one with the minimum index returns true.
 [[nodiscard]] bool touches_from(const Surface& surface, const Surface::Facet& facet, const Vec3& q, const Vec3& n);
 
 }  // namespace ugoki::collision

@@ -8,10 +8,13 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr std::size_t most_points = 4096, most_pairs = 2048;
-constexpr double deep_in = 0.02;    // of the thickness
-constexpr double lies_on = 0.9998;  // cosine of about a degree: closer to the normal than this it lies on the triangle
+constexpr std::size_t max_points = 4096, max_pairs = 2048;  // bounds of memory and time for one pair of shapes
+/// Penetration, as a fraction of the shape's thickness, above which the core is tested too (add_contact_of_core).
+constexpr double deep_penetration = 0.02;
+/// Cosine of 1.1 degrees: a contact normal nearer to a triangle's normal than this is a face contact.
+constexpr double face_cosine = 0.9998;
 
+/// Sets the flat hull to the triangle f.
 void set_triangle(Hull& hull, const Surface::Facet& f) {
   for (std::size_t k = 0; k < 3; ++k) hull.vertices[k] = f.p[k];
   hull.normals[0] = f.n;
@@ -23,7 +26,7 @@ void set_triangle(Hull& hull, const Surface::Facet& f) {
   for (const Vec3& p : f.p) hull.radius = std::max(hull.radius, norm(p - hull.centre));
 }
 
-/// Box around the collider at pose X, grown by `margin`.
+/// Axis-aligned box around the collider at pose X, enlarged by `margin` [m].
 Bounds box_at(const Collider& a, const Pose& X, double margin) {
   Bounds b;
   const Vec3 centre = X * a.centre;
@@ -44,28 +47,29 @@ Patch patch_of(const Surface::Facet& f) {
   return out;
 }
 
-/// Collects points between a convex shape or a triangle (a) and the facets of a surface, in the surface's frame.
+/// Collects contact points between a convex shape or triangle `a` and the facets of a surface, in the surface's frame.
 struct Collector {
   double margin;
   std::vector<ManifoldPoint>& points;
 
   void add(const Vec3& p, const Vec3& n, double distance, std::uint32_t feature) {
-    if (distance < margin && points.size() < most_points) points.push_back({p, n, distance, feature});
+    if (distance < margin && points.size() < max_points) points.push_back({p, n, distance, feature});
   }
 
-  /// The patch of `a` that looks at the facet, cut against it. @return the least height
-  double lay_on(const Patch& patch, const Surface::Facet& f, const Vec3& n, double margin_of_face) {
+  /// Adds the patch of `a` that faces the facet, clipped to the facet. @return the minimum height of the clipped points, m
+  double add_clipped(const Patch& patch, const Surface::Facet& f, const Vec3& n, double margin_of_face) {
     Candidates cut_points;
     cut(patch_of(f), patch, n, 7, cut_points);
     for (int i = 0; i < cut_points.count; ++i) {
       const Candidate& c = cut_points.at(i);
       if (c.h < margin_of_face) add(c.p - n * (0.5 * c.h), n, c.h, c.feature);
     }
-    return least_height(cut_points);
+    return min_height(cut_points);
   }
 };
 
-void flip_points(std::vector<ManifoldPoint>& points, const Pose& X, bool flip) {
+/// Transforms the points by the pose X and, if `flip`, reverses their normals.
+void transform_points(std::vector<ManifoldPoint>& points, const Pose& X, bool flip) {
   for (ManifoldPoint& p : points) {
     p.p = X * p.p;
     p.n = X.R * (flip ? -p.n : p.n);
@@ -83,20 +87,22 @@ ManifoldWorkspace::ManifoldWorkspace() {
   triangle.offsets.resize(2);
   triangle.first_neighbour = {0, 2, 4, 6};
   triangle.neighbours = {1, 2, 0, 2, 0, 1};
-  pairs.resize(most_pairs);
+  pairs.resize(max_pairs);
 }
 
 namespace {
 
-/// What is contact in any case, where none of the triangles finds one for itself: the nearest pair of all, or where the shape goes through
-/// triangles, out of the plane of that behind which it lies least. Corners that pierce a triangle beside its side would leave it
-/// sideways, into the next.
-struct LastResort {
+/// Fallback contact for a pair in which no triangle yields one. If the shapes are apart it is the closest pair; if the shape pierces
+/// triangles, it is the exit through the plane of the triangle with the smallest depth. The exit along the shortest translation would be
+/// wrong for a corner that pierces a triangle near one of its sides: the corner would move sideways into the next triangle.
+struct FallbackContact {
   ManifoldPoint apart{{}, {}, 1e300, 0}, pierced{{}, {}, -1e300, 0};
-  double nearest = 1e300;  // m
+  double nearest = 1e300;  // m: minimum signed distance over the triangles
 
-  void see(const Surface::Facet& f, bool closed, const SignedDistance& d, const Vec3& lowest, double height) {
-    const auto feature = mixed(11, static_cast<std::uint32_t>(f.index), 0, 0);
+  /// Considers the triangle f with the signed distance d.
+  /// @param lowest point of the shape that is deepest below the plane of f, and `height` its height above the plane, m
+  void update(const Surface::Facet& f, bool closed, const SignedDistance& d, const Vec3& lowest, double height) {
+    const auto feature = feature_hash(11, static_cast<std::uint32_t>(f.index), 0, 0);
     nearest = std::min(nearest, d.distance);
     if (d.distance > 0) {
       if (d.distance < apart.distance && (!closed || dot(d.n, f.n) > 0)) apart = {(d.pa + d.pb) * 0.5, d.n, d.distance, feature};
@@ -105,17 +111,17 @@ struct LastResort {
     }
   }
   void add_to(std::vector<ManifoldPoint>& points, double bias) const {
-    double least = 1e300;
-    for (const ManifoldPoint& p : points) least = std::min(least, p.distance);
-    if (nearest <= 0 ? least > 0 : least > nearest + bias) {
+    double min_distance = 1e300;
+    for (const ManifoldPoint& p : points) min_distance = std::min(min_distance, p.distance);
+    if (nearest <= 0 ? min_distance > 0 : min_distance > nearest + bias) {
       const ManifoldPoint& p = nearest <= 0 ? pierced : apart;
       if (std::fabs(p.distance) < 1e300) points.push_back(p);
     }
   }
 };
 
-/// How deep the shape is where its core is nearest to the surface: right where triangles one by one do not tell, and on the right side of a
-/// wall that is thinner than the shape.
+/// Adds a contact where the core of the shape (core.h) is nearest to the surface, unless a collected contact is as deep. Single triangles
+/// give no reliable depth for a deep shape; the core does, and it is on the correct side of a wall that is thinner than the shape.
 void add_contact_of_core(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double bias, ManifoldWorkspace& work) {
   ConvexMeshCache cache;
   const BubbleDistance d =
@@ -125,14 +131,15 @@ void add_contact_of_core(const Collider& a, const Pose& X_WS, const Collider& b,
   for (const ManifoldPoint& p : work.points)
     if (p.distance < depth + bias) return;
   const Vec3 n = transpose_times(X_WT.R, d.n);
-  work.points.push_back({X_WT.inverse() * d.pb - n * (0.5 * depth), n, depth, mixed(19, static_cast<std::uint32_t>(d.nearest.b), 0, 0)});
+  work.points.push_back(
+      {X_WT.inverse() * d.pb - n * (0.5 * depth), n, depth, feature_hash(19, static_cast<std::uint32_t>(d.nearest.b), 0, 0)});
 }
 
 }  // namespace
 
 void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double margin, bool flip,
                         ManifoldWorkspace& work, Manifold& out) {
-  const Pose X = X_WT.inverse() * X_WS;  // of a, in the surface's frame
+  const Pose X = X_WT.inverse() * X_WS;  // pose of a in the surface's frame
   const Surface surface(b);
   const bool closed = surface.closed();
   work.triangles.clear();
@@ -144,7 +151,7 @@ void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, 
   options.farthest = margin;
   std::int32_t hint = 0;
   const double bias = 1e-4 * a.thickness;
-  LastResort last;
+  FallbackContact fallback;
   for (const std::int32_t t : work.triangles) {
     const Surface::Facet f = surface.facet(t);
     const SupportPoint low = find_support(a.support, transpose_times(X.R, -f.n), hint);
@@ -156,25 +163,26 @@ void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, 
     const SignedDistance d = signed_distance(a.support, X, triangle, Pose{}, cache, work.penetration, options);
     if (d.status == DistanceStatus::beyond || d.status == DistanceStatus::not_finite || !(d.distance < margin)) continue;
     const double along = dot(d.n, f.n);
-    last.see(f, closed, d, X * low.p - f.n * a.support.radius, height);
-    // Behind the triangle of a closed surface: back out through it, unless all of the body is behind.
-    const bool behind = closed && along < -lies_on && d.distance < 0 && height > -2 * a.thickness;
-    const bool flat = along > lies_on || (!closed && along < -lies_on);
+    fallback.update(f, closed, d, X * low.p - f.n * a.support.radius, height);
+    // The shape is behind a triangle of a closed surface: push it back out through the triangle, unless the whole shape is behind it.
+    const bool behind = closed && along < -face_cosine && d.distance < 0 && height > -2 * a.thickness;
+    const bool flat = along > face_cosine || (!closed && along < -face_cosine);
     const bool touches = !behind && touches_from(surface, f, d.pb, d.n);
     if (!touches && !flat && !behind) continue;
-    double least = 1e300;
+    double face_height = 1e300;
     if (flat || behind) {
       const Vec3 face = along < 0 && !closed ? -f.n : f.n;
       Patch patch;
       find_patch(a, X, -face, hint, patch);
-      if (patch.count > 1) least = found.lay_on(patch, f, face, margin);
+      if (patch.count > 1) face_height = found.add_clipped(patch, f, face, margin);
     }
-    if (touches && least > d.distance + bias)
-      found.add((d.pa + d.pb) * 0.5, d.n, d.distance, mixed(11, static_cast<std::uint32_t>(t), 0, 0));
+    if (touches && face_height > d.distance + bias)
+      found.add((d.pa + d.pb) * 0.5, d.n, d.distance, feature_hash(11, static_cast<std::uint32_t>(t), 0, 0));
   }
-  last.add_to(work.points, bias);
-  if (last.nearest < -deep_in * a.thickness && a.core != nullptr && b.prepared) add_contact_of_core(a, X_WS, b, X_WT, bias, work);
-  flip_points(work.points, X_WT, flip);
+  fallback.add_to(work.points, bias);
+  if (fallback.nearest < -deep_penetration * a.thickness && a.core != nullptr && b.prepared)
+    add_contact_of_core(a, X_WS, b, X_WT, bias, work);
+  transform_points(work.points, X_WT, flip);
   add_spanning(work.points, bias, out);
 }
 
@@ -193,25 +201,25 @@ void add_surface_surface(const Collider& a, const Pose& X_WS, const Collider& b,
     Surface::Facet fa = local;  // in b's frame
     for (Vec3& p : fa.p) p = X * p;
     fa.n = X.R * fa.n;
-    const std::uint32_t feature = mixed(13, static_cast<std::uint32_t>(c.pair.a), static_cast<std::uint32_t>(c.pair.b), 0);
+    const std::uint32_t feature = feature_hash(13, static_cast<std::uint32_t>(c.pair.a), static_cast<std::uint32_t>(c.pair.b), 0);
     const auto depth = [](const Surface::Facet& above, const Surface::Facet& below) {
-      double least = 1e300;
-      for (const Vec3& p : above.p) least = std::min(least, dot(below.n, p - below.p[0]));
-      return least;
+      double min_height = 1e300;
+      for (const Vec3& p : above.p) min_height = std::min(min_height, dot(below.n, p - below.p[0]));
+      return min_height;
     };
     if (c.distance > 1e-12 * (a.bound + b.bound)) {
       const Vec3 pa = transpose_times(X_WT.R, c.pa - X_WT.p), pb = transpose_times(X_WT.R, c.pb - X_WT.p);
       const Vec3 n = (pa - pb) / c.distance;
       if (!touches_from(on_b, fb, pb, n) || !touches_from(on_a, local, X.inverse() * pa, transpose_times(X.R, -n))) continue;
-      double least = 1e300;
-      if (dot(n, fb.n) > lies_on && dot(n, fa.n) < -lies_on) least = found.lay_on(patch_of(fa), fb, fb.n, margin);
-      if (least > c.distance + bias) found.add((pa + pb) * 0.5, n, c.distance, feature);
+      double face_height = 1e300;
+      if (dot(n, fb.n) > face_cosine && dot(n, fa.n) < -face_cosine) face_height = found.add_clipped(patch_of(fa), fb, fb.n, margin);
+      if (face_height > c.distance + bias) found.add((pa + pb) * 0.5, n, c.distance, feature);
       continue;
     }
-    // They pierce each other: out of the plane that is less deep in.
+    // The triangles pierce each other: separate them along the normal of the plane that gives the smaller depth.
     const double of_a = depth(fa, fb), of_b = depth(fb, fa);
     if (of_a >= of_b) {
-      found.lay_on(patch_of(fa), fb, fb.n, 0);
+      found.add_clipped(patch_of(fa), fb, fb.n, 0);
     } else {
       Candidates cut_points;
       cut(patch_of(fa), patch_of(fb), fa.n, 17, cut_points);
@@ -221,7 +229,7 @@ void add_surface_surface(const Collider& a, const Pose& X_WS, const Collider& b,
       }
     }
   }
-  flip_points(work.points, X_WT, false);
+  transform_points(work.points, X_WT, false);
   add_spanning(work.points, bias, out);
 }
 
@@ -231,7 +239,7 @@ void add_surface_ground(const Collider& a, const Pose& X_WS, double height, doub
   const auto add = [&](const Vec3& local, std::uint32_t feature) {
     const Vec3 p = X_WS * local;
     const double distance = p.z - height;
-    if (distance < margin && work.points.size() < most_points)
+    if (distance < margin && work.points.size() < max_points)
       work.points.push_back({{p.x, p.y, height + 0.5 * distance}, {0, 0, 1}, distance, feature});
   };
   if (const HeightField* field = a.shape.field.get()) {

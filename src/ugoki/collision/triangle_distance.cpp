@@ -9,7 +9,7 @@ namespace {
 
 using One = Lanes<double, 1>;
 
-/// The longest side first; the order around the triangle stays.
+/// Loads the corners in an order that starts with the longest side; the orientation is kept.
 void load(const TriangleCorners& t, Vec3T<One>* out) {
   const double l[3] = {dot(t[1] - t[0], t[1] - t[0]), dot(t[2] - t[1], t[2] - t[1]), dot(t[0] - t[2], t[0] - t[2])};
   const std::size_t first = l[0] >= l[1] && l[0] >= l[2] ? 0 : l[1] >= l[2] ? 1 : 2;
@@ -26,9 +26,9 @@ TriangleDistance triangle_distance(const TriangleCorners& a, const TriangleCorne
   Vec3T<One> p[3], q[3];
   load(a, p);
   load(b, q);
-  const NearestPoints<One> best = nearest_points<true>(p, q, One(std::numeric_limits<double>::infinity()));
+  const ClosestPoints<One> best = closest_points<true>(p, q, One(std::numeric_limits<double>::infinity()));
   TriangleDistance out{std::sqrt(best.d2.v), from_lane(best.a), from_lane(best.b)};
-  double sum = 0;  // not finite where any coordinate is not
+  double sum = 0;  // not finite if any coordinate is not
   for (std::size_t k = 0; k < 3; ++k) sum += dot(a[k] - a[0], a[k] - a[0]) + dot(b[k] - a[0], b[k] - a[0]);
   if (!(sum < std::numeric_limits<double>::infinity())) out.distance = std::numeric_limits<double>::quiet_NaN();
   return out;
@@ -48,7 +48,7 @@ TrianglePoint nearest_on_triangle(const TriangleCorners& t, const Vec3& p) {
   const Foot<One> foot(Face<One>(corner), q);
   if (foot.inside().m && std::isfinite(foot.w1.v + foot.w2.v)) return {p - from_lane(foot.up), TriangleFeature::face};
   TrianglePoint best{t[0], TriangleFeature::corner_0};
-  double least_d2 = std::numeric_limits<double>::infinity();
+  double min_d2 = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 side = t[(k + 1) % 3] - t[k];
     const double l2 = dot(side, side), along = dot(p - t[k], side);
@@ -60,8 +60,8 @@ TrianglePoint nearest_on_triangle(const TriangleCorners& t, const Vec3& p) {
     else
       x = {t[k] + side * (along / l2), static_cast<TriangleFeature>(1 + k)};
     const double d2 = dot(p - x.p, p - x.p);
-    if (d2 < least_d2) {
-      least_d2 = d2;
+    if (d2 < min_d2) {
+      min_d2 = d2;
       best = x;
     }
   }

@@ -1,8 +1,9 @@
 #pragma once
-// Distance of two triangles in lanes: the template behind triangle_distance.h and the leaves of bubble.h. Internal to collision/.
+// Distance of triangle pairs in SIMD lanes, one pair a lane: the template behind triangle_distance.h and the leaves of bubble.h. Internal
+// to collision/.
 //
-// Every candidate is the distance of two points that lie on the triangles, so that rounding can make the result too great by
-// a few units in the last place, but never too small by more than that. No branch but one: whether any lane may pierce.
+// Every candidate is the distance of two points on the triangles, so that its error is a few units in the last place. The code has a
+// single branch: it skips the piercing test if no lane can pierce.
 
 #include "ugoki/spatial/lanes.h"
 #include "ugoki/spatial/vec3.h"
@@ -10,25 +11,25 @@
 namespace ugoki::collision {
 namespace {
 
-/// Square of a distance, and where it is attained (with_points only).
+/// Squared distance, m^2, and the points a and b that attain it, m (set only if with_points).
 template <class T>
-struct NearestPoints {
+struct ClosestPoints {
   T d2;
   Vec3T<T> a, b;
 };
 
 template <class T>
-T least(T a, T b) {
+T minimum(T a, T b) {
   return select(a < b, a, b);
 }
 template <class T>
-T greatest(T a, T b) {
+T maximum(T a, T b) {
   return select(a > b, a, b);
 }
-/// x cut to 0 ... 1; NaN becomes 0.
+/// x clamped to 0 ... 1; NaN becomes 0.
 template <class T>
 T cut(T x) {
-  return least(greatest(x, T(0)), T(1));
+  return minimum(maximum(x, T(0)), T(1));
 }
 template <class Mask>
 Mask both(Mask a, Mask b) {
@@ -40,8 +41,8 @@ Vec3T<T> select(typename T::Mask m, const Vec3T<T>& a, const Vec3T<T>& b) {
   return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
 }
 
-/// A triangle as the projection of points on it needs it: p + x c + v g, g at a right angle to c. Where c is its longest side
-/// nothing is lost on needles and caps.
+/// A triangle in the form used to project points on it: p + x c + v g, with g perpendicular to c. If c is the longest side, needles and
+/// caps lose no accuracy.
 template <class T>
 struct Face {
   Vec3T<T> p, c, g;
@@ -56,11 +57,11 @@ struct Face {
   }
 };
 
-/// A point seen from a face: the vector from its plane, and the weights of the corners 1 and 2 at the foot.
+/// Projection of a point on the plane of a face.
 template <class T>
 struct Foot {
-  Vec3T<T> up;
-  T w1, w2;
+  Vec3T<T> up;  // from the foot to the point, m
+  T w1, w2;     // barycentric coordinates of the foot for the corners 1 and 2
 
   Foot() = default;
   Foot(const Face<T>& f, const Vec3T<T>& q) {
@@ -71,12 +72,13 @@ struct Foot {
     w1 = x - w2 * f.slant;
     up = across - f.g * w2;
   }
+  /// Lanes whose foot is in the triangle.
   [[nodiscard]] typename T::Mask inside() const { return !((w1 < T(0)) | (w2 < T(0)) | (w1 + w2 > T(1))); }
 };
 
-/// q: triangle; feet[k] of its corners on the face f. Corners above the face, and sides that pass through it.
+/// Tests the triangle q against the face f: corners of q above the face, and sides of q that pierce the face.
 template <bool with_points, bool swapped, class T>
-void try_face(const Face<T>& f, const Vec3T<T>* q, NearestPoints<T>& best) {
+void try_face(const Face<T>& f, const Vec3T<T>* q, ClosestPoints<T>& best) {
   Foot<T> feet[3];
   const auto take = [&](typename T::Mask better, T d2, const Vec3T<T>& x, const Foot<T>& foot) {
     best.d2 = select(better, d2, best.d2);
@@ -106,9 +108,9 @@ void try_face(const Face<T>& f, const Vec3T<T>* q, NearestPoints<T>& best) {
   }
 }
 
-/// All nine pairs of sides. Source: Ericson (2005), 5.1.9.
+/// Tests all nine pairs of sides. Source: Ericson (2005), 5.1.9.
 template <bool with_points, class T>
-void try_sides(const Vec3T<T>* p, const Vec3T<T>* q, NearestPoints<T>& best) {
+void try_sides(const Vec3T<T>* p, const Vec3T<T>* q, ClosestPoints<T>& best) {
   Vec3T<T> f[3];
   T per_f2[3];
   for (int j = 0; j < 3; ++j) {
@@ -136,11 +138,11 @@ void try_sides(const Vec3T<T>* p, const Vec3T<T>* q, NearestPoints<T>& best) {
   }
 }
 
-/// p, q: the corners of the two triangles, the longest side first (0 to 1), in lanes. d2 is 0 where they pierce each other,
-/// `above` where nothing is below that.
+/// Closest points of the triangles p and q (three corners each; the side from corner 0 to 1 is the longest). d2 is 0 if the triangles
+/// pierce each other, and `above` if their squared distance is not below `above`.
 template <bool with_points, class T>
-NearestPoints<T> nearest_points(const Vec3T<T>* p, const Vec3T<T>* q, T above) {
-  NearestPoints<T> best{above, p[0], q[0]};
+ClosestPoints<T> closest_points(const Vec3T<T>* p, const Vec3T<T>* q, T above) {
+  ClosestPoints<T> best{above, p[0], q[0]};
   try_sides<with_points>(p, q, best);
   try_face<with_points, false>(Face<T>(p), q, best);
   try_face<with_points, true>(Face<T>(q), p, best);

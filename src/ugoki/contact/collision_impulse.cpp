@@ -6,9 +6,10 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr double held = 1e-12;            // of the answer to an impulse without the loops: less is rounding
-constexpr double most_correction = 1e-6;  // of an impulse, for the energy's sake: rounding, of contacts that all but agree
-constexpr double tied = 1e-9;             // approaches that differ by less, relatively, are simultaneous
+// All thresholds are relative.
+constexpr double held = 1e-12;           // to the response with open loops: a smaller response along the loops is rounding
+constexpr double max_correction = 1e-6;  // to an impulse: maximum energy correction of elastic impulses; rounding stays below it
+constexpr double tied = 1e-9;            // approach speeds that differ by less count as equal, and their collisions as simultaneous
 
 bool same_pair(const collision::ContactPoint& a, const collision::ContactPoint& b) {
   return a.system_a == b.system_a && a.link_a == b.link_a && a.system_b == b.system_b && a.link_b == b.link_b;
@@ -20,9 +21,9 @@ double product(const double* x, const double* y, std::size_t n) {
   return sum;
 }
 
-std::size_t freedoms(const LinkSystem& s) { return s.v.size(); }
+std::size_t dofs(const LinkSystem& s) { return s.v.size(); }
 
-/// Inertia matrix and what the loops do to it, factored. @return false: singular
+/// Calculates and factors the inertia matrix of a system and, if it is closed, its loop constraints. @return false: the inertia is singular
 bool factor_system(const LinkSystem& s) {
   if (s.loops) {
     dynamics::update_kinematics(*s.mechanism, s.q, s.v, *s.workspace);
@@ -33,7 +34,7 @@ bool factor_system(const LinkSystem& s) {
   return dynamics::factor(*s.workspace, {}) < 0;
 }
 
-/// y = M x from the rows of M.
+/// y = M x. @param x, y [nv]; must not alias
 void multiply_by_inertia(const dynamics::Workspace& ws, std::span<const double> x, std::span<double> y) {
   std::ranges::fill(y, 0.0);
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -46,8 +47,8 @@ void multiply_by_inertia(const dynamics::Workspace& ws, std::span<const double> 
   }
 }
 
-/// How a change `d` of the velocities changes the kinetic energy: `rate` s + `square` s^2 / 2 where s d is added. Link by link, since what
-/// light links do drowns in the matrix of the whole.
+/// Change of the kinetic energy by a velocity change s d: `rate` s + `square` s^2 / 2 [J]. It is summed link by link, because in products
+/// with the inertia matrix the energy of light links would be lost in the rounding of heavy ones.
 struct EnergyChange {
   double rate = 0, square = 0;  // J
 
@@ -62,8 +63,8 @@ struct EnergyChange {
       for (auto f = static_cast<std::size_t>(link.v_index); f < static_cast<std::size_t>(link.v_index + link.joint.nv()); ++f) {
         V += ws.S[f] * s.v[f];
         D += ws.S[f] * d[f];
-        rate += ws.freedoms[f].armature * s.v[f] * d[f];
-        square += ws.freedoms[f].armature * d[f] * d[f];
+        rate += ws.dofs[f].armature * s.v[f] * d[f];
+        square += ws.dofs[f].armature * d[f] * d[f];
       }
       ws.A[at] = V;
       ws.pA[at] = D;
@@ -76,7 +77,7 @@ struct EnergyChange {
 
 }  // namespace
 
-/// r^T J of both sides, and u. @return false where nothing can move
+/// Adds the row r^T J of both sides and its velocity u. @return false if no DOF moves the contact
 bool CollisionImpulse::add_row(std::span<const LinkSystem> systems, const collision::ContactPoint& c, int index) {
   Row row;
   row.contact = index;
@@ -91,14 +92,14 @@ bool CollisionImpulse::add_row(std::span<const LinkSystem> systems, const collis
     const double sign = side == 0 ? 1 : -1;
     row.sides[side] = {s, static_cast<int>(rows_.size())};
     const std::size_t at = rows_.size();
-    rows_.resize(at + freedoms(system), 0.0);
+    rows_.resize(at + dofs(system), 0.0);
     const Vec3 arm = c.p - system.workspace->p0;
     const Vec3 n = c.n * sign, moment = cross(arm, n);
     for (const int k : chain) {
       const Vec6& S = system.workspace->S[static_cast<std::size_t>(k)];
       rows_[at + static_cast<std::size_t>(k)] = dot(n, S.v) + dot(moment, S.w);
     }
-    row.u += product(rows_.data() + at, system.v.data(), freedoms(system));
+    row.u += product(rows_.data() + at, system.v.data(), dofs(system));
     ++count;
   }
   if (count == 0) return false;
@@ -106,7 +107,7 @@ bool CollisionImpulse::add_row(std::span<const LinkSystem> systems, const collis
   return true;
 }
 
-/// MJ, eqs. (15) (16).
+/// Calculates MJ, eqs. (15) (16), of a row, once. @return false: an inertia is singular (see `report`)
 bool CollisionImpulse::make_jump(std::span<const LinkSystem> systems, Row& row, ImpactReport& report) {
   if (row.has_jump) return true;
   for (const Side& side : row.sides) {
@@ -120,40 +121,42 @@ bool CollisionImpulse::make_jump(std::span<const LinkSystem> systems, Row& row, 
     }
     factored = 1;
     if (jumps_.size() < rows_.size()) jumps_.resize(rows_.size());
-    const std::span<double> jump(jumps_.data() + side.row, freedoms(s));
+    const std::span<double> jump(jumps_.data() + side.row, dofs(s));
     std::copy_n(rows_.data() + side.row, jump.size(), jump.data());
     dynamics::solve(*s.workspace, jump);
     row.open += product(rows_.data() + side.row, jump.data(), jump.size());
     if (!s.loops) continue;
-    closed_.solve(*s.mechanism, *s.workspace, *s.loops, {plain_.data() + side.row, freedoms(s)}, jump);
-    // (13) (14) with M MJ: the same as r^T J along the loops, and right to rounding where these are nearly singular
-    multiply_by_inertia(*s.workspace, jump, {rows_.data() + side.row, freedoms(s)});
+    closed_.solve(*s.mechanism, *s.workspace, *s.loops, {plain_.data() + side.row, dofs(s)}, jump);
+    // Replace the row r^T J by M MJ (inertia matrix times jump), which eqs. (13) (14) need. Multiplied by a velocity that keeps the loops
+    // closed, both give the same value; M MJ is accurate to rounding even if the loops are nearly singular.
+    multiply_by_inertia(*s.workspace, jump, {rows_.data() + side.row, dofs(s)});
   }
   row.has_jump = true;
   return true;
 }
 
-/// @param plain as the two points move; otherwise what of it the loops allow
+/// Recalculates u. @param plain true: from the motion of the two points; false: only from the component that the loops allow
 void CollisionImpulse::update_velocity(std::span<const LinkSystem> systems, Row& row, bool plain) const {
   row.u = 0;
   for (const Side& side : row.sides) {
     if (side.system < 0) continue;
     const LinkSystem& s = systems[static_cast<std::size_t>(side.system)];
-    row.u += product((plain ? plain_ : rows_).data() + side.row, s.v.data(), freedoms(s));
+    row.u += product((plain ? plain_ : rows_).data() + side.row, s.v.data(), dofs(s));
   }
 }
 
-/// How fast contact a opens for a unit impulse at b.
+/// Velocity change [m/s per N s] of contact a by a unit impulse at contact b.
 double CollisionImpulse::coupling(std::span<const LinkSystem> systems, const Row& a, const Row& b) const {
   double sum = 0;
   for (const Side& x : a.sides)
     for (const Side& y : b.sides)
       if (x.system >= 0 && x.system == y.system)
-        sum += product(rows_.data() + x.row, jumps_.data() + y.row, freedoms(systems[static_cast<std::size_t>(x.system)]));
+        sum += product(rows_.data() + x.row, jumps_.data() + y.row, dofs(systems[static_cast<std::size_t>(x.system)]));
   return sum;
 }
 
-/// p >= 0, A p + b >= 0, one of them zero in each row; A [n * n] symmetric, at least semi-definite.
+/// Solves the linear complementarity problem p >= 0, A p + b >= 0, p . (A p + b) = 0 by an active-set method (Lawson, Hanson 1974).
+/// A_ [n * n] must be symmetric positive semi-definite; b_ [n]; the result is p_ [n].
 void CollisionImpulse::solve_nonnegative(std::size_t n) {
   p_.assign(n, 0.0);
   s_.resize(n);
@@ -163,7 +166,7 @@ void CollisionImpulse::solve_nonnegative(std::size_t n) {
   double scale = 0;
   for (std::size_t i = 0; i < n; ++i) scale = std::max(scale, std::fabs(b_[i]));
   const auto a = [&](int i, int j) { return A_[static_cast<std::size_t>(i) * n + static_cast<std::size_t>(j)]; };
-  // A_PP = L L^T. @return false where the last one depends on the others
+  // Factors A_PP = L L^T over the passive set P. @return false if its last row depends on the others
   const auto factor = [&] {
     const std::size_t m = passive_.size();
     L_.resize(m * m);
@@ -208,7 +211,7 @@ void CollisionImpulse::solve_nonnegative(std::size_t n) {
       const std::size_t m = passive_.size();
       (void)factor();
       std::fill_n(s_.begin(), m, 0.0);
-      for (int pass = 0; pass < 2; ++pass) {  // the second takes the rounding out
+      for (int pass = 0; pass < 2; ++pass) {  // the second pass is iterative refinement
         g_.resize(n + m);
         const std::span<double> rest(g_.data() + n, m);
         for (std::size_t i = 0; i < m; ++i) {
@@ -246,17 +249,18 @@ void CollisionImpulse::solve_nonnegative(std::size_t n) {
   }
 }
 
-/// The fastest pair and those that tie with it; plastic: all contacts at once. @return false where nothing approaches
+/// Collides the pair with the fastest approach and all pairs of equal speed; with `plastic`, all contacts simultaneously.
+/// @return false if no contact approaches, or on an error (see `report`)
 bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::span<const collision::ContactPoint> contacts,
                                      const ImpactOptions& options, bool plastic, ImpactReport& report) {
   const auto takes_part = [&](const Row& r) {
     return r.u < 0 && (options.reach == 0 || contacts[static_cast<std::size_t>(r.contact)].distance + options.reach * r.u <= 0);
   };
-  if (plastic)  // what the rounding of loops' velocities leaves counts as well
+  if (plastic)  // include the rounding errors of the loops' velocities, so that the points do not approach
     for (Row& r : list_) update_velocity(systems, r, true);
   double fastest = 0;
   for (const Row& r : list_)
-    if ((plastic || (r.e > 0 && -r.u > options.least_speed)) && takes_part(r)) fastest = std::max(fastest, -r.u);
+    if ((plastic || (r.e > 0 && -r.u > options.min_speed)) && takes_part(r)) fastest = std::max(fastest, -r.u);
   if (fastest <= rounding_) return false;
   fastest_.clear();
   for (std::size_t i = 0; i < list_.size() && !plastic; ++i)
@@ -271,7 +275,7 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
   }
   for (const int i : group_)
     if (!make_jump(systems, list_[static_cast<std::size_t>(i)], report)) return false;
-  std::erase_if(group_, [&](int i) {  // nothing that the loops allow moves the contact
+  std::erase_if(group_, [&](int i) {  // no velocity that the loops allow moves the contact
     const Row& r = list_[static_cast<std::size_t>(i)];
     return coupling(systems, r, r) <= held * r.open;
   });
@@ -293,11 +297,11 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
   return true;
 }
 
-/// (18) (19), and where all is elastic the impulses made such that the energy stays to the last digits.
+/// Applies eqs. (18) (19). If all collisions are elastic, the impulses are scaled so that the kinetic energy is conserved to rounding.
 void CollisionImpulse::apply(std::span<const LinkSystem> systems) {
   struck_.assign(systems.size(), 0);
   struck_list_.clear();
-  const auto change = [&](std::size_t s) { return std::span(change_).subspan(first_freedom_[s], freedoms(systems[s])); };
+  const auto change = [&](std::size_t s) { return std::span(change_).subspan(first_dof_[s], dofs(systems[s])); };
   bool elastic = true;
   for (std::size_t i = 0; i < group_.size(); ++i) {
     if (p_[i] == 0) continue;
@@ -311,7 +315,7 @@ void CollisionImpulse::apply(std::span<const LinkSystem> systems) {
         struck_list_.push_back(s);
         std::ranges::fill(change(s), 0.0);
       }
-      for (std::size_t k = 0; k < freedoms(systems[s]); ++k) change(s)[k] += jumps_[static_cast<std::size_t>(side.row) + k] * p_[i];
+      for (std::size_t k = 0; k < dofs(systems[s]); ++k) change(s)[k] += jumps_[static_cast<std::size_t>(side.row) + k] * p_[i];
     }
   }
   double part = 1;
@@ -319,12 +323,12 @@ void CollisionImpulse::apply(std::span<const LinkSystem> systems) {
     EnergyChange energy;
     for (const std::size_t s : struck_list_) energy.add(systems[s], change(s));
     const double exact = -2 * energy.rate / energy.square;
-    if (std::fabs(exact - 1) < most_correction) part = exact;
+    if (std::fabs(exact - 1) < max_correction) part = exact;
   }
   for (std::size_t i = 0; i < group_.size(); ++i)
     if (p_[i] != 0) impulses_[static_cast<std::size_t>(list_[static_cast<std::size_t>(group_[i])].contact)] += part * p_[i];
   for (const std::size_t s : struck_list_)
-    for (std::size_t k = 0; k < freedoms(systems[s]); ++k) systems[s].v[k] += part * change(s)[k];
+    for (std::size_t k = 0; k < dofs(systems[s]); ++k) systems[s].v[k] += part * change(s)[k];
 }
 
 ImpactReport CollisionImpulse::collide(std::span<const LinkSystem> systems, std::span<const collision::ContactPoint> contacts,
@@ -333,9 +337,9 @@ ImpactReport CollisionImpulse::collide(std::span<const LinkSystem> systems, std:
   list_.clear();
   rows_.clear();
   factored_.assign(systems.size(), 0);
-  first_freedom_.assign(1, 0);
-  for (const LinkSystem& s : systems) first_freedom_.push_back(first_freedom_.back() + freedoms(s));
-  change_.resize(first_freedom_.back());
+  first_dof_.assign(1, 0);
+  for (const LinkSystem& s : systems) first_dof_.push_back(first_dof_.back() + dofs(s));
+  change_.resize(first_dof_.back());
   impulses_.assign(contacts.size(), 0.0);
   rounding_ = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -359,7 +363,7 @@ ImpactReport CollisionImpulse::collide(std::span<const LinkSystem> systems, std:
   if (report.status != ImpactStatus::singular && options.plastic)
     for (int again = 0; again < 3 && collide_group(systems, contacts, options, true, report);) ++again;
   for (const Row& r : list_)
-    if (-r.u > options.least_speed) report.approach = std::max(report.approach, -r.u);
+    if (-r.u > options.min_speed) report.approach = std::max(report.approach, -r.u);
   return report;
 }
 

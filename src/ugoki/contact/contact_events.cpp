@@ -16,7 +16,7 @@ std::span<const TouchEvent> ContactEvents::update(std::span<const collision::Con
     const auto same = [&](const Touch& t) {
       return t.system_a == c.system_a && t.link_a == c.link_a && t.system_b == c.system_b && t.link_b == c.link_b;
     };
-    if (at >= touches_.size() || !same(touches_[at]))  // points of one pair come one after the other
+    if (at >= touches_.size() || !same(touches_[at]))  // the points of one pair are consecutive, so usually the index is unchanged
       at = static_cast<std::size_t>(std::ranges::find_if(touches_, same) - touches_.begin());
     if (at == touches_.size()) {
       touches_.push_back({c.system_a, c.link_a, c.system_b, c.link_b, c.p, {}, 0, 0});

@@ -9,7 +9,9 @@
 namespace ugoki::contact {
 namespace {
 
-/// Where a point of a shape's surface at the end is at the beginning. Round shapes touch at the same place however they spin.
+/// Position at the beginning of the step of the surface point that is at p [m, world] at its end. For round shapes, rotation about their
+/// axis of symmetry is ignored, because it does not change the contact.
+/// @param now, end poses of the link at the beginning and at the end
 Vec3 carry_back(const Shape& shape, const Pose& now, const Pose& end, const Vec3& p) {
   const Pose X_now = now * shape.X_BS, X_end = end * shape.X_BS;
   const Vec3 arm = p - X_end.p;
@@ -22,7 +24,7 @@ Vec3 carry_back(const Shape& shape, const Pose& now, const Pose& end, const Vec3
   return now * (end.inverse() * p);
 }
 
-/// How far it turns: |R' - R|.
+/// Frobenius norm |T - R| = 2 sqrt(2) sin(angle / 2), a measure of the rotation between two orientations.
 double turn_between(const Mat3& R, const Mat3& T) {
   double square = 0;
   for (int k = 0; k < 3; ++k) {
@@ -32,11 +34,13 @@ double turn_between(const Mat3& R, const Mat3& T) {
   return std::sqrt(square);
 }
 
-constexpr double resting_gap = 2e-5;  // m
-constexpr double too_deep = 1e-3;     // m that is left after all passes: then the step is taken in parts
+// m: pairs whose penetration depth is expensive to compute (needs_gap()) are kept this far apart, so that at rest only their distance is
+// needed.
+constexpr double resting_gap = 2e-5;
+constexpr double too_deep = 1e-3;  // m: if a deeper overlap is left after all passes, the step is split into substeps
 
-constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000,
-                        shape_mask = (1U << 20) - 1;  // of keys; find_contacts makes smaller ones for few
+// Fields of ContactPoint::key. collision::find_contacts() uses feature indices below first_feature.
+constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000, shape_mask = (1U << 20) - 1;
 
 }  // namespace
 
@@ -45,7 +49,7 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
   UGOKI_CHECK(scene.systems().size() == static_cast<std::size_t>(stepper.system_count()));
   for (const MechanismPtr& m : scene.systems()) {
     const auto links = static_cast<std::size_t>(m->link_count());
-    for (States* states : {&begin_, &whole_}) {
+    for (States* states : {&attempt_begin_, &step_begin_}) {
       states->q.emplace_back(static_cast<std::size_t>(m->nq()));
       states->v.emplace_back(static_cast<std::size_t>(m->nv()));
     }
@@ -54,38 +58,39 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
   }
   for (const auto& poses : end_) views_.emplace_back(poses);
   moved_.resize(views_.size());
-  thin_.assign(size_.size(), HUGE_VAL);
+  half_thickness_.assign(size_.size(), HUGE_VAL);
   motions_.resize(views_.size());
   std::vector<std::size_t> first = {0};
   for (const auto& poses : end_) first.push_back(first.back() + poses.size());
   for (const collision::SceneShape& s : scene.shapes()) {
     const std::size_t link = first[static_cast<std::size_t>(s.system)] + static_cast<std::size_t>(s.link);
     size_[link] = std::max(size_[link], norm(s.shape.X_BS.p) + s.reach);
-    double& thin = thin_[link];
-    thin = std::min(thin, s.shape.type == ShapeType::mesh ? 0.5 * s.thickness : s.thickness);  // which may lie aslant in its frame
+    // The thickness of a mesh is that of its box, which a slanted sheet does not fill: use half of it.
+    const double thickness = s.shape.type == ShapeType::mesh ? 0.5 * s.thickness : s.thickness;
+    half_thickness_[link] = std::min(half_thickness_[link], thickness);
   }
   for (const auto& poses : end_) speeds_.resize(std::max(speeds_.size(), poses.size()));
   for (auto* list : {&contacts_, &found_, &near_, &all_contacts_}) list->reserve(12 * scene.shapes().size() + 64);
   forces_.reserve(12 * scene.shapes().size() + 64);
 }
 
-/// Poses at the end, and which systems are no longer where they were, or where they were the last time.
-void GuardedStep::move(std::span<const StepSystem> systems) {
+/// Calculates the poses at the end of the pass, and marks in moved_ the systems whose end positions must be checked for overlaps.
+void GuardedStep::update_end_poses(std::span<const StepSystem> systems) {
   const double* size = size_.data();
   for (std::size_t s = 0; s < systems.size(); ++s) {
-    if (again_ && !stepper_->has_changed(static_cast<int>(s))) {
+    if (repeated_ && !stepper_->has_changed(static_cast<int>(s))) {
       moved_[s] = 0;
       size += end_[s].size();
       continue;
     }
     const std::span<const Pose> begin = stepper_->workspace(static_cast<int>(s)).X_WB;
     calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
-    double way = 0;
+    double motion = 0;
     for (std::size_t i = 0; i < end_[s].size(); ++i, ++size) {
-      constexpr double root_half = 0.7071067811865476;
-      way = std::max(way, norm(end_[s][i].p - begin[i].p) + root_half * turn_between(begin[i].R, end_[s][i].R) * *size);
+      constexpr double inv_sqrt2 = 0.7071067811865476;  // |T - R| / sqrt(2) is the chord that a point at unit distance from the axis moves.
+      motion = std::max(motion, norm(end_[s][i].p - begin[i].p) + inv_sqrt2 * turn_between(begin[i].R, end_[s][i].R) * *size);
     }
-    moved_[s] = way > options_.depth ? 1 : 0;
+    moved_[s] = motion > options_.depth ? 1 : 0;
   }
 }
 
@@ -95,7 +100,7 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
   depth_ = 0;
   bool added = false;
   for (collision::ContactPoint& c : found_) {
-    // What was deep at the beginning is being pushed out, at its own speed.
+    // An overlap that exists since the beginning is pushed out at the recovery speed, not within this step.
     double before = 0, along = -1;
     bool known = false;
     for (const collision::ContactPoint& g : given) {
@@ -104,14 +109,14 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
       along = std::max(along, dot(g.n, c.n));
       known = true;
     }
-    // What has gone through a thin wall that is not convex is not pushed on through it.
+    // A body that has gone through a thin non-convex wall has the opposite normal: do not push it further through.
     if (known && along < -0.5 && c.distance < -too_deep && !is_convex_pair(c)) continue;
     if (c.distance > before - (before < -options_.depth ? 0.02 : 0.25) * options_.depth) continue;
     depth_ = std::max(depth_, -c.distance);
     if (passes_ == options_.passes) continue;
     const double gap = c.distance;
-    // The point is taken where it is on the body that turns more: there an error of its place costs most.
-    const Vec3 there = c.p;
+    // Map the point back on the body that turns more, because an error of its position has the larger effect there.
+    const Vec3 end_point = c.p;
     double u = 0, turned = -1;
     for (int side = 0; side < 2; ++side) {
       const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
@@ -121,13 +126,13 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
       const double turn = turn_between(now.R, end.R);
       if (turn <= turned) continue;
       turned = turn;
-      c.p = carry_back(scene_->shapes()[static_cast<std::size_t>(c.key >> (side == 0 ? 44 : 24)) & shape_mask].shape, now, end, there);
+      c.p = carry_back(scene_->shapes()[static_cast<std::size_t>(c.key >> (side == 0 ? 44 : 24)) & shape_mask].shape, now, end, end_point);
     }
     for (int side = 0; side < 2; ++side) {
       const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
       if (at >= 0) u += (side == 0 ? 1 : -1) * dot(c.n, stepper_->velocity_after(at, link, c.p));
     }
-    // Where the points part to first order, and still end up deeper, they must part faster; never by a leap.
+    // If the points separate to first order and the overlap still grows, they must separate faster, by at most the recovery speed per pass.
     c.distance = std::max(gap - before - dt * u, -dt * (std::max(u, 0.0) + stepper_->options().recovery_speed));
     c.key = (c.key & ~feature_mask) | (first_feature + contacts_.size());
     contacts_.push_back(c);
@@ -141,7 +146,7 @@ bool GuardedStep::is_convex_pair(const collision::ContactPoint& c) const {
   return c.system_b < 0 || (convex(44) && convex(24));
 }
 
-/// Shapes whose depth, not their distance, is expensive.
+/// Whether the depth of this pair of shapes is expensive to compute, unlike their distance.
 bool GuardedStep::needs_gap(const collision::ContactPoint& c) const {
   if (c.system_b < 0) return false;
   const collision::SceneShape &a = scene_->shapes()[static_cast<std::size_t>(c.key >> 44) & shape_mask],
@@ -163,19 +168,19 @@ void GuardedStep::States::restore(std::span<const StepSystem> systems) const {
   }
 }
 
-/// As a whole, again where things overlap at the end.
-StepReport GuardedStep::take(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
-  begin_.save(systems);
+/// Solves the step without substeps and repeats it while bodies overlap at its end.
+StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+  attempt_begin_.save(systems);
   contacts_.assign(contacts.begin(), contacts.end());
   for (collision::ContactPoint& c : contacts_)
     if (needs_gap(c)) c.distance -= resting_gap;
   StepReport report;
   std::size_t known = contacts_.size();
   for (passes_ = 1;; ++passes_) {
-    // What is found to be hit with restitution is an impact, for which everything begins anew.
+    // New contacts with restitution are impacts: they need a complete step. Otherwise only the islands of new contacts are solved again.
     const auto added = std::span(contacts_).subspan(known);
-    again_ = passes_ > 1 && std::ranges::none_of(added, [](const collision::ContactPoint& c) { return c.restitution > 0; });
-    report = again_ ? stepper_->again(systems, contacts_, dt) : stepper_->step(systems, contacts_, dt, contacts.size());
+    repeated_ = passes_ > 1 && std::ranges::none_of(added, [](const collision::ContactPoint& c) { return c.restitution > 0; });
+    report = repeated_ ? stepper_->repeat(systems, contacts_, dt) : stepper_->step(systems, contacts_, dt, contacts.size());
     known = contacts_.size();
     if (report.status != StepStatus::ok) break;
     if (passes_ == 1) {
@@ -183,24 +188,25 @@ StepReport GuardedStep::take(std::span<StepSystem> systems, std::span<const coll
       collision::begin_from(*scene_, views_, contacts, workspace_);
       for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = end_[s];
     }
-    move(systems);
+    update_end_poses(systems);
     if (!add_overlaps(contacts, dt)) return report;
-    begin_.restore(systems);
+    attempt_begin_.restore(systems);
   }
-  begin_.restore(systems);
+  attempt_begin_.restore(systems);
   return report;
 }
 
-/// @return s: until then nothing passes on the way from begin_ with the velocities now; dt where nothing does
+/// @return s: time from attempt_begin_, with the present velocities, until which no body passes through another; dt: no body passes
 double GuardedStep::find_passage(std::span<const StepSystem> systems, double dt) {
-  // Velocities at the beginning; links that whip each other on within the step are allowed a quarter more.
+  // A link can pass only if it moves by more than its half thickness. The motion is estimated from the velocities of the links at the
+  // beginning, plus a quarter for links that accelerate within the step.
   bool far = false;
   std::size_t at = 0;
   for (std::size_t s = 0; s < systems.size(); ++s) {
     const Mechanism& m = stepper_->mechanism(static_cast<int>(s));
     const dynamics::Workspace& ws = stepper_->workspace(static_cast<int>(s));
     const std::span<const double> v = systems[s].v;
-    motions_[s] = {begin_.q[s], v};
+    motions_[s] = {attempt_begin_.q[s], v};
     for (int i = 0; i < m.link_count(); ++i, ++at) {
       const Link& link = m.link(i);
       Vec6& V = speeds_[static_cast<std::size_t>(i)];
@@ -208,13 +214,13 @@ double GuardedStep::find_passage(std::span<const StepSystem> systems, double dt)
       for (int k = link.v_index; k < link.v_index + link.joint.nv(); ++k)
         V += ws.S[static_cast<std::size_t>(k)] * v[static_cast<std::size_t>(k)];
       const Vec3 origin = V.v + cross(V.w, ws.X_WB[static_cast<std::size_t>(i)].p - ws.p0);
-      far = far || 1.25 * dt * (norm(origin) + norm(V.w) * size_[at]) > thin_[at];
+      far = far || 1.25 * dt * (norm(origin) + norm(V.w) * size_[at]) > half_thickness_[at];
     }
   }
   return far ? search_.find_passage(motions_, dt).time : dt;
 }
 
-/// Contacts of the present, and of fast things until the end.
+/// Sets near_ to the contacts of the present positions and to those that fast bodies reach within dt.
 void GuardedStep::find_contacts(std::span<const StepSystem> systems, double dt) {
   for (std::size_t s = 0; s < systems.size(); ++s) {
     calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
@@ -224,13 +230,14 @@ void GuardedStep::find_contacts(std::span<const StepSystem> systems, double dt) 
   swept_.add(motions_, views_, dt, options_.margin, near_);
 }
 
-/// Goes only so far as nothing passes. Velocities stay: the next step stops them.
+/// Sets the positions to those at `time` [s] after the beginning of the substep. The velocities stay; the next substep or step stops them.
 void GuardedStep::stop_at(std::span<const StepSystem> systems, double time) {
   for (std::size_t s = 0; s < systems.size(); ++s)
-    integrate(stepper_->mechanism(static_cast<int>(s)), begin_.q[s], systems[s].v, time, systems[s].q);
+    integrate(stepper_->mechanism(static_cast<int>(s)), attempt_begin_.q[s], systems[s].v, time, systems[s].q);
 }
 
-void GuardedStep::add_forces(double part) {
+/// Adds the contact forces of a substep to the mean over the step. @param fraction of the step that the substep lasts
+void GuardedStep::add_forces(double fraction) {
   const std::span<const Vec3> forces = stepper_->contact_forces();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     if (forces[i] == Vec3{}) continue;
@@ -240,35 +247,36 @@ void GuardedStep::add_forces(double part) {
       all_contacts_.push_back(contacts_[i]);
       forces_.emplace_back();
     }
-    forces_[at] += forces[i] * part;
+    forces_[at] += forces[i] * fraction;
   }
 }
 
-StepReport GuardedStep::take_apart(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
-  constexpr int units = 1024, most_takes = 256;
+/// Solves the step in substeps. The length of a substep is a power of two times 1/1024 of the step.
+StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+  constexpr int units = 1024, max_attempts = 256;
   all_contacts_.assign(contacts.begin(), contacts.end());
   forces_.assign(contacts.size(), Vec3{});
   StepReport report, sum;
-  parts_ = 0;
+  substeps_ = 0;
   int length = units / 2;
-  for (int done = 0, takes = 0; done < units; ++takes) {
+  for (int done = 0, attempts = 0; done < units; ++attempts) {
     const double h = dt * length / units;
     find_contacts(systems, h);
-    report = take(systems, near_, h);
+    report = step_whole(systems, near_, h);
     if (report.status != StepStatus::ok) {
-      whole_.restore(systems);
+      step_begin_.restore(systems);
       return report;
     }
     const double safe = find_passage(systems, h);
-    const bool deep = depth_ > too_deep && length > units / 8;  // what is wedged in stays deep however short the parts
-    if ((deep || (safe < h && length > 1)) && takes < most_takes) {
-      begin_.restore(systems);
+    const bool deep = depth_ > too_deep && length > units / 8;  // a wedged body stays deep in any substep, so do not halve further for it
+    if ((deep || (safe < h && length > 1)) && attempts < max_attempts) {
+      attempt_begin_.restore(systems);
       length /= 2;
       continue;
     }
     if (safe < h) stop_at(systems, safe);
     add_forces(static_cast<double>(length) / units);
-    ++parts_;
+    ++substeps_;
     done += length;
     while (length < units - done && done % (2 * length) == 0) length *= 2;
     while (length > units - done) length /= 2;
@@ -280,15 +288,15 @@ StepReport GuardedStep::take_apart(std::span<StepSystem> systems, std::span<cons
 }
 
 StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
-  StepReport report = take(systems, contacts, dt);
-  parts_ = 1;
+  StepReport report = step_whole(systems, contacts, dt);
+  substeps_ = 1;
   if (report.status == StepStatus::ok && (depth_ > too_deep || find_passage(systems, dt) < dt)) {
-    begin_.restore(systems);
-    std::swap(begin_, whole_);
-    return take_apart(systems, contacts, dt);
+    attempt_begin_.restore(systems);
+    std::swap(attempt_begin_, step_begin_);
+    return step_in_substeps(systems, contacts, dt);
   }
   all_contacts_.assign(contacts_.begin(), contacts_.end());
-  std::ranges::copy(contacts, all_contacts_.begin());  // with the distances that they have
+  std::ranges::copy(contacts, all_contacts_.begin());  // the given distances, without resting_gap
   forces_.assign(stepper_->contact_forces().begin(), stepper_->contact_forces().end());
   return report;
 }

@@ -1,18 +1,19 @@
 #pragma once
-// A step whose end is looked at: what would overlap there by more than a little is made a contact, and the step is taken again.
+// A step that is checked afterwards for overlaps and for bodies that passed through each other.
 //
-// The stepper keeps every contact that it is given apart, to first order: by its normal and place at the beginning. A body that lands
-// on another feature than the nearest, or that turns or slides a good part of its size within the step, can still end inside
-// another. Collision analysis of the end finds that, with the gap g < 0 and the normal n of the end. With v the velocities of this pass
-// and g0 <= 0 the pair's gap at the beginning, the next pass asks of the point of contact, at its place at the beginning on the body that
-// turns more,
-//   u(v') >= u(v) - (g - g0) / dt,   u = n . (velocity of a - velocity of b)
-// which is Newton's method on the gap at the end. Nothing is moved afterwards: velocities stay those that positions follow.
+// Overlaps. The stepper keeps the given contacts apart to first order, with their normals and positions at the beginning of the step. Two
+// bodies can still overlap at the end: by a feature that was not the closest one, or because a body turned or slid by a large part of its
+// size. Collision analysis of the end positions finds such overlaps, with gap g < 0 [m] and normal n. Each becomes a contact, and the step
+// is repeated. With v the velocities of this pass and g0 <= 0 the gap of the pair at the beginning, the next pass requires
+//   u(v') >= u(v) - (g - g0) / dt,   u = n . (velocity of a - velocity of b) [m/s]
+// at the contact point, mapped back to its position at the beginning on the body that turns more. This is Newton's method on the gap at
+// the end. Positions are not corrected afterwards: they remain the integral of the velocities.
 //
-// Things that move by more than they are thick are also followed on their way (collision/advancement.h): where one would get so deep
-// into another within the step that it may come out on its other side, the step is taken apart. It is halved until nothing passes, each
-// part with contacts of its own; after 256 parts, or when a part is a 1024th of the step, what would still pass stops where it is. Source:
-// Anitescu, Potra (1997) for steps with linearised gaps; Stewart (1998) for what their linearisation leaves.
+// Passage. Bodies that move by more than their own thickness are also followed during the step (collision/advancement.h). If a body would
+// get so deep into another one that it may leave it on the other side, the step is split into substeps. A substep is halved until nothing
+// passes, and each has contacts of its own. After 256 attempts, or at 1/1024 of the step, a body that would still pass stops there.
+//
+// Sources: Anitescu, Potra (1997) for steps with linearised gaps; Stewart (1998) for the errors of the linearisation.
 
 #include <span>
 #include <vector>
@@ -24,30 +25,31 @@
 namespace ugoki::contact {
 
 struct GuardOptions {
-  double depth = 4e-4;   ///< m: less at the end of a step is left alone
-  int passes = 12;       ///< greatest number of times that a step is taken
-  double margin = 0.02;  ///< m: contacts of the parts of a step are looked for so far
+  double depth = 4e-4;   ///< m: smaller overlaps at the end of a step are accepted
+  int passes = 12;       ///< maximum number of times that a step or substep is solved, including the first
+  double margin = 0.02;  ///< m: distance up to which the contacts of substeps are searched
 };
 
+/// Steps a Stepper so that no bodies overlap at the end or pass through each other; see the top of this file.
 class GuardedStep {
  public:
-  /// Scene and stepper have the same systems, and must outlive it.
+  /// Scene and stepper must have the same systems in the same order, and must outlive this object.
   GuardedStep(const collision::Scene& scene, Stepper& stepper, const GuardOptions& options = {});
 
-  /// As Stepper::step(); q and v are left as they were where it fails.
-  /// No allocation after warm-up, unless the number of contacts grows.
+  /// Advances all systems by dt [s], like Stepper::step(). On failure q and v keep their values from before the step.
+  /// Allocates nothing after warm-up, unless the number of contacts grows.
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
 
-  /// As if nothing had been looked at before; keeps its memory. See collision::Workspace::forget().
+  /// Discards cached results of collision analysis, but keeps the memory. See collision::Workspace::forget().
   void forget() { workspace_.forget(); }
 
-  /// The contacts of the last step: those given to it, then those found at its end or in its parts.
+  /// Contacts of the last step: first the given contacts, then those that the guard found at the end of the step or in its substeps.
   [[nodiscard]] std::span<const collision::ContactPoint> contacts() const { return all_contacts_; }
-  /// N, world, on body a of each of them: the mean over the step.
+  /// [contacts()] N, world: mean force over the step on body a of each contact.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
-  [[nodiscard]] int passes() const { return passes_; }  ///< times that the last step, or its last part, was taken
-  [[nodiscard]] int parts() const { return parts_; }    ///< of the last step; 1: it was not taken apart
-  /// m: what was left at the end of the last step of overlaps that it should have prevented, as far as was looked
+  [[nodiscard]] int passes() const { return passes_; }      ///< how often the last step was solved; if it was split: its last substep
+  [[nodiscard]] int substeps() const { return substeps_; }  ///< number of substeps of the last step; 1: it was not split
+  /// m: maximum depth of the overlaps that are new, or deeper than before, at the end of the last step or substep; 0: none.
   [[nodiscard]] double depth() const { return depth_; }
 
  private:
@@ -57,15 +59,15 @@ class GuardedStep {
     void save(std::span<const StepSystem> systems);
     void restore(std::span<const StepSystem> systems) const;
   };
-  StepReport take(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
-  StepReport take_apart(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
+  StepReport step_whole(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
+  StepReport step_in_substeps(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
   double find_passage(std::span<const StepSystem> systems, double dt);
   void find_contacts(std::span<const StepSystem> systems, double dt);
   void stop_at(std::span<const StepSystem> systems, double time);
-  void add_forces(double part);
+  void add_forces(double fraction);
   [[nodiscard]] bool needs_gap(const collision::ContactPoint& c) const;
   [[nodiscard]] bool is_convex_pair(const collision::ContactPoint& c) const;
-  void move(std::span<const StepSystem> systems);
+  void update_end_poses(std::span<const StepSystem> systems);
   bool add_overlaps(std::span<const collision::ContactPoint> given, double dt);
 
   const collision::Scene* scene_;
@@ -74,19 +76,19 @@ class GuardedStep {
   collision::Workspace workspace_;
   collision::ImpactSearch search_;
   SweptContacts swept_;
-  States begin_, whole_;  // of what is taken; of the step
+  States attempt_begin_, step_begin_;  // at the beginning of the present step or substep; of the complete step
   std::vector<collision::SystemMotion> motions_;
-  std::vector<std::vector<Pose>> end_;        // [systems][links] those at the beginning are the stepper's
-  std::vector<std::span<const Pose>> views_;  // of end_
-  std::vector<double> size_;                  // m [links of all systems] how far a link's shapes reach from its origin
-  std::vector<Vec6> speeds_;                  // [links of one system]
-  std::vector<char> moved_;                   // [systems] by more than the depth
-  std::vector<double> thin_;                  // m [links of all systems] half extent of its thinnest shape
+  std::vector<std::vector<Pose>> end_;        // [systems][links] poses at the end; those at the beginning are the stepper's
+  std::vector<std::span<const Pose>> views_;  // views of the poses in end_
+  std::vector<double> size_;                  // m [links of all systems] maximum distance of a link's shapes from its origin
+  std::vector<Vec6> speeds_;                  // rad/s, m/s, world [links of one system] velocities
+  std::vector<char> moved_;                   // [systems] 1: a point moved by more than GuardOptions::depth in this pass
+  std::vector<double> half_thickness_;        // m [links of all systems] half thickness of the link's thinnest shape
   std::vector<collision::ContactPoint> found_, contacts_, near_;
   std::vector<collision::ContactPoint> all_contacts_;
   std::vector<Vec3> forces_;
-  int passes_ = 0, parts_ = 1;
-  bool again_ = false;  // the last pass solved anew only what its contacts touch
+  int passes_ = 0, substeps_ = 1;
+  bool repeated_ = false;  // the last pass was Stepper::repeat(): only islands with new contacts changed
   double depth_ = 0;
 };
 

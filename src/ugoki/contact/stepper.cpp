@@ -9,9 +9,10 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr double coarse_distance = 1e-4;  // m that a body of a large heap may be wrong by after a step
+// m: position error of one step that is tolerated in a large heap; SolverOptions::coarse is this distance / dt.
+constexpr double coarse_distance = 1e-4;
 
-/// Radius of a body that rolls: its one shape is round. 0: it does not
+/// m: radius of a body whose only colliding shape is round, so that it can roll; 0 for every other body.
 double rolling_radius(const Link& link) {
   double radius = 0;
   for (const Shape& s : link.shapes) {
@@ -28,13 +29,13 @@ double rolling_radius(const Link& link) {
   return radius;
 }
 
-/// Whether the joint's freedom is an angle.
-bool turns(JointType type, int freedom) {
+/// Whether DOF `dof` of a joint is an angle.
+bool turns(JointType type, int dof) {
   switch (type) {
     case JointType::prismatic: return false;
-    case JointType::cylindrical: return freedom == 0;
-    case JointType::planar: return freedom == 2;
-    case JointType::floating: return freedom < 3;
+    case JointType::cylindrical: return dof == 0;
+    case JointType::planar: return dof == 2;
+    case JointType::floating: return dof < 3;
     default: return true;
   }
 }
@@ -51,54 +52,54 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     const auto n = static_cast<std::size_t>(m.nv());
     first.push_back(first.back() + m.nv());
     SystemScratch& x = scratch_[s];
-    for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.root_D_inverse, &x.impulse, &x.displacement})
+    for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.sqrt_D_inverse, &x.impulse, &x.displacement})
       array->resize(n);
-    x.none.assign(n, 0.0);
+    x.zeros.assign(n, 0.0);
     x.start_q.resize(static_cast<std::size_t>(m.nq()));
     for (int i = 0; i < m.link_count(); ++i) {
       const Joint& joint = m.link(i).joint;
       for (int k = 0; k < joint.nv(); ++k)
-        if (turns(joint.type, k)) x.turning.push_back(static_cast<std::size_t>(m.link(i).v_index + k));
+        if (turns(joint.type, k)) x.angle_dofs.push_back(static_cast<std::size_t>(m.link(i).v_index + k));
       bool limited = false;
       for (int k = 0; k < joint.nv(); ++k) {
-        const Freedom& f = joint.freedoms[static_cast<std::size_t>(k)];
+        const Dof& f = joint.dofs[static_cast<std::size_t>(k)];
         if (joint.type != JointType::floating) limited = limited || std::isfinite(f.lower) || std::isfinite(f.upper);
         x.springs = x.springs || f.stiffness > 0;
-        if (f.friction > 0) x.rubbed.push_back(m.link(i).v_index + k);
+        if (f.friction > 0) x.dry_friction_dofs.push_back(m.link(i).v_index + k);
       }
-      if (limited) x.limited.push_back(i);
+      if (limited) x.limited_links.push_back(i);
     }
     x.free_body = m.link_count() == 1 && m.link(0).joint.type == JointType::floating;
-    x.round = x.free_body ? rolling_radius(m.link(0)) : 0;
+    x.rolling_radius = x.free_body ? rolling_radius(m.link(0)) : 0;
     if (std::ranges::any_of(m.loops(), &Loop::closed)) x.loops = std::make_unique<SystemScratch::Loops>(m);
-    for (std::size_t k = 0; k < n; ++k) x.straight.push_back(ws.depth[k] == static_cast<int>(k) ? 1 : 0);
+    for (std::size_t k = 0; k < n; ++k) x.contiguous_chain.push_back(ws.depth[k] == static_cast<int>(k) ? 1 : 0);
   }
   solver_.set_systems(first);
   const std::size_t room = 64 + 12 * scratch_.size() + 2 * static_cast<std::size_t>(first.back());
-  struck_.reserve(2 * room);
+  impact_impulses_.reserve(2 * room);
   forces_.reserve(2 * room);
   frames_.reserve(6 * room);
   warm_.reserve(room);
 }
 
-/// free_v += L^-1 D^-1/2 impulse.
+/// free_v += L^-1 D^-1/2 impulse: adds the velocity change of a whitened impulse w.
 void Stepper::add_impulses(std::size_t s) {
   const dynamics::Workspace& ws = workspaces_[s];
   SystemScratch& x = scratch_[s];
   for (std::size_t k = 0; k < x.impulse.size(); ++k) {
     const double* row = ws.L.data() + ws.row_start[k];
     const int* chain = ws.chain.data() + ws.row_start[k];
-    double sum = x.impulse[k] * x.root_D_inverse[k];
+    double sum = x.impulse[k] * x.sqrt_D_inverse[k];
     for (int d = 0; d < ws.depth[k]; ++d) sum -= row[d] * x.impulse[static_cast<std::size_t>(chain[d])];
     x.impulse[k] = sum;
     x.free_v[k] += sum;
   }
 }
 
-/// Collisions with restitution: the jump of the velocities, eqs. (18) (19).
+/// Collisions with restitution: changes the velocities by eqs. (18) (19).
 void Stepper::find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt,
                            StepReport& report) {
-  struck_.assign(contacts.size(), 0.0);
+  impact_impulses_.assign(contacts.size(), 0.0);
   const auto hits = [&](const collision::ContactPoint& c) {
     if (!(c.restitution > 0)) return false;
     double u = 0;
@@ -107,31 +108,32 @@ void Stepper::find_impacts(std::span<StepSystem> systems, std::span<const collis
     return u < -options_.impact_speed && c.distance + dt * u <= 0;
   };
   if (!std::ranges::any_of(contacts, hits)) return;
-  struck_systems_.resize(systems.size());
+  impact_systems_.resize(systems.size());
   for (std::size_t s = 0; s < systems.size(); ++s) {
     SystemScratch& x = scratch_[s];
-    struck_systems_[s] = {mechanisms_[s].get(), &workspaces_[s], x.loops ? &x.loops->links : nullptr, systems[s].q, x.v};
+    impact_systems_[s] = {mechanisms_[s].get(), &workspaces_[s], x.loops ? &x.loops->links : nullptr, systems[s].q, x.v};
   }
-  const ImpactReport impact = impact_.collide(struck_systems_, contacts, {options_.impact_speed, dt, false});
+  const ImpactReport impact = impact_.collide(impact_systems_, contacts, {options_.impact_speed, dt, false});
   report.impacts = impact.collisions;
   if (impact.status == ImpactStatus::singular) {
     report.status = StepStatus::singular;
     report.system = impact.system;
-    report.freedom = 0;
+    report.dof = 0;
     return;
   }
-  std::ranges::copy(impact_.impulses(), struck_.begin());
-  for (std::size_t s = 0; s < systems.size(); ++s)  // velocities have jumped, and inertias may be shared out already
+  std::ranges::copy(impact_.impulses(), impact_impulses_.begin());
+  // The velocities have changed, and collide() may have distributed the inertias of virtual links.
+  for (std::size_t s = 0; s < systems.size(); ++s)
     dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, workspaces_[s]);
 }
 
-/// @param careful where a step is taken again
+/// @param careful true when a step is repeated: more sweeps and a tighter coarse tolerance
 SolverOptions Stepper::solver_options(double dt, bool careful) const {
   const double coarse = (careful ? 0.3 : 1.0) * coarse_distance / dt;
   return {(careful ? 4 : 1) * options_.iterations, options_.tolerance, coarse, options_.softness};
 }
 
-StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, std::size_t certain) {
+StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, std::size_t forced) {
   UGOKI_CHECK(systems.size() == mechanisms_.size() && dt > 0);
   StepReport report;
   solver_.clear();
@@ -147,24 +149,24 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     return report;
   }
   for (std::size_t s = 0; s < systems.size(); ++s) scratch_[s].unforced = scratch_[s].free_v;
-  for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, i >= certain);
+  for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, i >= forced);
   const std::size_t before = solver_.blocks().size();
   for (std::size_t s = 0; s < systems.size(); ++s) add_joint_rows(s, dt);
   report.limits = static_cast<int>(solver_.blocks().size() - before);
-  begun_ = report;
-  return finish(systems, contacts, dt, solver_.solve(solver_options(dt, certain < contacts.size())), report);
+  first_report_ = report;
+  return finish(systems, contacts, dt, solver_.solve(solver_options(dt, forced < contacts.size())), report);
 }
 
-StepReport Stepper::again(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
-  const std::size_t given = struck_.size(), first = solver_.blocks().size();
-  struck_.resize(contacts.size(), 0.0);
+StepReport Stepper::repeat(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+  const std::size_t given = impact_impulses_.size(), first = solver_.blocks().size();
+  impact_impulses_.resize(contacts.size(), 0.0);
   frames_.resize(3 * contacts.size());
   for (SystemScratch& x : scratch_) x.free_v = x.unforced;
   for (std::size_t i = given; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, true);
-  return finish(systems, contacts, dt, solver_.solve_again(solver_options(dt, true), first), begun_);
+  return finish(systems, contacts, dt, solver_.solve_again(solver_options(dt, true), first), first_report_);
 }
 
-/// From impulses to velocities and positions.
+/// Computes the new velocities, contact forces and positions from the solver's impulses.
 StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt,
                            const SolverReport& solved, StepReport report) {
   for (const RowBlock& b : solver_.blocks()) report.contacts += b.kind == RowKind::contact ? 1 : 0;
@@ -183,12 +185,12 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
       if (std::isfinite(v[i]) && std::fabs(v[i]) < 1e6) continue;
       report.status = StepStatus::not_finite;
       report.system = static_cast<int>(s);
-      report.freedom = static_cast<int>(i);
+      report.dof = static_cast<int>(i);
       return report;
     }
   }
   warm_.clear();
-  for (std::size_t i = 0; i < contacts.size(); ++i) forces_[i] = contacts[i].n * (struck_[i] / dt);
+  for (std::size_t i = 0; i < contacts.size(); ++i) forces_[i] = contacts[i].n * (impact_impulses_[i] / dt);
   for (const RowBlock& b : solver_.blocks()) {
     const std::span<const double> p = solver_.impulses(b);
     Warm w{b.key, {p[0], b.rows == 3 ? p[1] : 0, b.rows == 3 ? p[2] : 0}};
@@ -201,7 +203,7 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
   for (std::size_t s = 0; s < systems.size(); ++s) {
     const std::vector<double>& v = scratch_[s].free_v;
     for (std::size_t i = 0; i < v.size(); ++i) systems[s].v[i] = v[i];
-    if (coast(s, systems[s], dt, report)) continue;
+    if (integrate_inertially(s, systems[s], dt, report)) continue;
     integrate(*mechanisms_[s], systems[s].q, v, dt, systems[s].q);
     if (scratch_[s].loops) close_loops(s, systems[s], report);
   }

@@ -1,18 +1,22 @@
 #pragma once
 // One step of several link systems with contact, friction, joint limits, springs, dampers and dry joint friction.
 //
-// First the impacts (collision_impulse.h): contacts that are hit with restitution give their impulse (12)-(19), v <- v+. Then, at the
-// level of velocities, with M' = M + dt D + dt^2 K (implicit dampers D and springs K),
-//   v' = v + M'^-1 (dt (tau - b - passive) + J^T p),   q' = q (+) v' dt,
-// the impulses p solve, for every contact (normal n, tangents t) and limit (velocity_solver.h):
-//   normal:    p_n >= 0,  u_n >= target,  p_n (u_n - target) = 0
-//   friction:  |p_t| <= mu p_n, against the sliding velocity u_t
-//   limits:    p >= 0 against the velocity into the limit;   dry friction: |p| <= dt * friction
-//   loops:     u = -gap / dt, p free (closed link systems)
-// Rows come from the sparse factor of M' (they live on the chains of the touching links only). target is -distance/dt for gaps
-// (contact is predicted one step ahead) and a bounded recovery velocity for penetrations. Loops are eliminated beforehand,
-// exactly: the rows of everything else are projected onto what the loops allow (rows of loops that follow from others are left
-// out), and positions are closed to rounding after the step.
+// 1. Impacts (collision_impulse.h): contacts hit with restitution receive their impulse, eqs. (12)-(19); v becomes the velocity after it.
+// 2. The remaining impulses p [N s | N m s] act on the velocities. With the step dt [s], the inertia M [kg | kg m^2], implicit dampers D
+//    and springs K, M' = M + dt D + dt^2 K, drive forces tau, bias forces b, and passive joint forces:
+//      v' = v + M'^-1 (dt (tau - b - passive) + J^T p),   q' = q (+) v' dt
+//    where p solves, for every contact (normal n, tangents t), with the velocity u = J v' [m/s | rad/s] (velocity_solver.h):
+//      normal:        p_n >= 0,  u_n >= target,  p_n (u_n - target) = 0
+//      friction:      |p_t| <= mu p_n, opposed to the sliding velocity u_t
+//      joint limits:  p >= 0, opposed to the velocity into the limit
+//      dry friction:  |p| <= dt * friction
+//      loops:         u = -gap / dt, p unbounded (closed link systems)
+//
+// `target` of a gap is -distance / dt: a contact is predicted one step ahead. `target` of a penetration is a bounded recovery speed.
+// The solver needs whitened rows y = D^-1/2 L^-T J^T, where M' = L^T D L; a row has entries only on the chains of its two links. In these
+// coordinates the inverse inertia seen by a row is simply y . y. Loops are eliminated exactly before contacts are solved: every other
+// row is projected onto the velocities that the loops allow. Dependent loop rows are left out. After the step the positions of closed
+// loops are corrected until their gap is rounding.
 // Sources: Nagashima (1999) section 6.3; Hwangbo, Lee, Hutter (2018), Per-contact iteration; Featherstone (2008) ch. 8, 11.
 
 #include <cstddef>
@@ -33,75 +37,77 @@ namespace ugoki::contact {
 
 struct StepperOptions {
   Vec3 gravity{0, 0, -9.81};     ///< m/s^2
-  int iterations = 200;          ///< greatest number of sweeps over an island
-  double tolerance = 1e-7;       ///< m/s: sweeps end when no velocity changes more
-  double recovery_time = 0.008;  ///< s in which penetration is pushed out
-  double recovery_speed = 0.6;   ///< m/s, greatest speed of that; of loops that are open, with which they close, m/s | rad/s
+  int iterations = 200;          ///< maximum number of sweeps over an island
+  double tolerance = 1e-7;       ///< m/s: sweeps end when no velocity changes by more than this
+  double recovery_time = 0.008;  ///< s: time in which a penetration is pushed out
+  double recovery_speed = 0.6;   ///< m/s | rad/s: maximum speed of penetration recovery and of loop closing
   double impact_speed = 0.05;    ///< m/s: slower approaches do not bounce
-  double softness = 1e-4;        ///< share of a contact's own inverse inertia added to it, so that redundant contacts share the load
-  double rolling = 0.02;         ///< rolling resistance of free round bodies: moment / (radius times normal force)
+  double softness =
+      1e-4;  ///< compliance: fraction of a contact's normal inverse inertia added to it; redundant contacts then share the load
+  double rolling = 0.02;  ///< rolling resistance of free round bodies: moment / (radius * normal force)
 };
 
-/// One system's part in a step. Spans of the caller's memory.
+/// State and inputs of one system for a step. All spans refer to the caller's memory.
 struct StepSystem {
-  std::span<double> q, v;                  ///< in, out
-  std::span<const double> tau;             ///< [nv] drive forces
-  std::span<const Vec6> external;          ///< [links] wrenches about the world origin, or empty
-  std::span<const double> servo_gain;      ///< [nv] N m s/rad: the drive adds gain (servo_velocity - v'), taken implicitly, so
-  std::span<const double> servo_velocity;  ///< [nv] that any gain is stable; both empty for none
+  std::span<double> q, v;                  ///< [nq], [nv] in: before the step, out: after it
+  std::span<const double> tau;             ///< [nv] N | N m: drive forces
+  std::span<const Vec6> external;          ///< [links] N m, N: wrenches about the world origin, world axes; empty: none
+  std::span<const double> servo_gain;      ///< [nv] N m s/rad: the drive adds gain (servo_velocity - v'); empty: none.
+  std::span<const double> servo_velocity;  ///< [nv] rad/s; the new velocity v' is implicit, so that any gain is stable
 };
 
 enum class StepStatus {
   ok,
-  singular,    ///< an inertia is not positive: `system`, `freedom`
-  not_finite,  ///< a velocity came out infinite or NaN: `system`, `freedom`
+  singular,    ///< the inertia of DOF `dof` of system `system` is not positive
+  not_finite,  ///< the velocity of DOF `dof` of system `system` became infinite, NaN or larger than 1e6
 };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
-  int system = -1, freedom = -1;
-  int sweeps = 0;        ///< of the island that took most
-  int newton_steps = 0;  ///< of all islands
-  int islands = 0;       ///< groups of systems that touch, and systems alone that have limits or ground contacts
-  double residual = 0;   ///< m/s: greatest change of velocity in the last sweep
-  int contacts = 0;      ///< contacts that took part
-  int limits = 0;        ///< joint limits and dry frictions that took part
+  int system = -1, dof = -1;
+  int sweeps = 0;        ///< sweeps over the island that needed the most
+  int newton_steps = 0;  ///< Newton steps, summed over all islands
+  int islands = 0;       ///< groups of systems joined by contacts, and single systems with rows (limits, dry friction, ground contacts)
+  double residual = 0;   ///< m/s: maximum change of velocity in the last sweep
+  int contacts = 0;      ///< contacts that had rows
+  int limits = 0;        ///< rows of joint limits and dry friction
   int impacts = 0;       ///< collisions of the impact phase
-  double loop_gap = 0;   ///< m | rad: greatest gap that the closed loops are left with
+  double loop_gap = 0;   ///< m | rad: maximum gap of a closed loop after the step
 };
 
+/// Advances several link systems by one time step; see the equations at the top of this file.
 class Stepper {
  public:
   Stepper(std::vector<MechanismPtr> systems, const StepperOptions& options);
 
-  /// Advances all systems by dt. On failure every q and v is left as it was: the last good state.
-  /// @param contacts from collision analysis at the present positions; systems and links as given to the constructor
-  /// @param certain contacts from this index on take part however far apart they are; of the others, those that can be reached
-  /// No allocation after warm-up, unless the number of contacts grows; the first time that a linked system turns by more than a tenth of
-  /// a radian in a step it gets what it needs for that.
+  /// Advances all systems by dt [s]. On failure every q and v keeps its value from before the step.
+  /// @param contacts  result of collision analysis at the present positions; their system and link indices refer to the constructor's list
+  /// @param forced    contacts from this index on always get rows. An earlier contact gets rows only if it can close within the step
+  /// Allocates nothing after warm-up, unless the number of contacts grows. Exception: the first time that a joint of a system turns by
+  /// more than 0.02 rad in a step, that system allocates its stepper for inertial substeps.
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt,
-                  std::size_t certain = SIZE_MAX);
+                  std::size_t forced = SIZE_MAX);
 
-  /// The same step once more, from the same positions and velocities, after contacts were added to those of the last call of step() or
-  /// again(): only islands that the new ones touch are solved, three times as closely.
-  /// @param contacts those of the last call, then the new ones, which take part however far apart they are
-  StepReport again(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
-  /// Whether the last call of again() may have changed what became of a system; after step() everything may have changed.
+  /// Repeats the last step from the same positions and velocities with additional contacts. Only islands that contain a new contact are
+  /// solved again, with 0.3 times the coarse tolerance of step() (SolverOptions::coarse) and 4 times its sweeps.
+  /// @param contacts contacts of the last call of step() or repeat(), followed by the new ones; the new ones are forced contacts
+  StepReport repeat(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
+  /// Whether the last call of repeat() may have changed the result of a system. Meaningful only after repeat().
   [[nodiscard]] bool has_changed(int system) const { return solver_.is_solved(system); }
 
-  /// Force [N] on body a of each contact of the last step, world axes, in the order of its contacts. An impact's impulse
-  /// counts as a force that is constant over the step, eq. (17).
+  /// [contacts] N, world axes: force on body a of each contact of the last step. The impulse of an impact is given as a force that is
+  /// constant over the step, eq. (17).
   [[nodiscard]] std::span<const Vec3> contact_forces() const { return forces_; }
-  /// Velocity [m/s, world] of a link's point at p [m, world], with the positions before and the velocities after the last step;
-  /// of what then turned on by its inertia alone, those with which it set out.
+  /// m/s, world: velocity of the link's point at p [m, world], from the positions before and the velocities after the last step.
+  /// For a system that moved in inertial substeps: the velocities before these substeps.
   [[nodiscard]] Vec3 velocity_after(int system, int link, const Vec3& p) const;
-  /// Kinematics at the beginning of the last step.
+  /// Kinematics of one system at the beginning of the last step.
   [[nodiscard]] const dynamics::Workspace& workspace(int system) const { return workspaces_[static_cast<std::size_t>(system)]; }
   [[nodiscard]] const Mechanism& mechanism(int system) const { return *mechanisms_[static_cast<std::size_t>(system)]; }
   [[nodiscard]] int system_count() const { return static_cast<int>(mechanisms_.size()); }
   [[nodiscard]] const StepperOptions& options() const { return options_; }
 
-  /// The impulses kept for the next step's warm start: the only memory from step to step, for saving and restoring a simulation.
+  /// Impulses [N s] kept to start the next step's solver. They are the only memory between steps: save and restore them with a simulation.
   using Warm = contact::Warm;
   [[nodiscard]] std::span<const Warm> warm() const { return warm_.records(); }
   void set_warm(std::span<const Warm> warm) { warm_.set(warm); }
@@ -113,9 +119,9 @@ class Stepper {
   void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
   void prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report);
   void move_freely(std::size_t s, const StepSystem& system, double dt);
-  bool coast(std::size_t s, StepSystem& system, double dt, StepReport& report);
+  bool integrate_inertially(std::size_t s, StepSystem& system, double dt, StepReport& report);
   double turn(std::size_t s, std::span<const double> v, double dt) const;
-  void add_contact(int index, const collision::ContactPoint& c, double dt, bool certain);
+  void add_contact(int index, const collision::ContactPoint& c, double dt, bool forced);
   void add_rolling(const collision::ContactPoint& c);
   void add_joint_rows(std::size_t s, double dt);
   void spread_over_loops(std::size_t s, int last, int rows, const double* row);
@@ -128,50 +134,50 @@ class Stepper {
   void close_loops(std::size_t s, StepSystem& system, StepReport& report);
 
   struct SystemScratch {
-    std::vector<double> v;               // [nv] at the start of the step, after impacts
-    std::vector<double> extra;           // [nv] implicit damping and stiffness
-    std::vector<double> free_v;          // [nv] velocity without impulses; at the end of a step with them
-    std::vector<double> unforced;        // [nv] without them, until the next step
-    std::vector<double> mean;            // [nv] of old and new velocities
-    std::vector<double> none;            // [nv] zeros
-    std::vector<double> start_q;         // [nq] before it coasts
-    std::vector<double> root_D_inverse;  // [nv]
-    std::vector<double> impulse;         // [nv]
-    std::vector<double> displacement;    // [nv]
-    std::vector<int> limited;            // links with a limited freedom
-    std::vector<int> rubbed;             // freedoms with dry friction
-    std::vector<char> straight;          // [nv] whose chain is 0, 1, 2 ...
-    double round = 0;                    // m: radius of a free round body
-    bool free_body = false;              // one floating link
-    bool springs = false;
-    bool coasts = false;                // moves by its inertia after the forces have acted
-    std::vector<std::size_t> turning;   // freedoms that are angles
-    std::unique_ptr<Stepper> inertial;  // of the mechanism alone, for that
+    std::vector<double> v;                // [nv] velocity after the impacts
+    std::vector<double> extra;            // [nv] dt D + dt^2 K: implicit damping and stiffness added to the inertia
+    std::vector<double> free_v;           // [nv] velocity without impulses; after finish() with them
+    std::vector<double> unforced;         // [nv] velocity without impulses, kept for repeat()
+    std::vector<double> mean;             // [nv] mean of the old and new velocities
+    std::vector<double> zeros;            // [nv]
+    std::vector<double> start_q;          // [nq] positions before the inertial substeps
+    std::vector<double> sqrt_D_inverse;   // [nv] D^-1/2 of M' = L^T D L
+    std::vector<double> impulse;          // [nv] whitened impulse w, then its change of velocity
+    std::vector<double> displacement;     // [nv] m | rad: joint displacements from the neutral position
+    std::vector<int> limited_links;       // links whose joint has a limited DOF
+    std::vector<int> dry_friction_dofs;   // DOFs with dry friction
+    std::vector<char> contiguous_chain;   // [nv] 1: the chain of this DOF is 0, 1, 2 ...
+    double rolling_radius = 0;            // m: radius of a free round body; 0: not one
+    bool free_body = false;               // one floating link
+    bool springs = false;                 // a joint has a spring
+    bool is_inertial = false;             // this step ends with inertial substeps, which contain the velocity-dependent bias forces
+    std::vector<std::size_t> angle_dofs;  // DOFs that are angles
+    std::unique_ptr<Stepper> inertial;    // inertial substeps of this mechanism; null until first needed
     struct Loops {
       explicit Loops(const Mechanism& m);
       dynamics::ClosedLinks links;
       dynamics::LoopRows rows;
-      dynamics::Workspace ws;      // of closing positions
-      std::vector<double> basis;   // [rank * nv] orthonormal: what the loops forbid, whitened; [rows * nv] while it is made
-      std::vector<double> target;  // [rows]
-      std::vector<double> least;   // [rows] what their squares must exceed
-      std::vector<double> sparse;  // [3 * nv] rows on a chain before they are spread
+      dynamics::Workspace ws;       // for closing the positions
+      std::vector<double> basis;    // [rank * nv] orthonormal basis of the whitened loop rows; [rows * nv] during orthogonalisation
+      std::vector<double> target;   // [rows] required component of w along each basis vector
+      std::vector<double> minimum;  // [rows] squared row length below which the row is numerically zero
+      std::vector<double> sparse;   // [3 * nv] rows with entries on one chain only
       int rank = 0;
     };
-    std::unique_ptr<Loops> loops;  // of a mechanism with closed loops
+    std::unique_ptr<Loops> loops;  // null: the mechanism has no closed loop
   };
 
   std::vector<MechanismPtr> mechanisms_;
   StepperOptions options_;
-  bool coasting_ = false;  // inertial forces and loops only
+  bool inertial_only_ = false;  // for inertial substeps: no springs, dampers, limits or dry friction
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;
   CollisionImpulse impact_;
-  std::vector<LinkSystem> struck_systems_;
-  std::vector<double> struck_;  // [contacts] N s: normal impulse of the impact phase
+  std::vector<LinkSystem> impact_systems_;
+  std::vector<double> impact_impulses_;  // [contacts] N s: normal impulse of the impact phase
   WarmStart warm_;
-  StepReport begun_;  // of the last step(): what again() does not do anew
+  StepReport first_report_;  // report of the last step() before its solver ran; repeat() continues from it
   std::vector<Vec3> forces_;
   std::vector<Vec3> frames_;  // [contacts * 3] n, t1, t2
 };

@@ -1,4 +1,5 @@
-// A step without impulses: inertia, its factor, the inertial forces, and what turns too fast for one step.
+// Motion without contact impulses: the inertia and its factor, velocity-dependent bias forces, and inertial substeps of fast linked
+// systems.
 
 #include <algorithm>
 #include <cmath>
@@ -9,16 +10,18 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr double slow = 1e-3;        // rad | m in a step: what moves less needs no second look at its bias
-constexpr double enough = 0.01;      // change of the velocities from one look at the bias to the next, relative
-constexpr double most_change = 0.3;  // more of it, and there is no end to it
-constexpr double most_turn = 0.02;   // rad in a step: linked bodies that turn faster coast in parts of a step,
-constexpr double most_parts = 20;    // no more of them
+constexpr double min_motion = 1e-3;        // rad | m in a step: below it the bias force is not iterated
+constexpr double max_bias_change = 0.01;   // relative change of the velocities at which the iteration of the bias force has converged
+constexpr double divergence_change = 0.3;  // relative change at or above which that iteration counts as divergent
+// rad in a step: linked systems with a faster joint move in inertial substeps of at most this turn. With 0.1 rad the step takes a tenth
+// less time, but the kinetic energy of free chains changes by 50 % and more.
+constexpr double max_substep_turn = 0.02;
+constexpr double max_substeps = 20;  // bounds the cost; faster systems turn further than max_substep_turn in a substep
 
-/// What a free body's bias moment has to change by, so that the step takes it at the mean of old and new angular velocity:
+/// Correction [N m, body axes] of a free body's gyroscopic moment, so that the moment is evaluated at the mean angular velocity wm:
 ///   I (w' - w) = -dt wm x I wm,  wm = (w + w') / 2
-/// keeps the energy and the size of the angular momentum of a spinning body exactly, where the moment at w would spin it up. A body that
-/// turns by radians in a step, for which that may have no solution nearby, keeps its angular velocity.
+/// This midpoint rule conserves the kinetic energy and the magnitude of the angular momentum; the moment at w would increase both.
+/// For a body that turns by radians in a step the equation may have no solution near w; such a body keeps its angular velocity.
 Vec3 gyroscopic_correction(const Sym3& I, const Vec3& w, double dt) {
   const Mat3 M = I.matrix();
   Vec3 next = w;
@@ -33,9 +36,10 @@ Vec3 gyroscopic_correction(const Sym3& I, const Vec3& w, double dt) {
   return (solved ? moment : Vec3{}) - cross(w, M * w);
 }
 
-/// What a free body's bias has to change by where it turns by more than half a radian in a step and its frame is not at its centre: the
-/// force that carries the frame round the centre is then taken as its mean over the step, or the frame would fly off along its tangent.
-/// @return moment and force in the body's axes
+/// Correction of the bias of a free body whose frame is not at its centre of mass. It is zero below half a radian of rotation in a step.
+/// The centripetal force that turns the frame about the centre of mass is replaced by its mean over the step; the force at the beginning
+/// would let the frame leave along its tangent.
+/// @return moment [N m] and force [N], body axes
 Vec6 centripetal_correction(const Inertia& body, const Vec3& w, double dt) {
   if (!(dt * norm(w) > 0.5) || !(body.mass > 0)) return {};
   const Vec3 c = body.h / body.mass, turned = to_matrix(exp_map(w * dt)) * c;
@@ -45,14 +49,14 @@ Vec6 centripetal_correction(const Inertia& body, const Vec3& w, double dt) {
 
 }  // namespace
 
-/// rad: the greatest turn about a joint, or of a free base, in dt.
+/// rad: maximum rotation of a joint, or of a floating base, in dt at the velocities v.
 double Stepper::turn(std::size_t s, std::span<const double> v, double dt) const {
-  double most = 0;
-  for (const std::size_t f : scratch_[s].turning) most = std::max(most, std::fabs(v[f]) * dt);
-  return most;
+  double maximum = 0;
+  for (const std::size_t f : scratch_[s].angle_dofs) maximum = std::max(maximum, std::fabs(v[f]) * dt);
+  return maximum;
 }
 
-/// Inertia, its factor, and the velocity without impulses.
+/// Calculates the inertia, its factor, and the velocity without impulses.
 void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report) {
   const Mechanism& m = *mechanisms_[s];
   dynamics::Workspace& ws = workspaces_[s];
@@ -62,26 +66,26 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
   if (x.loops) dynamics::share_virtual_inertias(x.loops->links, ws);
   dynamics::calc_inertia_rows(m, ws);
   const bool servo = !system.servo_gain.empty();
-  for (std::size_t i = 0; i < n && !coasting_; ++i) {
-    x.extra[i] = dt * (ws.freedoms[i].damping + dt * ws.freedoms[i].stiffness);
+  for (std::size_t i = 0; i < n && !inertial_only_; ++i) {
+    x.extra[i] = dt * (ws.dofs[i].damping + dt * ws.dofs[i].stiffness);
     if (servo) x.extra[i] += dt * system.servo_gain[i];
   }
   if (const int bad = dynamics::factor(ws, x.extra); bad >= 0) {
     report.status = StepStatus::singular;
     report.system = static_cast<int>(s);
-    report.freedom = bad;
+    report.dof = bad;
     return;
   }
-  for (std::size_t i = 0; i < n; ++i) x.root_D_inverse[i] = std::sqrt(ws.D_inverse[i]);
-  if (!coasting_ && (x.springs || !x.limited.empty()))
+  for (std::size_t i = 0; i < n; ++i) x.sqrt_D_inverse[i] = std::sqrt(ws.D_inverse[i]);
+  if (!inertial_only_ && (x.springs || !x.limited_links.empty()))
     for (const Link& link : m.links()) joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);
   const bool linked = !x.free_body && n > 1;
-  x.coasts = linked && !coasting_ && turn(s, x.v, dt) > most_turn;
+  x.is_inertial = linked && !inertial_only_ && turn(s, x.v, dt) > max_substep_turn;
   const auto move = [&](std::span<const double> v) {
     dynamics::calc_inverse_dynamics(m, ws, system.q, v, {}, options_.gravity, system.external, x.free_v);
     move_freely(s, system, dt);
   };
-  if (x.coasts) return move(x.none);  // the inertial forces come with coast()
+  if (x.is_inertial) return move(x.zeros);  // bias at zero velocity; integrate_inertially() adds the inertial forces
   dynamics::calc_inverse_dynamics(m, ws, {}, options_.gravity, system.external, x.free_v);
   if (x.free_body) {
     const Vec3 w{x.v[0], x.v[1], x.v[2]};
@@ -96,14 +100,14 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
   }
   move_freely(s, system, dt);
   if (!linked) return;
-  // Linked bodies: the bias at the mean of old and new velocities. Taken at the old ones it adds energy in every step, and chains that
-  // nothing damps whirl ever faster.
+  // Linked bodies: iterate until the bias is evaluated at the mean of the old and new velocities. At the old velocities alone it adds
+  // energy in every step, and undamped chains spin ever faster.
   double change = 0;
-  for (int round = 0; round < 2; ++round) {
+  for (int iteration = 0; iteration < 2; ++iteration) {
     double fastest = 0;
     for (std::size_t i = 0; i < n; ++i) fastest = std::max({fastest, std::fabs(x.v[i]), std::fabs(x.free_v[i])});
-    if (fastest * dt < slow) return;
-    x.unforced = x.free_v;  // of the look before; what stays in it is set after this
+    if (fastest * dt < min_motion) return;
+    x.unforced = x.free_v;  // temporary use: velocities of the previous iteration; step() sets `unforced` afterwards
     for (std::size_t i = 0; i < n; ++i) x.mean[i] = 0.5 * (x.v[i] + x.free_v[i]);
     move(x.mean);
     double changed = 0, size = 0;
@@ -113,21 +117,22 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
       size += (x.v[i] * x.v[i] + x.free_v[i] * x.free_v[i]) / ws.D_inverse[i];
     }
     change = changed / size;
-    if (change < enough * enough) return;
+    if (change < max_bias_change * max_bias_change) return;
   }
-  if (!(change < most_change * most_change)) move(x.none);  // too fast: the joints keep their velocities
+  if (!(change < divergence_change * divergence_change))
+    move(x.zeros);  // no convergence: omit the velocity-dependent bias, so that the joints keep their velocities
 }
 
-/// free_v: from the bias to the velocity without impulses.
+/// Replaces the bias force in free_v by the velocity without impulses.
 void Stepper::move_freely(std::size_t s, const StepSystem& system, double dt) {
   const dynamics::Workspace& ws = workspaces_[s];
   SystemScratch& x = scratch_[s];
   const bool servo = !system.servo_gain.empty();
   for (std::size_t i = 0; i < x.v.size(); ++i) {
-    const Freedom& f = ws.freedoms[i];
+    const Dof& f = ws.dofs[i];
     double passive = 0;
-    if (!coasting_) passive += f.damping * x.v[i];
-    if (!coasting_ && f.stiffness > 0) passive += f.stiffness * (x.displacement[i] - f.rest + dt * x.v[i]);
+    if (!inertial_only_) passive += f.damping * x.v[i];
+    if (!inertial_only_ && f.stiffness > 0) passive += f.stiffness * (x.displacement[i] - f.rest + dt * x.v[i]);
     if (servo) passive += system.servo_gain[i] * (x.v[i] - system.servo_velocity[i]);
     x.free_v[i] = dt * (system.tau[i] - x.free_v[i] - passive);
   }
@@ -136,29 +141,31 @@ void Stepper::move_freely(std::size_t s, const StepSystem& system, double dt) {
   if (x.loops) solve_loops(s, system, dt);
 }
 
-/// Linked bodies that turn by much in a step: all forces have acted, and what is left of the step they move by inertia alone, in
-/// smaller steps. @return false where one step will do
-bool Stepper::coast(std::size_t s, StepSystem& system, double dt, StepReport& report) {
+/// Moves a fast linked system through the step in inertial substeps. Its velocity already contains the effect of all forces of the step;
+/// only inertial forces and loops act in the substeps.
+/// @return false if the system is slow enough for a single step, or if a substep failed (q and v are then those before the
+/// substeps)
+bool Stepper::integrate_inertially(std::size_t s, StepSystem& system, double dt, StepReport& report) {
   SystemScratch& x = scratch_[s];
   const double turned = turn(s, system.v, dt);
-  if (coasting_ || x.free_body || x.v.size() < 2 || !(x.coasts || turned > most_turn)) return false;
+  if (inertial_only_ || x.free_body || x.v.size() < 2 || !(x.is_inertial || turned > max_substep_turn)) return false;
   if (!x.inertial) {
     StepperOptions options = options_;
     options.gravity = {};
     x.inertial = std::make_unique<Stepper>(std::vector<MechanismPtr>{mechanisms_[s]}, options);
-    x.inertial->coasting_ = true;
+    x.inertial->inertial_only_ = true;
   }
-  const double parts = std::clamp(std::ceil(turned / most_turn), 1.0, most_parts);
+  const double substeps = std::clamp(std::ceil(turned / max_substep_turn), 1.0, max_substeps);
   std::ranges::copy(system.q, x.start_q.begin());
-  StepSystem alone{system.q, system.v, x.none, {}, {}, {}};
-  for (int k = 0; k < static_cast<int>(parts); ++k) {
-    const StepReport part = x.inertial->step(std::span(&alone, 1), {}, dt / parts);
-    if (part.status != StepStatus::ok) {  // straight on instead: what is wrong will be told by the next step
+  StepSystem alone{system.q, system.v, x.zeros, {}, {}, {}};
+  for (int k = 0; k < static_cast<int>(substeps); ++k) {
+    const StepReport substep = x.inertial->step(std::span(&alone, 1), {}, dt / substeps);
+    if (substep.status != StepStatus::ok) {  // fall back to a single step; the next step reports the error if it persists
       std::ranges::copy(x.start_q, system.q.begin());
       std::ranges::copy(x.free_v, system.v.begin());
       return false;
     }
-    report.loop_gap = std::max(report.loop_gap, part.loop_gap);
+    report.loop_gap = std::max(report.loop_gap, substep.loop_gap);
   }
   return true;
 }

@@ -1,7 +1,7 @@
-// The loops of closed link systems in a step: rows without a sign, eliminated exactly before contacts are solved.
+// The loops of closed link systems in a step: equality constraints, eliminated exactly before contacts are solved.
 //
-// Whitened, an impulse of the loops moves w along their rows. With an orthonormal basis Q of these rows the loops ask Q w = c; so
-// w = Q^T c + (1 - Q^T Q) w, and every other row y acts through what is left of it, y (1 - Q^T Q).
+// Loop impulses change the whitened velocity w (velocity_solver.h) along the whitened loop rows. Let the rows of Q be an orthonormal basis
+// of these rows. The loops require Q w = c, so w = Q^T c + (1 - Q^T Q) w. Every other row y acts through its projection y (1 - Q^T Q).
 
 #include <algorithm>
 #include <cmath>
@@ -14,11 +14,14 @@ Stepper::SystemScratch::Loops::Loops(const Mechanism& m) : links(m), rows(m.loop
   const auto n = static_cast<std::size_t>(m.nv()), count = static_cast<std::size_t>(rows.count());
   basis.resize(count * n);
   target.resize(count);
-  least.resize(count);
+  minimum.resize(count);
   sparse.resize(3 * n);
 }
 
-/// One row of a loop, whitened. @param terms what its square would be if all directions agreed @return its velocity without impulses
+/// Calculates one whitened row of a loop.
+/// @param y      [nv, out] whitened row
+/// @param terms  [out] sum of the squares of all contributions to y: an upper scale of y . y, used to detect rows that are only rounding
+/// @return m/s | rad/s: velocity along the row without impulses
 double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms) {
   const dynamics::Workspace& ws = workspaces_[s];
   SystemScratch& x = scratch_[s];
@@ -34,17 +37,15 @@ double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int ro
       const auto f = static_cast<std::size_t>(chain[k]);
       part[k] = entry(chain[k]);
       u += part[k] * x.free_v[f];
-      terms += x.root_D_inverse[f] * x.root_D_inverse[f] * square(chain[k]);
+      terms += x.sqrt_D_inverse[f] * x.sqrt_D_inverse[f] * square(chain[k]);
     }
     whiten(s, last, part);
     for (std::size_t k = 0; k < length; ++k) y[static_cast<std::size_t>(chain[k])] += part[k];
   };
   if (loop.type == LoopType::gear) {
     const double slope = x.loops->rows.slope[static_cast<std::size_t>(index)];
-    add(loop.freedom_a, [&](int f) { return f == loop.freedom_a ? 1.0 : 0.0; }, [&](int f) { return f == loop.freedom_a ? 1.0 : 0.0; });
-    add(
-        loop.freedom_b, [&](int f) { return f == loop.freedom_b ? -slope : 0.0; },
-        [&](int f) { return f == loop.freedom_b ? slope * slope : 0.0; });
+    add(loop.dof_a, [&](int f) { return f == loop.dof_a ? 1.0 : 0.0; }, [&](int f) { return f == loop.dof_a ? 1.0 : 0.0; });
+    add(loop.dof_b, [&](int f) { return f == loop.dof_b ? -slope : 0.0; }, [&](int f) { return f == loop.dof_b ? slope * slope : 0.0; });
   } else {
     const Vec6 w = x.loops->rows.W[static_cast<std::size_t>(row)];
     const auto last = [&](int link) { return link < 0 ? -1 : ws.link_chain[static_cast<std::size_t>(link)]; };
@@ -59,9 +60,9 @@ double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int ro
   return u;
 }
 
-/// The basis, by Gram-Schmidt with the longest row first, and the velocity without impulses made such that the loops close. Rows that no
-/// joint moves, and what is left of rows that follow from others, are rounding: each loop is its own measure of it, since the next may
-/// be as light as a watch.
+/// Calculates the orthonormal basis of the loop rows (Gram-Schmidt, longest row first) and changes free_v so that the loops close.
+/// Rows that no joint moves, and remainders of dependent rows, are rounding and left out. Their threshold is calculated for each loop
+/// separately, because the loops of one mechanism may differ in mass by many orders of magnitude.
 void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
   SystemScratch& x = scratch_[s];
   SystemScratch::Loops& loops = *x.loops;
@@ -77,42 +78,42 @@ void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!loops.links.is_closed(static_cast<int>(i))) continue;
-    double greatest[2] = {};  // positions, rotations
-    const auto kind = [&](int k) -> double& { return greatest[k < position_row_count(all[i].type) ? 0 : 1]; };
+    double maximum[2] = {};  // maximum squared length of the position rows and of the rotation rows
+    const auto kind = [&](int k) -> double& { return maximum[k < position_row_count(all[i].type) ? 0 : 1]; };
     for (int k = 0; k < all[i].rows(); ++k) {
       const auto r = count + static_cast<std::size_t>(k);
       const int at = loops.rows.first[i] + k;
-      const double u = make_loop_row(s, all[i], static_cast<int>(i), at, row(r), loops.least[r]);
-      loops.least[r] *= dynamics::immobile_row;
-      // gaps are closed after the step, so that a mechanism that begins open does not fly together
+      const double u = make_loop_row(s, all[i], static_cast<int>(i), at, row(r), loops.minimum[r]);
+      loops.minimum[r] *= dynamics::immobile_row;
+      // Bounded: a mechanism whose loops are open at the start must not close them at a high speed. Positions are closed after the step.
       const double closing =
           std::clamp(loops.rows.gap[static_cast<std::size_t>(at)] / dt, -options_.recovery_speed, options_.recovery_speed);
       loops.target[r] = -(u + closing);
       kind(k) = std::max(kind(k), product(row(r), row(r)));
     }
     for (int k = 0; k < all[i].rows(); ++k, ++count)
-      loops.least[count] = std::max(loops.least[count], dynamics::dependent_correction * 1e-4 * kind(k));
+      loops.minimum[count] = std::max(loops.minimum[count], dynamics::dependent_correction * 1e-4 * kind(k));
   }
   std::ranges::fill(x.impulse, 0.0);
   std::size_t rank = 0;
   for (; rank < count; ++rank) {
     std::size_t best = rank;
-    double most = 0;
+    double maximum = 0;
     for (std::size_t k = rank; k < count; ++k)
-      if (const double square = product(row(k), row(k)); square > most && square > loops.least[k]) {
-        most = square;
+      if (const double square = product(row(k), row(k)); square > maximum && square > loops.minimum[k]) {
+        maximum = square;
         best = k;
       }
-    if (!(most > 0)) break;  // the rest follow from these
+    if (!(maximum > 0)) break;  // all remaining rows depend on those in the basis
     std::ranges::swap_ranges(row(rank), row(best));
     std::swap(loops.target[rank], loops.target[best]);
-    std::swap(loops.least[rank], loops.least[best]);
+    std::swap(loops.minimum[rank], loops.minimum[best]);
     const auto remove = [&](std::size_t from, std::size_t k) {
       const double part = product(row(k), row(from));
       for (std::size_t e = 0; e < n; ++e) row(from)[e] -= part * row(k)[e];
       loops.target[from] -= part * loops.target[k];
     };
-    for (std::size_t k = 0; k < rank; ++k) remove(rank, k);  // once more: rounding of short rows
+    for (std::size_t k = 0; k < rank; ++k) remove(rank, k);  // repeated orthogonalisation removes the rounding of short rows
     const double inverse = 1 / std::sqrt(product(row(rank), row(rank)));
     for (double& e : row(rank)) e *= inverse;
     loops.target[rank] *= inverse;
@@ -123,7 +124,8 @@ void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
   add_impulses(s);
 }
 
-/// The last segment: rows on a chain become rows on all freedoms, without what the loops forbid.
+/// Writes the last segment of the solver: rows with entries on one chain become rows on all DOFs, projected onto what the loops allow.
+/// @param row [rows * chain length] whitened rows on the chain of DOF `last`
 void Stepper::spread_over_loops(std::size_t s, int last, int rows, const double* row) {
   const dynamics::Workspace& ws = workspaces_[s];
   const SystemScratch::Loops& loops = *scratch_[s].loops;

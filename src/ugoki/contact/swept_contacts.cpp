@@ -7,7 +7,8 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr std::uint64_t ground_index = (1U << 20) - 1, first_feature = 0xffff00;  // as find_contacts makes its keys
+// Parts of a contact key in the layout of collision::find_contacts(): the index for the ground, and the first feature of swept contacts.
+constexpr std::uint64_t ground_index = (1U << 20) - 1, first_feature = 0xffff00;
 
 }  // namespace
 
@@ -44,7 +45,8 @@ SweptContacts::Side SweptContacts::side_at(int system, int link, std::span<const
   return out;
 }
 
-/// The contact points at the impact: all of a blade that meets a plate flat, and at least the one that was found.
+/// Sets points_ to the contact manifold at the impact (several points if a blade meets a plate flat), or else to the point found by the
+/// search.
 void SweptContacts::find_points(const collision::SceneImpact& impact, const Side& a, const Side& b, double margin) {
   const collision::SceneShape& shape_a = scene_->shapes()[static_cast<std::size_t>(impact.shape_a)];
   const Pose X_a = a.then * shape_a.shape.X_BS;
@@ -61,10 +63,10 @@ void SweptContacts::find_points(const collision::SceneImpact& impact, const Side
 
 int SweptContacts::add(std::span<const collision::SystemMotion> systems, std::span<const std::span<const Pose>> X_WB, double dt,
                        double margin, std::vector<collision::ContactPoint>& contacts) {
-  constexpr int most = 32;
+  constexpr int maximum = 32;
   motions_.assign(systems.begin(), systems.end());
   int added = 0;
-  while (added < most) {
+  while (added < maximum) {
     const collision::SceneImpact impact = search_.find(motions_, dt, 0.5 * margin);
     if (impact.status != collision::ImpactStatus::impact && impact.status != collision::ImpactStatus::not_converged) break;
     collision::ContactPoint c = impact.contact;
@@ -81,13 +83,14 @@ int SweptContacts::add(std::span<const collision::SystemMotion> systems, std::sp
       c.p = by_a ? on_a : on_b;
       c.n = point.n;
       const Vec3 v = velocity(a, c.p) - velocity(b, c.p);
-      if (dot(c.n, v) > -0.5 * norm(v)) c.n = by_a ? a.back_with(point.n) : b.back_with(point.n);  // it turns far within the step
+      // If the body rotates far within the step, the normal at the impact is not opposed to the present velocity: rotate it back as well.
+      if (dot(c.n, v) > -0.5 * norm(v)) c.n = by_a ? a.back_with(point.n) : b.back_with(point.n);
       c.distance = std::max(point.distance - impact.time * dot(c.n, v), 0.0);
       c.key = (static_cast<std::uint64_t>(impact.shape_a) << 44) | (shape_b << 24) | (first_feature + static_cast<std::uint64_t>(i));
       contacts.push_back(c);
     }
     ++added;
-    // The next impact is that of others.
+    // Freeze these two systems, so that the next search finds an impact of other systems.
     bool moved = false;
     for (const int at : {c.system_a, c.system_b}) {
       if (at < 0) continue;

@@ -1,12 +1,13 @@
 #pragma once
-// Contacts that things too fast for the margin of collision analysis will make within a step: a kicked ball, a sword.
+// Swept contacts: contacts that a body reaches within a step although it is still further away than the margin of collision analysis
+// (a kicked ball, a sword).
 //
-// Conservative advancement (collision/advancement.h) finds when two bodies touch, at time t, and the contact points of that moment are
-// carried back to where they are now. With u the velocity at which such a point opens now, its distance is
-//   d = d(t) - t u,
-// so that velocities v' = (t / dt) v, which lead exactly to the impact however far the bodies turn, are those that the stepper, which asks
-// for d + dt u' >= 0, just lets through. An impact with restitution takes place within the step. Only what is really hit gives a
-// contact: nothing bounces off the continued plane of a plate that it flies past.
+// Conservative advancement (collision/advancement.h) finds the time t [s] at which two bodies touch. The contact points of that time are
+// mapped back to their present positions on the bodies. Let u [m/s] be the present separation velocity of such a point. Its distance is
+//   d = d(t) - t u
+// The stepper requires d + dt u' >= 0. This admits exactly the velocities v' = (t / dt) v, with which the bodies just reach the impact,
+// however far they rotate. An impact with restitution takes place within the step. A contact is added only for a real impact, so that a
+// body does not bounce off the extended plane of a plate that it misses.
 
 #include <memory>
 #include <span>
@@ -18,24 +19,28 @@
 
 namespace ugoki::contact {
 
+/// Finds the first impact of every system within a step and adds its contact points.
 class SweptContacts {
  public:
-  /// The scene must outlive it.
+  /// Keeps a pointer to the scene, which must outlive this object.
   explicit SweptContacts(const collision::Scene& scene);
 
-  /// Adds the first impact of every system within the step to what find_contacts() has found with the same margin.
-  /// @param X_WB [systems][links] m, world: at the beginning
-  /// No allocation but at a system's first impact.
-  /// @return impacts found
+  /// Adds the contact points of the first impact of every system within the step.
+  /// @param X_WB     [systems][links] poses in the world at the beginning of the step
+  /// @param margin   m: the margin with which find_contacts() was called
+  /// @param contacts [in, out] contacts from find_contacts(); the new ones are appended
+  /// @return number of impacts found, at most 32
+  /// Allocates only at the first impact of each system, and when the number of contacts grows.
   int add(std::span<const collision::SystemMotion> systems, std::span<const std::span<const Pose>> X_WB, double dt, double margin,
           std::vector<collision::ContactPoint>& contacts);
 
  private:
-  /// A system at the present and at the impact.
+  /// One body of an impact: its pose at the beginning of the step (now) and at the impact (then).
   struct Side {
     int system = -1;
     int link = 0;
     Pose now, then;
+    /// Maps a world point of the body at the impact to its present world position; back_with() does so for a direction.
     [[nodiscard]] Vec3 back(const Vec3& p) const { return system < 0 ? p : now * (then.inverse() * p); }
     [[nodiscard]] Vec3 back_with(const Vec3& n) const { return system < 0 ? n : now.R * transpose_times(then.R, n); }
   };
@@ -46,9 +51,9 @@ class SweptContacts {
   collision::ImpactSearch search_;
   std::vector<collision::SystemMotion> motions_;
   std::vector<double> still_;                                     // zeros
-  std::vector<double> q_;                                         // of one system at the impact
-  std::vector<Pose> X_;                                           // [links] of it
-  std::vector<std::unique_ptr<dynamics::Workspace>> kinematics_;  // [systems] those that ever met something
+  std::vector<double> q_;                                         // [nq] coordinates, at the time of its impact, of the system whose contact points are being computed
+  std::vector<Pose> X_;                                           // [links] poses of this system at the same time
+  std::vector<std::unique_ptr<dynamics::Workspace>> kinematics_;  // [systems] null until the first impact of the system
   collision::ManifoldWorkspace work_;
   collision::Manifold points_;
 };

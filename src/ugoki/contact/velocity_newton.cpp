@@ -1,9 +1,10 @@
-// Newton's method on an island's velocities: for fixed p^,
+// Newton's method on the whitened velocities w of an island (velocity_solver.h). For fixed p^ it solves
 //   F(w) = w - sum Y^T p(u(w)) = 0,   p = the law's projection of p^ - u / R   (augmented Lagrangian, p^ = the last impulses)
-// where R, a small part of each block's own inverse inertia, only sets how fast p^ converges: at the solution p = p^ it drops out.
-// In a part of an island w is less what the impulses of the other blocks, which are held, have made of it.
-// H = 1 + sum Y^T G Y with G = -dp/du, the coupling of a sliding contact's friction to its normal impulse left out, so that H is
-// symmetric and positive.
+// R is a small fraction of each block's own inverse inertia. It only sets how fast p^ converges; at the solution p = p^ it cancels.
+// If only a subset of an island's systems is solved, w in F is reduced by the contribution of the blocks outside it, whose impulses are
+// constant.
+// H = dF/dw = 1 + sum Y^T G Y with G = -dp/du. The coupling of a sliding contact's friction to its normal impulse is left out, so that H is
+// symmetric and positive definite.
 
 #include <algorithm>
 #include <cmath>
@@ -12,18 +13,21 @@
 
 namespace ugoki::contact {
 namespace {
-constexpr double first_part = 1e-2, last_part = 1e-6;  // R as part of a block's inverse inertia, from update to update of p^
-constexpr int most_updates = 8;
+// R relative to a block's inverse inertia: at first, and its minimum. It becomes a tenth after each update of p^.
+constexpr double first_regularization = 1e-2, min_regularization = 1e-6;
+constexpr int max_updates = 8;
 }  // namespace
 
-/// Row of the matrix for entry e of a segment: a system's deepest freedoms come first, so that branches do not fill each other.
-int VelocitySolver::place(const RowSegment& x, int e) const {
+/// Row of H for entry e of a segment. The DOFs deepest in a system's tree have the lowest rows, so that branches cause no fill-in between
+/// them.
+int VelocitySolver::matrix_row(const RowSegment& x, int e) const {
   const auto s = static_cast<std::size_t>(x.system);
   return local_[s] + first_[s + 1] - first_[s] - 1 - (x.index ? x.index[e] : e);
 }
 
-/// Breadth-first order of the island's systems from the one that a first search reached last (Cuthill-McKee), and the envelope.
-/// @return false if so many of Newton's steps would cost more than is left of the budget
+/// Orders the island's systems breadth-first, from the system that a first search reaches last (Cuthill-McKee), and sizes the envelope of
+/// H.
+/// @return false if `steps` Newton steps would cost more than budget_
 bool VelocitySolver::order_systems(const Island& island, int steps) {
   const auto segment = [&](const RowBlock& b, int k) -> const RowSegment& {
     return segments_[static_cast<std::size_t>(b.first_segment + k)];
@@ -55,7 +59,7 @@ bool VelocitySolver::order_systems(const Island& island, int steps) {
     neighbours_[static_cast<std::size_t>(--neighbour_first_[static_cast<std::size_t>(y)])] = x;
   }
   for (const int s : members) local_[static_cast<std::size_t>(s)] = -1;
-  // Appends all that hang together with `from` to queue_. @return its end
+  // Appends all systems connected with `from` to queue_. @return the end of the queue
   const auto search = [&](int from, std::size_t head) {
     std::size_t tail = head;
     queue_[tail++] = from;
@@ -72,7 +76,7 @@ bool VelocitySolver::order_systems(const Island& island, int steps) {
     return tail;
   };
   std::size_t ordered = 0;
-  for (const int s : members) {  // one round, unless only a part of an island is taken
+  for (const int s : members) {  // one iteration for a complete island; a subset may be disconnected
     if (local_[static_cast<std::size_t>(s)] >= 0) continue;
     const std::size_t end = search(s, ordered);
     for (std::size_t k = ordered; k < end; ++k) local_[static_cast<std::size_t>(queue_[k])] = -1;
@@ -90,11 +94,11 @@ bool VelocitySolver::order_systems(const Island& island, int steps) {
   for (int i = 0; i < island.blocks; ++i) {
     const RowBlock& b = block(i);
     int low = n;
-    for (int k = 0; k < b.segments; ++k)  // a chain's deepest freedom comes first
-      low = std::min(low, place(segment(b, k), segment(b, k).length - 1));
+    for (int k = 0; k < b.segments; ++k)  // a chain's deepest DOF has its lowest row
+      low = std::min(low, matrix_row(segment(b, k), segment(b, k).length - 1));
     for (int k = 0; k < b.segments; ++k)
       for (int e = 0; e < segment(b, k).length; ++e) {
-        int& lowest = lowest_[static_cast<std::size_t>(place(segment(b, k), e))];
+        int& lowest = lowest_[static_cast<std::size_t>(matrix_row(segment(b, k), e))];
         lowest = std::min(lowest, low);
       }
   }
@@ -116,10 +120,10 @@ bool VelocitySolver::order_systems(const Island& island, int steps) {
   return true;
 }
 
-/// The impulse that the law gives at velocity u, and G. @return what the block adds to the merit
+/// Calculates the impulse p of the block's law at velocity u, and G = -dp/du [9, row by row]. @return the block's term of the merit
 double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p, double* G) const {
   const double* hat = hat_.data() + b.row;
-  // |p| <= radius, all directions alike
+  // The law |p| <= radius, isotropic, for `count` rows from `first` on.
   const auto ball = [&](int first, int count, double R, double radius) {
     double x[3], square = 0;
     for (int r = 0; r < count; ++r) {
@@ -138,15 +142,16 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
   };
   switch (b.kind) {
     case RowKind::contact: {
-      const double soft = softness_ * b.B[0], R = part_ * b.B[0], Rn = R + soft, Rt = part_ * std::max(b.B[1], b.B[2]);
-      const double xn = R * hat[0] - u[0] - lag_[static_cast<std::size_t>(b.row)];
+      const double soft = softness_ * b.B[0], R = regularization_ * b.B[0], Rn = R + soft, Rt = regularization_ * std::max(b.B[1], b.B[2]);
+      const double xn = R * hat[0] - u[0] - saxce_[static_cast<std::size_t>(b.row)];
       std::fill_n(G, 9, 0.0);
-      if (b.struck > 0) {  // the cone's tip lies elsewhere: radius of the last impulses
+      // After an impact the friction cone includes its impulse, so that the tip is not at p = 0: use the disk radius of the last impulses.
+      if (b.impact_impulse > 0) {
         p[0] = std::max(0.0, xn / Rn);
         G[0] = p[0] > 0 ? 1 / Rn : 0;
-        return 0.5 * Rn * p[0] * p[0] + ball(1, 2, Rt, b.mu * (hat[0] + b.struck));
+        return 0.5 * Rn * p[0] * p[0] + ball(1, 2, Rt, b.mu * (hat[0] + b.impact_impulse));
       }
-      // In the metric of R: projection onto the cone |y_t| <= m y_n
+      // Projection onto the cone |y_t| <= m y_n in the metric of R.
       const double root_n = std::sqrt(Rn), root_t = std::sqrt(Rt), m = b.mu * root_t / root_n;
       const double yn = xn / root_n, y1 = (Rt * hat[1] - u[1]) / root_t, y2 = (Rt * hat[2] - u[2]) / root_t;
       const double yt = std::sqrt(y1 * y1 + y2 * y2);
@@ -176,41 +181,41 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
       return 0.5 * (1 + m * m) * qn * qn;
     }
     case RowKind::limit: {
-      const double R = part_ * b.B[0];
+      const double R = regularization_ * b.B[0];
       p[0] = std::max(0.0, hat[0] - u[0] / R);
       G[0] = p[0] > 0 ? 1 / R : 0;
       return 0.5 * R * p[0] * p[0];
     }
-    case RowKind::friction: return ball(0, 1, part_ * b.B[0], b.bound);
+    case RowKind::friction: return ball(0, 1, regularization_ * b.B[0], b.bound);
     case RowKind::roll: {
-      const RowBlock& leader = blocks_[static_cast<std::size_t>(b.leader)];
-      const double normal = hat_[static_cast<std::size_t>(leader.row)];
-      return ball(0, 3, part_ * std::max({b.B[0], b.B[1], b.B[2]}), b.mu * (normal + leader.struck));
+      const RowBlock& contact_block = blocks_[static_cast<std::size_t>(b.contact_block)];
+      const double normal = hat_[static_cast<std::size_t>(contact_block.row)];
+      return ball(0, 3, regularization_ * std::max({b.B[0], b.B[1], b.B[2]}), b.mu * (normal + contact_block.impact_impulse));
     }
   }
   return 0;
 }
 
-/// What is fixed while Newton's method runs: p^, and for sliding contacts mu |u_t|, which makes the symmetric law (its cone
-/// would let them rise) Coulomb's (de Saxce).
+/// Sets the quantities that stay fixed during minimise(): p^, and for sliding contacts the shift mu |u_t| of the normal velocity (de
+/// Saxce). With this shift the symmetric cone law equals Coulomb's law; without it sliding contacts would separate.
 void VelocitySolver::fix_law(const Island& island) {
   hat_ = p_;
-  lag_.resize(p_.size());
+  saxce_.resize(p_.size());
   for (int i = 0; i < island.blocks; ++i) {
     const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
     if (b.kind != RowKind::contact) continue;
     const double* p = p_.data() + b.row;
-    double& lag = lag_[static_cast<std::size_t>(b.row)];
-    lag = 0;
+    double& saxce = saxce_[static_cast<std::size_t>(b.row)];
+    saxce = 0;
     const double cone = 0.999 * b.mu * p[0];
-    if (b.struck > 0 || p[1] * p[1] + p[2] * p[2] < cone * cone) continue;
+    if (b.impact_impulse > 0 || p[1] * p[1] + p[2] * p[2] < cone * cone) continue;
     double u[3];
     velocities(b, u);
-    lag = b.mu * std::sqrt(u[1] * u[1] + u[2] * u[2]);
+    saxce = b.mu * std::sqrt(u[1] * u[1] + u[2] * u[2]);
   }
 }
 
-/// H += Y^T G Y of one block, lower triangle.
+/// H += Y^T G Y of one block; lower triangle only.
 void VelocitySolver::add_to_matrix(const RowBlock& b, const double* G) {
   const int n = b.rows;
   for (int sa = 0; sa < b.segments; ++sa) {
@@ -221,23 +226,23 @@ void VelocitySolver::add_to_matrix(const RowBlock& b, const double* G) {
       const double* const X = rows_.data() + x.offset;
       const double* const Y = rows_.data() + y.offset;
       for (int e = 0; e < x.length; ++e) {
-        const int row = place(x, e);
+        const int row = matrix_row(x, e);
         double* const H = H_.data() + start_[static_cast<std::size_t>(row)] - lowest_[static_cast<std::size_t>(row)];
         if (!y.index && n == 3) {
           const double x0 = X[e], x1 = X[x.length + e], x2 = X[2 * x.length + e];
           const double g0 = x0 * G[0] + x1 * G[3] + x2 * G[6], g1 = x0 * G[1] + x1 * G[4] + x2 * G[7],
                        g2 = x0 * G[2] + x1 * G[5] + x2 * G[8];
-          double* const last = H + place(y, 0);  // freedom f stands f places before
+          double* const last = H + matrix_row(y, 0);  // the entry of DOF f is f columns before this one
           const double* const Y1 = Y + y.length;
           const double* const Y2 = Y1 + y.length;
-          for (int f = std::max(place(y, 0) - row, 0); f < y.length; ++f) last[-f] += g0 * Y[f] + g1 * Y1[f] + g2 * Y2[f];
+          for (int f = std::max(matrix_row(y, 0) - row, 0); f < y.length; ++f) last[-f] += g0 * Y[f] + g1 * Y1[f] + g2 * Y2[f];
           continue;
         }
         double g[3] = {0, 0, 0};
         for (int c = 0; c < n; ++c)
           for (int r = 0; r < n; ++r) g[c] += X[r * x.length + e] * G[3 * r + c];
         for (int f = 0; f < y.length; ++f) {
-          const int column = place(y, f);
+          const int column = matrix_row(y, f);
           if (column > row) continue;
           for (int c = 0; c < n; ++c) H[column] += g[c] * Y[c * y.length + f];
         }
@@ -246,7 +251,7 @@ void VelocitySolver::add_to_matrix(const RowBlock& b, const double* G) {
   }
 }
 
-/// F, and G of each block. @return the merit, whose gradient is F: |w|^2 / 2 + what the blocks add
+/// Calculates F, and p and G of each block. @return the merit |w|^2 / 2 + sum of the blocks' terms; its gradient is F
 double VelocitySolver::assemble(const Island& island) {
   for (int k = 0; k < island.systems; ++k) {
     const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
@@ -267,13 +272,13 @@ double VelocitySolver::assemble(const Island& island) {
       const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + s)];
       for (int r = 0; r < b.rows; ++r)
         for (int e = 0; e < x.length; ++e)
-          F_[static_cast<std::size_t>(place(x, e))] -= rows_[static_cast<std::size_t>(x.offset + r * x.length + e)] * p[r];
+          F_[static_cast<std::size_t>(matrix_row(x, e))] -= rows_[static_cast<std::size_t>(x.offset + r * x.length + e)] * p[r];
     }
   }
   return merit;
 }
 
-/// H from what assemble() found.
+/// Calculates H from the G of assemble().
 void VelocitySolver::assemble_matrix(const Island& island) {
   std::ranges::fill(H_, 0.0);
   for (std::size_t i = 0; i < F_.size(); ++i) H_[start_[i] + i - static_cast<std::size_t>(lowest_[i])] = 1;
@@ -284,7 +289,7 @@ void VelocitySolver::assemble_matrix(const Island& island) {
   }
 }
 
-/// w from the impulses; the next sweep solves every block of the island.
+/// Recalculates w from the impulses and marks all blocks of the island, so that the next sweep solves each of them.
 void VelocitySolver::recompute_w(const Island& island) {
   const auto each_system = [&](auto&& visit) {
     for (int k = 0; k < island.systems; ++k) {
@@ -301,16 +306,16 @@ void VelocitySolver::recompute_w(const Island& island) {
   for (int i = 0; i < island.blocks; ++i) {
     RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
     apply(b, p_.data() + b.row);
-    b.seen = -HUGE_VAL;
+    b.solved_motion = -HUGE_VAL;
   }
   each_system([&](std::size_t s, std::size_t begin, std::size_t end) {
     double square = 0;
     for (std::size_t e = begin; e < end; ++e) square += (w_[e] - scratch_w_[e]) * (w_[e] - scratch_w_[e]);
-    moved_[s] += std::sqrt(square);
+    motion_[s] += std::sqrt(square);
   });
 }
 
-/// step_ = H^-1 F; H becomes its factor, with inverted diagonal.
+/// step_ = H^-1 F. Replaces H by its Cholesky factor with inverted diagonal.
 void VelocitySolver::solve_newton() {
   const std::size_t n = F_.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -340,7 +345,8 @@ void VelocitySolver::solve_newton() {
   }
 }
 
-/// Minimises the merit from w on, with p^ and the lags fixed; p becomes the law's. @return steps taken
+/// Minimises the merit, starting from w, with p^ and the de Saxce shifts fixed; sets p to the law's impulses. @return number of Newton
+/// steps
 int VelocitySolver::minimise(const Island& island) {
   const int limit = static_cast<int>(std::min(12.0, budget_ / cost_));
   const auto each_w = [&](auto&& visit) {
@@ -355,7 +361,7 @@ int VelocitySolver::minimise(const Island& island) {
     budget_ -= cost_;
     assemble_matrix(island);
     solve_newton();
-    double slope = 0;  // of the merit along the step, negated
+    double slope = 0;  // negative slope of the merit along the step
     for (std::size_t i = 0; i < F_.size(); ++i) slope += F_[i] * step_[i];
     if (!(slope > 1e-26)) return steps;
     each_w([&](double& w, std::size_t at) { old_w_[at] = w; });
@@ -371,14 +377,16 @@ int VelocitySolver::minimise(const Island& island) {
   return limit;
 }
 
-/// Improves p and w. @param change of velocities in the last sweep; @param part blocks outside act on the island's systems
-/// @return steps taken. Where they did not lead anywhere better, p and w are as before
-int VelocitySolver::newton(const Island& island, bool part, double change, double tolerance) {
+/// Improves p and w by Newton's method. If the following sweep changes velocities by `change` or more, p and w are restored.
+/// @param subset true: blocks outside `island` act on its systems
+/// @param change m/s: maximum change of a velocity in the last sweep
+/// @return number of Newton steps
+int VelocitySolver::newton(const Island& island, bool subset, double change, double tolerance) {
   for (int k = 0; k < island.systems; ++k) {
     const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
-    for (auto e = static_cast<std::size_t>(first_[s]); e < static_cast<std::size_t>(first_[s + 1]); ++e) base_[e] = part ? w_[e] : 0;
+    for (auto e = static_cast<std::size_t>(first_[s]); e < static_cast<std::size_t>(first_[s + 1]); ++e) base_[e] = subset ? w_[e] : 0;
   }
-  for (int i = 0; part && i < island.blocks; ++i) {
+  for (int i = 0; subset && i < island.blocks; ++i) {
     const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
     const double* p = p_.data() + b.row;
     for (int k = 0; k < b.segments; ++k) {
@@ -390,16 +398,17 @@ int VelocitySolver::newton(const Island& island, bool part, double change, doubl
   }
   old_p_ = p_;
   int steps = 0;
-  part_ = first_part;
-  for (int outer = 0; outer < most_updates && budget_ > cost_; ++outer, part_ = std::max(0.1 * part_, last_part)) {
+  regularization_ = first_regularization;
+  for (int outer = 0; outer < max_updates && budget_ > cost_;
+       ++outer, regularization_ = std::max(0.1 * regularization_, min_regularization)) {
     fix_law(island);
     steps += minimise(island);
-    double moved = 0;  // m/s that the law's p^ is still wrong by
+    double moved = 0;  // m/s: velocity error that corresponds to the last change of p^
     for (int i = 0; i < island.blocks; ++i) {
       const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
       for (int r = 0; r < b.rows; ++r) {
         const auto at = static_cast<std::size_t>(b.row + r);
-        moved = std::max(moved, part_ * b.B[r] * std::fabs(p_[at] - hat_[at]));
+        moved = std::max(moved, regularization_ * b.B[r] * std::fabs(p_[at] - hat_[at]));
       }
     }
     if (moved < 0.01 * tolerance) break;
@@ -411,14 +420,14 @@ int VelocitySolver::newton(const Island& island, bool part, double change, doubl
   return steps;
 }
 
-/// Newton's method for the systems that the last sweep left wrong (a body that is wedged in), everything else held: where the
-/// whole island would cost too much. @return steps taken
-int VelocitySolver::newton_on_part(const Island& island, double tolerance) {
+/// Newton's method for the systems of the blocks that had not converged in the last sweep (for example a wedged body), with all others
+/// fixed. Used if Newton's method for the complete island would cost too much. @return number of Newton steps
+int VelocitySolver::newton_on_subset(const Island& island, double tolerance) {
   const auto block = [&](int i) -> const RowBlock& {
     return blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
   };
   const auto inside = [&](const RowBlock& b, int k) -> char& {
-    return in_part_[static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment + k)].system)];
+    return in_subset_[static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment + k)].system)];
   };
   double change = 0;
   for (int i = 0; i < island.blocks; ++i) {
@@ -426,23 +435,23 @@ int VelocitySolver::newton_on_part(const Island& island, double tolerance) {
     change = std::max(change, block(i).change);
     for (int k = 0; k < block(i).segments; ++k) inside(block(i), k) = 1;
   }
-  Island part{static_cast<int>(order_.size()), 0, static_cast<int>(members_.size()), 0};
+  Island subset{static_cast<int>(order_.size()), 0, static_cast<int>(members_.size()), 0};
   for (int i = 0; i < island.blocks; ++i) {
     const RowBlock& b = block(i);
     if (inside(b, 0) == 0 || inside(b, b.segments - 1) == 0) continue;
     order_.push_back(order_[static_cast<std::size_t>(island.first_block + i)]);
-    ++part.blocks;
+    ++subset.blocks;
   }
   for (int k = 0; k < island.systems; ++k) {
     const int s = members_[static_cast<std::size_t>(island.first_system + k)];
-    if (in_part_[static_cast<std::size_t>(s)] == 0) continue;
-    in_part_[static_cast<std::size_t>(s)] = 0;
+    if (in_subset_[static_cast<std::size_t>(s)] == 0) continue;
+    in_subset_[static_cast<std::size_t>(s)] = 0;
     members_.push_back(s);
-    ++part.systems;
+    ++subset.systems;
   }
-  const int steps = part.systems > 0 && order_systems(part, 1) ? newton(part, true, change, tolerance) : 0;
-  order_.resize(static_cast<std::size_t>(part.first_block));
-  members_.resize(static_cast<std::size_t>(part.first_system));
+  const int steps = subset.systems > 0 && order_systems(subset, 1) ? newton(subset, true, change, tolerance) : 0;
+  order_.resize(static_cast<std::size_t>(subset.first_block));
+  members_.resize(static_cast<std::size_t>(subset.first_system));
   return steps;
 }
 

@@ -6,7 +6,7 @@
 namespace ugoki::contact {
 namespace {
 
-/// y . w for `rows` rows at once, six entries without gaps (a free body).
+/// u[r] += y_r . w for `rows` rows of six contiguous entries (a free body).
 inline void add_products_6(const double* y, int rows, const double* w, double* u) {
   for (int r = 0; r < rows; ++r, y += 6) {
     const double even = y[0] * w[0] + y[2] * w[2] + y[4] * w[4];
@@ -15,15 +15,16 @@ inline void add_products_6(const double* y, int rows, const double* w, double* u
   }
 }
 
-/// Symmetric 3 x 3 times vector, entries 00 11 22 01 02 12.
+/// out = S x for a symmetric 3 x 3 matrix with entries 00 11 22 01 02 12.
 inline void multiply(const double* S, const double* x, double* out) {
   out[0] = S[0] * x[0] + S[3] * x[1] + S[4] * x[2];
   out[1] = S[3] * x[0] + S[1] * x[1] + S[5] * x[2];
   out[2] = S[4] * x[0] + S[5] * x[1] + S[2] * x[2];
 }
 
+/// Inverse of a symmetric 3 x 3 matrix with entries 00 11 22 01 02 12, regularised by 1e-12 of its trace.
 void invert(const double* S, double* out) {
-  const double small = 1e-12 * (S[0] + S[1] + S[2]);  // rows on a single freedom depend on each other
+  const double small = 1e-12 * (S[0] + S[1] + S[2]);  // the rows of a contact on a system with one DOF are dependent
   const double a = S[0] + small, b = S[1] + small, c = S[2] + small, d = S[3], e = S[4], f = S[5];
   const double A = b * c - f * f, D = e * f - d * c, E = d * f - e * b;
   const double scale = 1 / (a * A + d * D + e * E);
@@ -35,7 +36,7 @@ void invert(const double* S, double* out) {
   out[5] = (d * e - a * f) * scale;
 }
 
-/// Keeps (x, y) within a disk.
+/// Projects (x, y) onto the disk of the given radius about the origin.
 inline void clamp_to_disk(double& x, double& y, double radius) {
   const double size = std::sqrt(x * x + y * y);
   if (size <= radius) return;
@@ -44,29 +45,32 @@ inline void clamp_to_disk(double& x, double& y, double radius) {
   y *= scale;
 }
 
-/// Where friction lifts the contact as much as its normal impulse does, taking the two in turn goes to and fro and may end at nothing,
-/// which leaves it closing. Friction against the sliding c, at its bound, and the normal impulse are then one unknown:
+/// Solves a sliding contact whose friction acts on the normal velocity about as strongly as the normal impulse does. The alternating
+/// iteration of solve_contact() may oscillate there and end at p = 0 with the contact still closing. Here friction is at its bound and
+/// opposed to the sliding velocity c_t, so that the normal impulse is the only unknown:
 ///   0 = c_n + (B_nn - mu B_nt . c_t / |c_t|) p_n
 void slide(const RowBlock& b, const double* c, double* p) {
   const double speed = std::sqrt(c[1] * c[1] + c[2] * c[2]);
   if (!(speed > 0)) return;
   const double along[2] = {-b.mu * c[1] / speed, -b.mu * c[2] / speed};
   const double lift = b.B[0] + b.B[3] * along[0] + b.B[4] * along[1];
-  if (!(lift > 1e-3 * b.B[0])) return;  // it jams
+  if (!(lift > 1e-3 * b.B[0])) return;  // friction cancels the normal impulse (jamming): no solution
   p[0] = -c[0] / lift;
   p[1] = p[0] * along[0];
   p[2] = p[0] * along[1];
 }
 
-/// One contact with everything else fixed: c is its velocity without its own impulse p.
+/// Solves one contact with all other impulses fixed.
+/// @param c [3] velocity without the contact's own impulse
+/// @param p [3, in out] impulse (n, t1, t2); in: the previous one
 void solve_contact(const RowBlock& b, const double* c, double* p) {
-  if (b.struck == 0 && c[0] >= 0) {
+  if (b.impact_impulse == 0 && c[0] >= 0) {
     p[0] = p[1] = p[2] = 0;
     return;
   }
   double stick[3];
   multiply(b.inverse, c, stick);
-  const double cone = b.mu * (b.struck - stick[0]);
+  const double cone = b.mu * (b.impact_impulse - stick[0]);
   if (stick[0] <= 0 && stick[1] * stick[1] + stick[2] * stick[2] <= cone * cone) {
     for (int r = 0; r < 3; ++r) p[r] = -stick[r];
     return;
@@ -79,9 +83,9 @@ void solve_contact(const RowBlock& b, const double* c, double* p) {
     const double u2 = c[2] + b.B[4] * p[0] + b.B[5] * p[1] + b.B[2] * p[2];
     p[1] -= step * u1;
     p[2] -= step * u2;
-    clamp_to_disk(p[1], p[2], b.mu * (p[0] + b.struck));
+    clamp_to_disk(p[1], p[2], b.mu * (p[0] + b.impact_impulse));
   }
-  if (p[0] == 0 && b.struck == 0) slide(b, c, p);
+  if (p[0] == 0 && b.impact_impulse == 0) slide(b, c, p);
 }
 
 }  // namespace
@@ -90,14 +94,14 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   first_.assign(first.begin(), first.end());
   const std::size_t systems = first.size() - 1;
   w_.assign(static_cast<std::size_t>(first.back()), 0.0);
-  moved_.assign(systems, 0.0);
+  motion_.assign(systems, 0.0);
   base_.assign(w_.size(), 0.0);
   scratch_w_.assign(w_.size(), 0.0);
-  in_part_.assign(systems, 0);
+  in_subset_.assign(systems, 0);
   solved_.assign(systems, 0);
   for (std::vector<int>* v : {&root_, &island_, &members_, &cursor_, &local_, &queue_}) v->resize(systems + 1);
   neighbour_first_.resize(systems + 2);
-  // Room for what usually comes: a dozen contacts for each system.
+  // Reserve memory for a usual scene: a dozen contacts for each system.
   const std::size_t n = w_.size(), blocks = 64 + 12 * systems + 2 * n;
   blocks_.reserve(blocks);
   segments_.reserve(2 * blocks);
@@ -106,7 +110,7 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   members_.reserve(2 * systems + 1);
   islands_.reserve(systems);
   neighbours_.reserve(2 * blocks);
-  for (std::vector<double>* v : {&target_, &p_, &old_p_, &hat_, &lag_}) v->reserve(3 * blocks);
+  for (std::vector<double>* v : {&target_, &p_, &old_p_, &hat_, &saxce_}) v->reserve(3 * blocks);
   for (std::vector<double>* v : {&F_, &step_, &old_w_}) v->reserve(n);
   lowest_.reserve(n);
   start_.reserve(n);
@@ -161,13 +165,13 @@ void VelocitySolver::end_block(std::span<const double> target, std::span<const d
     }
     b.B[k] = sum;
   }
-  if (b.segments == 2) {  // both sides on one system: the two meet on the freedoms that they share
+  if (b.segments == 2) {  // Both sides are on one system: add the products of the two rows on the DOFs that both chains contain.
     const RowSegment& one = segments_[static_cast<std::size_t>(b.first_segment)];
     const RowSegment& two = segments_[static_cast<std::size_t>(b.first_segment + 1)];
     if (one.system == two.system) {
-      const auto freedom = [](const RowSegment& x, int e) { return x.index ? x.index[e] : e; };
+      const auto dof = [](const RowSegment& x, int e) { return x.index ? x.index[e] : e; };
       int common = std::min(one.length, two.length);
-      while (common > 0 && freedom(one, common - 1) != freedom(two, common - 1)) --common;
+      while (common > 0 && dof(one, common - 1) != dof(two, common - 1)) --common;
       for (int k = 0; k < (b.rows == 3 ? 6 : 1); ++k)
         for (int e = 0; e < common; ++e)
           b.B[k] += rows_[static_cast<std::size_t>(one.offset + first[k] * one.length + e)] *
@@ -224,7 +228,7 @@ void VelocitySolver::apply(const RowBlock& b, const double* p) {
   }
 }
 
-/// Solves one block with everything else fixed. @return the greatest change of a velocity
+/// Solves one block with all other impulses fixed. @return m/s: maximum change of its velocity
 double VelocitySolver::relax(RowBlock& b) {
   double u[3], next[3], change[3];
   velocities(b, u);
@@ -233,7 +237,7 @@ double VelocitySolver::relax(RowBlock& b) {
     case RowKind::contact: {
       double own[3], c[3];
       multiply(b.B, p, own);
-      own[0] -= softness_ * b.B[0] * p[0];  // B holds the softness, u does not
+      own[0] -= softness_ * b.B[0] * p[0];  // B includes the compliance, u does not
       for (int r = 0; r < 3; ++r) {
         c[r] = u[r] - own[r];
         next[r] = p[r];
@@ -244,46 +248,47 @@ double VelocitySolver::relax(RowBlock& b) {
     case RowKind::limit: next[0] = std::max(0.0, p[0] - u[0] / b.B[0]); break;
     case RowKind::friction: next[0] = std::clamp(p[0] - u[0] / b.B[0], -b.bound, b.bound); break;
     case RowKind::roll: {
-      const RowBlock& leader = blocks_[static_cast<std::size_t>(b.leader)];
-      const double most = b.mu * (p_[static_cast<std::size_t>(leader.row)] + leader.struck);
+      const RowBlock& contact_block = blocks_[static_cast<std::size_t>(b.contact_block)];
+      const double maximum = b.mu * (p_[static_cast<std::size_t>(contact_block.row)] + contact_block.impact_impulse);
       const double stiff = std::max({b.B[0], b.B[1], b.B[2]});
       double square = 0;
       for (int r = 0; r < 3; ++r) {
         next[r] = p[r] - u[r] / stiff;
         square += next[r] * next[r];
       }
-      if (square > most * most) {
-        const double scale = most / std::sqrt(square);
+      if (square > maximum * maximum) {
+        const double scale = maximum / std::sqrt(square);
         for (double& x : next) x *= scale;
       }
       break;
     }
   }
-  double greatest = 0, square = 0;
+  double maximum = 0, square = 0;
   for (int r = 0; r < b.rows; ++r) {
     change[r] = next[r] - p[r];
     p[r] = next[r];
     square += change[r] * change[r];
-    greatest = std::max(greatest, std::fabs(change[r]) * b.B[r]);
+    maximum = std::max(maximum, std::fabs(change[r]) * b.B[r]);
   }
   if (square > 0) {
     apply(b, change);
     const double moved = b.size * std::sqrt(square);
-    for (int s = 0; s < b.segments; ++s) moved_of(b, s) += moved;
+    for (int s = 0; s < b.segments; ++s) motion_of(b, s) += moved;
   }
-  return greatest * b.lever;
+  return maximum * b.lever;
 }
 
-/// Solves every block whose velocity may have changed by more than `least` since it was solved last. @return the greatest change
-double VelocitySolver::sweep(const Island& island, bool forward, double least) {
+/// Solves every block whose velocity may have changed by more than `minimum` [m/s] since it was last solved.
+/// @return m/s: maximum change of a velocity
+double VelocitySolver::sweep(const Island& island, bool forward, double minimum) {
   double change = 0;
   for (int i = 0; i < island.blocks; ++i) {
     const int at = island.first_block + (forward ? i : island.blocks - 1 - i);
     RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(at)])];
-    const double moved = b.segments == 2 ? moved_of(b, 0) + moved_of(b, 1) : moved_of(b, 0);
+    const double moved = b.segments == 2 ? motion_of(b, 0) + motion_of(b, 1) : motion_of(b, 0);
     b.change = 0;
-    if ((moved - b.seen) * b.size * b.lever <= least) continue;
-    b.seen = moved;
+    if ((moved - b.solved_motion) * b.size * b.lever <= minimum) continue;
+    b.solved_motion = moved;
     b.change = relax(b);
     change = std::max(change, b.change);
   }
@@ -307,7 +312,7 @@ void VelocitySolver::find_islands() {
     const int y = find(segments_[static_cast<std::size_t>(b.first_segment + 1)].system);
     if (x != y) root_[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
   }
-  // The least system is the root, so that islands come in the order of their first systems.
+  // The lowest system index is the root, so that islands are ordered by their first system.
   islands_.clear();
   for (std::size_t s = 0; s < systems; ++s) {
     const int root = find(static_cast<int>(s));
@@ -343,42 +348,43 @@ void VelocitySolver::find_islands() {
 }
 
 void VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
-  constexpr int round = 12, most_rounds = 6;  // sweeps before it is asked whether to go on; rounds for which sweeping is the cheaper way
-  constexpr int crowd = 256;                  // blocks in a step from which on the coarse tolerance will do, and half the sweeps
+  constexpr int round = 12;      // sweeps between two checks of the convergence rate
+  constexpr int max_rounds = 6;  // rounds up to which sweeping is cheaper than Newton's method
+  constexpr int crowd = 256;     // blocks in a step above which the coarse tolerance and half the sweeps are used
   const bool crowded = static_cast<int>(blocks_.size()) > crowd;
-  const int most = crowded ? options.iterations / 2 : options.iterations;
+  const int maximum = crowded ? options.iterations / 2 : options.iterations;
   double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
   bool newton_helps = true;
   double change = 0, before = HUGE_VAL;
   for (int sweeps = 1;; ++sweeps) {
     change = sweep(island, (sweeps & 1) != 0, crowded ? 0.01 * tolerance : 0);
     report.sweeps = std::max(report.sweeps, sweeps);
-    if (change < tolerance || sweeps >= most) break;
+    if (change < tolerance || sweeps >= maximum) break;
     if (sweeps % round != 0) continue;
-    // At the present rate, is it done in a few more rounds?
+    // Predict from the present rate whether max_rounds more rounds suffice.
     const double rate = change / before;
     double then = change;
     before = change;
-    for (int k = 0; k < most_rounds && then >= tolerance; ++k) then *= rate;
+    for (int k = 0; k < max_rounds && then >= tolerance; ++k) then *= rate;
     if (sweeps == round || then < tolerance) continue;
     newton_helps = newton_helps && order_systems(island, crowded ? 16 : 1);
     if (newton_helps) {
       report.newton_steps += newton(island, false, change, tolerance);
     } else {
       tolerance = std::max(tolerance, 0.2 * options.coarse);
-      report.newton_steps += newton_on_part(island, tolerance);
+      report.newton_steps += newton_on_subset(island, tolerance);
     }
   }
   report.residual = std::max(report.residual, change);
 }
 
 void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t first) {
-  constexpr double most_operations = 1e6;  // of Newton's method in one step
-  budget_ = most_operations;
+  constexpr double max_operations = 1e6;  // limit for Newton's method in one step, so that its cost stays bounded
+  budget_ = max_operations;
   softness_ = options.softness / (1 + options.softness);
-  std::ranges::fill(moved_, 0.0);
+  std::ranges::fill(motion_, 0.0);
   std::ranges::fill(solved_, char{0});
-  for (RowBlock& b : blocks_) b.seen = -HUGE_VAL;
+  for (RowBlock& b : blocks_) b.solved_motion = -HUGE_VAL;
   for (RowBlock& b : std::span(blocks_).subspan(first)) {
     if (b.kind == RowKind::contact) b.B[0] *= 1 + options.softness;
     b.size = std::sqrt(b.rows == 3 ? std::max({b.B[0], b.B[1], b.B[2]}) : b.B[0]);
@@ -394,7 +400,7 @@ SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size
   SolverReport report;
   begin_blocks(options, first_new);
   for (const Island& island : islands_) {
-    // Blocks of an island are in their order: the last one tells.
+    // The blocks of an island are in ascending order: its last block shows whether it contains a new one.
     if (island.blocks == 0 ||
         static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + island.blocks - 1)]) < first_new)
       continue;

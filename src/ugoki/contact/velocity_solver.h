@@ -1,17 +1,23 @@
 #pragma once
-// Impulses of all contacts, limits and dry frictions of a step, at the level of velocities.
+// Velocity solver: the impulses of all contacts, joint limits and dry friction of a step.
 //
-// Rows come whitened: with M' = L^T D L of a system, y = D^-1/2 L^-T J^T and w = D^1/2 L (v - v_free), so that
-//   J v = target + y . w,   w = sum of y p,   |w|^2 / 2 = the kinetic energy of what the impulses add,
-// and the systems' masses need not be known here. The impulses p solve, with B = Y Y^T,
-//   contact (n, t1, t2):  u_n + s p_n >= 0,  p_n >= 0,  one of them zero;   |p_t| <= mu (p_n + struck), against the sliding u_t
-//   limit:                u >= 0, p >= 0, one of them zero
-//   friction:             |p| <= bound, against u
-//   roll (3 rows):        |p| <= bound (p_n + struck) of its contact, against u
-// island by island (systems that are joined by rows). Every island is swept: contact after contact, each solved with its own
-// 3 x 3 matrix. Where sweeps are slow (heavy on light, towers) the island is finished by Newton's method on w for the augmented
-// Lagrangian, whose sparse matrix 1 + Y^T G Y couples only systems that touch (envelope Cholesky, breadth-first order).
-// Sources: Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics; Hwangbo, Lee, Hutter (2018), Per-contact
+// Whitened row: a constraint row J is stored as y = D^-1/2 L^-T J^T, where M' = L^T D L is the factored inertia of its system. The whitened
+// velocity of a system is w = D^1/2 L (v - v_free), v_free being the velocity without impulses. In these coordinates
+//   u = J v - wanted = target + y . w,   w = sum of y p over all rows,   |w|^2 / 2 = kinetic energy of the velocity change [J]
+// so that the solver needs no masses. u is in m/s or rad/s, p in N s or N m s, y in 1/sqrt(kg) or 1/sqrt(kg m^2).
+//
+// The impulses p satisfy, with B = Y Y^T (the inverse inertia of a block of rows):
+//   contact (n, t1, t2):  u_n + s p_n >= 0,  p_n >= 0,  p_n (u_n + s p_n) = 0;  |p_t| <= mu (p_n + impact_impulse), opposed to u_t
+//   limit:                u >= 0,  p >= 0,  p u = 0
+//   friction:             |p| <= bound, opposed to u
+//   roll (3 rows):        |p| <= mu (p_n + impact_impulse) of its contact, opposed to u; mu is the lever of rolling resistance [m]
+// s is the compliance of a contact (SolverOptions::softness).
+//
+// An island is a group of systems joined by rows; islands are solved one by one. A sweep visits the blocks of an island one after the
+// other (block Gauss-Seidel) and solves each contact with its own 3 x 3 matrix. If sweeps converge slowly (heavy bodies on light ones,
+// towers), the island is solved by Newton's method on w for the augmented Lagrangian. Its sparse matrix 1 + Y^T G Y couples only
+// systems that touch (envelope Cholesky, breadth-first order).
+// Sources: Moreau (1988), Unilateral contact and dry friction in finite DOF dynamics; Hwangbo, Lee, Hutter (2018), Per-contact
 // iteration method; Alart, Curnier (1991), A mixed formulation for frictional contact problems prone to Newton-like methods.
 
 #include <cstddef>
@@ -21,75 +27,79 @@
 
 namespace ugoki::contact {
 
+/// Kinds of row blocks; the law of each is at the top of this file.
 enum class RowKind : unsigned char { contact, limit, friction, roll };
 
-/// Rows of a block on one system: `rows` vectors of `length` entries from `offset` on.
+/// The whitened rows of a block on one system: `RowBlock::rows` vectors of `length` entries, beginning at rows_[offset].
 struct RowSegment {
   int system;
-  int first;         ///< where the system's freedoms begin in w
-  const int* index;  ///< [length] freedoms of the chain; null: 0 ... length - 1
+  int first;         ///< first DOF of the system in w
+  const int* index;  ///< [length] DOF of each entry (the chain of a link); null: 0 ... length - 1
   int length;
   int offset;
 };
 
-/// Rows that are solved together.
+/// Rows that are solved together: one contact, limit, friction or rolling resistance.
 struct RowBlock {
   RowKind kind;
-  int rows;           ///< 3 for contact and roll, 1 for the others
-  int row;            ///< first entry in target and impulse
-  int first_segment;  ///< one or two
-  int segments;       //
-  int contact;        ///< index into the step's contacts; -1: none
-  int leader;         ///< roll: block of its contact
-  double mu;          ///< Coulomb coefficient; roll: lever of rolling resistance [m]
-  double bound;       ///< N s | N m s (friction)
-  double struck;      ///< N s: normal impulse that the impact has already given (contact)
-  std::uint64_t key;  ///< the same from step to step
-  double B[6];        ///< Y Y^T: 00 11 22 01 02 12
-  double inverse[6];  ///< its inverse (contact)
-  double size;        ///< root of the greatest of B's diagonal
-  double lever;       ///< m: radius of what rolls, which makes its velocities those of its surface; 1 for the others
-  double seen;        ///< what its systems had moved when it was solved last
-  double change;      ///< m/s: of its velocity in the last sweep
+  int rows;               ///< 3 for contact and roll, 1 for the others
+  int row;                ///< first entry in target and impulse
+  int first_segment;      ///< index of the first segment
+  int segments;           ///< 1 or 2: systems that the block acts on
+  int contact;            ///< index into the step's contacts; -1: none
+  int contact_block;      ///< roll: index of the block of its contact
+  double mu;              ///< Coulomb coefficient; roll: lever of rolling resistance [m]
+  double bound;           ///< N s | N m s: maximum impulse (friction)
+  double impact_impulse;  ///< N s: normal impulse that the impact has already given to the contact
+  std::uint64_t key;      ///< identifies the block from step to step, for warm starts
+  double B[6];            ///< Y Y^T, entries 00 11 22 01 02 12; contacts: 00 with the compliance
+  double inverse[6];      ///< inverse of B, same entries (contact, roll)
+  double size;            ///< square root of the maximum diagonal entry of B
+  double lever;           ///< roll: radius [m] that converts angular velocity to surface velocity; other kinds: 1
+  double solved_motion;   ///< sum of motion_ of its systems when the block was last solved
+  double change;          ///< m/s: change of its velocity in the last sweep
 };
 
 struct SolverOptions {
-  int iterations = 60;      ///< greatest number of sweeps over an island
-  double tolerance = 1e-7;  ///< m/s: an island is done when a sweep changes no velocity more
-  double coarse = 0.05;     ///< m/s: the same in a crowd; a fifth of it where Newton's method would cost too much
-  double softness = 1e-4;   ///< s as part of a contact's own inverse inertia: redundant contacts share their load
+  int iterations = 60;      ///< maximum number of sweeps over an island
+  double tolerance = 1e-7;  ///< m/s: an island has converged when no velocity changes by more in a sweep
+  double coarse = 0.05;    ///< m/s: tolerance if the step has more than 256 blocks; a fifth of it if Newton's method would be too expensive
+  double softness = 1e-4;  ///< s relative to B[0] of each contact (compliance); redundant contacts then share their load
 };
 
 struct SolverReport {
-  int islands = 0;       ///< that have rows
-  int sweeps = 0;        ///< of the island that took most
-  int newton_steps = 0;  ///< of all islands
-  double residual = 0;   ///< m/s: greatest change of a velocity in the last sweep
+  int islands = 0;       ///< islands that have rows
+  int sweeps = 0;        ///< sweeps over the island that needed the most
+  int newton_steps = 0;  ///< Newton steps, summed over all islands
+  double residual = 0;   ///< m/s: maximum change of a velocity in the last sweep
 };
 
+/// Solves the impulses of one step; see the equations at the top of this file. Keeps its memory from step to step.
 class VelocitySolver {
  public:
-  /// @param first [systems + 1] where each system's freedoms begin in w
+  /// Sets the systems. @param first [systems + 1] index in w of the first DOF of each system; the last entry is the total number of DOFs
   void set_systems(std::span<const int> first);
 
-  /// Removes all rows.
+  /// Removes all rows and sets w to zero.
   void clear();
 
-  // Building: begin_block, add_segment once or twice and fill its rows, then end_block or drop_block.
+  // To add a block: begin_block(), then add_segment() once or twice and fill its rows, then end_block(), or drop_block() to discard it.
   RowBlock& begin_block(RowKind kind, std::uint64_t key);
-  /// @return [rows * length] to be filled with whitened rows. Valid until the next call
+  /// @param index [length] see RowSegment::index; must stay valid until clear()
+  /// @return [rows * length] memory for the whitened rows, to be filled by the caller. Valid until the next call
   std::span<double> add_segment(int system, const int* index, int length);
-  /// The rows of the last segment.
+  /// [rows * length] whitened rows of the last segment.
   [[nodiscard]] std::span<double> last_segment() { return std::span(rows_).subspan(static_cast<std::size_t>(segments_.back().offset)); }
-  /// @param target [rows] velocity without impulses, less what is wanted
+  /// @param target [rows] m/s | rad/s: velocity without impulses minus the wanted velocity
+  /// @param warm   [rows] impulses to start from; empty: zero
   void end_block(std::span<const double> target, std::span<const double> warm);
   void drop_block();
 
   SolverReport solve(const SolverOptions& options);
-  /// After solve(), when blocks were added: only islands that have one of them, from the impulses that are there.
-  /// @param first_new block
+  /// Call it after solve(), when blocks were added: solves only islands that contain a new block, starting from the present impulses.
+  /// @param first_new index of the first new block
   SolverReport solve_again(const SolverOptions& options, std::size_t first_new);
-  /// Whether the last solve may have changed w of a system.
+  /// Whether the last solve() or solve_again() may have changed w of a system.
   [[nodiscard]] bool is_solved(int system) const { return solved_[static_cast<std::size_t>(system)] != 0; }
 
   [[nodiscard]] std::span<const RowBlock> blocks() const { return blocks_; }
@@ -97,7 +107,7 @@ class VelocitySolver {
   [[nodiscard]] std::span<const double> impulses(const RowBlock& b) const {
     return std::span(p_).subspan(static_cast<std::size_t>(b.row), static_cast<std::size_t>(b.rows));
   }
-  /// w of one system, after solve().
+  /// [nv] whitened velocity change w of one system, after solve().
   [[nodiscard]] std::span<const double> w(int system) const {
     const auto s = static_cast<std::size_t>(system);
     return std::span(w_).subspan(static_cast<std::size_t>(first_[s]), static_cast<std::size_t>(first_[s + 1] - first_[s]));
@@ -112,19 +122,19 @@ class VelocitySolver {
   void velocities(const RowBlock& b, double* u) const;
   void apply(const RowBlock& b, const double* p);
   double relax(RowBlock& b);
-  [[nodiscard]] double& moved_of(const RowBlock& b, int segment) {
-    return moved_[static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment + segment)].system)];
+  [[nodiscard]] double& motion_of(const RowBlock& b, int segment) {
+    return motion_[static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment + segment)].system)];
   }
-  double sweep(const Island& island, bool forward, double least);
+  double sweep(const Island& island, bool forward, double minimum);
   void begin_blocks(const SolverOptions& options, std::size_t first);
   void find_islands();
   void solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
 
   // Newton's method, in velocity_newton.cpp
-  int newton_on_part(const Island& island, double tolerance);
+  int newton_on_subset(const Island& island, double tolerance);
   bool order_systems(const Island& island, int steps);
-  [[nodiscard]] int place(const RowSegment& x, int e) const;
-  int newton(const Island& island, bool part, double change, double tolerance);
+  [[nodiscard]] int matrix_row(const RowSegment& x, int e) const;
+  int newton(const Island& island, bool subset, double change, double tolerance);
   void fix_law(const Island& island);
   int minimise(const Island& island);
   void solve_newton();
@@ -140,30 +150,30 @@ class VelocitySolver {
   std::vector<double> rows_;
   std::vector<double> target_, p_;
   std::vector<double> w_;
-  std::vector<double> moved_;  // [systems] how far sweeps have changed w at most, summed up
-  double softness_ = 0;        // part of B[0] of contacts
+  std::vector<double> motion_;  // [systems] upper bound of the path length of w in the sweeps so far
+  double softness_ = 0;         // compliance s relative to B[0] of contacts, B[0] including s
 
   // Islands
   std::vector<int> root_;     // [systems] union-find
   std::vector<int> island_;   // [systems]
-  std::vector<int> order_;    // blocks by island
-  std::vector<int> members_;  // systems by island
+  std::vector<int> order_;    // block indices, sorted by island
+  std::vector<int> members_;  // system indices, sorted by island
   std::vector<int> cursor_;
   std::vector<Island> islands_;
   std::vector<char> solved_;  // [systems]
 
   // Newton
-  double part_ = 0;                 // R as part of a block's inverse inertia
-  double budget_ = 0, cost_ = 0;    // operations: left in this step, of one Newton step
-  std::vector<int> local_;          // [systems] first row in the matrix
-  std::vector<int> lowest_;         // [n] first column of a row in the envelope
-  std::vector<std::size_t> start_;  // [n] where column 0 of the row would be in H_ (shifted by lowest_)
-  std::vector<double> H_;           // envelope, row by row
-  std::vector<double> G_;           // [blocks of the island * 9] -dp/du, row by row
-  std::vector<double> F_, step_, old_w_, old_p_, hat_, lag_;
-  std::vector<double> base_;  // as w: what other blocks' impulses are of it
+  double regularization_ = 0;                                   // R relative to a block's inverse inertia
+  double budget_ = 0, cost_ = 0;                                // floating-point operations: left for this step, needed by one Newton step
+  std::vector<int> local_;                                      // [systems] first row of the system in H_
+  std::vector<int> lowest_;                                     // [n] first column of each row in the envelope
+  std::vector<std::size_t> start_;                              // [n] index in H_ of the first stored entry of each row (column lowest_)
+  std::vector<double> H_;                                       // envelope, row by row
+  std::vector<double> G_;                                       // [blocks of the island * 9] -dp/du, row by row
+  std::vector<double> F_, step_, old_w_, old_p_, hat_, saxce_;  // hat_: p^ of the augmented Lagrangian; saxce_: see fix_law()
+  std::vector<double> base_;                                    // shape of w: the contribution of blocks outside the solved subset
   std::vector<double> scratch_w_;
-  std::vector<char> in_part_;  // [systems]
+  std::vector<char> in_subset_;  // [systems]
   std::vector<int> neighbour_first_, neighbours_, queue_;
 };
 

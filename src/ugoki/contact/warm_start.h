@@ -1,5 +1,5 @@
 #pragma once
-// Impulses of the last step by the key of their contact.
+// Warm start: the impulses of the last step, found by the key of their contact (ContactPoint::key) or joint row.
 
 #include <cstddef>
 #include <cstdint>
@@ -8,23 +8,25 @@
 
 namespace ugoki::contact {
 
+/// Impulses of one row block.
 struct Warm {
   std::uint64_t key = 0;
-  double p[3] = {0, 0, 0};  ///< N s
+  double p[3] = {0, 0, 0};  ///< N s | N m s: of its one or three rows
 };
 
+/// Hash table of the last step's impulses.
 class WarmStart {
  public:
   [[nodiscard]] std::span<const Warm> records() const { return records_; }
   void set(std::span<const Warm> records);
 
-  /// The impulse of `key` in the last step; null: it had none. O(1)
+  /// The record of `key` in the last step; null: none. O(1)
   [[nodiscard]] const Warm* find(std::uint64_t key) const;
 
   void reserve(std::size_t records) { records_.reserve(records); }
   void clear() { records_.clear(); }
   void add(const Warm& record) { records_.push_back(record); }
-  /// After the last add().
+  /// Builds the hash index; call it after the last add().
   void make_index();
 
  private:

@@ -24,7 +24,7 @@ bool is_one_of(std::string_view word, std::span<const std::string_view> words) {
   return false;
 }
 
-/// What makes an item of `list` itself, from the item or from what a change names; null: it has none.
+/// The key that identifies an item of `list`. `item` is a whole item, or the value of a change's field `take`. Empty optional: no key.
 std::optional<std::string> key_of(std::string_view list, const Json& item) {
   const auto text = [&](const char* field) -> std::optional<std::string> {
     const auto it = item.find(field);
@@ -41,7 +41,7 @@ std::optional<std::string> key_of(std::string_view list, const Json& item) {
   return text(list == "probes" ? "pin" : "name");
 }
 
-/// One list of one circuit while changes are applied: items taken out are null until the end.
+/// One list of one circuit while changes are applied. Removed items are null until finish(), so that indices stay valid.
 class List {
  public:
   List(Json& items, std::string_view name) : items_(&items), name_(name) {
@@ -82,51 +82,53 @@ class Editor {
   void apply(const Json& change, const std::string& path) {
     Fields f(change, path, problems_);
     if (!f.is_object()) return;
-    Json* circuit = circuit_in(f);
+    Json* circuit = find_circuit(f);
     std::string list;
     f.text("list", list);
     const Json *put = f.find("put"), *take = f.find("take"), *set = f.find("set");
     f.refuse_others();
     if (!circuit || !problems_.empty()) return;
     if ((put != nullptr) + (take != nullptr) + (set != nullptr) != 1) {
-      f.report(ErrorCode::structure, path, "A change has exactly one of put, take and set.", "Split it into several changes.");
+      f.report(ErrorCode::structure, path, "A change must have exactly one of the fields put, take and set.",
+               "Split it into several changes.");
     } else if (set) {
       set_fields(*circuit, *set, f.path("set"));
     } else if (!is_one_of(list, lists)) {
       f.report(ErrorCode::unknown, f.path("list"), "A circuit has no list '" + list + "'.",
                "Use lsis, wires, notes, probes, circuits, inputs, outputs or parameters.");
     } else if (const auto key = key_of(list, put ? *put : *take); !key) {
-      f.report(ErrorCode::syntax, f.path(put ? "put" : "take"), "This does not say which item of '" + list + "' it is.",
-               "Give its id, name or pin; of a wire both ends.");
+      f.report(ErrorCode::syntax, f.path(put ? "put" : "take"), "The change does not identify an item of '" + list + "'.",
+               "Give its id, name or pin; for a wire, give both ends.");
     } else if (put) {
       if (put->is_object())
         list_in(*circuit, list).put(*key, *put);
       else
-        f.report(ErrorCode::syntax, f.path("put"), "An object is expected here.", "Give the whole item.");
+        f.report(ErrorCode::syntax, f.path("put"), "The value must be an object.", "Give the whole item.");
     } else if (!list_in(*circuit, list).take(*key)) {
-      f.report(ErrorCode::unknown, f.path("take"), "There is no such item in '" + list + "'.",
-               "Somebody may have removed it; look at the circuit again.");
+      f.report(ErrorCode::unknown, f.path("take"), "The list '" + list + "' does not contain this item.",
+               "It may have been removed; reload the circuit.");
     }
-    if (list == "circuits") settle();
+    if (list == "circuits") finish_lists();
   }
 
-  /// Writes back what was changed.
-  void settle() {
-    for (auto& [place, list] : open_) list.finish();
+  /// Writes the changed lists back to the circuit.
+  void finish_lists() {
+    for (auto& [key, list] : open_) list.finish();
     open_.clear();
-    found_ = nullptr;  // circuits inside may have moved
+    found_ = nullptr;  // inner circuits may have moved in memory
   }
 
  private:
-  /// The circuit that `in` names: from the outermost one inwards.
-  Json* circuit_in(Fields& f) {
+  /// The circuit that field `in` of a change names, from the outermost circuit inwards; null and a problem if there is none.
+  /// The last result is cached, because an editor sends many changes of one circuit.
+  Json* find_circuit(Fields& f) {
     const Json* names = f.find("in");
     if (!names) return &circuit_;
-    std::string place;
+    std::string joined_names;
     if (names->is_array())
-      for (const Json& name : *names) place += name.is_string() ? name.get<std::string>() + "\n" : "";
-    if (place == place_ && found_) return found_;
-    settle();
+      for (const Json& name : *names) joined_names += name.is_string() ? name.get<std::string>() + "\n" : "";
+    if (joined_names == found_names_ && found_) return found_;
+    finish_lists();
     Json* at = names->is_array() ? &circuit_ : nullptr;
     for (std::size_t i = 0; at && i < names->size(); ++i) {
       const Json& name = (*names)[i];
@@ -138,8 +140,9 @@ class Editor {
       at = next;
     }
     if (!at)
-      f.report(ErrorCode::unknown, f.path("in"), "There is no such circuit inside.", "Name the circuits from the outermost one inwards.");
-    place_ = std::move(place);
+      f.report(ErrorCode::unknown, f.path("in"), "The circuit has no inner circuit of this name.",
+               "Name the circuits from the outermost one inwards.");
+    found_names_ = std::move(joined_names);
     found_ = at;
     return at;
   }
@@ -147,7 +150,7 @@ class Editor {
   List& list_in(Json& circuit, const std::string& name) {
     const auto key = std::pair(&circuit, name);
     if (const auto it = open_.find(key); it != open_.end()) return it->second;
-    if (!circuit.contains(name)) settle();  // a new field moves the others
+    if (!circuit.contains(name)) finish_lists();  // adding a field moves the other lists in memory
     Json& items = circuit[name];
     if (!items.is_array()) items = Json::array();
     const auto known = std::find(lists.begin(), lists.end(), name);
@@ -156,10 +159,10 @@ class Editor {
 
   void set_fields(Json& circuit, const Json& fields, const std::string& path) {
     if (!fields.is_object()) {
-      problems_.add(ErrorCode::syntax, path, "An object is expected here.", "Give the fields to set.");
+      problems_.add(ErrorCode::syntax, path, "The value must be an object.", "Give the fields to set.");
       return;
     }
-    settle();  // a new field may move the lists
+    finish_lists();  // adding a field may move the lists in memory
     for (auto it = fields.begin(); it != fields.end(); ++it) {
       if (!is_one_of(it.key(), settings)) {
         problems_.add(ErrorCode::unknown, path + "/" + it.key(), "'" + it.key() + "' cannot be set.",
@@ -175,20 +178,20 @@ class Editor {
   Json& circuit_;
   Error& problems_;
   std::map<std::pair<Json*, std::string>, List> open_;
-  std::string place_;  ///< of `found_`
-  Json* found_ = nullptr;
+  std::string found_names_;  ///< names of the cached circuit `found_` and of the circuits around it, one a line
+  Json* found_ = nullptr;    ///< result of the last find_circuit(); null: none or no longer valid
 };
 
 }  // namespace
 
 void apply_circuit_changes(Json& circuit, const Json& changes, const std::string& path, Error& problems) {
   if (!changes.is_array()) {
-    problems.add(ErrorCode::syntax, path, "It must be a list of changes.", "Write it as [ ... ].");
+    problems.add(ErrorCode::syntax, path, "The value must be a list of changes.", "Write it as [ ... ].");
     return;
   }
   Editor editor(circuit, problems);
   for (std::size_t i = 0; i < changes.size() && problems.empty(); ++i) editor.apply(changes[i], path + "/" + std::to_string(i));
-  editor.settle();
+  editor.finish_lists();
 }
 
 Error check_circuit_form(const Json& circuit) {

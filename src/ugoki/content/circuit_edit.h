@@ -1,5 +1,5 @@
 #pragma once
-// Changes of a stored circuit, item by item: what the wiring editor's commands consist of. Internal to content.
+// Changes of a stored circuit, item by item. The command `circuit.edit` consists of such changes. Internal to content.
 
 #include <string>
 
@@ -7,13 +7,13 @@
 
 namespace ugoki::content {
 
-/// Applies `changes` (docs/scenario.md, circuit.edit) in their order to a circuit of docs/circuit.md. Items are found by what makes
-/// them themselves: LSIs and notes by id, pins, parameters and circuits by name, wires by their ends, probes by their pin.
-/// What is not named keeps its place and every field. O(items + changes) for each list that is touched.
-/// @param path of `changes`, for messages
+/// Applies `changes` (docs/scenario.md, circuit.edit) in order to a circuit in the form of docs/circuit.md. Items are found by their key:
+/// LSIs and notes by id; pins, parameters and inner circuits by name; wires by both ends; probes by their pin.
+/// Items that no change names keep their position and all fields. O(items + changes) for each changed list.
+/// After a problem, the circuit may be partly changed. @param path of `changes`, for messages
 void apply_circuit_changes(Json& circuit, const Json& changes, const std::string& path, Error& problems);
 
-/// Problems of the circuit's form, none of its meaning: a circuit that does not run yet can be kept.
+/// Problems of the circuit's JSON form. Whether the circuit can be built and run is not checked, so an unfinished circuit can be stored.
 [[nodiscard]] Error check_circuit_form(const Json& circuit);
 
 }  // namespace ugoki::content

@@ -12,17 +12,17 @@
 namespace ugoki::content {
 namespace {
 
-constexpr std::size_t max_command_size = 16u << 20;
-constexpr std::size_t max_commands = 10'000;
+constexpr std::size_t max_command_size = 16u << 20;  // bytes of JSON: 16 MiB
+constexpr std::size_t max_commands = 10'000;         // in one group, nested groups included
 
-/// One command (with the commands of a group) at work on a copy of the document.
+/// Applies one command (with the commands of a group) to a copy of the document.
 class Work {
  public:
   Work(const Scenario& scenario, const Catalogue& catalogue, std::uint64_t& next_id) : catalogue_(catalogue), next_id_(next_id) {
     effect_.scenario = scenario;
   }
 
-  /// @return the label
+  /// Applies one command to the copy. @return the label; problems are collected and returned by finish()
   std::string apply(const Json& command, const std::string& path) {
     Fields f(command, path, problems_);
     std::string type;
@@ -61,8 +61,8 @@ class Work {
   Result<CommandEffect> finish(std::string label) {
     if (!problems_.empty()) return fail(std::move(problems_));
     put_in_order(effect_.scenario);
-    Error wrong = check_scenario(effect_.scenario, &catalogue_);
-    if (!wrong.empty()) return fail(std::move(wrong));
+    Error invalid = check_scenario(effect_.scenario, &catalogue_);
+    if (!invalid.empty()) return fail(std::move(invalid));
     effect_.label = std::move(label);
     return std::move(effect_);
   }
@@ -78,19 +78,19 @@ class Work {
     }
     return std::any_of(effect_.scenario.events.begin(), effect_.scenario.events.end(), [&](const ScenarioEvent& e) { return e.id == id; });
   }
-  /// Keeps an id that the command gives, makes one otherwise.
-  void settle_id(std::string& id, char letter) {
+  /// Keeps an id given by the command; if it is empty, creates a new id of `letter` and a number.
+  void assign_id(std::string& id, char letter) {
     if (id.empty()) {
       do id = letter + std::to_string(next_id_++);
       while (used(id));
     } else if (const auto number = parse_long(std::string_view(id).substr(1)); number && *number >= 0 && *number < 1'000'000'000) {
-      next_id_ = std::max(next_id_, static_cast<std::uint64_t>(*number) + 1);  // "k7" given: 7 is not used again
+      next_id_ = std::max(next_id_, static_cast<std::uint64_t>(*number) + 1);  // the command gives "k7": 7 is not used again
     }
     effect_.created.push_back(id);
   }
-  void missing(Fields& f, std::string_view key, std::string_view what, const std::string& id) {
-    problems_.add(ErrorCode::unknown, f.path(key), "There is no " + std::string(what) + " '" + id + "'.",
-                  "Somebody may have removed it; look at the document again.");
+  void report_missing(Fields& f, std::string_view key, std::string_view kind, const std::string& id) {
+    problems_.add(ErrorCode::unknown, f.path(key), "There is no " + std::string(kind) + " '" + id + "'.",
+                  "It may have been removed; reload the document.");
   }
   ScenarioCharacter* character_in(Fields& f, std::string_view key) {
     std::string id;
@@ -98,10 +98,10 @@ class Work {
     f.text(key, id);
     if (!problems_.empty()) return nullptr;
     ScenarioCharacter* c = document().find_character(id);
-    if (!c) missing(f, key, "character", id);
+    if (!c) report_missing(f, key, "character", id);
     return c;
   }
-  /// The clip that `character` and `id` name.
+  /// The clip that the fields `character` and `id` name: its character and its index in the track; {null, 0} and a problem if missing.
   std::pair<ScenarioCharacter*, std::size_t> clip_in(Fields& f) {
     ScenarioCharacter* c = character_in(f, "character");
     std::string id;
@@ -110,7 +110,7 @@ class Work {
     if (!c || !problems_.empty()) return {nullptr, 0};
     for (std::size_t i = 0; i < c->track.size(); ++i)
       if (c->track[i].id == id) return {c, i};
-    missing(f, "id", "clip", id);
+    report_missing(f, "id", "clip", id);
     return {nullptr, 0};
   }
   ScenarioEvent* event_in(Fields& f) {
@@ -120,7 +120,7 @@ class Work {
     if (!problems_.empty()) return nullptr;
     for (ScenarioEvent& e : document().events)
       if (e.id == id) return &e;
-    missing(f, "id", "event", id);
+    report_missing(f, "id", "event", id);
     return nullptr;
   }
   std::string clip_add(Fields& f) {
@@ -131,7 +131,7 @@ class Work {
     clip.length = 1;
     read_clip(f, clip);
     if (!c || !problems_.empty()) return {};
-    settle_id(clip.id, 'k');
+    assign_id(clip.id, 'k');
     const auto motion = catalogue_.motions.find(clip.motion);
     if (!f.has("length") && motion != catalogue_.motions.end())
       clip.length = clip.speed > 0 ? std::max(0.001, (motion->second.duration - clip.offset) / clip.speed) : motion->second.duration;
@@ -177,7 +177,7 @@ class Work {
     }
     ScenarioClip second = first;
     second.id.clear();
-    settle_id(second.id, 'k');
+    assign_id(second.id, 'k');
     first.length = cut;
     second.start = time;
     second.length -= cut;
@@ -196,7 +196,7 @@ class Work {
     ScenarioCharacter c;
     read_character(f, c);
     if (!problems_.empty()) return {};
-    settle_id(c.id, 'c');
+    assign_id(c.id, 'c');
     const auto mechanism = catalogue_.mechanisms.find(c.mechanism);
     if (c.name.empty())
       c.name = mechanism != catalogue_.mechanisms.end() && !mechanism->second.name.empty() ? mechanism->second.name : c.id;
@@ -218,7 +218,7 @@ class Work {
     return "Change character";
   }
 
-  /// With it go the events that are about it.
+  /// Removes the character together with its events.
   std::string character_remove(Fields& f) {
     const ScenarioCharacter* c = character_in(f, "id");
     if (!c) return {};
@@ -241,7 +241,7 @@ class Work {
       g.refuse_others();
     }
     if (!problems_.empty()) return {};
-    settle_id(event.id, 'e');
+    assign_id(event.id, 'e');
     const bool push = event.type == EventType::push;
     document().events.push_back(std::move(event));
     return push ? "Add push" : "Add throw";
@@ -259,8 +259,8 @@ class Work {
     if (event->type != before.type)
       problems_.add(ErrorCode::structure, g.path("type"), "An event cannot change its type.", "Remove it and add another.");
     event->id = before.id;
-    const std::string what = event->type == EventType::push ? "push" : "throw";
-    return (event->time != before.time ? "Move " : "Change ") + what;
+    const std::string type = event->type == EventType::push ? "push" : "throw";
+    return (event->time != before.time ? "Move " : "Change ") + type;
   }
 
   std::string event_remove(Fields& f) {
@@ -288,7 +288,7 @@ class Work {
     return document().circuit.empty() ? "Use default circuit" : "Change circuit";
   }
 
-  /// Changes the stored circuit item by item; a document without one gets the default circuit first.
+  /// Changes the stored circuit item by item. A document without a circuit of its own first gets a copy of the default circuit.
   std::string circuit_edit(Fields& f) {
     std::string label = "Change circuit";
     f.text("label", label);
@@ -318,13 +318,13 @@ class Work {
     const Json* commands = f.find("commands");
     if (!commands) return {};
     if (!commands->is_array()) {
-      problems_.add(ErrorCode::syntax, f.path("commands"), "It must be a list of commands.", "Write it as [ ... ].");
+      problems_.add(ErrorCode::syntax, f.path("commands"), "The value must be a list of commands.", "Write it as [ ... ].");
       return {};
     }
     count_ += commands->size();
     if (count_ > max_commands) {
       problems_.add(ErrorCode::range, f.path("commands"), "The group has more than " + std::to_string(max_commands) + " commands.",
-                    "Make it smaller.");
+                    "Split it into smaller groups.");
       return {};
     }
     for (std::size_t i = 0; i < commands->size() && problems_.empty(); ++i)

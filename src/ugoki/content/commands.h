@@ -1,5 +1,5 @@
 #pragma once
-// Commands: every edit of a scenario document is one of them. Their list stands in docs/scenario.md.
+// Commands. Every edit of a scenario document is one command; docs/scenario.md lists them.
 
 #include <cstdint>
 #include <string>
@@ -11,20 +11,21 @@
 
 namespace ugoki::content {
 
+/// Result of a command.
 struct CommandEffect {
-  Scenario scenario;                 ///< the document after the command, valid
-  std::string label;                 ///< for undo menus: "Move clip"
-  std::vector<std::string> created;  ///< ids of what the command made
+  Scenario scenario;                 ///< the document after the command; valid
+  std::string label;                 ///< for undo menus, for example "Move clip"
+  std::vector<std::string> created;  ///< ids of the clips, characters and events that the command created
 };
 
-/// Applies one command (a JSON object with `type`) to a valid document. The document is left alone if the command is
-/// malformed, names something that is not there, or would leave the document invalid; all problems are then reported.
-/// @param next_id counter from which ids are made; only grows, so that ids are never used twice
+/// Applies one command (a JSON object with `type`) to a valid document and returns the changed document. Errors: the command is malformed,
+/// names an item that does not exist, or would make the document invalid; all problems are then reported.
+/// @param next_id counter for new ids. It only increases, so that an id is never reused; unchanged after an error
 [[nodiscard]] Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view command, const Catalogue& catalogue,
                                                   std::uint64_t& next_id);
 
-/// Ids of mechanisms and motions that the command brings into the document, so that they can be fetched from a library
-/// before it is applied. Empty for a malformed command.
+/// Ids of the mechanisms and motions that the command refers to. The caller can fetch them from a library before it applies the command.
+/// Empty for a malformed command.
 [[nodiscard]] std::vector<std::string> resources_named(std::string_view command);
 
 }  // namespace ugoki::content

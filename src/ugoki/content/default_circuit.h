@@ -1,5 +1,5 @@
 #pragma once
-// The execution circuit that content runs on when its document brings none: data like any other circuit.
+// The default execution circuit: content runs on it if the document has no circuit of its own. It is data like any other circuit.
 
 #include <string>
 
@@ -7,8 +7,8 @@
 
 namespace ugoki::content {
 
-/// JSON text (docs/circuit.md) of the execution circuit for the document's characters: for each that follows a track motion
-/// retrieval, interpolation and control; for all of them events, collision, dynamics, status and display.
+/// JSON text (docs/circuit.md) of the default execution circuit for the document's characters. Each character that follows a track has
+/// LSIs for motion retrieval, interpolation and control. All characters share LSIs for events, collision, dynamics, status and display.
 [[nodiscard]] std::string default_circuit(const Scenario& scenario);
 
 }  // namespace ugoki::content

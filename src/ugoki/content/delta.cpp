@@ -13,7 +13,7 @@ bool same_fields(const Json& a, const Json& b) {
   return true;
 }
 
-/// Equal values and equal order of fields.
+/// True if the values and the order of all fields are equal.
 bool identical(const Json& a, const Json& b) {
   if (a.type() != b.type()) return false;
   if (a.is_object()) {
@@ -28,7 +28,7 @@ bool identical(const Json& a, const Json& b) {
 
 std::size_t index_in(const Json& value) { return value.is_number_unsigned() ? value.get<std::size_t>() : static_cast<std::size_t>(-1); }
 
-/// Applies in place; false if the delta does not fit.
+/// Applies the delta in place. False if the delta does not fit; `target` may then be partly changed.
 bool apply(Json& target, const Json& delta) {
   if (!delta.is_object() || delta.size() != 1) return false;
   const std::string& kind = delta.begin().key();
@@ -97,7 +97,7 @@ Result<Json> apply_delta(const Json& from, const Json& delta) {
   Json out = from;
   if (!apply(out, delta))
     return fail(ErrorCode::structure, "history", "A step of the history does not fit the document.",
-                "Undo and redo cannot go further here.");
+                "Undo and redo cannot continue past this step; the document is unchanged.");
   return out;
 }
 

@@ -32,7 +32,7 @@ class Writer {
 void encode_frame(const DisplayFrame& frame, std::uint32_t number, std::uint32_t flags, std::vector<std::byte>& out) {
   Writer w(out);
   w.u32(0x46474b55);  // "UKGF"
-  w.u32(1);
+  w.u32(1);           // version
   w.f64(frame.time);
   w.u32(number);
   w.u32(flags | (frame.grabbed ? frame_grab : 0u));
@@ -40,8 +40,8 @@ void encode_frame(const DisplayFrame& frame, std::uint32_t number, std::uint32_t
   w.u32(static_cast<std::uint32_t>(frame.contacts.size()));
   w.f32(frame.grab_point);
   w.f32(frame.grab_target);
-  w.u32(0);  // nearest pairs: a viewer's host adds them
-  w.u32(1);  // normals follow the contacts
+  w.u32(0);  // count of closest pairs; the host program of a viewer adds them
+  w.u32(1);  // the contacts are followed by their normals
   for (const DisplayCharacter& c : frame.characters) {
     w.u32(static_cast<std::uint32_t>(c.links.size()));
     w.u32(static_cast<std::uint32_t>(c.state));
@@ -50,7 +50,7 @@ void encode_frame(const DisplayFrame& frame, std::uint32_t number, std::uint32_t
     w.f32(c.assist_ratio);
     w.f32(c.weight);
     w.f32(c.centre_of_mass);
-    w.f32(0.0);
+    w.f32(0.0);  // reserved
     for (const DisplayPose& x : c.links) {
       w.f32(x.p);
       w.f32(x.r.w);

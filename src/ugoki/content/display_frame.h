@@ -1,5 +1,6 @@
 #pragma once
-// What a viewer needs of one moment, and its binary form (docs/studio-protocol.md, binary messages).
+// Display frame: the data that a viewer needs to show the content at one time, and its binary form
+// (docs/studio-protocol.md, binary messages).
 
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +11,9 @@
 
 namespace ugoki::content {
 
-enum class FigureState : std::uint32_t { tracking = 0, let_go = 1, passive = 2, edit = 3 };
+/// tracking: follows its track. released: control has released it, because the root assist exceeded its cap. passive: not controlled.
+/// edit: posed from its track, without physics.
+enum class CharacterState : std::uint32_t { tracking = 0, released = 1, passive = 2, edit = 3 };
 
 /// Position [m] and rotation of a link in the world.
 struct DisplayPose {
@@ -19,20 +22,20 @@ struct DisplayPose {
 };
 
 struct DisplayCharacter {
-  FigureState state = FigureState::passive;
+  CharacterState state = CharacterState::passive;
   Vec3 assist_force;        ///< N, world
   Vec3 assist_moment;       ///< N m, world, about the root link's origin
-  double assist_ratio = 0;  ///< wanted assist / cap
+  double assist_ratio = 0;  ///< requested assist / cap
   double weight = 0;        ///< N
-  Vec3 centre_of_mass;      ///< m
+  Vec3 centre_of_mass;      ///< m, world
   std::vector<DisplayPose> links;
 };
 
 struct DisplayContact {
-  Vec3 point;   ///< m, world
-  Vec3 force;   ///< N, world, on the link
-  Vec3 normal;  ///< unit, world: towards the link
-  int character = 0, link = 0;
+  Vec3 point;                   ///< m, world
+  Vec3 force;                   ///< N, world, acts on the link
+  Vec3 normal;                  ///< unit vector, world; points towards the link
+  int character = 0, link = 0;  ///< indices
 };
 
 struct DisplayFrame {
@@ -40,13 +43,14 @@ struct DisplayFrame {
   bool grabbed = false;
   Vec3 grab_point, grab_target;  ///< m, world
   std::vector<DisplayCharacter> characters;
-  std::vector<DisplayContact> contacts;  ///< those that bear force
+  std::vector<DisplayContact> contacts;  ///< only contacts with a force
 };
 
 /// Bits of the frame's flags.
 enum FrameFlag : std::uint32_t { frame_playing = 1, frame_simulate = 2, frame_live = 4, frame_grab = 8 };
 
-/// The frame's bytes; frame_grab is added to `flags` while something is grabbed. Allocates only where `out` grows.
+/// Writes the frame in its binary form to `out`. Adds frame_grab to `flags` if frame.grabbed is true. Allocates only if `out` must grow.
+/// @param number of the frame @param flags bits of FrameFlag
 void encode_frame(const DisplayFrame& frame, std::uint32_t number, std::uint32_t flags, std::vector<std::byte>& out);
 
 }  // namespace ugoki::content

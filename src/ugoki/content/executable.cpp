@@ -12,7 +12,7 @@
 namespace ugoki::content {
 namespace {
 
-/// One container at work.
+/// Reads one file of executable data.
 class Reader {
  public:
   Reader(const Ugx& ugx, std::string_view name) : ugx_(ugx), name_(name) {}
@@ -42,21 +42,21 @@ class Reader {
     const UgxSection* found = ugx_.find(name);
     if (!found)
       problems_.add(ErrorCode::structure, name_, "Section '" + std::string(name) + "' is missing.",
-                    "Generate the file anew from its project.");
+                    "Generate the file again from its project.");
     return found;
   }
 
   void read_resources() {
     for (const UgxSection& s : ugx_.sections()) {
-      const std::string place = name_ + ", section " + s.name;
+      const std::string location = name_ + ", section " + s.name;
       if (s.name.starts_with("mechanism/")) {
-        Result<MechanismPtr> mechanism = formats::read_mechanism(s.text(), place);
+        Result<MechanismPtr> mechanism = formats::read_mechanism(s.text(), location);
         if (mechanism)
           add(out_.mechanism_ids, out_.mechanisms, resources_.mechanisms, s.name.substr(10), std::move(*mechanism));
         else
           take_problems(mechanism.error());
       } else if (s.name.starts_with("motion/")) {
-        Result<Motion> motion = formats::read_motion(s.bytes, place);
+        Result<Motion> motion = formats::read_motion(s.bytes, location);
         if (motion)
           add(out_.motion_ids, out_.motions, resources_.motions, s.name.substr(7), std::make_shared<const Motion>(std::move(*motion)));
         else
@@ -95,8 +95,10 @@ class Reader {
     std::size_t clips = 0;
     for (const ScenarioCharacter& c : s.characters) clips += c.track.size();
     if (bytes.size() != clips * 4 * sizeof(double)) {
-      problems_.add(ErrorCode::structure, name_ + ", section placements", "It does not hold one placement for each clip.",
-                    "Generate the file anew from its project.");
+      problems_.add(
+          ErrorCode::structure, name_ + ", section placements",
+          "The section has " + std::to_string(bytes.size()) + " bytes; the " + std::to_string(clips) + " clips need 32 bytes each.",
+          "Generate the file again from its project.");
       return;
     }
     for (const ScenarioCharacter& c : s.characters) {
@@ -106,7 +108,7 @@ class Reader {
       character.color = c.color;
       character.mechanism = index_of(out_.mechanism_ids, c.mechanism);
       character.control = c.control;
-      character.place = to_placement(c.place);
+      character.placement = to_placement(c.place);
       const Mechanism& mechanism = *out_.mechanisms[static_cast<std::size_t>(character.mechanism)];
       std::vector<Clip> track;
       for (const ScenarioClip& source : c.track) {
@@ -115,14 +117,15 @@ class Reader {
         const Error misfit = check_motion(motion, mechanism);
         if (!misfit.empty()) return take_problems(misfit);
         Clip clip = to_clip(source);
-        double place[4];
-        std::memcpy(place, bytes.data(), sizeof place);
-        bytes = bytes.subspan(sizeof place);
-        for (const double x : place)
+        double placement[4];  // x, y, z [m], heading [rad]
+        std::memcpy(placement, bytes.data(), sizeof placement);
+        bytes = bytes.subspan(sizeof placement);
+        for (const double x : placement)
           if (!std::isfinite(x) || std::fabs(x) > 1e9)
             return problems_.add(ErrorCode::range, name_ + ", section placements",
-                                 "The placement of clip '" + source.id + "' is no number.", "Generate the file anew from its project.");
-        clip.place = {place[0], place[1], place[2], place[3]};
+                                 "The placement of clip '" + source.id + "' is not finite or exceeds 1e9 in magnitude.",
+                                 "Generate the file again from its project.");
+        clip.placement = {placement[0], placement[1], placement[2], placement[3]};
         if (clip.loop) clip.cycle = cycle_of(motion, mechanism);
         track.push_back(clip);
         character.track.push_back({source.id, index, clip});
@@ -138,7 +141,8 @@ class Reader {
       event.id = e.id;
       event.type = e.type;
       event.time = e.time;
-      while (s.characters[static_cast<std::size_t>(event.character)].id != e.character) ++event.character;  // check_scenario found it
+      while (s.characters[static_cast<std::size_t>(event.character)].id != e.character)
+        ++event.character;  // exists: check_scenario() passed
       event.duration = e.duration;
       if (e.type == EventType::push) {
         const int mechanism = index_of(out_.mechanism_ids, s.characters[static_cast<std::size_t>(event.character)].mechanism);
@@ -164,7 +168,7 @@ class Reader {
 Result<Executable> read_executable(std::span<const std::byte> bytes, std::string_view name) {
   Result<Ugx> ugx = read_ugx(bytes);
   if (!ugx) {
-    for (Problem& p : ugx.error().problems) p.place = std::string(name) + ": " + p.place;
+    for (Problem& p : ugx.error().problems) p.location = std::string(name) + ": " + p.location;
     return fail(std::move(ugx.error()));
   }
   return Reader(*ugx, name).read();

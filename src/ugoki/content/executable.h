@@ -1,6 +1,6 @@
 #pragma once
-// Executable data in memory: what the player runs. Everything is resolved: indices instead of ids, clips laid on the
-// floor, radians, the circuit as data. Its form on disk is described in ugx.h.
+// Executable data in memory, the input of the player. All references are resolved: indices instead of ids, clips placed in the world,
+// angles in radians. ugx.h describes the file format.
 
 #include <span>
 #include <string>
@@ -17,7 +17,7 @@ namespace ugoki::content {
 struct ExecutableClip {
   std::string id;
   int motion = 0;  ///< index into Executable::motions
-  Clip clip;       ///< placed
+  Clip clip;       ///< placed in the world
 };
 
 struct ExecutableCharacter {
@@ -25,40 +25,40 @@ struct ExecutableCharacter {
   std::string color;  ///< "#rrggbb"
   int mechanism = 0;  ///< index into Executable::mechanisms
   ScenarioControl control;
-  Placement place;                    ///< where it stands at the start; heading in rad
-  std::vector<double> q0;             ///< [nq] position at time 0
-  std::vector<ExecutableClip> track;  ///< by start; may be empty
+  Placement placement;                ///< planar pose in the world at the start; m, heading in rad
+  std::vector<double> q0;             ///< [nq] position coordinates at time 0
+  std::vector<ExecutableClip> track;  ///< sorted by start; may be empty
 };
 
 struct ExecutableEvent {
   std::string id;
   EventType type = EventType::push;
   double time = 0;            ///< s
-  int character = 0;          ///< index
+  int character = 0;          ///< index into Executable::characters
   double duration = 0;        ///< s (push)
   int link = 0;               ///< index of the link (push)
   Vec3 force;                 ///< N, world, at the link's centre of mass (push)
-  Vec3 from, velocity, spin;  ///< m, m/s, rad/s, world (throw)
+  Vec3 from, velocity, spin;  ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
 };
 
 struct Executable {
   std::string name;
-  double duration = 0;     ///< s
-  double frame_rate = 60;  ///< display frames a second
-  double step = 0.002;     ///< s
-  Vec3 gravity = {0, 0, -9.81};
+  double duration = 0;           ///< s
+  double frame_rate = 60;        ///< display frames per second
+  double step = 0.002;           ///< s, simulation step
+  Vec3 gravity = {0, 0, -9.81};  ///< m/s^2, world
   ScenarioGround ground;
-  std::vector<std::string> mechanism_ids, motion_ids;  ///< of the entries below
+  std::vector<std::string> mechanism_ids, motion_ids;  ///< ids of the entries of `mechanisms` and `motions`
   std::vector<MechanismPtr> mechanisms;
   std::vector<MotionPtr> motions;
   std::vector<ExecutableCharacter> characters;
-  std::vector<ExecutableEvent> events;  ///< by time
+  std::vector<ExecutableEvent> events;  ///< sorted by time
   ScenarioCamera camera;
   ScenarioLook look;
   std::string circuit;  ///< JSON, docs/circuit.md
 };
 
-/// Reads and checks everything: container, document, every index and number, motions against mechanisms.
+/// Reads executable data and checks them completely: file structure, document, indices, values, and that the motions fit the mechanisms.
 /// @param name for messages, usually the file's name
 [[nodiscard]] Result<Executable> read_executable(std::span<const std::byte> bytes, std::string_view name);
 

@@ -59,7 +59,7 @@ Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resource
   std::vector<double> placements;
   for (const ScenarioCharacter& c : document.characters) {
     for (const Clip& clip : lay_track(c, *resources.mechanisms.at(c.mechanism), resources)) {
-      placements.insert(placements.end(), {clip.place.x, clip.place.y, clip.place.z, clip.place.heading});
+      placements.insert(placements.end(), {clip.placement.x, clip.placement.y, clip.placement.z, clip.placement.heading});
     }
   }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The generator: from a scenario document and what it names to executable data.
+// The generator: turns a scenario document with its mechanisms and motions into executable data.
 
 #include <map>
 #include <string>
@@ -18,15 +18,17 @@ struct Resources {
   std::map<std::string, MotionPtr, std::less<>> motions;
 };
 
+/// The properties of a mechanism or motion that check_scenario() needs.
 [[nodiscard]] MechanismFacts facts_of(const Mechanism& mechanism);
 [[nodiscard]] MotionFacts facts_of(const Motion& motion);
+/// The facts of all resources.
 [[nodiscard]] Catalogue catalogue_of(const Resources& resources);
 
-/// Index of the link that `text` names by its name, or by its label ("chest", "thigh left"); -1: none.
+/// Index of the link with the name `text`, or else of the first link with the label `text` ("chest", "thigh left"); -1: none.
 [[nodiscard]] int find_link(const Mechanism& mechanism, std::string_view text);
 
-/// Executable data (*.ugx, see ugx.h) with only the resources that the document uses. Each clip is laid where the one
-/// before it leaves off. Equal input gives equal bytes. All problems are reported.
+/// Executable data (*.ugx, see ugx.h) with only the resources that the document uses. Each clip is placed at the planar pose where the
+/// previous clip of its track ends. Equal input gives equal bytes. All problems are reported.
 [[nodiscard]] Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resources& resources);
 
 }  // namespace ugoki::content

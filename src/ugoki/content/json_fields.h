@@ -1,5 +1,5 @@
 #pragma once
-// Fields of the scenario document and of commands. Internal to content and project.
+// Reader for the fields of scenario documents and commands. Internal to content and project.
 
 #include <string_view>
 
@@ -13,12 +13,13 @@ using json::parse_json;
 using json::to_text;
 using json::type_of;
 
-/// Numbers have no negative zero, so that equal documents have equal text.
+/// Like json::Fields, but replaces negative zero by zero, so that equal documents have equal text.
 class Fields : public json::Fields {
  public:
   using json::Fields::Fields;
 
   void number(std::string_view key, double& value);
+  /// A list of three numbers.
   void vec3(std::string_view key, Vec3& value);
 };
 

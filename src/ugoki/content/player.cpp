@@ -23,14 +23,14 @@ struct Player::Machine {
   circuit::Circuit circuit;
   std::unique_ptr<lsi::World> world;
   std::unique_ptr<circuit::Interpreter> interpreter;
-  PinView state, contacts, events, poses, figures, measures;
-  std::vector<PinView> touches;  // of every dynamics LSI
-  std::span<std::byte> live;
+  PinView state, contacts, events, poses, characters, measures;  // outputs of the circuit
+  std::vector<PinView> touches;                                  // output `touches` of every dynamics LSI
+  std::span<std::byte> live;                                     // input `live` of the circuit: events of the user for the next step
   circuit::DeviceFeed devices;
-  std::vector<PlayerInput> inputs;     // given so far
-  std::vector<PlayerInput> scheduled;  // by step
-  std::size_t next_scheduled = 0;
-  bool displayed = false;  // display has run since the last step
+  std::vector<PlayerInput> inputs;     // applied so far
+  std::vector<PlayerInput> scheduled;  // sorted by step
+  std::size_t next_scheduled = 0;      // index into `scheduled`
+  bool displayed = false;              // the display LSIs have run since the last step
 
   [[nodiscard]] bool is_link(int character, int link) const {
     return character >= 0 && character < static_cast<int>(world->characters().size()) && link >= 0 &&
@@ -41,25 +41,25 @@ struct Player::Machine {
   [[nodiscard]] circuit::BuildOptions build_options() const {
     return {.dt = content.step, .check_finite = true, .activity = options.activity};
   }
-  void give(const EventRecord& record);
-  void give(std::shared_ptr<const circuit::DeviceState> held);
-  void give_scheduled();
+  void add_input(const EventRecord& record);
+  void add_input(std::shared_ptr<const circuit::DeviceState> held);
+  void add_scheduled_inputs();
   void refresh();
 };
 
 namespace {
 
-constexpr std::size_t most_live = 32;  // records in an event payload
+constexpr std::size_t max_live = 32;  // records in the payload of an event pin
 
-/// The circuit's output that the player needs, of this type and size.
+/// The circuit's output `name`. Reports a problem if it is missing or does not have this type and element count.
 PinView find_pin(const circuit::Interpreter& interpreter, const char* name, PinTypeId type, std::uint32_t count, Error& problems) {
   const auto view = interpreter.find_circuit_output(name);
   if (view && view->type == type && view->count == count) return *view;
   const std::string wanted = "'" + std::string(name) + "' (" + std::string(circuit::pin_type(type).name) + ")";
   problems.add(ErrorCode::structure, "circuit/outputs",
-               view ? "The circuit's output " + wanted + " does not have the form that the player needs."
+               view ? "The circuit's output " + wanted + " does not have the type and size that the player needs."
                     : "The circuit has no output " + wanted + ".",
-               "Give it the outputs of the default circuit: see docs/circuit.md.");
+               "Add the outputs of the default circuit: see docs/circuit.md.");
   return {};
 }
 
@@ -117,18 +117,19 @@ Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view nam
   return Player(std::move(machine));
 }
 
-/// Finds what the player reads and writes.
+/// Finds the circuit's inputs and outputs that the player uses.
 Result<void> Player::Machine::bind() {
   Machine& m = *this;
   Error problems;
-  const std::size_t people = m.world->characters().size();
+  const std::size_t character_count = m.world->characters().size();
   const circuit::Interpreter& i = *m.interpreter;
   m.state = find_pin(i, "state", PinTypeId::state, m.world->state_count(), problems);
   m.contacts = find_pin(i, "contacts", PinTypeId::contacts, m.world->contact_capacity(), problems);
   m.events = find_pin(i, "events", PinTypeId::event, circuit::pin_type(PinTypeId::event).default_count, problems);
   m.poses = find_pin(i, "poses", PinTypeId::pose, lsi::World::payload_count(m.world->link_count()), problems);
-  m.figures = find_pin(i, "figures", PinTypeId::joint_values, lsi::World::payload_count(people * lsi::figure_count), problems);
-  m.measures = find_pin(i, "measures", PinTypeId::joint_values, lsi::World::payload_count(people * lsi::measure_count), problems);
+  m.characters =
+      find_pin(i, "characters", PinTypeId::joint_values, lsi::World::payload_count(character_count * lsi::character_entry_count), problems);
+  m.measures = find_pin(i, "measures", PinTypeId::joint_values, lsi::World::payload_count(character_count * lsi::measure_count), problems);
   m.touches.clear();
   for (const circuit::Instance& lsi : m.circuit.lsis)
     if (const auto pin = lsi.type == "dynamics" ? i.find_output(lsi.id + ".touches") : Result<PinView>(fail(Error()));
@@ -136,9 +137,9 @@ Result<void> Player::Machine::bind() {
       m.touches.push_back(*pin);
   m.devices = circuit::DeviceFeed(*m.interpreter);
   m.live = m.interpreter->find_circuit_input("live");
-  if (m.live.size() != sizeof(std::uint64_t) + most_live * sizeof(EventRecord))
+  if (m.live.size() != sizeof(std::uint64_t) + max_live * sizeof(EventRecord))
     problems.add(ErrorCode::structure, "circuit/inputs", "The circuit has no input 'live' (event).",
-                 "Give it the input of the default circuit: see docs/circuit.md.");
+                 "Add the input of the default circuit: see docs/circuit.md.");
   if (!problems.empty()) return fail(std::move(problems));
   return {};
 }
@@ -149,11 +150,11 @@ Result<circuit::Interpreter::Adoption> Player::change_library(std::shared_ptr<co
   Result<circuit::Interpreter> made = circuit::Interpreter::build(m.circuit, next, m.world.get(), m.build_options());
   if (!made) return fail(std::move(made.error()));
   circuit::Interpreter::Adoption report = made->adopt_report(*m.interpreter);
-  const std::vector<std::byte> given(m.live.begin(), m.live.end());
+  const std::vector<std::byte> pending_events(m.live.begin(), m.live.end());
   *m.interpreter = std::move(*made);
   m.options.library = std::move(library);
   if (Result<void> bound = m.bind(); !bound) return fail(std::move(bound.error()));
-  std::copy(given.begin(), given.end(), m.live.begin());
+  std::copy(pending_events.begin(), pending_events.end(), m.live.begin());
   m.displayed = false;
   return report;
 }
@@ -172,51 +173,51 @@ const std::vector<PlayerInput>& Player::inputs() const { return machine_->inputs
 const circuit::Library& Player::library() const { return machine_->library(); }
 circuit::Interpreter& Player::interpreter() { return *machine_->interpreter; }
 
-void Player::Machine::give(const EventRecord& record) {
+void Player::Machine::add_input(const EventRecord& record) {
   const std::uint64_t step = interpreter->ticks();
   std::size_t count = lsi::records<EventRecord>(live.data()).size();
-  EventRecord* room = lsi::record_room<EventRecord>(live.data());
-  // Dragging between two steps: the last place counts.
-  const bool again = record.kind == EventKind::drag && count > 0 && room[count - 1].kind == EventKind::drag;
-  if (again) {
+  EventRecord* records = lsi::record_room<EventRecord>(live.data());
+  // Of several drags between two steps only the last target has an effect.
+  const bool replaces_drag = record.kind == EventKind::drag && count > 0 && records[count - 1].kind == EventKind::drag;
+  if (replaces_drag) {
     --count;
     inputs.pop_back();
   }
-  if (count == most_live) return;
-  room[count] = record;
+  if (count == max_live) return;
+  records[count] = record;
   lsi::set_count(live.data(), count + 1);
   inputs.push_back({step, record, nullptr});
 }
 
-void Player::Machine::give(std::shared_ptr<const circuit::DeviceState> held) {
+void Player::Machine::add_input(std::shared_ptr<const circuit::DeviceState> held) {
   const std::uint64_t step = interpreter->ticks();
   devices.give(*held);
-  // Between two steps the last one counts.
+  // Of several device states between two steps only the last has an effect.
   if (!inputs.empty() && inputs.back().held && inputs.back().step == step) inputs.pop_back();
   inputs.push_back({step, {}, std::move(held)});
 }
 
-void Player::Machine::give_scheduled() {
+void Player::Machine::add_scheduled_inputs() {
   while (next_scheduled < scheduled.size() && scheduled[next_scheduled].step <= interpreter->ticks()) {
     const PlayerInput& input = scheduled[next_scheduled++];
     if (input.step != interpreter->ticks()) continue;
     if (input.held)
-      give(input.held);
+      add_input(input.held);
     else
-      give(input.record);
+      add_input(input.record);
   }
 }
 
 Result<void> Player::step() {
   Machine& m = *machine_;
-  m.give_scheduled();
+  m.add_scheduled_inputs();
   const bool good = m.interpreter->tick();
   m.displayed = false;
   if (!good) {
     const circuit::Stop& stop = *m.interpreter->stopped();
     return fail(ErrorCode::range, stop.pin.empty() ? stop.lsi : stop.pin, stop.text(),
-                stop.library.empty() ? "Go back to an earlier moment, or make the step shorter."
-                                     : "Look at its inputs, or correct the LSI and build it again.");
+                stop.library.empty() ? "Return to an earlier time, or use a shorter step."
+                                     : "Check its inputs, or correct the LSI and rebuild it.");
   }
   lsi::set_count(m.live.data(), 0);
   return {};
@@ -258,7 +259,7 @@ void Player::push(int character, int link, const Vec3& force, double duration) {
   e.link = link;
   e.a = force;
   e.duration = duration;
-  machine_->give(e);
+  machine_->add_input(e);
 }
 
 void Player::grab(int character, int link, const Vec3& point, const Vec3& target) {
@@ -269,7 +270,7 @@ void Player::grab(int character, int link, const Vec3& point, const Vec3& target
   e.link = link;
   e.a = point;
   e.b = target;
-  machine_->give(e);
+  machine_->add_input(e);
 }
 
 void Player::drag(const Vec3& target) {
@@ -277,13 +278,13 @@ void Player::drag(const Vec3& target) {
   EventRecord e;
   e.kind = EventKind::drag;
   e.b = target;
-  machine_->give(e);
+  machine_->add_input(e);
 }
 
 void Player::release() {
   EventRecord e;
   e.kind = EventKind::release;
-  machine_->give(e);
+  machine_->add_input(e);
 }
 
 void Player::throw_from(int character, const Vec3& from, const Vec3& velocity, const Vec3& spin) {
@@ -294,21 +295,21 @@ void Player::throw_from(int character, const Vec3& from, const Vec3& velocity, c
   e.a = from;
   e.b = velocity;
   e.c = spin;
-  machine_->give(e);
+  machine_->add_input(e);
 }
 
 void Player::hold(const circuit::DeviceState& state) {
-  if (!machine_->devices.has(state)) machine_->give(std::make_shared<const circuit::DeviceState>(state));
+  if (!machine_->devices.has(state)) machine_->add_input(std::make_shared<const circuit::DeviceState>(state));
 }
 
 const circuit::DeviceFeed& Player::devices() const { return machine_->devices; }
 
 void Player::schedule(std::vector<PlayerInput> inputs) {
-  std::vector<std::pair<std::uint64_t, std::size_t>> order;  // by step; inputs of one step as they come
+  std::vector<std::pair<std::uint64_t, std::size_t>> order;  // (step, index): sorted by step; inputs of one step keep their order
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const EventRecord& e = inputs[i].record;
-    const bool about_nobody = inputs[i].held || e.kind == EventKind::drag || e.kind == EventKind::release;
-    if (about_nobody || machine_->is_link(static_cast<int>(e.character), e.link)) order.emplace_back(inputs[i].step, i);
+    const bool has_no_link = inputs[i].held || e.kind == EventKind::drag || e.kind == EventKind::release;
+    if (has_no_link || machine_->is_link(static_cast<int>(e.character), e.link)) order.emplace_back(inputs[i].step, i);
   }
   std::sort(order.begin(), order.end());
   machine_->scheduled.clear();
@@ -335,9 +336,10 @@ Result<void> Player::restore(std::span<const std::byte> bytes) {
   Machine& m = *machine_;
   if (Result<void> done = m.interpreter->restore(bytes); !done) return done;
   const std::uint64_t now = m.interpreter->ticks();
-  // Of what was given between two steps the state tells whether it came before or after it was saved.
+  // Inputs of this step may have arrived before or after the state was saved. A device state is kept only if it is the restored one;
+  // events are taken from the restored input `live` below.
   std::erase_if(m.inputs, [&](const PlayerInput& i) { return i.step >= now && !(i.step == now && i.held && m.devices.has(*i.held)); });
-  for (const EventRecord& e : lsi::records<EventRecord>(m.live.data())) m.inputs.push_back({now, e, nullptr});  // given, not yet acted
+  for (const EventRecord& e : lsi::records<EventRecord>(m.live.data())) m.inputs.push_back({now, e, nullptr});
   m.next_scheduled = 0;
   m.displayed = false;
   return {};
@@ -353,17 +355,17 @@ void Player::display_frame(DisplayFrame& frame) {
   Machine& m = *machine_;
   m.refresh();
   const double* x = m.poses.numbers().data();
-  const double* figure = m.figures.numbers().data();
+  const double* values = m.characters.numbers().data();
   frame.time = time();
   frame.characters.resize(m.world->characters().size());
-  for (std::size_t i = 0; i < frame.characters.size(); ++i, figure += lsi::figure_count) {
+  for (std::size_t i = 0; i < frame.characters.size(); ++i, values += lsi::character_entry_count) {
     DisplayCharacter& c = frame.characters[i];
-    c.state = static_cast<FigureState>(static_cast<std::uint32_t>(figure[lsi::figure_state]));
-    c.assist_force = {figure[lsi::figure_force], figure[lsi::figure_force + 1], figure[lsi::figure_force + 2]};
-    c.assist_moment = {figure[lsi::figure_moment], figure[lsi::figure_moment + 1], figure[lsi::figure_moment + 2]};
-    c.assist_ratio = figure[lsi::figure_ratio];
-    c.weight = figure[lsi::figure_weight];
-    c.centre_of_mass = {figure[lsi::figure_centre], figure[lsi::figure_centre + 1], figure[lsi::figure_centre + 2]};
+    c.state = static_cast<CharacterState>(static_cast<std::uint32_t>(values[lsi::character_state]));
+    c.assist_force = {values[lsi::character_force], values[lsi::character_force + 1], values[lsi::character_force + 2]};
+    c.assist_moment = {values[lsi::character_moment], values[lsi::character_moment + 1], values[lsi::character_moment + 2]};
+    c.assist_ratio = values[lsi::character_ratio];
+    c.weight = values[lsi::character_weight];
+    c.centre_of_mass = {values[lsi::character_centre], values[lsi::character_centre + 1], values[lsi::character_centre + 2]};
     c.links.resize(static_cast<std::size_t>(m.world->characters()[i].mechanism->link_count()));
     for (DisplayPose& pose : c.links) {
       pose = {{x[0], x[1], x[2]}, {x[3], x[4], x[5], x[6]}};
@@ -372,7 +374,8 @@ void Player::display_frame(DisplayFrame& frame) {
   }
   frame.contacts.clear();
   for (const lsi::ContactRecord& c : lsi::records<lsi::ContactRecord>(m.contacts.bytes.data()))
-    if (norm(c.force) > 1e-9) frame.contacts.push_back({c.point.p, c.force, c.point.n, c.point.system_a, c.point.link_a});
+    if (norm(c.force) > 1e-9)  // N: far below any visible force; skips contacts without a force
+      frame.contacts.push_back({c.point.p, c.force, c.point.n, c.point.system_a, c.point.link_a});
   frame.grabbed = false;
   for (const EventRecord& e : lsi::records<EventRecord>(m.events.bytes.data())) {
     if (e.kind != EventKind::grab) continue;
@@ -390,19 +393,19 @@ void Player::pose_at(double time, DisplayFrame& frame) const {
   frame.contacts.clear();
   frame.characters.resize(m.world->characters().size());
   for (std::size_t i = 0; i < frame.characters.size(); ++i) {
-    const lsi::Character& who = m.world->characters()[i];
-    const Mechanism& mechanism = *who.mechanism;
-    std::vector<double> q = who.q0;
-    if (who.track) {
-      std::vector<double> reference(who.track->layout().size());
-      who.track->sample(time, reference);
+    const lsi::Character& character = m.world->characters()[i];
+    const Mechanism& mechanism = *character.mechanism;
+    std::vector<double> q = character.q0;
+    if (character.track) {
+      std::vector<double> reference(character.track->layout().size());
+      character.track->sample(time, reference);
       std::copy_n(reference.begin(), q.size(), q.begin());
     }
     std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
     calc_poses(mechanism, q, X);
     DisplayCharacter& c = frame.characters[i];
     c = DisplayCharacter{};
-    c.state = FigureState::edit;
+    c.state = CharacterState::edit;
     c.weight = mechanism.mass() * norm(m.world->gravity());
     c.centre_of_mass = centre_of_mass(mechanism, X);
     for (const Pose& pose : X) c.links.push_back({pose.p, to_quat(pose.R)});
@@ -422,7 +425,7 @@ PlayerMeasures Player::measures(int character) {
   out.penetration_mm = x[lsi::measure_penetration];
   out.penetration_rms_mm = x[lsi::measure_penetration_rms];
   out.fell = x[lsi::measure_fell] > 0;
-  out.let_go_time = x[lsi::measure_let_go_time];
+  out.release_time = x[lsi::measure_release_time];
   out.feet_on_ground = static_cast<int>(x[lsi::measure_feet]);
   return out;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The player: runs executable data. The same in the studio, on the command line, in a native program and in WebAssembly.
+// The player: runs executable data. The studio, the command line, native programs and the WebAssembly build use the same player.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,51 +18,51 @@
 
 namespace ugoki::content {
 
-/// Something that a user does, at a boundary between two steps: it acts from step `step` on.
+/// An input of the user between two steps. It acts from step `step` on.
 struct PlayerInput {
   std::uint64_t step = 0;
-  lsi::EventRecord record;
-  std::shared_ptr<const circuit::DeviceState> held;  ///< keyboard, mouse and gamepads from now on; null: `record` is what happens
+  lsi::EventRecord record;                           ///< the event, if `held` is null
+  std::shared_ptr<const circuit::DeviceState> held;  ///< new state of keyboard, mouse and gamepads; null: the input is `record`
 };
 
-/// How natural a character has moved since the start. Zeros for passive characters.
+/// Measures of how natural a character's motion has been since the start. Zeros for passive characters, except where noted.
 struct PlayerMeasures {
-  double tracking_rms_deg = 0;     ///< joints against reference, while it tracks
-  double assist_rms_bw = 0;        ///< root assist in body weights (moments count at the lever of the root's height)
-  double assist_force_rms_bw = 0;  ///< its force alone
-  double assist_max_bw = 0;
-  double foot_skate_cm = 0;  ///< mean path of a standing foot
-  double foot_skate_worst_cm = 0;
-  double penetration_mm = 0;  ///< worst depth in the ground
+  double tracking_rms_deg = 0;     ///< deviation of the joints from the reference while the character tracks, degrees
+  double assist_rms_bw = 0;        ///< root assist, body weights (moments are divided by the root's height)
+  double assist_force_rms_bw = 0;  ///< force of the root assist alone, body weights
+  double assist_max_bw = 0;        ///< maximum root assist, body weights
+  double foot_skate_cm = 0;        ///< mean sliding path of a foot per stance phase
+  double foot_skate_worst_cm = 0;  ///< maximum sliding path in one stance phase
+  double penetration_mm = 0;       ///< maximum penetration depth into the ground
   double penetration_rms_mm = 0;
   bool fell = false;
-  double let_go_time = -1;  ///< s; -1: it has not let go
-  int feet_on_ground = -1;  ///< now; -1: it has no feet
+  double release_time = -1;  ///< s, when control released the character; -1: never
+  int feet_on_ground = -1;   ///< current count; -1: the character has no feet
 };
 
-/// A touch of two links that began or ended in a step.
+/// A touch (contact interval) of two links that began or ended in a step.
 struct PlayerTouch {
-  double time = 0;     ///< s, of the step's end
-  bool ended = false;  ///< true: it is over, and `impulse` is that of the whole touch; otherwise that of its first step
-  int character_a = -1, link_a = -1, character_b = -1, link_b = -1;  ///< -1, -1: the ground
-  Vec3 point;                                                        ///< m, world: where it began
-  Vec3 impulse;                                                      ///< N s, world, on link a
+  double time = 0;     ///< s, end of the step
+  bool ended = false;  ///< true: the touch is over and `impulse` covers the whole touch; false: it began, `impulse` covers the first step
+  int character_a = -1, link_a = -1, character_b = -1, link_b = -1;  ///< indices; character -1 and link -1: the ground
+  Vec3 point;                                                        ///< m, world: contact point when the touch began
+  Vec3 impulse;                                                      ///< N s, world, acts on link a
   double duration = 0;                                               ///< s
-  std::string words;                                                 ///< for people: "hand left of anna touched box, 12 N s"
+  std::string words;                                                 ///< description for display: "hand left of anna touched box, 12 N s"
 };
 
-/// What the host of a player may give beyond the content.
+/// Options that the host program of a player sets.
 struct PlayerOptions {
   std::shared_ptr<const circuit::Library> library;  ///< all LSIs that the circuit may use; null: lsi::standard_library()
-  circuit::Activity* activity = nullptr;            ///< where to note which LSI runs; outlives the player
+  circuit::Activity* activity = nullptr;            ///< records which LSI runs; must outlive the player; may be null
 };
 
-/// The characters and events of executable data as the LSIs of a circuit see them.
+/// The characters and events of executable data in the form that the LSIs of a circuit use.
 [[nodiscard]] lsi::World make_world(const Executable& content);
 
 class Player {
  public:
-  /// Reads and checks executable data and builds everything; keeps no reference to the bytes.
+  /// Reads and checks executable data and builds the circuit and the world. Keeps no reference to the bytes.
   /// @param name for messages
   [[nodiscard]] static Result<Player> open(std::span<const std::byte> ugx, std::string_view name = "executable data",
                                            PlayerOptions options = {});
@@ -75,58 +75,61 @@ class Player {
   [[nodiscard]] const lsi::World& world() const;
   [[nodiscard]] double step_size() const;  ///< s
 
-  /// One step. An error names LSI, body, joint and time; the last good state stays, and further steps give the same error
-  /// until restore or reset. Allocates nothing.
+  /// Runs one step. An error names LSI, body, joint and time. The last valid state is kept, and further steps return the same error
+  /// until restore() or reset(). Does not allocate.
   [[nodiscard]] Result<void> step();
-  /// Touches that began or ended in the last step. @param out cleared and filled
+  /// Touches that began or ended in the last step. @param out is cleared first
   void touches(std::vector<PlayerTouch>& out) const;
-  [[nodiscard]] std::uint64_t step_count() const;  ///< done since time 0
+  [[nodiscard]] std::uint64_t step_count() const;  ///< steps since time 0
   [[nodiscard]] double time() const;               ///< s
-  /// Back to time 0, inputs forgotten.
+  /// Returns to time 0 and clears inputs(); scheduled inputs are kept and act again.
   void reset();
 
-  // Inputs act from the next step on and are recorded. Indices as in content(); out of range: ignored.
+  // Inputs act from the next step on and are recorded in inputs(). Indices refer to content(); inputs with an index out of range or a
+  // value that is not finite are ignored.
   /// Force [N], world, at the link's centre of mass, for `duration` s.
   void push(int character, int link, const Vec3& force, double duration);
-  /// A spring pulls the point [m, link's frame] towards the target [m, world] until release.
+  /// Attaches a spring that pulls the point [m, link's frame] towards the target [m, world] until release().
   void grab(int character, int link, const Vec3& point, const Vec3& target);
+  /// Moves the target [m, world] of the spring.
   void drag(const Vec3& target);
+  /// Removes the spring.
   void release();
   /// Sets the root's position [m], velocity [m/s] and spin [rad/s], world; for characters with a floating root.
   void throw_from(int character, const Vec3& from, const Vec3& velocity, const Vec3& spin);
-  /// What the user holds in hand from now on. Recorded where it is other, for what the circuit reads, than it was.
+  /// Sets the state of keyboard, mouse and gamepads. Recorded only if it changes a key, button or axis that the circuit reads.
   void hold(const circuit::DeviceState& state);
-  /// Of what the circuit reads of keyboard, mouse and gamepads. Another one after change_library.
+  /// The keys, buttons and axes that the circuit reads. change_library() updates it.
   [[nodiscard]] const circuit::DeviceFeed& devices() const;
 
-  /// All inputs so far (since reset; restore forgets those of later steps).
+  /// All inputs since the start or the last reset(). restore() removes the inputs of later steps.
   [[nodiscard]] const std::vector<PlayerInput>& inputs() const;
-  /// Inputs to be given at their steps: with the inputs() of another run this one has the same bits.
+  /// Sets inputs that are applied at their steps. With the inputs() of another run, this run has the same bits.
   void schedule(std::vector<PlayerInput> inputs);
 
-  /// Hash of all q and v, character by character.
+  /// Hash of q and v of all characters.
   [[nodiscard]] std::uint64_t state_hash() const;
-  [[nodiscard]] std::span<const double> q(int character) const;  ///< [nq]
-  [[nodiscard]] std::span<const double> v(int character) const;  ///< [nv]
+  [[nodiscard]] std::span<const double> q(int character) const;  ///< [nq] position coordinates
+  [[nodiscard]] std::span<const double> v(int character) const;  ///< [nv] velocities
 
-  /// The whole state: restore leads to the same bits from here on.
+  /// Writes the complete state to `bytes`. After restore() with these bytes, the run continues with the same bits.
   void save(std::vector<std::byte>& bytes);
   [[nodiscard]] Result<void> restore(std::span<const std::byte> bytes);
 
-  /// What a viewer shows now. @param frame keeps its memory
+  /// The current display frame. @param frame is overwritten; its memory is reused
   void display_frame(DisplayFrame& frame);
-  /// The tracks' poses at `time`, without physics; figures are in the state `edit`.
+  /// The poses of the tracks at `time` [s], without physics. All characters are in the state `edit`.
   void pose_at(double time, DisplayFrame& frame) const;
   [[nodiscard]] PlayerMeasures measures(int character);
-  /// Index of the link that is named or labelled so, or -1.
+  /// Index of the link with the name or label `name`, or -1.
   [[nodiscard]] int find_link(int character, std::string_view name) const;
 
-  /// Goes on with the LSIs of another library (one of them was rebuilt), each with its state where the layout allows it. An error
-  /// leaves all as it is.
+  /// Continues the run with the LSIs of another library, for example after an LSI was rebuilt. Each LSI keeps its state if the layout of
+  /// its state allows it. An error in building the circuit leaves the player unchanged. @return which states were kept
   [[nodiscard]] Result<circuit::Interpreter::Adoption> change_library(std::shared_ptr<const circuit::Library> library);
   [[nodiscard]] const circuit::Library& library() const;
 
-  /// The running circuit: probes, timing, parameters. Another one after change_library.
+  /// The running circuit, for probes, timing and parameters. change_library() replaces its circuit.
   [[nodiscard]] circuit::Interpreter& interpreter();
 
  private:

@@ -11,9 +11,9 @@
 namespace ugoki::content {
 namespace {
 
-constexpr double day = 86400;
+constexpr double day = 86400;  // s: upper limit of times and durations
 
-/// Collects the problems of one document.
+/// Checks one document and collects its problems.
 class Checker {
  public:
   Checker(const Scenario& scenario, const Catalogue* catalogue, std::string_view name, Error& problems)
@@ -26,31 +26,32 @@ class Checker {
   }
 
  private:
-  void range(const std::string& place, double value, double low, double high, std::string_view unit) {
+  void range(const std::string& location, double value, double low, double high, std::string_view unit) {
     if (value >= low && value <= high) return;
     problems_.add(
-        ErrorCode::range, place, "The value " + ugoki::to_text(value) + " is out of range.",
+        ErrorCode::range, location, "The value " + ugoki::to_text(value) + " is out of range.",
         "Give a value from " + ugoki::to_text(low) + " to " + ugoki::to_text(high) + (unit.empty() ? "." : " " + std::string(unit) + "."));
   }
-  void vector_range(const std::string& place, const Vec3& v, double greatest, std::string_view unit) {
-    for (int i = 0; i < 3; ++i) range(place, v[i], -greatest, greatest, unit);
+  void vector_range(const std::string& location, const Vec3& v, double maximum, std::string_view unit) {
+    for (int i = 0; i < 3; ++i) range(location, v[i], -maximum, maximum, unit);
   }
-  void check_name(const std::string& place, std::string_view value) {
+  void check_name(const std::string& location, std::string_view value) {
     if (value.empty() || value.size() > 200)
-      problems_.add(ErrorCode::range, place, "The name is empty or longer than 200 bytes.", "Give it a short name.");
+      problems_.add(ErrorCode::range, location, "The name is empty or longer than 200 bytes.", "Give it a short name.");
   }
-  void check_color(const std::string& place, std::string_view value) {
+  void check_color(const std::string& location, std::string_view value) {
     const bool good = value.size() == 7 && value[0] == '#' && std::all_of(value.begin() + 1, value.end(), [](char c) {
                         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
                       });
     if (!good)
-      problems_.add(ErrorCode::syntax, place, "'" + std::string(value) + "' is not a colour.", "Write it as #rrggbb, for example #e6e6ea.");
+      problems_.add(ErrorCode::syntax, location, "'" + std::string(value) + "' is not a colour.",
+                    "Write it as #rrggbb, for example #e6e6ea.");
   }
-  void check_own_id(const std::string& place, const std::string& id) {
+  void check_own_id(const std::string& location, const std::string& id) {
     if (!is_id(id))
-      problems_.add(ErrorCode::syntax, place, "'" + id + "' cannot be an id.", "Use 1 to 40 letters, digits, '-', '_' or '.'.");
+      problems_.add(ErrorCode::syntax, location, "'" + id + "' cannot be an id.", "Use 1 to 40 letters, digits, '-', '_' or '.'.");
     else if (!ids_.insert(id).second)
-      problems_.add(ErrorCode::duplicate, place, "Two things in the document have the id '" + id + "'.", "Give each its own id.");
+      problems_.add(ErrorCode::duplicate, location, "Two items of the document have the id '" + id + "'.", "Give each item its own id.");
   }
 
   void check_settings() {
@@ -73,111 +74,114 @@ class Checker {
     if (!s_.camera.follow.empty()) check_character_id(root_ + "/camera/follow", s_.camera.follow);
   }
 
-  void check_character_id(const std::string& place, const std::string& id) {
+  void check_character_id(const std::string& location, const std::string& id) {
     if (!s_.find_character(id))
-      problems_.add(ErrorCode::unknown, place, "There is no character '" + id + "'.",
-                    "Name a character of the document, or take this out.");
+      problems_.add(ErrorCode::unknown, location, "There is no character '" + id + "'.",
+                    "Name a character of the document, or remove this reference.");
   }
 
-  void check_character(const ScenarioCharacter& c, const std::string& place) {
-    check_own_id(place + "/id", c.id);
-    check_name(place + "/name", c.name);
-    check_color(place + "/color", c.color);
-    vector_range(place + "/place", {c.place.x, c.place.y, c.place.z}, 10000, "m");
-    range(place + "/place/heading", c.place.heading, -36000, 36000, "degrees");
-    range(place + "/control/tracking", c.control.tracking, 0, 2, "");
-    range(place + "/control/balance", c.control.balance, 0, 2, "");
-    range(place + "/control/assist_limit", c.control.assist_limit, 0, 10, "body weights");
+  void check_character(const ScenarioCharacter& c, const std::string& location) {
+    check_own_id(location + "/id", c.id);
+    check_name(location + "/name", c.name);
+    check_color(location + "/color", c.color);
+    vector_range(location + "/place", {c.place.x, c.place.y, c.place.z}, 10000, "m");
+    range(location + "/place/heading", c.place.heading, -36000, 36000, "degrees");
+    range(location + "/control/tracking", c.control.tracking, 0, 2, "");
+    range(location + "/control/balance", c.control.balance, 0, 2, "");
+    range(location + "/control/assist_limit", c.control.assist_limit, 0, 10, "body weights");
     const MechanismFacts* mechanism = nullptr;
     if (!is_id(c.mechanism, max_resource_id)) {
-      problems_.add(ErrorCode::syntax, place + "/mechanism", "'" + c.mechanism + "' cannot be the id of a mechanism.",
+      problems_.add(ErrorCode::syntax, location + "/mechanism", "'" + c.mechanism + "' cannot be the id of a mechanism.",
                     "Choose a mechanism from the library.");
     } else if (catalogue_) {
       const auto it = catalogue_->mechanisms.find(c.mechanism);
       if (it == catalogue_->mechanisms.end())
-        problems_.add(ErrorCode::unknown, place + "/mechanism", "The project has no mechanism '" + c.mechanism + "'.",
-                      "Import it or choose another.");
+        problems_.add(ErrorCode::unknown, location + "/mechanism", "The project has no mechanism '" + c.mechanism + "'.",
+                      "Import it, or choose another one.");
       else
         mechanism = &it->second;
     }
     for (std::size_t i = 0; i < c.track.size(); ++i) {
-      const std::string clip_place = place + "/track/" + std::to_string(i);
-      check_clip(c.track[i], mechanism, clip_place);
+      const std::string clip_location = location + "/track/" + std::to_string(i);
+      check_clip(c.track[i], mechanism, clip_location);
       if (i > 0 && !(c.track[i].start > c.track[i - 1].start))
-        problems_.add(ErrorCode::structure, clip_place + "/start",
+        problems_.add(ErrorCode::structure, clip_location + "/start",
                       "Clips '" + c.track[i - 1].id + "' and '" + c.track[i].id + "' start at the same time.", "Move one of them.");
     }
   }
 
-  void check_clip(const ScenarioClip& clip, const MechanismFacts* mechanism, const std::string& place) {
-    check_own_id(place + "/id", clip.id);
-    range(place + "/start", clip.start, 0, day, "s");
-    range(place + "/length", clip.length, 0.001, day, "s");
-    range(place + "/offset", clip.offset, 0, day, "s");
-    range(place + "/speed", clip.speed, 0.01, 100, "");
-    range(place + "/blend", clip.blend, 0, 60, "s");
+  void check_clip(const ScenarioClip& clip, const MechanismFacts* mechanism, const std::string& location) {
+    check_own_id(location + "/id", clip.id);
+    range(location + "/start", clip.start, 0, day, "s");
+    range(location + "/length", clip.length, 0.001, day, "s");
+    range(location + "/offset", clip.offset, 0, day, "s");
+    range(location + "/speed", clip.speed, 0.01, 100, "");
+    range(location + "/blend", clip.blend, 0, 60, "s");
     if (!is_id(clip.motion, max_resource_id)) {
-      problems_.add(ErrorCode::syntax, place + "/motion", "'" + clip.motion + "' cannot be the id of a motion.",
+      problems_.add(ErrorCode::syntax, location + "/motion", "'" + clip.motion + "' cannot be the id of a motion.",
                     "Choose a motion from the library.");
       return;
     }
     if (!catalogue_) return;
     const auto it = catalogue_->motions.find(clip.motion);
     if (it == catalogue_->motions.end()) {
-      problems_.add(ErrorCode::unknown, place + "/motion", "The project has no motion '" + clip.motion + "'.",
-                    "Import it or choose another.");
+      problems_.add(ErrorCode::unknown, location + "/motion", "The project has no motion '" + clip.motion + "'.",
+                    "Import it, or choose another one.");
       return;
     }
     const MotionFacts& motion = it->second;
     if (mechanism && motion.nq != mechanism->nq)
-      problems_.add(ErrorCode::structure, place + "/motion",
+      problems_.add(ErrorCode::structure, location + "/motion",
                     "Motion '" + motion.name + "' has " + std::to_string(motion.nq) + " coordinates, mechanism '" + mechanism->name +
                         "' has " + std::to_string(mechanism->nq) + ".",
                     "Use a motion that was made for this mechanism.");
     if (clip.loop && !motion.cyclic)
-      problems_.add(ErrorCode::structure, place + "/loop", "Motion '" + motion.name + "' is not cyclic, so it cannot be looped.",
+      problems_.add(ErrorCode::structure, location + "/loop", "Motion '" + motion.name + "' is not cyclic, so it cannot be looped.",
                     "Switch loop off, or use a cyclic motion.");
-    constexpr double slack = 0.01;  // s: what a dragged and rounded edge may be off; the last frame is held
+    // s: a clip edge that was dragged and rounded may exceed the motion's end by this much; the last frame is then held
+    constexpr double slack = 0.01;
     const double needed = clip.offset + clip.length * clip.speed;
     if (!clip.loop && needed > motion.duration + slack)
-      problems_.add(ErrorCode::range, place + "/length",
+      problems_.add(ErrorCode::range, location + "/length",
                     "The clip needs " + to_fixed(needed, 2) + " s of motion '" + motion.name + "', which lasts " +
                         to_fixed(motion.duration, 2) + " s.",
                     motion.cyclic ? "Shorten it, slow it down or loop it." : "Shorten it or slow it down.");
     else if (clip.offset > motion.duration + slack)
-      problems_.add(ErrorCode::range, place + "/offset",
-                    "The clip begins behind the end of motion '" + motion.name + "' (" + to_fixed(motion.duration, 2) + " s).",
+      problems_.add(ErrorCode::range, location + "/offset",
+                    "The clip begins after the end of motion '" + motion.name + "' (" + to_fixed(motion.duration, 2) + " s).",
                     "Give a smaller offset.");
   }
 
-  void check_event(const ScenarioEvent& e, const std::string& place) {
-    check_own_id(place + "/id", e.id);
-    range(place + "/time", e.time, 0, day, "s");
+  void check_event(const ScenarioEvent& e, const std::string& location) {
+    check_own_id(location + "/id", e.id);
+    range(location + "/time", e.time, 0, day, "s");
     const ScenarioCharacter* character = s_.find_character(e.character);
-    if (!character) check_character_id(place + "/character", e.character);
+    if (!character) check_character_id(location + "/character", e.character);
     const MechanismFacts* mechanism = nullptr;
     if (character && catalogue_)
       if (const auto it = catalogue_->mechanisms.find(character->mechanism); it != catalogue_->mechanisms.end()) mechanism = &it->second;
     if (e.type == EventType::push) {
-      range(place + "/duration", e.duration, 0.0005, 3600, "s");
-      vector_range(place + "/force", e.force, 1e6, "N");
+      range(location + "/duration", e.duration, 0.0005, 3600, "s");
+      vector_range(location + "/force", e.force, 1e6, "N");
       const auto has = [&](const std::vector<std::string>& names) { return std::find(names.begin(), names.end(), e.link) != names.end(); };
       if (e.link.empty())
-        problems_.add(ErrorCode::structure, place + "/link", "The push names no link.", "Name the link that is pushed.");
+        problems_.add(ErrorCode::structure, location + "/link", "The push names no link.", "Name the link that is pushed.");
       else if (mechanism && !has(mechanism->links) && !has(mechanism->labels))
-        problems_.add(ErrorCode::unknown, place + "/link", "Mechanism '" + mechanism->name + "' has no link '" + e.link + "'.",
+        problems_.add(ErrorCode::unknown, location + "/link", "Mechanism '" + mechanism->name + "' has no link '" + e.link + "'.",
                       "Name one of its links.");
       return;
     }
-    vector_range(place + "/from", e.from, 10000, "m");
-    vector_range(place + "/velocity", e.velocity, 1000, "m/s");
-    vector_range(place + "/spin", e.spin, 1000, "rad/s");
+    vector_range(location + "/from", e.from, 10000, "m");
+    vector_range(location + "/velocity", e.velocity, 1000, "m/s");
+    vector_range(location + "/spin", e.spin, 1000, "rad/s");
     if (character && character->control.mode != ControlMode::passive)
-      problems_.add(ErrorCode::structure, place + "/character", "Character '" + e.character + "' follows a track, so it cannot be thrown.",
+      problems_.add(ErrorCode::structure, location + "/character",
+                    "Character '" + e.character + "' follows a track, so it cannot be thrown.",
                     "Throw a passive character, or set its control mode to passive.");
     if (mechanism && !mechanism->free_root)
-      problems_.add(ErrorCode::structure, place + "/character",
-                    "Mechanism '" + mechanism->name + "' is fixed to the world, so it cannot be thrown.", "Throw one that is free.");
+      problems_.add(ErrorCode::structure, location + "/character",
+                    "Mechanism '" + mechanism->name + "' is fixed to the world, so it cannot be thrown.",
+                    "Choose a character whose mechanism has a floating root.");
   }
 
   const Scenario& s_;
@@ -237,10 +241,11 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
   if (version > scenario_version)
     return fail(
         ErrorCode::unsupported, f.path("version"),
-        "The document has version " + std::to_string(version) + "; this program knows version " + std::to_string(scenario_version) + ".",
+        "The document has version " + std::to_string(version) + "; this program reads version " + std::to_string(scenario_version) + ".",
         "Open it with a newer Ugoki.");
   if (version < 1)
-    problems.add(ErrorCode::range, f.path("version"), "There is no version " + std::to_string(version) + ".", "Write \"version\": 1.");
+    problems.add(ErrorCode::range, f.path("version"), "The version " + std::to_string(version) + " does not exist.",
+                 "Write \"version\": 1.");
   read_settings(f, s);
   read_list(f, "characters", [&](Fields& g) {
     ScenarioCharacter c;

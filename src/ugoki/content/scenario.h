@@ -1,5 +1,6 @@
 #pragma once
-// The scenario document: who moves where and when, in a piece of content. Form and meaning: docs/scenario.md.
+// The scenario document: the characters of a piece of content with their tracks, the events, and the settings.
+// docs/scenario.md describes its JSON form and its meaning.
 
 #include <cstddef>
 #include <map>
@@ -14,15 +15,15 @@ namespace ugoki::content {
 
 inline constexpr int scenario_version = 1;
 
-/// A clip of a character's editing track, as people write it.
+/// A clip of a character's track as stored in the document.
 struct ScenarioClip {
   std::string id;
-  std::string motion;  ///< id
+  std::string motion;  ///< id of a motion
   double start = 0;    ///< s on the track
   double length = 0;   ///< s on the track, above 0
   double offset = 0;   ///< s into the motion at the clip's start
   double speed = 1;    ///< s of motion per s of track
-  double blend = 0.3;  ///< s of cross-fade from what played before
+  double blend = 0.3;  ///< s of cross-fade from the previous clip
   bool loop = false;   ///< repeat a cyclic motion
   friend bool operator==(const ScenarioClip&, const ScenarioClip&) = default;
 };
@@ -33,23 +34,24 @@ struct ScenarioControl {
   ControlMode mode = ControlMode::track;
   double tracking = 1;        ///< factor on the tracking gains, 0 ... 2
   double balance = 1;         ///< factor on the balance gains, 0 ... 2
-  double assist_limit = 0.5;  ///< cap of the root-assist wrench, body weights; beyond it the figure lets go
+  double assist_limit = 0.5;  ///< cap of the root-assist wrench, body weights; control releases the character beyond it
   friend bool operator==(const ScenarioControl&, const ScenarioControl&) = default;
 };
 
+/// Where a character is at the start.
 struct ScenarioPlace {
-  double x = 0, y = 0, z = 0;  ///< m
+  double x = 0, y = 0, z = 0;  ///< m, world
   double heading = 0;          ///< degrees about Z
   friend bool operator==(const ScenarioPlace&, const ScenarioPlace&) = default;
 };
 
 struct ScenarioCharacter {
   std::string id, name;
-  std::string mechanism;  ///< id
-  std::string color = "#e6e6ea";
+  std::string mechanism;          ///< id of a mechanism
+  std::string color = "#e6e6ea";  ///< "#rrggbb"
   ScenarioPlace place;
   ScenarioControl control;
-  std::vector<ScenarioClip> track;  ///< by start
+  std::vector<ScenarioClip> track;  ///< sorted by start
   friend bool operator==(const ScenarioCharacter&, const ScenarioCharacter&) = default;
 };
 
@@ -59,83 +61,90 @@ struct ScenarioEvent {
   std::string id;
   EventType type = EventType::push;
   double time = 0;            ///< s
-  std::string character;      ///< id
+  std::string character;      ///< id of a character
   double duration = 0.2;      ///< s (push)
   std::string link;           ///< name or label of the link (push)
   Vec3 force;                 ///< N, world (push)
-  Vec3 from, velocity, spin;  ///< m, m/s, rad/s, world (throw)
+  Vec3 from, velocity, spin;  ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
   friend bool operator==(const ScenarioEvent&, const ScenarioEvent&) = default;
 };
 
 struct ScenarioGround {
-  double height = 0, friction = 0.9, restitution = 0;
+  double height = 0;       ///< m
+  double friction = 0.9;   ///< Coulomb friction coefficient
+  double restitution = 0;  ///< coefficient of restitution, 0 ... 1
   friend bool operator==(const ScenarioGround&, const ScenarioGround&) = default;
 };
 
 struct ScenarioCamera {
-  std::string follow;                      ///< character's id; empty: nobody
+  std::string follow;                      ///< id of the character that the camera follows; empty: none
   double distance = 5;                     ///< m
   double azimuth = 0.7, elevation = 0.25;  ///< rad
   friend bool operator==(const ScenarioCamera&, const ScenarioCamera&) = default;
 };
 
 struct ScenarioLook {
-  double light = 0.9;  ///< 0 ... 2
-  std::string floor = "#2a2c31";
+  double light = 0.9;             ///< 0 ... 2
+  std::string floor = "#2a2c31";  ///< colour, "#rrggbb"
   friend bool operator==(const ScenarioLook&, const ScenarioLook&) = default;
 };
 
 struct Scenario {
   std::string name = "untitled";
-  double duration = 10;    ///< s
-  double frame_rate = 60;  ///< display frames a second
-  double step = 0.002;     ///< s
-  Vec3 gravity = {0, 0, -9.81};
+  double duration = 10;          ///< s
+  double frame_rate = 60;        ///< display frames per second
+  double step = 0.002;           ///< s, simulation step
+  Vec3 gravity = {0, 0, -9.81};  ///< m/s^2, world
   ScenarioGround ground;
   std::vector<ScenarioCharacter> characters;
-  std::vector<ScenarioEvent> events;  ///< by time
+  std::vector<ScenarioEvent> events;  ///< sorted by time
   ScenarioCamera camera;
   ScenarioLook look;
   std::string circuit;  ///< JSON object of docs/circuit.md; empty: the default circuit
   friend bool operator==(const Scenario&, const Scenario&) = default;
 
+  /// The character with this id, or null.
   [[nodiscard]] const ScenarioCharacter* find_character(std::string_view id) const;
   [[nodiscard]] ScenarioCharacter* find_character(std::string_view id);
 };
 
-/// What a document's checks must know of the mechanisms and motions that it names.
+/// Properties of a mechanism that check_scenario() needs.
 struct MechanismFacts {
   std::string name;
-  int nq = 0;
-  bool free_root = false;                  ///< its first joint is floating: it can be placed and thrown
-  std::vector<std::string> links, labels;  ///< names, and labels where they have one
+  int nq = 0;                              ///< count of position coordinates
+  bool free_root = false;                  ///< the first joint is floating: the mechanism can be placed and thrown
+  std::vector<std::string> links, labels;  ///< names of all links; labels of the links that have one
 };
+/// Properties of a motion that check_scenario() needs.
 struct MotionFacts {
   std::string name;
   double duration = 0;  ///< s
-  int nq = 0;
+  int nq = 0;           ///< count of position coordinates
   bool cyclic = false;
 };
+/// The mechanisms and motions to which a document can refer.
 struct Catalogue {
   std::map<std::string, MechanismFacts, std::less<>> mechanisms;  ///< by id
   std::map<std::string, MotionFacts, std::less<>> motions;        ///< by id
 };
 
 /// Reads the JSON form. All problems are reported, each with its JSON path ("characters/0/track/2/speed") after `name`.
-/// Fields that are absent have their defaults; unknown fields are refused. Clips and events are put in order.
+/// Absent fields have their defaults; unknown fields are errors. Clips and events are sorted (see put_in_order()).
 [[nodiscard]] Result<Scenario> read_scenario(std::string_view json, std::string_view name);
 
 /// The canonical JSON form, two blanks of indentation: equal documents give equal text.
 [[nodiscard]] std::string write_scenario(const Scenario& scenario);
 
-/// Problems of the whole document: ranges, ids, and with `catalogue` everything that it names.
+/// Problems of the whole document: values out of range and invalid ids. With `catalogue`, references to mechanisms, motions and links are
+/// checked as well.
 [[nodiscard]] Error check_scenario(const Scenario& scenario, const Catalogue* catalogue = nullptr, std::string_view name = "scenario");
 
-/// 1 ... 40 letters, digits, '-', '_', '.'; ids of mechanisms and motions at most 21, so that they name sections of *.ugx.
+/// True if `text` is a valid id: 1 ... `max_size` letters, digits, '-', '_' or '.'.
 [[nodiscard]] bool is_id(std::string_view text, std::size_t max_size = 40);
+/// Maximum size of a mechanism's or motion's id: "mechanism/ID" must fit into the 31 bytes of a section name of *.ugx.
 inline constexpr std::size_t max_resource_id = 21;
 
-/// Puts clips in order of start and events in order of time (equal ones by id).
+/// Sorts clips by start and events by time; equal ones by id.
 void put_in_order(Scenario& scenario);
 
 }  // namespace ugoki::content

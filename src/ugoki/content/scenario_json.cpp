@@ -1,9 +1,11 @@
 #include "ugoki/content/scenario_json.h"
 
+#include "ugoki/circuit/migrate.h"
+
 namespace ugoki::content {
 namespace {
 
-/// Calls read(fields) with the object in `key`, if there is one.
+/// Calls read(fields) for the object in field `key`, if the field is present.
 template <class Read>
 void read_object(Fields& parent, std::string_view key, Read read) {
   const Json* object = parent.find(key);
@@ -44,7 +46,7 @@ void read_place(Fields& f, ScenarioPlace& out) {
 }
 
 void read_control(Fields& f, ScenarioControl& out) {
-  std::string mode = out.mode == ControlMode::track ? "track" : "passive", beyond = "let_go";
+  std::string mode = out.mode == ControlMode::track ? "track" : "passive", beyond = "release";
   f.text("mode", mode);
   if (mode == "track")
     out.mode = ControlMode::track;
@@ -56,8 +58,8 @@ void read_control(Fields& f, ScenarioControl& out) {
   f.number("balance", out.balance);
   f.number("assist_limit", out.assist_limit);
   f.text("beyond", beyond);
-  if (beyond != "let_go")
-    f.report(ErrorCode::unknown, f.path("beyond"), "Nothing is known as '" + beyond + "' beyond the cap.", "Use \"let_go\".");
+  if (beyond != "release" && beyond != "let_go")  // "let_go": the former name of "release"
+    f.report(ErrorCode::unknown, f.path("beyond"), "There is no action '" + beyond + "' beyond the assist limit.", "Use \"release\".");
 }
 
 void read_character(Fields& f, ScenarioCharacter& out) {
@@ -113,13 +115,16 @@ void read_settings(Fields& f, Scenario& out) {
 void read_circuit_field(Fields& f, Scenario& out) {
   const Json* circuit = f.find("circuit");
   if (!circuit) return;
-  if (circuit->is_object())
-    out.circuit = to_text(*circuit);
-  else if (circuit->is_null())
+  if (circuit->is_object()) {
+    Json migrated = *circuit;
+    circuit::migrate(migrated);
+    out.circuit = to_text(migrated);
+  } else if (circuit->is_null()) {
     out.circuit.clear();
-  else
-    f.report(ErrorCode::syntax, f.path("circuit"), "It must be a circuit or null.",
+  } else {
+    f.report(ErrorCode::syntax, f.path("circuit"), "The value must be a circuit or null.",
              "Give an object in the form of docs/circuit.md, or null.");
+  }
 }
 
 Json to_json(const ScenarioClip& c) {
@@ -140,7 +145,7 @@ Json to_json(const ScenarioCharacter& c) {
             {"tracking", c.control.tracking},
             {"balance", c.control.balance},
             {"assist_limit", c.control.assist_limit},
-            {"beyond", "let_go"}}},
+            {"beyond", "release"}}},
           {"track", std::move(track)}};
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// From the clips of a scenario's track to clips that are laid on the floor.
+// Turns the clips of a scenario's track into clips that are placed in the world.
 
 #include <vector>
 
@@ -9,21 +9,22 @@
 
 namespace ugoki::content {
 
-/// A clip's timing, not yet placed.
+/// The clip's timing and blending, without a placement.
 [[nodiscard]] Clip to_clip(const ScenarioClip& clip);
 
-/// Where a character stands at the start; heading in rad.
+/// The planar pose of a character at the start; heading converted from degrees to rad.
 [[nodiscard]] Placement to_placement(const ScenarioPlace& place);
 
-/// The clips of the track in order of start: the first where the character stands, each other one where the one before
-/// leaves off. The motions must be there and fit the mechanism.
+/// The placed clips of the track, sorted by start. The first is placed where the character is at the start, each later clip at the planar
+/// pose that the previous clip has at that time. `resources` must contain the motions, and they must fit the mechanism.
 [[nodiscard]] std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources);
 
-/// How fast the track still moves the figure where it ends, m/s of the root link; 0 where it stands, or has no track. After its end a
-/// track holds its last pose, so a figure that arrives there quickly cannot help falling. Missing motions count as standing.
+/// Speed of the root link at the end of the track, m/s. After its end, a track holds its last pose; a character that reaches the end at
+/// high speed therefore falls. 0 if the track is empty, a motion is missing, or the root joint is not floating.
 [[nodiscard]] double calc_end_speed(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources);
 
-/// Position at time 0: of the first clip at its start, or neutral where the character stands. @param track as laid
+/// [nq] Position coordinates at time 0: the first clip's pose, or without a track the neutral pose at the character's place.
+/// @param track result of lay_track()
 [[nodiscard]] std::vector<double> start_position(const ScenarioCharacter& character, const Mechanism& mechanism,
                                                  const std::vector<Clip>& track, const Resources& resources);
 

@@ -38,8 +38,9 @@ const UgxSection* Ugx::find(std::string_view name) const {
 }
 
 Result<Ugx> read_ugx(std::span<const std::byte> file) {
-  const char* again = "Generate it anew from its project.";
-  if (file.size() < header_size) return fail(ErrorCode::truncated, "executable data", "The file is too short to hold a header.", again);
+  const char* regenerate = "Generate the file again from its project.";
+  if (file.size() < header_size)
+    return fail(ErrorCode::truncated, "executable data", "The file is too short to hold a header.", regenerate);
   if (std::memcmp(file.data(), magic, sizeof magic) != 0)
     return fail(ErrorCode::syntax, "executable data", "The file is not Ugoki executable data (*.ugx).",
                 "Give a file made by the generator.");
@@ -47,16 +48,17 @@ Result<Ugx> read_ugx(std::span<const std::byte> file) {
   if (version != ugx_version)
     return fail(ErrorCode::unsupported, "executable data",
                 "The file has version " + std::to_string(version) + "; this program reads version " + std::to_string(ugx_version) + ".",
-                "Generate it anew from its project, or use a newer Ugoki.");
+                "Generate the file again from its project, or use a newer Ugoki.");
   const auto count = static_cast<std::size_t>(load<std::uint32_t>(file, 12));
   const auto size = load<std::uint64_t>(file, 16);
   if (size != file.size())
     return fail(ErrorCode::truncated, "executable data",
-                "The file has " + std::to_string(file.size()) + " bytes, its header says " + std::to_string(size) + ".", again);
+                "The file has " + std::to_string(file.size()) + " bytes, but its header specifies " + std::to_string(size) + ".",
+                regenerate);
   if (count > (file.size() - header_size) / entry_size)
-    return fail(ErrorCode::truncated, "executable data/sections", "The section table does not fit into the file.", again);
+    return fail(ErrorCode::truncated, "executable data/sections", "The section table does not fit into the file.", regenerate);
   if (checksum(file.subspan(header_size, count * entry_size)) != load<std::uint64_t>(file, 24))
-    return fail(ErrorCode::syntax, "executable data/sections", "The section table is damaged (checksum).", again);
+    return fail(ErrorCode::syntax, "executable data/sections", "The section table is damaged (checksum).", regenerate);
 
   Ugx ugx;
   Error problems;
@@ -64,20 +66,20 @@ Result<Ugx> read_ugx(std::span<const std::byte> file) {
     const std::size_t at = header_size + i * entry_size;
     char name[name_size + 1] = {};
     std::memcpy(name, file.data() + at, name_size);
-    const std::string place = "executable data/" + std::string(name);
+    const std::string location = "executable data/" + std::string(name);
     const auto offset = load<std::uint64_t>(file, at + name_size);
     const auto bytes = load<std::uint64_t>(file, at + name_size + 8);
     if (offset % alignment != 0 || offset > file.size() || bytes > file.size() - offset) {
-      problems.add(ErrorCode::truncated, place, "The section lies outside the file.", again);
+      problems.add(ErrorCode::truncated, location, "The section extends beyond the end of the file.", regenerate);
       continue;
     }
     const auto content = file.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(bytes));
     if (checksum(content) != load<std::uint64_t>(file, at + name_size + 16)) {
-      problems.add(ErrorCode::syntax, place, "The section is damaged (checksum).", again);
+      problems.add(ErrorCode::syntax, location, "The section is damaged (checksum).", regenerate);
       continue;
     }
     if (ugx.find(name)) {
-      problems.add(ErrorCode::duplicate, place, "Two sections have this name.", again);
+      problems.add(ErrorCode::duplicate, location, "Two sections have the same name.", regenerate);
       continue;
     }
     ugx.sections_.push_back({name, content});

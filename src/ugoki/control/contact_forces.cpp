@@ -45,7 +45,7 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
   if (supports.empty()) return wrench;
   for (const Support& s : supports) {
     const Vec3 t1 = any_perpendicular(s.n), t2 = cross(s.n, t1);
-    const double scale = 1 / std::sqrt(s.price);  // of columns and forces: then all have the price 1
+    const double scale = 1 / std::sqrt(s.cost);  // scales columns and edges, so that all have the cost 1
     for (const Vec3& t : {t1, -t1, t2, -t2}) {
       const Vec3 edge = (s.n + t * s.friction) * scale;
       edges_.push_back(edge);
@@ -77,7 +77,7 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
     const Vec6 yv = to_vec(y);
     for (const Vec6& column : columns_) {
       const double b = dot(column, yv);
-      // at the start (y = 0) every edge that points along the wanted wrench is taken as loaded
+      // First iteration (y = 0): assume that every edge along the wanted wrench bears load.
       if (iterations_ > 0 ? b <= 0 : dot(column, to_vec(w)) <= 0) continue;
       const Array6 g = to_array(column);
       for (std::size_t i = 0; i < 6; ++i) {
@@ -102,10 +102,10 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
     for (int tries = 0; tries < 30; ++tries, length *= 0.5) {
       Array6 next;
       for (std::size_t i = 0; i < 6; ++i) next[i] = y[i] + length * step[i];
-      const double there = objective(next);
-      if (there <= value + 1e-4 * length * slope || tries == 29) {
+      const double next_value = objective(next);
+      if (next_value <= value + 1e-4 * length * slope || tries == 29) {
         y = next;
-        value = there;
+        value = next_value;
         break;
       }
     }

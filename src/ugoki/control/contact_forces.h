@@ -1,9 +1,9 @@
 #pragma once
-// Which ground forces can give a figure the wrench that its wanted motion needs? A small quadratic program:
-//   minimize  |W (G beta - w)|^2 + eps sum price_k beta_k^2   over   beta >= 0,
-// where column k of G is the wrench of a unit force along edge k of a contact's friction pyramid. It is solved exactly through
-// its dual, which has 6 unknowns whatever the number of contacts: W^-2 y + G max(0, G^T y) / eps = w, by Newton's
-// method on a piecewise linear, strongly convex problem.
+// Contact forces that give a character the wrench w which its wanted motion needs, as a small quadratic program:
+//   minimize  |W (G beta - w)|^2 + eps sum cost_k beta_k^2   over   beta >= 0
+// Column k of G is the wrench of a unit force along edge k of a contact's friction pyramid; beta_k [N] is the force along that edge. W
+// weights forces by 1 and moments by 1 / lever. The program is solved exactly through its dual, a strongly convex problem with 6 unknowns y
+// for any number of contacts: W^-2 y + G max(0, G^T y) / eps = w. It is piecewise linear and solved by Newton's method.
 // Sources: Abe, da Silva, Popovic (2007); Qi, Sun (1993) for the semismooth method.
 
 #include <array>
@@ -14,33 +14,35 @@
 
 namespace ugoki::control {
 
-/// A contact that can bear load: where, its normal (pointing at the figure) and its friction.
+/// A contact that can bear load.
 struct Support {
-  Vec3 p;  ///< m, world
-  Vec3 n;  ///< unit, world
-  double friction = 0;
-  double price = 1;  ///< factor on the price of squared force here
+  Vec3 p;               ///< m, world: contact point
+  Vec3 n;               ///< unit, world: normal, towards the character
+  double friction = 0;  ///< Coulomb coefficient
+  double cost = 1;      ///< factor on the cost of squared force at this contact
 };
 
+/// Solves the quadratic program at the top of this file.
 class ContactForceProblem {
  public:
-  /// Room for this many supports without allocation.
+  /// Reserves memory for `capacity` supports; solve() allocates only for more.
   explicit ContactForceProblem(std::size_t capacity = 64);
 
-  /// @param wrench the wrench to be given: moment about `origin` [N m], force [N], world axes
-  /// @param lever m: moments count as forces at this distance
-  /// @param softness eps: price of squared contact force against squared missing force
+  /// @param origin   m, world: reference point of `wrench` and of the result
+  /// @param wrench   wanted: moment about `origin` [N m], force [N], world axes
+  /// @param lever    m: a moment counts like the force that has this lever
+  /// @param softness eps: cost of squared contact force relative to squared missing force
   /// @param forces [supports, out] N, world axes, inside the friction pyramids
-  /// @return what is missing: wrench minus the forces' wrench
+  /// @return missing wrench: `wrench` minus the wrench of the forces
   Vec6 solve(std::span<const Support> supports, const Vec3& origin, const Vec6& wrench, double lever, double softness,
              std::span<Vec3> forces);
 
-  /// Newton steps of the last call.
+  /// Newton steps of the last solve(), at most 50.
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
   std::vector<Vec6> columns_;  // 4 for each support, moments divided by the lever
-  std::vector<Vec3> edges_;
+  std::vector<Vec3> edges_;    // edges of the friction pyramids, same order, divided by sqrt(cost)
   int iterations_ = 0;
 };
 

@@ -9,8 +9,9 @@
 namespace ugoki::control {
 namespace {
 
-constexpr std::size_t most_supports = 64;
+constexpr std::size_t max_supports = 64;
 
+/// m, world: lowest z of a shape.
 double lowest_point(const Shape& s, const Pose& X_WB) {
   const Pose X = X_WB * s.X_BS;
   return X.p.z - reach(s, -X.R.row(2));
@@ -19,15 +20,15 @@ double lowest_point(const Shape& s, const Pose& X_WB) {
 }  // namespace
 
 MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& options)
-    : mechanism_(std::move(mechanism)), options_(options), workspace_(*mechanism_), reference_(*mechanism_), problem_(most_supports) {
+    : mechanism_(std::move(mechanism)), options_(options), workspace_(*mechanism_), reference_(*mechanism_), problem_(max_supports) {
   const Mechanism& m = *mechanism_;
   wanted_.resize(static_cast<std::size_t>(m.nv()));
   displacement_.resize(wanted_.size());
-  bears_.resize(wanted_.size());
-  supports_.reserve(most_supports);
-  apart_.reserve(most_supports);
-  support_links_.reserve(most_supports);
-  forces_.resize(most_supports);
+  bears_load_.resize(wanted_.size());
+  supports_.reserve(max_supports);
+  offsets_.reserve(max_supports);
+  support_links_.reserve(max_supports);
+  forces_.resize(max_supports);
   weight_ = m.mass() * norm(options_.gravity);
   floating_ = m.link(0).joint.type == JointType::floating;
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
@@ -45,12 +46,12 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
   dynamics::Workspace& ws = workspace_;
   supports_.clear();
   support_links_.clear();
-  for (unsigned char& b : bears_) b = 0;
+  for (unsigned char& b : bears_load_) b = 0;
   if (!floating_) return;
   bool reference_known = false;
-  apart_.clear();
+  offsets_.clear();
   for (const collision::ContactPoint& c : in.contacts) {
-    if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == most_supports) continue;
+    if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == max_supports) continue;
     const double approach = dot(c.n, dynamics::point_velocity(ws, c.link_a, c.p));
     if (c.distance > options_.contact_margin && c.distance + in.dt * approach > 0) continue;
     if (!reference_known) dynamics::update_kinematics(m, in.q_ref, in.v_ref, reference_);
@@ -61,19 +62,19 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
     const double height = dot(c.n, p_ref + shift - c.p), rise = dot(c.n, v_ref);
     if (height > options_.planted_height || rise > options_.planted_speed) continue;
     if (norm(v_ref - c.n * rise) > options_.sliding_speed) continue;
-    // A heel that is about to leave the ground leaves the load to the toes.
-    const double lifts = std::max(0.0, rise) / options_.lifting_speed, price = 1 + lifts * lifts;
-    supports_.push_back({c.p, c.n, 0.7 * c.friction, price * price});  // a reserve inside the true cone
+    // A heel that is about to lift leaves the load to the toes.
+    const double lift = std::max(0.0, rise) / options_.lifting_speed, cost = 1 + lift * lift;
+    supports_.push_back({c.p, c.n, 0.7 * c.friction, cost * cost});  // 0.7: margin inside the friction cone
     support_links_.push_back(c.link_a);
-    apart_.push_back(c.p - p_ref);
-    for (const int f : dynamics::chain_of_link(ws, c.link_a)) bears_[static_cast<std::size_t>(f)] = 1;
+    offsets_.push_back(c.p - p_ref);
+    for (const int f : dynamics::chain_of_link(ws, c.link_a)) bears_load_[static_cast<std::size_t>(f)] = 1;
   }
 }
 
-double MotionControl::fall(const Vec3& ahead, Vec6& missing, std::span<double> tau) {
-  if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // such an assist carries the figure
+double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, std::span<double> tau) {
+  if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // the assist can carry the whole weight
   const double depth = std::clamp(-ahead.z / (options_.fall_depth * lever_), 0.0, 1.0);
-  const double up = missing.v.z > 0 ? missing.v.z * (1 - depth * depth) : missing.v.z;  // nothing pulls it down either
+  const double up = missing.v.z > 0 ? missing.v.z * (1 - depth * depth) : missing.v.z;  // the assist must not pull the character down
   const double share = std::min(1.0, std::fabs(up) / weight_);
   if (share < 1e-3) return 0;
   const Vec3 given_up{share * missing.v.x, share * missing.v.y, up};
@@ -83,22 +84,22 @@ double MotionControl::fall(const Vec3& ahead, Vec6& missing, std::span<double> t
   return share;
 }
 
-void MotionControl::carry_path(const ControlInput& in, std::span<const Vec3> forces, const Vec3& ahead, double falling,
-                               double (&path)[3]) const {
-  Vec3 shift{path[0], path[1], path[2]}, weighted;
+void MotionControl::update_shift(const ControlInput& in, std::span<const Vec3> forces, const Vec3& ahead, double falling,
+                                 double (&shift)[3]) const {
+  Vec3 next{shift[0], shift[1], shift[2]}, weighted;
   double load = 0;
-  for (std::size_t c = 0; c < supports_.size(); ++c) {  // the load tells which foot counts
+  for (std::size_t c = 0; c < supports_.size(); ++c) {  // weighted by the load on each support
     const double share = dot(forces[c], supports_[c].n);
-    weighted += apart_[c] * share;
+    weighted += offsets_[c] * share;
     load += share;
   }
-  shift += (ahead - shift) * falling;
-  const bool stands = load > 0.05 * weight_;
-  if (stands) shift += (weighted / load - shift) * std::min(1.0, in.dt / options_.shift_time);
-  const double home = 1 - in.dt / options_.return_time;
-  path[0] = shift.x * home;
-  path[1] = shift.y * home;
-  path[2] = stands || falling > 0 ? shift.z : shift.z * home;
+  next += (ahead - next) * falling;
+  const bool is_standing = load > 0.05 * weight_;
+  if (is_standing) next += (weighted / load - next) * std::min(1.0, in.dt / options_.shift_time);
+  const double decay = 1 - in.dt / options_.return_time;
+  shift[0] = next.x * decay;
+  shift[1] = next.y * decay;
+  shift[2] = is_standing || falling > 0 ? next.z : next.z * decay;
 }
 
 ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
@@ -108,24 +109,24 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   const std::size_t n = wanted_.size();
   UGOKI_CHECK(tau.size() == n && in.q_ref.size() == in.q.size() && in.v_ref.size() == n && in.a_ref.size() == n);
   ControlOutput out;
-  out.let_go = state.let_go != 0;
+  out.released = state.released != 0;
   for (std::size_t i = 0; i < n; ++i) tau[i] = servo_gain[i] = servo_velocity[i] = 0;
-  if (out.let_go) return out;
+  if (out.released) return out;
 
-  // Where it stands: contact points that touch, and that the reference has near the floor and not on their way up.
-  const std::size_t root_freedoms = floating_ ? 6 : 0;
+  // Supports: contact points that touch and that are planted in the reference.
+  const std::size_t root_dofs = floating_ ? 6 : 0;
   dynamics::update_kinematics(m, in.q, in.v, ws);
   find_supports(in, {state.shift[0], state.shift[1], state.shift[2]});
 
-  // 1. Wanted accelerations; both errors are taken where they will be at the end of the step. The root and the joints that bear
-  // it share one gain: feet on the ground tie them together, and unequal gains on tied freedoms are unstable.
+  // 1. Wanted accelerations, from the errors predicted for the end of the step (stable PD). The root and the joints that carry it share
+  // one gain: feet on the ground couple these DOFs, and unequal gains on coupled DOFs are unstable.
   difference(m, in.q, in.q_ref, wanted_);
   if (floating_)
     for (std::size_t k = 0; k < 3; ++k) wanted_[3 + k] += state.shift[k];
   const double joint_w = options_.joint_frequency * std::sqrt(std::max(0.0, options_.tracking));
   const double root_w = options_.root_frequency * std::sqrt(std::max(0.0, options_.balance));
   for (std::size_t i = 0; i < n; ++i) {
-    const double w = i < root_freedoms || bears_[i] ? root_w : joint_w;
+    const double w = i < root_dofs || bears_load_[i] ? root_w : joint_w;
     const double kp = w * w, kd = 2 * w;
     const double slip = in.v_ref[i] - in.v[i];
     wanted_[i] = in.a_ref[i] + (kp * (wanted_[i] + in.dt * slip) + kd * slip) / (1 + in.dt * kd + in.dt * in.dt * kp);
@@ -138,42 +139,42 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   if (floating_) {
     const std::span<Vec3> forces(forces_.data(), supports_.size());
     out.wanted = problem_.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
-    // 4. What neither the ground nor an assist below the body's weight can carry
+    // 4. Weight that neither the ground nor an assist below one body weight can carry
     const Vec3 ahead{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]};
-    const double falling = fall(ahead, out.wanted, tau);
+    const double falling = apply_free_fall(ahead, out.wanted, tau);
     for (std::size_t c = 0; c < supports_.size(); ++c) {
       const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
       for (const int f : dynamics::chain_of_link(ws, support_links_[c]))
         tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
     }
-    carry_path(in, forces, ahead, falling, state.shift);
+    update_shift(in, forces, ahead, falling, state.shift);
     // 5. Root assist
     const double wanted_size = std::sqrt(dot(out.wanted.v, out.wanted.v) + dot(out.wanted.w, out.wanted.w) / (lever_ * lever_));
     const double cap = options_.assist_limit * weight_;
     out.ratio = cap > 0 ? wanted_size / cap : wanted_size > 1e-9 * weight_ ? 1e9 : 0.0;
     state.overload += in.dt / options_.patience * (std::min(out.ratio, 10.0) - state.overload);
     if (state.overload > 1) {
-      state.let_go = 1;
-      out.let_go = true;
+      state.released = 1;
+      out.released = true;
       for (double& t : tau) t = 0;
       return out;
     }
     out.assist = out.wanted * (out.ratio > 1 ? 1 / out.ratio : 1.0);
     out.size_bw = std::min(wanted_size, cap) / weight_;
-    for (std::size_t i = 0; i < root_freedoms; ++i) tau[i] = 0;
+    for (std::size_t i = 0; i < root_dofs; ++i) tau[i] = 0;
   }
 
-  // The joints' own springs and dampers work by themselves; the drive gives the rest, within its limits.
+  // The stepper applies the joints' springs and dampers; the drive adds the difference to the wanted torque, within its effort limit.
   for (const Link& link : m.links()) joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
-  for (std::size_t i = root_freedoms; i < n; ++i) {
-    const Freedom& f = ws.freedoms[i];
+  for (std::size_t i = root_dofs; i < n; ++i) {
+    const Dof& f = ws.dofs[i];
     const double next_v = in.v[i] + in.dt * wanted_[i];
     tau[i] += f.damping * next_v;
     if (f.stiffness > 0) tau[i] += f.stiffness * (displacement_[i] + in.dt * next_v - f.rest);
     tau[i] = std::clamp(tau[i], -f.effort, f.effort);
     servo_velocity[i] = next_v;
     const double strength = std::min(f.effort, weight_ * lever_);
-    servo_gain[i] = bears_[i] ? options_.joint_hold * strength * strength / (weight_ * lever_) : 0;
+    servo_gain[i] = bears_load_[i] ? options_.joint_hold * strength * strength / (weight_ * lever_) : 0;
   }
   return out;
 }

@@ -27,7 +27,7 @@ std::vector<NodeConstants<Real>> constants_in(const LinkProgram& program) {
 
 }  // namespace
 
-/// The arguments of one register of instances.
+/// Kernel arguments for one SIMD register of instances.
 template <class Real>
 struct BatchWorkspace<Real>::Access {
   BatchWorkspace& b;
@@ -52,7 +52,7 @@ struct BatchWorkspace<Real>::Access {
          .out = nullptr,
          .gravity = {static_cast<Real>(gravity.x), static_cast<Real>(gravity.y), static_cast<Real>(gravity.z)},
          .scratch = b.scratch_.data()->bytes,
-         .entry_place = nullptr,
+         .entry_index = nullptr,
          .stride = lanes};
     const auto block_count = static_cast<std::size_t>(b.blocks_);
     const std::size_t block_v = block_count * static_cast<std::size_t>(p.nv) * lanes;
@@ -61,7 +61,7 @@ struct BatchWorkspace<Real>::Access {
     UGOKI_CHECK(b.external.empty() || b.external.size() == block_count * p.links.size() * 6 * lanes);
   }
 
-  /// Points at the instances from `lane` of `block` on.
+  /// Sets the argument pointers to the instances that start at `lane` of `block`.
   void point(int block, int lane, const std::vector<Real>& in, std::vector<Real>& out) {
     const LinkProgram& p = b.program_;
     const auto at = [&](int count) {
@@ -74,7 +74,8 @@ struct BatchWorkspace<Real>::Access {
     a.external = b.external.empty() ? nullptr : b.external.data() + at(6 * a.link_count);
   }
 
-  /// Forward dynamics; `then(lane bits of the singular)` after each register.
+  /// Forward dynamics of all instances. Calls `then(bits)` after each register; bit i is set if instance i of it is singular.
+  /// @return number of singular instances
   template <class Then>
   int forward(const Then& then) {
     const BatchKernels<Real>& k = batch_kernels<Real>();
@@ -105,10 +106,10 @@ BatchWorkspace<Real>::BatchWorkspace(const Mechanism& m, int instances)
       program_(m),
       constants_(constants_in<Real>(program_)) {
   UGOKI_CHECK(instances >= 0);
-  const auto numbers = [&](int count) { return static_cast<std::size_t>(blocks_) * static_cast<std::size_t>(count) * lanes; };
-  q.resize(numbers(nq_));
-  for (std::vector<Real>* x : {&v, &tau, &vdot}) x->resize(numbers(nv_));
-  singular.resize(numbers(1));
+  const auto size_of = [&](int count) { return static_cast<std::size_t>(blocks_) * static_cast<std::size_t>(count) * lanes; };
+  q.resize(size_of(nq_));
+  for (std::vector<Real>* x : {&v, &tau, &vdot}) x->resize(size_of(nv_));
+  singular.resize(size_of(1));
   scratch_.resize((scratch_size(program_, sizeof(Real), lanes) + sizeof(CacheLine) - 1) / sizeof(CacheLine));
   const std::vector<double> neutral = m.neutral();
   for (int i = 0; i < blocks_ * lanes; ++i) set(q, i, neutral);

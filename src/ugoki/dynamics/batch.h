@@ -1,8 +1,8 @@
 #pragma once
-// Dynamics of many instances of one mechanism, a register of them at a time: the throughput for learning, optimisation, crowds.
+// Dynamics of many instances of one mechanism at once, one SIMD register of instances at a time. For learning, optimisation and crowds.
 //
-// The results are those of the functions of one instance (dynamics.h) to rounding, and the same bits whatever the width of the
-// processor's registers. What one instance holds, NaN included, never touches another. Nothing here allocates but the constructor.
+// Results agree with the one-instance functions (dynamics.h) to rounding, and are bit-identical for every SIMD width. Instances are
+// independent: a NaN in one instance does not affect another. Only the constructor and use_external() allocate.
 
 #include <span>
 #include <vector>
@@ -11,11 +11,11 @@
 
 namespace ugoki::dynamics {
 
-/// States of B instances and scratch; caller-owned, one a thread. Real: double or float.
+/// States of many instances, and scratch memory. Owned by the caller; use one per thread. Real: double or float.
 ///
-/// Instances stand in blocks of `lanes`; within a block, number i of all its instances is one cache line:
-///   x[(block * count + i) * lanes + lane],  instance = block * lanes + lane.
-/// The last block is filled up with instances in neutral position, which are computed and not used.
+/// Instances are stored in blocks of `lanes`. Within a block, element i of all instances fills one cache line:
+///   x[(block * count + i) * lanes + lane],  instance = block * lanes + lane,  count = nq or nv.
+/// The last block is padded with instances in neutral position; their results are computed but not used.
 template <class Real>
 class BatchWorkspace {
  public:
@@ -29,7 +29,7 @@ class BatchWorkspace {
   /// Copies one instance's state in. @param q_in [nq] @param v_in [nv]
   void set_state(int instance, std::span<const double> q_in, std::span<const double> v_in);
   void get_state(int instance, std::span<double> q_out, std::span<double> v_out) const;
-  /// One instance's numbers in or out of an array below. @param x [count]
+  /// Copy one instance's elements into (set) or out of (get) one of the arrays below. @param x [nq], [nv] or [links * 6], as the array
   void set(std::vector<Real>& array, int instance, std::span<const double> x) const;
   void get(const std::vector<Real>& array, int instance, std::span<double> x) const;
 
@@ -38,8 +38,8 @@ class BatchWorkspace {
   std::vector<Real> tau;       ///< [blocks][nv][lanes]
   std::vector<Real> vdot;      ///< [blocks][nv][lanes]
   std::vector<Real> external;  ///< empty, or after use_external() [blocks][links * 6][lanes]: wrenches as in dynamics.h
-  std::vector<char> singular;  ///< [blocks * lanes] set by forward dynamics where an articulated inertia is singular
-  void use_external();         ///< sizes `external`, zeros. Allocates
+  std::vector<char> singular;  ///< [blocks * lanes] 1 if forward dynamics found a singular articulated inertia in the instance
+  void use_external();         ///< resizes `external` and fills it with zeros; allocates
 
   struct Access;
 
@@ -50,15 +50,17 @@ class BatchWorkspace {
   std::vector<CacheLine> scratch_;
 };
 
-/// tau from q, v, vdot, external.
+/// Inverse dynamics of all instances: tau from q, v, vdot and external. @param gravity m/s^2, world axes
 template <class Real>
 void calc_inverse_dynamics(BatchWorkspace<Real>& batch, const Vec3& gravity);
 
-/// vdot from q, v, tau, external. @return how many instances are singular (flagged in `singular`; their vdot is not to be used)
+/// Forward dynamics of all instances: vdot from q, v, tau and external.
+/// @return number of singular instances; they are flagged in `singular`, and their vdot is not valid
 template <class Real>
 int calc_forward_dynamics(BatchWorkspace<Real>& batch, const Vec3& gravity);
 
-/// Semi-implicit Euler step: v += dt vdot, then q along the new v. Singular instances stay as they are, and are counted.
+/// Semi-implicit Euler step of all instances: v += dt vdot, then q is integrated with the new v. @param dt s
+/// @return number of singular instances; their q and v do not change
 template <class Real>
 int step_semi_implicit(BatchWorkspace<Real>& batch, const Vec3& gravity, double dt);
 

@@ -5,7 +5,7 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// Composite inertias in ws.Ic: each link with all that hangs on it.
+/// Computes ws.Ic: the composite inertia of each link and all its descendants, about p0.
 void calc_composites(const Mechanism& m, Workspace& ws) {
   const std::span<const Link> links = m.links();
   UGOKI_CHECK(ws.I.size() == links.size());
@@ -14,7 +14,7 @@ void calc_composites(const Mechanism& m, Workspace& ws) {
     if (links[i].parent >= 0) ws.Ic[static_cast<std::size_t>(links[i].parent)] += ws.Ic[i];
 }
 
-/// Force about p0 -> about p0 + r.
+/// The wrench `f` about p0, expressed about p0 + r.
 Vec6 force_at(const Vec6& f, const Vec3& r) { return {f.w - cross(r, f.v), f.v}; }
 
 Inertia total_inertia(const Workspace& ws) {
@@ -45,11 +45,11 @@ void calc_centroidal_matrix(const Mechanism& m, Workspace& ws, std::span<Vec6> A
   calc_composites(m, ws);
   const Vec3 r = total_inertia(ws).centre();
   for (std::size_t f = 0; f < A_G.size(); ++f)
-    A_G[f] = force_at(ws.Ic[static_cast<std::size_t>(m.link_of_freedom(static_cast<int>(f)))] * ws.S[f], r);
+    A_G[f] = force_at(ws.Ic[static_cast<std::size_t>(m.link_of_dof(static_cast<int>(f)))] * ws.S[f], r);
 }
 
-// About a fixed point the rate is the sum of I A + V x* I V; moving the reference to the centre adds - c x h', and
-// - c' x h vanishes because the linear momentum is along c'.
+// About a fixed point the rate is the sum of I A + V x* I V over the links. Changing the reference point to the centre of mass c adds
+// -c x h_lin'. The term -c' x h_lin is zero because the linear momentum h_lin is parallel to c'.
 Vec6 calc_centroidal_momentum_rate(const Mechanism& m, Workspace& ws, std::span<const double> vdot) {
   const std::span<const Link> links = m.links();
   UGOKI_CHECK(ws.I.size() == links.size() && (vdot.empty() || vdot.size() == ws.S.size()));
@@ -72,7 +72,7 @@ void calc_potential_gradient(const Mechanism& m, Workspace& ws, const Vec3& grav
   UGOKI_CHECK(gradient.size() == ws.S.size());
   calc_composites(m, ws);
   for (std::size_t f = 0; f < gradient.size(); ++f) {
-    const Inertia& I = ws.Ic[static_cast<std::size_t>(m.link_of_freedom(static_cast<int>(f)))];
+    const Inertia& I = ws.Ic[static_cast<std::size_t>(m.link_of_dof(static_cast<int>(f)))];
     gradient[f] = -dot(gravity, ws.S[f].v * I.mass - cross(I.h, ws.S[f].w));
   }
 }

@@ -9,15 +9,16 @@
 namespace ugoki::dynamics {
 namespace {
 
-constexpr int most_rounds = 6;
+/// Maximum number of solves in refine(). The loop usually stops earlier, when a correction is not half as large as the previous one.
+constexpr int max_rounds = 6;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-/// rest_ <- r + J^T lambda - M x, by the links' momenta at the velocities x.
-void ClosedImpulse::calc_rest(const Mechanism& m, Workspace& ws, const ClosedLinks& closed, std::span<const double> r,
-                              std::span<const double> x, bool with_loops) {
+/// residual_ <- r + J^T lambda - M x. M x is computed from the links' momenta at the velocities x. @param with_loops false: no J^T lambda
+void ClosedImpulse::calc_residual(const Mechanism& m, Workspace& ws, const ClosedLinks& closed, std::span<const double> r,
+                                  std::span<const double> x, bool with_loops) {
   const int links = m.link_count();
   for (int i = 0; i < links; ++i) {
     const Link& link = m.link(i);
@@ -26,15 +27,15 @@ void ClosedImpulse::calc_rest(const Mechanism& m, Workspace& ws, const ClosedLin
     ws.A[at(i)] = V;
     ws.pA[at(i)] = ws.I[at(i)] * V;
   }
-  for (std::size_t f = 0; f < rest_.size(); ++f) rest_[f] = r[f] - ws.freedoms[f].armature * x[f];
+  for (std::size_t f = 0; f < residual_.size(); ++f) residual_[f] = r[f] - ws.dofs[f].armature * x[f];
   const LoopRows& rows = closed.rows();
   for (std::size_t i = 0; with_loops && i < closed.loops().size(); ++i) {
     const Loop& loop = closed.loops()[i];
     for (int k = rows.first[i]; k < rows.first[i + 1]; ++k) {
       const double p = lambda_[at(k)];
       if (loop.type == LoopType::gear) {
-        rest_[at(loop.freedom_a)] += p;
-        rest_[at(loop.freedom_b)] -= rows.slope[i] * p;
+        residual_[at(loop.dof_a)] += p;
+        residual_[at(loop.dof_b)] -= rows.slope[i] * p;
         continue;
       }
       const Vec6 wrench = rows.W[at(k)] * p;
@@ -44,12 +45,13 @@ void ClosedImpulse::calc_rest(const Mechanism& m, Workspace& ws, const ClosedLin
   }
   for (int i = links; i-- > 0;) {
     const Link& link = m.link(i);
-    for (int f = link.v_index; f < link.v_index + link.joint.nv(); ++f) rest_[at(f)] -= dot(ws.S[at(f)], ws.pA[at(i)]);
+    for (int f = link.v_index; f < link.v_index + link.joint.nv(); ++f) residual_[at(f)] -= dot(ws.S[at(f)], ws.pA[at(i)]);
     if (link.parent >= 0) ws.pA[at(link.parent)] += ws.pA[at(i)];
   }
 }
 
-/// Free trees take over what of the impulse their links' momenta do not show yet, as rigid bodies.
+/// Corrects x for every tree that no loop connects to the world or to another tree: the residual impulse on the root's DOFs is applied
+/// to the whole tree as one rigid body.
 void ClosedImpulse::balance_trees(const Mechanism& m, Workspace& ws, const ClosedLinks& closed, std::span<const double> r,
                                   std::span<double> x) {
   tree_.resize(m.links().size());
@@ -59,9 +61,9 @@ void ClosedImpulse::balance_trees(const Mechanism& m, Workspace& ws, const Close
     const Loop& loop = closed.loops()[i];
     if (!closed.is_closed(static_cast<int>(i))) continue;
     int a = loop.link_a, b = loop.link_b;
-    if (loop.type == LoopType::gear) {  // its freedoms turn about themselves: only a root's matters
-      a = m.link_of_freedom(loop.freedom_a);
-      b = m.link_of_freedom(loop.freedom_b);
+    if (loop.type == LoopType::gear) {  // a gear acts on joint coordinates, so it only restricts a tree if a DOF is its root's
+      a = m.link_of_dof(loop.dof_a);
+      b = m.link_of_dof(loop.dof_b);
       for (const int link : {a, b})
         if (m.link(link).parent < 0) tied_[at(link)] = 1;
       continue;
@@ -74,38 +76,38 @@ void ClosedImpulse::balance_trees(const Mechanism& m, Workspace& ws, const Close
     const Link& link = m.link(root);
     const int n = link.joint.nv(), first = link.v_index;
     if (link.parent >= 0 || tied_[at(root)] || n == 0) continue;
-    Inertia whole;
+    Inertia tree_inertia;
     for (int i = 0; i < m.link_count(); ++i)
-      if (tree_[at(i)] == root) whole += ws.I[at(i)];
+      if (tree_[at(i)] == root) tree_inertia += ws.I[at(i)];
     double M[36], change[6];
     for (int i = 0; i < n; ++i) {
-      const Vec6 h = whole * ws.S[at(first + i)];
-      for (int j = 0; j < n; ++j) M[i * n + j] = dot(ws.S[at(first + j)], h) + (i == j ? ws.freedoms[at(first + i)].armature : 0.0);
+      const Vec6 h = tree_inertia * ws.S[at(first + i)];
+      for (int j = 0; j < n; ++j) M[i * n + j] = dot(ws.S[at(first + j)], h) + (i == j ? ws.dofs[at(first + i)].armature : 0.0);
     }
     if (!factor_cholesky({M, at(n * n)}, n, 1e-14)) continue;
-    for (int pass = 0; pass < 2; ++pass) {  // the second takes the first one's rounding out
-      calc_rest(m, ws, closed, r, x, false);
-      std::copy_n(rest_.data() + first, n, change);
+    for (int pass = 0; pass < 2; ++pass) {  // the second pass removes the rounding error of the first
+      calc_residual(m, ws, closed, r, x, false);
+      std::copy_n(residual_.data() + first, n, change);
       solve_cholesky({M, at(n * n)}, n, {change, at(n)});
       for (int k = 0; k < n; ++k) x[at(first + k)] += change[k];
     }
   }
 }
 
-/// M x = r + J^T lambda, J (v + x) = 0
+/// Solves M x = r + J^T lambda, J (v + x) = 0 by iterative refinement.
 void ClosedImpulse::refine(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> r, std::span<const double> v,
                            std::span<double> x) {
-  for (std::vector<double>* array : {&rest_, &delta_, &sum_}) array->resize(x.size());
+  for (std::vector<double>* array : {&residual_, &delta_, &sum_}) array->resize(x.size());
   std::ranges::fill(x, 0.0);
   lambda_.assign(closed.multipliers().size(), 0.0);
   double before = HUGE_VAL;
-  for (int round = 0; round < most_rounds; ++round) {
-    calc_rest(m, ws, closed, r, x, true);
+  for (int round = 0; round < max_rounds; ++round) {
+    calc_residual(m, ws, closed, r, x, true);
     for (std::size_t f = 0; f < x.size(); ++f) sum_[f] = v[f] + x[f];
-    solve_closed_links(m, ws, closed, rest_, sum_, delta_);
+    solve_closed_links(m, ws, closed, residual_, sum_, delta_);
     double size = 0;
     for (const double d : delta_) size = std::max(size, std::fabs(d));
-    if (!(size < 0.5 * before)) break;  // rounding
+    if (!(size < 0.5 * before)) break;  // the corrections no longer shrink: x is accurate to rounding
     before = size;
     for (std::size_t f = 0; f < x.size(); ++f) x[f] += delta_[f];
     for (std::size_t k = 0; k < lambda_.size(); ++k) lambda_[k] += closed.multipliers()[k];
@@ -114,14 +116,14 @@ void ClosedImpulse::refine(const Mechanism& m, Workspace& ws, ClosedLinks& close
 }
 
 void ClosedImpulse::solve(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> r, std::span<double> x) {
-  none_.assign(x.size(), 0.0);
-  refine(m, ws, closed, r, none_, x);
+  zero_.assign(x.size(), 0.0);
+  refine(m, ws, closed, r, zero_, x);
 }
 
 void ClosedImpulse::project(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> v) {
-  none_.assign(v.size(), 0.0);
+  zero_.assign(v.size(), 0.0);
   change_.resize(v.size());
-  refine(m, ws, closed, none_, v, change_);
+  refine(m, ws, closed, zero_, v, change_);
   for (std::size_t f = 0; f < v.size(); ++f) v[f] += change_[f];
 }
 

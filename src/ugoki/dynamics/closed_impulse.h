@@ -1,12 +1,13 @@
 #pragma once
-// What an impulse does to a closed system, to rounding also where its loops are nearly singular or its masses very unequal.
+// Velocity jump x of a closed link system under an impulse r, accurate to rounding even with nearly singular loops or very unequal masses:
 //
 //   M x = r + J^T lambda,   J x = 0
 //
-// The recursion of closed_links.h stiffens inertias by the loops; near a singular position that takes digits from the balance of momentum.
-// So its answer is refined: what x leaves of both equations, summed up link by link, is solved for once more. A tree that no loop
-// ties to the world or to another tree moves as a rigid body with the freedoms of its root: that opens no loop, and takes out what is left
-// of the momentum. Source: Higham (2002), Accuracy and stability of numerical algorithms, ch. 12 (fixed precision iterative refinement).
+// The recursion of closed_links.h adds the loops' stiffness to the articulated inertias. Near a singular position this loses digits of the
+// momentum balance. The solution is therefore improved by iterative refinement: the residuals of both equations, summed link by link, are
+// solved for again and added. A tree that no loop connects to the world or to another tree also gets a rigid-body correction with the DOFs
+// of its root. That correction opens no loop and removes the remaining momentum error.
+// Source: Higham (2002), Accuracy and stability of numerical algorithms, ch. 12 (fixed precision iterative refinement).
 
 #include <span>
 #include <vector>
@@ -15,27 +16,28 @@
 
 namespace ugoki::dynamics {
 
-/// Scratch for one mechanism with loops; one a thread.
+/// Solver for impulses on one mechanism with loops, with its scratch memory. Use one per thread.
 class ClosedImpulse {
  public:
-  /// x <- the jump of the velocities by an impulse, after factor_closed_links() and share_virtual_inertias().
-  /// @param r [nv] N s | N m s, the impulse on the freedoms @param x [nv, out] must not alias r. O(links). Allocates nothing after the
-  /// first call for so many freedoms
+  /// Computes the velocity jump x caused by an impulse. Call factor_closed_links() and share_virtual_inertias() first.
+  /// O(links). Allocates only in the first call for a given nv.
+  /// @param r [nv] impulse on the DOFs, N s | N m s @param x [nv, out] velocity jump, m/s | rad/s; must not alias r
   void solve(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> r, std::span<double> x);
-  /// v <- the velocities nearest to v, in kinetic energy, that open no loop: project_velocity() to rounding.
+  /// Replaces v by the closest velocity, in the kinetic-energy norm, that opens no loop: project_velocity() accurate to rounding.
+  /// @param v [nv, in and out] m/s | rad/s
   void project(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> v);
 
  private:
   void refine(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> r, std::span<const double> v,
               std::span<double> x);
-  void calc_rest(const Mechanism& m, Workspace& ws, const ClosedLinks& closed, std::span<const double> r, std::span<const double> x,
-                 bool with_loops);
+  void calc_residual(const Mechanism& m, Workspace& ws, const ClosedLinks& closed, std::span<const double> r, std::span<const double> x,
+                     bool with_loops);
   void balance_trees(const Mechanism& m, Workspace& ws, const ClosedLinks& closed, std::span<const double> r, std::span<double> x);
 
-  std::vector<double> rest_, delta_, sum_, change_, none_;  // [nv]
-  std::vector<double> lambda_;                              // [rows]
-  std::vector<int> tree_;                                   // [links] root of each
-  std::vector<char> tied_;                                  // [links] roots: a loop ties the tree to the world or to another
+  std::vector<double> residual_, delta_, sum_, change_, zero_;  // [nv]
+  std::vector<double> lambda_;                                  // [rows of all loops] multipliers, N s | N m s
+  std::vector<int> tree_;                                       // [links] root link of the link's tree
+  std::vector<char> tied_;  // [links] for a root: 1 if a loop connects its tree to the world or to another tree
 };
 
 }  // namespace ugoki::dynamics

@@ -1,6 +1,6 @@
 #pragma once
-// The fast kernel of closed link systems: kernel_forward.h with the loops' multipliers (closed_links.h tells the method). Internal to
-// dynamics/. A loop's rows, at most six, lie in one vector of eight lanes.
+// The fast kernels of closed link systems: kernel_forward.h extended by the loops' multipliers (method: closed_links.h). Internal to
+// dynamics/. The rows of one loop, at most six, are stored in one vector of eight lanes.
 
 #include "ugoki/dynamics/closed_structure.h"
 #include "ugoki/dynamics/kernels.h"
@@ -9,39 +9,41 @@
 namespace ugoki::dynamics {
 
 inline constexpr int loop_lanes = 8;
-/// The rows of one loop at one place: six components of eight lanes.
+/// The columns P of one loop's multipliers at one node: six wrench components (moment, force), each with one lane per row of the loop.
 struct alignas(64) LoopColumns {
   double c[6][loop_lanes];
 };
+/// One value per row of a loop.
 struct alignas(64) LoopLanes {
   double x[loop_lanes];
 };
-/// Two loops' block of the condensed matrix; rows of the smaller entry.
+/// Block of the condensed matrix Lambda for two loops: rows for the loop with the smaller entry index, lanes for the other loop.
 struct alignas(64) LoopBlock {
   double x[6][loop_lanes];
 };
-/// What elimination of a loop leaves.
+/// Result of eliminating one loop's multipliers; needed to recover them later.
 struct alignas(64) LoopFactor {
-  double C[6][6];           ///< Cholesky factor of the own block, rows in the order of the pivots; 1 / pivot on the diagonal
-  double Z[6][loop_lanes];  ///< C^-1 P^T, six components
-  double z[6];
-  int order[6];
-  int rank;
-  double weakest;  ///< least pivot, as part of the greatest of its kind
+  double C[6][6];           ///< Cholesky factor of the loop's diagonal block, rows in pivot order; the diagonal holds 1 / C_kk
+  double Z[6][loop_lanes];  ///< C^-1 P^T: one row per pivot, six components
+  double z[6];              ///< C^-1 g
+  int order[6];             ///< row of the loop for each pivot
+  int rank;                 ///< number of independent rows
+  double min_pivot_ratio;   ///< smallest pivot as a fraction of the largest diagonal entry of the same kind (position or rotation rows)
 };
-/// Where a node stands and how it moves, in world axes.
+/// Pose and velocity of a node, in world axes.
 struct NodeMotion {
-  double R[9], p[3];  ///< node's axes into the world's; m
-  double w[3], v[3];  ///< rad/s; m/s of its origin
-  double spin[3];     ///< rad/s: w in the node's axes, where only the rotation is wanted
+  double R[9], p[3];  ///< rotation from node axes to world axes, row by row; origin, m
+  double w[3], v[3];  ///< rad/s; m/s of the origin
+  double spin[3];     ///< rad/s: w in the node's axes; set instead of p, w and v if only the rotation is needed
 };
-/// Of an end's node its rotation alone or its motion, and those on the way there.
+/// Which motion of a node the loops need. `passage`: none of its own, but the node is on the chain to a node that is needed.
 enum class NodeWanted : char { nothing, passage, rotation, motion };
 
+/// Inputs, scratch and outputs of one call of a closed kernel. The arrays of ClosedStructure are described there.
 struct ClosedArguments {
   double dependent;  ///< dependent_row
   double immobile;   ///< immobile_row
-  double length2;    ///< m^2: the mechanism's length, squared
+  double length2;    ///< m^2: square of the mechanism's characteristic length
   const ClosedStructure::Entry* entries;
   const ClosedStructure::Node* nodes;
   const ClosedStructure::Present* present;
@@ -51,38 +53,41 @@ struct ClosedArguments {
   const ClosedStructure::Update* updates;
   const ClosedStructure::Gear* gears;
   int entry_count, block_count;
-  const double* slope;    ///< [loops] of gears
-  const double* turning;  ///< [nodes] 1 where freedoms turn, 1 / length2 where they slide
+  const double* slope;    ///< [loops] c'(x_b) of gears
+  const double* turning;  ///< [nodes] 1 if the node's DOFs rotate, 1 / length2 if they slide
   const LoopPaths* paths;
-  const TwinArguments* twins;  ///< of calls by paths; null: none
+  const TwinArguments* twins;  ///< used by forward_by_paths; null: none
 
-  const NodeWanted* moves;
-  bool world_bound;    ///< only rotations are wanted
-  NodeMotion* motion;  ///< [nodes, out of closed_motion] as far as wanted
+  const NodeWanted* needed;  ///< [nodes] what closed_motion() computes for each node
+  bool world_bound;          ///< only rotations are needed: see begin_world_bound() in closed_run.cpp
+  NodeMotion* motion;        ///< [nodes, out of closed_motion] filled as `needed` requests
 
-  // In: P holds the loops' wrenches on their own nodes (minus those at link b, plus those at link a), g their residuals.
-  LoopColumns* P;  ///< [present], in the node's axes about its origin
+  // On input P holds the loops' unit wrenches on their own nodes (negative at link b, positive at link a), and g the rows' residuals.
+  LoopColumns* P;  ///< [present] in the node's axes about its origin
   LoopLanes* g;    ///< [entries]
   // Scratch and results
-  LoopLanes* s;        ///< [s_slots], or [places] of paths
-  LoopLanes* t;        ///< [places] s / D
-  LoopLanes* reduced;  ///< [entries]
-  double* moved;       ///< 1/(kg m^2) [entries] sum of 1 / D over the freedoms on the loop's way, sliding ones at the mechanism's length
+  LoopLanes* s;        ///< [s_slots], or with paths [DOFs of all paths]: S . P of each DOF
+  LoopLanes* t;        ///< [DOFs of all paths] s / D
+  LoopLanes* reduced;  ///< [entries] amount that earlier eliminations subtracted from the diagonal of Lambda
+  double* mobility;    ///< 1/(kg m^2) [entries] sum of 1 / D over the DOFs on the loop's path; sliding DOFs count divided by length2
   LoopBlock* Lambda;   ///< [blocks]
-  LoopBlock* Y;        ///< [neighbours]
+  LoopBlock* Y;        ///< [neighbours] C^-1 Lambda(eliminated loop, neighbour)
   LoopFactor* factor;  ///< [entries]
   LoopLanes* lambda;   ///< [entries, out]
 };
 
+/// The closed kernels of one SIMD width.
 struct ClosedKernels {
-  /// Sines, cosines, velocities; motions of the nodes that are wanted. The scratch holds what forward() goes on with.
+  /// Computes sines, cosines and angular velocities of all nodes, and ClosedArguments::motion. The scratch memory keeps the results that
+  /// forward() and forward_by_paths() use; call one of them next with the same arguments.
   void (*motion)(const KernelArguments<double>&, const ClosedArguments&);
-  /// Accelerations and multipliers. @return false: singular
+  /// Computes accelerations and multipliers; each loop is eliminated where its branches meet. @return false: singular inertia
   bool (*forward)(const KernelArguments<double>&, const ClosedArguments&);
+  /// As forward(), with all loops eliminated at the world (loop_paths.h).
   bool (*forward_by_paths)(const KernelArguments<double>&, const ClosedArguments&);
 };
 
-/// Those of the width in use (kernels.h).
+/// The closed kernels of the SIMD width in use (kernels.h).
 [[nodiscard]] const ClosedKernels& closed_kernels();
 
 namespace plain {

@@ -1,5 +1,6 @@
 #pragma once
-// The table of one width: included once by each closed_kernels_*.cpp, which defines UGOKI_WIDTH and UGOKI_DOUBLE_LANES.
+// The table of closed kernels of one SIMD width. Each closed_kernels_*.cpp defines UGOKI_WIDTH and UGOKI_DOUBLE_LANES and includes this
+// header once.
 
 #include "ugoki/dynamics/kernel_paths.h"
 
@@ -19,7 +20,7 @@ UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, const Mat3T<T>& 
   const RevoluteCrossing<T, K> X = pass.template revolute<K>(o);
   return of_rows(X.down(R.row(0)), X.down(R.row(1)), X.down(R.row(2)));
 }
-/// A matrix whose rows are vectors of the parent, in the axes of node i.
+/// Matrix R with each row, a vector in the parent's axes, transformed to the axes of node i.
 template <class P, class T>
 UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, int i, const Mat3T<T>& R) {
   switch (o.crossing) {
@@ -31,14 +32,14 @@ UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, int i, const Mat
   return of_rows(pass.down(i, R.row(0)), pass.down(i, R.row(1)), pass.down(i, R.row(2)));
 }
 
-/// NodeMotion in lanes.
+/// NodeMotion in SIMD lanes.
 template <class T>
 struct Moving {
   Mat3T<T> R;
   V3<T> p, w, v;
 };
 
-/// How a node moves of which R and w are known. @param up its parent
+/// Sets to.p and to.v of node i; to.R and to.w are already set. @param up motion of the parent
 template <class T, class Kernel, class Arguments>
 UGOKI_INLINE void move_node(const Kernel& kernel, const Arguments& a, const Moving<T>& up, int i, Moving<T>& to) {
   const NodeOrder& o = a.order[i];
@@ -54,11 +55,13 @@ UGOKI_INLINE void move_node(const Kernel& kernel, const Arguments& a, const Movi
   if (o.kind == NodeKind::floating) to.v += up.R * (matrix_of<T>(k.R) * V3<T>{rate(3), rate(4), rate(5)});
 }
 
-/// Motions of the wanted nodes of a kernel that has turned them, from its base on. @param base how it moves
-/// @param wanted (node) @param give (node, Moving) takes those of ends
-/// @return [nodes] of those that are wanted, behind the kernel's scratch
-template <class T, class Kernel, class Arguments, class Wanted, class Give>
-const Moving<T>* move_nodes(const Kernel& kernel, const Arguments& a, bool rotations, const Moving<T>& base, Wanted&& wanted, Give&& give) {
+/// Motions of the requested nodes of a kernel after its turn_all().
+/// @param rotations true: only R is computed @param base motion of the kernel's base
+/// @param wanted (node) -> NodeWanted @param receive (node, Moving), called for every requested node except `passage` ones
+/// @return [nodes] motions, valid for the requested nodes; stored after the memory that the kernel uses in its scratch
+template <class T, class Kernel, class Arguments, class Wanted, class Receive>
+const Moving<T>* move_nodes(const Kernel& kernel, const Arguments& a, bool rotations, const Moving<T>& base, Wanted&& wanted,
+                            Receive&& receive) {
   Scratch scratch = kernel.free_scratch();
   Moving<T>* const all = scratch.take<Moving<T>>(a.nodes);
   for (int i = 0; i < a.nodes; ++i) {
@@ -72,24 +75,24 @@ const Moving<T>* move_nodes(const Kernel& kernel, const Arguments& a, bool rotat
       to.w = to.R * kernel.angular_velocity(i);
       move_node(kernel, a, up, i, to);
     }
-    if (want != NodeWanted::passage) give(i, to);
+    if (want != NodeWanted::passage) receive(i, to);
   }
   return all;
 }
 
-/// Lane `lane` of what move_nodes() gives.
+/// Writes one lane of a motion from move_nodes() to `to`. @param rotation write only R and spin
 template <class T>
 void store(const Moving<T>& from, bool rotation, const V3<T>& spin, int lane, NodeMotion& to) {
-  const auto number = [&](const T& x) {
+  const auto value = [&](const T& x) {
     if constexpr (T::count == 1)
       return x.v;
     else
       return x.v[lane];
   };
-  const auto put = [&](const V3<T>& x, double* there) {
-    there[0] = number(x.x);
-    there[1] = number(x.y);
-    there[2] = number(x.z);
+  const auto put = [&](const V3<T>& x, double* target) {
+    target[0] = value(x.x);
+    target[1] = value(x.y);
+    target[2] = value(x.z);
   };
   for (int k = 0; k < 3; ++k) put(from.R.row(k), to.R + 3 * k);
   if (rotation) {
@@ -109,25 +112,27 @@ void closed_motion(const KernelArguments<double>& a, const ClosedArguments& c) {
   if (c.twins == nullptr) {
     kernel.turn_all();
     move_nodes(
-        kernel, a, c.world_bound, world, [&](int i) { return c.moves[i]; },
+        kernel, a, c.world_bound, world, [&](int i) { return c.needed[i]; },
         [&](int i, const Moving<One>& m) { store(m, c.world_bound, kernel.angular_velocity(i), 0, c.motion[i]); });
     return;
   }
   twins::Forward open(*c.twins);
   open.turn();
   open.for_each_node([&](int node, const auto& part, int its_node, int lane) {
-    if (c.moves[node] != NodeWanted::nothing) kernel.copy_turning(node, part, its_node, lane);
+    if (c.needed[node] != NodeWanted::nothing) kernel.copy_turning(node, part, its_node, lane);
   });
   kernel.rest_base();
   const twins::Forward::Trunk& trunk = open.trunk();
   const int* const trunk_node = c.twins->trunk_node;
   const Moving<One>* const trunk_moving = move_nodes(
-      trunk, c.twins->trunk, c.world_bound, world, [&](int i) { return c.moves[trunk_node[i]]; },
+      trunk, c.twins->trunk, c.world_bound, world, [&](int i) { return c.needed[trunk_node[i]]; },
       [&](int i, const Moving<One>& m) { store(m, c.world_bound, trunk.angular_velocity(i), 0, c.motion[trunk_node[i]]); });
   open.for_each_pair([&](const auto& pair, const TwinArguments::Pair& p) {
-    const NodeWanted* const moves = c.moves;
+    const NodeWanted* const needed = c.needed;
     const int* const node = p.node;
-    const auto wanted = [&](int i) { return moves[node[2 * i]] < moves[node[2 * i + 1]] ? moves[node[2 * i + 1]] : moves[node[2 * i]]; };
+    const auto wanted = [&](int i) {
+      return needed[node[2 * i]] < needed[node[2 * i + 1]] ? needed[node[2 * i + 1]] : needed[node[2 * i]];
+    };
     if (wanted(0) == NodeWanted::nothing) return;
     const Moving<One>& up = trunk_moving[p.base];
     move_nodes(pair, p.a, c.world_bound, Moving<twins::Two>{twins::both(up.R), twins::both(up.p), twins::both(up.w), twins::both(up.v)},

@@ -32,18 +32,18 @@ void add(ArticulatedInertia& a, const ArticulatedInertia& b) {
   a.M = a.M + b.M;
 }
 
-/// Greatest distance of a link from the reference point, and of that from the world's origin, m.
+/// Size of the coordinates, m: the larger of |p0| and the maximum distance of a link from p0. Scales rounding errors of positions.
 double extent(const Workspace& ws) {
-  double greatest = norm(ws.p0);
-  for (const Pose& X : ws.X_WB) greatest = std::max(greatest, norm(X.p - ws.p0));
-  return greatest;
+  double maximum = norm(ws.p0);
+  for (const Pose& X : ws.X_WB) maximum = std::max(maximum, norm(X.p - ws.p0));
+  return maximum;
 }
 
 Inertia operator*(const Inertia& i, double s) { return {i.mass * s, i.h * s, i.I * s}; }
 
 }  // namespace
 
-/// The sweeps over the nodes.
+/// The recursive sweeps over the links: factorization and solves. The node index of a link is its link index; `world_` is the last node.
 class ClosedSolver {
  public:
   ClosedSolver(const Mechanism& m, Workspace& ws, ClosedLinks& c) : m_(m), ws_(ws), c_(c), x_(c.over_links_), world_(m.link_count()) {}
@@ -52,8 +52,8 @@ class ClosedSolver {
 
   bool factor(double dependent) {
     dependent_ = dependent;
-    c_.singular_freedom_ = -1;
-    c_.weakest_ = 1;
+    c_.singular_dof_ = -1;
+    c_.min_pivot_ratio_ = 1;
     begin_factor();
     for (int node = world_ - 1; node >= 0; --node) {
       ArticulatedInertia& IA = ws_.IA[at(node)];
@@ -79,8 +79,8 @@ class ClosedSolver {
     return true;
   }
 
-  /// Solves with the forces in ws.pA [links], the accelerations `C` of the joints (or none), the residuals in g_, and the base's
-  /// acceleration A0; overwrites ws.pA, ws.u, ws.A.
+  /// Solves for vdot and the multipliers. Inputs: bias forces ws.pA [links], residuals g_, base acceleration A0 and, if
+  /// `with_velocity_products`, ws.C. Overwrites ws.pA, ws.u, ws.A, g_.
   void solve(std::span<const double> tau, bool with_velocity_products, const Vec6& A0, std::span<double> vdot) {
     for (int node = world_ - 1; node >= 0; --node) {
       Vec6& p = ws_.pA[at(node)];
@@ -123,6 +123,7 @@ class ClosedSolver {
     for (std::size_t k = 0; k < x_.row.size(); ++k) c_.multipliers_[at(x_.row[k])] = c_.lambda_[k];
   }
 
+  /// Sets ws.pA to the velocity-dependent and external forces, and g_ to the velocity products of the rows.
   void forces_of_motion(std::span<const Vec6> external) {
     for (std::size_t i = 0; i < ws_.pA.size(); ++i) {
       ws_.pA[i] = cross_force(ws_.V[i], c_.I_[i] * ws_.V[i]);
@@ -130,7 +131,7 @@ class ClosedSolver {
     }
     for (std::size_t k = 0; k < x_.row.size(); ++k) c_.g_[k] = c_.rows_.drift[at(x_.row[k])];
   }
-  /// -M^-1 J^T (J M^-1 J^T)^-1 g
+  /// Correction that removes the residuals g_: -M^-1 J^T (J M^-1 J^T)^-1 g. @return [nv], valid until the next solve
   std::span<const double> correct() {
     std::ranges::fill(ws_.pA, Vec6{});
     solve({}, false, {}, c_.delta_);
@@ -142,7 +143,7 @@ class ClosedSolver {
     for (const ClosedStructure::Entry& e : x_.entries) {
       const Loop& loop = c_.loops_[at(e.loop)];
       if (loop.type == LoopType::gear) {
-        c_.g_[at(e.first)] = v[at(loop.freedom_a)] - c_.rows_.slope[at(e.loop)] * v[at(loop.freedom_b)];
+        c_.g_[at(e.first)] = v[at(loop.dof_a)] - c_.rows_.slope[at(e.loop)] * v[at(loop.dof_b)];
         continue;
       }
       const Vec6 V_ba = velocity(loop.link_b) - velocity(loop.link_a);
@@ -152,7 +153,7 @@ class ClosedSolver {
   void residual_of_position() {
     for (std::size_t k = 0; k < x_.row.size(); ++k) c_.g_[k] = c_.rows_.gap[at(x_.row[k])];
   }
-  /// ws.A <- velocities of the links at v, by the subspaces that are there.
+  /// Computes the link velocities at v into ws.A, with the motion subspaces ws.S.
   void sweep_velocity(std::span<const double> v) {
     for (int node = 0; node < world_; ++node) {
       const Link& link = m_.link(node);
@@ -169,7 +170,7 @@ class ClosedSolver {
 
   [[nodiscard]] Vec6 velocity(int link) const { return link < 0 ? Vec6{} : ws_.A[at(link)]; }
 
-  /// f(place of the multiplier, its place among the node's rows) for every multiplier that passes the node.
+  /// Calls f(multiplier index, row index at the node) for every multiplier whose loop passes the node.
   template <class F>
   void for_passing_multipliers(const Node& n, F&& f) const {
     for (int i = 0; i < n.passing_count; ++i) {
@@ -179,11 +180,10 @@ class ClosedSolver {
     }
   }
 
-  double* s_of(const Node& n, const Link& link, int freedom) const {
-    return c_.s_.data() + n.s_row + (freedom - link.v_index) * n.passing_rows;
-  }
-  int rows_at(const Node& n, int place) const { return x_.entries[at(x_.present[at(n.present + place)].entry)].rows; }
-  int place_of(const Node& n, int place) const { return x_.present[at(n.present + place)].row - n.row; }
+  double* s_of(const Node& n, const Link& link, int dof) const { return c_.s_.data() + n.s_row + (dof - link.v_index) * n.passing_rows; }
+  /// Number of rows, and first row at the node, of the loop with index `passing` among the loops that pass the node.
+  int rows_at(const Node& n, int passing) const { return x_.entries[at(x_.present[at(n.present + passing)].entry)].rows; }
+  int first_row(const Node& n, int passing) const { return x_.present[at(n.present + passing)].row - n.row; }
   double* block(int index) const { return c_.Lambda_.data() + 36 * index; }
 
   void begin_factor() {
@@ -205,15 +205,16 @@ class ClosedSolver {
     }
   }
 
+  /// Eliminates the node's DOFs from IA, and from P and Lambda of the loops that pass it. @return false: a pivot is not positive
   bool pass_joint(int node, ArticulatedInertia& IA) {
     const Node& n = x_.nodes[at(node)];
     const Link& link = m_.link(node);
     for (int f = link.v_index + link.joint.nv(); f-- > link.v_index;) {
       const Vec6& S = ws_.S[at(f)];
       const Vec6 U = IA * S;
-      const double pivot = dot(S, U) + ws_.freedoms[at(f)].armature;
+      const double pivot = dot(S, U) + ws_.dofs[at(f)].armature;
       if (!(pivot > 0)) {
-        c_.singular_freedom_ = f;
+        c_.singular_dof_ = f;
         return false;
       }
       const double d = 1.0 / pivot;
@@ -226,7 +227,7 @@ class ClosedSolver {
       for (int k = 0; k < n.passing_rows; ++k) s[k] = dot(S, P[k]);
       for (int k = n.gears; k < n.gears + n.gear_count; ++k) {
         const ClosedStructure::Gear& gear = x_.gears[at(k)];
-        if (gear.freedom == f) s[place_of(n, gear.place)] -= gear.second ? -c_.rows_.slope[at(gear.loop)] : 1.0;
+        if (gear.dof == f) s[first_row(n, gear.passing)] -= gear.second ? -c_.rows_.slope[at(gear.loop)] : 1.0;
       }
       for_passing_multipliers(n, [&](int g, int row) {
         const double f2 = dot(P[row].v, P[row].v), arm2 = c_.length_ * c_.length_;
@@ -235,7 +236,7 @@ class ClosedSolver {
       for (int k = 0; k < n.passing_rows; ++k) P[k] -= U * (d * s[k]);
       for (int k = n.pairs; k < n.pairs + n.pair_count; ++k) {
         const ClosedStructure::Pair& pair = x_.pairs[at(k)];
-        const double *a = s + place_of(n, pair.a), *b = s + place_of(n, pair.b);
+        const double *a = s + first_row(n, pair.a), *b = s + first_row(n, pair.b);
         const int rows_a = rows_at(n, pair.a), rows_b = rows_at(n, pair.b);
         double* to = block(pair.block);
         for (int i = 0; i < rows_a; ++i)
@@ -245,7 +246,7 @@ class ClosedSolver {
     return true;
   }
 
-  /// Cholesky of the entry's own block with the greatest pivot first; stops where only dependent rows are left.
+  /// Pivoted Cholesky factorization of the loop's diagonal block, largest pivot first. Stops when only dependent rows are left.
   void factor_block(int entry) {
     const Entry& e = x_.entries[at(entry)];
     const int r = e.rows;
@@ -253,10 +254,10 @@ class ClosedSolver {
     double* C = c_.C_.data() + 36 * entry;
     int* order = c_.pivots_.data() + e.first;
     for (int i = 0; i < r; ++i) order[i] = i;
-    double diagonal[6], greatest[2] = {};  // positions, rotations
+    double diagonal[6], maximum[2] = {};  // maximum: [0] of the position rows, [1] of the rotation rows
     for (int i = 0; i < r; ++i) {
       diagonal[i] = A[i * r + i];
-      double& scale = greatest[i < e.position_rows ? 0 : 1];
+      double& scale = maximum[i < e.position_rows ? 0 : 1];
       scale = std::max(scale, diagonal[i] + c_.reduced_[at(e.first + i)]);
     }
     int& rank = c_.rank_of_[at(entry)];
@@ -264,13 +265,13 @@ class ClosedSolver {
       const int k = rank;
       int best = k;
       const auto part = [&](int i) {
-        const double scale = greatest[order[i] < e.position_rows ? 0 : 1];
+        const double scale = maximum[order[i] < e.position_rows ? 0 : 1];
         return diagonal[order[i]] > immobile_row * c_.terms_[at(e.first + order[i])] ? diagonal[order[i]] / scale : 0.0;
       };
       for (int i = k + 1; i < r; ++i)
         if (part(i) > part(best)) best = i;
       if (!(part(best) > dependent_)) break;
-      c_.weakest_ = std::min(c_.weakest_, part(best));
+      c_.min_pivot_ratio_ = std::min(c_.min_pivot_ratio_, part(best));
       if (best != k) {
         std::swap(order[k], order[best]);
         for (int j = 0; j < k; ++j) std::swap(C[k * r + j], C[best * r + j]);
@@ -286,6 +287,7 @@ class ClosedSolver {
     }
   }
 
+  /// Eliminates the multipliers of the loops that meet at the node: IA += Z Z^T, with Z = P C^-T. @param IA null at the world
   void eliminate_at(int node, ArticulatedInertia* IA) {
     const Node& n = x_.nodes[at(node)];
     for (int x = n.eliminations; x < n.eliminations + n.elimination_count; ++x) {
@@ -320,7 +322,7 @@ class ClosedSolver {
   const Entry& neighbour(int index) const { return x_.entries[at(x_.neighbours[at(index)].entry)]; }
   double* Y(int neighbour) const { return c_.Y_.data() + 36 * neighbour; }
 
-  /// Y = C^-1 Lambda(e, o); P_o -= Z^T Y
+  /// Effect of an elimination (loop e) on another loop o: Y = C^-1 Lambda(e, o); P_o -= Z Y
   void reduce_neighbour(const Elimination& elimination, int index) {
     const Entry &e = x_.entries[at(elimination.entry)], &other = neighbour(index);
     const ClosedStructure::Neighbour& o = x_.neighbours[at(index)];
@@ -341,6 +343,7 @@ class ClosedSolver {
       }
   }
 
+  /// Forward substitution of eliminate_at() on the residuals g_ and the bias force. @param p bias force of the node; null at the world
   void reduce_at(int node, Vec6* p) {
     const Node& n = x_.nodes[at(node)];
     for (int x = n.eliminations; x < n.eliminations + n.elimination_count; ++x) {
@@ -361,7 +364,7 @@ class ClosedSolver {
     }
   }
 
-  /// lambda = C^-T (Z A - z - Y lambda_neighbours)
+  /// Back substitution: lambda = C^-T (Z^T A - z - Y lambda_neighbours), A the acceleration of the node.
   void recover_at(int node, const Vec6& A) {
     const Node& n = x_.nodes[at(node)];
     for (int x = n.eliminations + n.elimination_count; x-- > n.eliminations;) {
@@ -401,10 +404,10 @@ ClosedTree tree_of_links(const Mechanism& m) {
   ClosedTree tree;
   for (int i = 0; i < m.link_count(); ++i) {
     tree.parent.push_back(m.link(i).parent);
-    tree.freedoms.push_back(m.link(i).joint.nv());
+    tree.dofs.push_back(m.link(i).joint.nv());
     tree.node_of_link.push_back(i);
   }
-  for (int f = 0; f < m.nv(); ++f) tree.node_of_freedom.push_back(m.link_of_freedom(f));
+  for (int f = 0; f < m.nv(); ++f) tree.node_of_dof.push_back(m.link_of_dof(f));
   return tree;
 }
 
@@ -414,17 +417,18 @@ std::vector<char> closed_at_start(const Mechanism& m) {
   return closed;
 }
 
-/// m: the greatest of the distances between joints and of what bodies and loops reach from them.
+/// Characteristic length of the mechanism, m: maximum of the joint offsets, the bodies' radii of gyration and the loop frames' offsets.
+/// 1 if all are zero.
 double length_of(const Mechanism& m, std::span<const Loop> loops) {
-  double most = 0;
+  double maximum = 0;
   for (const Link& link : m.links()) {
     const Inertia& body = link.inertia;
-    most = std::max(most, norm(link.joint.X_PJ.p));
-    if (body.mass > 0) most = std::max(most, std::sqrt(0.5 * (body.I.xx + body.I.yy + body.I.zz) / body.mass));
+    maximum = std::max(maximum, norm(link.joint.X_PJ.p));
+    if (body.mass > 0) maximum = std::max(maximum, std::sqrt(0.5 * (body.I.xx + body.I.yy + body.I.zz) / body.mass));
   }
   for (const Loop& loop : loops)
-    if (loop.type != LoopType::gear) most = std::max({most, loop.link_a < 0 ? 0.0 : norm(loop.X_AJ.p), norm(loop.X_BJ.p)});
-  return most > 0 ? most : 1;
+    if (loop.type != LoopType::gear) maximum = std::max({maximum, loop.link_a < 0 ? 0.0 : norm(loop.X_AJ.p), norm(loop.X_BJ.p)});
+  return maximum > 0 ? maximum : 1;
 }
 
 }  // namespace
@@ -457,8 +461,8 @@ ClosedLinks::ClosedLinks(ClosedLinks&&) noexcept = default;
 ClosedLinks& ClosedLinks::operator=(ClosedLinks&&) noexcept = default;
 ClosedLinks::~ClosedLinks() = default;
 
-// A virtual link is a second body of its real link: where it has no inertia of its own, the two share the real one's. The closed
-// system stays the same, and no joint of the cut tree is without inertia.
+// A virtual link is a second body for its real link. If it has no inertia of its own, both get a share of the real link's inertia. This
+// does not change the closed system, and no joint of the cut tree moves a massless body.
 void ClosedLinks::share_inertias(const Mechanism& m) {
   std::vector<int> bodies(m.links().size(), 1);
   const auto second_body = [&](const ClosedStructure::Entry& e) {
@@ -511,15 +515,15 @@ void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, 
 
 ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q, std::span<const double> v,
                               double& gap, int limit) {
-  double last = HUGE_VAL, dependent = std::max(dependent_row, dependent_correction * closed.typical());
+  double last = HUGE_VAL, dependent = std::max(dependent_row, dependent_correction * closed.typical_pivot_ratio());
   for (int step = 0;; ++step) {
     update_kinematics(m, q, v, ws);
     if (factor_closed_links(m, ws, closed, q, v, dependent) != ClosedStatus::ok) return ClosedStatus::singular_inertia;
-    gap = greatest_gap(closed);
+    gap = max_gap(closed);
     const double rounding = 1e-16 * (1 + extent(ws));
     if (gap <= 4 * rounding || (gap <= 1e3 * rounding && gap >= 0.5 * last)) return ClosedStatus::ok;
     if (step >= limit || !std::isfinite(gap)) return ClosedStatus::not_closed;
-    if (gap >= 0.5 * last && dependent != dependent_row) {  // what is left needs the directions that were left out
+    if (gap >= 0.5 * last && dependent != dependent_row) {  // the remaining gap can only be closed along the excluded directions
       dependent = dependent_row;
       if (factor_closed_links(m, ws, closed, q, v, dependent) != ClosedStatus::ok) return ClosedStatus::singular_inertia;
     }
@@ -533,22 +537,22 @@ ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& cl
 void ClosedLinks::note_rank() {
   if (rank_ > full_rank_) {
     full_rank_ = rank_;
-    typical_ = weakest_;
+    typical_pivot_ratio_ = min_pivot_ratio_;
   } else if (rank_ == full_rank_) {
-    typical_ = std::max(typical_, weakest_);
+    typical_pivot_ratio_ = std::max(typical_pivot_ratio_, min_pivot_ratio_);
   }
 }
 
 void share_virtual_inertias(const ClosedLinks& closed, Workspace& ws) {
-  for (const InertiaShare& s : closed.shares_)  // real links, divided themselves, come last
+  for (const InertiaShare& s : closed.shares_)  // the real links' own shares come last, so the virtual links read the full inertia
     ws.I[at(s.link)] = ws.I[at(s.source)] * s.part;
 }
 
-double greatest_gap(const ClosedLinks& closed) {
-  double greatest = 0;
+double max_gap(const ClosedLinks& closed) {
+  double maximum = 0;
   for (std::size_t k = 0; k < closed.independent().size(); ++k)
-    if (closed.independent()[k]) greatest = std::max(greatest, std::fabs(closed.rows().gap[k]));
-  return greatest;
+    if (closed.independent()[k]) maximum = std::max(maximum, std::fabs(closed.rows().gap[k]));
+  return maximum;
 }
 
 }  // namespace ugoki::dynamics

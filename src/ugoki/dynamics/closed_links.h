@@ -1,15 +1,18 @@
 #pragma once
-// Closed link systems at a cost linear in the links: articulated bodies that carry the multipliers of the loops.
+// Forward dynamics of closed link systems at a cost linear in the number of links: the articulated-body recursion extended by the
+// multipliers lambda of the loops.
 //
 //   M vdot + b = tau + J^T lambda,   J vdot + dJ/dt v = 0            (paper, section 5, with multipliers)
 //
-// The recursion from the tips to the base keeps, beside the articulated inertia of each link, the columns P with which the
-// multipliers of the loops that are open there act on it, and the condensed matrix Lambda of these multipliers. At the link
-// where the two branches of a loop meet, its multipliers are eliminated (Cholesky with pivoting on its own block: rows that
-// depend on others get no multiplier) and stiffen the articulated inertia. So a loop costs what its own links cost, however
-// many loops there are beside it or in series; loops that meet at the world are eliminated in an order of least fill.
-// Source: Popov, Vereshchagin, Zenkevich (1978); Featherstone (2008), ch. 8, 9; Sathya & Carpentier (2024) for the elimination
-// on the way to the base.
+// The recursion from the tips to the base keeps three quantities: the articulated inertia of each link, the columns P (the wrenches with
+// which the multipliers of the loops not yet eliminated act on the link), and the condensed matrix Lambda = J M^-1 J^T of these
+// multipliers. At the link where the two branches of a loop meet, its multipliers are eliminated by a pivoted Cholesky factorization of the
+// loop's own block. Rows that depend on others get no multiplier. The elimination adds the loop's stiffness to the articulated inertia. A
+// loop therefore costs as much as its own links, independent of the number of other loops. Loops that meet at the same link, such as the
+// world, are eliminated in minimum-degree order.
+//
+// Sources: Popov, Vereshchagin, Zenkevich (1978); Featherstone (2008), ch. 8, 9; Sathya & Carpentier (2024) for the elimination during the
+// sweep to the base.
 
 #include <memory>
 #include <span>
@@ -20,31 +23,33 @@
 
 namespace ugoki::dynamics {
 
-/// Part of another link's inertia that a link without one of its own takes (virtual links).
+/// Share of the inertia of link `source` that `link` gets. Used for virtual links that have no inertia of their own.
 struct InertiaShare {
   int link, source;
-  double part;
+  double part;  ///< fraction of the source's inertia, 0 to 1
 };
 
-/// A pivot below this part of the greatest of the loop's rows of its kind is rounding: the row follows from others. The condensed matrix
-/// is quadratic in the Jacobian, so rows whose angle to the others is below 1e-6 rad count as dependent.
+/// Pivot threshold below which a row counts as dependent on others, as a fraction of the largest diagonal entry among the loop's rows of
+/// the same kind (position rows or rotation rows). Lambda is quadratic in the Jacobian, so the threshold corresponds to an angle of 1e-6
+/// rad between the row and the space of the other rows.
 inline constexpr double dependent_row = 1e-12;
-/// A row that the joints on its way move by less than this part (squared) of what they would if they stood at right angles to it and as far
-/// away as the mechanism is large is moved by rounding alone: planar chains, and chains about a point. There may be nothing else to
-/// compare it with.
+/// A row that no joint moves has only rounding errors on its diagonal of Lambda: the out-of-plane rows of planar chains, the position rows
+/// of chains about one point. A row counts as such if its diagonal is below this fraction of its upper bound, which is the value if every
+/// joint on the loop's path moved the row at right angles and at the distance of the mechanism's length. Fraction of a squared quantity:
+/// 1e-12 in the Jacobian. Other rows cannot serve as the scale because all rows of the kind may be immobile. Tests: rings_test.cpp.
 inline constexpr double immobile_row = 1e-24;
-/// The same for corrections, as part of the typical least pivot. Within an angle d of a singular position a gap of rounding eps would be
-/// answered by a correction eps / d of the position, eps / d^2 of the velocity and eps / d^3 of the acceleration; below 1e-3 rad it is
-/// better to wait.
+/// Pivot threshold of position corrections, as a fraction of typical_pivot_ratio(). At an angle d from a singular position a gap of size
+/// eps (rounding) causes a correction of eps / d in position, eps / d^2 in velocity and eps / d^3 in acceleration. The value corresponds to
+/// d = 1e-3 rad: closer to the position, directions below the threshold are not corrected unless the gap cannot be closed without them.
 inline constexpr double dependent_correction = 1e-6;
 
-/// Structure and scratch for one mechanism with loops; caller-owned, one a thread.
+/// Loops of one mechanism, elimination structure and scratch memory. Owned by the caller; use one per thread.
 class ClosedLinks {
  public:
-  /// With the mechanism's own loops, those that are closed at the start.
+  /// Uses the mechanism's own loops; those with Loop::closed set are closed.
   explicit ClosedLinks(const Mechanism& m);
-  /// With these loops, of which those marked are closed. @param closed [loops]
-  /// @param rows [rows of all loops] 0 for rows to leave out because they always follow from others; empty: none
+  /// Uses the given loops. @param closed [loops] 1 if the loop is closed
+  /// @param rows [rows of all loops] 0 for rows to leave out because they depend on others at every position; empty: use all rows
   ClosedLinks(const Mechanism& m, std::vector<Loop> loops, std::span<const char> closed, std::span<const char> rows = {});
 
   ClosedLinks(ClosedLinks&&) noexcept;
@@ -54,30 +59,31 @@ class ClosedLinks {
   [[nodiscard]] std::span<const Loop> loops() const { return loops_; }
   [[nodiscard]] bool is_closed(int loop) const { return over_links_.entry_of_loop[static_cast<std::size_t>(loop)] >= 0; }
   [[nodiscard]] const LoopRows& rows() const { return rows_; }
-  /// Multipliers of the last solve: N | N m (forces) or N s | N m s (impulses), zero for open loops. [rows().count()]
+  /// Multipliers of the last solve, zero for open loops: N | N m after forward dynamics, N s | N m s after an impulse. [rows().count()]
   [[nodiscard]] std::span<const double> multipliers() const { return multipliers_; }
-  /// Independent rows found by the last factorization.
+  /// Number of independent rows in the last factorization.
   [[nodiscard]] int rank() const { return rank_; }
-  /// True where the last factorization was within about 3e-3 rad of a singular position (a dead point, a change point), or in it: its least
-  /// pivot is below 1e-5 of the greatest that this had so far, or its rank is.
-  [[nodiscard]] bool is_nearly_singular() const { return rank_ < full_rank_ || weakest_ < 1e-5 * typical_; }
-  /// The least pivot of an independent row in the last factorization, as part of the greatest of its kind. 1 without loops.
-  [[nodiscard]] double weakest() const { return weakest_; }
-  /// The greatest least pivot of a factorization so far, as part of the greatest of its kind: small also where masses are very unequal.
-  [[nodiscard]] double typical() const { return typical_; }
-  /// What is_nearly_singular() compares with, from factorizations so far: the only memory, for saving and restoring a simulation.
+  /// True if the position of the last factorization is singular (a dead point or change point) or within about 3e-3 rad of one. Criterion:
+  /// the rank is below the maximum rank so far, or min_pivot_ratio() is below 1e-5 typical_pivot_ratio(); 1e-5 is the square of 3e-3 rad.
+  [[nodiscard]] bool is_nearly_singular() const { return rank_ < full_rank_ || min_pivot_ratio_ < 1e-5 * typical_pivot_ratio_; }
+  /// Smallest pivot of an independent row in the last factorization, as a fraction of the largest diagonal entry of the loop's rows of the
+  /// same kind. 1 without loops.
+  [[nodiscard]] double min_pivot_ratio() const { return min_pivot_ratio_; }
+  /// Maximum of min_pivot_ratio() over all factorizations of maximum rank so far. It is small too if the masses are very unequal.
+  [[nodiscard]] double typical_pivot_ratio() const { return typical_pivot_ratio_; }
+  /// The reference values of is_nearly_singular(). They are the only state that depends on earlier calls; save them with a simulation.
   struct Memory {
-    double typical = 0;
+    double typical_pivot_ratio = 0;
     int full_rank = 0;
   };
-  [[nodiscard]] Memory memory() const { return {typical_, full_rank_}; }
+  [[nodiscard]] Memory memory() const { return {typical_pivot_ratio_, full_rank_}; }
   void set_memory(const Memory& memory) {
-    typical_ = memory.typical;
+    typical_pivot_ratio_ = memory.typical_pivot_ratio;
     full_rank_ = memory.full_rank;
   }
-  /// The freedom at which the last factorization found no inertia, or -1.
-  [[nodiscard]] int singular_freedom() const { return singular_freedom_; }
-  /// For each row of rows(): 1 if it took part in the last factorization as an independent one. [rows().count()]
+  /// Velocity index of the DOF for which the last factorization found no inertia, or -1.
+  [[nodiscard]] int singular_dof() const { return singular_dof_; }
+  /// For each row of rows(): 1 if it was an independent row of a closed loop in the last factorization. [rows().count()]
   [[nodiscard]] std::span<const char> independent() const { return independent_; }
 
  private:
@@ -93,81 +99,84 @@ class ClosedLinks {
   ClosedStructure over_links_;
   std::vector<InertiaShare> shares_;
 
-  std::vector<Inertia> I_;              ///< [links] with the shares
-  std::vector<Vec6> P_;                 ///< [present_rows]
-  std::vector<double> s_;               ///< [s_rows]
-  std::vector<double> Lambda_;          ///< [blocks * 36] row by row, as wide as the second entry
-  std::vector<double> C_;               ///< [entries * 36] factor of the own block
-  std::vector<double> Y_;               ///< [neighbours * 36]
+  std::vector<Inertia> I_;              ///< [links] inertias after sharing
+  std::vector<Vec6> P_;                 ///< [present_rows] columns of the multipliers
+  std::vector<double> s_;               ///< [s_rows] S . P
+  std::vector<double> Lambda_;          ///< [blocks * 36] blocks row by row; row length: rows of the second entry
+  std::vector<double> C_;               ///< [entries * 36] Cholesky factor of the loop's diagonal block
+  std::vector<double> Y_;               ///< [neighbours * 36] C^-1 Lambda(eliminated loop, neighbour)
   std::vector<int> rank_of_;            ///< [entries]
-  std::vector<int> pivots_;             ///< [multipliers] rows of a block in the order of their pivots
-  std::vector<Vec6> Z_;                 ///< [multipliers]
-  std::vector<double> reduced_;         ///< [multipliers] what eliminations took from the diagonal
-  std::vector<double> terms_;           ///< [multipliers] the diagonal if all directions agreed: what rounding is measured by
-  double length_ = 1;                   ///< m: of the mechanism's parts
-  std::vector<double> g_, z_, lambda_;  ///< [multipliers]
-  std::vector<double> multipliers_;
-  std::vector<char> independent_;
-  std::vector<double> delta_;  ///< [nv] corrections of the projections
+  std::vector<int> pivots_;             ///< [multipliers] rows of a block in pivot order
+  std::vector<Vec6> Z_;                 ///< [multipliers] C^-1 P^T
+  std::vector<double> reduced_;         ///< [multipliers] amount that eliminations subtracted from the diagonal of Lambda
+  std::vector<double> terms_;           ///< [multipliers] upper bound of the diagonal of Lambda; scale of immobile_row
+  double length_ = 1;                   ///< m: characteristic length of the mechanism
+  std::vector<double> g_, z_, lambda_;  ///< [multipliers] residuals, C^-1 g, multipliers
+  std::vector<double> multipliers_;     ///< [rows of all loops]
+  std::vector<char> independent_;       ///< [rows of all loops]
+  std::vector<double> delta_;           ///< [nv] corrections of the projections
   int rank_ = 0;
-  int singular_freedom_ = -1;
-  double weakest_ = 1;  ///< least pivot of an independent row, as part of the greatest of its kind
-  int full_rank_ = 0;   ///< greatest rank met
-  double typical_ = 0;  ///< greatest weakest_ met with it
+  int singular_dof_ = -1;
+  double min_pivot_ratio_ = 1;
+  int full_rank_ = 0;               ///< maximum rank so far
+  double typical_pivot_ratio_ = 0;  ///< maximum of min_pivot_ratio_ at that rank
   void note_rank();
 
-  std::unique_ptr<struct ClosedKernelState> kernel_;  ///< of the functions that start from q and v
+  std::unique_ptr<struct ClosedKernelState> kernel_;  ///< used by the functions that start from q and v
 };
 
-/// What a solve came to.
+/// Result of a solve.
 enum class ClosedStatus : unsigned char {
   ok,
-  singular_inertia,  ///< a joint moves nothing that has inertia
-  not_closed,        ///< the gap did not come down to rounding
+  singular_inertia,  ///< a DOF moves no inertia
+  not_closed,        ///< the gap could not be reduced to rounding
 };
 
-/// Accelerations of the closed system from the state alone, and with them the forces in the loops (the multipliers): the fastest, in
-/// link frames, with the registers that the processor has. O(links) for loops of bounded size. Allocates nothing.
-/// @param external [links] or empty @param vdot [nv, out] must not alias an input
+/// Accelerations of the closed system from q and v, and the forces in the loops (multipliers()). This is the fastest form: it computes in
+/// link frames and uses the widest SIMD registers. O(links) for loops of bounded size. Allocates nothing.
+/// @param tau [nv] N | N m @param gravity m/s^2, world @param external [links] wrenches as in dynamics.h, or empty
+/// @param vdot [nv, out] must not alias an input
 [[nodiscard]] ClosedStatus calc_closed_forward_dynamics(const Mechanism& m, ClosedLinks& closed, std::span<const double> q,
                                                         std::span<const double> v, std::span<const double> tau, const Vec3& gravity,
                                                         std::span<const Vec6> external, std::span<double> vdot);
 
-// In stages, on what update_kinematics() leaves in a workspace: for many solves at one position.
+// Staged functions for several solves at one position. They use the workspace as update_kinematics() left it.
 
-/// Rows, articulated inertias and the condensed matrix of the closed loops, at what update_kinematics(q, v) left in `ws`.
-/// Uses ws.IA, U, d. O(links) for loops of bounded size. Allocates nothing.
-/// @param dependent part of the greatest pivot below which a row is left out; the square of an angle
+/// Computes the rows, the articulated inertias and the factored condensed matrix of the closed loops. Call update_kinematics(q, v) first.
+/// Overwrites ws.IA, ws.U, ws.d. O(links) for loops of bounded size. Allocates nothing.
+/// @param dependent pivot threshold for dependent rows, see dependent_row
 [[nodiscard]] ClosedStatus factor_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> q,
                                                std::span<const double> v, double dependent = dependent_row);
 
-/// Forward dynamics after factor_closed_links(). @param tau, external as in dynamics.h @param vdot [nv, out]
-/// The multipliers are the forces in the loops.
+/// Forward dynamics after factor_closed_links(). multipliers() returns the forces in the loops afterwards.
+/// @param tau, external as in dynamics.h @param vdot [nv, out]
 void calc_closed_forward_dynamics(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> tau, const Vec3& gravity,
                                   std::span<const Vec6> external, std::span<double> vdot);
 
-/// v <- v - M^-1 J^T (J M^-1 J^T)^-1 J v after factor_closed_links(): the velocity nearest to v, in kinetic energy, that opens no
-/// loop. It is what a sudden closing of the loops leaves of v; the multipliers are the impulses.
+/// Projects v onto velocities that open no loop: v <- v - M^-1 J^T (J M^-1 J^T)^-1 J v, after factor_closed_links().
+/// The result is the closest such velocity in the kinetic-energy norm, and the velocity after a sudden closing of the loops.
+/// multipliers() returns the impulses of that closing afterwards.
 void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> v);
 
-/// M x = r + J^T lambda, J (v + x) = 0 after factor_closed_links(): one solve, as exact as the recursion is (closed_impulse.h refines it).
-/// @param r, v, x [nv]; x must alias neither. The multipliers are lambda.
+/// Solves M x = r + J^T lambda, J (v + x) = 0 after factor_closed_links(). A single solve with the accuracy of the recursion;
+/// closed_impulse.h refines it. multipliers() returns lambda afterwards. @param r, v, x [nv]; x must not alias r or v
 void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> r, std::span<const double> v,
                         std::span<double> x);
 
-/// Moves q until the gaps are at rounding: Newton steps of least kinetic energy; near a singular position, where the gaps allow it,
-/// without the directions that are singular there (dependent_correction). Calls update_kinematics() with `v` and
-/// factors; leaves both at the final q.
-/// @param gap [out] greatest remaining gap, m | rad. @param limit of Newton steps
+/// Closes the loops in position: changes q by Newton steps of minimum kinetic energy until the gaps are at rounding. Near a singular
+/// position, directions that are nearly singular are not corrected if the gaps can be closed without them (dependent_correction).
+/// Calls update_kinematics() with `v` and factor_closed_links(); both are valid for the final q on return.
+/// @param gap [out] maximum remaining gap, m | rad @param limit maximum number of Newton steps
 [[nodiscard]] ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,
                                             std::span<const double> v, double& gap, int limit = 20);
 
-/// ws.I of virtual links without inertia of their own becomes their share of the real link's (docs/design/closed-links.md), as
-/// factor_closed_links() has it. After update_kinematics(), for methods that go over the tree themselves.
+/// Replaces ws.I of virtual links without inertia of their own by a share of the real link's inertia, and reduces the real link's
+/// (docs/design/closed-links.md). factor_closed_links() uses the same shares internally. Call after update_kinematics(), for methods that
+/// run their own recursion over the tree.
 void share_virtual_inertias(const ClosedLinks& closed, Workspace& ws);
 
-/// Greatest gap of the closed loops' independent rows, as the last factorization and update of the rows saw them, m | rad. (Rows that
-/// follow from others keep a gap of their own where the frames of a file do not quite agree.)
-[[nodiscard]] double greatest_gap(const ClosedLinks& closed);
+/// Maximum gap of the independent rows of the closed loops at the last factorization, m | rad. Dependent rows are not counted: they keep a
+/// residual gap if the frames in the model file are not exactly consistent.
+[[nodiscard]] double max_gap(const ClosedLinks& closed);
 
 }  // namespace ugoki::dynamics

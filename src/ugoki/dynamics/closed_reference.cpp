@@ -11,17 +11,17 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// Forces at the joints of the cut tree, less those that act anyway: tau1 = A vdot + b - applied.
+/// Joint forces of the cut tree minus the applied forces: cw.tau1 = A vdot + b - applied.
 void open_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> vdot, const Vec3& gravity, std::span<const Vec6> external,
                  std::span<const double> applied) {
   calc_inverse_dynamics(m, cw.open, vdot, gravity, external, cw.tau1);
   for (std::size_t i = 0; i < applied.size(); ++i) cw.tau1[i] -= applied[i];
 }
 
-constexpr std::size_t branch_points = 8;
-constexpr double branch_step = 0.04;  // rad, of the fastest freedom
+constexpr std::size_t branch_points = 8;  ///< sample points of interpolate_through(): a polynomial of degree 7
+constexpr double branch_step = 0.04;      ///< distance of adjacent sample points: rad, travel of the fastest DOF
 
-/// While it lives the choice is held.
+/// Scope guard: the choice of theta_G cannot change during its lifetime.
 class HeldChoice {
  public:
   explicit HeldChoice(ClosedWorkspace& cw) : cw_(cw), before_(cw.hold_choice) { cw.hold_choice = true; }
@@ -34,18 +34,20 @@ class HeldChoice {
   bool before_;
 };
 
-/// Near a singular position theta_S depends on theta_G as 0 / 0: velocities lose digits as the square, accelerations as the cube of the
-/// distance. But the motion runs on through it on one smooth branch. So `evaluate` is asked at the points before and behind that are
-/// far enough away, and the polynomial through them gives the value here.
-/// @param q, v closed in position; v moves along the branch
+/// Value of a quantity near a singular position, interpolated along the motion.
+/// Near the position theta_S is a quotient 0 / 0 of theta_G: with the distance d, rounding errors of velocities grow as 1 / d^2 and of
+/// accelerations as 1 / d^3. The motion itself passes through on one smooth branch. The function therefore evaluates the quantity at
+/// points before and after the position that are far enough from it, and interpolates with Lagrange's polynomial.
+/// @param q, v state, closed in position; v points along the branch
+/// @param evaluate (out [nv]) -> bool: the quantity at cw.q3, cw.v3; false: not available there
 /// @param out [nv, out]
-/// @return false where the system rests, or does not move out of the singular positions: there is no branch to follow
+/// @return false if the system is at rest, or fewer than branch_points suitable points exist: no branch can be followed
 template <class Evaluate>
 bool interpolate_through(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> q, std::span<const double> v,
                          const Evaluate& evaluate, std::span<double> out) {
   const std::size_t n = v.size();
   double speed = 0;
-  for (std::size_t i = 0; i < n; ++i) speed = std::max(speed, std::fabs(v[i] / cw.freedom_scale[i]));
+  for (std::size_t i = 0; i < n; ++i) speed = std::max(speed, std::fabs(v[i] / cw.dof_scale[i]));
   if (!(speed > 1e-300)) return false;
   const bool held_before = cw.hold_choice;
   std::array<int, branch_points> at{};
@@ -66,7 +68,7 @@ bool interpolate_through(const Mechanism& m, ClosedWorkspace& cw, std::span<cons
   if (count < branch_points) return false;
   std::ranges::fill(out, 0.0);
   for (std::size_t a = 0; a < branch_points; ++a) {
-    double weight = 1;  // Lagrange's polynomial of point a, at 0
+    double weight = 1;  // Lagrange basis polynomial of point a, evaluated at 0
     for (std::size_t b = 0; b < branch_points; ++b)
       if (b != a) weight *= static_cast<double>(at[b]) / (at[b] - at[a]);
     for (std::size_t i = 0; i < n; ++i) out[i] += weight * cw.branch[a * n + i];
@@ -77,7 +79,7 @@ bool interpolate_through(const Mechanism& m, ClosedWorkspace& cw, std::span<cons
 }  // namespace
 
 void expand_acceleration(const ClosedWorkspace& cw, std::span<const double> vdot_G, std::span<double> vdot) {
-  const auto g = static_cast<std::size_t>(cw.freedoms());
+  const auto g = static_cast<std::size_t>(cw.dofs());
   for (std::size_t i = 0; i < vdot.size(); ++i) {
     double sum = cw.h[i];
     for (std::size_t a = 0; a < g; ++a) sum += cw.H[i * g + a] * vdot_G[a];
@@ -90,9 +92,9 @@ bool calc_closed_inverse_dynamics(const Mechanism& m, ClosedWorkspace& cw, std::
                                   std::span<const double> weights, std::span<double> tau) {
   UGOKI_CHECK(tau.size() == static_cast<std::size_t>(m.nv()) && (weights.empty() || weights.size() == driven.size()));
   open_forces(m, cw, vdot, gravity, external, applied);
-  const auto g = static_cast<std::size_t>(cw.freedoms());
+  const auto g = static_cast<std::size_t>(cw.dofs());
   reduce_forces(cw, cw.tau1, cw.b_G);
-  // tau = D S (S^T D S)^-1 tau_G with D = 1 / weights: the least weighted norm of all solutions of S^T tau = tau_G
+  // tau = D S (S^T D S)^-1 tau_G with D = 1 / weights: the minimum-norm solution of S^T tau = tau_G in the weighted norm
   std::fill_n(cw.A_G.begin(), g * g, 0.0);
   for (std::size_t k = 0; k < driven.size(); ++k) {
     const double* S = cw.H.data() + static_cast<std::size_t>(driven[k]) * g;
@@ -114,10 +116,11 @@ bool calc_closed_inverse_dynamics(const Mechanism& m, ClosedWorkspace& cw, std::
 bool calc_closed_forward_dynamics_by_unit_vectors(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> tau, const Vec3& gravity,
                                                   std::span<const Vec6> external, std::span<double> vdot) {
   UGOKI_CHECK(tau.size() == static_cast<std::size_t>(m.nv()) && vdot.size() == tau.size());
-  const std::size_t n = tau.size(), g = static_cast<std::size_t>(cw.freedoms());
+  const std::size_t n = tau.size(), g = static_cast<std::size_t>(cw.dofs());
   open_forces(m, cw, cw.h, gravity, external, tau);
   reduce_forces(cw, cw.tau1, cw.b_G);
-  // At rest and without gravity: as a difference to b a small link's inertia would drown in its weight.
+  // Columns of A from inverse dynamics at rest and without gravity. As the difference ID(e_k) - b, the inertia of a small link would be
+  // lost in rounding relative to gravity and velocity terms.
   std::swap(cw.open.V, cw.rest_V);
   std::swap(cw.open.C, cw.rest_C);
   for (std::size_t k = 0; k < g; ++k) {
@@ -143,11 +146,11 @@ void calc_loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const d
   open_forces(m, cw, vdot, gravity, external, tau);
   std::ranges::fill(multipliers, 0.0);
   const std::size_t n = cw.tau1.size(), r = static_cast<std::size_t>(cw.rank), rows = cw.active.size(), rest = rows - r;
-  // In one unit: the independent rows alone would carry mu = J_S^-T f_S; the others are J_D = L J_I, so the forces of least norm
-  // are [1; L^T]-weighted: multipliers_I = (1 + L^T L)^-1 mu, multipliers_D = L multipliers_I.
+  // In scaled units. With the independent rows J_I alone the multipliers would be mu = J_S^-T f_S. The dependent rows are J_D = L J_I, so
+  // the minimum-norm solution is multipliers_I = (1 + L^T L)^-1 mu, multipliers_D = L multipliers_I.
   for (std::size_t i = 0; i < r; ++i) {
-    const auto f = static_cast<std::size_t>(cw.freedom_order[i]);
-    cw.column[i] = cw.tau1[f] * cw.freedom_scale[f];
+    const auto f = static_cast<std::size_t>(cw.dof_order[i]);
+    cw.column[i] = cw.tau1[f] * cw.dof_scale[f];
   }
   const std::span<double> mu = std::span(cw.column).first(r);
   cw.J_S.solve_transposed(mu);
@@ -156,7 +159,7 @@ void calc_loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const d
   const auto L_row = [&](std::size_t d) { return std::span(cw.pivots).subspan(d * r, r); };
   for (std::size_t d = 0; d < rest; ++d) {
     const double* J = cw.J.data() + static_cast<std::size_t>(cw.row_order[r + d]) * n;
-    for (std::size_t j = 0; j < r; ++j) L_row(d)[j] = J[cw.freedom_order[j]];
+    for (std::size_t j = 0; j < r; ++j) L_row(d)[j] = J[cw.dof_order[j]];
     cw.J_S.solve_transposed(L_row(d));
   }
   for (std::size_t a = 0; a < r; ++a)
@@ -165,7 +168,7 @@ void calc_loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const d
       for (std::size_t d = 0; d < rest; ++d) sum += L_row(d)[a] * L_row(d)[b];
       cw.normal[a * r + b] = sum;
     }
-  if (!factor_cholesky(cw.normal, cw.rank, 0)) return;  // 1 + L^T L is positive: only a number that is not finite fails
+  if (!factor_cholesky(cw.normal, cw.rank, 0)) return;  // 1 + L^T L is positive definite: fails only if an entry is not finite
   solve_cholesky(cw.normal, cw.rank, mu);
   const auto store = [&](std::size_t k, double value) {
     const auto row = static_cast<std::size_t>(cw.active[static_cast<std::size_t>(cw.row_order[k])]);
@@ -211,7 +214,7 @@ bool calc_closed_acceleration(const Mechanism& m, ClosedWorkspace& cw, std::span
                               std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot) {
   std::ranges::copy(q, cw.q2.begin());
   std::ranges::copy(v, cw.v2.begin());
-  // The stages of a step integrate one set of freedoms; project_closed_state() may choose others after it
+  // All stages of a step must integrate the same theta_G; project_closed_state() may choose another one after the step
   const HeldChoice held(cw);
   if (!project_closed_state(m, cw.q2, cw.v2, cw).closed) return false;
   update_closed(m, cw.q2, cw.v2, cw);

@@ -1,5 +1,6 @@
 #pragma once
-// A closed link system the paper's way as the integrators see it: their stages move theta_G, and theta_S follows exactly.
+// A closed link system by the paper's method, as a MotionSystem for the integrators. Each stage moves the independent DOFs theta_G; the
+// dependent DOFs theta_S are solved for exactly.
 
 #include "ugoki/dynamics/closed_reference.h"
 #include "ugoki/dynamics/open_system.h"
@@ -10,9 +11,9 @@ class ClosedReferenceSystem : public OpenSystem {
  public:
   explicit ClosedReferenceSystem(MechanismPtr mechanism, const OpenSystemOptions& options = {});
 
-  /// @return 0 where no freedom can be named: a singular inertia on theta_G, or loops that do not close
+  /// @return -1 on success; 0 if A_G is singular or the loops do not close (no single DOF can be named)
   [[nodiscard]] int calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) override;
-  /// The exact derivatives are those of open systems.
+  /// @return false: exact derivatives exist for open systems only
   [[nodiscard]] bool calc_acceleration_jacobian(double, std::span<const double>, std::span<const double>, std::span<double>,
                                                 std::span<double>) override {
     return false;

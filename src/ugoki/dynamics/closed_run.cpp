@@ -1,4 +1,4 @@
-// Closed forward dynamics from the state alone: the loops' rows, between the two halves of the kernel.
+// Closed forward dynamics from q and v: runs the kernel's motion pass, computes the loops' rows, then runs the kernel's forward pass.
 
 #include "ugoki/dynamics/closed_run.h"
 
@@ -13,32 +13,34 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 ClosedTree tree_of_nodes(const LinkProgram& program) {
   ClosedTree tree;
-  tree.node_of_freedom.resize(at(program.nv));
+  tree.node_of_dof.resize(at(program.nv));
   for (const NodeOrder& o : program.order) {
-    const int n = freedoms_of(o.kind);
-    for (int k = 0; k < n; ++k) tree.node_of_freedom[at(o.v + k)] = static_cast<int>(tree.parent.size());
+    const int n = dofs_of(o.kind);
+    for (int k = 0; k < n; ++k) tree.node_of_dof[at(o.v + k)] = static_cast<int>(tree.parent.size());
     tree.parent.push_back(o.parent);
-    tree.freedoms.push_back(n);
+    tree.dofs.push_back(n);
   }
-  for (const LinkPlace& place : program.links) tree.node_of_link.push_back(place.node);
+  for (const LinkAttachment& attachment : program.links) tree.node_of_link.push_back(attachment.node);
   return tree;
 }
 
-/// Virtual links without inertia get their shares: half of the real link's, or less where there are more of them.
+/// The mechanism with inertias divided between real links and their massless virtual links; null if there is nothing to divide.
+/// A real link and its n virtual links get 1 / (n + 1) of the inertia each.
 MechanismPtr with_shares(const Mechanism& m, std::span<const InertiaShare> shares) {
   if (shares.empty()) return nullptr;
   MechanismSpec spec = m.spec();
   for (const InertiaShare& s : shares) {
-    const Inertia& whole = m.link(s.source).inertia;
-    Inertia& part = spec.links[at(s.link)].inertia;
-    part = {whole.mass * s.part, whole.h * s.part, whole.I * s.part};
-    if (s.link != s.source) part = part.in_parent(m.link(s.link).X_RV.inverse());
+    const Inertia& source = m.link(s.source).inertia;
+    Inertia& share = spec.links[at(s.link)].inertia;
+    share = {source.mass * s.part, source.h * s.part, source.I * s.part};
+    if (s.link != s.source) share = share.in_parent(m.link(s.link).X_RV.inverse());
   }
   return Mechanism::make(std::move(spec)).value();
 }
 
-/// A link held to the world at a point or as a whole needs neither where the link is nor how fast its points are: the rows say that
-/// the material point at J_B, or the link's rotation too, does not accelerate.
+/// True if the loop connects a link with the world by a ball joint or a weld. The loop's rows need only the rotation and angular velocity
+/// of the link's node: they state that the link's point at J_B does not accelerate and, for a weld, that the link has no angular
+/// acceleration.
 bool is_world_bound(const ClosedKernelState& k, const Loop& loop) {
   return k.by_paths && (loop.type == LoopType::weld || loop.type == LoopType::ball) && loop.link_a < 0 && loop.link_b >= 0 &&
          k.program.links[at(loop.link_b)].node >= 0;
@@ -57,10 +59,11 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
       program(shared ? *shared : m),
       over_nodes(tree_of_nodes(program), links.loops(), closed, links.rows().first, rows),
       twins(program),
-      moves(program.order.size()),
+      needed(program.order.size()),
       motion(program.order.size()),
       X_WB(m.links().size()),
       V(m.links().size()) {
+  // With more loops the comparison is skipped: eliminating all loops at the world can need a block of Lambda for every pair of loops.
   if (constexpr std::size_t few = 16; over_nodes.entries.size() <= few) {
     ClosedStructure at_world(tree_of_nodes(program), links.loops(), closed, links.rows().first, rows, ClosedStructure::Meeting::world);
     by_paths = paths_are_faster(program, over_nodes, at_world);
@@ -80,25 +83,27 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
   world_bound = std::ranges::all_of(over_nodes.entries,
                                     [&](const ClosedStructure::Entry& e) { return is_world_bound(*this, links.loops()[at(e.loop)]); });
   for (const int link : end_links)
-    for (int node = program.links[at(link)].node; node >= 0; node = program.order[at(node)].parent) moves[at(node)] = NodeWanted::passage;
+    for (int node = program.links[at(link)].node; node >= 0; node = program.order[at(node)].parent) needed[at(node)] = NodeWanted::passage;
   for (const int link : end_links)
-    if (const int node = program.links[at(link)].node; node >= 0) moves[at(node)] = world_bound ? NodeWanted::rotation : NodeWanted::motion;
+    if (const int node = program.links[at(link)].node; node >= 0)
+      needed[at(node)] = world_bound ? NodeWanted::rotation : NodeWanted::motion;
   P.resize(over_nodes.present.size());
   g.resize(over_nodes.entries.size());
-  s.resize(by_paths ? paths.freedom.size() : at(over_nodes.s_slots));
-  t.resize(paths.freedom.size());
+  s.resize(by_paths ? paths.dof.size() : at(over_nodes.s_slots));
+  t.resize(paths.dof.size());
   reduced.resize(g.size());
   lambda.resize(g.size());
   Lambda.resize(at(over_nodes.blocks));
   Y.resize(over_nodes.neighbours.size());
   factor.resize(g.size());
-  moved.resize(g.size());
+  mobility.resize(g.size());
   length2 = links.length_ * links.length_;
   for (const NodeOrder& o : program.order) turning.push_back(o.kind == NodeKind::prismatic ? 1 / length2 : 1.0);
   scratch.resize(scratch_size(program, sizeof(double), 1) / sizeof(CacheLine) + 1);
   if (by_paths && !twins.pairs.empty()) twin_scratch.resize(twins.scratch / sizeof(CacheLine) + 1);
 }
 
+/// One call of calc_closed_forward_dynamics() from q and v.
 class ClosedRun {
  public:
   ClosedRun(const Mechanism& m, ClosedLinks& links, std::span<const double> q, std::span<const double> v)
@@ -109,9 +114,9 @@ class ClosedRun {
     ClosedArguments c = closed_arguments();
     TwinArguments twins;
     if (!k_.twin_scratch.empty() && a.external == nullptr) {
-      KernelArguments<double> whole = a;
-      whole.scratch = k_.twin_scratch.data()->bytes;
-      twins = k_.twins.arguments(whole);
+      KernelArguments<double> with_twin_scratch = a;
+      with_twin_scratch.scratch = k_.twin_scratch.data()->bytes;
+      twins = k_.twins.arguments(with_twin_scratch);
       c.twins = &twins;
     }
     closed_kernels().motion(a, c);
@@ -124,7 +129,7 @@ class ClosedRun {
       for (std::size_t e = 0; e < x_.entries.size(); ++e) begin_loop(e);
     }
     const bool ok = k_.by_paths ? closed_kernels().forward_by_paths(a, c) : closed_kernels().forward(a, c);
-    if (ok) take_results();
+    if (ok) copy_results();
     return ok;
   }
 
@@ -145,11 +150,11 @@ class ClosedRun {
             .q = q_.data(),
             .v = v_.data(),
             .in = tau.empty() ? nullptr : tau.data(),
-            .external = acting(external),
+            .external = nonzero_wrenches(external),
             .out = vdot.data(),
             .gravity = {gravity.x, gravity.y, gravity.z},
             .scratch = k_.scratch.data()->bytes,
-            .entry_place = nullptr,
+            .entry_index = nullptr,
             .stride = 1};
   }
   ClosedArguments closed_arguments() {
@@ -170,7 +175,7 @@ class ClosedRun {
             .turning = k_.turning.data(),
             .paths = &k_.paths,
             .twins = nullptr,
-            .moves = k_.moves.data(),
+            .needed = k_.needed.data(),
             .world_bound = k_.world_bound,
             .motion = k_.motion.data(),
             .P = k_.P.data(),
@@ -178,25 +183,25 @@ class ClosedRun {
             .s = k_.s.data(),
             .t = k_.t.data(),
             .reduced = k_.reduced.data(),
-            .moved = k_.moved.data(),
+            .mobility = k_.mobility.data(),
             .Lambda = k_.Lambda.data(),
             .Y = k_.Y.data(),
             .factor = k_.factor.data(),
             .lambda = k_.lambda.data()};
   }
 
-  /// Poses and velocities of the loops' links. The wrenches are about the first of them, so that they keep their digits far from the
-  /// world's origin.
+  /// Computes poses and velocities of the links that loops connect, and the reference point p0_ of the wrenches. p0_ is the origin of the
+  /// first such link, so that wrenches keep their accuracy far from the world origin.
   void move_end_links() {
     bool first = true;
     for (const int link : k_.end_links) {
-      const LinkPlace& place = k_.program.links[at(link)];
-      Pose X = place.X_NL;
+      const LinkAttachment& attachment = k_.program.links[at(link)];
+      Pose X = attachment.X_NL;
       Vec6 V;
-      if (place.node >= 0) {
-        const NodeMotion& motion = k_.motion[at(place.node)];
+      if (attachment.node >= 0) {
+        const NodeMotion& motion = k_.motion[at(attachment.node)];
         const Pose X_WN{rotation_of(motion), vec(motion.p)};
-        X = X_WN * place.X_NL;
+        X = X_WN * attachment.X_NL;
         if (first) p0_ = X.p;
         V.w = vec(motion.w);
         V.v = vec(motion.v) + cross(V.w, p0_ - X_WN.p);
@@ -209,7 +214,7 @@ class ClosedRun {
     }
   }
 
-  /// The loop's wrenches on its two nodes and its residual.
+  /// Sets the loop's unit wrenches P at its two nodes, and its residual g.
   void begin_loop(std::size_t index) {
     const ClosedStructure::Entry& e = x_.entries[index];
     const Loop& loop = links_.loops_[at(e.loop)];
@@ -221,6 +226,7 @@ class ClosedRun {
     add_end(e, loop.link_b, e.present_b, -1, g);
     add_end(e, loop.link_a, e.present_a, 1, g);
   }
+  /// Adds one end of a loop: its unit wrenches in the node's axes about the node's origin. @param sign -1 for link b, 1 for link a
   void add_end(const ClosedStructure::Entry& e, int link, int present, double sign, LoopLanes& g) {
     LoopColumns& P = k_.P[at(present)];
     const int node = link < 0 ? -1 : k_.program.links[at(link)].node;
@@ -230,7 +236,7 @@ class ClosedRun {
       const NodeMotion& motion = k_.motion[at(node)];
       R = rotation_of(motion);
       p = vec(motion.p) - p0_;
-      turning = cross(vec(motion.w), vec(motion.v));  // spatial acceleration = acceleration of the origin - w x v
+      turning = cross(vec(motion.w), vec(motion.v));  // kernels use the origin's acceleration = spatial acceleration + w x v
     }
     const Mat3 along = R.transposed() * sign;
     for (int k = 0; k < e.rows; ++k) {
@@ -246,14 +252,16 @@ class ClosedRun {
     }
   }
 
-  /// e . (a + w' x r + w x (w x r) + gravity) = 0 with r the held point in the node, and e . w' = 0; e: axes of J_A.
+  /// Sets P and g of a loop for which is_world_bound() is true:
+  ///   position rows  e . (a + w' x r + w x (w x r) + gravity) = 0,   rotation rows  e . w' = 0
+  /// with the axes e of J_A, r the held point in the node's frame, and a the acceleration of the node's origin relative to free fall.
   void begin_world_bound(std::size_t index, const Vec3& gravity) {
     const ClosedStructure::Entry& e = x_.entries[index];
     const Loop& loop = links_.loops_[at(e.loop)];
-    const LinkPlace& place = k_.program.links[at(loop.link_b)];
-    const NodeMotion& motion = k_.motion[at(place.node)];
+    const LinkAttachment& attachment = k_.program.links[at(loop.link_b)];
+    const NodeMotion& motion = k_.motion[at(attachment.node)];
     const Mat3 R_NW = rotation_of(motion).transposed();
-    const Vec3 r = place.X_NL * loop.X_BJ.p, w = vec(motion.spin);
+    const Vec3 r = attachment.X_NL * loop.X_BJ.p, w = vec(motion.spin);
     const Vec3 drift = cross(w, cross(w, r)) + R_NW * gravity;
     LoopColumns& P = k_.P[at(e.present_b)];
     LoopLanes& g = k_.g[index];
@@ -271,16 +279,17 @@ class ClosedRun {
     }
   }
 
-  void take_results() {
+  /// Copies rank, multipliers and independent rows from the kernel's memory to ClosedLinks.
+  void copy_results() {
     links_.rank_ = 0;
-    links_.weakest_ = 1;
+    links_.min_pivot_ratio_ = 1;
     std::ranges::fill(links_.multipliers_, 0.0);
     std::ranges::fill(links_.independent_, char{0});
     for (std::size_t i = 0; i < x_.entries.size(); ++i) {
       const ClosedStructure::Entry& e = x_.entries[i];
       const LoopFactor& F = k_.factor[i];
       links_.rank_ += F.rank;
-      links_.weakest_ = std::min(links_.weakest_, F.weakest);
+      links_.min_pivot_ratio_ = std::min(links_.min_pivot_ratio_, F.min_pivot_ratio);
       for (int k = 0; k < e.rows; ++k) links_.multipliers_[at(x_.row[at(e.first + k)])] = k_.lambda[i].x[k];
       for (int k = 0; k < F.rank; ++k) links_.independent_[at(x_.row[at(e.first + F.order[k])])] = 1;
     }

@@ -1,5 +1,5 @@
 #pragma once
-// Memory of the closed kernel for one set of closed loops. Internal to dynamics/.
+// State and scratch memory of the closed kernels (closed_kernels.h) for one set of closed loops. Internal to dynamics/.
 
 #include "ugoki/dynamics/closed_kernels.h"
 #include "ugoki/dynamics/closed_links.h"
@@ -10,26 +10,28 @@ namespace ugoki::dynamics {
 struct ClosedKernelState {
   ClosedKernelState(const Mechanism& m, const ClosedLinks& links, std::span<const char> closed, std::span<const char> rows);
 
-  MechanismPtr shared;  ///< the mechanism with the virtual links' shares of inertia; null: as it is
+  MechanismPtr shared;  ///< the mechanism with inertias shared with virtual links; null: no inertia is shared
   LinkProgram program;
   ClosedStructure over_nodes;
-  bool by_paths = false;  ///< loops are eliminated at the world
-  LoopPaths paths;
-  LinkTwins twins;                 ///< used by paths
-  std::vector<int> end_links;      ///< of closed loops
-  bool world_bound = false;        ///< all loops hold a link to the world: see WorldBound
-  std::vector<NodeWanted> moves;   ///< [nodes] on the way to an end link
+  /// True: the kernel eliminates the multipliers of all loops together at the world (loop_paths.h). False: it eliminates each loop at the
+  /// node where the loop's two branches meet (closed_links.h).
+  bool by_paths = false;
+  LoopPaths paths;                 ///< used if by_paths
+  LinkTwins twins;                 ///< used if by_paths
+  std::vector<int> end_links;      ///< links that closed loops connect, sorted
+  bool world_bound = false;        ///< every loop is a weld or ball joint between the world and a link: see is_world_bound()
+  std::vector<NodeWanted> needed;  ///< [nodes] see ClosedArguments
   std::vector<NodeMotion> motion;  ///< [nodes]
   std::vector<double> turning;     ///< [nodes] see ClosedArguments
-  double length2 = 1;
-  std::vector<Pose> X_WB;  ///< [links] of end links
-  std::vector<Vec6> V;     ///< [links] of end links, about p0
+  double length2 = 1;              ///< m^2
+  std::vector<Pose> X_WB;          ///< [links] valid for end links
+  std::vector<Vec6> V;             ///< [links] valid for end links; about p0
 
   std::vector<LoopColumns> P;
   std::vector<LoopLanes> g, s, t, reduced, lambda;
   std::vector<LoopBlock> Lambda, Y;
   std::vector<LoopFactor> factor;
-  std::vector<double> moved;
+  std::vector<double> mobility;
   std::vector<CacheLine> scratch, twin_scratch;
 };
 

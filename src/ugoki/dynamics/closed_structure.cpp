@@ -1,6 +1,3 @@
-// Which loops are open at which node, which of their multipliers meet in a block of the condensed matrix, and in what order
-// they are eliminated.
-
 #include "ugoki/dynamics/closed_structure.h"
 
 #include <algorithm>
@@ -22,7 +19,7 @@ class Analysis {
 
   void run(std::span<const char> closed, std::span<const int> first_row, std::span<const char> use_row) {
     make_entries(closed, first_row, use_row);
-    place();
+    fill_present();
     for (int e = 0; e < int_of(c_.entries.size()); ++e) c_.entries[at(e)].diagonal = block(e, e);
     for (int node = world_ - 1; node >= 0; --node) {
       order_eliminations(node);
@@ -38,7 +35,7 @@ class Analysis {
     const int node = link < 0 ? -1 : tree_.node_of_link[at(link)];
     return node < 0 ? world_ : node;
   }
-  /// Parents have smaller indices; the world is above all.
+  /// Lowest common ancestor of two nodes, or the world. Parents have smaller indices than their children.
   int meeting(int a, int b) const {
     if (meeting_ == ClosedStructure::Meeting::world) return world_;
     while (a != b) {
@@ -65,7 +62,7 @@ class Analysis {
       e.rows = int_of(c_.row.size()) - e.first;
       if (e.rows == 0) continue;
       if (loop.type == LoopType::gear) {
-        ends_.push_back({tree_.node_of_freedom[at(loop.freedom_a)], tree_.node_of_freedom[at(loop.freedom_b)]});
+        ends_.push_back({tree_.node_of_dof[at(loop.dof_a)], tree_.node_of_dof[at(loop.dof_b)]});
         e.meeting = meeting(parent(ends_.back().first), parent(ends_.back().second));
       } else {
         ends_.push_back({node_of(loop.link_a), node_of(loop.link_b)});
@@ -77,8 +74,8 @@ class Analysis {
     neighbours_of_.resize(c_.entries.size());
   }
 
-  /// Every loop at every node on its way.
-  void place() {
+  /// Fills `present`: every loop at every node from its end nodes to its meeting node.
+  void fill_present() {
     std::vector<std::vector<int>> passing(at(world_ + 1));
     ending_.resize(at(world_ + 1));
     for (int e = 0; e < int_of(c_.entries.size()); ++e) {
@@ -110,18 +107,18 @@ class Analysis {
         c_.present[at(i)].parent = present_[at(parent(node))].at(c_.present[at(i)].entry);
       n.s_row = c_.s_rows;
       n.s_slot = c_.s_slots;
-      c_.s_rows += tree_.freedoms[at(node)] * n.passing_rows;
-      c_.s_slots += tree_.freedoms[at(node)] * n.passing_count;
+      c_.s_rows += tree_.dofs[at(node)] * n.passing_rows;
+      c_.s_slots += tree_.dofs[at(node)] * n.passing_count;
     }
     for (std::size_t e = 0; e < c_.entries.size(); ++e) {
       const bool gear = loops_[at(c_.entries[e].loop)].type == LoopType::gear;
       c_.entries[e].present_a = gear ? -1 : present_[at(ends_[e].first)].at(int_of(e));
       c_.entries[e].present_b = gear ? -1 : present_[at(ends_[e].second)].at(int_of(e));
     }
-    place_gears();
+    fill_gears();
   }
 
-  void place_gears() {
+  void fill_gears() {
     for (int node = 0; node < world_; ++node) {
       ClosedStructure::Node& n = c_.nodes[at(node)];
       n.gears = int_of(c_.gears.size());
@@ -129,14 +126,14 @@ class Analysis {
         const int index = c_.entries[at(c_.present[at(n.present + i)].entry)].loop;
         const Loop& loop = loops_[at(index)];
         if (loop.type != LoopType::gear) continue;
-        if (tree_.node_of_freedom[at(loop.freedom_a)] == node) c_.gears.push_back({loop.freedom_a, i, index, false});
-        if (tree_.node_of_freedom[at(loop.freedom_b)] == node) c_.gears.push_back({loop.freedom_b, i, index, true});
+        if (tree_.node_of_dof[at(loop.dof_a)] == node) c_.gears.push_back({loop.dof_a, i, index, false});
+        if (tree_.node_of_dof[at(loop.dof_b)] == node) c_.gears.push_back({loop.dof_b, i, index, true});
       }
       n.gear_count = int_of(c_.gears.size()) - n.gears;
     }
   }
 
-  /// The block of two entries, made where it is missing.
+  /// Index of the block of two entries. Creates the block if it does not exist.
   int block(int a, int b) {
     if (a > b) std::swap(a, b);
     const auto [it, made] = blocks_.try_emplace({a, b}, int_of(blocks_.size()));
@@ -147,18 +144,18 @@ class Analysis {
     return it->second;
   }
 
-  /// A joint couples all loops that pass it.
+  /// Creates the blocks between all loops that pass the node: its joint couples them.
   void couple(int node) {
     ClosedStructure::Node& n = c_.nodes[at(node)];
     n.pairs = int_of(c_.pairs.size());
-    if (tree_.freedoms[at(node)] == 0) return;
+    if (tree_.dofs[at(node)] == 0) return;
     for (int i = 0; i < n.passing_count; ++i)
       for (int j = i; j < n.passing_count; ++j)
         c_.pairs.push_back({block(c_.present[at(n.present + i)].entry, c_.present[at(n.present + j)].entry), i, j});
     n.pair_count = int_of(c_.pairs.size()) - n.pairs;
   }
 
-  /// Least degree first: what is eliminated couples its neighbours with each other.
+  /// Eliminates the loops that meet at the node, minimum degree first. An elimination couples the loop's neighbours with each other (fill).
   void order_eliminations(int node) {
     ClosedStructure::Node& n = c_.nodes[at(node)];
     n.eliminations = int_of(c_.eliminations.size());
@@ -209,12 +206,12 @@ class Analysis {
   ClosedStructure::Meeting meeting_;
   ClosedStructure& c_;
   int world_;
-  std::vector<std::pair<int, int>> ends_;     ///< [entries] nodes
-  std::vector<std::map<int, int>> present_;   ///< [nodes + 1] entry -> place in present
-  std::vector<std::vector<int>> ending_;      ///< [nodes + 1] entries that meet there
-  std::vector<std::set<int>> neighbours_of_;  ///< [entries] not yet eliminated
-  std::map<std::pair<int, int>, int> blocks_;
-  std::set<std::pair<std::size_t, int>> queue_;  ///< degree, entry
+  std::vector<std::pair<int, int>> ends_;        ///< [entries] end nodes a, b
+  std::vector<std::map<int, int>> present_;      ///< [nodes + 1] entry -> index in c_.present
+  std::vector<std::vector<int>> ending_;         ///< [nodes + 1] entries whose branches meet at the node
+  std::vector<std::set<int>> neighbours_of_;     ///< [entries] neighbours that are not eliminated yet
+  std::map<std::pair<int, int>, int> blocks_;    ///< (smaller entry, larger entry) -> block
+  std::set<std::pair<std::size_t, int>> queue_;  ///< (degree, entry) of the entries to eliminate at the current node
 };
 
 }  // namespace

@@ -1,6 +1,10 @@
 #pragma once
-// Where the multipliers of closed loops go in the recursion over a tree: made anew when loops are closed or opened. Internal
-// to dynamics/.
+// Structure of the elimination of closed loops in a recursion over a tree: which loops' multipliers are present at which node, which
+// blocks of the condensed matrix Lambda exist, and in which order loops are eliminated. Rebuilt when loops are closed or opened.
+// Internal to dynamics/.
+//
+// A loop is present at every node from its two end nodes up to the node where its two branches meet. It passes a node if it is also present
+// at the parent, and is eliminated at the last node. The world counts as the last node.
 
 #include <span>
 #include <vector>
@@ -11,78 +15,82 @@ namespace ugoki::dynamics {
 
 /// The tree that a recursion runs over: links, or the nodes of a LinkProgram. A parent's index is below its children's.
 struct ClosedTree {
-  std::vector<int> parent;           ///< [nodes] -1: the world
-  std::vector<int> freedoms;         ///< [nodes]
-  std::vector<int> node_of_link;     ///< [links] -1: fixed to the world
-  std::vector<int> node_of_freedom;  ///< [nv]
+  std::vector<int> parent;        ///< [nodes] -1: the world
+  std::vector<int> dofs;          ///< [nodes] number of DOFs
+  std::vector<int> node_of_link;  ///< [links] -1: fixed to the world
+  std::vector<int> node_of_dof;   ///< [nv]
 };
 
 struct ClosedStructure {
-  /// A closed loop.
+  /// A closed loop. Its multipliers are consecutive, in the order of its rows.
   struct Entry {
-    int loop;
-    int rows;                  ///< that take part, at most 6
-    int position_rows;         ///< of them, first; the others are about rotations
-    int first;                 ///< first of its multipliers
-    int meeting;               ///< node where its branches meet
-    int present_a, present_b;  ///< it at its own links; -1: gears
-    int diagonal;              ///< its own block
+    int loop;                  ///< index of the loop
+    int rows;                  ///< number of rows in use, at most 6
+    int position_rows;         ///< number of position rows; they come first, rotation rows follow
+    int first;                 ///< index of its first multiplier
+    int meeting;               ///< node where its branches meet and it is eliminated
+    int present_a, present_b;  ///< index in `present` for its links a and b; -1: gear
+    int diagonal;              ///< its diagonal block of Lambda
   };
-  /// A loop at a node. Loops that go on to the parent come first, in the order of entries.
+  /// A loop at a node. At each node the loops that pass come first, in the order of `entries`; loops eliminated there follow.
   struct Present {
-    int entry;
-    int row;     ///< first of its rows among all rows that are present anywhere
-    int parent;  ///< the same loop at the parent; -1: it is eliminated here
+    int entry;   ///< index in `entries`
+    int row;     ///< first of its rows among the rows of all `present`
+    int parent;  ///< index in `present` of the same loop at the parent node; -1: the loop is eliminated here
   };
-  /// The block of two loops that pass a joint: Lambda(a, b) += d s_a s_b^T.
+  /// Two loops that pass the same joint and therefore have a block of Lambda: Lambda(a, b) += d s_a s_b^T.
   struct Pair {
     int block;
-    int a, b;  ///< places among the loops that pass
+    int a, b;  ///< indices among the loops that pass the node
   };
+  /// A loop that shares a block of Lambda with a loop that is being eliminated.
   struct Neighbour {
-    int entry;
-    int block;        ///< of the eliminated loop and this one; rows are those of the smaller entry
-    bool transposed;  ///< this one is the smaller entry
-    int present;      ///< this one at the node
+    int entry;        ///< index in `entries`
+    int block;        ///< block of Lambda of the eliminated loop and this one; its rows belong to the loop that is first in `entries`
+    bool transposed;  ///< true: this loop is first in `entries`, so its multipliers are the rows of the block
+    int present;      ///< index in `present` of this loop at the node where the other loop is eliminated
   };
-  /// Lambda(a, b) -= Y_a^T Y_b
+  /// Update of a block between two neighbours of an eliminated loop: Lambda(a, b) -= Y_a^T Y_b.
   struct Update {
     int block;
-    int a, b;  ///< neighbours
+    int a, b;  ///< indices in `neighbours`
   };
+  /// Elimination of one loop at a node, with its ranges of `neighbours` and `updates`.
   struct Elimination {
-    int entry;
-    int present;
+    int entry;    ///< index in `entries`
+    int present;  ///< index in `present`
     int neighbours, neighbour_count;
     int updates, update_count;
   };
-  /// A gear acts on the freedom itself.
+  /// One of the two DOFs that a gear couples. A gear's row acts on the DOFs directly and has no wrench.
   struct Gear {
-    int freedom;
-    int place;  ///< among the loops that pass
-    int loop;
-    bool second;  ///< the freedom is the loop's freedom b
+    int dof;      ///< velocity index
+    int passing;  ///< index of the gear among the loops that pass the node
+    int loop;     ///< index of the loop
+    bool second;  ///< the DOF is the loop's dof_b
   };
+  /// Ranges of one node in the arrays below: first index and count. Passing loops are the first passing_count of `present`.
   struct Node {
     int present = 0, present_count = 0, passing_count = 0;
     int row = 0, passing_rows = 0;
     int pairs = 0, pair_count = 0;
     int eliminations = 0, elimination_count = 0;
     int gears = 0, gear_count = 0;
-    int s_row = 0;   ///< first of passing_rows numbers of its first freedom; those of its next freedoms follow
-    int s_slot = 0;  ///< the same, counted in loops
+    int s_row = 0;   ///< first of the s = S . P values of its first DOF: passing_rows per DOF, DOF after DOF
+    int s_slot = 0;  ///< the same, counted in loops: passing_count per DOF
   };
 
-  /// Where loops are eliminated: each where its branches meet, or all of them at the world.
+  /// Node where loops are eliminated: own_branches: where the loop's branches meet; world: all loops at the world.
   enum class Meeting : unsigned char { own_branches, world };
 
-  /// @param closed [loops] @param use_row [rows of all loops] or empty: all @param first_row [loops + 1]
+  /// @param closed [loops] 1 if closed @param first_row [loops + 1] first row of each loop @param use_row [rows of all loops] 0 for rows to
+  /// leave out; empty: use all
   ClosedStructure(const ClosedTree& tree, std::span<const Loop> loops, std::span<const char> closed, std::span<const int> first_row,
                   std::span<const char> use_row, Meeting meeting = Meeting::own_branches);
 
   std::vector<Entry> entries;
   std::vector<int> entry_of_loop;  ///< [loops] -1: open
-  std::vector<int> row;            ///< [multipliers] among the rows of all loops
+  std::vector<int> row;            ///< [multipliers] index among the rows of all loops
   std::vector<Node> nodes;         ///< [nodes + 1], the last one is the world
   std::vector<Present> present;
   std::vector<Pair> pairs;

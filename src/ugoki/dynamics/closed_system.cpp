@@ -46,9 +46,9 @@ ClosingReport ClosedSystem::close(int loop, std::span<double> q, std::span<doubl
   update_kinematics(mechanism(), q, v, ws);
   report.status = factor_closed_links(mechanism(), ws, links_, q, v);
   if (report.status != ClosedStatus::ok) return report;
-  report.gap = greatest_gap(links_);
-  double left = 0;
-  report.status = project_position(mechanism(), ws, links_, q, v, left);
+  report.gap = max_gap(links_);
+  double remaining_gap = 0;
+  report.status = project_position(mechanism(), ws, links_, q, v, remaining_gap);
   if (report.status != ClosedStatus::ok) return report;
   const double before = calc_energy(q, v);
   project_velocity(mechanism(), ws, links_, v);
@@ -57,16 +57,17 @@ ClosingReport ClosedSystem::close(int loop, std::span<double> q, std::span<doubl
 }
 
 int ClosedSystem::leave_out_redundant_rows(std::span<const double> q) {
-  constexpr double redundant = 1e-9;  // 3e-5 rad: frames of files agree to about six digits
+  constexpr double redundant = 1e-9;  // pivot threshold, square of 3e-5 rad: frames in model files are consistent to about six digits
   Workspace& ws = workspace();
-  int greatest = -1;
-  double weakest = 0;
+  int maximum = -1;
+  double min_pivot_ratio = 0;
   std::vector<char> rows;
-  for (int place = 0; place < 6; ++place) {
+  for (int sample = 0; sample < 6; ++sample) {
     std::ranges::copy(q, q_.begin());
-    // Along the closed velocity nearest to one with no pattern: a golden-ratio sequence, the same each time.
+    // Moves away from q along an irregular velocity, projected onto the loops. The golden-ratio sequence gives the same velocity in every
+    // call. Sample 0 is q itself.
     for (std::size_t i = 0; i < v_.size(); ++i)
-      v_[i] = place * std::fmod(0.6180339887 * static_cast<double>((i + 1) * (static_cast<std::size_t>(place) + 1)), 1.0);
+      v_[i] = sample * std::fmod(0.6180339887 * static_cast<double>((i + 1) * (static_cast<std::size_t>(sample) + 1)), 1.0);
     update_kinematics(mechanism(), q_, v_, ws);
     if (factor_closed_links(mechanism(), ws, links_, q_, v_, redundant) != ClosedStatus::ok) return 0;
     project_velocity(mechanism(), ws, links_, v_);
@@ -74,16 +75,16 @@ int ClosedSystem::leave_out_redundant_rows(std::span<const double> q) {
     double gap = 0;
     (void)project_position(mechanism(), ws, links_, q_, v_, gap);
     if (factor_closed_links(mechanism(), ws, links_, q_, v_, redundant) != ClosedStatus::ok) return 0;
-    if (links_.rank() < greatest || (links_.rank() == greatest && links_.weakest() <= weakest)) continue;
-    greatest = links_.rank();
-    weakest = links_.weakest();
+    if (links_.rank() < maximum || (links_.rank() == maximum && links_.min_pivot_ratio() <= min_pivot_ratio)) continue;
+    maximum = links_.rank();
+    min_pivot_ratio = links_.min_pivot_ratio();
     rows.assign(links_.independent().begin(), links_.independent().end());
   }
   int closed_rows = 0;
   for (std::size_t i = 0; i < links_.loops().size(); ++i)
     if (links_.is_closed(static_cast<int>(i))) closed_rows += links_.loops()[i].rows();
-  if (greatest < closed_rows) rebuild({links_.loops().begin(), links_.loops().end()}, closed_loops(links_), rows);
-  return closed_rows - greatest;
+  if (maximum < closed_rows) rebuild({links_.loops().begin(), links_.loops().end()}, closed_loops(links_), rows);
+  return closed_rows - maximum;
 }
 
 void ClosedSystem::open(int loop) {
@@ -96,36 +97,39 @@ void ClosedSystem::open(int loop) {
 int ClosedSystem::accelerate(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
   calc_forces(t, q, v);
   if (calc_closed_forward_dynamics(mechanism(), links_, q, v, forces(), options().gravity, external, vdot) == ClosedStatus::ok) return -1;
-  Workspace& ws = workspace();  // which freedom it is
+  Workspace& ws = workspace();  // repeats the factorization in stages to find the singular DOF
   update_kinematics(mechanism(), q, v, ws);
-  return factor_closed_links(mechanism(), ws, links_, q, v) == ClosedStatus::ok ? 0 : links_.singular_freedom();
+  return factor_closed_links(mechanism(), ws, links_, q, v) == ClosedStatus::ok ? 0 : links_.singular_dof();
 }
 
 int ClosedSystem::calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
   const int singular = accelerate(t, q, v, vdot);
   if (singular >= 0) return singular;
   if (!links_.is_nearly_singular()) return -1;
-  if (accelerate_across(t, q, v, mean_)) std::ranges::copy(mean_, vdot.begin());
+  if (interpolate_acceleration(t, q, v, mean_)) std::ranges::copy(mean_, vdot.begin());
   return -1;
 }
 
-bool ClosedSystem::accelerate_across(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
+bool ClosedSystem::interpolate_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
   double speed = 0;
   for (const double x : v) speed = std::max(speed, std::fabs(x));
-  if (!(speed > 1e-6)) return false;
-  const double dt = 0.01 / speed;
+  if (!(speed > 1e-6)) return false;  // rad/s | m/s: at rest there is no motion to follow
+  const double dt = 0.01 / speed;     // s: the fastest DOF moves by 0.01 rad | m
   std::ranges::fill(guess_, 0.0);
-  for (int pass = 0; pass < 3; ++pass) {  // errors of the paths are even in dt: the two distances cancel them
+  // Richardson extrapolation: the error of the mean of both sides is even in dt, so samples at dt and 2 dt cancel its dt^2 term. The passes
+  // improve the acceleration with which the neighbouring states are predicted.
+  for (int pass = 0; pass < 3; ++pass) {
     std::ranges::fill(vdot, 0.0);
     for (const double side : {-1.0, 1.0})
-      if (!accelerate_beside(t, side * dt, q, v, 4.0 / 6, vdot) || !accelerate_beside(t, 2 * side * dt, q, v, -1.0 / 6, vdot)) return false;
+      if (!add_acceleration_near(t, side * dt, q, v, 4.0 / 6, vdot) || !add_acceleration_near(t, 2 * side * dt, q, v, -1.0 / 6, vdot))
+        return false;
     std::ranges::copy(vdot, guess_.begin());
   }
   return true;
 }
 
-bool ClosedSystem::accelerate_beside(double t, double dt, std::span<const double> q, std::span<const double> v, double weight,
-                                     std::span<double> sum) {
+bool ClosedSystem::add_acceleration_near(double t, double dt, std::span<const double> q, std::span<const double> v, double weight,
+                                         std::span<double> sum) {
   for (std::size_t i = 0; i < v.size(); ++i) a_[i] = v[i] + 0.5 * dt * guess_[i];
   integrate(mechanism(), q, a_, dt, q_);
   for (std::size_t i = 0; i < v.size(); ++i) v_[i] = v[i] + dt * guess_[i];

@@ -8,25 +8,25 @@
 
 namespace ugoki::dynamics {
 
-int choose_pivots(std::span<double> A, double tolerance, int most, std::span<int> rows, std::span<int> columns) {
+int choose_pivots(std::span<double> A, double tolerance, int max_rank, std::span<int> rows, std::span<int> columns) {
   const std::size_t m = rows.size(), n = columns.size();
   UGOKI_CHECK(A.size() == m * n);
   for (std::size_t i = 0; i < m; ++i) rows[i] = static_cast<int>(i);
   for (std::size_t j = 0; j < n; ++j) columns[j] = static_cast<int>(j);
   double threshold = 0;
   std::size_t rank = 0;
-  for (const std::size_t end = std::min({m, n, static_cast<std::size_t>(most)}); rank < end; ++rank) {
+  for (const std::size_t end = std::min({m, n, static_cast<std::size_t>(max_rank)}); rank < end; ++rank) {
     std::size_t pivot_row = rank, pivot_column = rank;
-    double greatest = 0;
+    double maximum = 0;
     for (std::size_t i = rank; i < m; ++i)
       for (std::size_t j = rank; j < n; ++j)
-        if (const double size = std::fabs(A[i * n + j]); size > greatest) {
-          greatest = size;
+        if (const double size = std::fabs(A[i * n + j]); size > maximum) {
+          maximum = size;
           pivot_row = i;
           pivot_column = j;
         }
-    if (rank == 0) threshold = tolerance * greatest;
-    if (!(greatest > threshold)) break;
+    if (rank == 0) threshold = tolerance * maximum;
+    if (!(maximum > threshold)) break;
     if (pivot_row != rank) {
       std::swap_ranges(&A[rank * n], &A[rank * n] + n, &A[pivot_row * n]);
       std::swap(rows[rank], rows[pivot_row]);
@@ -63,7 +63,7 @@ std::span<double> LuFactor::begin(int n) {
 
 double LuFactor::factor() {
   const auto n = static_cast<std::size_t>(n_);
-  double least = 0, greatest = 0;
+  double minimum = 0, maximum = 0;
   for (std::size_t k = 0; k < n; ++k) {
     std::size_t best = k;
     for (std::size_t i = k + 1; i < n; ++i)
@@ -72,8 +72,8 @@ double LuFactor::factor() {
     if (!(std::fabs(pivot) > 0)) return 0;
     exchange_[k] = static_cast<int>(best);
     if (best != k) std::swap_ranges(&lu_[k * n], &lu_[k * n] + n, &lu_[best * n]);
-    least = k == 0 ? std::fabs(pivot) : std::min(least, std::fabs(pivot));
-    greatest = std::max(greatest, std::fabs(pivot));
+    minimum = k == 0 ? std::fabs(pivot) : std::min(minimum, std::fabs(pivot));
+    maximum = std::max(maximum, std::fabs(pivot));
     const double* top = &lu_[k * n];
     for (std::size_t i = k + 1; i < n; ++i) {
       double* row = &lu_[i * n];
@@ -82,7 +82,7 @@ double LuFactor::factor() {
       for (std::size_t j = k + 1; j < n; ++j) row[j] -= row[k] * top[j];
     }
   }
-  return n == 0 ? 1 : least / greatest;
+  return n == 0 ? 1 : minimum / maximum;
 }
 
 void LuFactor::solve(std::span<double> x) const { solve_many(x, 1); }

@@ -1,25 +1,25 @@
 #pragma once
-// Small dense linear algebra of the closed-link reference. Matrices are row by row; nothing allocates after resize().
+// Small dense linear algebra for the closed-link reference method. Matrices are stored row by row. Nothing allocates after resize().
 
 #include <span>
 #include <vector>
 
 namespace ugoki::dynamics {
 
-/// Rank-revealing elimination with full pivoting: which rows of A are independent, and which columns they are solved for.
-/// A pivot counts as long as it exceeds `tolerance` times the greatest entry of A; pivots fall roughly like singular values.
-/// @param A [rows.size() * columns.size()] destroyed
-/// @param rows, columns [out] indices; the first `rank` belong to the pivots, the rest follow in rising order
-/// @param most the rank is not taken to be greater
+/// Rank-revealing Gaussian elimination with full pivoting: finds independent rows of A, and the columns that they can be solved for.
+/// A pivot is accepted if its magnitude exceeds `tolerance` times the maximum magnitude in A. Pivots decrease roughly like singular values.
+/// @param A [rows.size() * columns.size()] overwritten
+/// @param max_rank upper limit of the rank
+/// @param rows, columns [out] indices; the first `rank` belong to the pivots, the rest follow in ascending order
 /// @return rank. O(rows columns rank)
-int choose_pivots(std::span<double> A, double tolerance, int most, std::span<int> rows, std::span<int> columns);
+int choose_pivots(std::span<double> A, double tolerance, int max_rank, std::span<int> rows, std::span<int> columns);
 
-/// Factors of a square matrix with row exchanges.
+/// LU factorization of a square matrix with partial (row) pivoting.
 class LuFactor {
  public:
-  void resize(int n);                            ///< room for n x n
-  [[nodiscard]] std::span<double> begin(int n);  ///< [n * n] to be filled, n at most the room
-  /// @return the smallest pivot's part of the greatest one; 0 where the matrix is singular. O(n^3)
+  void resize(int n);                            ///< allocates for matrices up to n x n
+  [[nodiscard]] std::span<double> begin(int n);  ///< [n * n] storage of A, to be filled by the caller; n at most that of resize()
+  /// Factors the matrix in place. @return smallest pivot divided by the largest, in magnitude; 0 if the matrix is singular. O(n^3)
   [[nodiscard]] double factor();
   void solve(std::span<double> x) const;             ///< x <- A^-1 x
   void solve_transposed(std::span<double> x) const;  ///< x <- A^-T x
@@ -32,8 +32,8 @@ class LuFactor {
   std::vector<int> exchange_;
 };
 
-/// A = L L^T of a symmetric positive-definite matrix, in place (lower triangle). @param A [n * n]
-/// @return false where a pivot is not above `tolerance` times its diagonal entry. O(n^3)
+/// Cholesky factorization A = L L^T of a symmetric positive-definite matrix, in place in the lower triangle. @param A [n * n]
+/// @return false if a squared pivot is not above `tolerance` times the diagonal entry of A. O(n^3)
 [[nodiscard]] bool factor_cholesky(std::span<double> A, int n, double tolerance);
 /// x <- (L L^T)^-1 x
 void solve_cholesky(std::span<const double> L, int n, std::span<double> x);

@@ -7,7 +7,7 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// Angular block E of D = V x* I - I V x + (I V) x~* about p0: D = [[E, 0], [-2 p x, 0]], p the linear momentum.
+/// Angular block E of D = V x* I - I V x + (I V) x~* about p0. D = [[E, 0], [-2 p x, 0]] with the linear momentum p.
 ///   E = 2 (tr(K) 1 - K),  K = integral of u r^T dm = v h^T + w x J,  J = tr(I)/2 1 - I
 Mat3 coriolis_block(const Inertia& inertia, const Vec6& V) {
   const Sym3& I = inertia.I;
@@ -21,10 +21,10 @@ Mat3 coriolis_block(const Inertia& inertia, const Vec6& V) {
   return {trace - K.xx, -K.xy, -K.xz, -K.yx, trace - K.yy, -K.yz, -K.zx, -K.zy, trace - K.zz};
 }
 
-/// D m
+/// Product of D with a motion of angular part w. @param E, p as in coriolis_block()
 Vec6 coriolis_times(const Mat3& E, const Vec3& p, const Vec3& w) { return {E * w, cross(p, w) * -2.0}; }
 
-/// Outward: motion of links and axes, forces on single links.
+/// Outward sweep: motion of links and joint axes, and the force on each link alone.
 void sweep_out(const Mechanism& m, const Workspace& ws, std::span<const double> v, std::span<const double> vdot, const Vec3& gravity,
                std::span<const Vec6> external, InverseDerivatives& d) {
   const std::span<const Link> links = m.links();
@@ -60,17 +60,17 @@ void sweep_out(const Mechanism& m, const Workspace& ws, std::span<const double> 
   }
 }
 
-/// Entries of one joint's freedoms among themselves; `start` is the place of the joint's first freedom in row k.
+/// Fills the entries between the DOFs of one joint. @param k DOF of the joint @param start entry of the joint's first DOF in row k
 void fill_own_joint(const Workspace& ws, const Link& link, int k, std::size_t start, const Vec6& force, InverseDerivatives& d) {
   const auto first = static_cast<std::size_t>(link.v_index);
   const std::size_t fk = first + static_cast<std::size_t>(k);
   for (int j = 0; j <= k; ++j) {
     const std::size_t fj = first + static_cast<std::size_t>(j), at = start + static_cast<std::size_t>(j);
     const double carried = dot(cross_motion(ws.S[fj], ws.S[fk]), force);
-    d.below_q[at] = dot(ws.S[fk], d.turn_q[fj]) + (axis_moves_with_link(link.joint.type, k) ? carried : 0);
-    d.above_q[at] = dot(ws.S[fj], d.turn_q[fk]) - (axis_moves_with_link(link.joint.type, j) ? carried : 0);
-    d.below_v[at] = dot(ws.S[fk], d.turn_v[fj]);
-    d.above_v[at] = dot(ws.S[fj], d.turn_v[fk]);
+    d.below_q[at] = dot(ws.S[fk], d.df_dq[fj]) + (axis_moves_with_link(link.joint.type, k) ? carried : 0);
+    d.above_q[at] = dot(ws.S[fj], d.df_dq[fk]) - (axis_moves_with_link(link.joint.type, j) ? carried : 0);
+    d.below_v[at] = dot(ws.S[fk], d.df_dv[fj]);
+    d.above_v[at] = dot(ws.S[fj], d.df_dv[fk]);
   }
 }
 
@@ -79,7 +79,7 @@ void fill_own_joint(const Workspace& ws, const Link& link, int k, std::size_t st
 InverseDerivatives::InverseDerivatives(const Mechanism& m, Workspace& ws) {
   if (ws.chain.empty()) ws.make_rows(m);
   for (std::vector<double>* x : {&below_q, &above_q, &below_v, &above_v}) x->resize(ws.chain.size());
-  for (std::vector<Vec6>* x : {&S_dot, &psi1, &psi2, &turn_q, &turn_v}) x->resize(ws.S.size());
+  for (std::vector<Vec6>* x : {&S_dot, &psi1, &psi2, &df_dq, &df_dv}) x->resize(ws.S.size());
   for (std::vector<Vec6>* x : {&A, &f, &f_ext}) x->resize(ws.V.size());
   I.resize(ws.V.size());
   E.resize(ws.V.size());
@@ -105,22 +105,22 @@ void calc_inverse_dynamics_derivatives(const Mechanism& m, Workspace& ws, std::s
       const Vec6 IS = I * S;
       const Vec3 DS = transpose_times(E, S.w) + cross(p, S.v) * 2.0;  // D^T S has no linear part
       const Vec6 push = pushed ? cross_force(S, d.f_ext[i]) : Vec6{};
-      d.turn_q[f] = cross_force(S, d.f[i]) + I * d.psi2[f] + coriolis_times(E, p, d.psi1[f].w);
-      d.turn_v[f] = I * (d.psi1[f] + d.S_dot[f]) + coriolis_times(E, p, S.w);
+      d.df_dq[f] = cross_force(S, d.f[i]) + I * d.psi2[f] + coriolis_times(E, p, d.psi1[f].w);
+      d.df_dv[f] = I * (d.psi1[f] + d.S_dot[f]) + coriolis_times(E, p, S.w);
       const auto start = static_cast<std::size_t>(ws.row_start[f]);
       const auto own = start + static_cast<std::size_t>(ws.depth[f] - k);
       for (std::size_t at = start; at < own; ++at) {
         const auto j = static_cast<std::size_t>(ws.chain[at]);
         const Vec6& S_j = ws.S[j];
-        d.above_q[at] = dot(S_j, d.turn_q[f]);
-        d.above_v[at] = dot(S_j, d.turn_v[f]);
+        d.above_q[at] = dot(S_j, d.df_dq[f]);
+        d.above_v[at] = dot(S_j, d.df_dv[f]);
         d.below_q[at] = dot(IS, d.psi2[j]) + dot(DS, d.psi1[j].w) - dot(S_j, push);
         d.below_v[at] = dot(IS, d.psi1[j] + d.S_dot[j]) + dot(DS, S_j.w);
       }
       fill_own_joint(ws, link, k, own, force, d);
       const std::size_t end = own + static_cast<std::size_t>(k) + 1;
       for (std::size_t at = start; at < end; ++at) ws.M[at] = dot(ws.S[static_cast<std::size_t>(ws.chain[at])], IS);
-      ws.M[end - 1] += ws.freedoms[f].armature;
+      ws.M[end - 1] += ws.dofs[f].armature;
     }
     if (link.parent >= 0) {
       const auto parent = static_cast<std::size_t>(link.parent);

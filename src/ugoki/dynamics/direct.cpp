@@ -1,4 +1,4 @@
-// The functions of dynamics.h that start from (q, v): they run the kernels on one instance.
+// The functions of dynamics.h that start from (q, v). They run the fast kernels on one instance.
 
 #include "ugoki/base/check.h"
 #include "ugoki/dynamics/dynamics.h"
@@ -27,7 +27,7 @@ KernelArguments<double> arguments(const Mechanism& m, Workspace& ws, std::span<c
           .out = nullptr,
           .gravity = {},
           .scratch = ws.scratch.data()->bytes,
-          .entry_place = nullptr,
+          .entry_index = nullptr,
           .stride = 1};
 }
 
@@ -38,7 +38,7 @@ KernelArguments<double> arguments(const Mechanism& m, Workspace& ws, std::span<c
   UGOKI_CHECK(external.empty() || external.size() == m.links().size());
   a.v = v.data();
   a.in = in.empty() ? nullptr : in.data();
-  a.external = acting(external);
+  a.external = nonzero_wrenches(external);
   a.out = out.data();
   a.gravity[0] = gravity.x;
   a.gravity[1] = gravity.y;
@@ -68,7 +68,7 @@ void calc_inertia_rows(const Mechanism& m, Workspace& ws, std::span<const double
   if (ws.chain.empty()) ws.make_rows(m);
   KernelArguments<double> a = arguments(m, ws, q);
   a.out = ws.M.data();
-  a.entry_place = ws.entry_place.data();
+  a.entry_index = ws.entry_index.data();
   if (ws.twins.pairs.empty())
     kernels().inertia(a);
   else

@@ -1,4 +1,4 @@
-// Semi-implicit Euler and explicit Runge-Kutta methods given by their tableau.
+// Semi-implicit Euler method, and explicit Runge-Kutta methods defined by a Butcher tableau.
 
 #include "ugoki/dynamics/step_method.h"
 
@@ -7,7 +7,7 @@ namespace {
 
 class SemiImplicitEuler final : public StepMethod {
  public:
-  void take(StepEquation& f, std::span<const double> a0, double h, bool /*afresh*/, StepResult& out) override {
+  void compute_step(StepEquation& f, std::span<const double> a0, double h, bool /*restarted*/, StepResult& out) override {
     const std::size_t n = f.n();
     const std::span<const double> v0 = f.start_velocity();
     for (double& x : out.dense) x = 0;
@@ -23,14 +23,15 @@ class SemiImplicitEuler final : public StepMethod {
   }
 };
 
-/// A tableau whose last stage is the result: its row holds the weights, and its rate starts the next step.
+/// Butcher tableau of a first-same-as-last method: row `stages - 1` of `a` contains the weights of the result, so the last stage is the
+/// step's end and its rate is the first rate of the next step.
 struct Tableau {
   int stages;
-  const double* c;       // [stages]
-  const double (*a)[6];  // [stages] rows
-  const double* error;   // [stages] weights of the difference to the embedded result, or null
-  const double* dense;   // [stages] weights of the continuous solution's last term, or null
-  int control_order;
+  const double* c;       // [stages] times of the stages, as fractions of the step
+  const double (*a)[6];  // [stages] rows of the tableau
+  const double* error;   // [stages] weights of the result minus the embedded result; null: no error estimate
+  const double* dense;   // [stages] weights of the quartic term of the continuous solution; null: cubic
+  int control_order;     // order of the error estimate, for step control
 };
 
 class ExplicitRungeKutta final : public StepMethod {
@@ -40,7 +41,7 @@ class ExplicitRungeKutta final : public StepMethod {
 
   int control_order() const override { return tableau_.control_order; }
 
-  void take(StepEquation& f, std::span<const double> a0, double h, bool /*afresh*/, StepResult& out) override {
+  void compute_step(StepEquation& f, std::span<const double> a0, double h, bool /*restarted*/, StepResult& out) override {
     const std::size_t n = f.n(), n2 = 2 * n;
     const std::span<const double> v0 = f.start_velocity();
     for (std::size_t i = 0; i < n; ++i) {
@@ -63,13 +64,14 @@ class ExplicitRungeKutta final : public StepMethod {
     interpolate(h, v0, last, out);
     out.error = 0;
     if (tableau_.error) {
-      weigh(tableau_.error, h);
+      calc_weighted_sum(tableau_.error, h);
       out.error = f.norm(out.z1.data(), error_.data());
     }
   }
 
  private:
-  void weigh(const double* weights, double h) {
+  /// error_ = h times the weighted sum of the stage rates.
+  void calc_weighted_sum(const double* weights, double h) {
     const std::size_t n2 = error_.size();
     for (std::size_t i = 0; i < n2; ++i) {
       double sum = 0;
@@ -78,11 +80,11 @@ class ExplicitRungeKutta final : public StepMethod {
     }
   }
 
-  /// Hermite's cubic through both ends, plus s^2 (1 - s)^2 times the tableau's own term.
+  /// Continuous solution: the cubic Hermite interpolant of both ends, plus s^2 (1 - s)^2 times the tableau's quartic term, s = 0 to 1.
   void interpolate(double h, std::span<const double> v0, const double* last, StepResult& out) {
     const std::size_t n2 = error_.size(), n = n2 / 2;
     if (tableau_.dense)
-      weigh(tableau_.dense, h);
+      calc_weighted_sum(tableau_.dense, h);
     else
       for (double& x : error_) x = 0;
     for (std::size_t i = 0; i < n2; ++i) {
@@ -113,7 +115,7 @@ constexpr double dp_a[][6] = {{},
                               {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
                               {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
 constexpr double dp_error[] = {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
-// Shampine's term of the continuous solution (Hairer, Norsett, Wanner I, II.6)
+// Quartic term of the continuous solution by Shampine (Hairer, Norsett, Wanner I, II.6)
 constexpr double dp_dense[] = {-12715105075.0 / 11282082432,  0,
                                87487479700.0 / 32700410799,   -10690763975.0 / 1880347072,
                                701980252875.0 / 199316789632, -1453857185.0 / 822651844,

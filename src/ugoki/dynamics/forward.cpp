@@ -22,8 +22,8 @@ void subtract_outer(ArticulatedInertia& a, const Vec6& u, double s) {
 
 }  // namespace
 
-// Freedoms of one joint are taken one after another, as if massless links lay between them: the pivots are scalars, and the
-// order is that of the factor of M.
+// Articulated-body algorithm (Featherstone 2008, ch. 7). The DOFs of one joint are eliminated one by one, as if massless links connected
+// them. All pivots are therefore scalars, and their order is that of factor().
 bool calc_forward_dynamics(const Mechanism& m, Workspace& ws, std::span<const double> tau, const Vec3& gravity,
                            std::span<const Vec6> external, std::span<double> vdot) {
   UGOKI_CHECK(static_cast<int>(tau.size()) == m.nv() && vdot.size() == tau.size());
@@ -41,7 +41,7 @@ bool calc_forward_dynamics(const Mechanism& m, Workspace& ws, std::span<const do
       const auto f = static_cast<std::size_t>(link.v_index + k);
       const Vec6& S = ws.S[f];
       ws.U[f] = IA * S;
-      const double pivot = dot(S, ws.U[f]) + ws.freedoms[f].armature;
+      const double pivot = dot(S, ws.U[f]) + ws.dofs[f].armature;
       if (!(pivot > 0)) return false;
       ws.d[f] = 1.0 / pivot;
       ws.u[f] = tau[f] - dot(S, p);
@@ -61,7 +61,7 @@ bool calc_forward_dynamics(const Mechanism& m, Workspace& ws, std::span<const do
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Link& link = links[i];
     Vec6 A = link.parent >= 0 ? ws.A[static_cast<std::size_t>(link.parent)] : A0;
-    // u was taken with C already in p, so C joins the acceleration after the freedoms
+    // u already includes C through p, so C is added to the acceleration after the DOFs
     for (int k = 0; k < link.joint.nv(); ++k) {
       const auto f = static_cast<std::size_t>(link.v_index + k);
       vdot[f] = ws.d[f] * (ws.u[f] - dot(ws.U[f], A));

@@ -1,5 +1,5 @@
-// Gauss-Legendre collocation with three stages, order 6: symmetric, so that conservative motion keeps its energy over long times.
-// The stages are found by fixed-point iteration down to rounding (Hairer, McLachlan, Razakarivony 2008).
+// Gauss-Legendre collocation with three stages, order 6. The method is symmetric, so the energy of conservative motion does not drift.
+// The stages are solved to rounding by fixed-point iteration (Hairer, McLachlan, Razakarivony 2008).
 
 #include <algorithm>
 #include <cmath>
@@ -15,22 +15,22 @@ constexpr double a[3][3] = {{5.0 / 36, 2.0 / 9 - root15 / 15, 5.0 / 36 - root15 
                             {5.0 / 36 + root15 / 24, 2.0 / 9, 5.0 / 36 - root15 / 24},
                             {5.0 / 36 + root15 / 30, 2.0 / 9 + root15 / 15, 5.0 / 36}};
 constexpr double b[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
-/// Coefficients of the quadratic that is 1 at c[i] and 0 at the other nodes.
+/// Coefficients (constant, linear, quadratic) of the Lagrange basis polynomial that is 1 at c[i] and 0 at the other nodes.
 constexpr double basis[3][3] = {
     {c[1] * c[2] / ((c[0] - c[1]) * (c[0] - c[2])), -(c[1] + c[2]) / ((c[0] - c[1]) * (c[0] - c[2])), 1 / ((c[0] - c[1]) * (c[0] - c[2]))},
     {c[0] * c[2] / ((c[1] - c[0]) * (c[1] - c[2])), -(c[0] + c[2]) / ((c[1] - c[0]) * (c[1] - c[2])), 1 / ((c[1] - c[0]) * (c[1] - c[2]))},
     {c[0] * c[1] / ((c[2] - c[0]) * (c[2] - c[1])), -(c[0] + c[1]) / ((c[2] - c[0]) * (c[2] - c[1])), 1 / ((c[2] - c[0]) * (c[2] - c[1]))}};
 constexpr int max_iterations = 60;
-constexpr double noise = 1e-7;  // part of a step's change below which an iteration that stalls is taken as solved
+constexpr double noise = 1e-7;  // an iteration that stalls is accepted if its last change is below this fraction of the step's change
 
 class GaussLegendre final : public StepMethod {
  public:
   explicit GaussLegendre(std::size_t n) : z_(2 * n), rates_(3 * 2 * n), next_(3 * 2 * n) {}
 
-  void take(StepEquation& f, std::span<const double> a0, double h, bool afresh, StepResult& out) override {
-    predict(f, a0, afresh ? 0 : h / last_h_);
+  void compute_step(StepEquation& f, std::span<const double> a0, double h, bool restarted, StepResult& out) override {
+    predict(f, a0, restarted ? 0 : h / last_h_);
     out.failure = iterate(f, h);
-    if (out.failure.failed() && !afresh) {  // a guess without the last step, which may be of no use beyond a bend
+    if (out.failure.failed() && !restarted) {  // extrapolation from the previous step may be a bad guess: retry with constant rates
       predict(f, a0, 0);
       out.failure = iterate(f, h);
     }
@@ -50,7 +50,8 @@ class GaussLegendre final : public StepMethod {
   }
 
  private:
-  /// Rates at the stages from the polynomial of the last step, or constant.
+  /// Initial guess of the stage rates: extrapolated from the previous step's polynomial, or constant.
+  /// @param ratio this step's size over the previous one's; 0: constant
   void predict(const StepEquation& f, std::span<const double> a0, double ratio) {
     const std::size_t n2 = z_.size(), n = n2 / 2;
     const std::span<const double> v0 = f.start_velocity();
@@ -69,6 +70,7 @@ class GaussLegendre final : public StepMethod {
     std::swap(rates_, next_);
   }
 
+  /// Fixed-point iteration of the stage rates. Returns status not_converged if their changes do not become small (see `noise`).
   StepFailure iterate(StepEquation& f, double h) {
     const std::size_t n2 = z_.size(), n = n2 / 2;
     const std::span<const double> v0 = f.start_velocity();
@@ -90,7 +92,7 @@ class GaussLegendre final : public StepMethod {
         }
       }
       std::swap(rates_, next_);
-      // at rounding, or at the noise of the accelerations, the change no longer shrinks
+      // once the change is at the rounding error of the accelerations it no longer decreases
       if (k > 0 && change >= last_change) ++stalls;
       if (change == 0 || (stalls > 0 && change < 1e-13) || (stalls > 2 && change <= noise * moved)) return {};
       if (k > 4 && change > 2 * last_change && change > noise * moved) break;
@@ -101,8 +103,8 @@ class GaussLegendre final : public StepMethod {
   }
 
   double last_h_ = 0;
-  std::vector<double> z_;             // [2 nv]
-  std::vector<double> rates_, next_;  // [3][2 nv]
+  std::vector<double> z_;             // [2 nv] state (u, v) of a stage
+  std::vector<double> rates_, next_;  // [3][2 nv] stage rates: current and next iterate
 };
 
 }  // namespace

@@ -28,7 +28,7 @@ IntegratorOptions in_range(IntegratorOptions o) {
   if (!(o.event_tolerance > 0)) o.event_tolerance = 1e-10;
   o.event_samples = std::max(o.event_samples, 1);
   if (o.method == IntegrationMethod::radau_iia_5 && o.adaptive) {
-    // its estimate is of order 3, the result of order 5: this meets the tolerance asked for (as RADAU5 does)
+    // The error estimate has order 3 but the result order 5. The estimate is compared with this wider tolerance, as in RADAU5.
     const double inner = 0.1 * pow(o.relative_tolerance, 2.0 / 3);
     o.absolute_tolerance *= inner / o.relative_tolerance;
     o.relative_tolerance = inner;
@@ -55,7 +55,7 @@ std::string_view name_of(IntegrationStatus status) {
   return names[static_cast<std::size_t>(status)];
 }
 
-struct Integrator::Implementation final : StepEvents::Path {
+struct Integrator::Implementation final : StepEvents::Trajectory {
   Implementation(MotionSystem& s, const IntegratorOptions& o)
       : system(s),
         options(in_range(o)),
@@ -76,7 +76,7 @@ struct Integrator::Implementation final : StepEvents::Path {
         a(n),
         u(n) {}
 
-  // One accepted step's continuous solution: base state, dense, duration.
+  // Continuous solution of the last accepted step, from q_base, v_base, t_base, h_base and dense. s is the fraction of the step, 0 to 1.
   void state_at(double s, std::span<double> q_out, std::span<double> v_out) override {
     solution_at(s, u, v_out);
     integrate(system.mechanism(), q_base, u, 1.0, q_out);
@@ -101,15 +101,15 @@ struct Integrator::Implementation final : StepEvents::Path {
     v_base = v;
     std::fill(dense.begin(), dense.end(), 0.0);
     has_a = has_g = false;
-    afresh = true;
+    restarted = true;
     h_next = options.step;
-    events.forget_pending();
+    events.clear_pending();
   }
 
-  IntegrationReport report(IntegrationStatus status, int freedom = -1, int event = -1) const {
-    return {status, t, freedom, freedom >= 0 ? system.mechanism().link_of_freedom(freedom) : -1, event};
+  IntegrationReport report(IntegrationStatus status, int dof = -1, int event = -1) const {
+    return {status, t, dof, dof >= 0 ? system.mechanism().link_of_dof(dof) : -1, event};
   }
-  IntegrationReport report(const StepFailure& failure) const { return report(failure.status, failure.freedom); }
+  IntegrationReport report(const StepFailure& failure) const { return report(failure.status, failure.dof); }
 
   bool done(double t_end) const { return !(t_end - t > 8 * epsilon * std::max(std::fabs(t), std::fabs(t_end))); }
 
@@ -122,10 +122,10 @@ struct Integrator::Implementation final : StepEvents::Path {
     return report(IntegrationStatus::reached);
   }
 
-  /// Acceleration and event values at the present state, where they are not known.
-  IntegrationReport know_start() {
+  /// Computes the acceleration and the event values at the current state if they are not cached.
+  IntegrationReport prepare_start() {
     if (!has_a) {
-      if (!is_finite(q) || !is_finite(v)) return report(IntegrationStatus::not_finite, bad_freedom());
+      if (!is_finite(q) || !is_finite(v)) return report(IntegrationStatus::not_finite, bad_dof());
       if (const StepFailure bad = equation.calc_acceleration(t, q, v, a); bad.failed()) return report(bad);
       has_a = true;
     }
@@ -136,7 +136,8 @@ struct Integrator::Implementation final : StepEvents::Path {
     return report(IntegrationStatus::reached);
   }
 
-  int bad_freedom() const {
+  /// First DOF whose position or velocity is not finite, or -1.
+  int bad_dof() const {
     for (const Link& link : system.mechanism().links())
       for (int k = 0; k < link.joint.nv(); ++k) {
         const bool q_bad = k < link.joint.nq() && !is_finite(std::span(q).subspan(static_cast<std::size_t>(link.q_index),
@@ -146,34 +147,35 @@ struct Integrator::Implementation final : StepEvents::Path {
     return -1;
   }
 
-  /// One accepted step, at most to t_end.
+  /// Takes one accepted step, at most to t_end. Repeats rejected steps with a smaller size.
   IntegrationReport step(double t_end) {
-    if (const IntegrationReport r = know_start(); r.status != IntegrationStatus::reached) return r;
+    if (const IntegrationReport r = prepare_start(); r.status != IntegrationStatus::reached) return r;
     equation.begin(t, q, v);
     if (h_next <= 0) h_next = first_step(t_end);
     bool shrunk = false;
     for (;;) {
       const double left = t_end - t;
       double h = std::min(h_next, options.max_step);
-      const bool last = h * (1 + 1e-6) >= left;  // a crumb is not worth a step of its own
+      const bool last = h * (1 + 1e-6) >= left;  // stretches the step by up to 1e-6 of its size to avoid a tiny last step
       if (last) h = left;
       result.failure = {};
       result.error = 0;
-      method->take(equation, a, h, afresh, result);
-      const IntegrationReport judged = judge(h, last, shrunk, t_end);
-      if (judged.status == IntegrationStatus::reached && accepted) return finish_step(h, last, t_end);
-      if (judged.status != IntegrationStatus::reached) return judged;
+      method->compute_step(equation, a, h, restarted, result);
+      const IntegrationReport assessed = assess(h, last, shrunk, t_end);
+      if (assessed.status == IntegrationStatus::reached && accepted) return finish_step(h, last, t_end);
+      if (assessed.status != IntegrationStatus::reached) return assessed;
       shrunk = true;
       ++statistics.rejected;
     }
   }
 
-  /// Whether the step just taken stands (`accepted`), and the next one's size.
-  IntegrationReport judge(double h, bool last, bool shrunk, double t_end) {
+  /// Decides whether the computed step is accepted (sets `accepted`), and sets the next step size.
+  /// @return status reached unless the integration must stop
+  IntegrationReport assess(double h, bool last, bool shrunk, double t_end) {
     accepted = false;
     StepFailure failure = result.failure;
     if (!failure.failed()) {
-      equation.place(result.z1.data(), q_new);
+      equation.calc_configuration(result.z1.data(), q_new);
       std::copy(result.z1.begin() + static_cast<std::ptrdiff_t>(n), result.z1.end(), v_new.begin());
       for (std::size_t i = 0; i < n && !failure.failed(); ++i)
         if (!std::isfinite(result.z1[i]) || !std::isfinite(result.z1[n + i]))
@@ -185,7 +187,7 @@ struct Integrator::Implementation final : StepEvents::Path {
         failure = {IntegrationStatus::projection_failed, -1};
       else {
         accepted = true;
-        if (options.adaptive) grow(h, last, shrunk);
+        if (options.adaptive) choose_next_step(h, last, shrunk);
         return report(IntegrationStatus::reached);
       }
     }
@@ -197,14 +199,14 @@ struct Integrator::Implementation final : StepEvents::Path {
     return report(IntegrationStatus::reached);
   }
 
-  /// Next step of an adaptive method after an accepted one: proportional-integral control (Gustafsson 1991).
-  void grow(double h, bool last, bool shrunk) {
+  /// Next step size of an adaptive method after an accepted step: proportional-integral control (Gustafsson 1991).
+  void choose_next_step(double h, bool last, bool shrunk) {
     const double order = method->control_order();
     const double error = std::max(result.error, 1e-8);
     double factor = 0.9 * pow(error, -0.7 / order) * pow(last_error, 0.4 / order);
     factor = std::clamp(factor, 0.2, shrunk ? 1.0 : 8.0);
     last_error = std::max(error, 1e-4);
-    if (options.method == IntegrationMethod::radau_iia_5 && factor >= 1 && factor <= 1.2) factor = 1;  // its matrices serve again
+    if (options.method == IntegrationMethod::radau_iia_5 && factor >= 1 && factor <= 1.2) factor = 1;  // same h: keep the factored matrices
     const double next = std::min(h * factor, options.max_step);
     h_next = last ? std::max(next, shrunk ? 0.0 : h_next) : next;
   }
@@ -220,44 +222,44 @@ struct Integrator::Implementation final : StepEvents::Path {
     t_base = t;
     h_base = h;
     has_a = result.has_a1 && projected == Projection::kept;
-    afresh = projected == Projection::moved;
+    restarted = projected == Projection::moved;
     if (has_a) std::swap(a, result.a1);
     t = last ? t_end : t + h;
     if (events.none()) return report(IntegrationStatus::reached);
-    return look_for_events();
+    return find_events();
   }
 
-  IntegrationReport look_for_events() {
+  IntegrationReport find_events() {
     has_g = false;
     const double s_tolerance = std::max(options.event_tolerance / h_base, 4 * epsilon);
-    const StepEvents::Answer answer = events.find(system, *this, options.event_samples, s_tolerance, q_probe, v_probe);
-    if (answer.found == StepEvents::Found::none) return report(IntegrationStatus::reached);
-    if (answer.found == StepEvents::Found::not_finite) {
-      back_to_start();
-      return report(IntegrationStatus::not_finite, -1, answer.event);
+    const StepEvents::SearchResult found = events.find(system, *this, options.event_samples, s_tolerance, q_probe, v_probe);
+    if (found.outcome == StepEvents::Outcome::none) return report(IntegrationStatus::reached);
+    if (found.outcome == StepEvents::Outcome::not_finite) {
+      restore_step_start();
+      return report(IntegrationStatus::not_finite, -1, found.event);
     }
-    state_at(answer.s, q, v);
-    t = time_at(answer.s);
+    state_at(found.s, q, v);
+    t = time_at(found.s);
     has_a = false;
-    afresh = true;
+    restarted = true;
     ++statistics.events;
     if (system.project(t, q, v) == Projection::failed) {
-      back_to_start();
+      restore_step_start();
       return report(IntegrationStatus::projection_failed);
     }
-    return report(IntegrationStatus::event, -1, answer.event);
+    return report(IntegrationStatus::event, -1, found.event);
   }
 
-  void back_to_start() {
+  void restore_step_start() {
     q = q_base;
     v = v_base;
     t = t_base;
     has_a = has_g = false;
-    afresh = true;
-    events.forget_pending();
+    restarted = true;
+    events.clear_pending();
   }
 
-  /// A first step from the sizes of the first two derivatives (Hairer, Norsett, Wanner I, II.4).
+  /// First step size, estimated from the norms of the first two derivatives (Hairer, Norsett, Wanner I, II.4).
   double first_step(double t_end) {
     const double limit = std::min(options.max_step, t_end - t);
     std::vector<double>& z = result.z1;
@@ -282,8 +284,8 @@ struct Integrator::Implementation final : StepEvents::Path {
       }
       curvature = norm_of(v_probe, u);
     }
-    const double greatest = std::max({slope, curvature, 1e-10});
-    return std::clamp(std::min(pow(1e-2 / greatest, 1.0 / method->control_order()), 100 * h), options.min_step, limit);
+    const double maximum = std::max({slope, curvature, 1e-10});
+    return std::clamp(std::min(pow(1e-2 / maximum, 1.0 / method->control_order()), 100 * h), options.min_step, limit);
   }
 
   MotionSystem& system;
@@ -293,14 +295,14 @@ struct Integrator::Implementation final : StepEvents::Path {
   StepEquation equation;
   std::unique_ptr<StepMethod> method;
   StepResult result;
-  std::vector<double> dense;  // of the last accepted step
+  std::vector<double> dense;  // continuous solution of the last accepted step
   StepEvents events;
   double t = 0, t_base = 0, h_base = 0, h_next = 0, last_error = 1e-4;
-  bool has_a = false, has_g = false, afresh = true, accepted = false;
+  bool has_a = false, has_g = false, restarted = true, accepted = false;
   Projection projected = Projection::kept;
-  std::vector<double> q, q_base, q_new, q_probe;  // [nq]: now, at the last step's start, candidate, for events
-  std::vector<double> v, v_base, v_new, v_probe;  // [nv]
-  std::vector<double> a, u;                       // [nv]
+  std::vector<double> q, q_base, q_new, q_probe;  // [nq] current, at the last step's start, candidate, scratch of event search
+  std::vector<double> v, v_base, v_new, v_probe;  // [nv] as q
+  std::vector<double> a, u;                       // [nv] acceleration at the current state; scratch
 };
 
 Integrator::Integrator(MotionSystem& system, const IntegratorOptions& options) : self_(std::make_unique<Implementation>(system, options)) {}
@@ -313,7 +315,7 @@ void Integrator::start(double t, std::span<const double> q, std::span<const doub
 
 void Integrator::forget() {
   self_->has_a = self_->has_g = false;
-  self_->afresh = true;
+  self_->restarted = true;
 }
 
 IntegrationReport Integrator::advance(double t_end) { return self_->advance(t_end); }

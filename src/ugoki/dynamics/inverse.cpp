@@ -24,7 +24,7 @@ void calc_inverse_dynamics(const Mechanism& m, Workspace& ws, std::span<const do
     const int n = link.joint.nv();
     for (int k = 0; k < n; ++k) {
       const auto f = static_cast<std::size_t>(link.v_index + k);
-      tau[f] = dot(ws.S[f], ws.F[i]) + (vdot.empty() ? 0.0 : ws.freedoms[f].armature * vdot[f]);
+      tau[f] = dot(ws.S[f], ws.F[i]) + (vdot.empty() ? 0.0 : ws.dofs[f].armature * vdot[f]);
     }
     if (link.parent >= 0) ws.F[static_cast<std::size_t>(link.parent)] += ws.F[i];
   }

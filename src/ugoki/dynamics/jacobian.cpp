@@ -6,21 +6,22 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// Motion about p0 -> about p0 + r.
+/// The motion `m` about p0, expressed about p0 + r.
 Vec6 at_point(const Vec6& m, const Vec3& r) { return {m.w, m.v + cross(m.w, r)}; }
 
 Vec6 to_axes(const Mat3& R_W, const Vec6& m) { return {transpose_times(R_W, m.w), transpose_times(R_W, m.v)}; }
 
-/// A frame with a moving origin and turning axes, in which a motion that is known about p0 is written.
+/// A moving and rotating frame in which a motion vector known about p0 is expressed.
 struct MovingFrame {
-  Mat3 R_W;     // its axes
-  Vec3 r;       // its origin from p0
-  Vec3 omega;   // rad/s of its axes
-  Vec3 r_rate;  // m/s of its origin
+  Mat3 R_W;     // axes of the frame, in world axes
+  Vec3 r;       // m: origin relative to p0
+  Vec3 omega;   // rad/s: angular velocity of the axes
+  Vec3 r_rate;  // m/s: velocity of the origin
 
-  Vec6 write(const Vec6& m) const { return to_axes(R_W, at_point(m, r)); }
-  /// Rate of write(m) when m changes by m_dot.
-  Vec6 write_rate(const Vec6& m, const Vec6& m_dot) const {
+  /// The motion `m`, in the frame's axes about its origin.
+  Vec6 express(const Vec6& m) const { return to_axes(R_W, at_point(m, r)); }
+  /// Time derivative of express(m), where m_dot is the derivative of m.
+  Vec6 express_rate(const Vec6& m, const Vec6& m_dot) const {
     const Vec6 here = at_point(m, r);
     const Vec6 rate{m_dot.w - cross(omega, here.w), m_dot.v + cross(m_dot.w, r) + cross(m.w, r_rate) - cross(omega, here.v)};
     return to_axes(R_W, rate);
@@ -49,13 +50,13 @@ MovingFrame relative_frame(const Workspace& ws, int a, int b, const Vec3& p_W) {
   return frame;
 }
 
-/// The link's chain; none for the world.
+/// Chain of a link; empty for the world (-1).
 std::span<const int> checked_chain(const Workspace& ws, int link) {
-  UGOKI_CHECK(!ws.chain.empty() || ws.S.empty());  // Workspace::make_rows() on mechanisms with very long chains
+  UGOKI_CHECK(!ws.chain.empty() || ws.S.empty());  // for mechanisms with very long chains call Workspace::make_rows() first
   return link < 0 ? std::span<const int>{} : chain_of_link(ws, link);
 }
 
-/// Writes columns for the freedoms that move a or b but not both: value(k) with sign +1 for b, -1 for a.
+/// Fills the columns of the DOFs that move only one of a and b: +column(k) for b, -column(k) for a. All other columns are zero.
 template <class Column>
 void fill_relative(const Workspace& ws, int a, int b, std::span<double> J, Column column) {
   const std::size_t n = ws.S.size();
@@ -64,8 +65,8 @@ void fill_relative(const Workspace& ws, int a, int b, std::span<double> J, Colum
   const std::span<const int> chain_a = checked_chain(ws, a), chain_b = checked_chain(ws, b);
   std::size_t common = 0;
   while (common < chain_a.size() && common < chain_b.size() && chain_a[common] == chain_b[common]) ++common;
-  const auto put = [&](int freedom, double sign) {
-    const auto k = static_cast<std::size_t>(freedom);
+  const auto put = [&](int dof, double sign) {
+    const auto k = static_cast<std::size_t>(dof);
     const Vec6 c = column(k) * sign;
     for (int row = 0; row < 3; ++row) {
       J[static_cast<std::size_t>(row) * n + k] = c.w[row];
@@ -106,7 +107,7 @@ void calc_jacobian(const Workspace& ws, int link, JacobianFrame frame, const Vec
   const std::span<const int> chain = checked_chain(ws, link);
   UGOKI_CHECK(columns.size() >= chain.size());
   const MovingFrame to = frame_of(ws, link, frame, p_W);
-  for (std::size_t k = 0; k < chain.size(); ++k) columns[k] = to.write(ws.S[static_cast<std::size_t>(chain[k])]);
+  for (std::size_t k = 0; k < chain.size(); ++k) columns[k] = to.express(ws.S[static_cast<std::size_t>(chain[k])]);
 }
 
 void calc_jacobian_rate(const Workspace& ws, std::span<const Vec6> S_dot, int link, JacobianFrame frame, const Vec3& p_W,
@@ -116,25 +117,25 @@ void calc_jacobian_rate(const Workspace& ws, std::span<const Vec6> S_dot, int li
   const MovingFrame to = frame_of(ws, link, frame, p_W);
   for (std::size_t k = 0; k < chain.size(); ++k) {
     const auto f = static_cast<std::size_t>(chain[k]);
-    columns[k] = to.write_rate(ws.S[f], S_dot[f]);
+    columns[k] = to.express_rate(ws.S[f], S_dot[f]);
   }
 }
 
 Vec6 calc_jacobian_bias(const Mechanism& m, const Workspace& ws, int link, JacobianFrame frame, const Vec3& p_W) {
   Vec6 bias;
   for (int i = link; i >= 0; i = m.link(i).parent) bias += ws.C[static_cast<std::size_t>(i)];
-  return frame_of(ws, link, frame, p_W).write_rate(ws.V[static_cast<std::size_t>(link)], bias);
+  return frame_of(ws, link, frame, p_W).express_rate(ws.V[static_cast<std::size_t>(link)], bias);
 }
 
 void calc_relative_jacobian(const Workspace& ws, int a, int b, const Vec3& p_W, std::span<double> J) {
   const MovingFrame to = relative_frame(ws, a, b, p_W);
-  fill_relative(ws, a, b, J, [&](std::size_t k) { return to.write(ws.S[k]); });
+  fill_relative(ws, a, b, J, [&](std::size_t k) { return to.express(ws.S[k]); });
 }
 
 void calc_relative_jacobian_rate(const Workspace& ws, std::span<const Vec6> S_dot, int a, int b, const Vec3& p_W, std::span<double> J_dot) {
   UGOKI_CHECK(S_dot.size() == ws.S.size());
   const MovingFrame to = relative_frame(ws, a, b, p_W);
-  fill_relative(ws, a, b, J_dot, [&](std::size_t k) { return to.write_rate(ws.S[k], S_dot[k]); });
+  fill_relative(ws, a, b, J_dot, [&](std::size_t k) { return to.express_rate(ws.S[k], S_dot[k]); });
 }
 
 void expand_columns(const Workspace& ws, int link, std::span<const Vec6> columns, std::span<double> J) {

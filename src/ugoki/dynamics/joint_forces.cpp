@@ -9,8 +9,8 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// True where the freedom's coordinate is an angle.
-bool is_turn(const Joint& joint, int k) {
+/// True where the DOF's coordinate is an angle.
+bool is_angle(const Joint& joint, int k) {
   switch (joint.type) {
     case JointType::prismatic: return false;
     case JointType::cylindrical: return k == 0;
@@ -20,27 +20,27 @@ bool is_turn(const Joint& joint, int k) {
   }
 }
 
-/// Force of springs and limits on one coordinate x, its conservative part and its slopes.
+/// Force of spring and limits on one coordinate x: total, conservative part, and derivatives with respect to x and its rate.
 struct CoordinateForce {
   double force = 0, conservative = 0, dx = 0, drate = 0;
   double spring_energy = 0, limit_energy = 0;
 };
 
-void add_limit(const Freedom& f, double x, double rate, double stiffness, double dissipation, CoordinateForce& out) {
+void add_limit(const Dof& f, double x, double rate, double stiffness, double dissipation, CoordinateForce& out) {
   const bool below = x < f.lower;
   if (!below && !(x > f.upper)) return;
-  const double back = below ? 1 : -1;
-  const double depth = below ? f.lower - x : x - f.upper;  // its rate is -back * rate
-  const double grip = std::max(0.0, 1 - dissipation * back * rate);
+  const double direction = below ? 1 : -1;
+  const double depth = below ? f.lower - x : x - f.upper;  // the rate of depth is -direction * rate
+  const double damping = std::max(0.0, 1 - dissipation * direction * rate);
   out.limit_energy = 0.5 * stiffness * depth * depth;
-  out.conservative += back * stiffness * depth;
-  out.force += back * stiffness * depth * grip;
-  out.dx -= stiffness * grip;
-  if (grip > 0) out.drate -= stiffness * depth * dissipation;
+  out.conservative += direction * stiffness * depth;
+  out.force += direction * stiffness * depth * damping;
+  out.dx -= stiffness * damping;
+  if (damping > 0) out.drate -= stiffness * depth * dissipation;
 }
 
 CoordinateForce coordinate_force(const Joint& joint, int k, double x, double rate, const JointForceOptions& o) {
-  const Freedom& f = joint.freedoms[static_cast<std::size_t>(k)];
+  const Dof& f = joint.dofs[static_cast<std::size_t>(k)];
   CoordinateForce out;
   if (f.stiffness > 0) {
     const double stretch = x - f.rest;
@@ -48,15 +48,15 @@ CoordinateForce coordinate_force(const Joint& joint, int k, double x, double rat
     out.dx = -f.stiffness;
     out.spring_energy = 0.5 * f.stiffness * stretch * stretch;
   }
-  add_limit(f, x, rate, is_turn(joint, k) ? o.limit_turn : o.limit_shift, o.limit_dissipation, out);
+  add_limit(f, x, rate, is_angle(joint, k) ? o.limit_turn : o.limit_shift, o.limit_dissipation, out);
   return out;
 }
 
-/// Springs and limits of a joint's coordinates.
+/// The coordinates of a joint on which springs and limits act.
 struct JointCoordinates {
-  int count = 0;         ///< freedoms that have a coordinate: none for floating joints
+  int count = 0;         ///< number of coordinates: nv of the joint; 0 for floating joints
   Vec3 r;                ///< rotation vector of a spherical joint
-  double x[6], rate[6];  ///< of the coordinates
+  double x[6], rate[6];  ///< [count] coordinates and their time derivatives
 };
 
 JointCoordinates coordinates_of(const Joint& joint, const double* q, const double* v) {
@@ -87,14 +87,14 @@ JointForceReport calc_joint_forces(const Mechanism& m, std::span<const double> q
     const double* vj = v.data() + first;
     for (int k = 0; k < joint.nv(); ++k) {
       const std::size_t f = first + static_cast<std::size_t>(k);
-      const Freedom& freedom = joint.freedoms[static_cast<std::size_t>(k)];
-      const double wanted = drive.empty() ? 0.0 : drive[f];
-      const double given = std::clamp(wanted, -freedom.effort, freedom.effort);
-      const double resisting = -freedom.damping * vj[k] - freedom.friction * smooth_sign(vj[k], options.friction_speed);
-      report.saturated += given != wanted;
-      report.drive_power += given * vj[k];
+      const Dof& dof = joint.dofs[static_cast<std::size_t>(k)];
+      const double requested = drive.empty() ? 0.0 : drive[f];
+      const double applied = std::clamp(requested, -dof.effort, dof.effort);
+      const double resisting = -dof.damping * vj[k] - dof.friction * smooth_sign(vj[k], options.friction_speed);
+      report.saturated += applied != requested;
+      report.drive_power += applied * vj[k];
       report.loss -= resisting * vj[k];
-      tau[f] = given + resisting;
+      tau[f] = applied + resisting;
     }
     const JointCoordinates c = coordinates_of(joint, q.data() + link.q_index, vj);
     double force[6] = {};
@@ -126,10 +126,10 @@ void calc_joint_force_slopes(const Mechanism& m, std::span<const double> q, std:
     const JointCoordinates c = coordinates_of(joint, q.data() + link.q_index, vj);
     for (int k = 0; k < joint.nv(); ++k) {
       const std::size_t f = first + static_cast<std::size_t>(k);
-      const Freedom& freedom = joint.freedoms[static_cast<std::size_t>(k)];
+      const Dof& dof = joint.dofs[static_cast<std::size_t>(k)];
       const double root = std::sqrt(vj[k] * vj[k] + s2);
       dq[f] = 0;
-      dv[f] = -freedom.damping - freedom.friction * s2 / (root * root * root);
+      dv[f] = -dof.damping - dof.friction * s2 / (root * root * root);
       if (k >= c.count) continue;
       const CoordinateForce law = coordinate_force(joint, k, c.x[k], c.rate[k], options);
       dq[f] += law.dx;

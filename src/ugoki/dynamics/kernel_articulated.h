@@ -1,5 +1,5 @@
 #pragma once
-// Articulated inertias: of one body, and from one point and one side of a joint to the other. For kernels_*.cpp only.
+// Articulated inertias: of one body, and transformed to another point and across a joint. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_crossing.h"
 
@@ -23,7 +23,7 @@ UGOKI_INLINE void add(Articulated<T>& a, const Articulated<T>& b) {
   a.f += b.f;
 }
 
-/// w x I w of a node's body, w its angular velocity.
+/// Gyroscopic moment w x I w of a node's body. @param w rad/s: angular velocity of the node, in its own axes
 template <class T, class Constant>
 UGOKI_INLINE V3<T> gyroscopic(const NodeOrder& o, const NodeConstants<Constant>& c, const V3<T>& w) {
   const T xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
@@ -36,7 +36,7 @@ UGOKI_INLINE V3<T> gyroscopic(const NodeOrder& o, const NodeConstants<Constant>&
   }
   return n;
 }
-/// A node's body alone, and A with it.
+/// Articulated inertia and bias force of a node's body alone.
 template <class T, class Constant>
 UGOKI_INLINE Articulated<T> body(const NodeOrder& o, const NodeConstants<Constant>& c, const V3<T>& w) {
   const T none(0), m(c.mass);
@@ -47,6 +47,7 @@ UGOKI_INLINE Articulated<T> body(const NodeOrder& o, const NodeConstants<Constan
   if (o.moment != 0) A.f = centripetal(w, o.moment, c.h);
   return A;
 }
+/// Adds a node's body to A.
 template <class T, class Constant>
 UGOKI_INLINE void add_body(Articulated<T>& A, const NodeOrder& o, const NodeConstants<Constant>& c, const V3<T>& w) {
   const T m(c.mass);
@@ -70,7 +71,7 @@ UGOKI_INLINE void add_body(Articulated<T>& A, const NodeOrder& o, const NodeCons
   if (o.moment != 0) A.f += centripetal(w, o.moment, c.h);
 }
 
-/// I and H across the joint where their rows of z are zero.
+/// Transforms I and H across a revolute joint, to the parent's axes, if the z rows of both are zero (a joint without armature).
 template <Crossing K, class T>
 UGOKI_INLINE void up_without_z(const RevoluteCrossing<T, K>& X, Articulated<T>& A) {
   const T none(0);
@@ -87,8 +88,8 @@ UGOKI_INLINE void up_without_z(const RevoluteCrossing<T, K>& X, Articulated<T>& 
       Mat3T<T>{Hxx, Hxy, c * H.xz - s * H.yz, Hxy - (H.xy - H.yx), (H.xx + H.yy) - Hxx, s * H.xz + c * H.yz, none, none, none});
 }
 
-/// Moves an articulated inertia and its bias force, axes unchanged, from a point at r e_k to the origin.
-/// @tparam zero the row of I and H that is zero; 3: none
+/// Changes the reference point of an articulated inertia and its bias force from r e_k to the origin; the axes do not change.
+/// @tparam k axis of the offset @tparam zero index of the row of I and H that is zero; 3: none
 template <int k, int zero, class T>
 UGOKI_INLINE void shift_along(Articulated<T>& a, T r) {
   constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -129,6 +130,7 @@ UGOKI_INLINE void shift_along(Articulated<T>& a, T r) {
   entry<j, k>(H) = jk;
   add_cross<k>(a.n, r, a.f);
 }
+/// Changes the reference point from r to the origin, axis by axis. @param present the nonzero coordinates of r
 template <int zero, class T, class Constant>
 UGOKI_INLINE void shift(Articulated<T>& a, Axes present, const Constant* r) {
   switch (present) {
@@ -140,7 +142,7 @@ UGOKI_INLINE void shift(Articulated<T>& a, Axes present, const Constant* r) {
   }
 }
 
-/// The same for any r.
+/// The same for a variable r with all coordinates nonzero.
 template <class T>
 UGOKI_INLINE void shift(Articulated<T>& a, const V3<T>& r) {
   const Mat3T<T>& H = a.H;

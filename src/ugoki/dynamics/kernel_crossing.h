@@ -1,5 +1,6 @@
 #pragma once
-// Vectors, inertias and articulated inertias across one joint. Templates on the scalar T, for kernels_*.cpp only.
+// Transformation of vectors and inertias across one joint, between the frames of a node and its parent. Templates on the scalar T.
+// For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernels.h"
 #include "ugoki/spatial/lanes_elementary.h"
@@ -40,7 +41,7 @@ UGOKI_INLINE T load(const typename T::Real* array, int i, std::ptrdiff_t stride)
   return T::load(array + i * stride);
 }
 
-/// Cyclic exchange of x, y, z: the parent's coordinates of the child's vector.
+/// Cyclic permutation K of x, y, z (see Crossing): from the child's axes to the parent's axes. exchange_down() is the inverse.
 template <Crossing K, class T>
 UGOKI_INLINE V3<T> exchange_up(const V3<T>& v) {
   if constexpr (K == Crossing::cycle) return {v.z, v.x, v.y};
@@ -66,7 +67,8 @@ UGOKI_INLINE Mat3T<T> exchange_up(const Mat3T<T>& m) {
   return m;
 }
 
-/// A revolute joint about z by an angle with sine s and cosine c, then the exchange K.
+/// Rotation of a revolute joint about z with the sine s and cosine c of its angle, followed by the permutation K.
+/// up(): from the node's axes to the parent's axes; down(): the inverse.
 template <class T, Crossing K>
 struct RevoluteCrossing {
   T s, c;
@@ -93,10 +95,10 @@ struct RevoluteCrossing {
   }
 };
 
-/// Any rotation.
+/// Any rotation, given as a matrix. up() and down() as in RevoluteCrossing.
 template <class T>
 struct MatrixCrossing {
-  Mat3T<T> E;  ///< node's axes into the parent's
+  Mat3T<T> E;  ///< rotation from the node's axes to the parent's axes
 
   UGOKI_INLINE V3<T> up(const V3<T>& v) const { return E * v; }
   UGOKI_INLINE V3<T> down(const V3<T>& v) const { return transpose_times(E, v); }
@@ -107,10 +109,10 @@ struct MatrixCrossing {
   UGOKI_INLINE Mat3T<T> up(const Mat3T<T>& m) const { return E * (m * E.transposed()); }
 };
 
-// Vectors that are constants of a node often lie along an axis (link_program.h: Axes). What follows computes with those of their
-// coordinates only that are not zero.
+// Constant vectors of a node are often parallel to a coordinate axis. The functions below compute only with their nonzero coordinates,
+// which the argument `present` lists (Axes in link_program.h).
 
-/// x times the node's sign. Twins may differ in it.
+/// x times the node's sign. The sign of twins is one value per lane, because the two twins may differ in it.
 template <class T, class Constant>
 UGOKI_INLINE T with_sign(const NodeOrder& o, const NodeConstants<Constant>& c, T x) {
   if constexpr (std::is_same_v<Constant, typename T::Real>)
@@ -118,7 +120,7 @@ UGOKI_INLINE T with_sign(const NodeOrder& o, const NodeConstants<Constant>& c, T
   else
     return x * T(c.sign);
 }
-/// f(k, x[k]) for the axes k that are present; k is known to the compiler.
+/// Calls f(k, x[k]) for each axis k in `present`; k is a compile-time constant.
 template <class T, class Constant, class F>
 UGOKI_INLINE void for_axes(Axes present, const Constant* x, F&& f) {
   if ((present & 1) != 0) f(std::integral_constant<int, 0>{}, T(x[0]));
@@ -158,7 +160,7 @@ UGOKI_INLINE void add_cross(V3<T>& out, T x, const V3<T>& v) {
   entry<i>(out) -= x * entry<j>(v);
   entry<j>(out) += x * entry<i>(v);
 }
-constexpr Axes all_axes = 7;  // taken at once: their sums wait less for each other than axis by axis
+constexpr Axes all_axes = 7;  // handled in one expression: its dependency chains are shorter than axis by axis
 
 /// out <- out + c x v
 template <class T, class Constant>
@@ -198,7 +200,7 @@ UGOKI_INLINE V3<T> centripetal(const V3<T>& w, T x) {
   entry<k>(out) = -(x * (a * a + b * b));
   return out;
 }
-/// w x (w x c) of a c that is not zero
+/// w x (w x c) for a nonzero c
 template <class T, class Constant>
 UGOKI_INLINE V3<T> centripetal(const V3<T>& w, Axes present, const Constant* c) {
   switch (present) {
@@ -219,13 +221,14 @@ UGOKI_INLINE Mat3T<T> matrix_of_quaternion(const typename T::Real* q, std::ptrdi
           two * (yz - wx),       two * (xz - wy), two * (yz + wx), one - two * (xx + yy)};
 }
 
+/// R times the rotation about z by the angle with sine s and cosine c.
 template <class T>
 UGOKI_INLINE Mat3T<T> turned_about_z(const Mat3T<T>& R, T s, T c) {
   return {R.xx * c + R.xy * s, R.xy * c - R.xx * s, R.xz, R.yx * c + R.yy * s, R.yy * c - R.yx * s, R.yz,
           R.zx * c + R.zy * s, R.zy * c - R.zx * s, R.zz};
 }
 
-/// Scratch memory handed out piece by piece.
+/// Allocates arrays one after another from scratch memory, each on a boundary of 64 bytes. Never frees.
 class Scratch {
  public:
   explicit Scratch(std::byte* begin) : next_(begin) {}
@@ -240,9 +243,10 @@ class Scratch {
   std::byte* next_;
 };
 
-/// Sines and cosines of `count` angles, q[angle_q] times their sign. s, c: up to 15 more
+/// Sines and cosines of the angles q[angle_q[i]] * angle_sign[i], i < count.
+/// @param s, c [count + 15, out] entries from `count` on may be overwritten
 UGOKI_INLINE void sines_of(const double* q, const int* angle_q, const double* angle_sign, int count, double* s, double* c) {
-  using Wide = Lanes<double, 2 * UGOKI_DOUBLE_LANES>;  // two registers at once: each waits for its own polynomials only
+  using Wide = Lanes<double, 2 * UGOKI_DOUBLE_LANES>;  // two registers: their polynomials are independent and overlap in the pipeline
   for (int i = 0; i < count; ++i) s[i] = q[angle_q[i]] * angle_sign[i];
   for (int i = count; i % Wide::count != 0; ++i) s[i] = 0;
   for (int i = 0; i < count; i += Wide::count) {
@@ -252,8 +256,8 @@ UGOKI_INLINE void sines_of(const double* q, const int* angle_q, const double* an
   }
 }
 
-/// What the passes share: where every joint stands, and the external wrenches in the nodes' frames.
-/// @tparam Constant of a node: Real, or one for each lane
+/// Data that all kernels share: the rotation of every joint, and the external wrenches in the nodes' frames.
+/// @tparam Constant type of a node's constants: Real, or LaneArray (one value per lane, for twins)
 template <class T, class Constant = typename T::Real>
 struct Pass {
   using Real = typename T::Real;
@@ -262,8 +266,8 @@ struct Pass {
   Scratch scratch;
   T* sin;            ///< [angles]
   T* cos;            ///< [angles]
-  Mat3T<T>* E;       ///< [nodes] of Crossing::matrix; of a floating node without its R
-  Vec6T<T>* wrench;  ///< [nodes], or null
+  Mat3T<T>* E;       ///< [nodes] result of rotation(i): node axes to parent axes (floating nodes: without constants[i].R); Crossing::matrix only
+  Vec6T<T>* wrench;  ///< [nodes] external wrench in the node's axes about its origin, or null
 
   explicit Pass(const KernelArguments<Real, Constant>& arguments)
       : a(arguments),
@@ -273,13 +277,13 @@ struct Pass {
         E(scratch.take<Mat3T<T>>(a.nodes)),
         wrench(nullptr) {}
 
-  /// Sines and cosines of all angles, then the matrices.
+  /// Computes sines and cosines of all angles (unless the arguments provide them), and the matrices E.
   void prepare() {
     if constexpr (sizeof(Real) == 8 && (T::count == 1 || twins)) {
       if (a.sin == nullptr)
         sines_of(a.q, a.angle_q, a.angle_sign, a.angles, reinterpret_cast<double*>(sin), reinterpret_cast<double*>(cos));
     } else {
-      // two angles at once: each waits for its own polynomials only
+      // two angles at once: their polynomials are independent and overlap in the pipeline
       using Two = Lanes<Real, 2 * T::count>;
       for (int i = 0; i < a.angles; i += 2) {
         Real x[Two::count] = {};
@@ -294,6 +298,7 @@ struct Pass {
       if (a.order[i].crossing == Crossing::matrix) E[i] = rotation(i);
   }
 
+  /// Rotation matrix E of node i.
   Mat3T<T> rotation(int i) const {
     const NodeOrder& o = a.order[i];
     const Mat3T<T> R = matrix_of<T>(a.constants[i].R);
@@ -325,7 +330,7 @@ struct Pass {
     return r;
   }
 
-  /// Any node's vector of the parent in its own axes.
+  /// Transforms a vector from the parent's axes to the axes of node i, for any kind of crossing.
   V3<T> down(int i, const V3<T>& parent) const {
     const NodeOrder& o = a.order[i];
     switch (o.crossing) {
@@ -334,15 +339,15 @@ struct Pass {
       case Crossing::cycle_back: return revolute<Crossing::cycle_back>(o).down(parent);
       case Crossing::matrix: break;
     }
-    const bool twice = o.kind == NodeKind::floating && o.turned;
+    const bool twice = o.kind == NodeKind::floating && o.turned;  // E of a floating node does not include R
     return transpose_times(E[i], twice ? transpose_times(matrix_of<T>(a.constants[i].R), parent) : parent);
   }
 
-  /// External wrenches of the links, from the world's axes and origin to those of the nodes.
-  void take_wrenches() {
+  /// Adds up the links' external wrenches for each node, transformed from world axes about the world origin to the node's frame.
+  void transform_wrenches() {
     if (a.external == nullptr) return;
     struct Frame {
-      V3<T> x, y, z, p;  // the world's axes in the node's; the node's origin in the world
+      V3<T> x, y, z, p;  // world axes x, y, z in node axes; origin of the node in world axes
     };
     Frame* const frames = scratch.take<Frame>(a.nodes);
     wrench = scratch.take<Vec6T<T>>(a.nodes);

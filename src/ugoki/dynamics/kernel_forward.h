@@ -1,19 +1,20 @@
 #pragma once
-// Forward dynamics from (q, v, tau) in three sweeps: articulated bodies in the nodes' frames.
+// Forward dynamics from (q, v, tau) in three sweeps: the articulated-body algorithm in the nodes' frames.
 //
-// Accelerations are of the material point at each node's origin, as in kernel_inverse.h:
+// The acceleration of a node is that of the material point at its origin, as in kernel_inverse.h:
 //   a_i = X a_P + c_i + S_i vdot_i,   c_i = ((E^T w_P) x S v, E^T (w_P x (w_P x r)) + 2 w x S v's linear part)
 //   U = IA S,  D = S^T U + armature,  u = tau - S^T (pA + IA c),  vdot = (u - U^T X a_P) / D
-//   handed on: IA - U U^T / D  and  pA + IA c + U u / D
-// A freedom's column S has one or two entries in the node's frame, so U is a column of IA. Freedoms of one node are taken one
-// after another. Source: Featherstone (2008), ch. 7. For kernels_*.cpp only.
+//   passed to the parent: IA - U U^T / D  and  pA + IA c + U u / D
+// i is the node, P its parent, r the node's origin in the parent's frame, E the rotation to the parent's axes, X the transform of
+// accelerations to the node. The column S of a DOF has one or two nonzero entries in the node's frame, so U is a column of IA, or the sum
+// of two. DOFs of one node are eliminated one by one. Source: Featherstone (2008), ch. 7. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_articulated.h"
 
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
-/// What an open system has in place of kernel_loops.h.
+/// The Loops policy of an open system: does nothing. LoopPass (kernel_loops.h) is the one for closed systems and describes the functions.
 struct NoLoops {
   static constexpr bool present_at(int) { return false; }
   template <class... A>
@@ -21,11 +22,11 @@ struct NoLoops {
   template <class... A>
   UGOKI_INLINE void eliminate(A&&...) {}
   template <class... A>
-  UGOKI_INLINE void freedom(A&&...) {}
+  UGOKI_INLINE void dof(A&&...) {}
   template <class... A>
   UGOKI_INLINE void velocity_product(A&&...) {}
   template <class... A>
-  UGOKI_INLINE void hand_on(A&&...) {}
+  UGOKI_INLINE void pass_up(A&&...) {}
   template <class... A>
   UGOKI_INLINE void floating(A&&...) {}
   template <class... A>
@@ -34,8 +35,9 @@ struct NoLoops {
   UGOKI_INLINE void recover(A&&...) {}
 };
 
-/// @tparam Loops takes part in the elimination of every freedom: NoLoops, or the multipliers of closed loops
-/// @tparam Constant LaneArray: twins (link_twins.h), whose base is a node of another kernel
+/// Forward dynamics of the nodes in the arguments: a whole mechanism, the trunk of one, or a pair of twins.
+/// @tparam Loops NoLoops, or LoopPass, which processes the multipliers of closed loops in every elimination
+/// @tparam Constant LaneArray for a pair of twins (link_twins.h); their base is then a node of the trunk's kernel
 template <class T, class Loops = NoLoops, class Constant = typename T::Real>
 class ForwardKernel {
  public:
@@ -51,19 +53,19 @@ class ForwardKernel {
         a_(pass_.a),
         w_(pass_.scratch.template take<V3<T>>(a_.nodes + 1)),
         velocity_product_(pass_.scratch.template take<V3<T>>(a_.nodes)),
-        freedom_(pass_.scratch.template take<FreedomPass>(a_.nv)),
+        dof_(pass_.scratch.template take<DofPass>(a_.nv)),
         acceleration_(pass_.scratch.template take<Vec6T<T>>(a_.nodes + 1)),
         slots_(pass_.scratch.template take<Articulated<T>>(a_.slots)) {}
 
-  /// Set where a pivot was not positive.
+  /// Runs all sweeps. @return mask of the lanes in which a pivot was not positive
   Mask run() {
     turn_all();
     return accelerate();
   }
 
-  /// Where the joints stand and how the nodes turn.
+  /// Computes joint rotations and the angular velocities of all nodes. The base does not rotate.
   void turn_all() { turn_all({T(0), T(0), T(0)}); }
-  /// @param w the base's angular velocity
+  /// As above. @param w angular velocity of the base, rad/s, in its own axes
   void turn_all(const V3<T>& w) {
     pass_.prepare();
     w_[0] = w;
@@ -77,10 +79,10 @@ class ForwardKernel {
     }
   }
 
-  /// Of copied nodes: the world does not turn.
+  /// Sets the base's angular velocity to zero. For kernels whose nodes are set by copy_turning() instead of turn_all().
   void rest_base() { w_[0] = {T(0), T(0), T(0)}; }
 
-  /// The rest, on what turn_all() left in the scratch.
+  /// Inward and outward sweeps, after turn_all(). @return as run()
   Mask accelerate() {
     condense();
     loops_.eliminate_world(a_.nodes, acceleration_[0]);
@@ -88,10 +90,10 @@ class ForwardKernel {
     return bad_;
   }
 
-  /// The first half: articulated inertias; then the forces left in the freedoms may still change.
+  /// Inward sweep: articulated inertias, U, 1 / D and u of all DOFs. The reduced forces u may still be changed before move().
   void condense() {
     const T none(0);
-    pass_.take_wrenches();
+    pass_.transform_wrenches();
     loops_.begin();
     for (int i = a_.nodes; i-- > 0;) {
       switch (a_.order[i].crossing) {
@@ -100,15 +102,15 @@ class ForwardKernel {
         case Crossing::cycle_back: inward_revolute<Crossing::cycle_back>(i); break;
         case Crossing::matrix: inward(i); break;
       }
-      if (i % sweep == 0) {
-        carry_.n = without_dust(carry_.n);
-        carry_.f = without_dust(carry_.f);
+      if (i % flush_interval == 0) {
+        from_child_.n = flush_tiny(from_child_.n);
+        from_child_.f = flush_tiny(from_child_.f);
       }
     }
     acceleration_[0] = {{none, none, none}, -vector_of<T>(a_.gravity)};
   }
 
-  /// The second half. @param base its acceleration
+  /// Outward sweep: accelerations of all DOFs and nodes. @param base acceleration of the base, in its own axes
   void move(const Vec6T<T>& base) {
     acceleration_[0] = base;
     move();
@@ -121,20 +123,21 @@ class ForwardKernel {
         case Crossing::cycle_back: outward_revolute<Crossing::cycle_back>(i); break;
         case Crossing::matrix: outward(i); break;
       }
-      if (i % sweep == 0) acceleration_[place(i)] = {without_dust(acceleration_[place(i)].w), without_dust(acceleration_[place(i)].v)};
+      if (i % flush_interval == 0)
+        acceleration_[state_index(i)] = {flush_tiny(acceleration_[state_index(i)].w), flush_tiny(acceleration_[state_index(i)].v)};
     }
   }
 
   /// The node's angular velocity in its own axes.
   [[nodiscard]] const V3<T>& angular_velocity(int i) const { return w_[i + 1]; }
   [[nodiscard]] const Vec6T<T>& acceleration(int i) const { return acceleration_[i + 1]; }
-  /// What twins hand on to the node that carries them.
-  [[nodiscard]] const Articulated<T>& handed_on() const { return carry_; }
-  /// What twins of the nodes have handed on: [NodeOrder::twins].
-  void take_twins(const Articulated<T>* handed_on) { twins_ = handed_on; }
+  /// Articulated inertia that a pair of twins passes to its base, after condense(); one per lane, in the base's frame.
+  [[nodiscard]] const Articulated<T>& passed_up() const { return from_child_; }
+  /// Sets the articulated inertias that pairs of twins passed to nodes of this kernel. @param passed_up [NodeOrder::twin_slot]
+  void set_twins(const Articulated<T>* passed_up) { twins_ = passed_up; }
   [[nodiscard]] Mask bad() const { return bad_; }
 
-  /// What turn_all() leaves at node `i`, from lane `lane` of node `j` of another kernel.
+  /// Copies the results of turn_all() for node `i` from lane `lane` of node `j` of another kernel.
   template <class Other>
   UGOKI_INLINE void copy_turning(int i, const Other& other, int j, int lane) {
     const NodeOrder &o = a_.order[i], &x = other.a_.order[j];
@@ -149,30 +152,30 @@ class ForwardKernel {
     }
     w_[i + 1] = one_of(other.w_[j + 1], lane);
   }
-  /// The same for condense().
+  /// Copies the results of condense() for node `i` from lane `lane` of node `j` of another kernel.
   template <class Other>
-  UGOKI_INLINE void copy_freedoms(int i, const Other& other, int j, int lane) {
+  UGOKI_INLINE void copy_dofs(int i, const Other& other, int j, int lane) {
     const NodeOrder &o = a_.order[i], &x = other.a_.order[j];
     velocity_product_[i] = one_of(other.velocity_product_[j], lane);
-    for (int k = 0; k < freedoms_of(o.kind); ++k) {
-      const auto& f = other.freedom_[x.v + k];
-      freedom_[o.v + k] = {{one_of(f.U.w, lane), one_of(f.U.v, lane)}, one_of(f.d, lane), one_of(f.u, lane)};
+    for (int k = 0; k < dofs_of(o.kind); ++k) {
+      const auto& f = other.dof_[x.v + k];
+      dof_[o.v + k] = {{one_of(f.U.w, lane), one_of(f.U.v, lane)}, one_of(f.d, lane), one_of(f.u, lane)};
     }
   }
-  /// Back again: the reduced forces.
+  /// Copies the reduced forces u of node `i` to lane `lane` of node `j` of another kernel.
   template <class Other>
   UGOKI_INLINE void copy_forces_to(Other& other, int j, int lane, int i) const {
     const NodeOrder &o = a_.order[i], &x = other.a_.order[j];
-    for (int k = 0; k < freedoms_of(o.kind); ++k) {
-      auto& u = other.freedom_[x.v + k].u;
+    for (int k = 0; k < dofs_of(o.kind); ++k) {
+      auto& u = other.dof_[x.v + k].u;
       if constexpr (Other::lanes == 1)
-        u = freedom_[o.v + k].u;
+        u = dof_[o.v + k].u;
       else
-        u.v[lane] = freedom_[o.v + k].u.v;
+        u.v[lane] = dof_[o.v + k].u.v;
     }
   }
   [[nodiscard]] const Pass<T, Constant>& pass() const { return pass_; }
-  /// Behind what the kernel uses before accelerate(): room for 18 numbers a node and two boundaries.
+  /// Scratch memory that the kernel does not use before accelerate(). It has room for 18 values per node and two 64-byte alignments.
   [[nodiscard]] Scratch free_scratch() const { return pass_.scratch; }
 
  private:
@@ -193,32 +196,33 @@ class ForwardKernel {
     return {one_of(x.x, lane), one_of(x.y, lane), one_of(x.z, lane)};
   }
 
-  struct FreedomPass {
+  /// Elimination results of one DOF.
+  struct DofPass {
     Vec6T<T> U;
     T d, u;  ///< 1 / D; reduced joint force
   };
 
-  // What a force does dies away along a long chain. It is dropped before it becomes subnormal, which many processors compute with a
-  // hundred times as slowly: 16 nodes on it is still far from that.
-  static constexpr int sweep = 16;
-  static constexpr Real dust = sizeof(Real) == 8 ? Real(1e-150) : Real(1e-20);
-  UGOKI_INLINE static T without_dust(T x) { return select(x < T(dust), select(T(-dust) < x, T(0), x), x); }
-  UGOKI_INLINE static V3<T> without_dust(const V3<T>& x) { return {without_dust(x.x), without_dust(x.y), without_dust(x.z)}; }
+  // The effect of a force decreases exponentially along a long chain. Values below `tiny_limit` are set to zero every `flush_interval`
+  // nodes, before they become subnormal: many processors compute about 100 times more slowly with subnormal numbers.
+  static constexpr int flush_interval = 16;
+  static constexpr Real tiny_limit = sizeof(Real) == 8 ? Real(1e-150) : Real(1e-20);
+  UGOKI_INLINE static T flush_tiny(T x) { return select(x < T(tiny_limit), select(T(-tiny_limit) < x, T(0), x), x); }
+  UGOKI_INLINE static V3<T> flush_tiny(const V3<T>& x) { return {flush_tiny(x.x), flush_tiny(x.y), flush_tiny(x.z)}; }
 
-  // A batch keeps the accelerations of the nodes on the way to the present one only, as in kernel_inverse.h.
+  // A batch stores accelerations by level: only those of the current node's ancestors, as in kernel_inverse.h.
   static constexpr bool by_level = T::count > 1 && !twins && !closed;
-  UGOKI_INLINE int place(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
-  UGOKI_INLINE static int place_above(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
+  UGOKI_INLINE int state_index(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
+  UGOKI_INLINE static int parent_state(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
 
   UGOKI_INLINE T v(int k) const { return load<T>(a_.v, k, a_.stride); }
   UGOKI_INLINE T tau(int k) const { return a_.in == nullptr ? T(0) : load<T>(a_.in, k, a_.stride); }
-  UGOKI_INLINE void give(int k, T vdot) const { vdot.store(a_.out + k * a_.stride); }
+  UGOKI_INLINE void write_out(int k, T vdot) const { vdot.store(a_.out + k * a_.stride); }
   UGOKI_INLINE T inverse_pivot(T pivot) {
     bad_ = bad_ | !(pivot > T(0));
     return T(1) / pivot;
   }
 
-  // Angular velocities.
+  // First sweep, outward: angular velocities.
 
   template <Crossing K>
   UGOKI_INLINE void turn_revolute(int i) {
@@ -235,14 +239,14 @@ class ForwardKernel {
     w_[i + 1] = w;
   }
 
-  // Articulated inertias, from the leaves.
+  // Second sweep, inward: articulated inertias.
 
-  /// The node's own body and what its children handed on.
+  /// Articulated inertia of the node: its own body plus the contributions of its children.
   UGOKI_INLINE Articulated<T> gather(int i) {
     const NodeOrder& o = a_.order[i];
     Articulated<T> A;
     if (o.has_child) {
-      A = carry_;
+      A = from_child_;
       if (!o.massless) add_body(A, o, a_.constants[i], w_[i + 1]);
     } else {
       A = body(o, a_.constants[i], w_[i + 1]);
@@ -252,12 +256,12 @@ class ForwardKernel {
       A.f -= pass_.wrench[i].v;
     }
     if (o.slot >= 0) add(A, slots_[o.slot]);
-    if (T::count == 1 && o.twins >= 0) add(A, twins_[o.twins]);
+    if (T::count == 1 && o.twin_slot >= 0) add(A, twins_[o.twin_slot]);
     return A;
   }
-  UGOKI_INLINE void hand_on(const NodeOrder& o, const Articulated<T>& A) {
+  UGOKI_INLINE void pass_up(const NodeOrder& o, const Articulated<T>& A) {
     if (o.first_child || (twins && o.parent < 0)) {
-      carry_ = A;
+      from_child_ = A;
     } else if (o.last_child) {
       slots_[a_.order[o.parent].slot] = A;
     } else {
@@ -268,20 +272,21 @@ class ForwardKernel {
   template <Crossing K>
   UGOKI_INLINE void inward_revolute(int i) {
     const NodeOrder& o = a_.order[i];
-    const bool armed = o.armed;
-    if (closed && loops_.present_at(i)) {  // apart: the many nodes without loops keep their registers
-      if (armed)
+    const bool has_armature = o.has_armature;
+    if (closed && loops_.present_at(i)) {  // separate code for nodes with loops: the others then need fewer registers
+      if (has_armature)
         eliminate_revolute<K, true, true>(i, o);
       else
         eliminate_revolute<K, false, true>(i, o);
-    } else if (armed) {
+    } else if (has_armature) {
       eliminate_revolute<K, true, false>(i, o);
     } else {
       eliminate_revolute<K, false, false>(i, o);
     }
   }
-  /// Without armature the freedom's row and column of the inertia handed on are zero.
-  template <Crossing K, bool armed, bool loops>
+  /// Eliminates a revolute joint.
+  /// @tparam has_armature the DOF has armature; without it, the z rows of I and H passed to the parent are zero
+  template <Crossing K, bool has_armature, bool loops>
   UGOKI_INLINE void eliminate_revolute(int i, const NodeOrder& o) {
     const NodeConstants<Constant>& c = a_.constants[i];
     const T none(0);
@@ -296,17 +301,17 @@ class ForwardKernel {
       velocity_product_[i] = c_v;
     }
     const T cx = w.y * rate, cy = -(w.x * rate);
-    FreedomPass& f = freedom_[o.v];
+    DofPass& f = dof_[o.v];
     const V3<T> Uw{A.I.xz, A.I.yz, A.I.zz}, Uv = A.H.row(2);
-    const T d = inverse_pivot(armed ? Uw.z + T(c.armature[0]) : Uw.z);
+    const T d = inverse_pivot(has_armature ? Uw.z + T(c.armature[0]) : Uw.z);
     const T drive = with_sign(o, c, tau(o.v));
     const T u = drive - A.n.z;
     const T step = u * d;
     f = {{Uw, Uv}, d, u};
     if constexpr (loops) {
-      loops_.freedom(i, 0, o.v, f.U, d, u, T(c.sign), [](const auto& P) { return P.w.z; });
+      loops_.dof(i, 0, o.v, f.U, d, u, T(c.sign), [](const auto& P) { return P.w.z; });
       loops_.velocity_product(i, Vec6T<T>{{cx, cy, none}, X.down(c_v)});
-      loops_.hand_on(i, X, vector_of<T>(c.p));
+      loops_.pass_up(i, X, vector_of<T>(c.p));
     }
     if (!twins && o.parent < 0) return;
 
@@ -315,7 +320,7 @@ class ForwardKernel {
     A.I.xx -= Uw.x * dx;
     A.I.yy -= Uw.y * dy;
     A.I.xy -= Uw.x * dy;
-    if constexpr (armed) {
+    if constexpr (has_armature) {
       const T dz = Uw.z * d;
       A.I.xz -= Uw.x * dz;
       A.I.yz -= Uw.y * dz;
@@ -338,15 +343,15 @@ class ForwardKernel {
     A.M.xy -= Uv.x * dv.y;
     A.M.xz -= Uv.x * dv.z;
     A.M.yz -= Uv.y * dv.z;
-    // c enters by the inertia handed on: pA + (IA - U U^T / D) c + U u / D. About z this is the joint's force where there is no armature.
+    // Bias force passed to the parent: pA + (IA - U U^T / D) c + U u / D. Its z moment equals the joint force if there is no armature.
     A.n.x += (A.I.xx * cx + A.I.xy * cy) + Uw.x * step;
     A.n.y += (A.I.xy * cx + A.I.yy * cy) + Uw.y * step;
-    if constexpr (armed)
+    if constexpr (has_armature)
       A.n.z += (A.I.xz * cx + A.I.yz * cy) + Uw.z * step;
     else
       A.n.z = drive;
     A.f += V3<T>{A.H.xx * cx + A.H.yx * cy, A.H.xy * cx + A.H.yy * cy, A.H.xz * cx + A.H.yz * cy} + Uv * step;
-    if constexpr (armed) {
+    if constexpr (has_armature) {
       A.I = X.up(A.I);
       A.H = X.up(A.H);
     } else {
@@ -355,7 +360,7 @@ class ForwardKernel {
     A.M = X.up(A.M);
     A.n = X.up(A.n);
     A.f = X.up(A.f);
-    constexpr int zero_row = armed ? 3 : K == Crossing::cycle ? 0 : K == Crossing::cycle_back ? 1 : 2;
+    constexpr int zero_row = has_armature ? 3 : K == Crossing::cycle ? 0 : K == Crossing::cycle_back ? 1 : 2;
     if (o.offset != 0) {
       if constexpr (zero_row != 0) A.n.x += dot(A.H.row(0), c_v);
       if constexpr (zero_row != 1) A.n.y += dot(A.H.row(1), c_v);
@@ -363,18 +368,19 @@ class ForwardKernel {
       A.f += A.M * c_v;
     }
     shift<zero_row>(A, o.offset, c.p);
-    hand_on(o, A);
+    pass_up(o, A);
   }
 
-  /// Column U = IA S of a freedom that turns about axis k of the node, or slides along it.
+  /// Column U = IA S of a DOF that rotates about axis k of the node (turning), or translates along it (sliding).
   UGOKI_INLINE static Vec6T<T> turning(const Articulated<T>& A, int k) { return {A.I.matrix().row(k), A.H.row(k)}; }
   UGOKI_INLINE static Vec6T<T> sliding(const Articulated<T>& A, int k) { return {A.H.column(k), A.M.matrix().row(k)}; }
 
+  /// Eliminates DOF `k` (velocity index) of node `i` from A. @param along as in LoopPass::dof()
   template <class Along>
   void eliminate(int i, Articulated<T>& A, int k, const Vec6T<T>& U, T pivot, T u, T sign, Along&& along) {
     const T d = inverse_pivot(pivot);
-    freedom_[k] = {U, d, u};
-    loops_.freedom(i, k - a_.order[i].v, k, U, d, u, sign, along);
+    dof_[k] = {U, d, u};
+    loops_.dof(i, k - a_.order[i].v, k, U, d, u, sign, along);
     const Vec6T<T> D = U * d;
     const V3<T>&a = U.w, &b = U.v, &x = D.w, &y = D.v;
     A.I = A.I - Sym3T<T>{a.x * x.x, a.y * x.y, a.z * x.z, a.x * x.y, a.x * x.z, a.y * x.z};
@@ -384,7 +390,7 @@ class ForwardKernel {
     A.f += y * u;
   }
 
-  /// Velocity products (c) of a node that is not a plain revolute joint.
+  /// Velocity products c of a node with Crossing::matrix, in the node's axes.
   Vec6T<T> velocity_product(int i) const {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& k = a_.constants[i];
@@ -441,7 +447,7 @@ class ForwardKernel {
         }
     }
     const MatrixCrossing<T> X{pass_.E[i]};
-    loops_.hand_on(i, X, pass_.origin(i));
+    loops_.pass_up(i, X, pass_.origin(i));
     if (!twins && o.parent < 0) return;
     A.I = X.up(A.I);
     A.H = X.up(A.H);
@@ -452,10 +458,10 @@ class ForwardKernel {
       shift<3>(A, o.offset, c.p);
     else
       shift(A, pass_.origin(i));
-    hand_on(o, A);
+    pass_up(o, A);
   }
 
-  /// A floating base: (IA + armature) vdot = tau - pA - IA a_0 in the node's axes, by L D L^T from the last freedom on.
+  /// Solves a floating base: (IA + armature) vdot = tau - pA - IA a_0 in the node's axes, by an L D L^T elimination from the last DOF.
   void solve_floating(int i, const Articulated<T>& A) {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
@@ -488,14 +494,14 @@ class ForwardKernel {
         x[e] -= l * x[k];
       }
     }
-    for (int k = 0; k < 6; ++k) freedom_[o.v + k] = {{{L[k][0], L[k][1], L[k][2]}, {L[k][3], L[k][4], L[k][5]}}, d[k], x[k]};
+    for (int k = 0; k < 6; ++k) dof_[o.v + k] = {{{L[k][0], L[k][1], L[k][2]}, {L[k][3], L[k][4], L[k][5]}}, d[k], x[k]};
     loops_.floating(i, L, d, x, Vec6T<T>{{T(0), T(0), T(0)}, a0});
   }
 
-  // Accelerations, from the base.
+  // Third sweep, outward: accelerations.
 
-  /// The node's freedom `which`.
-  UGOKI_INLINE T reduced_force(int i, int which, const FreedomPass& f) const {
+  /// Joint force u of the DOF minus the effect of the loops' multipliers. @param which index of the DOF among the node's DOFs
+  UGOKI_INLINE T reduced_force(int i, int which, const DofPass& f) const {
     if constexpr (closed) return f.u - loops_.along_multipliers(i, which);
     return f.u;
   }
@@ -512,7 +518,7 @@ class ForwardKernel {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
-    const Vec6T<T>& up = acceleration_[place_above(o)];
+    const Vec6T<T>& up = acceleration_[parent_state(o)];
     const V3<T> w = w_[i + 1];
     const T rate = with_sign(o, c, v(o.v));
     V3<T> wd = X.down(up.w);
@@ -522,23 +528,23 @@ class ForwardKernel {
     subtract_cross(a, o.offset, c.p, up.w);
     if (o.offset != 0) a += velocity_product_[i];
     a = X.down(a);
-    const FreedomPass& f = freedom_[o.v];
+    const DofPass& f = dof_[o.v];
     const T vdot = f.d * ((loops ? reduced_force(i, 0, f) : f.u) - (dot(f.U.w, wd) + dot(f.U.v, a)));
-    give(o.v, with_sign(o, c, vdot));
+    write_out(o.v, with_sign(o, c, vdot));
     wd.z += vdot;
-    acceleration_[place(i)] = {wd, a};
-    if constexpr (loops) loops_.recover(i, acceleration_[place(i)]);
+    acceleration_[state_index(i)] = {wd, a};
+    if constexpr (loops) loops_.recover(i, acceleration_[state_index(i)]);
   }
 
   void outward(int i) {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
-    const Vec6T<T>& up = acceleration_[place_above(o)];
+    const Vec6T<T>& up = acceleration_[parent_state(o)];
     Vec6T<T> A{pass_.down(i, up.w), pass_.down(i, up.v + cross(up.w, pass_.origin(i)))};
     if (o.kind == NodeKind::floating) {
       T x[6];
       for (int k = 0; k < 6; ++k) {
-        const FreedomPass& f = freedom_[o.v + k];
+        const DofPass& f = dof_[o.v + k];
         T sum = reduced_force(i, k, f);
         for (int e = 0; e < k; ++e) sum -= (e < 3 ? f.U.w[e] : f.U.v[e - 3]) * x[e];
         x[k] = sum * f.d;
@@ -546,42 +552,42 @@ class ForwardKernel {
       const V3<T> spin{x[0], x[1], x[2]}, slide{x[3], x[4], x[5]};
       const V3<T> out = pass_.E[i] * slide;
       for (int k = 0; k < 3; ++k) {
-        give(o.v + k, spin[k]);
-        give(o.v + 3 + k, out[k]);
+        write_out(o.v + k, spin[k]);
+        write_out(o.v + 3 + k, out[k]);
       }
-      acceleration_[place(i)] = {A.w + spin, A.v + slide};
-      loops_.recover(i, acceleration_[place(i)]);
+      acceleration_[state_index(i)] = {A.w + spin, A.v + slide};
+      loops_.recover(i, acceleration_[state_index(i)]);
       return;
     }
-    const auto reduced = [&](int k) { return freedom_[k].d * (reduced_force(i, k - o.v, freedom_[k]) - dot(freedom_[k].U, A)); };
+    const auto reduced = [&](int k) { return dof_[k].d * (reduced_force(i, k - o.v, dof_[k]) - dot(dof_[k].U, A)); };
     const T sign(c.sign);
     if (o.kind == NodeKind::spherical) {
       for (int k = 0; k < 3; ++k) {
         const T vdot = reduced(o.v + k);
-        give(o.v + k, vdot);
+        write_out(o.v + k, vdot);
         A.w[k] += vdot;
       }
     } else {
       const T vdot = reduced(o.v);
-      give(o.v, vdot * sign);
+      write_out(o.v, vdot * sign);
       if (o.kind != NodeKind::prismatic) A.w.z += vdot;
       if (o.kind == NodeKind::prismatic) A.v.z += vdot;
       if (o.kind == NodeKind::helical) A.v.z += vdot * T(c.pitch);
     }
-    acceleration_[place(i)] = A + velocity_product(i);
-    loops_.recover(i, acceleration_[place(i)]);
+    acceleration_[state_index(i)] = A + velocity_product(i);
+    loops_.recover(i, acceleration_[state_index(i)]);
   }
 
   Loops loops_;
   Pass<T, Constant> pass_;
   const KernelArguments<Real, Constant>& a_;
   V3<T>* w_;                 // [nodes + 1], the world first
-  V3<T>* velocity_product_;  // [nodes] linear part in the parent's axes, of plain revolute joints whose origin is not the parent's
-  FreedomPass* freedom_;     // [nv]
-  Vec6T<T>* acceleration_;   // [nodes + 1] at place()
+  V3<T>* velocity_product_;  // [nodes] linear part of c in the parent's axes; set only for revolute nodes with a nonzero offset
+  DofPass* dof_;             // [nv]
+  Vec6T<T>* acceleration_;   // [nodes + 1] at state_index()
   Articulated<T>* slots_;
   const Articulated<T>* twins_ = nullptr;
-  Articulated<T> carry_;
+  Articulated<T> from_child_;
   Mask bad_{};
 };
 

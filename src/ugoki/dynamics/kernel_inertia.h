@@ -1,17 +1,19 @@
 #pragma once
-// Inertia matrix from q as chain rows: composite rigid bodies in the nodes' frames.
+// Inertia matrix from q as chain rows: the composite-rigid-body algorithm in the nodes' frames.
 //
-// From the leaves on, each node's composite inertia gives the forces F = Ic S of its own freedoms, and all forces of its subtree,
-// which by then are in its frame, give their entries S^T F; then inertia and forces are carried to the parent. The forces of a
-// subtree are a range, and cross a joint in lanes. So the entries of a freedom come in the order of the forces, and are written to
-// their places in the chain rows some hundreds at a time. Source: Featherstone (2008), ch. 6. For kernels_*.cpp only.
+// Nodes are processed from the last to the first. The composite inertia Ic of a node gives the forces F = Ic S of its own DOFs. The forces
+// of all DOFs of its subtree, already in its frame, give the entries S^T F of the inertia matrix. Then inertia and forces are transformed
+// to the parent's frame. The forces of a subtree are a contiguous range, so they are transformed in SIMD lanes. The entries are produced
+// in the order of the forces; they are collected and written to the chain rows in blocks of some hundreds.
+// Source: Featherstone (2008), ch. 6. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_crossing.h"
 
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
-/// @tparam Constant LaneArray: twins (link_twins.h), whose base is a node of another kernel
+/// Inertia matrix of the nodes in the arguments.
+/// @tparam Constant LaneArray for a pair of twins (link_twins.h); their base is then a node of the trunk's kernel
 template <class T, class Constant = typename T::Real>
 class InertiaKernel {
  public:
@@ -26,7 +28,7 @@ class InertiaKernel {
         fy_(forces()),
         fz_(forces()),
         entries_(pass_.scratch.template take<double>(inertia_entries_at_once + a_.nv * lanes + Wide::count)),
-        place_(a_.entry_place) {}
+        next_index_(a_.entry_index) {}
 
   void run() {
     pass_.prepare();
@@ -40,22 +42,22 @@ class InertiaKernel {
     }
     write_entries();
   }
-  /// What a pair of twins hands on to the node that carries it.
+  /// Inertia and forces that a pair of twins passes to its base.
   struct Twins {
-    InertiaT<T> inertia;     ///< of both
-    const double* force[6];  ///< nx, ny, nz, fx, fy, fz in that node's frame
-    int force_begin, count;  ///< where they go
-    int place;               ///< NodeOrder::twins
+    InertiaT<T> inertia;     ///< sum of both twins
+    const double* force[6];  ///< [count] nx, ny, nz, fx, fy, fz of the pair's DOFs, in the base's frame
+    int force_begin, count;  ///< first index in the trunk's force arrays; number of values (2 per DOF of a twin)
+    int twin_slot;           ///< NodeOrder::twin_slot
   };
-  /// @param pairs in rising order of force_begin
-  void take_twins(const Twins* pairs, int count) {
+  /// Sets the contributions of the pairs of twins. @param pairs [count] in ascending order of force_begin
+  void set_twins(const Twins* pairs, int count) {
     twins_ = pairs;
     twin_count_ = count;
   }
-  /// Of twins: their inertia is that of both lanes.
-  [[nodiscard]] const InertiaT<T>& handed_on() const { return carry_; }
+  /// Composite inertia that a pair of twins passes to its base; one per lane.
+  [[nodiscard]] const InertiaT<T>& passed_up() const { return from_child_; }
   template <class Out>
-  void hand_on_forces(Out& out) const {
+  void pass_up_forces(Out& out) const {
     const double* const from[6] = {nx_, ny_, nz_, fx_, fy_, fz_};
     for (int k = 0; k < 6; ++k) out.force[k] = from[k];
     out.count = a_.nv * lanes;
@@ -68,7 +70,7 @@ class InertiaKernel {
 
   double* forces() { return pass_.scratch.template take<double>(a_.nv * lanes + Wide::count); }
 
-  /// Forces of twins lie side by side.
+  /// Broadcasts x to the lanes of a Wide; the values of twins alternate, as the forces of the two twins do in memory.
   UGOKI_INLINE static Wide wide(T x) {
     if constexpr (lanes == 1) {
       return Wide(x.v);
@@ -83,20 +85,20 @@ class InertiaKernel {
     return {wide(m.xx), wide(m.xy), wide(m.xz), wide(m.yx), wide(m.yy), wide(m.yz), wide(m.zx), wide(m.zy), wide(m.zz)};
   }
 
-  /// The node's own body and what its children handed on.
+  /// Composite inertia of the node: its own body plus the contributions of its children.
   UGOKI_INLINE InertiaT<T> gather(const NodeOrder& o, const NodeConstants<Constant>& c) {
     InertiaT<T> C{T(c.mass), vector_of<T>(c.h), symmetric_of<T>(c.I)};
-    if (o.has_child) add(C, carry_);
+    if (o.has_child) add(C, from_child_);
     if (o.slot >= 0) add(C, slots_[o.slot]);
     if constexpr (!twins)
-      if (o.twins >= 0) take_twins_of(o.twins, C);
+      if (o.twin_slot >= 0) add_twins(o.twin_slot, C);
     return C;
   }
-  void take_twins_of(int place, InertiaT<T>& C) {
+  void add_twins(int twin_slot, InertiaT<T>& C) {
     double* const to[6] = {nx_, ny_, nz_, fx_, fy_, fz_};
     for (int i = 0; i < twin_count_; ++i) {
       const Twins& pair = twins_[i];
-      if (pair.place != place) continue;
+      if (pair.twin_slot != twin_slot) continue;
       add(C, pair.inertia);
       for (int k = 0; k < 6; ++k)
         for (int e = 0; e < pair.count; e += Wide::count) Wide::load(pair.force[k] + e).store(to[k] + pair.force_begin + e);
@@ -107,9 +109,9 @@ class InertiaKernel {
     a.h += b.h;
     a.I = a.I + b.I;
   }
-  UGOKI_INLINE void hand_on(const NodeOrder& o, const InertiaT<T>& C) {
+  UGOKI_INLINE void pass_up(const NodeOrder& o, const InertiaT<T>& C) {
     if (o.first_child || (twins && o.parent < 0)) {
-      carry_ = C;
+      from_child_ = C;
     } else if (o.last_child) {
       slots_[a_.order[o.parent].slot] = C;
     } else {
@@ -117,8 +119,8 @@ class InertiaKernel {
     }
   }
 
-  UGOKI_INLINE void start(int place, const V3<T>& n, const V3<T>& f) const {
-    const int at = place * lanes;
+  UGOKI_INLINE void start(int index, const V3<T>& n, const V3<T>& f) const {
+    const int at = index * lanes;
     n.x.store(nx_ + at);
     n.y.store(ny_ + at);
     n.z.store(nz_ + at);
@@ -136,32 +138,32 @@ class InertiaKernel {
     v.z.store(z + k);
   }
 
-  /// Entries of one freedom with the forces [begin, end), its own the last: along(k) has those of the lanes from k on. Lanes past
-  /// the end write what the next freedom overwrites.
+  /// Computes the entries of one DOF with the forces [begin, end); the DOF's own force is the last one. Lanes past the end write values
+  /// that the next DOF overwrites. @param along (k) -> entries of the lanes that start at element k of the force arrays
   template <class Along>
   UGOKI_INLINE void entries(int begin, int end, const Constant& armature, Along&& along) {
-    double* const out = entries_ + written_;
+    double* const out = entries_ + entry_count_;
     const int count = (end - begin) * lanes;
     for (int k = 0; k < count; k += Wide::count) along(begin * lanes + k).store(out + k);
     (T::load(out + count - lanes) + T(armature)).store(out + count - lanes);
-    written_ += count;
-    if (written_ >= inertia_entries_at_once) write_entries();
+    entry_count_ += count;
+    if (entry_count_ >= inertia_entries_at_once) write_entries();
   }
   void write_entries() {
-    const int* const place = place_;
+    const int* const index = next_index_;
     double* const out = a_.out;
     const double* const from = entries_;
-    for (int k = 0; k < written_; ++k) out[place[k]] = from[k];
-    place_ += written_;
-    written_ = 0;
+    for (int k = 0; k < entry_count_; ++k) out[index[k]] = from[k];
+    next_index_ += entry_count_;
+    entry_count_ = 0;
   }
 
-  /// Inertia and forces into the parent's frame. The last lanes may run over the range's end: into forces of nodes that come
-  /// later and start them anew.
-  /// @param offset, r the node's origin in the parent's frame
+  /// Transforms inertia and forces to the parent's frame. The last lanes may extend past the range's end, into forces of nodes that are
+  /// processed later and overwrite them.
+  /// @param r the node's origin in the parent's frame @param offset nonzero coordinates of r
   template <class One, class Many>
-  UGOKI_INLINE void carry(const NodeOrder& o, const InertiaT<T>& c, const One& crossing, const Many& crossing_wide, Axes offset,
-                          const T* r) {
+  UGOKI_INLINE void transform_to_parent(const NodeOrder& o, const InertiaT<T>& c, const One& crossing, const Many& crossing_wide,
+                                        Axes offset, const T* r) {
     InertiaT<T> up{c.mass, crossing.up(c.h), crossing.up(c.I)};
     const auto axes = [&](auto&& f) {
       if ((offset & 1) != 0) f(std::integral_constant<int, 0>{});
@@ -169,7 +171,7 @@ class InertiaKernel {
       if ((offset & 4) != 0) f(std::integral_constant<int, 2>{});
     };
     axes([&](auto k) { shift_along<k>(up, r[k]); });
-    hand_on(o, up);
+    pass_up(o, up);
     double *const nx = nx_, *const ny = ny_, *const nz = nz_, *const fx = fx_, *const fy = fy_, *const fz = fz_;
     for (int k = o.force_begin * lanes, end = o.force_end * lanes; k < end; k += Wide::count) {
       const V3<Wide> f = crossing_wide.up(load_wide(fx, fy, fz, k));
@@ -179,7 +181,7 @@ class InertiaKernel {
       store_wide(n, nx, ny, nz, k);
     }
   }
-  /// The parallel-axis theorem, for an origin that is at r e_k.
+  /// Parallel-axis theorem: changes the reference point from r e_k to the origin.
   template <int k>
   UGOKI_INLINE static void shift_along(InertiaT<T>& c, T r) {
     constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -203,7 +205,7 @@ class InertiaKernel {
     if (!twins && o.parent < 0) return;
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
     const T r[3] = {T(c.p[0]), T(c.p[1]), T(c.p[2])};
-    carry(o, C, X, RevoluteCrossing<Wide, K>{wide(X.s), wide(X.c)}, o.offset, r);
+    transform_to_parent(o, C, X, RevoluteCrossing<Wide, K>{wide(X.s), wide(X.c)}, o.offset, r);
   }
 
   void other(int i) {
@@ -212,11 +214,11 @@ class InertiaKernel {
     const InertiaT<T> C = gather(o, c);
     const T none(0), sign(c.sign), pitch(c.pitch);
     const V3<T> z{none, none, sign}, zero{none, none, none};
-    // a motion (w, v) of the node takes the force (I w + h x v, m v - h x w)
+    // the force of a unit motion (w, v) of the node is (I w + h x v, m v - h x w)
     const auto begin = [&](int k, const V3<T>& w, const V3<T>& v) {
       start(o.force_end - 1 - k, C.I * w + cross(C.h, v), v * C.mass - cross(C.h, w));
     };
-    // of its own forces the freedom k takes only those from k on
+    // entries of DOF k with the node's own DOFs: only those from k on, because the matrix is symmetric
     const auto column = [&](int k, const auto& along) { entries(o.force_begin, o.force_end - k, c.armature[k], along); };
     const Wide wide_sign = wide(sign), wide_pitch = wide(pitch);
     switch (o.kind) {
@@ -255,8 +257,8 @@ class InertiaKernel {
     if (!twins && o.parent < 0) return;
     const V3<T> origin = pass_.origin(i);
     const T r[3] = {origin.x, origin.y, origin.z};
-    carry(o, C, MatrixCrossing<T>{pass_.E[i]}, MatrixCrossing<Wide>{wide(pass_.E[i])}, o.kind == NodeKind::revolute ? o.offset : Axes{7},
-          r);
+    transform_to_parent(o, C, MatrixCrossing<T>{pass_.E[i]}, MatrixCrossing<Wide>{wide(pass_.E[i])},
+                        o.kind == NodeKind::revolute ? o.offset : Axes{7}, r);
   }
 
   Pass<T, Constant> pass_;
@@ -264,11 +266,11 @@ class InertiaKernel {
   InertiaT<T>* slots_;
   const Twins* twins_ = nullptr;
   int twin_count_ = 0;
-  InertiaT<T> carry_;
-  double *nx_, *ny_, *nz_, *fx_, *fy_, *fz_;  // [nv * lanes] forces of the freedoms, last nodes first
-  double* entries_;                           // not yet written to their places
-  int written_ = 0;                           // of them
-  const int* place_;                          // of the next ones
+  InertiaT<T> from_child_;
+  double *nx_, *ny_, *nz_, *fx_, *fy_, *fz_;  // [nv * lanes] forces of the DOFs, last nodes first
+  double* entries_;                           // computed entries that are not yet copied to the chain rows
+  int entry_count_ = 0;                       // number of these entries
+  const int* next_index_;                     // index in the chain rows of the next entries
 };
 
 }  // namespace

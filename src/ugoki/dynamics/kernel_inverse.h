@@ -1,11 +1,12 @@
 #pragma once
 // Inverse dynamics from (q, v, vdot) in two sweeps: recursive Newton-Euler in the nodes' frames.
 //
-// The acceleration of a node is that of the material point at its origin, (w' , a), not the spatial one: then velocities need
-// their angular part only. With r the node's origin in the parent's frame and E the node's axes in the parent's:
+// The acceleration of a node is that of the material point at its origin, (w', a), not the spatial acceleration. Only the angular velocity
+// of a node is then needed. For a revolute joint about z, with parent P, r the node's origin in the parent's frame, and E the rotation from
+// the node's axes to the parent's axes:
 //   w = E^T w_P + z v        w' = E^T w'_P + (E^T w_P) x z v + z vdot        a = E^T (a_P + w'_P x r + w_P x (w_P x r))
 //   K = w' x + w x w x        f = m a + K h        n = vee(K Sigma - (K Sigma)^T) + h x a
-// with the second moments of mass Sigma = tr(I)/2 1 - I, so that n = I w' + w x I w + h x a.
+// Sigma = tr(I)/2 1 - I are the second moments of mass, so that n = I w' + w x I w + h x a.
 // Sources: Luh, Walker, Paul (1980); Featherstone (2008), ch. 5. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_crossing.h"
@@ -13,7 +14,8 @@
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
-/// @tparam Constant LaneArray: twins (link_twins.h), whose base is a node of another kernel
+/// Inverse dynamics of the nodes in the arguments.
+/// @tparam Constant LaneArray for a pair of twins (link_twins.h); their base is then a node of the trunk's kernel
 template <class T, class Constant = typename T::Real>
 class InverseKernel {
  public:
@@ -25,11 +27,12 @@ class InverseKernel {
         motion_(pass_.scratch.template take<Motion>(a_.nodes + 1)),
         force_(pass_.scratch.template take<Force>(a_.nodes + 1)) {}
 
-  /// K r = w' x r + w x (w x r); a: acceleration of the origin.
+  /// Motion of a node, in its own axes.
   struct Motion {
-    Mat3T<T> K;
-    V3<T> a, w, wd;
+    Mat3T<T> K;      ///< K r = w' x r + w x (w x r)
+    V3<T> a, w, wd;  ///< acceleration of the origin, angular velocity, angular acceleration w'
   };
+  /// Moment about the node's origin, and force.
   struct Force {
     V3<T> n, f;
   };
@@ -38,13 +41,13 @@ class InverseKernel {
     const T none(0);
     const V3<T> zero{none, none, none};
     move({{none, none, none, none, none, none, none, none, none}, -vector_of<T>(a_.gravity), zero, zero});
-    press();
+    propagate_forces();
   }
 
-  /// The first half: motions, and the forces on each node alone. @param base its motion
+  /// Outward sweep: motions of all nodes, and the force on each node alone. @param base motion of the base
   void move(const Motion& base) {
     pass_.prepare();
-    pass_.take_wrenches();
+    pass_.transform_wrenches();
     motion_[0] = base;
     for (int i = 0; i < a_.nodes; ++i) {
       switch (a_.order[i].crossing) {
@@ -56,8 +59,8 @@ class InverseKernel {
     }
   }
 
-  /// The second half: forces from the leaves on.
-  void press() {
+  /// Inward sweep: joint forces, and the forces that nodes pass to their parents.
+  void propagate_forces() {
     for (int i = a_.nodes; i-- > 0;) {
       switch (a_.order[i].crossing) {
         case Crossing::none: inward_revolute<Crossing::none>(i); break;
@@ -69,9 +72,10 @@ class InverseKernel {
   }
 
   [[nodiscard]] const Motion& motion(int i) const { return motion_[i + 1]; }
-  /// What twins hand on to the node that carries them.
-  [[nodiscard]] const Force& handed_on() const { return handed_on_; }
-  void take(int i, const V3<T>& n, const V3<T>& f) {
+  /// Force that a pair of twins passes to its base; one per lane, in the base's frame.
+  [[nodiscard]] const Force& passed_up() const { return passed_up_; }
+  /// Adds a force to node `i`, in its axes about its origin. Call it between move() and propagate_forces().
+  void add_force(int i, const V3<T>& n, const V3<T>& f) {
     force_[i].n += n;
     force_[i].f += f;
   }
@@ -79,22 +83,23 @@ class InverseKernel {
  private:
   static constexpr bool twins = !std::is_same_v<Constant, Real>;
 
-  // A batch keeps the motions of the nodes on the way to the present one, not of all: so its scratch stays in the nearest cache.
+  // A batch stores motions by level: only those of the current node's ancestors. Its scratch memory then fits in the L1 cache.
   static constexpr bool by_level = T::count > 1 && !twins;
-  UGOKI_INLINE int place(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
-  UGOKI_INLINE static int place_above(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
+  UGOKI_INLINE int state_index(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
+  UGOKI_INLINE static int parent_state(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
 
   UGOKI_INLINE T v(int k) const { return load<T>(a_.v, k, a_.stride); }
   UGOKI_INLINE T vdot(int k) const { return a_.in == nullptr ? T(0) : load<T>(a_.in, k, a_.stride); }
-  UGOKI_INLINE void give(int k, T tau) const { tau.store(a_.out + k * a_.stride); }
+  UGOKI_INLINE void write_out(int k, T tau) const { tau.store(a_.out + k * a_.stride); }
 
+  /// Stores the motion of node `i`, and computes the force on its body alone minus the external wrench.
   UGOKI_INLINE void finish(int i, const V3<T>& w, const V3<T>& wd, const V3<T>& a) {
     const NodeConstants<Constant>& c = a_.constants[i];
     const T xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z, xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
     const Mat3T<T> K{-(yy + zz), xy - wd.z, xz + wd.y, xy + wd.z, -(xx + zz), yz - wd.x, xz - wd.y, yz + wd.x, -(xx + yy)};
     const NodeOrder& o = a_.order[i];
-    Motion& m = motion_[place(i)];
-    if (o.bends) m.K = K;
+    Motion& m = motion_[state_index(i)];
+    if (o.children_offset) m.K = K;
     m.a = a;
     m.w = w;
     m.wd = wd;
@@ -125,7 +130,7 @@ class InverseKernel {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
-    const Motion& p = motion_[place_above(o)];
+    const Motion& p = motion_[parent_state(o)];
     V3<T> a = p.a;
     add_product(a, p.K, o.offset, c.p);
     a = X.down(a);
@@ -137,7 +142,7 @@ class InverseKernel {
   void outward(int i) {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
-    const Motion& p = motion_[place_above(o)];
+    const Motion& p = motion_[parent_state(o)];
     V3<T> w = pass_.down(i, p.w), wd = pass_.down(i, p.wd), a = p.a;
     if (o.kind == NodeKind::revolute)
       add_product(a, p.K, o.offset, c.p);
@@ -164,11 +169,11 @@ class InverseKernel {
     finish(i, w, wd, a);
   }
 
-  /// @param n, f in the parent's axes about its origin
-  UGOKI_INLINE void pass_on(const NodeOrder& o, const V3<T>& n, const V3<T>& f) {
+  /// Adds a node's force to its parent. @param n, f in the parent's axes about its origin
+  UGOKI_INLINE void pass_up(const NodeOrder& o, const V3<T>& n, const V3<T>& f) {
     if (!twins && o.parent < 0) return;
     if (twins && o.parent < 0) {
-      handed_on_ = {n, f};
+      passed_up_ = {n, f};
       return;
     }
     Force& g = force_[o.parent];
@@ -182,19 +187,19 @@ class InverseKernel {
     const NodeConstants<Constant>& c = a_.constants[i];
     const Force g = force_[i];
     const T along = with_sign(o, c, g.n.z);
-    give(o.v, o.armed ? along + T(c.armature[0]) * vdot(o.v) : along);
+    write_out(o.v, o.has_armature ? along + T(c.armature[0]) * vdot(o.v) : along);
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
     V3<T> n = X.up(g.n);
     const V3<T> f = X.up(g.f);
     add_cross(n, o.offset, c.p, f);
-    pass_on(o, n, f);
+    pass_up(o, n, f);
   }
 
   void inward(int i) {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
     const Force g = force_[i];
-    const auto drive = [&](int k, T along) { give(o.v + k, along + T(c.armature[k]) * vdot(o.v + k)); };
+    const auto drive = [&](int k, T along) { write_out(o.v + k, along + T(c.armature[k]) * vdot(o.v + k)); };
     switch (o.kind) {
       case NodeKind::revolute: drive(0, g.n.z * T(c.sign)); break;
       case NodeKind::prismatic: drive(0, g.f.z * T(c.sign)); break;
@@ -215,14 +220,14 @@ class InverseKernel {
     if (!twins && o.parent < 0) return;
     const MatrixCrossing<T> X{pass_.E[i]};
     const V3<T> f = X.up(g.f);
-    pass_on(o, X.up(g.n) + cross(pass_.origin(i), f), f);
+    pass_up(o, X.up(g.n) + cross(pass_.origin(i), f), f);
   }
 
   Pass<T, Constant> pass_;
   const KernelArguments<Real, Constant>& a_;
-  Motion* motion_;  // [nodes + 1] at place(), the world first
+  Motion* motion_;  // [nodes + 1] at state_index(), the world first
   Force* force_;    // [nodes]
-  Force handed_on_;
+  Force passed_up_;
 };
 
 }  // namespace

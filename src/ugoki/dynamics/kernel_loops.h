@@ -1,10 +1,11 @@
 #pragma once
-// What kernel_forward.h does with the multipliers of loops. For closed_kernels_*.cpp only.
+// The Loops policy of kernel_forward.h for closed systems: processes the multipliers of the loops. For closed_kernels_*.cpp only.
 //
-// P: columns of a loop's multipliers as bias forces at a node, (n, f) like pA; row k of the loop reads
-//   -P_k . a + g_k + sum Lambda lambda = 0     at every stage of the recursion, a the acceleration of the node it has come to.
-// A freedom (S, U, 1/d, u) turns this into s = S . P, P <- P - U d s, g <- g - s d u, Lambda <- Lambda + d s s^T; a velocity product
-// c into g <- g - P . c. See closed_links.h for the sources.
+// P are the columns of a loop's multipliers at a node: bias forces (n, f) per unit multiplier, like pA. At every stage of the recursion,
+// row k of the loop is
+//   -P_k . a + g_k + sum Lambda lambda = 0     with a the acceleration of the node that the recursion has reached.
+// Eliminating a DOF with S, U, u and d = 1 / D gives s = S . P, P <- P - U d s, g <- g - s d u, Lambda <- Lambda + d s s^T. A velocity
+// product c gives g <- g - P . c. Method and sources: closed_links.h.
 
 #include "ugoki/dynamics/closed_kernels.h"
 #include "ugoki/dynamics/kernel_forward.h"
@@ -12,7 +13,7 @@
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
-#define UGOKI_APART __attribute__((noinline))
+#define UGOKI_NOINLINE __attribute__((noinline))
 
 template <class T>
 class LoopPass {
@@ -22,11 +23,12 @@ class LoopPass {
 
   explicit LoopPass(const ClosedArguments& arguments) : a_(arguments) {}
 
+  /// Resets the accumulated quantities. P and g are set by the caller (closed_run.cpp).
   void begin() {
     const Rows none(0);
     for (int i = 0; i < a_.entry_count; ++i) {
       none.store(a_.reduced[i].x);
-      a_.moved[i] = 0;
+      a_.mobility[i] = 0;
     }
     for (int i = 0; i < a_.block_count; ++i)
       for (auto& row : a_.Lambda[i].x) none.store(row);
@@ -34,34 +36,37 @@ class LoopPass {
 
   [[nodiscard]] UGOKI_INLINE bool present_at(int node) const { return a_.nodes[node].present_count != 0; }
 
-  // At a node, from the leaves.
+  // Inward sweep.
 
-  /// Loops that meet at the node: their multipliers leave.
+  /// Eliminates the multipliers of the loops that meet at the node. Adds their stiffness to A.
   UGOKI_INLINE void eliminate(int node, Articulated<T>& A) {
     if (a_.nodes[node].elimination_count == 0) return;
-    Articulated<T> copy = A;  // A itself stays in registers
+    Articulated<T> copy = A;  // only the address of the copy is taken, so A can stay in registers
     eliminate_all(node, &copy);
     A = copy;
   }
 
-  /// One freedom of the node whose motion is s_of(P) along the columns: `which` counts the node's freedoms.
+  /// Eliminates one DOF of the node from the columns of the loops that pass it.
+  /// @param which index of the DOF among the node's DOFs @param f velocity index @param U, d, u as in kernel_forward.h
+  /// @param along (columns P) -> S . P
   template <class Along>
-  UGOKI_INLINE void freedom(int node, int which, int f, const Vec6T<T>& U, T d, T u, T sign, Along&& along) {
+  UGOKI_INLINE void dof(int node, int which, int f, const Vec6T<T>& U, T d, T u, T sign, Along&& along) {
     const ClosedStructure::Node& n = a_.nodes[node];
-    if (n.passing_count != 0) pass_freedom(n, which, f, U, d, u, sign, a_.turning[node] * d.v, along);
+    if (n.passing_count != 0) pass_dof(n, which, f, U, d, u, sign, a_.turning[node] * d.v, along);
   }
 
-  /// g -= P . c
+  /// Velocity products c of the node: g -= P . c
   UGOKI_INLINE void velocity_product(int node, const Vec6T<T>& c) {
     if (a_.nodes[node].passing_count != 0) subtract_product(a_.nodes[node], c);
   }
 
-  /// Across the joint: X turns a vector of the node into the parent's axes, r is the node's origin there.
+  /// Transforms the columns of the loops that pass the node to the parent's frame, and adds them there.
+  /// @param X crossing from the node's to the parent's axes @param r the node's origin in the parent's frame
   template <Crossing K>
-  UGOKI_INLINE void hand_on(int node, const RevoluteCrossing<T, K>& X, const V3<T>& r) {
+  UGOKI_INLINE void pass_up(int node, const RevoluteCrossing<T, K>& X, const V3<T>& r) {
     if (a_.nodes[node].passing_count != 0) cross_joint(a_.nodes[node], RevoluteCrossing<Rows, K>{Rows(X.s.v), Rows(X.c.v)}, r);
   }
-  void hand_on(int node, const MatrixCrossing<T>& X, const V3<T>& r) {
+  void pass_up(int node, const MatrixCrossing<T>& X, const V3<T>& r) {
     if (a_.nodes[node].passing_count == 0) return;
     const Mat3T<T>& E = X.E;
     const Mat3T<Rows> wide{Rows(E.xx.v), Rows(E.xy.v), Rows(E.xz.v), Rows(E.yx.v), Rows(E.yy.v),
@@ -69,17 +74,17 @@ class LoopPass {
     cross_joint(a_.nodes[node], MatrixCrossing<Rows>{wide}, r);
   }
 
-  /// A floating base takes all that is left of P: y = L^-1 P freedom by freedom, from the last one on.
-  /// @param L [6][6], d [6], u [6] as solve_floating() leaves them; a0 the base's acceleration without its freedoms
+  /// Eliminates the six DOFs of a floating base, from the last to the first: y = L^-1 P. Nothing of P remains afterwards.
+  /// @param L [6][6], d [6], u [6] from solve_floating() @param a0 the node's acceleration if its vdot were zero
   void floating(int node, const T (*L)[6], const T* d, const T* u, const Vec6T<T>& a0) {
     const ClosedStructure::Node& n = a_.nodes[node];
     if (n.passing_count == 0) return;
-    const double moves = (d[0] + d[1] + d[2]).v + (d[3] + d[4] + d[5]).v / a_.length2;
+    const double mobility = (d[0] + d[1] + d[2]).v + (d[3] + d[4] + d[5]).v / a_.length2;
     for (int i = 0; i < n.passing_count; ++i) {
       const Columns P = columns(n.present + i);
       const int e = a_.present[n.present + i].entry;
       subtract(e, along(P, a0));
-      a_.moved[e] += moves;
+      a_.mobility[e] += mobility;
       Rows y[6] = {P.w.x, P.w.y, P.w.z, P.v.x, P.v.y, P.v.z};
       for (int k = 6; k-- > 0;) {
         for (int j = 0; j < k; ++j) y[j] -= y[k] * Rows((L[k][j] * d[k]).v);
@@ -90,20 +95,21 @@ class LoopPass {
     couple_floating(n, d);
   }
 
-  // From the base.
+  // Outward sweep.
 
-  /// The last loops; A0: the base's acceleration.
+  /// Solves for the loops that meet at the world. @param A0 acceleration of the world
   void eliminate_world(int world, const Vec6T<T>& A0) {
     const ClosedStructure::Node& n = a_.nodes[world];
     for (int i = 0; i < n.present_count; ++i) subtract(a_.present[n.present + i].entry, along(columns(n.present + i), A0));
     solve_world(world);
   }
+  /// As eliminate_world(), if the term P . A0 has already been subtracted from g.
   void solve_world(int world) {
     eliminate_all(world, nullptr);
     recover_all(world, nullptr);
   }
 
-  /// What the multipliers take from a freedom's reduced force: s . lambda
+  /// The multipliers' share of a DOF's reduced force: s . lambda. @param which index of the DOF among the node's DOFs
   UGOKI_INLINE T along_multipliers(int node, int which) const {
     const ClosedStructure::Node& n = a_.nodes[node];
     if (n.passing_count == 0) return T(0);
@@ -113,6 +119,7 @@ class LoopPass {
     return total(sum);
   }
 
+  /// Recovers the multipliers of the loops that were eliminated at the node. @param A acceleration of the node
   UGOKI_INLINE void recover(int node, const Vec6T<T>& A) {
     if (a_.nodes[node].elimination_count != 0) recover_all(node, &A);
   }
@@ -143,11 +150,11 @@ class LoopPass {
     LoopLanes& g = a_.g[entry];
     (Rows::load(g.x) - x).store(g.x);
   }
-  // The work at a node that loops pass stays out of line: most nodes have none, and keep their registers.
+  // The functions for nodes that loops pass are not inlined: most nodes have no loops, and their code then needs fewer registers.
 
   template <class Along>
-  UGOKI_APART void pass_freedom(const ClosedStructure::Node& n, int which, int f, const Vec6T<T>& U, T d, T u, T sign, double moves,
-                                Along along) {
+  UGOKI_NOINLINE void pass_dof(const ClosedStructure::Node& n, int which, int f, const Vec6T<T>& U, T d, T u, T sign, double mobility,
+                               Along along) {
     LoopLanes* const s = a_.s + n.s_slot + which * n.passing_count;
     const Rows Ux(U.w.x.v), Uy(U.w.y.v), Uz(U.w.z.v), Vx(U.v.x.v), Vy(U.v.y.v), Vz(U.v.z.v), D(d.v), step((d * u).v);
     for (int i = 0; i < n.passing_count; ++i) {
@@ -166,16 +173,16 @@ class LoopPass {
       const int e = a_.present[n.present + i].entry;
       LoopLanes& g = a_.g[e];
       (Rows::load(g.x) - x * step).store(g.x);
-      a_.moved[e] += moves;
+      a_.mobility[e] += mobility;
     }
     couple(n, s, d.v);
   }
-  UGOKI_APART void subtract_product(const ClosedStructure::Node& n, const Vec6T<T>& c) {
+  UGOKI_NOINLINE void subtract_product(const ClosedStructure::Node& n, const Vec6T<T>& c) {
     for (int i = 0; i < n.passing_count; ++i) subtract(a_.present[n.present + i].entry, along(columns(n.present + i), c));
   }
 
   template <class Crossing>
-  UGOKI_APART void cross_joint(const ClosedStructure::Node& n, const Crossing& X, const V3<T>& r) {
+  UGOKI_NOINLINE void cross_joint(const ClosedStructure::Node& n, const Crossing& X, const V3<T>& r) {
     const V3<Rows> at{Rows(r.x.v), Rows(r.y.v), Rows(r.z.v)};
     for (int i = 0; i < n.passing_count; ++i) {
       const Columns P = columns(n.present + i);
@@ -186,12 +193,12 @@ class LoopPass {
     }
   }
 
-  /// Row 0 of a gear that turns this freedom.
-  Rows gears(const ClosedStructure::Node& n, int place, int f, double sign) const {
+  /// Coefficient of a DOF in row 0 of a gear; zero if the gear does not couple the DOF.
+  Rows gears(const ClosedStructure::Node& n, int passing, int f, double sign) const {
     Rows x(0);
     for (int k = n.gears; k < n.gears + n.gear_count; ++k) {
       const ClosedStructure::Gear& gear = a_.gears[k];
-      if (gear.freedom == f && gear.place == place) x.v[0] += sign * (gear.second ? -a_.slope[gear.loop] : 1.0);
+      if (gear.dof == f && gear.passing == passing) x.v[0] += sign * (gear.second ? -a_.slope[gear.loop] : 1.0);
     }
     return x;
   }
@@ -206,8 +213,8 @@ class LoopPass {
     }
   }
 
-  /// The same for the six freedoms of a floating base at once.
-  UGOKI_APART void couple_floating(const ClosedStructure::Node& n, const T* d) {
+  /// couple() for all six DOFs of a floating base.
+  UGOKI_NOINLINE void couple_floating(const ClosedStructure::Node& n, const T* d) {
     const LoopLanes* const s = a_.s + n.s_slot;
     for (int p = n.pairs; p < n.pairs + n.pair_count; ++p) {
       const ClosedStructure::Pair& pair = a_.pairs[p];
@@ -223,28 +230,28 @@ class LoopPass {
     }
   }
 
-  /// Cholesky of the loop's own block with the greatest pivot first; rows that follow from others get none.
+  /// Pivoted Cholesky factorization of the loop's diagonal block, largest pivot first. Dependent rows get no pivot.
   void factor_block(const ClosedStructure::Elimination& x) {
     const ClosedStructure::Entry& e = a_.entries[x.entry];
     const LoopBlock& A = a_.Lambda[e.diagonal];
     LoopFactor& F = a_.factor[x.entry];
     const double* const reduced = a_.reduced[x.entry].x;
-    double diagonal[6], greatest[2] = {};  // positions, rotations
+    double diagonal[6], maximum[2] = {};  // maximum: [0] of the position rows, [1] of the rotation rows
     for (int i = 0; i < e.rows; ++i) {
       F.order[i] = i;
       diagonal[i] = A.x[i][i];
-      double& scale = greatest[i < e.position_rows ? 0 : 1];
+      double& scale = maximum[i < e.position_rows ? 0 : 1];
       if (diagonal[i] + reduced[i] > scale) scale = diagonal[i] + reduced[i];
     }
-    const double rounding = a_.immobile * a_.moved[x.entry];
+    const double rounding = a_.immobile * a_.mobility[x.entry];
     double limit[6];
     for (int i = 0; i < e.rows; ++i) {
       const bool position = i < e.position_rows;
-      const double least = position ? rounding * a_.length2 : rounding;
-      limit[i] = a_.dependent * greatest[position ? 0 : 1];
-      if (limit[i] < least) limit[i] = least;
+      const double minimum = position ? rounding * a_.length2 : rounding;
+      limit[i] = a_.dependent * maximum[position ? 0 : 1];
+      if (limit[i] < minimum) limit[i] = minimum;
     }
-    F.weakest = 1;
+    F.min_pivot_ratio = 1;
     for (F.rank = 0; F.rank < e.rows; ++F.rank) {
       const int k = F.rank;
       int best = k;
@@ -253,8 +260,8 @@ class LoopPass {
         if (!(diagonal[b] > limit[b]) || diagonal[a] * limit[b] > diagonal[b] * limit[a]) best = i;
       }
       if (!(diagonal[F.order[best]] > limit[F.order[best]])) return;
-      const double part = diagonal[F.order[best]] / greatest[F.order[best] < e.position_rows ? 0 : 1];
-      if (part < F.weakest) F.weakest = part;
+      const double part = diagonal[F.order[best]] / maximum[F.order[best] < e.position_rows ? 0 : 1];
+      if (part < F.min_pivot_ratio) F.min_pivot_ratio = part;
       if (best != k) {
         const int order = F.order[k];
         F.order[k] = F.order[best];
@@ -277,7 +284,7 @@ class LoopPass {
     }
   }
 
-  /// @param A null at the world, whose acceleration is known
+  /// Eliminates all loops that meet at the node. @param A articulated inertia of the node; null at the world, whose acceleration is known
   void eliminate_all(int node, Articulated<T>* A) {
     const ClosedStructure::Node& n = a_.nodes[node];
     for (int i = n.eliminations; i < n.eliminations + n.elimination_count; ++i) {
@@ -296,7 +303,7 @@ class LoopPass {
     }
   }
 
-  /// IA += Z^T Z, pA -= Z^T z
+  /// Adds an eliminated loop's stiffness to the node: IA += Z^T Z, pA -= Z^T z, with Z = C^-1 P^T.
   void stiffen(const ClosedStructure::Elimination& x, LoopFactor& F, Articulated<T>& A) {
     const LoopColumns& P = a_.P[x.present];
     for (int k = 0; k < F.rank; ++k) {
@@ -315,7 +322,8 @@ class LoopPass {
     }
   }
 
-  /// Y = C^-1 Lambda(e, o); P_o -= Z^T Y; g_o -= Y^T z
+  /// Effect of eliminating loop e on a neighbour o: Y = C^-1 Lambda(e, o); P_o -= Z^T Y; g_o -= Y^T z.
+  /// @param stiffens false at the world: P_o is not needed
   void reduce(const ClosedStructure::Elimination& x, const LoopFactor& F, int neighbour, bool stiffens) {
     const ClosedStructure::Neighbour& o = a_.neighbours[neighbour];
     const LoopBlock& block = a_.Lambda[o.block];
@@ -358,7 +366,7 @@ class LoopPass {
     }
   }
 
-  /// lambda = C^-T (Z A - z - Y lambda_neighbours)
+  /// Back substitution for all loops that meet at the node: lambda = C^-T (Z A - z - Y lambda_neighbours). @param A null at the world
   void recover_all(int node, const Vec6T<T>* A) {
     const ClosedStructure::Node& n = a_.nodes[node];
     for (int i = n.eliminations + n.elimination_count; i-- > n.eliminations;) {

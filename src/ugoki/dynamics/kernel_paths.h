@@ -1,10 +1,10 @@
 #pragma once
-// Forward dynamics of a tree with few loops: the open kernel's first half, the multipliers' columns along their paths
-// (loop_paths.h), the elimination of all loops at the world, the open kernel's second half.
+// Forward dynamics of a tree with few loops, in four stages: inward sweep of the open kernel; propagation of the multipliers' columns P
+// along their paths (loop_paths.h); elimination of all loops at the world; outward sweep of the open kernel.
 //
-// A loop's columns P stay in registers on their whole way: at a freedom s = S . P, P <- P - U d s, g <- g - s d u, then across the
-// joint. Lambda = sum d s s^T over the freedoms that two loops have in common, and u <- u - s . lambda. For closed_kernels_*.cpp
-// only.
+// The columns P of a loop stay in registers along their path. Each DOF gives s = S . P, P <- P - U d s, g <- g - s d u; then P is
+// transformed across the joint. Lambda is the sum of d s s^T over the DOFs that two loops have in common. The multipliers change the
+// reduced forces: u <- u - s . lambda. For closed_kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_loops.h"
 #include "ugoki/dynamics/kernel_twins.h"
@@ -16,7 +16,7 @@ class PathForward {
  public:
   PathForward(const KernelArguments<double>& a, const ClosedArguments& c) : kernel_(a), a_(kernel_.a_), c_(c), paths_(*c.paths) {}
 
-  /// @return false: singular
+  /// @return false: singular inertia
   bool run() {
     if (c_.twins == nullptr) {
       kernel_.condense();
@@ -24,16 +24,16 @@ class PathForward {
       kernel_.move();
       return !kernel_.bad_[0];
     }
-    // The open recursion runs with legs and arms in lanes; what the paths need of it is copied out of them, and their forces back.
+    // The open recursion runs with twins (legs, arms) in lanes. The nodes that the paths need are copied from there, their forces back.
     twins::Forward open(*c_.twins);
     open.condense();
     kernel_.acceleration_[0] = {{0, 0, 0}, -vector_of<Lanes<double, 1>>(a_.gravity)};
     open.for_each_node([&](int node, const auto& kernel, int its_node, int lane) {
-      if (c_.moves[node] != NodeWanted::nothing) kernel_.copy_freedoms(node, kernel, its_node, lane);
+      if (c_.needed[node] != NodeWanted::nothing) kernel_.copy_dofs(node, kernel, its_node, lane);
     });
     solve_loops();
     open.for_each_node([&](int node, auto& kernel, int its_node, int lane) {
-      if (c_.moves[node] != NodeWanted::nothing) kernel_.copy_forces_to(kernel, its_node, lane, node);
+      if (c_.needed[node] != NodeWanted::nothing) kernel_.copy_forces_to(kernel, its_node, lane, node);
     });
     return open.move();
   }
@@ -52,7 +52,7 @@ class PathForward {
     for (const LoopPaths::Block& block : paths_.blocks)
       for (int lanes = 0; lanes < loop_lanes; lanes += Rows::count) couple(block, lanes);
     loops.solve_world(a_.nodes);
-    for (const LoopPaths::Path& path : paths_.paths) press(path);
+    for (const LoopPaths::Path& path : paths_.paths) apply_multipliers(path);
   }
 
   UGOKI_INLINE static Rows wide(One x) { return Rows(x.v); }
@@ -66,14 +66,14 @@ class PathForward {
     P.v += V3<Rows>{component(3), component(4), component(5)};
   }
 
-  /// The rows [rows, rows + lanes) of one loop from its ends to the world.
+  /// Propagates the columns of one loop from its ends to the world, for the rows [rows, rows + Rows::count).
   void follow(const LoopPaths::Path& path, int rows) {
     const Rows none(0);
     const Columns zero{{none, none, none}, {none, none, none}};
     double* const at_g = c_.g[path.entry].x + rows;
     Columns P = zero;
     Rows g = Rows::load(at_g);
-    moved_ = 0;
+    mobility_ = 0;
     if (path.present_world >= 0) {
       add_columns(P, path.present_world, rows);
       g -= along(P.v, kernel_.acceleration_[0].v);
@@ -89,16 +89,17 @@ class PathForward {
     P.v += from_a.v;
     cross(path.fork_b, path.end, rows, P, g);
     g.store(at_g);
-    c_.moved[path.entry] = moved_;
+    c_.mobility[path.entry] = mobility_;
   }
 
+  /// Propagates columns across the nodes of the visits [begin, end).
   void cross(int begin, int end, int rows, Columns& P_out, Rows& g_out) {
     Columns P = P_out;
     Rows g = g_out;
     for (int k = begin; k < end; ++k) {
       const LoopPaths::Visit visit = paths_.visits[static_cast<std::size_t>(k)];
-      double* const s = c_.s[visit.place].x + rows;
-      double* const t = c_.t[visit.place].x + rows;
+      double* const s = c_.s[visit.dof_begin].x + rows;
+      double* const t = c_.t[visit.dof_begin].x + rows;
       const NodeOrder& o = a_.order[visit.node];
       switch (o.crossing) {
         case Crossing::none: revolute<Crossing::none>(visit.node, o, P, g, s, t); break;
@@ -112,7 +113,8 @@ class PathForward {
     g_out = g;
   }
 
-  UGOKI_INLINE static void pass(const Kernel::FreedomPass& f, const Rows& x, Columns& P, Rows& g, double* s, double* t) {
+  /// Eliminates one DOF from the columns. @param x S . P
+  UGOKI_INLINE static void pass(const Kernel::DofPass& f, const Rows& x, Columns& P, Rows& g, double* s, double* t) {
     const Rows y = x * wide(f.d);
     x.store(s);
     y.store(t);
@@ -128,8 +130,8 @@ class PathForward {
   template <Crossing K>
   UGOKI_INLINE void revolute(int i, const NodeOrder& o, Columns& P, Rows& g, double* s, double* t) {
     const NodeConstants<double>& c = a_.constants[i];
-    pass(kernel_.freedom_[o.v], P.w.z, P, g, s, t);
-    moved_ += kernel_.freedom_[o.v].d.v;
+    pass(kernel_.dof_[o.v], P.w.z, P, g, s, t);
+    mobility_ += kernel_.dof_[o.v].d.v;
     const V3<One> w = kernel_.w_[i + 1];
     const One rate = kernel_.v(o.v) * One(c.sign);
     g -= P.w.x * wide(w.y * rate) - P.w.y * wide(w.x * rate);
@@ -147,13 +149,13 @@ class PathForward {
       return;
     }
     const NodeConstants<double>& c = a_.constants[i];
-    const Vec6T<One> product = kernel_.velocity_product(i);  // before the freedoms, as they are condensed
+    const Vec6T<One> product = kernel_.velocity_product(i);  // subtracted before the DOFs, in the same order as in the inward sweep
     g -= along(P.w, product.w) + along(P.v, product.v);
-    for (int k = freedoms_of(o.kind); k-- > 0;) {
+    for (int k = dofs_of(o.kind); k-- > 0;) {
       Rows x = o.kind == NodeKind::spherical ? P.w[k] : o.kind == NodeKind::prismatic ? P.v.z : P.w.z;
       if (o.kind == NodeKind::helical) x += P.v.z * Rows(c.pitch);
-      pass(kernel_.freedom_[o.v + k], x, P, g, s + k * loop_lanes, t + k * loop_lanes);
-      moved_ += kernel_.freedom_[o.v + k].d.v * c_.turning[i];
+      pass(kernel_.dof_[o.v + k], x, P, g, s + k * loop_lanes, t + k * loop_lanes);
+      mobility_ += kernel_.dof_[o.v + k].d.v * c_.turning[i];
     }
     const Mat3T<One>& E = kernel_.pass_.E[i];
     const MatrixCrossing<Rows> X{
@@ -162,22 +164,22 @@ class PathForward {
     P.w = X.up(P.w) + ugoki::cross(wide(kernel_.pass_.origin(i)), P.v);
   }
 
-  /// A floating base takes all that is left of P: y = L^-1 P, freedom by freedom, from the last one on.
+  /// Eliminates the six DOFs of a floating base from the columns, from the last to the first: y = L^-1 P.
   void floating(int i, const NodeOrder& o, Columns& P, Rows& g, double* s, double* t) {
     g -= along(P.v, kernel_.pass_.down(i, kernel_.acceleration_[0].v));
     Rows y[6] = {P.w.x, P.w.y, P.w.z, P.v.x, P.v.y, P.v.z};
     for (int k = 6; k-- > 0;) {
-      const Kernel::FreedomPass& f = kernel_.freedom_[o.v + k];
+      const Kernel::DofPass& f = kernel_.dof_[o.v + k];
       const Rows scaled = y[k] * wide(f.d);
       y[k].store(s + k * loop_lanes);
       scaled.store(t + k * loop_lanes);
       for (int j = 0; j < k; ++j) y[j] -= scaled * wide(j < 3 ? f.U.w[j] : f.U.v[j - 3]);
       g -= scaled * wide(f.u);
-      moved_ += k < 3 ? f.d.v : f.d.v / c_.length2;
+      mobility_ += k < 3 ? f.d.v : f.d.v / c_.length2;
     }
   }
 
-  /// Lanes [lanes, lanes + count) of a block of Lambda.
+  /// Computes the lanes [lanes, lanes + Rows::count) of a block of Lambda.
   void couple(const LoopPaths::Block& block, int lanes) const {
     Rows sum[6] = {Rows(0), Rows(0), Rows(0), Rows(0), Rows(0), Rows(0)};
     for (int r = block.run; r < block.run + block.run_count; ++r) {
@@ -192,15 +194,15 @@ class PathForward {
     for (int i = 0; i < 6; ++i) sum[i].store(c_.Lambda[block.block].x[i] + lanes);
   }
 
-  /// u <- u - s . lambda
-  void press(const LoopPaths::Path& path) {
+  /// Applies a loop's multipliers to the reduced forces of its path: u <- u - s . lambda
+  void apply_multipliers(const LoopPaths::Path& path) {
     using Four = Lanes<double, 4>;
     const double* const lambda = c_.lambda[path.entry].x;
     const Four low = Four::load(lambda), high = Four::load(lambda + 4);
-    for (int k = path.place; k < path.place + path.freedoms; ++k) {
+    for (int k = path.dof_begin; k < path.dof_begin + path.dof_count; ++k) {
       const double* const s = c_.s[k].x;
       const auto sum = (Four::load(s) * low + Four::load(s + 4) * high).v;
-      One& u = kernel_.freedom_[paths_.freedom[static_cast<std::size_t>(k)]].u;
+      One& u = kernel_.dof_[paths_.dof[static_cast<std::size_t>(k)]].u;
       u -= One((sum[0] + sum[2]) + (sum[1] + sum[3]));
     }
   }
@@ -209,7 +211,7 @@ class PathForward {
   const KernelArguments<double>& a_;
   const ClosedArguments& c_;
   const LoopPaths& paths_;
-  double moved_ = 0;  // of the path that is followed: ClosedArguments::moved
+  double mobility_ = 0;  // ClosedArguments::mobility of the current path
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
-// A semi-implicit Euler step of many instances side by side: v += dt vdot, then q along the new v on the manifold, as
-// joint_integrate() does it. For kernels_*.cpp only.
+// Semi-implicit Euler step of one SIMD register of instances: v += dt vdot, then q is integrated with the new v on the configuration
+// manifold, with the same result as joint_integrate(). For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_crossing.h"
 
@@ -13,7 +13,7 @@ class StepKernel {
   using Real = typename T::Real;
   using Mask = typename T::Mask;
 
-  /// Lanes in `stays` are left as they were.
+  /// @param a `in` is vdot @param q, v updated @param dt s @param stays lanes whose q and v must not change
   StepKernel(const KernelArguments<Real>& a, Real* q, Real* v, Real dt, Mask stays) : a_(a), q_(q), v_(v), dt_(dt), stays_(stays) {}
 
   void run() {
@@ -36,7 +36,7 @@ class StepKernel {
   UGOKI_INLINE void put(Real* x, int k, T value) const { select(stays_, at(x, k), value).store(x + k * a_.stride); }
   UGOKI_INLINE void slide(int q, int v) const { put(q_, q, at(q_, q) + at(v_, v) * dt_); }
 
-  /// The unit quaternion at q times the exponential of the angular velocity at v over dt.
+  /// Multiplies the unit quaternion at q by the exponential of the rotation vector w dt, with the angular velocity w at v; normalises it.
   void turn(int q, int v) const {
     const T one(1), half(Real(0.5));
     const V3<T> r{at(v_, v) * dt_, at(v_, v + 1) * dt_, at(v_, v + 2) * dt_};

@@ -1,6 +1,6 @@
 #pragma once
-// Inverse and forward dynamics and inertia matrix of one instance with twins (link_twins.h): the kernels of the trunk, and of each pair in
-// two lanes. For kernels_*.cpp only.
+// Inverse dynamics, forward dynamics and inertia matrix of one instance with twins (link_twins.h): runs the kernel of the trunk in one lane
+// and the kernel of each pair of twins in two lanes. For kernels_*.cpp only.
 
 #include <new>
 #include <type_traits>
@@ -30,12 +30,12 @@ UGOKI_INLINE Mat3T<One> total(const Mat3T<Two>& m) {
   return {total(m.xx), total(m.xy), total(m.xz), total(m.yx), total(m.yy), total(m.yz), total(m.zx), total(m.zy), total(m.zz)};
 }
 
-/// Numbers of a pair side by side, from those of the whole and back.
-UGOKI_INLINE void gather_places(const TwinArguments& a, const TwinArguments::Pair& p) {
+// Copy the values of a pair of twins between the mechanism's arrays and the pair's two-lane arrays: gather() into lanes, scatter() back.
+UGOKI_INLINE void gather_coordinates(const TwinArguments& a, const TwinArguments::Pair& p) {
   for (int i = 0; i < 2 * p.nq; ++i) p.q[i] = a.trunk.q[p.q_of[i]];
 }
 UGOKI_INLINE void gather(const TwinArguments& a, const TwinArguments::Pair& p) {
-  gather_places(a, p);
+  gather_coordinates(a, p);
   for (int i = 0; i < 2 * p.a.nv; ++i) p.v[i] = a.trunk.v[p.v_of[i]];
   if (a.trunk.in == nullptr) return;
   for (int i = 0; i < 2 * p.a.nv; ++i) p.in[i] = a.trunk.in[p.v_of[i]];
@@ -44,9 +44,10 @@ UGOKI_INLINE void scatter(const TwinArguments& a, const TwinArguments::Pair& p) 
   for (int i = 0; i < 2 * p.a.nv; ++i) a.trunk.out[p.v_of[i]] = p.a.out[i];
 }
 
-/// Sines and cosines of all parts.
+/// Sines and cosines of the angles of the trunk and all pairs.
 UGOKI_INLINE void prepare(const TwinArguments& a) { sines_of(a.trunk.q, a.angle_q, a.angle_sign, a.angles, a.trunk.sin, a.trunk.cos); }
 
+/// Forward dynamics with twins. The steps of run() are public for kernel_paths.h.
 class Forward {
  public:
   using Trunk = ForwardKernel<One>;
@@ -58,13 +59,14 @@ class Forward {
   Forward(const Forward&) = delete;
   Forward& operator=(const Forward&) = delete;
 
-  /// @return false: singular
+  /// @return false: singular inertia
   bool run() {
     turn();
     condense();
     return move();
   }
 
+  /// Angular velocities of all nodes.
   void turn() {
     prepare(a_);
     trunk_.turn_all();
@@ -73,15 +75,16 @@ class Forward {
       pair(i).turn_all(both(trunk_.angular_velocity(a_.pairs[i].base)));
     }
   }
-  /// On what turn() left in the scratch.
+  /// Inward sweep, after turn().
   void condense() {
     for (int i = 0; i < a_.pair_count; ++i) {
       pair(i).condense();
-      take(pair(i), a_.pairs[i]);
+      add_to_base(pair(i), a_.pairs[i]);
     }
-    trunk_.take_twins(handed_on_);
+    trunk_.set_twins(passed_up_);
     trunk_.condense();
   }
+  /// Outward sweep, after condense(). @return false: singular inertia
   bool move() {
     trunk_.move();
     for (int i = 0; i < a_.pair_count; ++i) {
@@ -93,13 +96,13 @@ class Forward {
   }
 
   [[nodiscard]] const Trunk& trunk() const { return trunk_; }
-  /// f(kernel, pair)
+  /// Calls f(kernel of the pair, TwinArguments::Pair) for each pair.
   template <class F>
   UGOKI_INLINE void for_each_pair(F&& f) {
     for (int i = 0; i < a_.pair_count; ++i) f(pair(i), a_.pairs[i]);
   }
 
-  /// f(node of the whole program, kernel, its node, its lane)
+  /// Calls f(node of the LinkProgram, kernel that computes it, node index in that kernel, lane in that kernel) for each node.
   template <class F>
   UGOKI_INLINE void for_each_node(F&& f) {
     for (int i = 0; i < a_.trunk.nodes; ++i) f(a_.trunk_node[i], trunk_, i, 0);
@@ -116,20 +119,20 @@ class Forward {
   };
   UGOKI_INLINE Twins& pair(int i) { return *std::launder(reinterpret_cast<Twins*>(pairs_[i].bytes)); }
 
-  void take(const Twins& pair, const TwinArguments::Pair& p) {
-    const Articulated<Two>& A = pair.handed_on();
+  void add_to_base(const Twins& pair, const TwinArguments::Pair& p) {
+    const Articulated<Two>& A = pair.passed_up();
     const Articulated<One> sum{total(A.I), total(A.H), total(A.M), total(A.n), total(A.f)};
     if (p.first)
-      handed_on_[p.place] = sum;
+      passed_up_[p.twin_slot] = sum;
     else
-      add(handed_on_[p.place], sum);
+      add(passed_up_[p.twin_slot], sum);
     bad_ = bad_ || any(pair.bad());
   }
 
   const TwinArguments& a_;
   Trunk trunk_;
-  PairMemory pairs_[TwinArguments::most_pairs];  // the first pair_count hold a kernel
-  Articulated<One> handed_on_[TwinArguments::most_pairs];
+  PairMemory pairs_[TwinArguments::max_pairs];  // kernels are constructed in the first pair_count entries
+  Articulated<One> passed_up_[TwinArguments::max_pairs];
   bool bad_ = false;
 };
 
@@ -146,28 +149,28 @@ inline void inverse(const TwinArguments& a) {
     Twins pair(a.pairs[i].a);
     const Trunk::Motion& base = trunk.motion(a.pairs[i].base);
     pair.move({both(base.K), both(base.a), both(base.w), both(base.wd)});
-    pair.press();
+    pair.propagate_forces();
     scatter(a, a.pairs[i]);
-    trunk.take(a.pairs[i].base, total(pair.handed_on().n), total(pair.handed_on().f));
+    trunk.add_force(a.pairs[i].base, total(pair.passed_up().n), total(pair.passed_up().f));
   }
-  trunk.press();
+  trunk.propagate_forces();
 }
 
 inline void inertia(const TwinArguments& a) {
   prepare(a);
   using Trunk = InertiaKernel<One>;
-  Trunk::Twins handed_on[TwinArguments::most_pairs];
+  Trunk::Twins passed_up[TwinArguments::max_pairs];
   for (int i = 0; i < a.pair_count; ++i) {
-    const TwinArguments::Pair& p = a.pairs[a.pair_count - 1 - i];  // their forces come in rising order
-    gather_places(a, p);
+    const TwinArguments::Pair& p = a.pairs[a.pair_count - 1 - i];  // reversed: ascending order of force_begin
+    gather_coordinates(a, p);
     InertiaKernel<Two, Both> pair(p.a);
     pair.run();
-    const InertiaT<Two>& C = pair.handed_on();
-    handed_on[i] = {{total(C.mass), total(C.h), total(C.I)}, {}, p.force_begin, 0, p.place};
-    pair.hand_on_forces(handed_on[i]);
+    const InertiaT<Two>& C = pair.passed_up();
+    passed_up[i] = {{total(C.mass), total(C.h), total(C.I)}, {}, p.force_begin, 0, p.twin_slot};
+    pair.pass_up_forces(passed_up[i]);
   }
   Trunk trunk(a.trunk);
-  trunk.take_twins(handed_on, a.pair_count);
+  trunk.set_twins(passed_up, a.pair_count);
   trunk.run();
 }
 

@@ -13,7 +13,7 @@ const Kernels* table_of(SimdWidth width) {
   return width == SimdWidth::plain ? &plain::table : nullptr;
 }
 
-// What a test chose; written only by use_simd(), while nothing else runs.
+// Table that use_simd() selected, or null. Not synchronised: use_simd() must not run concurrently with other threads.
 const Kernels* chosen = nullptr;
 
 }  // namespace
@@ -36,18 +36,18 @@ bool use_simd(SimdWidth width) {
 }
 
 std::size_t scratch_size(int nodes, int nv, int slots, int angles, std::size_t bytes, int instances) {
-  // numbers a node, a freedom and a slot take in the most demanding kernel, and the pieces' boundaries of 64 bytes
+  // Upper bound over all kernels: values per node, per DOF and per slot, plus 64-byte alignment of up to 16 arrays.
   const auto n = [](int count) { return static_cast<std::size_t>(count); };
-  const std::size_t numbers = n(nodes + 1) * (9 + 12 + 6 + 18 + 6) + n(nv) * 10 + n(slots) * 27 + n(angles + 16) * 2;
+  const std::size_t values = n(nodes + 1) * (9 + 12 + 6 + 18 + 6) + n(nv) * 10 + n(slots) * 27 + n(angles + 16) * 2;
   const std::size_t entries = inertia_entries_at_once + n(nv) + 8 * 8;
-  return (numbers + entries) * bytes * n(instances) + 16 * 64;
+  return (values + entries) * bytes * n(instances) + 16 * 64;
 }
 
 std::size_t scratch_size(const LinkProgram& program, std::size_t bytes, int instances) {
   return scratch_size(program.nodes(), program.nv, program.slots, program.angles(), bytes, instances);
 }
 
-const double* acting(std::span<const Vec6> external) {
+const double* nonzero_wrenches(std::span<const Vec6> external) {
   static_assert(sizeof(Vec6) == 6 * sizeof(double));
   for (const Vec6& f : external)
     if (f.w.x != 0 || f.w.y != 0 || f.w.z != 0 || f.v.x != 0 || f.v.y != 0 || f.v.z != 0) return &external.front().w.x;

@@ -1,9 +1,9 @@
 #pragma once
-// The fast kernels and the choice of their width at run time. Internal to dynamics/.
+// Tables of the fast kernels, and the choice of the SIMD width at run time. Internal to dynamics/.
 //
-// One source (kernel_*.h, templates on the scalar) is compiled three times: for the plain processor, for AVX2 and for AVX-512.
-// All give the same bits: the same operations in the same order, none fused. One instance runs as one number a step, with sines
-// and cosines in lanes; a batch runs as many instances as a register holds.
+// The source (kernel_*.h, templates on the scalar type) is compiled three times: for the baseline processor, for AVX2 and for AVX-512. All
+// three give identical bits: the same operations in the same order, without fused multiply-add. A single instance is computed with scalars,
+// except sines and cosines, which use SIMD lanes. A batch computes as many instances at once as fit in a register.
 
 #include <cstddef>
 #include <span>
@@ -12,21 +12,22 @@
 
 namespace ugoki::dynamics {
 
+/// Instruction set of a kernel table. plain: baseline of the target processor, for example SSE2 on x86-64.
 enum class SimdWidth : std::uint8_t { plain, avx2, avx512 };
 
-/// Numbers of one kind lie `stride` apart: 1 for one instance, the lanes of a block for a batch.
-/// Constant: that of a node, Real, or for twins one for each lane.
+/// Inputs, outputs and scratch memory of one kernel call. Element i of q, v, in, external and out is at index i * stride.
+/// @tparam Constant type of a node's constants: Real, or LaneArray (one value per lane) for twins
 template <class Real, class Constant = Real>
 struct KernelArguments {
   const NodeOrder* order;
   const NodeConstants<Constant>* constants;
   int nodes, slots, nv;
-  const LinkPlace* links;
+  const LinkAttachment* links;
   int link_count;
   const int* angle_q;
   const double* angle_sign;
   int angles;
-  double* sin = nullptr;  ///< of the angles, where they are known already; else null
+  double* sin = nullptr;  ///< [angles] sines if they are already computed, with `cos`; else null
   double* cos = nullptr;
 
   const Real* q;           ///< [nq]
@@ -35,51 +36,53 @@ struct KernelArguments {
   const Real* external;    ///< [links * 6] wrenches about the world origin in world axes, angular first; null: none
   Real* out;               ///< [nv] tau or vdot
   Real gravity[3];         ///< m/s^2
-  std::byte* scratch;      ///< scratch_size(), on a boundary of 64 bytes
-  const int* entry_place;  ///< inertia matrix only: Workspace::entry_place
-  std::ptrdiff_t stride;
+  std::byte* scratch;      ///< scratch_size() bytes, aligned to 64 bytes
+  const int* entry_index;  ///< inertia matrix only: Workspace::entry_index
+  std::ptrdiff_t stride;   ///< 1 for one instance; lanes of a block for a batch
 };
 
-/// Pairs of equal subtrees side by side, and the trunk that carries them: link_twins.h. Addresses of one call.
+/// Arguments of a call with twins (link_twins.h): the trunk, and pairs of equal subtrees computed side by side.
 struct TwinArguments {
-  static constexpr int most_pairs = 4;
+  static constexpr int max_pairs = 4;
   struct Pair {
-    KernelArguments<double, LaneArray<double, 2>> a;  ///< q, v, in, out: in front of its scratch; the inertia matrix goes out at once
-    double *q, *v, *in;                               ///< those of `a`, to be filled from the trunk's by `q_of`, `v_of`
-    int nq;
-    const int* q_of;  ///< [nq * 2]
-    const int* v_of;  ///< [nv * 2]
-    const int* node;  ///< [nodes * 2] of the whole program
-    int base;         ///< node of the trunk that carries them
-    int place;        ///< NodeOrder::twins of that node
-    int force_begin;  ///< of the trunk's forces, where those of the pair begin
-    bool first;       ///< of this base
+    KernelArguments<double, LaneArray<double, 2>> a;  ///< q, v, in and out are two-lane arrays stored before its scratch memory; for the
+                                                      ///< inertia matrix `out` is the mechanism's array
+    double *q, *v, *in;                               ///< the arrays of `a`; the kernels fill them from the trunk's, through q_of and v_of
+    int nq;                                           ///< coordinates of one twin
+    const int* q_of;                                  ///< [nq * 2] coordinate of the mechanism for each value in `q`
+    const int* v_of;                                  ///< [nv * 2] DOF of the mechanism for each value in `v`
+    const int* node;                                  ///< [nodes * 2] node of the LinkProgram
+    int base;                                         ///< node of the trunk to which the two twins are attached
+    int twin_slot;                                    ///< NodeOrder::twin_slot of that node
+    int force_begin;                                  ///< index of the pair's first DOF in the trunk's force range (LinkProgram::force_dof)
+    bool first;                                       ///< the pair is the first one of its base
   };
   KernelArguments<double> trunk;
-  const int* trunk_node;  ///< [trunk.nodes] of the whole program
+  const int* trunk_node;  ///< [trunk.nodes] node of the LinkProgram
   int pair_count;
-  int places;
-  const int* angle_q;        ///< [angles] of all: the trunk's, then those of each pair; a multiple of 16
+  int twin_slots;            ///< number of trunk nodes with twins
+  const int* angle_q;        ///< [angles] coordinate of each angle: the trunk's angles, then those of each pair
   const double* angle_sign;  ///< [angles]
-  int angles;
-  Pair pairs[most_pairs];
+  int angles;                ///< a multiple of 16 (padded)
+  Pair pairs[max_pairs];
 };
 
-/// One width. `batch_*` run `lanes` instances that lie side by side; bit i of what they return: instance i is singular.
+/// Kernels for `lanes` instances that are stored side by side.
 template <class Real>
 struct BatchKernels {
   int lanes;
   void (*inverse)(const KernelArguments<Real>&);
-  unsigned (*forward)(const KernelArguments<Real>&);
-  /// q, v <- a semi-implicit step with the accelerations `in`, but not of the instances whose bit is set in `stays`.
+  unsigned (*forward)(const KernelArguments<Real>&);  ///< returns bits: bit i is set if instance i is singular
+  /// Semi-implicit step of q and v with the accelerations `in`. Instances whose bit is set in `stays` do not change.
   void (*step)(const KernelArguments<Real>&, Real* q, Real* v, Real dt, unsigned stays);
 };
 
+/// All kernels of one SIMD width.
 struct Kernels {
   void (*inverse)(const KernelArguments<double>&);
-  bool (*forward)(const KernelArguments<double>&);  ///< false: singular
-  void (*inertia)(const KernelArguments<double>&);  ///< `out`: chain rows
-  void (*inverse_twins)(const TwinArguments&);      ///< without external wrenches
+  bool (*forward)(const KernelArguments<double>&);  ///< returns false: singular inertia
+  void (*inertia)(const KernelArguments<double>&);  ///< `out`: inertia matrix as chain rows
+  void (*inverse_twins)(const TwinArguments&);      ///< the *_twins kernels do not support external wrenches
   bool (*forward_twins)(const TwinArguments&);
   void (*inertia_twins)(const TwinArguments&);
   /// s[i], c[i] = sine and cosine of x[i]. @param n a multiple of 8
@@ -88,21 +91,21 @@ struct Kernels {
   BatchKernels<float> in_single;
 };
 
-/// Entries that the inertia matrix gathers before it writes them to their places.
+/// Number of inertia matrix entries that kernel_inertia.h collects before it writes them to the chain rows.
 inline constexpr int inertia_entries_at_once = 256;
 
-/// Bytes of scratch that the kernels need for `instances` side by side.
+/// Bytes of scratch memory that the kernels need for `instances` instances side by side.
 [[nodiscard]] std::size_t scratch_size(const LinkProgram& program, std::size_t bytes_a_number, int instances);
 [[nodiscard]] std::size_t scratch_size(int nodes, int nv, int slots, int angles, std::size_t bytes_a_number, int instances);
-/// The address of the wrenches, or null where all are zero.
-[[nodiscard]] const double* acting(std::span<const Vec6> external);
+/// Address of the wrenches as [links * 6] values; null if all are zero or `external` is empty.
+[[nodiscard]] const double* nonzero_wrenches(std::span<const Vec6> external);
 
-/// The widest that this processor has.
+/// Widest SIMD instruction set that this processor and build support.
 [[nodiscard]] SimdWidth widest_simd();
-/// The kernels in use: those of widest_simd(), unless a test chose others.
+/// The kernels in use: those of widest_simd(), unless use_simd() selected others.
 [[nodiscard]] const Kernels& kernels();
-/// For tests and measurements, before other threads run: makes kernels() use `width`. @return false where the processor or the build lacks
-/// it
+/// Makes kernels() return the table of `width`. For tests and benchmarks only; call it before other threads use kernels().
+/// @return false if the processor or the build does not support `width`; kernels() then does not change
 bool use_simd(SimdWidth width);
 
 namespace plain {

@@ -1,6 +1,6 @@
 #pragma once
-// The table of one width: included once by each kernels_*.cpp, which defines UGOKI_WIDTH (the name of the table's namespace),
-// UGOKI_DOUBLE_LANES and UGOKI_FLOAT_LANES.
+// The kernel table of one SIMD width. Each kernels_*.cpp defines UGOKI_WIDTH (the namespace of the table), UGOKI_DOUBLE_LANES and
+// UGOKI_FLOAT_LANES, and includes this header once.
 
 #include "ugoki/dynamics/kernel_forward.h"
 #include "ugoki/dynamics/kernel_inertia.h"

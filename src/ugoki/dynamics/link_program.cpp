@@ -5,19 +5,19 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// A node while the program is made: in the order of links.
+/// A node before depth-first ordering. Drafts are in the order of the mechanism's links.
 struct Draft {
   NodeKind kind;
-  int parent;       // draft
-  Pose X_PN;        // at q = 0
-  Mat3 Q;           // node's axes in those of the body or massless frame it carries
-  Inertia inertia;  // in the node's frame
+  int parent;       // index of the parent draft; -1: the world
+  Pose X_PN;        // pose of the node's frame in the parent node's frame at q = 0
+  Mat3 Q;           // rotation of the node's frame in the frame of the joint that it carries
+  Inertia inertia;  // inertia of all links merged into the node, in the node's frame
   int q, v;
   double sign = 1, pitch = 0;
   double armature[6] = {};
 };
 
-/// Rotation whose third column is `axis`: a cyclic exchange for the coordinate axes, with a sign for their opposites.
+/// Rotation Q with sign * (third column of Q) = `axis`. For the coordinate axes and their opposites Q is a cyclic permutation.
 struct Alignment {
   Mat3 Q;
   double sign;
@@ -32,9 +32,10 @@ Alignment align(const Vec3& axis) {
   return {to_matrix(rotation_between({0, 0, 1}, axis)), 1.0};
 }
 
-class Drafting {
+/// Turns the links of a mechanism into drafts, and finds the draft that carries each link.
+class DraftBuilder {
  public:
-  Drafting(const Mechanism& m, LinkProgram& program) : m_(m), program_(program) {}
+  DraftBuilder(const Mechanism& m, LinkProgram& program) : m_(m), program_(program) {}
 
   void run() {
     program_.links.resize(m_.links().size());
@@ -43,13 +44,14 @@ class Drafting {
   std::vector<Draft> drafts;
 
  private:
-  /// Where the next joint starts: a frame on a draft node (or on the world).
-  struct Place {
-    int node;
-    Pose X;
+  /// A frame to which the next joint is attached.
+  struct Mount {
+    int node;  ///< index of the draft that carries the frame; -1: the world
+    Pose X;    ///< pose of the frame in that draft's frame, or in the world's
   };
 
-  Place add(const Place& at, NodeKind kind, const Vec3& axis, int q, int v, std::span<const Freedom> freedoms, double pitch = 0) {
+  /// Appends a draft with one simple joint on `at`. @return the joint's moving frame, whose axes at q = 0 are those of `at`
+  Mount add(const Mount& at, NodeKind kind, const Vec3& axis, int q, int v, std::span<const Dof> dofs, double pitch = 0) {
     const bool aligned = kind != NodeKind::spherical && kind != NodeKind::floating;
     const Alignment a = aligned ? align(axis) : Alignment{Mat3::identity(), 1.0};
     Draft d{.kind = kind,
@@ -61,7 +63,7 @@ class Drafting {
             .v = v,
             .sign = a.sign,
             .pitch = pitch};
-    for (std::size_t k = 0; k < freedoms.size(); ++k) d.armature[k] = freedoms[k].armature;
+    for (std::size_t k = 0; k < dofs.size(); ++k) d.armature[k] = dofs[k].armature;
     drafts.push_back(d);
     return {static_cast<int>(drafts.size()) - 1, {a.Q.transposed(), {}}};
   }
@@ -69,9 +71,9 @@ class Drafting {
   void add_link(int index) {
     const Link& link = m_.link(index);
     const Joint& j = link.joint;
-    const LinkPlace parent = link.parent < 0 ? LinkPlace{} : program_.links[static_cast<std::size_t>(link.parent)];
-    Place at{parent.node, parent.X_NL * j.X_PJ};
-    const std::span<const Freedom> f = j.freedoms;
+    const LinkAttachment parent = link.parent < 0 ? LinkAttachment{} : program_.links[static_cast<std::size_t>(link.parent)];
+    Mount at{parent.node, parent.X_NL * j.X_PJ};
+    const std::span<const Dof> f = j.dofs;
     const int q = link.q_index, v = link.v_index;
     switch (j.type) {
       case JointType::fixed: break;
@@ -110,10 +112,10 @@ class Drafting {
   LinkProgram& program_;
 };
 
-/// Depth first, children in their order: place_of[draft] = node. O(nodes), without recursion.
+/// Numbers the drafts depth first, children in the order of their drafts: node_of[draft] is the node's index. O(nodes), no recursion.
 std::vector<int> depth_first(std::span<const Draft> drafts) {
   const std::size_t n = drafts.size();
-  std::vector<int> first(n, -1), next(n, -1), place_of(n), open;
+  std::vector<int> first(n, -1), next(n, -1), node_of(n), open;
   std::vector<int> roots;
   for (std::size_t i = n; i-- > 0;) {
     const int parent = drafts[i].parent;
@@ -126,16 +128,16 @@ std::vector<int> depth_first(std::span<const Draft> drafts) {
   }
   int count = 0;
   std::vector<int> children;
-  open = roots;  // the last is taken first
+  open = roots;  // a stack: `roots` is in descending order, so the first root is on top
   while (!open.empty()) {
     const auto i = static_cast<std::size_t>(open.back());
     open.pop_back();
-    place_of[i] = count++;
+    node_of[i] = count++;
     children.clear();
     for (int c = first[i]; c >= 0; c = next[static_cast<std::size_t>(c)]) children.push_back(c);
     open.insert(open.end(), children.rbegin(), children.rend());
   }
-  return place_of;
+  return node_of;
 }
 
 Crossing crossing_of(NodeKind kind, const Mat3& R) {
@@ -173,16 +175,16 @@ Axes axes_of(const double* x) { return static_cast<Axes>((x[0] != 0 ? 1 : 0) | (
 }  // namespace
 
 LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
-  Drafting drafting(m, *this);
-  drafting.run();
-  const std::span<const Draft> drafts = drafting.drafts;
-  const std::vector<int> place_of = depth_first(drafts);
+  DraftBuilder builder(m, *this);
+  builder.run();
+  const std::span<const Draft> drafts = builder.drafts;
+  const std::vector<int> node_of = depth_first(drafts);
   std::vector<std::size_t> draft_of(drafts.size());
-  for (std::size_t i = 0; i < drafts.size(); ++i) draft_of[static_cast<std::size_t>(place_of[i])] = i;
-  for (LinkPlace& link : links)
-    if (link.node >= 0) link.node = place_of[static_cast<std::size_t>(link.node)];
+  for (std::size_t i = 0; i < drafts.size(); ++i) draft_of[static_cast<std::size_t>(node_of[i])] = i;
+  for (LinkAttachment& link : links)
+    if (link.node >= 0) link.node = node_of[static_cast<std::size_t>(link.node)];
 
-  std::vector<int> last(drafts.size(), -1);
+  std::vector<int> last(drafts.size(), -1);  // last child of each node; -1: none
   for (std::size_t i = 0; i < drafts.size(); ++i) {
     const Draft& d = drafts[draft_of[i]];
     NodeOrder node;
@@ -190,7 +192,7 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
     node.crossing = crossing_of(d.kind, d.X_PN.R);
     node.turned = d.X_PN.R != Mat3::identity();
     node.massless = d.inertia == Inertia{};
-    node.parent = d.parent < 0 ? -1 : place_of[static_cast<std::size_t>(d.parent)];
+    node.parent = d.parent < 0 ? -1 : node_of[static_cast<std::size_t>(d.parent)];
     node.level = node.parent < 0 ? 0 : order[static_cast<std::size_t>(node.parent)].level + 1;
     node.q = d.q;
     node.v = d.v;
@@ -205,16 +207,17 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
     node.offset = axes_of(c.p);
     node.moment = axes_of(c.h);
     node.oblique = axes_of(c.I + 3) != 0;
-    node.armed = axes_of(c.armature) != 0 || axes_of(c.armature + 3) != 0;
+    node.has_armature = axes_of(c.armature) != 0 || axes_of(c.armature + 3) != 0;
     node.reversed = c.sign < 0;
-    if (node.parent >= 0) order[static_cast<std::size_t>(node.parent)].bends |= node.offset != 0 || node.kind != NodeKind::revolute;
+    if (node.parent >= 0)
+      order[static_cast<std::size_t>(node.parent)].children_offset |= node.offset != 0 || node.kind != NodeKind::revolute;
     order.push_back(node);
   }
   slots = mark_children(order);
   for (std::size_t i = order.size(); i-- > 0;) {
-    order[i].force_begin = last[i] < 0 ? static_cast<int>(force_freedom.size()) : order[static_cast<std::size_t>(last[i])].force_begin;
-    for (int k = freedoms_of(order[i].kind); k-- > 0;) force_freedom.push_back(order[i].v + k);
-    order[i].force_end = static_cast<int>(force_freedom.size());
+    order[i].force_begin = last[i] < 0 ? static_cast<int>(force_dof.size()) : order[static_cast<std::size_t>(last[i])].force_begin;
+    for (int k = dofs_of(order[i].kind); k-- > 0;) force_dof.push_back(order[i].v + k);
+    order[i].force_end = static_cast<int>(force_dof.size());
     order[i].end = last[i] < 0 ? static_cast<int>(i) + 1 : order[static_cast<std::size_t>(last[i])].end;
   }
 }

@@ -1,10 +1,11 @@
 #pragma once
-// A mechanism as the fast kernels run it: a flat list of one-step operations ("nodes"), each a body with one simple joint.
+// A mechanism compiled for the fast kernels: a flat list of nodes. A node is one body with one simple joint to its parent node.
 //
-// Fixed links are merged into the body they are fixed to; cylindrical, planar, universal and non-base floating joints become
-// chains of simple joints with massless bodies between. Nodes stand in depth-first order, so that the first child of node i is
-// i + 1 and a subtree is a range. A node's frame sits at its joint, its z along the joint's axis. Where the axis is a coordinate
-// axis and the joint's frame is not turned, the frames differ by a cyclic exchange of x, y, z, which costs nothing.
+// Fixed links are merged into the body to which they are fixed. Cylindrical, planar, universal and non-base floating joints become
+// chains of simple joints with massless bodies in between. Nodes are in depth-first order: the first child of node i is node i + 1,
+// and the subtree of a node is an index range. The origin of a node's frame is at the node's joint; its z axis is the joint's axis.
+// If the joint's axis is a coordinate axis and the joint's frame is not rotated, the frames of node and parent differ only by a
+// cyclic permutation of x, y, z, which needs no arithmetic.
 
 #include <cstdint>
 #include <span>
@@ -16,80 +17,84 @@
 namespace ugoki::dynamics {
 
 enum class NodeKind : std::uint8_t { revolute, prismatic, helical, spherical, floating };
-[[nodiscard]] constexpr int freedoms_of(NodeKind kind) { return kind == NodeKind::floating ? 6 : kind == NodeKind::spherical ? 3 : 1; }
+/// Number of degrees of freedom of a node.
+[[nodiscard]] constexpr int dofs_of(NodeKind kind) { return kind == NodeKind::floating ? 6 : kind == NodeKind::spherical ? 3 : 1; }
 
-/// What a node costs to cross: a revolute joint whose frame is that of the parent with x, y, z exchanged cyclically (R v =
-/// (v.z, v.x, v.y) for `cycle`, (v.y, v.z, v.x) for `cycle_back`), or a whole rotation matrix.
+/// Form of NodeConstants::R, the rotation of a node's frame at q = 0 in its parent's frame; it selects the code that carries
+/// vectors across the joint. For revolute joints R may be the identity (`none`) or a cyclic permutation: R v = (v.z, v.x, v.y)
+/// for `cycle`, (v.y, v.z, v.x) for `cycle_back`. All other nodes use a full rotation matrix (`matrix`).
 enum class Crossing : std::uint8_t { none, cycle, cycle_back, matrix };
 
-/// Some of x (bit 0), y (bit 1), z (bit 2).
+/// Set of coordinate axes: x is bit 0, y bit 1, z bit 2.
 using Axes = std::uint8_t;
 
-/// What does not depend on the scalar.
+/// Instruction of one node: its position in the tree and flags that select the code. Independent of the scalar type.
 struct NodeOrder {
   NodeKind kind = NodeKind::revolute;
   Crossing crossing = Crossing::matrix;
-  bool has_child = false;    ///< node + 1 is its child
-  bool first_child = false;  ///< node - 1 is its parent
-  bool last_child = false;   ///< of a parent with several children: the one that comes last
-  bool turned = true;        ///< R is not the identity
-  bool massless = false;     ///< mass, h and I are zero
-  bool oblique = false;      ///< I has products of inertia
-  bool armed = false;        ///< armature is not zero
-  bool reversed = false;     ///< sign is -1
-  bool bends = false;        ///< its children's origins are not all its own
-  Axes offset = 0;           ///< coordinates of p that are not zero
-  Axes moment = 0;           ///< coordinates of h that are not zero
-  int parent = -1;           ///< node; -1: the world
-  int level = 0;             ///< nodes above
-  int slot = -1;             ///< of a node with several children: where what they pass on is added up
-  int q = 0, v = 0;          ///< first coordinate and freedom
-  int angle = -1;            ///< place of its angle among those of all revolute and helical nodes
-  int end = 0;               ///< its subtree is [node, end)
-  int force_begin = 0;       ///< the freedoms of its subtree are [force_begin, force_end) in force_freedom, its own the last,
-  int force_end = 0;         ///< the first of them at the end
-  int twins = -1;            ///< of a node that carries twins: the place of what they hand on (link_twins.h)
+  bool has_child = false;        ///< node + 1 is a child of this node
+  bool first_child = false;      ///< node - 1 is the parent of this node
+  bool last_child = false;       ///< the parent has several children, and this node is the last of them
+  bool turned = true;            ///< R is not the identity
+  bool massless = false;         ///< mass, h and I are all zero
+  bool oblique = false;          ///< the products of inertia (off-diagonal entries of I) are not all zero
+  bool has_armature = false;     ///< NodeConstants::armature is not all zero
+  bool reversed = false;         ///< NodeConstants::sign is -1
+  bool children_offset = false;  ///< a child is not revolute or has its origin away from this node's origin
+  Axes offset = 0;               ///< nonzero coordinates of p
+  Axes moment = 0;               ///< nonzero coordinates of h
+  int parent = -1;               ///< index of the parent node; -1: the world
+  int level = 0;                 ///< number of ancestor nodes
+  int slot = -1;                 ///< nodes with several children: index of the sum of the children's forces or inertias; else -1
+  int q = 0, v = 0;              ///< first coordinate in q and first DOF in v
+  int angle = -1;                ///< index of its joint angle among the angles of all revolute and helical nodes; -1: none
+  int end = 0;                   ///< the subtree is the node range [node, end)
+  int force_begin = 0;           ///< the DOFs of the subtree are [force_begin, force_end) in LinkProgram::force_dof;
+  int force_end = 0;             ///< the node's own DOFs are last, in descending order
+  int twin_slot = -1;            ///< base node of twins: index of the sum of what the twins pass on (link_twins.h); else -1
 };
 
-/// Constants of a node; Real: double or float.
+/// Constants of a node. @tparam Real double, float, or a pair of lanes (link_twins.h)
 template <class Real>
-struct alignas(64) NodeConstants {  // what most kernels need of most nodes is in the first two cache lines
-  Real p[3];                        ///< m: the node's origin in the parent's frame at q = 0
-  Real sign;                        ///< +1; -1: the joint turns about, or slides along, -z
-  Real mass, h[3];                  ///< kg, kg m: in the node's frame
+struct alignas(64) NodeConstants {  // the members used most are in the first two cache lines
+  Real p[3];                        ///< m: origin of the node's frame at q = 0 in the parent's frame
+  Real sign;                        ///< +1: the joint turns about or slides along +z; -1: -z
+  Real mass, h[3];                  ///< kg; kg m: mass times centre of mass, in the node's frame
   Real spread[3];                   ///< kg m^2: Izz - Iyy, Ixx - Izz, Iyy - Ixx
-  Real I[6];                        ///< kg m^2 about the node's origin: xx yy zz xy xz yz
-  Real second[6];                   ///< kg m^2: second moments of mass, tr(I)/2 1 - I, in the order of I
-  Real armature[6];                 ///< of its freedoms
-  Real R[9];                        ///< rotation of the node's frame at q = 0 in the parent's, row by row
-  Real pitch;                       ///< m/rad (helical)
+  Real I[6];                        ///< kg m^2: inertia about the node's origin, order xx yy zz xy xz yz
+  Real second[6];                   ///< kg m^2: second moments of mass, tr(I)/2 E - I, ordered as I
+  Real armature[6];                 ///< kg | kg m^2: one for each DOF of the node
+  Real R[9];                        ///< rotation of the node's frame at q = 0 in the parent's frame, row-major
+  Real pitch;                       ///< m/rad: helical joints only
 };
 
-struct LinkPlace {
-  int node = -1;  ///< the body that carries the link; -1: fixed to the world
-  Pose X_NL;      ///< the link's frame in the node's (in the world)
+/// The node that carries a link, and the link's pose on it.
+struct LinkAttachment {
+  int node = -1;  ///< -1: the link is fixed to the world
+  Pose X_NL;      ///< pose of the link's frame in the node's frame, or in the world's
 };
 
+/// The compiled mechanism. Immutable after construction.
 struct LinkProgram {
   explicit LinkProgram(const Mechanism& mechanism);
 
   std::vector<NodeOrder> order;                  ///< [nodes]
   std::vector<NodeConstants<double>> constants;  ///< [nodes]
-  std::vector<LinkPlace> links;                  ///< [links]
-  std::vector<int> angle_q;                      ///< [angles] the coordinate of each angle
-  std::vector<double> angle_sign;                ///< [angles]
-  std::vector<int> force_freedom;                ///< [nv] freedoms from the last node's to the first's
-  int slots = 0;
+  std::vector<LinkAttachment> links;             ///< [links]
+  std::vector<int> angle_q;                      ///< [angles] index in q of each angle
+  std::vector<double> angle_sign;                ///< [angles] NodeConstants::sign of the angle's node
+  std::vector<int> force_dof;                    ///< [nv] all DOFs, ordered from the last node to the first
+  int slots = 0;                                 ///< number of nodes with several children: size of the array that NodeOrder::slot indexes
   int nq = 0, nv = 0;
 
   [[nodiscard]] int nodes() const { return static_cast<int>(order.size()); }
   [[nodiscard]] int angles() const { return static_cast<int>(angle_q.size()); }
 };
 
-/// Sets who comes first and last among a node's children, and the slots of nodes with several. @return how many slots
+/// Sets has_child, first_child, last_child and slot of every node from its parent. @return the number of slots
 int mark_children(std::span<NodeOrder> order);
 
-/// The constants in single precision.
+/// The constants rounded to single precision.
 [[nodiscard]] std::vector<NodeConstants<float>> in_single_precision(std::span<const NodeConstants<double>> constants);
 
 }  // namespace ugoki::dynamics

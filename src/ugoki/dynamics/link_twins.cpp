@@ -8,8 +8,10 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 int int_of(std::size_t n) { return static_cast<int>(n); }
 
-int coordinates_of(NodeKind kind) { return kind == NodeKind::spherical ? 4 : 1; }  // not of a floating base
+/// Number of coordinates of a node in a twin. A floating node is always a root of the tree, so it is never in a twin.
+int coordinates_of(NodeKind kind) { return kind == NodeKind::spherical ? 4 : 1; }
 
+/// Finds the pairs of twins in a program and fills in a LinkTwins.
 class Search {
  public:
   Search(const LinkProgram& program, LinkTwins& twins) : p_(program), t_(twins), lane_(at(program.nodes())) {}
@@ -26,14 +28,14 @@ class Search {
  private:
   [[nodiscard]] const NodeOrder& order(int i) const { return p_.order[at(i)]; }
 
-  /// Children of a node of the trunk.
+  /// Records the pairs of twins among the children of a trunk node.
   void pair_children(int base) {
     std::vector<int> children;
     for (int c = base + 1; c < order(base).end; c = order(c).end) children.push_back(c);
     for (std::size_t i = 0; i < children.size(); ++i)
       for (std::size_t j = i + 1; j < children.size(); ++j) {
         const int a = children[i], b = children[j];
-        if (lane_[at(a)] != 0 || lane_[at(b)] != 0 || int_of(found_.size()) == TwinArguments::most_pairs || !alike(a, b)) continue;
+        if (lane_[at(a)] != 0 || lane_[at(b)] != 0 || int_of(found_.size()) == TwinArguments::max_pairs || !alike(a, b)) continue;
         for (int k = a; k < order(a).end; ++k) {
           lane_[at(k)] = 1;
           lane_[at(b + k - a)] = 2;
@@ -42,9 +44,10 @@ class Search {
       }
   }
 
+  /// True if the subtrees of nodes a and b have the same joints in the same order and are large enough to run as a pair.
   [[nodiscard]] bool alike(int a, int b) const {
-    constexpr int least = 3;  // nodes; below that the lanes cost more than they save
-    if (order(a).end - a < least || order(a).end - a != order(b).end - b) return false;
+    constexpr int min_nodes = 3;  // for smaller subtrees, copying into the lanes costs more than the lanes save
+    if (order(a).end - a < min_nodes || order(a).end - a != order(b).end - b) return false;
     for (int k = 0; k < order(a).end - a; ++k) {
       const NodeOrder &x = order(a + k), &y = order(b + k);
       if (x.kind != y.kind || x.crossing != y.crossing || x.turned != y.turned || x.massless != y.massless) return false;
@@ -84,8 +87,8 @@ class Search {
       o.offset |= other.offset;
       o.moment |= other.moment;
       o.oblique |= other.oblique;
-      o.armed |= other.armed;
-      o.bends |= other.bends;
+      o.has_armature |= other.has_armature;
+      o.children_offset |= other.children_offset;
       o.parent = i == a ? -1 : o.parent - a;
       if (o.angle >= 0) {
         for (const NodeOrder* x : {&order(i), &other}) t.angle_sign.push_back(p_.angle_sign[at(x->angle)]);
@@ -93,7 +96,7 @@ class Search {
         t.angle_q.push_back(t.nq);
       }
       for (int k = 0; k < coordinates_of(o.kind); ++k) t.q_of.insert(t.q_of.end(), {order(i).q + k, other.q + k});
-      for (int k = 0; k < freedoms_of(o.kind); ++k) t.v_of.insert(t.v_of.end(), {order(i).v + k, other.v + k});
+      for (int k = 0; k < dofs_of(o.kind); ++k) t.v_of.insert(t.v_of.end(), {order(i).v + k, other.v + k});
       o.force_begin -= order(a).force_begin;
       o.force_end -= order(a).force_begin;
       o.q = t.nq;
@@ -105,36 +108,37 @@ class Search {
       t.constants.push_back(side_by_side(p_.constants[at(i)], p_.constants[at(b + i - a)]));
     }
     for (int k = 0; k < order(a).force_end - order(a).force_begin; ++k)
-      for (const int root : {a, b}) t.force_freedom.push_back(p_.force_freedom[at(order(root).force_begin + k)]);
+      for (const int root : {a, b}) t.force_dof.push_back(p_.force_dof[at(order(root).force_begin + k)]);
     for (const NodeOrder& o : t.order)
-      for (int k = 0; k < freedoms_of(o.kind); ++k) t.entries += 2 * (o.force_end - o.force_begin - k);
+      for (int k = 0; k < dofs_of(o.kind); ++k) t.entries += 2 * (o.force_end - o.force_begin - k);
     t.slots = mark_children(t.order);
     t.base = trunk_of_[at(order(a).parent)];
-    int& place = t_.trunk.order[at(t.base)].twins;
-    t.first = place < 0;
-    if (t.first) place = t_.places++;
-    t.place = place;
+    int& slot = t_.trunk.order[at(t.base)].twin_slot;
+    t.first = slot < 0;
+    if (t.first) slot = t_.twin_slots++;
+    t.twin_slot = slot;
     t.scratch = t_.scratch;
-    // q, v, in, out and the kernel's own
+    // Two lanes of memory for q, v, in and out, and for the scratch of the kernels
     t_.scratch += rounded(scratch_size(int_of(t.order.size()), t.nv, t.slots, int_of(t.angle_q.size()), sizeof(double), 2));
     t_.pairs.push_back(std::move(t));
   }
 
-  /// Forces of the trunk anew: those of the pairs that a node carries come after those of its subtree in the trunk, its own last.
+  /// Rebuilds the force ranges of the trunk. For each node: first the DOFs of its subtree in the trunk, then the DOFs of the pairs
+  /// whose base it is, then its own DOFs.
   void order_forces() {
     LinkTwins::Part<double>& t = t_.trunk;
-    std::vector<int> begin(t.order.size(), -1);  // where the forces of each node's subtree begin
+    std::vector<int> begin(t.order.size(), -1);  // start in force_dof of the range of each node's subtree; -1: no child visited yet
     for (std::size_t i = t.order.size(); i-- > 0;) {
       NodeOrder& o = t.order[i];
-      o.force_begin = begin[i] < 0 ? int_of(t.force_freedom.size()) : begin[i];
+      o.force_begin = begin[i] < 0 ? int_of(t.force_dof.size()) : begin[i];
       for (std::size_t k = t_.pairs.size(); k-- > 0;) {
         LinkTwins::Pair& pair = t_.pairs[k];
         if (pair.base != int_of(i)) continue;
-        pair.force_begin = int_of(t.force_freedom.size());
-        t.force_freedom.insert(t.force_freedom.end(), pair.force_freedom.begin(), pair.force_freedom.end());
+        pair.force_begin = int_of(t.force_dof.size());
+        t.force_dof.insert(t.force_dof.end(), pair.force_dof.begin(), pair.force_dof.end());
       }
-      for (int k = freedoms_of(o.kind); k-- > 0;) t.force_freedom.push_back(o.v + k);
-      o.force_end = int_of(t.force_freedom.size());
+      for (int k = dofs_of(o.kind); k-- > 0;) t.force_dof.push_back(o.v + k);
+      o.force_end = int_of(t.force_dof.size());
       if (o.parent >= 0 && begin[at(o.parent)] < 0) begin[at(o.parent)] = o.force_begin;
     }
   }
@@ -180,9 +184,9 @@ class Search {
 
   const LinkProgram& p_;
   LinkTwins& t_;
-  std::vector<char> lane_;  ///< 0: trunk
-  std::vector<int> trunk_of_;
-  std::vector<std::pair<int, int>> found_;
+  std::vector<char> lane_;                  ///< [nodes] 0: trunk, 1: first twin, 2: second twin of a pair
+  std::vector<int> trunk_of_;               ///< [nodes] index of the node in the trunk; -1: the node is in a pair
+  std::vector<std::pair<int, int>> found_;  ///< root nodes of the two twins of each pair
 };
 
 template <class Constant>
@@ -202,18 +206,18 @@ KernelArguments<double, Constant> part_arguments(const LinkTwins::Part<Constant>
 
 }  // namespace
 
-std::vector<std::pair<int, int>> LinkTwins::entry_freedoms() const {
+std::vector<std::pair<int, int>> LinkTwins::entry_dofs() const {
   std::vector<std::pair<int, int>> out;
-  const auto append = [&](const std::vector<NodeOrder>& order, const std::vector<int>& force_freedom, int lanes) {
+  const auto append = [&](const std::vector<NodeOrder>& order, const std::vector<int>& force_dof, int lanes) {
     for (std::size_t i = order.size(); i-- > 0;) {
       const NodeOrder& o = order[i];
-      for (int k = 0; k < freedoms_of(o.kind); ++k)
+      for (int k = 0; k < dofs_of(o.kind); ++k)
         for (int e = o.force_begin * lanes; e < (o.force_end - k) * lanes; ++e)
-          out.emplace_back(force_freedom[at((o.force_end - 1 - k) * lanes + e % lanes)], force_freedom[at(e)]);
+          out.emplace_back(force_dof[at((o.force_end - 1 - k) * lanes + e % lanes)], force_dof[at(e)]);
     }
   };
-  for (std::size_t i = pairs.size(); i-- > 0;) append(pairs[i].order, pairs[i].force_freedom, 2);
-  append(trunk.order, trunk.force_freedom, 1);
+  for (std::size_t i = pairs.size(); i-- > 0;) append(pairs[i].order, pairs[i].force_dof, 2);
+  append(trunk.order, trunk.force_dof, 1);
   return out;
 }
 
@@ -237,7 +241,7 @@ TwinArguments LinkTwins::arguments(const KernelArguments<double>& whole) const {
   out.trunk.cos = cos;
   out.trunk_node = trunk.node.data();
   out.pair_count = int_of(pairs.size());
-  out.places = places;
+  out.twin_slots = twin_slots;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& p = pairs[i];
     TwinArguments::Pair& to = out.pairs[i];
@@ -250,28 +254,31 @@ TwinArguments LinkTwins::arguments(const KernelArguments<double>& whole) const {
           p.v_of.data(),
           p.node.data(),
           p.base,
-          p.place,
+          p.twin_slot,
           p.force_begin,
           p.first};
     std::byte* next = whole.scratch + p.scratch;
-    const auto take = [&](int n) { return reinterpret_cast<double*>(std::exchange(next, next + (at(n) * sizeof(double) + 63) / 64 * 64)); };
-    to.a.q = to.q = take(2 * p.nq);
-    to.a.v = to.v = take(2 * p.nv);
-    to.in = take(2 * p.nv);
+    const auto allocate = [&](int n) {
+      return reinterpret_cast<double*>(std::exchange(next, next + (at(n) * sizeof(double) + 63) / 64 * 64));
+    };
+    to.a.q = to.q = allocate(2 * p.nq);
+    to.a.v = to.v = allocate(2 * p.nv);
+    to.in = allocate(2 * p.nv);
     to.a.in = whole.in == nullptr ? nullptr : to.in;
-    to.a.out = take(2 * p.nv);
-    if (whole.entry_place != nullptr) to.a.out = whole.out;
+    to.a.out = allocate(2 * p.nv);
+    if (whole.entry_index != nullptr) to.a.out = whole.out;  // the inertia matrix is written directly to its final entries
     to.a.scratch = next;
     to.a.stride = 2;
     to.a.sin = sin + p.angle_begin;
     to.a.cos = cos + p.angle_begin;
   }
-  if (const int* place = whole.entry_place; place != nullptr) {
+  // The entries of the pairs come first, in reverse order (see entry_dofs)
+  if (const int* next_entry = whole.entry_index; next_entry != nullptr) {
     for (std::size_t i = pairs.size(); i-- > 0;) {
-      out.pairs[i].a.entry_place = place;
-      place += pairs[i].entries;
+      out.pairs[i].a.entry_index = next_entry;
+      next_entry += pairs[i].entries;
     }
-    out.trunk.entry_place = place;
+    out.trunk.entry_index = next_entry;
   }
   return out;
 }

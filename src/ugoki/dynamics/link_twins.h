@@ -1,6 +1,7 @@
 #pragma once
-// Twins: two children of a node whose subtrees are built alike (legs, arms) run side by side in two lanes for one instance.
-// What is left is the trunk. Internal to dynamics/.
+// Twins: two sibling nodes whose subtrees have the same structure (two legs, two arms). The kernels run both subtrees of such a
+// pair in the two lanes of one register for one instance. The trunk consists of all nodes outside the pairs; the base of a pair is
+// the trunk node that carries the twins. Internal to dynamics/.
 
 #include <cstddef>
 #include <utility>
@@ -10,43 +11,46 @@
 
 namespace ugoki::dynamics {
 
+/// A LinkProgram split into its trunk and pairs of twins.
 struct LinkTwins {
-  using Both = LaneArray<double, 2>;
+  using Both = LaneArray<double, 2>;  ///< values of the first and second twin
 
+  /// Program of the trunk (Constant = double) or of one pair (Constant = Both). In a pair, arrays marked "2 per ..." interleave
+  /// the values of the first and second twin.
   template <class Constant>
   struct Part {
-    std::vector<NodeOrder> order;
-    std::vector<NodeConstants<Constant>> constants;
-    std::vector<int> angle_q;
-    std::vector<double> angle_sign;  ///< of pairs two for each angle
-    std::vector<int> node;           ///< of the whole program; of pairs two for each
-    std::vector<int> force_freedom;  ///< the mechanism's; of pairs two for each
+    std::vector<NodeOrder> order;                    ///< [nodes] node, coordinate and DOF indices are those of this part
+    std::vector<NodeConstants<Constant>> constants;  ///< [nodes]
+    std::vector<int> angle_q;                        ///< [angles] index in this part's q of each angle
+    std::vector<double> angle_sign;                  ///< [angles]; pairs: 2 per angle
+    std::vector<int> node;                           ///< [nodes] index in the LinkProgram; pairs: 2 per node
+    std::vector<int> force_dof;  ///< the mechanism's DOFs in the order of LinkProgram::force_dof; pairs: 2 per DOF of a twin
     int nq = 0, nv = 0, slots = 0;
-    int entries = 0;      ///< of the inertia matrix
-    int angle_begin = 0;  ///< among those of all parts
+    int entries = 0;      ///< pairs: number of inertia matrix entries that the pair computes
+    int angle_begin = 0;  ///< index of its first angle in LinkTwins::angle_q
   };
   struct Pair : Part<Both> {
-    std::vector<int> q_of, v_of;  ///< [nq * 2], [nv * 2] the mechanism's coordinates and freedoms
-    int base = 0, place = 0;      ///< node of the trunk; its NodeOrder::twins
-    int force_begin = 0;          ///< of the trunk's forces, where those of the pair begin
-    bool first = true;            ///< of this base
-    std::size_t scratch = 0;      ///< where its scratch begins
+    std::vector<int> q_of, v_of;  ///< [nq * 2], [nv * 2] the mechanism's coordinates and DOFs, interleaved
+    int base = 0, twin_slot = 0;  ///< base: node index in the trunk; twin_slot: NodeOrder::twin_slot of the base
+    int force_begin = 0;          ///< index in the trunk's force_dof of the pair's first DOF
+    bool first = true;            ///< this pair is the first of its base
+    std::size_t scratch = 0;      ///< byte offset of the pair's memory in the scratch
   };
 
   explicit LinkTwins(const LinkProgram& program);
 
-  /// Freedoms of the entries of the inertia matrix in the order in which kernel_inertia.h has them: the one above, the other below.
-  [[nodiscard]] std::vector<std::pair<int, int>> entry_freedoms() const;
+  /// DOF pairs (ancestor or self, descendant) of the inertia matrix entries, in the order in which kernel_inertia.h computes them.
+  [[nodiscard]] std::vector<std::pair<int, int>> entry_dofs() const;
 
-  Part<double> trunk;  ///< q, v: those of the mechanism
+  Part<double> trunk;  ///< its coordinate and DOF indices are those of the mechanism
   std::vector<Pair> pairs;
-  std::vector<int> angle_q;        ///< [angles] of all parts, coordinates of the mechanism; a multiple of 16
-  std::vector<double> angle_sign;  ///< [angles]
-  int places = 0;                  ///< nodes of the trunk that carry twins
-  std::size_t sines = 0;           ///< where their sines and cosines stand in the scratch
-  std::size_t scratch = 0;         ///< bytes
+  std::vector<int> angle_q;        ///< [angles] index in the mechanism's q, all parts one after another; padded to a multiple of 16
+  std::vector<double> angle_sign;  ///< [angles] 0 for padding
+  int twin_slots = 0;              ///< number of base nodes in the trunk
+  std::size_t sines = 0;           ///< byte offset in the scratch of the sines; the cosines follow them
+  std::size_t scratch = 0;         ///< size of the scratch, bytes
 
-  /// Trunk and pairs of a call on the whole program. `whole.scratch` has `scratch` bytes.
+  /// Arguments for trunk and pairs from the arguments of a call on the whole program. `whole.scratch` must have `scratch` bytes.
   [[nodiscard]] TwinArguments arguments(const KernelArguments<double>& whole) const;
 };
 

@@ -9,32 +9,34 @@
 namespace ugoki::dynamics {
 namespace {
 
-constexpr double accepted_gap = 1e-11;  // in units of cw.length and rad: well above rounding, far below anything visible
-constexpr int starts = 24;
+constexpr double accepted_gap = 1e-11;  // multiples of cw.length, or rad: well above rounding error, far below anything visible
+constexpr int max_starts = 24;          // configurations that assemble() tries, the given one included
 
-/// Greatest distance from the reference point: what gaps are rounded to.
+/// Maximum distance of a link's origin from the reference point, m; at least cw.length. Rounding errors of gaps are proportional to it.
 double extent(const ClosedWorkspace& cw) {
-  double most = cw.length;
-  for (const Pose& X : cw.open.X_WB) most = std::max(most, norm(X.p - cw.open.p0));
-  return most;
+  double maximum = cw.length;
+  for (const Pose& X : cw.open.X_WB) maximum = std::max(maximum, norm(X.p - cw.open.p0));
+  return maximum;
 }
 
+/// Gap of a closed loop's row: distances in units of cw.length, angles in rad. @param active_row index into cw.active
 double scaled_gap(const ClosedWorkspace& cw, int active_row) {
   const auto row = static_cast<std::size_t>(cw.active[static_cast<std::size_t>(active_row)]);
   return cw.row_scale[row] * cw.rows.gap[row];
 }
 
-/// Of the first `count` rows in the order of the choice: all of them, or the independent ones.
-double greatest_gap(const ClosedWorkspace& cw, int count) {
-  double most = 0;
+/// Maximum absolute scaled gap of the first `count` rows in the order of cw.row_order (independent rows first).
+double max_gap(const ClosedWorkspace& cw, int count) {
+  double maximum = 0;
   for (int i = 0; i < count; ++i) {
     const int row = cw.rank < 0 ? i : cw.row_order[static_cast<std::size_t>(i)];
-    most = std::max(most, std::fabs(scaled_gap(cw, row)));
+    maximum = std::max(maximum, std::fabs(scaled_gap(cw, row)));
   }
-  return most;
+  return maximum;
 }
 
-/// A revolute, cylindrical or planar closure whose axes point against each other has no gap and is still not what was meant.
+/// True if a closed revolute, cylindrical or planar loop has antiparallel axes. Its rows have no gap there, but the intended
+/// configuration has parallel axes.
 bool has_reversed_axis(const ClosedWorkspace& cw) {
   for (std::size_t i = 0; i < cw.loops.size(); ++i) {
     const Loop& loop = cw.loops[i];
@@ -48,13 +50,14 @@ bool has_reversed_axis(const ClosedWorkspace& cw) {
   return false;
 }
 
-/// One damped least-squares step: y = -D J^T (J D J^T + damping 1)^-1 g with D = 1 / weights, in one unit.
-/// @param y [nv, out] @return false where the damping is too small for a factor
+/// One damped least-squares step: y = -D J^T (J D J^T + damping s E)^-1 g, with D = 1 / weights, g the scaled gaps and s the maximum
+/// diagonal entry of J D J^T. All quantities are scaled to one unit.
+/// @param y [nv, out] @return false if the damping is too small for a Cholesky factorisation
 bool damped_step(ClosedWorkspace& cw, std::span<const double> weights, double damping, std::span<double> y) {
   const std::size_t n = y.size(), rows = cw.active.size();
   const auto inverse_weight = [&](std::size_t j) { return weights.empty() ? 1.0 : 1.0 / weights[j]; };
   cw.normal.resize(rows * rows);
-  double greatest = 0;
+  double maximum = 0;
   for (std::size_t a = 0; a < rows; ++a) {
     const double* row = cw.J.data() + a * n;
     for (std::size_t j = 0; j < n; ++j) y[j] = row[j] * inverse_weight(j);
@@ -64,10 +67,10 @@ bool damped_step(ClosedWorkspace& cw, std::span<const double> weights, double da
       for (std::size_t j = 0; j < n; ++j) sum += y[j] * other[j];
       cw.normal[a * rows + b] = sum;
     }
-    greatest = std::max(greatest, cw.normal[a * rows + a]);
+    maximum = std::max(maximum, cw.normal[a * rows + a]);
     cw.multipliers[a] = scaled_gap(cw, static_cast<int>(a));
   }
-  for (std::size_t a = 0; a < rows; ++a) cw.normal[a * rows + a] += damping * std::max(greatest, 1e-30);
+  for (std::size_t a = 0; a < rows; ++a) cw.normal[a * rows + a] += damping * std::max(maximum, 1e-30);
   if (!factor_cholesky(cw.normal, static_cast<int>(rows), 0)) return false;
   solve_cholesky(cw.normal, static_cast<int>(rows), std::span(cw.multipliers).first(rows));
   for (std::size_t j = 0; j < n; ++j) {
@@ -78,12 +81,12 @@ bool damped_step(ClosedWorkspace& cw, std::span<const double> weights, double da
   return true;
 }
 
-/// y, at most `most` in any freedom, turned into the units of v.
-void to_displacement(const ClosedWorkspace& cw, double most, std::span<double> y) {
-  double greatest = 0;
-  for (const double x : y) greatest = std::max(greatest, std::fabs(x));
-  const double scale = greatest > most ? most / greatest : 1.0;
-  for (std::size_t j = 0; j < y.size(); ++j) y[j] *= scale * cw.freedom_scale[j];
+/// Scales y so that no entry exceeds `limit` in absolute value, then converts it to the units of v.
+void to_displacement(const ClosedWorkspace& cw, double limit, std::span<double> y) {
+  double largest = 0;
+  for (const double x : y) largest = std::max(largest, std::fabs(x));
+  const double scale = largest > limit ? limit / largest : 1.0;
+  for (std::size_t j = 0; j < y.size(); ++j) y[j] *= scale * cw.dof_scale[j];
 }
 
 double squared_gap(const ClosedWorkspace& cw) {
@@ -92,8 +95,8 @@ double squared_gap(const ClosedWorkspace& cw) {
   return sum;
 }
 
-/// Numbers in [-1, 1), the same on every machine.
-class Sequence {
+/// Pseudo-random values in [-1, 1) from a linear congruential generator; the same sequence on every machine.
+class PseudoRandom {
  public:
   double next() {
     state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
@@ -114,16 +117,16 @@ void update_gaps(const Mechanism& m, std::span<const double> q, ClosedWorkspace&
 
 Closure measure_gap(const ClosedWorkspace& cw) {
   Closure c{.closed = true};
-  double most = -1;
+  double maximum = -1;
   for (std::size_t i = 0; i < cw.active.size(); ++i) {
     const double gap = std::fabs(scaled_gap(cw, static_cast<int>(i)));
-    if (gap <= most) continue;
-    most = gap;
+    if (gap <= maximum) continue;
+    maximum = gap;
     c.row = cw.active[i];
     c.gap = std::fabs(cw.rows.gap[static_cast<std::size_t>(c.row)]);
     if (!std::isfinite(gap)) break;
   }
-  c.closed = most <= accepted_gap;
+  c.closed = maximum <= accepted_gap;
   return c;
 }
 
@@ -131,13 +134,13 @@ Closure close_theta_S(const Mechanism& m, std::span<double> q, ClosedWorkspace& 
   double last = 0;
   int iterations = 0;
   bool settled = false;
-  if (cw.rank != cw.full_rank) cw.rank = -1;  // left from a singular position
+  if (cw.rank != cw.full_rank) cw.rank = -1;  // the choice was made at a singular configuration: discard it
   for (; iterations < 20; ++iterations) {
     update_gaps(m, q, cw);
-    const double gap = greatest_gap(cw, cw.rank < 0 ? static_cast<int>(cw.active.size()) : cw.rank);
+    const double gap = max_gap(cw, cw.rank < 0 ? static_cast<int>(cw.active.size()) : cw.rank);
     settled = gap <= cw.gap_tolerance * extent(cw) / cw.length;
     if (settled || !std::isfinite(gap)) break;
-    // At rounding the gap no longer shrinks
+    // The gap no longer shrinks: rounding error, or no convergence
     if (iterations > 1 && gap > 0.5 * last) {
       settled = gap <= accepted_gap;
       break;
@@ -148,13 +151,14 @@ Closure close_theta_S(const Mechanism& m, std::span<double> q, ClosedWorkspace& 
     for (std::size_t i = 0; i < rank; ++i) cw.column[i] = -scaled_gap(cw, cw.row_order[i]);
     cw.J_S.solve(std::span(cw.column).first(rank));
     std::ranges::fill(cw.step, 0.0);
-    for (std::size_t i = 0; i < rank; ++i) cw.step[static_cast<std::size_t>(cw.freedom_order[i])] = cw.column[i];
+    for (std::size_t i = 0; i < rank; ++i) cw.step[static_cast<std::size_t>(cw.dof_order[i])] = cw.column[i];
     to_displacement(cw, 0.5, cw.step);
     integrate(m, q, cw.step, 1.0, q);
   }
   Closure c = measure_gap(cw);
   c.iterations = iterations;
-  // Redundant rows close with the others; if they do not, the rank is another one here
+  // Redundant rows must close together with the independent ones. If they do not, the rank differs here from cw.full_rank, and
+  // closing the independent rows alone was not enough. 1e-8: far above the gap after convergence.
   const double redundant_gap = c.row < 0 ? 0.0 : c.gap * cw.row_scale[static_cast<std::size_t>(c.row)];
   c.closed = settled && (cw.is_singular() || redundant_gap <= 1e-8 + 2 * cw.contradiction);
   return c;
@@ -164,20 +168,20 @@ Closure close_positions(const Mechanism& m, std::span<double> q, ClosedWorkspace
   update_gaps(m, q, cw);
   double cost = squared_gap(cw), damping = 1e-3;
   int iterations = 0;
-  bool renewed = true;
+  bool moved = true;
   for (; iterations < 300 && std::isfinite(cost); ++iterations) {
     if (const Closure c = measure_gap(cw); c.row < 0 || std::sqrt(cost) <= cw.gap_tolerance) break;
-    if (renewed) update_constraint_matrix(m, cw);
+    if (moved) update_constraint_matrix(m, cw);
     if (!damped_step(cw, weights, damping, cw.step)) {
       damping *= 10;
-      renewed = false;
+      moved = false;
       continue;
     }
     to_displacement(cw, 0.5, cw.step);
     integrate(m, q, cw.step, 1.0, cw.q1);
     update_gaps(m, cw.q1, cw);
     const double trial = squared_gap(cw);
-    if (renewed = trial < cost * (1 - 1e-6); renewed) {
+    if (moved = trial < cost * (1 - 1e-6); moved) {
       std::ranges::copy(cw.q1, q.begin());
       cost = trial;
       damping = std::max(damping * 0.03, 1e-14);
@@ -196,24 +200,24 @@ Closure close_positions(const Mechanism& m, std::span<double> q, ClosedWorkspace
 Closure assemble(const Mechanism& m, std::span<double> q, ClosedWorkspace& cw, std::span<const double> weights) {
   const std::vector<double> start(q.begin(), q.end());
   std::vector<double> trial = start, best = start, perturbation(static_cast<std::size_t>(m.nv()));
-  Sequence sequence;
+  PseudoRandom random;
   Closure closure;
-  double least = 0;
-  for (int k = 0; k < starts; ++k) {
+  double minimum = 0;
+  for (int k = 0; k < max_starts; ++k) {
     const Closure c = close_positions(m, trial, cw, weights);
     const bool good = c.closed && !has_reversed_axis(cw);
     const double cost = squared_gap(cw) + (has_reversed_axis(cw) ? 4.0 : 0.0);
-    if (k == 0 || cost < least) {
-      least = cost;
+    if (k == 0 || cost < minimum) {
+      minimum = cost;
       closure = c;
       closure.closed = good;
       best = trial;
     }
     if (good || cw.active.empty()) break;
-    const double size = 0.2 + 0.12 * k;  // rad: ever farther from where the caller began
+    const double size = 0.2 + 0.12 * k;  // rad: the perturbation of the given start grows with each attempt
     for (std::size_t j = 0; j < perturbation.size(); ++j) {
       const bool held = !weights.empty() && !std::isfinite(weights[j]);
-      perturbation[j] = held ? 0.0 : size * sequence.next() * cw.freedom_scale[j];
+      perturbation[j] = held ? 0.0 : size * random.next() * cw.dof_scale[j];
     }
     integrate(m, start, perturbation, 1.0, trial);
   }
@@ -226,16 +230,16 @@ void close_velocities(const Mechanism& m, std::span<const double> q, std::span<d
                       std::span<const double> weights) {
   update_gaps(m, q, cw);
   update_partition(m, cw);
-  // Least |W^1/2 (v' - v)| with v' = H v_G', in one unit: (H^T W H) v_G' = H^T W v. What is held weighs far more than the rest, and
-  // what it still misses is made good in a second round.
-  const std::size_t n = v.size(), g = static_cast<std::size_t>(cw.freedoms());
+  // Minimise |W^1/2 (v' - v)| over v' = H v_G', in one unit: (H^T W H) v_G' = H^T W v. Held DOFs have a weight of 1e7 times the
+  // maximum; two further rounds remove their remaining error.
+  const std::size_t n = v.size(), g = static_cast<std::size_t>(cw.dofs());
   double heaviest = 1;
   for (const double w : weights)
     if (std::isfinite(w)) heaviest = std::max(heaviest, w);
   const auto is_held = [&](std::size_t j) { return !weights.empty() && !std::isfinite(weights[j]); };
   const auto W = [&](std::size_t j) {
     const double weight = weights.empty() ? 1.0 : is_held(j) ? 1e7 * heaviest : weights[j];
-    return weight / (cw.freedom_scale[j] * cw.freedom_scale[j]);
+    return weight / (cw.dof_scale[j] * cw.dof_scale[j]);
   };
   std::fill_n(cw.A_G.begin(), g * g, 0.0);
   for (std::size_t j = 0; j < n; ++j) {
@@ -243,7 +247,7 @@ void close_velocities(const Mechanism& m, std::span<const double> q, std::span<d
     for (std::size_t a = 0; a < g; ++a)
       for (std::size_t b = 0; b <= a; ++b) cw.A_G[a * g + b] += W(j) * H[a] * H[b];
   }
-  if (!factor_cholesky(cw.A_G, static_cast<int>(g), 0)) return;  // H^T W H is positive: only a number that is not finite fails
+  if (!factor_cholesky(cw.A_G, static_cast<int>(g), 0)) return;  // H^T W H is positive definite: only a value that is not finite fails
   const std::span<const int> G = cw.theta_G();
   std::ranges::copy(v, cw.v3.begin());
   std::ranges::fill(v, 0.0);
@@ -267,30 +271,29 @@ int find_full_rank(const Mechanism& m, std::span<const double> q, ClosedWorkspac
     update_partition(m, cw);
     return cw.rank;
   };
-  std::vector<double> best_place(q.begin(), q.end()), moved = best_place, direction(static_cast<std::size_t>(m.nv()));
-  int best = rank_at(best_place);
-  double pivot_part = cw.pivot_part;
+  std::vector<double> best_q(q.begin(), q.end()), moved = best_q, direction(static_cast<std::size_t>(m.nv()));
+  int best = rank_at(best_q);
+  double pivot_ratio = cw.pivot_ratio;
   cw.contradiction = std::sqrt(squared_gap(cw));
-  Sequence sequence;
+  PseudoRandom random;
   for (int tries = 0; tries < 8 && best < m.nv(); ++tries) {
-    rank_at(best_place);
-    for (const int f : cw.theta_G())
-      direction[static_cast<std::size_t>(f)] = sequence.next() * cw.freedom_scale[static_cast<std::size_t>(f)];
+    rank_at(best_q);
+    for (const int f : cw.theta_G()) direction[static_cast<std::size_t>(f)] = random.next() * cw.dof_scale[static_cast<std::size_t>(f)];
     apply_partition(cw, direction);
-    integrate(m, best_place, direction, tries % 2 == 0 ? 0.05 : 0.2, moved);
+    integrate(m, best_q, direction, tries % 2 == 0 ? 0.05 : 0.2, moved);
     if (!close_positions(m, moved, cw).closed) continue;
     const int rank = rank_at(moved);
     if (rank > best) {
       best = rank;
-      best_place = moved;
-      pivot_part = 0;
+      best_q = moved;
+      pivot_ratio = 0;
       tries = 0;
     }
-    if (rank == best) pivot_part = std::max(pivot_part, cw.pivot_part);
+    if (rank == best) pivot_ratio = std::max(pivot_ratio, cw.pivot_ratio);
   }
-  std::ranges::copy(best_place.begin(), best_place.begin() + static_cast<std::ptrdiff_t>(general.size()), general.begin());
+  std::ranges::copy(best_q.begin(), best_q.begin() + static_cast<std::ptrdiff_t>(general.size()), general.begin());
   cw.rank = -1;
-  cw.full_pivot_part = pivot_part;
+  cw.full_pivot_ratio = pivot_ratio;
   return cw.full_rank = best;
 }
 

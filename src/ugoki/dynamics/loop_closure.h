@@ -1,47 +1,50 @@
 #pragma once
-// Position and velocity level of closed link systems: bringing the gaps of all closed loops to rounding.
+// Closing of loops at position and velocity level: the gaps of all closed loops are reduced to rounding error.
 //
-// Two ways. From near, and with theta_G held: Newton's method for theta_S (coordinate partitioning; Wehage & Haug 1982, J. Mech.
-// Design 104, 247). From anywhere, moving all freedoms as little as possible: the damped least-squares method of Levenberg and
-// Marquardt, which needs no rank and stands redundant and contradictory rows.
+// There are two methods. Near a closed configuration, Newton's method solves for theta_S while theta_G stays fixed (coordinate
+// partitioning; Wehage & Haug 1982, J. Mech. Design 104, 247). From any configuration, the damped least-squares method of
+// Levenberg and Marquardt moves all DOFs as little as possible. It needs no rank decision and tolerates redundant and contradictory
+// rows.
 
 #include "ugoki/dynamics/loop_partition.h"
 
 namespace ugoki::dynamics {
 
-/// How far the loops are closed.
+/// Result of closing the loops.
 struct Closure {
-  bool closed = false;  ///< the greatest gap is that of rounding
+  bool closed = false;  ///< the maximum gap is rounding error
   int iterations = 0;
-  double gap = 0;  ///< greatest gap that remains: m | rad | cosine
-  int row = -1;    ///< where: index into ClosedWorkspace::rows; -1: no loop is closed
+  double gap = 0;  ///< remaining absolute gap of `row`: m | rad | 1 (cosine of an angle)
+  int row = -1;    ///< row with the maximum scaled gap, index into ClosedWorkspace::rows; -1: no loop is closed
 };
 
-/// Moves theta_S until the independent rows close; theta_G stays. No allocation. @param q [nq, in/out]
+/// Moves theta_S by Newton's method until the independent rows have no gap; theta_G stays fixed. No allocation.
+/// @param q [nq, in/out] m | rad
 [[nodiscard]] Closure close_theta_S(const Mechanism& m, std::span<double> q, ClosedWorkspace& cw);
 
-/// Moves all freedoms, each as its weight allows, to the nearest closed configuration. O(iterations rows^3).
-/// @param q [nq, in/out] left at the smallest gap that was found
-/// @param weights [nv] cost of moving each freedom; infinite: held. Empty: all 1. (Distances are measured in cw.length.)
+/// Moves all DOFs to a nearby closed configuration by damped least squares. O(iterations rows^3).
+/// @param q [nq, in/out] m | rad; afterwards the configuration with the smallest gap that was found
+/// @param weights [nv] cost of moving each DOF, with distances in units of cw.length; infinite: the DOF stays fixed. Empty: all 1
 [[nodiscard]] Closure close_positions(const Mechanism& m, std::span<double> q, ClosedWorkspace& cw, std::span<const double> weights = {});
 
-/// The same from far: other starts are tried where the first does not lead to closed loops with axes the right way round.
-/// The starts are the same each time.
+/// Closes the loops as close_positions() does, also from a distant configuration: if the given start fails, or closes a loop with
+/// its two axes antiparallel, perturbed starts are tried. The perturbations are deterministic. Allocates.
 [[nodiscard]] Closure assemble(const Mechanism& m, std::span<double> q, ClosedWorkspace& cw, std::span<const double> weights = {});
 
-/// v <- the nearest velocity with J v = 0, at a closed q. Weights as in close_positions.
+/// Replaces v by the nearest velocity with J v = 0, at a closed q. Weights as in close_positions().
+/// @param v [nv, in/out] m/s | rad/s
 void close_velocities(const Mechanism& m, std::span<const double> q, std::span<double> v, ClosedWorkspace& cw,
                       std::span<const double> weights = {});
 
-/// Rank of J in general position near a closed q: the greatest met in a few steps along the freedoms. Sets cw.full_rank and
-/// cw.full_pivot_part.
-/// @param general [nq, out] where that rank was met; may be `q` itself, or empty
+/// Rank of J in general position near a closed q: the maximum rank found in a few pseudo-random steps along the degrees of freedom.
+/// Sets cw.full_rank, cw.full_pivot_ratio and cw.contradiction. Allocates.
+/// @param general [nq, out] a configuration that has this rank; may be `q` itself, or empty
 int find_full_rank(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw, std::span<double> general = {});
 
-/// Kinematics at rest and gaps at q.
+/// Computes kinematics and loop rows at q with zero velocity, into cw.open and cw.rows.
 void update_gaps(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw);
 
-/// Greatest gap of the closed loops at what update_loop_rows() left.
+/// Maximum gap of the closed loops, from the rows that update_loop_rows() computed last.
 [[nodiscard]] Closure measure_gap(const ClosedWorkspace& cw);
 
 }  // namespace ugoki::dynamics

@@ -8,28 +8,28 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// Two digits, for people.
-std::string in_short(double x) {
-  int places = 0;
-  for (double y = x; y > 0 && y < 10 && places < 15; y *= 10) ++places;
-  return to_fixed(x, places);
+/// A positive value rounded to two significant digits (values below 10), for messages.
+std::string two_digits(double x) {
+  int decimals = 0;
+  for (double y = x; y > 0 && y < 10 && decimals < 15; y *= 10) ++decimals;
+  return to_fixed(x, decimals);
 }
 
-/// True if `ancestor` is `link` or lies between it and the base.
+/// True if `ancestor` is `link` itself, an ancestor of it, or the world (negative index).
 bool is_above(const Mechanism& m, int ancestor, int link) {
   for (; link >= 0; link = m.link(link).parent)
     if (link == ancestor) return true;
   return ancestor < 0;
 }
 
-/// A distance between two joints in one link.
+/// The distance between two joints on one link, m.
 struct Bar {
   std::string link;
   double length = 0;
 };
 
-/// The polygon of links that the loop closes: distances between the joints that follow each other around it.
-/// @param sliding [out] true if a joint in it can change such a distance
+/// The polygon of links around the loop: for each link, the distance between its two joints in the loop.
+/// @param sliding [in/out] set to true if a joint in the loop can change one of these distances
 std::vector<Bar> polygon(const Mechanism& m, const Loop& loop, bool& sliding) {
   std::vector<Bar> bars;
   const auto climb = [&](int link, Vec3 p, int ancestor) {
@@ -50,7 +50,7 @@ std::vector<Bar> polygon(const Mechanism& m, const Loop& loop, bool& sliding) {
   return bars;
 }
 
-/// "loop knee: rotation about x"
+/// Name of a row for messages, such as "loop knee: rotation about x".
 std::string name_of_row(const ClosedWorkspace& cw, int row) {
   std::size_t i = 0;
   while (cw.rows.first[i + 1] <= row) ++i;
@@ -71,11 +71,11 @@ LoopDiagnosis diagnose_loops(const Mechanism& m, std::span<const double> q, Clos
   std::vector<double> general(q.begin(), q.end());
   d.rank = find_full_rank(m, general, cw, general);
   d.rows = static_cast<int>(cw.active.size());
-  d.freedoms = m.nv() - d.rank;
+  d.dofs = m.nv() - d.rank;
   std::vector<int> independent;
   const std::vector<double> rest(static_cast<std::size_t>(m.nv()), 0.0);
   update_closed(m, general, rest, cw);
-  d.pivot_part = cw.pivot_part;
+  d.pivot_ratio = cw.pivot_ratio;
   for (int k = 0; k < d.rows; ++k) {
     const int active = cw.row_order[static_cast<std::size_t>(k)];
     if (k < d.rank)
@@ -83,7 +83,7 @@ LoopDiagnosis diagnose_loops(const Mechanism& m, std::span<const double> q, Clos
     else
       d.redundant.push_back(cw.active[static_cast<std::size_t>(active)]);
   }
-  // Here: which of the rows that are independent in general still are
+  // Find which of the rows that are independent in general position are still independent at q
   cw.rank = -1;
   update_closed(m, q, rest, cw);
   const auto n = static_cast<std::size_t>(m.nv());
@@ -95,25 +95,28 @@ LoopDiagnosis diagnose_loops(const Mechanism& m, std::span<const double> q, Clos
   d.rank_here = choose_pivots(J, cw.rank_tolerance, d.rank, rows, columns);
   for (std::size_t k = static_cast<std::size_t>(d.rank_here); k < rows.size(); ++k)
     d.vanishing.push_back(cw.active[static_cast<std::size_t>(independent[static_cast<std::size_t>(rows[k])])]);
-  d.freedoms_here = m.nv() - d.rank_here;
+  d.dofs_here = m.nv() - d.rank_here;
   std::ranges::sort(d.redundant);
   std::ranges::sort(d.vanishing);
   return d;
 }
 
 std::string describe(const LoopDiagnosis& d, const ClosedWorkspace& cw) {
-  std::string text = counted(d.freedoms, "degree", "degrees") + " of freedom: " + counted(d.freedoms + d.rank, "freedom", "freedoms") +
-                     " of joints less " + counted(d.rank, "independent row", "independent rows") + " of " + std::to_string(d.rows) + ".";
+  std::string text = counted(d.dofs, "degree", "degrees") +
+                     " of freedom: " + counted(d.dofs + d.rank, "degree of freedom", "degrees of freedom") + " of joints less " +
+                     counted(d.rank, "independent row", "independent rows") + " of " + std::to_string(d.rows) + ".";
   if (!d.redundant.empty()) {
-    text += " Over-constrained; these rows follow from others, and the loops' forces are not unique:";
+    text += " Over-constrained: these rows depend on other rows, and the forces in the loops are not unique:";
     add_rows(cw, d.redundant, text);
   }
   if (d.is_singular_here()) {
-    text += " A singular position: here " + counted(d.freedoms_here, "degree", "degrees") + " of freedom, because these rows vanish:";
+    text += " Singular configuration: " + counted(d.dofs_here, "degree", "degrees") +
+            " of freedom here, because these rows are dependent here:";
     add_rows(cw, d.vanishing, text);
   }
-  if (d.pivot_part < 1e-3 && d.rank > 0)
-    text += " One row is nearly dependent (" + in_short(d.pivot_part) + " of the strongest): frames of its loop may not quite agree.";
+  if (d.pivot_ratio < 1e-3 && d.rank > 0)
+    text +=
+        " One row is nearly dependent (pivot ratio " + two_digits(d.pivot_ratio) + "): the frames of its loop may be slightly misaligned.";
   return text;
 }
 
@@ -122,13 +125,15 @@ Error explain_gap(const Mechanism& m, const ClosedWorkspace& cw, const Closure& 
   while (cw.rows.first[i + 1] <= closure.row) ++i;
   const Loop& loop = cw.loops[i];
   const std::string row(row_name(loop.type, closure.row - cw.rows.first[i]));
-  std::string message = "it stays open by " + in_short(closure.gap) + " in its " + row + ".";
-  if (loop.type == LoopType::gear) return {ErrorCode::structure, "loop " + loop.name, message, "Correct its polynomial or the start."};
+  const char* const unit = row.starts_with("translation") || row == "distance" ? " m" : "";
+  std::string message = "The loop cannot be closed: a gap of " + two_digits(closure.gap) + unit + " remains in its " + row + ".";
+  if (loop.type == LoopType::gear)
+    return {ErrorCode::structure, "loop " + loop.name, message, "Correct the gear's polynomial or the initial configuration."};
   bool sliding = false;
   const std::vector<Bar> bars = polygon(m, loop, sliding);
   double sum = 0;
   const Bar* longest = &bars.front();
-  message += " Around it, from joint to joint:";
+  message += " Lengths of its links, from joint to joint:";
   for (const Bar& bar : bars) {
     sum += bar.length;
     if (bar.length > longest->length) longest = &bar;
@@ -137,10 +142,10 @@ Error explain_gap(const Mechanism& m, const ClosedWorkspace& cw, const Closure& 
   const double missing = 2 * longest->length - sum;
   if (!sliding && missing > 0)
     return {ErrorCode::structure, "loop " + loop.name,
-            message + ". " + longest->link + " is " + to_fixed(missing, 4) + " m longer than all the others together.",
-            "Shorten it, or lengthen the others."};
+            message + ". The longest, " + longest->link + ", is " + to_fixed(missing, 4) + " m longer than all the others together.",
+            "Shorten the longest, or lengthen the others."};
   return {ErrorCode::structure, "loop " + loop.name, message + ".",
-          "Correct the lengths and the frames of the loop, or start nearer to a closed position."};
+          "Correct the lengths and the frames of the loop, or start nearer to a closed configuration."};
 }
 
 }  // namespace ugoki::dynamics

@@ -1,5 +1,6 @@
 #pragma once
-// What the loops of a mechanism do to it, for people: degrees of freedom, redundant rows, singular positions, why loops do not close.
+// Diagnosis of the loops of a mechanism, as data and as text for the user: degrees of freedom, redundant rows, singular
+// configurations, and the reason why a loop cannot be closed.
 
 #include <string>
 
@@ -8,27 +9,30 @@
 
 namespace ugoki::dynamics {
 
-/// Rows are indices into ClosedWorkspace::rows.
+/// "General position" means almost every configuration near the given one; "here" means exactly the given configuration.
 struct LoopDiagnosis {
-  int rows = 0;       ///< of the closed loops
-  int rank = 0;       ///< independent ones in general position
-  int rank_here = 0;  ///< at the configuration given
-  int freedoms = 0;   ///< degrees of freedom in general position
-  int freedoms_here = 0;
-  std::vector<int> redundant;  ///< rows that always follow from others: the system is over-constrained
-  std::vector<int> vanishing;  ///< rows that count in general but not here: a dead point or change point
-  double pivot_part = 1;       ///< weakest independent row over the strongest
+  int rows = 0;       ///< number of rows of the closed loops
+  int rank = 0;       ///< number of independent rows in general position
+  int rank_here = 0;  ///< number of independent rows here
+  int dofs = 0;       ///< degrees of freedom in general position
+  int dofs_here = 0;  ///< degrees of freedom here
+  std::vector<int>
+      redundant;  ///< rows that depend on other rows everywhere: the system is over-constrained; indices into ClosedWorkspace::rows
+  std::vector<int> vanishing;  ///< rows independent in general position but not here (dead point or change point); indices as above
+  double pivot_ratio = 1;      ///< smallest over largest pivot of the independent rows, in general position
 
   [[nodiscard]] bool is_singular_here() const { return rank_here < rank; }
 };
 
-/// @param q [nq] closed. Allocates; cw.full_rank is known afterwards.
+/// Finds degrees of freedom, redundant rows and rows that vanish at q. Allocates. Sets cw.full_rank.
+/// @param q [nq] a configuration whose loops are closed
 [[nodiscard]] LoopDiagnosis diagnose_loops(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw);
 
-/// "1 degree of freedom: ..." with the rows by loop and name.
+/// The diagnosis in English sentences: "1 degree of freedom: ...". Rows are named by loop and direction.
 [[nodiscard]] std::string describe(const LoopDiagnosis& diagnosis, const ClosedWorkspace& cw);
 
-/// Why a loop does not close, in words: the loop, the row, what is left of the gap, and how long its links are.
+/// Error that explains why a loop cannot be closed: loop, row, remaining gap and, except for gears, the lengths of its links.
+/// @param closure with closure.row >= 0
 [[nodiscard]] Error explain_gap(const Mechanism& m, const ClosedWorkspace& cw, const Closure& closure);
 
 }  // namespace ugoki::dynamics

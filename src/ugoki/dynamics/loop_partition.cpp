@@ -9,9 +9,10 @@
 namespace ugoki::dynamics {
 namespace {
 
-constexpr double least_keep_limit = 4;  // entries of J_S^-1 J_G; full pivoting leaves about 1
+// Minimum bound on the entries of J_S^-1 J_G below which a choice is kept. Just after full pivoting the maximum is about 1.
+constexpr double min_keep_limit = 4;
 
-/// How many rows of the loop, the first ones, are distances.
+/// Number of rows of a loop whose gap is a distance; these are the first rows of the loop.
 int distance_rows(LoopType type) {
   switch (type) {
     case LoopType::weld:
@@ -27,7 +28,7 @@ int distance_rows(LoopType type) {
   return 0;
 }
 
-/// Mean of the mechanism's offsets between joints: the arm over which an angle moves something.
+/// Mean nonzero offset between joints, m: the typical lever arm that turns an angle into a displacement. 1 if there is no offset.
 double mean_offset(const Mechanism& m, std::span<const Loop> loops) {
   double sum = 0;
   int count = 0;
@@ -56,65 +57,69 @@ void list_active_rows(const Mechanism& m, ClosedWorkspace& cw) {
   cw.full_rank = -1;
 }
 
-/// J_S and K = -J_S^-1 J_G for the present choice.
+/// Computes the factor of J_S and K = -J_S^-1 J_G for the present choice.
 void solve_choice(ClosedWorkspace& cw) {
-  const std::size_t n = cw.freedom_order.size(), r = static_cast<std::size_t>(cw.rank), g = n - r;
+  const std::size_t n = cw.dof_order.size(), r = static_cast<std::size_t>(cw.rank), g = n - r;
   const std::span<double> J_S = cw.J_S.begin(cw.rank);
   for (std::size_t i = 0; i < r; ++i) {
     const double* row = cw.J.data() + static_cast<std::size_t>(cw.row_order[i]) * n;
-    for (std::size_t j = 0; j < r; ++j) J_S[i * r + j] = row[cw.freedom_order[j]];
-    for (std::size_t j = 0; j < g; ++j) cw.K[i * g + j] = -row[cw.freedom_order[r + j]];
+    for (std::size_t j = 0; j < r; ++j) J_S[i * r + j] = row[cw.dof_order[j]];
+    for (std::size_t j = 0; j < g; ++j) cw.K[i * g + j] = -row[cw.dof_order[r + j]];
   }
-  cw.pivot_part = cw.J_S.factor();
-  if (cw.pivot_part > 0) cw.J_S.solve_many(cw.K, static_cast<int>(g));
+  cw.pivot_ratio = cw.J_S.factor();
+  if (cw.pivot_ratio > 0) cw.J_S.solve_many(cw.K, static_cast<int>(g));
 }
 
-double greatest_entry(const ClosedWorkspace& cw) {
-  double greatest = 0;
-  const std::size_t count = static_cast<std::size_t>(cw.rank) * static_cast<std::size_t>(cw.freedoms());
-  for (std::size_t i = 0; i < count; ++i) greatest = std::max(greatest, std::fabs(cw.K[i]));
-  return greatest;
+/// Maximum absolute entry of K.
+double max_entry(const ClosedWorkspace& cw) {
+  double maximum = 0;
+  const std::size_t count = static_cast<std::size_t>(cw.rank) * static_cast<std::size_t>(cw.dofs());
+  for (std::size_t i = 0; i < count; ++i) maximum = std::max(maximum, std::fabs(cw.K[i]));
+  return maximum;
 }
 
+/// Makes a new choice by full pivoting.
 void choose(ClosedWorkspace& cw) {
   cw.pivots = cw.J;
-  const int most = cw.full_rank >= 0 ? cw.full_rank : static_cast<int>(cw.freedom_order.size());
-  cw.rank = choose_pivots(cw.pivots, cw.rank_tolerance, most, cw.row_order, cw.freedom_order);
-  cw.chosen_anew = true;
+  const int max_rank = cw.full_rank >= 0 ? cw.full_rank : static_cast<int>(cw.dof_order.size());
+  cw.rank = choose_pivots(cw.pivots, cw.rank_tolerance, max_rank, cw.row_order, cw.dof_order);
+  cw.rechosen = true;
   solve_choice(cw);
-  cw.keep_limit = std::max(least_keep_limit, 2 * greatest_entry(cw));
+  cw.keep_limit = std::max(min_keep_limit, 2 * max_entry(cw));
 }
 
-/// True if the present choice still stands.
+/// Solves with the present choice. @return true if the choice is still good enough to be kept
 bool keep(ClosedWorkspace& cw) {
   if (cw.rank < 0 || cw.rank != cw.full_rank) return false;
   solve_choice(cw);
-  return cw.pivot_part > cw.rank_tolerance && (cw.hold_choice || greatest_entry(cw) < cw.keep_limit);
+  return cw.pivot_ratio > cw.rank_tolerance && (cw.hold_choice || max_entry(cw) < cw.keep_limit);
 }
 
-/// Small pivots can come from the choice as well as from the position: in the latter case no choice is better, and the present one stays.
+/// Makes a new choice, but keeps the present one unless the new one has the full rank and a pivot ratio more than 4 times as large.
+/// Near a singular configuration every choice has small pivots, and changing it would not help.
 void choose_if_better(ClosedWorkspace& cw) {
-  const double part = cw.pivot_part, limit = cw.keep_limit;
-  cw.kept_freedoms = cw.freedom_order;
+  const double previous_ratio = cw.pivot_ratio, limit = cw.keep_limit;
+  cw.kept_dofs = cw.dof_order;
   cw.kept_rows = cw.row_order;
   choose(cw);
-  if (cw.rank == cw.full_rank && cw.pivot_part > 4 * part) return;
-  cw.freedom_order.swap(cw.kept_freedoms);
+  if (cw.rank == cw.full_rank && cw.pivot_ratio > 4 * previous_ratio) return;
+  cw.dof_order.swap(cw.kept_dofs);
   cw.row_order.swap(cw.kept_rows);
   cw.rank = cw.full_rank;
   cw.keep_limit = limit;
-  cw.chosen_anew = false;
+  cw.rechosen = false;
   solve_choice(cw);
 }
 
+/// Computes H, in the units of v, from K.
 void fill_H(ClosedWorkspace& cw) {
-  const auto r = static_cast<std::size_t>(cw.rank), g = static_cast<std::size_t>(cw.freedoms());
+  const auto r = static_cast<std::size_t>(cw.rank), g = static_cast<std::size_t>(cw.dofs());
   const std::span<const int> S = cw.theta_S(), G = cw.theta_G();
   for (std::size_t j = 0; j < g; ++j) {
-    const double unit = 1 / cw.freedom_scale[static_cast<std::size_t>(G[j])];
+    const double unit = 1 / cw.dof_scale[static_cast<std::size_t>(G[j])];
     for (std::size_t i = 0; i < r; ++i) {
       const auto f = static_cast<std::size_t>(S[i]);
-      cw.H[f * g + j] = cw.freedom_scale[f] * cw.K[i * g + j] * unit;
+      cw.H[f * g + j] = cw.dof_scale[f] * cw.K[i * g + j] * unit;
     }
     for (std::size_t i = 0; i < g; ++i) cw.H[static_cast<std::size_t>(G[i]) * g + j] = i == j ? 1 : 0;
   }
@@ -125,34 +130,34 @@ void fill_H(ClosedWorkspace& cw) {
 ClosedWorkspace::ClosedWorkspace(const Mechanism& m, std::span<const Loop> all_loops)
     : loops(all_loops.begin(), all_loops.end()), open(m), rows(loops) {
   const auto n = static_cast<std::size_t>(m.nv()), nq = static_cast<std::size_t>(m.nq());
-  const auto most_rows = static_cast<std::size_t>(rows.count());
+  const auto max_rows = static_cast<std::size_t>(rows.count());
   length = mean_offset(m, loops);
   for (const Link& link : m.links())
-    for (int k = 0; k < link.joint.nv(); ++k) freedom_scale.push_back(is_distance(link.joint, k) ? length : 1.0);
+    for (int k = 0; k < link.joint.nv(); ++k) dof_scale.push_back(is_distance(link.joint, k) ? length : 1.0);
   for (const Loop& loop : loops) {
     for (int r = 0; r < loop.rows(); ++r) row_scale.push_back(r < distance_rows(loop.type) ? 1 / length : 1.0);
-    if (loop.type == LoopType::gear) row_scale.back() = 1 / freedom_scale[static_cast<std::size_t>(loop.freedom_a)];
+    if (loop.type == LoopType::gear) row_scale.back() = 1 / dof_scale[static_cast<std::size_t>(loop.dof_a)];
     closed.push_back(loop.closed);
   }
-  active.reserve(most_rows);
-  row_order.reserve(most_rows);
-  kept_rows.reserve(most_rows);
-  kept_freedoms.resize(n);
-  J.reserve(most_rows * n);
-  pivots.reserve(most_rows * n);
-  freedom_order.resize(n);
-  const std::size_t most_rank = std::min(most_rows, n);
-  J_S.resize(static_cast<int>(most_rank));
+  active.reserve(max_rows);
+  row_order.reserve(max_rows);
+  kept_rows.reserve(max_rows);
+  kept_dofs.resize(n);
+  J.reserve(max_rows * n);
+  pivots.reserve(max_rows * n);
+  dof_order.resize(n);
+  const std::size_t max_rank = std::min(max_rows, n);
+  J_S.resize(static_cast<int>(max_rank));
   K.resize(n * n);
   H.resize(n * n);
   A_G.resize(n * n);
-  normal.reserve(most_rows * most_rows);
+  normal.reserve(max_rows * max_rows);
   for (auto* x : {&h, &v1, &v2, &v3, &vdot1, &vdot2, &tau1, &column, &b_G, &step}) x->resize(n);
   rest_V.resize(open.V.size());
   rest_C.resize(open.C.size());
   for (auto* x : {&q1, &q2, &q3}) x->resize(nq);
-  products.resize(most_rows);
-  multipliers.resize(most_rows);
+  products.resize(max_rows);
+  multipliers.resize(max_rows);
   branch.resize(8 * n);
   list_active_rows(m, *this);
 }
@@ -181,14 +186,14 @@ void update_constraint_matrix(const Mechanism& m, ClosedWorkspace& cw) {
     for (int r = 0; r < loop.rows(); ++r, row += n) {
       calc_loop_jacobian_row(m, cw.open, loop, cw.rows, static_cast<int>(i), r, {row, n});
       const double scale = cw.row_scale[static_cast<std::size_t>(cw.rows.first[i] + r)];
-      for (std::size_t j = 0; j < n; ++j) row[j] *= scale * cw.freedom_scale[j];
+      for (std::size_t j = 0; j < n; ++j) row[j] *= scale * cw.dof_scale[j];
     }
   }
 }
 
 void update_partition(const Mechanism& m, ClosedWorkspace& cw) {
   update_constraint_matrix(m, cw);
-  cw.chosen_anew = false;
+  cw.rechosen = false;
   if (!keep(cw))
     choose(cw);
   else if (cw.is_nearly_singular() && !cw.hold_choice)
@@ -209,12 +214,12 @@ void update_closed(const Mechanism& m, std::span<const double> q, std::span<cons
   cw.J_S.solve(cw.column);
   for (std::size_t i = 0; i < static_cast<std::size_t>(cw.rank); ++i) {
     const auto f = static_cast<std::size_t>(cw.theta_S()[i]);
-    cw.h[f] = cw.column[i] * cw.freedom_scale[f];
+    cw.h[f] = cw.column[i] * cw.dof_scale[f];
   }
 }
 
 void apply_partition(const ClosedWorkspace& cw, std::span<double> v) {
-  const auto g = static_cast<std::size_t>(cw.freedoms());
+  const auto g = static_cast<std::size_t>(cw.dofs());
   const std::span<const int> G = cw.theta_G();
   for (const int s : cw.theta_S()) {
     double sum = 0;
@@ -224,7 +229,7 @@ void apply_partition(const ClosedWorkspace& cw, std::span<double> v) {
 }
 
 void reduce_forces(const ClosedWorkspace& cw, std::span<const double> x, std::span<double> x_G) {
-  const auto g = static_cast<std::size_t>(cw.freedoms());
+  const auto g = static_cast<std::size_t>(cw.dofs());
   for (std::size_t a = 0; a < g; ++a) x_G[a] = 0;
   for (std::size_t i = 0; i < x.size(); ++i)
     for (std::size_t a = 0; a < g; ++a) x_G[a] += cw.H[i * g + a] * x[i];

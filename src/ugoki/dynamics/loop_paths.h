@@ -1,9 +1,10 @@
 #pragma once
-// Few loops on a tree: the ways of their multipliers from their own nodes to the base, one loop after another. Internal to dynamics/.
+// Paths of loops through a tree that has few loops: for each loop, the nodes from its two ends to the base. Internal to dynamics/.
 //
-// All loops are then eliminated at the world, and the recursion of the open tree is run as it is; its cost for loops is
-// O(loops depth + loops^2 common joints). Loops in series are better eliminated where they meet (closed_links.h); predicted
-// costs decide.
+// The kernel that uses the paths (kernel_paths.h) runs the recursion of the open tree unchanged, carries the columns of each loop's
+// multipliers along its path, and eliminates all loops at the world. The loops cost O(loops depth + loops^2 common joints). For
+// loops in series it is cheaper to eliminate each loop where its two branches meet (closed_links.h). paths_are_faster() predicts
+// which method costs less.
 
 #include "ugoki/dynamics/closed_structure.h"
 #include "ugoki/dynamics/link_program.h"
@@ -11,41 +12,43 @@
 namespace ugoki::dynamics {
 
 struct LoopPaths {
-  /// A node on the way, and the place of its first freedom among the loop's `freedoms`.
+  /// A node on a path, and the index in LoopPaths::dof of the node's first DOF.
   struct Visit {
     int node;
-    int place;
+    int dof_begin;
   };
-  /// The visits [begin, fork_a) come from link a's node, [fork_a, fork_b) from link b's, and [fork_b, end) follow where both have met.
+  /// The path of one loop as ranges of `visits`: [begin, fork_a) leads from link a's node to the node where the branches meet,
+  /// [fork_a, fork_b) from link b's node to it, and [fork_b, end) from the meeting node to the base.
   struct Path {
-    int entry;
-    int rows;
+    int entry;  ///< index into ClosedStructure::entries
+    int rows;   ///< number of the loop's rows
     int begin, fork_a, fork_b, end;
-    int present_a, present_b;  ///< where the columns at the ends are; -1: that end is fixed to the world
-    int present_world;         ///< the columns at the world; -1: no end is there
-    int place, freedoms;       ///< [place, place + freedoms) in `freedom`
+    int present_a, present_b;  ///< index in ClosedStructure::present of the columns at link a, b; -1: that end is fixed to the world
+    int present_world;         ///< the same for the end that is fixed to the world; -1: none is
+    int dof_begin, dof_count;  ///< the path's DOFs are [dof_begin, dof_begin + dof_count) in `dof`
   };
-  /// Freedoms that the two loops of a block have in common: `count` from these places on.
+  /// A run of DOFs that the two loops of a block have in common: `count` entries of `dof` from index a (first loop) and b (second loop).
   struct Run {
     int a, b, count;
   };
+  /// Two loops with common DOFs (or one loop twice), coupled by a block of the loops' matrix.
   struct Block {
-    int block;
-    int run, run_count;
+    int block;           ///< index of the matrix block in ClosedStructure
+    int run, run_count;  ///< range in `runs`
   };
 
   LoopPaths() = default;
-  /// @param at_world made with Meeting::world
+  /// @param at_world constructed with ClosedStructure::Meeting::world
   LoopPaths(const LinkProgram& program, const ClosedStructure& at_world);
 
-  std::vector<Path> paths;
+  std::vector<Path> paths;  ///< [entries]
   std::vector<Visit> visits;
-  std::vector<int> freedom;  ///< [places]
+  std::vector<int> dof;  ///< DOFs of the nodes of all paths, path after path
   std::vector<Block> blocks;
   std::vector<Run> runs;
 };
 
-/// Whether LoopPaths are predicted to be faster than the elimination of each loop where it meets.
+/// True if LoopPaths are predicted to be faster than the elimination of each loop where its two branches meet.
 [[nodiscard]] bool paths_are_faster(const LinkProgram& program, const ClosedStructure& at_meeting, const ClosedStructure& at_world);
 
 }  // namespace ugoki::dynamics

@@ -8,6 +8,7 @@
 namespace ugoki::dynamics {
 namespace {
 
+/// Input of update_loop_rows().
 struct Links {
   Vec3 p0;
   std::span<const Pose> X_WB;
@@ -15,9 +16,9 @@ struct Links {
   bool gaps;
 };
 
-/// A loop's frames in the world and the velocities of its two links, about p0.
+/// A loop's two frames in world axes and the velocities of its two links about p0.
 struct Ends {
-  Pose X_WA, X_WB;  ///< J_A, J_B; positions from p0
+  Pose X_WA, X_WB;  ///< J_A, J_B; positions relative to p0
   Vec6 V_a, V_b, V_ba;
 
   Ends(const Links& links, const Loop& loop) {
@@ -34,7 +35,7 @@ struct Ends {
   }
 };
 
-/// Writes one row after another.
+/// Writes the rows of one loop, one after another.
 class RowWriter {
  public:
   RowWriter(const Ends& ends, LoopRows& rows, std::size_t first) : ends_(ends), rows_(rows), k_(first) {
@@ -48,7 +49,7 @@ class RowWriter {
     add(dot(e, d_), {cross(r, e), e}, {cross(velocity_B_, e) + cross(r, edot), edot});
   }
   void rotation(const Vec3& e, const Vec3& error_W) { add(dot(error_W, e), {e, {}}, {cross(ends_.V_a.w, e), {}}); }
-  /// e is fixed in a, b in link b
+  /// Axis e is fixed in link a, axis b in link b; both in world axes.
   void right_angle(const Vec3& e, const Vec3& b) {
     const Vec3 edot = cross(ends_.V_a.w, e), bdot = cross(ends_.V_b.w, b);
     add(dot(e, b), {cross(b, e), {}}, {cross(bdot, e) + cross(b, edot), {}});
@@ -77,15 +78,15 @@ class RowWriter {
   Vec3 d_, velocity_B_;
 };
 
-double displacement(const Mechanism& m, int freedom, std::span<const double> q) {
-  const Link& link = m.link(m.link_of_freedom(freedom));
+double displacement(const Mechanism& m, int dof, std::span<const double> q) {
+  const Link& link = m.link(m.link_of_dof(dof));
   double x[6];
   joint_displacement(link.joint, q.data() + link.q_index, x);
-  return x[freedom - link.v_index];
+  return x[dof - link.v_index];
 }
 
 void write_gear(const Mechanism& m, const Loop& loop, std::span<const double> q, std::span<const double> v, LoopRows& rows, std::size_t i) {
-  const double x = displacement(m, loop.freedom_b, q);
+  const double x = displacement(m, loop.dof_b, q);
   double value = 0, slope = 0, curvature = 0;  // Horner's scheme with its derivatives
   for (std::size_t k = loop.polynomial.size(); k-- > 0;) {
     curvature = curvature * x + 2 * slope;
@@ -93,8 +94,8 @@ void write_gear(const Mechanism& m, const Loop& loop, std::span<const double> q,
     value = value * x + loop.polynomial[k];
   }
   const auto k = static_cast<std::size_t>(rows.first[i]);
-  const double v_b = v[static_cast<std::size_t>(loop.freedom_b)];
-  rows.gap[k] = displacement(m, loop.freedom_a, q) - value;
+  const double v_b = v[static_cast<std::size_t>(loop.dof_b)];
+  rows.gap[k] = displacement(m, loop.dof_a, q) - value;
   rows.W[k] = {};
   rows.slope[i] = slope;
   rows.drift[k] = -curvature * v_b * v_b;
@@ -107,7 +108,7 @@ void write_rows(const Links& links, const Loop& loop, LoopRows& rows, std::size_
   const Vec3 axis = R * loop.axis;
   Vec3 across[2];
   if (loop.type != LoopType::weld && loop.type != LoopType::ball && loop.type != LoopType::distance) {
-    const Vec3 u = any_perpendicular(loop.axis);  // in J_A's own axes, so that the rows turn with the link
+    const Vec3 u = any_perpendicular(loop.axis);  // chosen in the axes of J_A, so that the rows rotate with link a
     across[0] = R * u;
     across[1] = R * cross(loop.axis, u);
   }
@@ -187,11 +188,12 @@ void calc_loop_jacobian_row(const Mechanism& m, const Workspace& ws, const Loop&
   std::ranges::fill(J, 0.0);
   const auto loop_index = static_cast<std::size_t>(i);
   if (loop.type == LoopType::gear) {
-    J[static_cast<std::size_t>(loop.freedom_a)] = 1;
-    J[static_cast<std::size_t>(loop.freedom_b)] -= rows.slope[loop_index];
+    J[static_cast<std::size_t>(loop.dof_a)] = 1;
+    J[static_cast<std::size_t>(loop.dof_b)] -= rows.slope[loop_index];
     return;
   }
-  // From both ends to where they meet; above that the two would cancel. A link's index is above its parent's.
+  // Walk from both links to their closest common ancestor. Above it, the contributions of the two branches cancel. The link with the
+  // larger index is always the deeper candidate, because a link's index is larger than its parent's.
   const Vec6& w = rows.W[static_cast<std::size_t>(rows.first[loop_index] + r)];
   int a = loop.link_a, b = loop.link_b;
   while (a != b) {

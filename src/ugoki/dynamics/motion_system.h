@@ -1,18 +1,22 @@
 #pragma once
-// What the integrators step: a system whose configuration lives on a mechanism's manifold and whose acceleration is known.
+// Interface between the integrators (integrators.h) and a system with known acceleration. The configuration of the system is that of
+// a mechanism, so it is a point on a manifold (unit quaternions for rotations).
 
 #include "ugoki/mechanism/mechanism.h"
 
 namespace ugoki::dynamics {
 
+/// Direction in which an event function must cross zero.
 enum class EventDirection : unsigned char { falling, rising, both };
 
+/// Result of MotionSystem::project().
 enum class Projection : unsigned char {
-  kept,    ///< the state was admissible as it is
+  kept,    ///< the state was already admissible
   moved,   ///< q or v was corrected
   failed,  ///< no admissible state was found
 };
 
+/// A system that an Integrator can step. Derived classes supply at least the acceleration.
 class MotionSystem {
  public:
   explicit MotionSystem(MechanismPtr mechanism) : mechanism_(std::move(mechanism)) {}
@@ -22,25 +26,26 @@ class MotionSystem {
 
   [[nodiscard]] const Mechanism& mechanism() const { return *mechanism_; }
 
-  /// vdot(t, q, v). Must not allocate if steps shall not. @param vdot [nv, out]
-  /// @return -1, or the freedom at which it has no value (a singular inertia)
+  /// Acceleration vdot(t, q, v). Integration steps are free of allocations only if this function is.
+  /// @param t s @param q [nq] m | rad @param v [nv] m/s | rad/s @param vdot [nv, out] m/s^2 | rad/s^2
+  /// @return -1 on success, otherwise the DOF whose acceleration is undefined (singular inertia)
   [[nodiscard]] virtual int calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) = 0;
 
-  /// d vdot / dq on the tangent space and d vdot / dv at (t, q, v), for the implicit methods. Small errors slow Newton's method down but
-  /// do not change its result. @param dq, dv [nv * nv, out] row by row
-  /// @return false if the system has none: then finite differences are taken
+  /// Derivatives d vdot / dq (on the tangent space) and d vdot / dv at (t, q, v), for the implicit methods. Small errors in the
+  /// derivatives slow down Newton's method but do not change its result. @param dq, dv [nv * nv, out] row-major
+  /// @return false if the system does not provide derivatives; the integrator then uses finite differences
   [[nodiscard]] virtual bool calc_acceleration_jacobian(double /*t*/, std::span<const double> /*q*/, std::span<const double> /*v*/,
                                                         std::span<double> /*dq*/, std::span<double> /*dv*/) {
     return false;
   }
 
-  /// Brings a state at the end of a step back to what is admissible: loops closed, velocities along them.
+  /// Moves the state at the end of a step to an admissible state: one with closed loops, and velocities that keep them closed.
   [[nodiscard]] virtual Projection project(double /*t*/, std::span<double> /*q*/, std::span<double> /*v*/) { return Projection::kept; }
 
-  /// Event functions g(t, q, v): an event is a change of sign in its direction.
+  /// Number of event functions g(t, q, v). An event is a sign change of its function in the direction event_direction().
   [[nodiscard]] virtual int event_count() const { return 0; }
   [[nodiscard]] virtual EventDirection event_direction(int /*event*/) const { return EventDirection::both; }
-  /// @param g [event_count, out]
+  /// Evaluates the event functions. @param g [event_count(), out]
   virtual void calc_events(double /*t*/, std::span<const double> /*q*/, std::span<const double> /*v*/, std::span<double> /*g*/) {}
 
  private:

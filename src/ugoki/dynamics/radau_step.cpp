@@ -3,7 +3,8 @@
 // Stage equations Z = h (A x I) F(z0 + Z) by simplified Newton iteration in the eigenvectors of A^-1 (one real eigenvalue, one complex
 // pair). Each linear system (g - [0 1; J_q J_v]) (du, dv) = (r_u, r_v) is reduced to nv rows:
 //   (g^2 - g J_v - J_q) du = r_v + (g - J_v) r_u,   dv = g du - r_u
-// Source: Hairer, Wanner, Solving ordinary differential equations II (1996), IV.8; the reduction is the usual one of second-order systems.
+// Here z = (u, v), g is an eigenvalue of A^-1 divided by h, and J_q, J_v are the derivatives of the acceleration.
+// Source: Hairer, Wanner, Solving ordinary differential equations II (1996), IV.8; the reduction is the usual one for second-order systems.
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +28,7 @@ struct Complex {
 double size_of(double a) { return std::fabs(a); }
 double reciprocal(double a) { return 1 / a; }
 
-/// A = P^-1 L U in place, row pivoting. @return false if singular
+/// LU factorisation A = P^-1 L U in place, with row pivoting. @param A [n * n] row-major @return false if A is singular or not finite
 template <class T>
 bool lu_factor(std::size_t n, T* A, std::size_t* pivots) {
   for (std::size_t k = 0; k < n; ++k) {
@@ -47,6 +48,7 @@ bool lu_factor(std::size_t n, T* A, std::size_t* pivots) {
   return true;
 }
 
+/// Solves A x = b in place with the result of lu_factor(). @param x [n] in: b, out: x
 template <class T>
 void lu_solve(std::size_t n, const T* A, const std::size_t* pivots, T* x) {
   for (std::size_t k = 0; k < n; ++k) {
@@ -63,7 +65,8 @@ constexpr double root6 = 2.449489742783178;
 constexpr double c[3] = {(4 - root6) / 10, (4 + root6) / 10, 1};
 // Weights of the stages in the error estimate, h e = sum_i dd[i] Z_i.
 constexpr double dd[3] = {-(13 + 7 * root6) / 3, (-13 + 7 * root6) / 3, -1.0 / 3};
-// Eigenvalues of A^-1: gamma, alpha +- i beta (of x^3 - 9 x^2 + 36 x - 60), and T^-1 A^-1 T = blocks of them.
+// Eigenvalues of A^-1: gamma and alpha +- i beta, the roots of x^3 - 9 x^2 + 36 x - 60. T^-1 A^-1 T is block diagonal:
+// [gamma] and [[alpha, -beta], [beta, alpha]].
 constexpr double gamma_real = 3.6378342527444957;
 constexpr double alpha = 2.6810828736277521, beta = 3.0504301992474105;
 constexpr double T[3][3] = {{9.1232394870892942792e-2, -0.14125529502095420843, -3.0029194105147424492e-2},
@@ -72,8 +75,9 @@ constexpr double T[3][3] = {{9.1232394870892942792e-2, -0.14125529502095420843, 
 constexpr double T_inverse[3][3] = {{4.3255798900631553510, 0.33919925181580986954, 0.54177053993587487119},
                                     {-4.1787185915519047273, -0.32768282076106238708, 0.47662355450055045196},
                                     {-0.50287263494578687595, 2.5719269498556054292, -0.59603920482822492497}};
-constexpr int max_iterations = 8;
+constexpr int max_iterations = 8;  // Newton iterations per step attempt
 
+/// y = (M x E) x for three stage vectors of length n2.
 void transform(const double (&M)[3][3], std::size_t n2, const double* x, double* y) {
   for (std::size_t i = 0; i < n2; ++i) {
     const double x0 = x[i], x1 = x[n2 + i], x2 = x[2 * n2 + i];
@@ -103,25 +107,25 @@ class RadauIIA final : public StepMethod {
 
   int control_order() const override { return 4; }
 
-  void take(StepEquation& f, std::span<const double> a0, double h, bool afresh, StepResult& out) override {
-    if (afresh) has_jacobian_ = false;
+  void compute_step(StepEquation& f, std::span<const double> a0, double h, bool restarted, StepResult& out) override {
+    if (restarted) has_jacobian_ = false;
     out.failure = prepare(f, a0, h);
     if (out.failure.failed()) return;
-    predict(h, afresh);
+    predict(h, restarted);
     out.failure = iterate(f, h);
     if (out.failure.failed()) {
-      // a fresh Jacobian may do where an old one did not
+      // Repeat the step with a new Jacobian if the iteration failed with one from an earlier step
       if (jacobian_is_old_ && out.failure.status == IntegrationStatus::not_converged) {
         has_jacobian_ = false;
-        take(f, a0, h, afresh, out);
+        compute_step(f, a0, h, restarted, out);
       }
       return;
     }
-    finish(f, a0, h, afresh, out);
+    finish(f, a0, h, restarted, out);
   }
 
   void accept() override {
-    // the Jacobian serves again where the iteration went fast
+    // Keep the Jacobian for the next step if the iteration converged quickly (rate of at most 1e-3 per iteration)
     jacobian_is_old_ = true;
     if (rate_of_convergence_ > 1e-3) has_jacobian_ = false;
     last_h_ = h_;
@@ -129,6 +133,7 @@ class RadauIIA final : public StepMethod {
   }
 
  private:
+  /// Updates the Jacobian and the factors of both linear systems for step h, where they are not current.
   StepFailure prepare(StepEquation& f, std::span<const double> a0, double h) {
     const std::size_t n = f.n();
     if (!has_jacobian_) {
@@ -172,7 +177,7 @@ class RadauIIA final : public StepMethod {
     }
   }
 
-  /// The same for the complex pair: x + i y.
+  /// x + i y <- (g - J)^-1 (x + i y) for the complex pair of eigenvalues. @param x, y [2 nv]
   void solve_pair(std::size_t n, double h, double* x, double* y) {
     const Complex g{alpha / h, beta / h};
     for (std::size_t i = 0; i < n; ++i) {
@@ -191,10 +196,10 @@ class RadauIIA final : public StepMethod {
     }
   }
 
-  /// Stages from the last step's polynomial, or none.
-  void predict(double h, bool afresh) {
+  /// Initial values of the stages: extrapolated from the polynomial of the last step, or zero after a restart.
+  void predict(double h, bool restarted) {
     const std::size_t n2 = z_.size();
-    if (afresh || !(last_h_ > 0)) {
+    if (restarted || !(last_h_ > 0)) {
       for (double& x : Z_) x = 0;
       for (double& x : W_) x = 0;
       return;
@@ -206,14 +211,15 @@ class RadauIIA final : public StepMethod {
     transform(T_inverse, n2, Z_.data(), W_.data());
   }
 
+  /// Simplified Newton iteration for the stages Z_.
   StepFailure iterate(StepEquation& f, double h) {
     const std::size_t n2 = z_.size(), n = n2 / 2;
     const std::span<const double> v0 = f.start_velocity();
     const double rtol = f.options().relative_tolerance;
-    const double wanted = std::max(2.3e-15 / rtol, std::min(0.03, std::sqrt(rtol)));
+    const double newton_tolerance = std::max(2.3e-15 / rtol, std::min(0.03, std::sqrt(rtol)));
     double last_size = 0;
     slowness_ = slowness_ > 0 ? pow(std::max(slowness_, 2.3e-16), 0.8) : 1;
-    rate_of_convergence_ = 0;  // an iteration that is done at once is a fast one
+    rate_of_convergence_ = 0;  // convergence in one iteration counts as fast
     for (int k = 0; k < max_iterations; ++k) {
       ++f.statistics().iterations;
       for (std::size_t s = 0; s < 3; ++s) {
@@ -241,17 +247,17 @@ class RadauIIA final : public StepMethod {
       if (!std::isfinite(size)) return {IntegrationStatus::not_converged, -1};
       if (k > 0) {
         rate_of_convergence_ = size / last_size;
-        if (rate_of_convergence_ >= 0.99 && size > 1e-3 * wanted) return {IntegrationStatus::not_converged, -1};
+        if (rate_of_convergence_ >= 0.99 && size > 1e-3 * newton_tolerance) return {IntegrationStatus::not_converged, -1};
         slowness_ = rate_of_convergence_ / (1 - std::min(rate_of_convergence_, 0.99));
       }
-      if (slowness_ * size <= wanted || size == 0) return {};
+      if (slowness_ * size <= newton_tolerance || size == 0) return {};
       last_size = size;
     }
     return {IntegrationStatus::not_converged, -1};
   }
 
-  /// End, continuous solution and error estimate of a solved step.
-  void finish(StepEquation& f, std::span<const double> a0, double h, bool afresh, StepResult& out) {
+  /// Computes end state, continuous solution and error estimate from the converged stages.
+  void finish(StepEquation& f, std::span<const double> a0, double h, bool restarted, StepResult& out) {
     const std::size_t n2 = z_.size(), n = n2 / 2;
     const std::span<const double> v0 = f.start_velocity();
     for (std::size_t i = 0; i < n2; ++i) out.z1[i] = Z_[2 * n2 + i] + (i < n ? 0.0 : v0[i - n]);
@@ -278,11 +284,12 @@ class RadauIIA final : public StepMethod {
     }
     solve_real(n, h, error_.data());
     out.error = f.norm(out.z1.data(), error_.data());
-    if (out.error < 1 || !(afresh || rejected_last_)) {
+    if (out.error < 1 || !(restarted || rejected_last_)) {
       rejected_last_ = out.error > 1;
       return;
     }
-    // a second look, at the start displaced by the error: damps what the stiff part feigns
+    // Estimate the error again, from the rate at the start displaced by the first estimate. In stiff components the first estimate is
+    // far too large; the second one damps them.
     for (std::size_t i = 0; i < n2; ++i) z_[i] = error_[i] + (i < n ? 0.0 : v0[i - n]);
     if (f.calc_rate(f.start_time(), z_.data(), error_.data()).failed()) return;
     for (std::size_t i = 0; i < n2; ++i) error_[i] += F_[i];
@@ -300,7 +307,7 @@ class RadauIIA final : public StepMethod {
   std::vector<Complex> pair_x_;
   std::vector<double> Z_, W_, F_, G_;     // [3][2 nv]
   std::vector<double> z_, error_;         // [2 nv]
-  std::vector<double> old_, polynomial_;  // [3][2 nv] continuous solution of the last accepted step, of this one
+  std::vector<double> old_, polynomial_;  // [3][2 nv] continuous solution of the last accepted step and of the present one
 };
 
 }  // namespace

@@ -14,6 +14,7 @@ int first_not_finite(std::span<const double> x) {
   return -1;
 }
 
+/// True if the first three DOFs of the joint are an angular velocity whose coordinates are a quaternion.
 bool turns_freely(JointType type) { return type == JointType::spherical || type == JointType::floating; }
 
 }  // namespace
@@ -40,7 +41,9 @@ void StepEquation::begin(double t, std::span<const double> q0, std::span<const d
   }
 }
 
-void StepEquation::place(const double* u, std::span<double> q) const { integrate(system_.mechanism(), q0_, std::span(u, n_), 1.0, q); }
+void StepEquation::calc_configuration(const double* u, std::span<double> q) const {
+  integrate(system_.mechanism(), q0_, std::span(u, n_), 1.0, q);
+}
 
 StepFailure StepEquation::calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> a) {
   ++statistics_.accelerations;
@@ -52,7 +55,7 @@ StepFailure StepEquation::calc_acceleration(double t, std::span<const double> q,
 StepFailure StepEquation::calc_rate(double t, const double* z, double* rate) {
   const double* v = z + n_;
   if (const int bad = first_not_finite(std::span(z, 2 * n_)); bad >= 0) return {IntegrationStatus::not_finite, bad % static_cast<int>(n_)};
-  place(z, q_);
+  calc_configuration(z, q_);
   for (std::size_t i = 0; i < n_; ++i) rate[i] = v[i];
   for (const Link& link : system_.mechanism().links()) {
     if (!turns_freely(link.joint.type)) continue;

@@ -26,20 +26,22 @@ int StepEvents::begin(MotionSystem& system, double t, std::span<const double> q,
   return first_not_finite(g0_);
 }
 
-int StepEvents::calc(MotionSystem& system, Path& path, double s, std::span<double> q, std::span<double> v, std::span<double> g) const {
+int StepEvents::calc(MotionSystem& system, Trajectory& path, double s, std::span<double> q, std::span<double> v,
+                     std::span<double> g) const {
   path.state_at(s, q, v);
   system.calc_events(path.time_at(s), q, v, g);
   return first_not_finite(g);
 }
 
-/// A start at zero is no crossing: the event there has been reported, or the motion begins on it.
+/// True if the values before and after mean an event. A value of exactly zero before is no crossing: that event has already been
+/// reported, or the motion starts on it.
 bool StepEvents::crosses(std::size_t event, double before, double after) const {
   const bool falls = before > 0 && after <= 0, rises = before < 0 && after >= 0;
   return (falls && directions_[event] != EventDirection::rising) || (rises && directions_[event] != EventDirection::falling);
 }
 
-StepEvents::Answer StepEvents::find(MotionSystem& system, Path& path, int samples, double tolerance, std::span<double> q,
-                                    std::span<double> v) {
+StepEvents::SearchResult StepEvents::find(MotionSystem& system, Trajectory& path, int samples, double tolerance, std::span<double> q,
+                                          std::span<double> v) {
   const std::size_t count = g0_.size();
   const auto any_crossing = [&](std::span<const double> before, std::span<const double> after) {
     for (std::size_t e = 0; e < count; ++e)
@@ -52,12 +54,13 @@ StepEvents::Answer StepEvents::find(MotionSystem& system, Path& path, int sample
   for (int k = 1; k <= samples && !found; ++k) {
     low = high;
     high = k == samples ? 1.0 : static_cast<double>(k) / samples;
-    if (const int bad = calc(system, path, high, q, v, high_); bad >= 0) return {Found::not_finite, high, bad};
+    if (const int bad = calc(system, path, high, q, v, high_); bad >= 0) return {Outcome::not_finite, high, bad};
     found = any_crossing(low_, high_);
     if (!found) std::swap(low_, high_);
   }
   if (!found) return {};
-  // shrink to the first crossing: secants of the event that cuts first, bisection every third time so that the bracket closes
+  // Shrink the bracket [low, high] around the first crossing: secant steps for the event with the earliest zero, and bisection in
+  // every third iteration so that the bracket always shrinks.
   for (int k = 0; high - low > tolerance && k < 200; ++k) {
     double s = 0.5 * (low + high);
     if (k % 3 != 2) {
@@ -68,7 +71,7 @@ StepEvents::Answer StepEvents::find(MotionSystem& system, Path& path, int sample
       s = std::clamp(first + (k % 3 == 0 ? margin : -margin), low + margin, high - margin);
     }
     if (!(s > low && s < high)) break;
-    if (const int bad = calc(system, path, s, q, v, middle_); bad >= 0) return {Found::not_finite, s, bad};
+    if (const int bad = calc(system, path, s, q, v, middle_); bad >= 0) return {Outcome::not_finite, s, bad};
     if (any_crossing(low_, middle_)) {
       high = s;
       std::swap(high_, middle_);
@@ -78,7 +81,7 @@ StepEvents::Answer StepEvents::find(MotionSystem& system, Path& path, int sample
     }
   }
   for (std::size_t e = 0; e < count; ++e) pending_[e] = crosses(e, low_[e], high_[e]);
-  return {Found::event, high, next_pending()};
+  return {Outcome::event, high, next_pending()};
 }
 
 int StepEvents::next_pending() {
@@ -90,7 +93,7 @@ int StepEvents::next_pending() {
   return -1;
 }
 
-void StepEvents::forget_pending() {
+void StepEvents::clear_pending() {
   for (char& p : pending_) p = 0;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Inside the integrators: events of a step, located on its continuous solution.
+// Location of events within one step, on the step's continuous solution. Internal to the integrators.
 
 #include <vector>
 
@@ -7,37 +7,45 @@
 
 namespace ugoki::dynamics {
 
+/// Finds the first sign change of a system's event functions within a step.
 class StepEvents {
  public:
   explicit StepEvents(const MotionSystem& system);
 
-  /// State of a step at s in [0, 1], written into q and v.
-  class Path {
+  /// The continuous solution of a step, as a function of s in [0, 1] from the start to the end of the step.
+  class Trajectory {
    public:
-    virtual ~Path() = default;
+    virtual ~Trajectory() = default;
+    /// Writes the state at s into q and v.
     virtual void state_at(double s, std::span<double> q, std::span<double> v) = 0;
+    /// Time at s, in seconds.
     [[nodiscard]] virtual double time_at(double s) const = 0;
   };
 
-  enum class Found : unsigned char { none, event, not_finite };
-  struct Answer {
-    Found found = Found::none;
-    double s = 1;    ///< just past the event
-    int event = -1;  ///< which
+  enum class Outcome : unsigned char { none, event, not_finite };
+  /// Result of find().
+  struct SearchResult {
+    Outcome outcome = Outcome::none;
+    double s = 1;    ///< just after the event, or where an event function is not finite
+    int event = -1;  ///< index of the event function; -1: none
   };
 
+  /// True if the system has no event functions.
   [[nodiscard]] bool none() const { return g0_.empty(); }
-  /// Takes the values at a state from which a step will start. @return the event function that is not finite, or -1
+  /// Evaluates the event functions at the start of a step. @return index of an event function that is not finite, or -1
   [[nodiscard]] int begin(MotionSystem& system, double t, std::span<const double> q, std::span<const double> v);
-  /// Looks for the first event of a step. Events that fall together with it are kept for next_pending().
-  /// @param tolerance in s @param q, v scratch
-  [[nodiscard]] Answer find(MotionSystem& system, Path& path, int samples, double tolerance, std::span<double> q, std::span<double> v);
-  /// An event at the time of the one found that was not reported yet, or -1.
+  /// Finds the first event of a step. Other events at the same time are kept for next_pending().
+  /// @param samples number of intervals of the step at whose ends signs are compared
+  /// @param tolerance of s, dimensionless @param q, v [nq], [nv] scratch
+  [[nodiscard]] SearchResult find(MotionSystem& system, Trajectory& path, int samples, double tolerance, std::span<double> q,
+                                  std::span<double> v);
+  /// Returns the next unreported event at the time of the last event found, and marks it as reported; -1: none.
   [[nodiscard]] int next_pending();
-  void forget_pending();
+  void clear_pending();
 
  private:
-  [[nodiscard]] int calc(MotionSystem& system, Path& path, double s, std::span<double> q, std::span<double> v, std::span<double> g) const;
+  [[nodiscard]] int calc(MotionSystem& system, Trajectory& path, double s, std::span<double> q, std::span<double> v,
+                         std::span<double> g) const;
   [[nodiscard]] bool crosses(std::size_t event, double before, double after) const;
 
   std::vector<double> g0_, low_, high_, middle_;  // [events]

@@ -1,5 +1,6 @@
 #pragma once
-// Inside the integrators: one step of a method in the chart of its start.
+// Interface between Integrator and the methods that compute one step, in the chart at the step's start: q = q0 (+) u, where the
+// displacement u is in the tangent space at q0 (see integrators.h). Internal to the integrators.
 
 #include <memory>
 #include <vector>
@@ -8,10 +9,10 @@
 
 namespace ugoki::dynamics {
 
-/// Why a stage or a step has no result.
+/// Reason why a stage or a step has no result.
 struct StepFailure {
-  IntegrationStatus status = IntegrationStatus::reached;
-  int freedom = -1;
+  IntegrationStatus status = IntegrationStatus::reached;  ///< reached: no failure
+  int dof = -1;                                           ///< DOF at which the failure occurred; -1: unknown
   [[nodiscard]] bool failed() const { return status != IntegrationStatus::reached; }
 };
 
@@ -20,21 +21,23 @@ class StepEquation {
  public:
   StepEquation(MotionSystem& system, const IntegratorOptions& options, IntegrationStatistics& statistics);
 
-  /// Chart of a step that starts at (t, q0, v0); the spans must stay valid.
+  /// Sets the start (t, q0, v0) of a step and thereby its chart. The spans must stay valid during the step.
   void begin(double t, std::span<const double> q0, std::span<const double> v0);
 
-  /// z' at time t. @param z, rate [2 nv]
+  /// Rate z' at time t. @param z, rate [2 nv] (u, v) and (u', v')
   [[nodiscard]] StepFailure calc_rate(double t, const double* z, double* rate);
-  /// Acceleration alone, at an ordinary state.
+  /// Acceleration at a state given as q and v, not in the chart. @param a [nv, out]
   [[nodiscard]] StepFailure calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> a);
 
-  /// Root mean square of x over the tolerances. @param z1 [2 nv] the other end of the step @param x [2 nv]
+  /// Weighted error norm: root mean square of the entries of x, each divided by its tolerance. @param x [2 nv]
+  /// @param z1 [2 nv] end of the step; the tolerance of a velocity is relative to the larger of its values at both ends
   [[nodiscard]] double norm(const double* z1, const double* x) const;
-  /// d a / d u and d a / d v at the step's start. @param a0 [nv]
+  /// Derivatives d a / d u and d a / d v at the step's start, from the system or by finite differences.
+  /// @param a0 [nv] acceleration at the start @param da_du, da_dv [nv * nv, out] row-major
   [[nodiscard]] StepFailure calc_jacobian(std::span<const double> a0, std::span<double> da_du, std::span<double> da_dv);
 
-  /// q0 (+) u
-  void place(const double* u, std::span<double> q) const;
+  /// q <- q0 (+) u. @param u [nv] @param q [nq, out]
+  void calc_configuration(const double* u, std::span<double> q) const;
 
   [[nodiscard]] std::size_t n() const { return n_; }
   [[nodiscard]] double start_time() const { return t0_; }
@@ -49,30 +52,32 @@ class StepEquation {
   std::size_t n_;
   double t0_ = 0;
   std::span<const double> q0_, v0_;
-  std::vector<double> q_;           // [nq] of a stage
-  std::vector<double> size_;        // [nv] size of the coordinate that belongs to each freedom
-  std::vector<double> z_, column_;  // [2 nv], [nv] for differences
+  std::vector<double> q_;           // [nq] configuration of a stage
+  std::vector<double> size_;        // [nv] magnitude at the step's start of the coordinate of each DOF; 1 rad for rotations
+  std::vector<double> z_, column_;  // [2 nv] for finite differences
 };
 
-/// Result of a step: its end and its continuous solution u, v (s) = (0, v0) + sum_p dense[p] s^(p+1), s in [0, 1].
+/// Result of a step: its end and its continuous solution (u, v)(s) = (0, v0) + sum_p dense[p] s^(p+1), s in [0, 1].
 struct StepResult {
   explicit StepResult(std::size_t n) : z1(2 * n), a1(n), dense(4 * 2 * n) {}
-  std::vector<double> z1;     // [2 nv]
+  std::vector<double> z1;     // [2 nv] (u, v) at the end
   std::vector<double> a1;     // [nv] acceleration at the end, if has_a1
-  std::vector<double> dense;  // [4][2 nv]
+  std::vector<double> dense;  // [4][2 nv] coefficients of the continuous solution
   bool has_a1 = false;
-  double error = 0;  // estimate over the tolerance; 0 where the method has none
+  double error = 0;  // error estimate divided by the tolerance; 0 if the method has no estimate
   StepFailure failure;
 };
 
+/// An integration method: computes single steps; the Integrator accepts or rejects them.
 class StepMethod {
  public:
   virtual ~StepMethod() = default;
-  /// Order of the error estimate plus one, the exponent of step control; 0: a method of fixed step.
+  /// Order of the error estimate plus one, the exponent used by step size control; 0: the method has a fixed step.
   [[nodiscard]] virtual int control_order() const { return 0; }
-  /// @param afresh the state was set anew: nothing may be extrapolated from the step before
-  virtual void take(StepEquation& f, std::span<const double> a0, double h, bool afresh, StepResult& out) = 0;
-  /// The last step was accepted.
+  /// Computes a step of size h from the start set in `f`. @param a0 [nv] acceleration at the start
+  /// @param restarted the state does not continue the last accepted step, so nothing may be extrapolated from that step
+  virtual void compute_step(StepEquation& f, std::span<const double> a0, double h, bool restarted, StepResult& out) = 0;
+  /// Called after the last computed step was accepted.
   virtual void accept() {}
 };
 

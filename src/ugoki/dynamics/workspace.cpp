@@ -8,25 +8,26 @@
 
 namespace ugoki::dynamics {
 namespace {
-constexpr std::size_t too_many_entries = std::numeric_limits<int>::max();
-}
+constexpr std::size_t entry_limit = std::numeric_limits<int>::max();  // entries are indexed by int
+constexpr std::size_t max_initial_entries = 1'000'000;                // 8 MB each for M and L; above this, allocate on first use
+}  // namespace
 
 Workspace::Workspace(const Mechanism& m) : program(m), twins(program) {
   const auto n = static_cast<std::size_t>(m.nv());
   const auto links = static_cast<std::size_t>(m.link_count());
   depth.resize(n);
   row_start.resize(n + 1);
-  freedoms.resize(n);
+  dofs.resize(n);
   std::size_t entries = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const int parent = m.freedom_parents()[i];
+    const int parent = m.dof_parents()[i];
     depth[i] = parent < 0 ? 0 : depth[static_cast<std::size_t>(parent)] + 1;
-    row_start[i] = static_cast<int>(std::min(entries, too_many_entries));
+    row_start[i] = static_cast<int>(std::min(entries, entry_limit));
     entries += static_cast<std::size_t>(depth[i]) + 1;
-    freedoms[i] = m.freedom(static_cast<int>(i));
+    dofs[i] = m.dof(static_cast<int>(i));
   }
-  row_start[n] = static_cast<int>(std::min(entries, too_many_entries));
-  if (entries <= 1'000'000) make_rows(m);
+  row_start[n] = static_cast<int>(std::min(entries, entry_limit));
+  if (entries <= max_initial_entries) make_rows(m);
   scratch.resize((std::max(scratch_size(program, sizeof(double), 1), twins.scratch) + sizeof(CacheLine) - 1) / sizeof(CacheLine));
   link_chain.resize(links);
   for (std::size_t i = 0; i < links; ++i) {
@@ -49,23 +50,23 @@ Workspace::Workspace(const Mechanism& m) : program(m), twins(program) {
   D_inverse.resize(n);
 }
 
-int Workspace::place_of(int i, int j) const {
+int Workspace::entry_of(int i, int j) const {
   const auto last = static_cast<std::size_t>(std::max(i, j)), first = static_cast<std::size_t>(std::min(i, j));
   return row_start[last] + depth[first];
 }
 
 void Workspace::make_rows(const Mechanism& m) {
   const auto entries = static_cast<std::size_t>(row_start.back());
-  UGOKI_CHECK(entries < too_many_entries);
+  UGOKI_CHECK(entries < entry_limit);
   chain.resize(entries);
   for (std::size_t i = 0; i < depth.size(); ++i) {
     int* const row = chain.data() + row_start[i];
-    if (const int parent = m.freedom_parents()[i]; parent >= 0)
+    if (const int parent = m.dof_parents()[i]; parent >= 0)
       std::copy_n(chain.data() + row_start[static_cast<std::size_t>(parent)], depth[i], row);
     row[depth[i]] = static_cast<int>(i);
   }
-  entry_place.reserve(entries);
-  for (const auto& [above, below] : twins.entry_freedoms()) entry_place.push_back(place_of(above, below));
+  entry_index.reserve(entries);
+  for (const auto& [above, below] : twins.entry_dofs()) entry_index.push_back(entry_of(above, below));
   M.resize(entries);
   L.resize(entries);
 }

@@ -1,10 +1,10 @@
 #pragma once
-// Scratch memory of the dynamics algorithms for one mechanism; caller-owned, sized once, one a thread.
+// Memory of the dynamics algorithms for one mechanism: owned by the caller, sized at construction, one per thread.
 //
-// All spatial quantities that update_kinematics() leaves here are in world axes about ONE reference point p0 (the first link's origin), so
-// that the recursions need no transforms between links. The tree of freedoms is kept as root-first chains: row i of the inertia matrix and
-// of its factor has an entry for each freedom on the path from the base to i, and the chain of an ancestor is a prefix of it, so the inner
-// loops run over contiguous memory.
+// All spatial quantities that update_kinematics() stores here are in world axes about one reference point p0 (the first link's origin).
+// The recursions therefore need no transforms between links. The tree of DOFs is stored as chains that start at the root: row i of the
+// inertia matrix and of its factor has an entry for each DOF on the path from the base to DOF i. The chain of an ancestor is a prefix of
+// the chain of i, so the inner loops run over contiguous memory.
 
 #include <cstddef>
 #include <span>
@@ -21,53 +21,54 @@ struct ArticulatedInertia {
   Sym3 M;
 };
 
-/// A piece of memory that starts a cache line.
+/// 64 bytes of memory, aligned to a cache line.
 struct alignas(64) CacheLine {
   std::byte bytes[64];
 };
 
+/// Compiled mechanism, results of the kinematics, inertia matrix and scratch memory.
 struct Workspace {
   explicit Workspace(const Mechanism& mechanism);
 
-  /// Makes `chain`, `entry_place`, M and L, which take O(nv depth) memory. The constructor does it up to a million entries, and
-  /// calc_inertia_rows() where it was not done yet.
+  /// Allocates and fills `chain` and `entry_index`, and allocates M and L: O(nv depth) memory. The constructor calls this function for
+  /// up to a million entries; for larger mechanisms the first call of calc_inertia_rows() does.
   void make_rows(const Mechanism& mechanism);
 
-  /// Where the entry of freedoms i and j, of which one moves the other, stands in M and L.
-  [[nodiscard]] int place_of(int i, int j) const;
+  /// Index in M and L of the entry of DOFs i and j, one of which must be an ancestor of the other, or the same.
+  [[nodiscard]] int entry_of(int i, int j) const;
 
-  // From the mechanism
-  LinkProgram program;            ///< what the fast kernels run
-  LinkTwins twins;                ///< the same for one instance, with legs and arms side by side
-  std::vector<int> depth;         ///< [nv] freedoms above freedom i
-  std::vector<int> row_start;     ///< [nv + 1] first entry of row i in `chain`, `M`, `L`; row i has depth[i] + 1 entries
-  std::vector<int> chain;         ///< freedoms from the base to i, i included
-  std::vector<int> entry_place;   ///< [entries of M] where they stand, in the order in which kernel_inertia.h has them
-  std::vector<int> link_chain;    ///< [links] deepest freedom that moves the link, or -1
-  std::vector<Freedom> freedoms;  ///< [nv]
+  // Structure of the mechanism
+  LinkProgram program;           ///< the mechanism compiled for the fast kernels
+  LinkTwins twins;               ///< `program` split into trunk and pairs of equal subtrees, for calls on one instance
+  std::vector<int> depth;        ///< [nv] number of ancestors of DOF i
+  std::vector<int> row_start;    ///< [nv + 1] first entry of row i in `chain`, `M`, `L`; row i has depth[i] + 1 entries
+  std::vector<int> chain;        ///< row i: the DOFs on the path from the base to DOF i, i included
+  std::vector<int> entry_index;  ///< [entries of M] index in M of each entry, in the order in which kernel_inertia.h computes them
+  std::vector<int> link_chain;   ///< [links] deepest DOF that moves the link; -1: none
+  std::vector<Dof> dofs;         ///< [nv] limits, armature and other properties of each DOF
 
-  // Kinematics: update_kinematics()
-  Vec3 p0;                 ///< m, world
-  std::vector<Pose> X_WB;  ///< [links]
-  std::vector<Vec6> S;     ///< [nv] motion subspace
-  std::vector<Vec6> V;     ///< [links] velocity
+  // Kinematics, computed by update_kinematics(); spatial quantities about p0, world axes, angular part first
+  Vec3 p0;                 ///< m, world: the reference point
+  std::vector<Pose> X_WB;  ///< [links] poses in the world
+  std::vector<Vec6> S;     ///< [nv] column of the motion subspace
+  std::vector<Vec6> V;     ///< [links] velocity: rad/s, m/s
   std::vector<Vec6> C;     ///< [links] (dS/dt) v: velocity-product acceleration of the link relative to its parent
-  std::vector<Inertia> I;  ///< [links]
+  std::vector<Inertia> I;  ///< [links] inertia about p0
 
   // Scratch of the recursions
-  std::vector<Vec6> A, F;              ///< [links]
+  std::vector<Vec6> A, F;              ///< [links] accelerations, forces
   std::vector<Inertia> Ic;             ///< [links] composite inertia
-  std::vector<ArticulatedInertia> IA;  ///< [links]
-  std::vector<Vec6> pA;                ///< [links] articulated bias force
-  std::vector<Vec6> U;                 ///< [nv] articulated inertia times motion subspace
+  std::vector<ArticulatedInertia> IA;  ///< [links] articulated-body inertia
+  std::vector<Vec6> pA;                ///< [links] articulated-body bias force
+  std::vector<Vec6> U;                 ///< [nv] articulated-body inertia times motion subspace
   std::vector<double> d, u;            ///< [nv] inverse pivots, reduced joint forces
 
   // Inertia matrix and its factor M + diag = L^T D L, rows as in `chain`
-  std::vector<double> M;          ///< calc_inertia_rows()
-  std::vector<double> L;          ///< factor(): unit lower factor; the diagonal entries hold D
-  std::vector<double> D_inverse;  ///< [nv]
+  std::vector<double> M;          ///< inertia matrix, computed by calc_inertia_rows()
+  std::vector<double> L;          ///< unit lower factor, computed by factor(); the diagonal entries contain D
+  std::vector<double> D_inverse;  ///< [nv] reciprocals of D
 
-  std::vector<CacheLine> scratch;  ///< of the functions that start from q and v
+  std::vector<CacheLine> scratch;  ///< memory of the fast kernels
 };
 
 }  // namespace ugoki::dynamics

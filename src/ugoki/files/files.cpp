@@ -14,7 +14,7 @@
 namespace ugoki::files {
 namespace {
 
-/// A file descriptor that closes itself.
+/// Owns a file descriptor; the destructor closes it.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -24,7 +24,7 @@ class Descriptor {
     if (fd_ >= 0) ::close(fd_);
   }
   [[nodiscard]] int get() const { return fd_; }
-  /// Closes now; false if the system reports that written data was lost.
+  /// Closes the descriptor. False if the system reports that written data was lost.
   bool close() {
     const int fd = fd_;
     fd_ = -1;
@@ -35,25 +35,25 @@ class Descriptor {
   int fd_;
 };
 
-/// A system error in words.
-std::unexpected<Error> failed(const std::string& path, const std::string& what, int error) {
+/// The system error `error` (errno) as an error result: `sentence` without its full stop, the system's text, and a remedy.
+std::unexpected<Error> failed(const std::string& path, const std::string& sentence, int error) {
   std::string remedy = "Check the disk and try again.";
   switch (error) {
     case ENOENT: remedy = "Check the name and the folder."; break;
     case ENOTDIR: remedy = "A part of the path is a file, not a folder; check the path."; break;
     case EISDIR: remedy = "Name a file inside it."; break;
     case EACCES:
-    case EPERM: remedy = "Ask for the permission, or choose another place."; break;
-    case EROFS: remedy = "The disk is read-only; choose another place."; break;
+    case EPERM: remedy = "Ask for the permission, or choose another folder."; break;
+    case EROFS: remedy = "The disk is read-only; choose another folder."; break;
     case ENOSPC:
-    case EDQUOT: remedy = "Free some space on the disk, or choose another place."; break;
+    case EDQUOT: remedy = "Free some space on the disk, or choose another folder."; break;
     case ENAMETOOLONG: remedy = "Choose a shorter name."; break;
-    case ELOOP: remedy = "The symbolic links of the path form a circle; check them."; break;
+    case ELOOP: remedy = "The symbolic links of the path form a cycle; check them."; break;
     case EMFILE:
     case ENFILE: remedy = "Too many files are open; close some programs."; break;
     default: break;
   }
-  return fail(ErrorCode::io, path, what + " (" + std::strerror(error) + ").", remedy);
+  return fail(ErrorCode::io, path, sentence + " (" + std::strerror(error) + ").", remedy);
 }
 
 bool write_all(int fd, std::span<const std::byte> bytes) {
@@ -70,13 +70,13 @@ bool write_all(int fd, std::span<const std::byte> bytes) {
 
 Result<std::string> read_file(const std::string& path, std::size_t max_size) {
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.get() < 0) return failed(path, errno == ENOENT ? "the file does not exist" : "the file cannot be opened", errno);
+  if (file.get() < 0) return failed(path, errno == ENOENT ? "The file does not exist" : "The file cannot be opened", errno);
   struct stat info{};
-  if (::fstat(file.get(), &info) != 0) return failed(path, "the file cannot be examined", errno);
-  if (S_ISDIR(info.st_mode)) return fail(ErrorCode::io, path, "this is a folder, not a file.", "Name a file inside it.");
+  if (::fstat(file.get(), &info) != 0) return failed(path, "The file's status cannot be read", errno);
+  if (S_ISDIR(info.st_mode)) return fail(ErrorCode::io, path, "This is a folder, not a file.", "Name a file inside it.");
   const auto too_large = [&] {
-    return fail(ErrorCode::range, path, "the file is larger than " + std::to_string(max_size) + " bytes.",
-                "Check that it is the right file, or cut it into parts.");
+    return fail(ErrorCode::range, path, "The file is larger than " + std::to_string(max_size) + " bytes.",
+                "Check that it is the right file, or split it.");
   };
   const std::size_t size = info.st_size > 0 ? static_cast<std::size_t>(info.st_size) : 0;
   if (size > max_size) return too_large();
@@ -86,7 +86,7 @@ Result<std::string> read_file(const std::string& path, std::size_t max_size) {
   for (;;) {
     const ssize_t n = ::read(file.get(), buffer.data(), buffer.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return failed(path, "the file cannot be read", errno);
+    if (n < 0) return failed(path, "The file cannot be read", errno);
     if (n == 0) return text;
     if (text.size() + static_cast<std::size_t>(n) > max_size) return too_large();
     text.append(buffer.data(), static_cast<std::size_t>(n));
@@ -94,7 +94,7 @@ Result<std::string> read_file(const std::string& path, std::size_t max_size) {
 }
 
 Result<void> write_file(const std::string& path, std::span<const std::byte> bytes) {
-  // Through a symbolic link: replace what it points to, not the link.
+  // If the path is a symbolic link, its target is replaced, not the link.
   std::error_code link_error;
   const std::filesystem::path resolved = std::filesystem::weakly_canonical(path, link_error);
   const std::string target = link_error || path.empty() ? path : resolved.string();
@@ -103,11 +103,11 @@ Result<void> write_file(const std::string& path, std::span<const std::byte> byte
 
   struct stat info{};
   if (::stat(folder.c_str(), &info) != 0)
-    return failed(path, errno == ENOENT ? "the folder " + folder + " does not exist" : "the folder " + folder + " cannot be used", errno);
-  if (!S_ISDIR(info.st_mode)) return failed(path, folder + " is no folder", ENOTDIR);
+    return failed(path, errno == ENOENT ? "The folder " + folder + " does not exist" : "The folder " + folder + " cannot be used", errno);
+  if (!S_ISDIR(info.st_mode)) return failed(path, "The path " + folder + " is not a folder", ENOTDIR);
   mode_t mode = 0;
   if (::stat(target.c_str(), &info) == 0) {
-    if (S_ISDIR(info.st_mode)) return failed(path, "this is a folder, not a file", EISDIR);
+    if (S_ISDIR(info.st_mode)) return failed(path, "This is a folder, not a file", EISDIR);
     mode = info.st_mode & 07777;
   } else {
     const mode_t mask = ::umask(0);
@@ -117,16 +117,16 @@ Result<void> write_file(const std::string& path, std::span<const std::byte> byte
 
   std::string temporary = folder + "/.ugoki-XXXXXX";
   Descriptor file(::mkstemp(temporary.data()));
-  if (file.get() < 0) return failed(path, "no file can be made in the folder " + folder, errno);
+  if (file.get() < 0) return failed(path, "No file can be created in the folder " + folder, errno);
   int error = 0;
   if (!write_all(file.get(), bytes) || ::fchmod(file.get(), mode) != 0 || ::fsync(file.get()) != 0) error = errno;
   if (!file.close() && error == 0) error = errno;
   if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
   if (error != 0) {
     ::unlink(temporary.c_str());
-    return failed(path, "the file cannot be written", error);
+    return failed(path, "The file cannot be written", error);
   }
-  // The new name must reach the disk too; a file system that cannot do that is no reason to report a failure.
+  // The directory entry must reach the disk too. Some file systems do not support fsync() of a folder, so its failure is ignored.
   if (const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); directory.get() >= 0)
     ::fsync(directory.get());
   return {};

@@ -1,6 +1,6 @@
 #pragma once
-// The binary interface of FMI 2.0 co-simulation, as far as it is used here: types and functions of the standard ("Functional Mock-up
-// Interface for Model Exchange and Co-Simulation", version 2.0, chapters 2.1 and 4.2), under their standard names.
+// Binary interface of FMI 2.0 co-simulation: the types and functions of the standard that are used here, under their standard names.
+// Source: "Functional Mock-up Interface for Model Exchange and Co-Simulation", version 2.0, chapters 2.1 and 4.2.
 
 #include <cstddef>
 
@@ -22,7 +22,7 @@ enum fmi2StatusKind { fmi2DoStepStatus, fmi2PendingStatus, fmi2LastSuccessfulTim
 
 using fmi2CallbackLogger = void (*)(fmi2ComponentEnvironment, fmi2String instance, fmi2Status, fmi2String category, fmi2String message,
                                     ...);
-using fmi2CallbackAllocateMemory = void* (*)(std::size_t count, std::size_t size);  // zeroed
+using fmi2CallbackAllocateMemory = void* (*)(std::size_t count, std::size_t size);  // sets the memory to zero, as calloc
 using fmi2CallbackFreeMemory = void (*)(void*);
 using fmi2StepFinished = void (*)(fmi2ComponentEnvironment, fmi2Status);
 
@@ -35,7 +35,7 @@ struct fmi2CallbackFunctions {
 };
 }
 
-/// X(return type, name behind "fmi2", arguments): what an importer of co-simulation calls.
+/// Calls the macro X(return type, name without "fmi2", parameters) for each function that an importer of co-simulation needs.
 #define UGOKI_FMI2_FUNCTIONS(X)                                                                                                            \
   X(const char*, GetVersion, (void))                                                                                                       \
   X(fmi2Component, Instantiate,                                                                                                            \

@@ -1,6 +1,6 @@
 #pragma once
-// The binary interface of FMI 3.0 co-simulation, as far as it is used here: types and functions of the standard ("Functional Mock-up
-// Interface Specification", version 3.0, chapters 2.2 and 4.2), under their standard names.
+// Binary interface of FMI 3.0 co-simulation: the types and functions of the standard that are used here, under their standard names.
+// Source: "Functional Mock-up Interface Specification", version 3.0, chapters 2.2 and 4.2.
 
 #include <cstddef>
 #include <cstdint>
@@ -40,10 +40,11 @@ using fmi3LockPreemptionCallback = void (*)();
 using fmi3UnlockPreemptionCallback = void (*)();
 }
 
-/// X(name of a numeric type behind "fmi3")
+/// Calls the macro X(name) for each numeric type; the type is fmi3NAME, its functions are fmi3GetNAME and fmi3SetNAME.
 #define UGOKI_FMI3_NUMBERS(X) X(Float32) X(Float64) X(Int8) X(UInt8) X(Int16) X(UInt16) X(Int32) X(UInt32) X(Int64) X(UInt64) X(Boolean)
 
-/// X(return type, name behind "fmi3", arguments): what an importer of co-simulation calls, but for the access to numbers.
+/// Calls the macro X(return type, name without "fmi3", parameters) for each function that an importer of co-simulation needs, except the
+/// functions of UGOKI_FMI3_NUMBERS.
 #define UGOKI_FMI3_FUNCTIONS(X)                                                                                                           \
   X(const char*, GetVersion, (void))                                                                                                      \
   X(fmi3Instance, InstantiateCoSimulation,                                                                                                \

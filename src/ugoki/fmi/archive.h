@@ -1,5 +1,6 @@
 #pragma once
-// The zip file that an FMU is: read from memory with bounds, written so that equal contents give equal bytes.
+// Zip files, the format of FMUs. They are read from memory, within bounds against hostile files; they are written so that equal files give
+// equal bytes.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,26 +14,29 @@
 
 namespace ugoki::fmi {
 
-/// True for the first bytes of a zip.
+/// True if the bytes begin like a zip file.
 [[nodiscard]] bool is_zip(std::string_view bytes);
 
+/// A file in a zip.
 struct ArchiveEntry {
-  std::string name;         ///< "binaries/linux64/ball.so": no absolute path, no way upwards
+  std::string name;         ///< relative path without "..": "binaries/linux64/ball.so"
   std::uint64_t bytes = 0;  ///< unpacked
 };
 
+/// An opened zip file.
 class Archive {
  public:
-  /// Keeps a copy of the bytes. Errors (place: `place`): no zip, damaged, encrypted, names that lead out of it, links, more than
-  /// 100,000 entries, or contents of more than 2 GiB or, if large, a hundred times the packed size.
-  [[nodiscard]] static Result<Archive> open(std::string bytes, std::string_view place);
+  /// Opens a zip and keeps its bytes. Errors (location: `location`): it is not a zip, is damaged or encrypted; a name leads out of the
+  /// folder into which the zip is unpacked; an entry is a link; there are more than 100,000 entries or 2 GiB of unpacked data; an entry
+  /// above 32 MiB unpacks to more than 100 times its packed size (a zip bomb).
+  [[nodiscard]] static Result<Archive> open(std::string bytes, std::string_view location);
   Archive(Archive&&) noexcept;
   Archive& operator=(Archive&&) noexcept;
   ~Archive();
 
-  [[nodiscard]] const std::vector<ArchiveEntry>& entries() const;  ///< files only, by name
+  [[nodiscard]] const std::vector<ArchiveEntry>& entries() const;  ///< files only, sorted by name
   [[nodiscard]] bool has(std::string_view name) const;
-  /// The whole entry; damaged ones are refused by their checksum.
+  /// The unpacked bytes of a file. Errors: no such file; its size or checksum is wrong.
   [[nodiscard]] Result<std::string> read(std::string_view name) const;
 
  private:
@@ -41,7 +45,7 @@ class Archive {
   std::unique_ptr<Body> body_;
 };
 
-/// A zip of these files (name, bytes), in this order.
-[[nodiscard]] Result<std::string> write_archive(const std::vector<std::pair<std::string, std::string>>& files, std::string_view place);
+/// The bytes of a zip of these files (name, bytes), in this order. All files get the same date. @param location for messages
+[[nodiscard]] Result<std::string> write_archive(const std::vector<std::pair<std::string, std::string>>& files, std::string_view location);
 
 }  // namespace ugoki::fmi

@@ -24,11 +24,12 @@ constexpr const char* platform3 = "aarch64-linux";
 constexpr const char* platform2 = "linux64";
 constexpr const char* platform3 = "x86_64-linux";
 #endif
+// Temporary folders are named ugoki-fmu-PROCESS-RANDOM.
 constexpr std::string_view folder_prefix = "ugoki-fmu-";
 
 std::string platform_folder(const ModelDescription& d) { return std::string("binaries/") + (d.version == 2 ? platform2 : platform3) + "/"; }
 
-/// Folders of processes that ended without tidying up (an FMU crashed).
+/// Removes the temporary folders of processes that no longer exist, for example because an FMU crashed.
 void sweep(const fs::path& folder) {
   std::error_code ec;
   for (const fs::directory_entry& e : fs::directory_iterator(folder, ec)) {
@@ -41,13 +42,15 @@ void sweep(const fs::path& folder) {
   }
 }
 
-Result<std::string> make_folder(std::string_view place) {
+/// Creates a temporary folder. @return its path
+Result<std::string> make_folder(std::string_view location) {
   std::error_code ec;
   const fs::path temporary = fs::temp_directory_path(ec);
   if (!ec) sweep(temporary);
   std::string folder = (temporary / (std::string(folder_prefix) + std::to_string(::getpid()) + "-XXXXXX")).string();
   if (ec || ::mkdtemp(folder.data()) == nullptr)
-    return fail(ErrorCode::io, std::string(place), "There is no folder for temporary files.", "Set TMPDIR to one that can be written.");
+    return fail(ErrorCode::io, std::string(location), "No temporary folder can be created.",
+                "Set TMPDIR to a folder that you may write to.");
   return folder;
 }
 
@@ -59,7 +62,7 @@ Result<void> unpack(const Archive& archive, const std::string& name, const std::
   return files::write_file(folder + "/" + name, std::string_view(*bytes));
 }
 
-/// Everything but letters, digits and a few signs as %XX.
+/// URI of a path. Bytes other than letters, digits and /-._~ are written as %XX.
 std::string file_uri(const std::string& path) {
   constexpr const char* digits = "0123456789ABCDEF";
   std::string out = "file://";
@@ -80,7 +83,7 @@ std::string file_uri(const std::string& path) {
 
 std::string binary_name(const ModelDescription& d) { return platform_folder(d) + d.identifier + ".so"; }
 
-Result<void> check_binary(const Archive& archive, const ModelDescription& d, std::string_view place) {
+Result<void> check_binary(const Archive& archive, const ModelDescription& d, std::string_view location) {
   if (archive.has(binary_name(d))) return {};
   std::set<std::string> systems;
   bool sources = false;
@@ -90,20 +93,21 @@ Result<void> check_binary(const Archive& archive, const ModelDescription& d, std
     const std::string rest = e.name.substr(9);
     if (const auto slash = rest.find('/'); slash != std::string::npos) systems.insert(rest.substr(0, slash));
   }
-  std::string message = "It has no binary for this system ('" + binary_name(d) + "')";
+  std::string message = "The FMU has no binary for this system ('" + binary_name(d) + "')";
   if (!systems.empty()) {
-    message += "; it has those for";
+    message += "; it has binaries for";
     for (const std::string& s : systems) message += " " + s;
   } else if (sources) {
     message += ", only sources";
   }
-  return fail(ErrorCode::unsupported, std::string(place), message + ".", "Export the FMU for Linux, or ask its maker for that.");
+  return fail(ErrorCode::unsupported, std::string(location), message + ".",
+              "Export the FMU for Linux, or ask its author for a Linux version.");
 }
 
 Result<std::shared_ptr<Code>> Code::open(const Archive& archive, const ModelDescription& d, std::string_view place_view) {
-  const std::string place(place_view);
-  if (Result<void> there = check_binary(archive, d, place); !there) return fail(std::move(there.error()));
-  Result<std::string> folder = make_folder(place);
+  const std::string location(place_view);
+  if (Result<void> there = check_binary(archive, d, location); !there) return fail(std::move(there.error()));
+  Result<std::string> folder = make_folder(location);
   if (!folder) return fail(std::move(folder.error()));
   const std::shared_ptr<Code> code(new Code);
   code->folder_ = *folder;
@@ -114,14 +118,14 @@ Result<std::shared_ptr<Code>> Code::open(const Archive& archive, const ModelDesc
   fs::create_directories(*folder + "/resources", ec);
   code->resources_ = d.version == 2 ? file_uri(*folder + "/resources") : *folder + "/resources/";
 
-  // Never closed: some FMUs start threads that outlive their instances.
+  // The library is never closed: some FMUs start threads that outlive their instances and would then run unmapped code.
   void* handle = ::dlopen((*folder + "/" + binary_name(d)).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
     const char* why = dlerror();
-    std::string reason = why ? why : "unknown";
+    std::string reason = why ? why : "unknown reason";
     if (const auto at = reason.find(*folder + "/"); at != std::string::npos) reason.erase(at, folder->size() + 1);
-    return fail(ErrorCode::syntax, place, "The FMU's binary cannot be opened: " + reason + ".",
-                "Install what it needs, or export it for this system.");
+    return fail(ErrorCode::syntax, location, "The FMU's binary cannot be opened: " + reason + ".",
+                "Install the libraries that it needs, or export it for this system.");
   }
   std::string missing;
   const auto find = [&](auto& function, const char* name, bool needed) {
@@ -147,7 +151,7 @@ Result<std::shared_ptr<Code>> Code::open(const Archive& archive, const ModelDesc
 #undef UGOKI_FMI_FIND
   }
   if (!missing.empty())
-    return fail(ErrorCode::structure, place, "The FMU's binary lacks functions: " + missing + ".",
+    return fail(ErrorCode::structure, location, "The FMU's binary lacks functions: " + missing + ".",
                 "Export it again for FMI " + d.written + " co-simulation.");
   return code;
 }

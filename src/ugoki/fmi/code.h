@@ -1,6 +1,6 @@
 #pragma once
-// The native part of an FMU: its binary and resources unpacked into a folder of their own, its functions found. Opening it runs foreign
-// code: in a process that may end only.
+// The native code of an FMU. Its binary and resources are unpacked into a temporary folder, and its functions are looked up. Opening the
+// code runs foreign code; do it only in a process that may crash.
 
 #include <memory>
 #include <string>
@@ -17,9 +17,11 @@ namespace ugoki::fmi {
 #define UGOKI_FMI3_ACCESS(type)                                                                                      \
   fmi3Status (*Get##type)(fmi3Instance, const fmi3ValueReference*, std::size_t, fmi3##type*, std::size_t) = nullptr; \
   fmi3Status (*Set##type)(fmi3Instance, const fmi3ValueReference*, std::size_t, const fmi3##type*, std::size_t) = nullptr;
+/// Functions of FMI 2.0: Functions2::DoStep is fmi2DoStep. Null: not found, and not needed by this FMU.
 struct Functions2 {
   UGOKI_FMI2_FUNCTIONS(UGOKI_FMI_MEMBER)
 };
+/// Functions of FMI 3.0, likewise.
 struct Functions3 {
   UGOKI_FMI3_FUNCTIONS(UGOKI_FMI_MEMBER)
   UGOKI_FMI3_NUMBERS(UGOKI_FMI3_ACCESS)
@@ -27,18 +29,20 @@ struct Functions3 {
 #undef UGOKI_FMI3_ACCESS
 #undef UGOKI_FMI_MEMBER
 
+/// A loaded binary. The temporary folder is removed when this is destroyed; the binary stays loaded until the process ends.
 class Code {
  public:
-  /// Errors (place: `place`): no binary for this system, one that cannot be opened or lacks functions.
+  /// Errors (location: `location`): the FMU has no binary for this system, it cannot be opened, or it lacks functions.
   [[nodiscard]] static Result<std::shared_ptr<Code>> open(const Archive& archive, const ModelDescription& description,
-                                                          std::string_view place);
+                                                          std::string_view location);
   ~Code();
   Code(const Code&) = delete;
   Code& operator=(const Code&) = delete;
 
   [[nodiscard]] const Functions2& two() const { return two_; }
   [[nodiscard]] const Functions3& three() const { return three_; }
-  [[nodiscard]] const std::string& resources() const { return resources_; }  ///< FMI 2.0: URI; FMI 3.0: path with '/' at its end
+  /// The folder with the unpacked resources: a URI in FMI 2.0, a path that ends with '/' in FMI 3.0.
+  [[nodiscard]] const std::string& resources() const { return resources_; }
 
  private:
   Code() = default;
@@ -47,9 +51,9 @@ class Code {
   Functions3 three_;
 };
 
-/// Name in the archive of the binary for this system.
+/// Name of the binary for this system in the archive: "binaries/x86_64-linux/ball.so".
 [[nodiscard]] std::string binary_name(const ModelDescription& description);
-/// An error that tells which systems there are binaries for, if this one's is missing.
-[[nodiscard]] Result<void> check_binary(const Archive& archive, const ModelDescription& description, std::string_view place);
+/// Error if the archive has no binary for this system; the message lists the systems that it has binaries for.
+[[nodiscard]] Result<void> check_binary(const Archive& archive, const ModelDescription& description, std::string_view location);
 
 }  // namespace ugoki::fmi

@@ -13,12 +13,13 @@ namespace {
 
 using circuit::LsiClass;
 
-constexpr std::size_t most_inside = 1000;    // variables inside that become outputs
-constexpr std::uint64_t most_elements = 64;  // of an array that becomes parameters, one each
-constexpr std::size_t most_named = 8;        // variables that a note names
+constexpr std::size_t max_inside = 1000;    // local variables that become outputs; if there are more, none does and a note is added
+constexpr std::uint64_t max_elements = 64;  // maximum size of an array that becomes parameters, one for each element
+constexpr std::size_t max_named = 8;        // variables that a note lists by name
 
 bool is_number(VariableType type) { return type != VariableType::string && type != VariableType::binary && type != VariableType::clock; }
 
+/// True for integers and enumerations.
 bool is_whole(VariableType type) {
   return type != VariableType::float64 && type != VariableType::float32 && type != VariableType::boolean && is_number(type);
 }
@@ -32,9 +33,10 @@ std::string element_name(const Variable& v, std::uint64_t i) {
   return out + "]";
 }
 
+/// Start value of element i; 0 if the variable has none.
 double start_of(const Variable& v, std::size_t i) { return v.start.empty() ? 0.0 : v.start.size() == 1 ? v.start[0] : v.start[i]; }
 
-/// Names of one kind (inputs, outputs, parameters) stay different from each other.
+/// Makes names of pins or parameters unique by appended apostrophes.
 class Names {
  public:
   std::string take(std::string_view variable) {
@@ -47,15 +49,15 @@ class Names {
   std::set<std::string, std::less<>> taken_;
 };
 
-/// Variables of which one note speaks: "'a', 'b' and 3 more".
+/// Collects the variables of one note: "'a', 'b' and 3 more are ...".
 class Listed {
  public:
   void add(const std::string& name) {
-    if (count_++ < most_named) text_ += (text_.empty() ? "'" : ", '") + name + "'";
+    if (count_++ < max_named) text_ += (text_.empty() ? "'" : ", '") + name + "'";
   }
   void note(std::vector<std::string>& notes, const std::string& rest) const {
-    if (count_ > most_named)
-      notes.push_back(text_ + " and " + std::to_string(count_ - most_named) + " more " + rest);
+    if (count_ > max_named)
+      notes.push_back(text_ + " and " + std::to_string(count_ - max_named) + " more " + rest);
     else if (count_ > 0)
       notes.push_back(text_ + " " + rest);
   }
@@ -65,6 +67,7 @@ class Listed {
   std::size_t count_ = 0;
 };
 
+/// Makes the LSIs of one FMU.
 class Declarer {
  public:
   explicit Declarer(const ModelDescription& d) : d_(d) {}
@@ -72,7 +75,7 @@ class Declarer {
   Declarations declare() {
     Declarations out;
     Declaration plain = head();
-    std::size_t inside = 0;
+    std::size_t inside = 0;  // local variables and calculated parameters that could be outputs
     for (const Variable& v : d_.variables) {
       switch (v.causality) {
         case Causality::input: add_input(plain, v); break;
@@ -89,36 +92,39 @@ class Declarer {
       p.name = "logging";
       p.kind = circuit::ParameterKind::boolean;
       p.initial = false;
-      p.doc = "Show all that the FMU reports, not only warnings and errors.";
+      p.doc = "Show all log messages of the FMU, not only warnings and errors.";
       p.live = false;
       plain.lsi_class.parameters.push_back(std::move(p));
       plain.logging = static_cast<int>(numbers_);
     }
     out.classes.push_back(plain);
-    if (inside > 0 && inside <= most_inside) {
+    if (inside > 0 && inside <= max_inside) {
       Declaration full = plain;
       full.lsi_class.name += ", all variables";
-      full.lsi_class.doc += " The variables inside are outputs too.";
+      full.lsi_class.doc += " Its local variables are outputs too.";
       for (const Variable& v : d_.variables)
         if (v.causality == Causality::local || v.causality == Causality::calculated_parameter) add_output(full, v);
       out.classes.push_back(std::move(full));
     }
-    texts_.note(out.notes, "are texts, which no pin carries; they are left out.");
-    binaries_.note(out.notes, "are binary values or clocks, which no pin carries; they are left out.");
-    sizes_.note(out.notes, "decide sizes of arrays and keep their start values.");
+    texts_.note(out.notes, "are strings, for which there is no pin type; they are left out.");
+    binaries_.note(out.notes, "are binary values or clocks, for which there is no pin type; they are left out.");
+    sizes_.note(out.notes, "set the sizes of arrays and keep their start values.");
     arrays_.note(out.notes, "are arrays that cannot be parameters of an LSI; they keep their start values.");
-    empty_.note(out.notes, "have no elements and are left out.");
-    if (inside > most_inside)
-      out.notes.push_back("Its " + std::to_string(inside) +
-                          " variables inside are too many to be outputs; export those that are needed as outputs.");
-    if (!d_.saves_state) out.notes.push_back(starts_afresh());
-    if (d_.needs_execution_tool) out.notes.push_back("It needs the tool that made it to be installed on this machine.");
+    empty_.note(out.notes, "have no elements; they are left out.");
+    if (inside > max_inside)
+      out.notes.push_back("Its " + std::to_string(inside) + " local variables are too many to be outputs (at most " +
+                          std::to_string(max_inside) + "); export the FMU with the needed ones as outputs.");
+    if (!d_.saves_state) out.notes.push_back(cannot_save());
+    if (d_.needs_execution_tool) out.notes.push_back("It needs the tool that exported it to be installed on this machine.");
     return out;
   }
 
  private:
-  static std::string starts_afresh() { return "It cannot save its state: where a circuit goes back in time, this FMU starts afresh."; }
+  static std::string cannot_save() {
+    return "It cannot save its state: when a circuit goes back in time, this FMU starts from its initial state.";
+  }
 
+  /// The LSI without pins and parameters.
   Declaration head() const {
     Declaration out;
     LsiClass& c = out.lsi_class;
@@ -128,7 +134,7 @@ class Declarer {
     c.doc = d_.description.empty() ? d_.name : d_.description;
     if (!c.doc.empty() && c.doc.back() != '.') c.doc += '.';
     c.doc += " An FMU (FMI " + d_.written + " co-simulation).";
-    if (!d_.saves_state) c.doc += " " + starts_afresh();
+    if (!d_.saves_state) c.doc += " " + cannot_save();
     return out;
   }
 
@@ -139,7 +145,7 @@ class Declarer {
     return doc;
   }
 
-  /// False, and noted, where no pin can carry it.
+  /// False if there is no pin type for the variable; then it is added to a note.
   bool can_be_pin(const Variable& v) {
     if (v.type == VariableType::string) return texts_.add(v.name), false;
     if (!is_number(v.type)) return binaries_.add(v.name), false;
@@ -147,6 +153,7 @@ class Declarer {
     return true;
   }
 
+  /// Sets type, unit, description and range of a pin.
   template <class Pin>
   void fill(Pin& pin, const Variable& v) const {
     const std::uint64_t count = v.count();
@@ -178,7 +185,7 @@ class Declarer {
     pin.name = input_names_.take(v.name);
     pin.direct = false;
     pin.value = start_of(v, 0);
-    // An input without wire has one value for all its elements.
+    // An input without wire has the same value in all elements; if the start values differ, it needs a wire.
     pin.required = !std::all_of(v.start.begin(), v.start.end(), [&](double x) { return x == pin.value; });
     out.inputs.push_back(bind(v, out.lsi_class.inputs.size()));
     out.lsi_class.inputs.push_back(std::move(pin));
@@ -203,8 +210,8 @@ class Declarer {
     if (!v.is_array()) return add_number(out, v, v.name, 0);
     const std::uint64_t count = v.count();
     if (count == 0) return empty_.add(v.name);
-    if (count > most_elements || v.type == VariableType::boolean || v.type == VariableType::enumeration) return arrays_.add(v.name);
-    // Its elements are set together, so they are one binding with a parameter for each.
+    if (count > max_elements || v.type == VariableType::boolean || v.type == VariableType::enumeration) return arrays_.add(v.name);
+    // Each element is a parameter of the LSI. The FMU sets the array as a whole, so that all elements share one binding.
     const std::size_t first = out.lsi_class.parameters.size();
     for (std::uint64_t i = 0; i < count; ++i) add_number(out, v, element_name(v, i), i);
     ParameterBinding all = out.parameters[out.parameters.size() - count];
@@ -265,13 +272,13 @@ class Declarer {
     out.lsi_class.parameters.push_back(std::move(p));
   }
 
-  /// A range that leaves out the start would refuse the FMU as it is.
+  /// The range is extended to contain the start value; otherwise the circuit would refuse the FMU's own default.
   static void set_range(circuit::Parameter& p, const Variable& v, double start) {
     p.minimum = std::min(v.minimum.value_or(p.minimum), start);
     p.maximum = std::max(v.maximum.value_or(p.maximum), start);
   }
 
-  /// An enumeration whose items are known is a choice of words.
+  /// Makes an enumeration a choice of words, if its items are known and the start value is one of them.
   void set_choices(circuit::Parameter& p, ParameterBinding& b, const Variable& v, double start) const {
     if (v.type != VariableType::enumeration || v.enumeration < 0) return;
     const EnumerationType& e = d_.enumerations[static_cast<std::size_t>(v.enumeration)];
@@ -290,7 +297,7 @@ class Declarer {
   const ModelDescription& d_;
   Names input_names_, output_names_, parameter_names_;
   std::set<std::string, std::less<>> plain_parameters_;
-  std::size_t numbers_ = 0;  // of Call::parameters so far
+  std::size_t numbers_ = 0;  // values in Call::parameters so far
   Listed texts_, binaries_, sizes_, arrays_, empty_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// From the variables of an FMU to the pins and parameters of an LSI.
+// Makes the pins and parameters of an LSI from the variables of an FMU.
 
 #include <string>
 #include <vector>
@@ -9,48 +9,52 @@
 
 namespace ugoki::fmi {
 
-/// How a number lies in memory on its way through the interface. b32: FMI 2.0's Boolean, b8: that of FMI 3.0.
+/// Type of a value in the calls of an FMU. b32: Boolean of FMI 2.0 (int); b8: Boolean of FMI 3.0 (bool).
 enum class Storage : std::uint8_t { f64, f32, i8, u8, i16, u16, i32, u32, i64, u64, b8, b32 };
 [[nodiscard]] std::size_t bytes_of(Storage storage);
+/// @param version 2 or 3
 [[nodiscard]] Storage storage_of(VariableType type, int version);
 
-/// A variable and the pin that stands for it.
+/// A variable of the FMU and its pin.
 struct PinBinding {
   Storage storage = Storage::f64;
   ValueReference reference = 0;
-  std::uint32_t pin = 0;
-  std::uint32_t count = 1;  ///< numbers
-  bool discrete = false;    ///< changes at events only
+  std::uint32_t pin = 0;    ///< index among the inputs or outputs of the LSI
+  std::uint32_t count = 1;  ///< values
+  bool discrete = false;    ///< may change at events only
 };
 
-/// A variable and the numbers of Call::parameters that stand for it, or its text.
+/// A variable of the FMU that is a parameter of the LSI: values in Call::parameters, or a text.
 struct ParameterBinding {
   Storage storage = Storage::f64;
   ValueReference reference = 0;
-  std::uint32_t first = 0;            ///< in Call::parameters
-  std::uint32_t count = 1;            ///< numbers
-  std::vector<double> start;          ///< what the FMU has by itself; not set as long as it stays so
-  std::vector<std::int64_t> choices;  ///< a choice: values of its words, by index
-  std::string name;                   ///< of the LSI's parameter
+  std::uint32_t first = 0;            ///< index of its first value in Call::parameters
+  std::uint32_t count = 1;            ///< values
+  std::vector<double> start;          ///< start values of the FMU; a parameter that equals them is not set; empty: unknown
+  std::vector<std::int64_t> choices;  ///< a choice: value in the FMU of each word
+  std::string name;                   ///< name of the LSI's parameter; array: name of the first element's parameter
   bool text = false, tunable = false;
 };
 
-/// An LSI without its functions, and what its pins and parameters are in the FMU.
+/// An LSI without its functions, and the variables of the FMU for its pins and parameters.
 struct Declaration {
   circuit::LsiClass lsi_class;
   std::vector<PinBinding> inputs, outputs;
   std::vector<ParameterBinding> parameters;
-  int logging = -1;  ///< offset in Call::parameters of the parameter of this name, or -1
+  int logging = -1;  ///< index in Call::parameters of the added parameter "logging"; -1: the FMU has a parameter of this name itself
 };
 
+/// The LSIs of an FMU.
 struct Declarations {
-  std::vector<Declaration> classes;  ///< the FMU; and where it has variables inside, once more with all of them as outputs
-  std::vector<std::string> notes;    ///< sentences: what could not become a pin or a parameter, and what to know
+  std::vector<Declaration> classes;  ///< the FMU; if it has 1 ... 1000 local variables, a second LSI with these as additional outputs
+  std::vector<std::string> notes;    ///< sentences: variables that have no pin or parameter, and other limitations
 };
 
+/// Makes the LSIs of an FMU.
 [[nodiscard]] Declarations declare(const ModelDescription& description);
 
-/// The name of a pin or parameter for a variable: "body.h" becomes "body:h", for a point ends the name of an LSI.
+/// Name of the pin or parameter for a variable. Every '.' becomes ':' ("body.h" becomes "body:h"), because in circuits a '.' separates the
+/// id of an LSI from the name of a pin.
 [[nodiscard]] std::string pin_name(std::string_view variable);
 
 }  // namespace ugoki::fmi

@@ -12,9 +12,10 @@
 namespace ugoki::fmi {
 namespace {
 
+// Base units of the standard, in the order of its attributes.
 constexpr std::array<const char*, 8> bases{"kg", "m", "s", "A", "K", "mol", "cd", "rad"};
 
-/// Exponents of `bases` and a factor.
+/// A unit as a product of powers of `bases` and a factor to SI.
 struct BaseUnit {
   std::array<int, 8> powers{};
   double factor = 1;
@@ -45,7 +46,7 @@ constexpr KnownUnit known_units[] = {{"kg", {{1}, 1}},
                                      {"%", {{}, 1e-2}},
                                      {"1", {{}, 1}}};
 
-/// "kg m^2/s", "m/s2", "1/s"; nothing where it is not known.
+/// Reads a unit: "kg m^2/s", "m/s2", "1/s". Every factor after '/' is in the denominator. Nothing if a factor is unknown.
 std::optional<BaseUnit> parse_unit(std::string_view text) {
   BaseUnit out;
   int sign = 1;
@@ -83,6 +84,7 @@ std::optional<BaseUnit> parse_unit(std::string_view text) {
   return any ? std::optional(out) : std::nullopt;
 }
 
+/// Writes the XML document.
 class Writer {
  public:
   Writer(const circuit::Circuit& c, const Interface& i, const DescribeRequest& r)
@@ -167,8 +169,8 @@ class Writer {
 
   static void write_categories(pugi::xml_node root) {
     pugi::xml_node list = root.append_child("LogCategories");
-    for (const auto& [name, text] : {std::pair{"logStatusError", "What stops the circuit, with the LSI's name and the time"},
-                                     std::pair{"logStatusWarning", "What is remarkable"}}) {
+    for (const auto& [name, text] : {std::pair{"logStatusError", "Errors that stop the circuit, with the name of the LSI and the time"},
+                                     std::pair{"logStatusWarning", "Warnings"}}) {
       pugi::xml_node category = list.append_child("Category");
       set(category, "name", name);
       set(category, "description", text);
@@ -196,7 +198,7 @@ class Writer {
     if (v.type == InterfaceType::choice) set(node, "declaredType", type_name(v));
     if (v.type == InterfaceType::real && !v.unit.empty()) set(node, "unit", v.unit);
     if (v.type != InterfaceType::real && v.type != InterfaceType::whole) return;
-    const double top = two_ ? 2147483647.0 : 9007199254740992.0;  // of whole numbers
+    const double top = two_ ? 2147483647.0 : 9007199254740992.0;  // largest integer: of int32, or that a double represents exactly (2^53)
     const bool whole = v.type == InterfaceType::whole;
     if (v.minimum && (!whole || *v.minimum >= -top)) set(node, "min", number(v, *v.minimum));
     if (v.maximum && (!whole || *v.maximum <= top)) set(node, "max", number(v, *v.maximum));
@@ -254,7 +256,7 @@ class Writer {
     if (v.array) set(node.append_child("Dimension"), "start", std::to_string(v.count));
   }
 
-  /// FMI 2.0 counts scalar variables from 1, FMI 3.0 uses value references.
+  /// Writes the ModelStructure. FMI 2.0 refers to scalar variables by their index from 1, FMI 3.0 by value reference.
   void write_structure(pugi::xml_node node) {
     std::vector<std::uint32_t> first;
     std::uint32_t next = 1;
@@ -271,7 +273,7 @@ class Writer {
         for (std::uint32_t k = 0; k < (two_ ? v.count : 1u); ++k) {
           pugi::xml_node unknown = two_ ? list.append_child("Unknown") : node.append_child(initially ? "InitialUnknown" : "Output");
           set(unknown, two_ ? "index" : "valueReference", std::to_string(two_ ? first[i] + k : v.reference));
-          if (initially) continue;  // may depend on everything
+          if (initially) continue;  // without `dependencies` it may depend on all inputs
           std::string dependencies;
           for (const std::uint32_t d : v.depends)
             for (std::uint32_t n = 0; n < (two_ ? interface_.variables[d].count : 1u); ++n)

@@ -22,7 +22,7 @@ constexpr const char* folder2 = "binaries/linux64/";
 constexpr const char* folder3 = "binaries/x86_64-linux/";
 #endif
 
-/// A C identifier for the circuit's name.
+/// A C identifier of at most 60 characters, from the name of a circuit.
 std::string identifier_of(const std::string& name) {
   std::string out;
   for (const char c : name) {
@@ -35,13 +35,13 @@ std::string identifier_of(const std::string& name) {
   return out.substr(0, 60);
 }
 
-/// "{8-4-4-4-12}": the first digits of a hash of all that decides what the FMU does.
+/// Token in the form of a GUID: the first digits of a hash. @param content everything that determines the FMU's behaviour
 std::string token_of(const std::string& content) {
   const std::string h = sha256(content);
   return "{" + h.substr(0, 8) + "-" + h.substr(8, 4) + "-" + h.substr(12, 4) + "-" + h.substr(16, 4) + "-" + h.substr(20, 12) + "}";
 }
 
-/// The LSIs that the binary has; the others need content, or are native code of somebody else.
+/// Checks that the FMU's binary has all LSIs of the circuit. @param packed the LSIs in the binary
 Result<void> check_lsis(const circuit::Circuit& circuit, const circuit::Library& library, const circuit::Library& packed,
                         const std::vector<circuit::LsiClass>& installed) {
   circuit::Library all = library;
@@ -51,13 +51,13 @@ Result<void> check_lsis(const circuit::Circuit& circuit, const circuit::Library&
   for (const circuit::FlatLsi& lsi : circuit::flatten(circuit, all, ignored).lsis) {
     if (!lsi.lsi_class || lsi.id.starts_with("input:") || packed.has(lsi.lsi_class->name)) continue;
     if (!lsi.lsi_class->from.empty())
-      problems.add(ErrorCode::unsupported, lsi.place,
+      problems.add(ErrorCode::unsupported, lsi.location,
                    "'" + lsi.id + "' is of the installed library '" + lsi.lsi_class->from + "'. Its native code is not packed into an FMU.",
-                   "Export the circuit without it, and wire its part in the other tool; or build it of the program's own LSIs.");
+                   "Remove the LSI from the circuit and do its work in the other tool, or replace it by built-in LSIs.");
     else
       problems.add(
-          ErrorCode::unsupported, lsi.place,
-          "'" + lsi.id + "' (LSI '" + lsi.lsi_class->name + "') works on the mechanisms and motions of content, and none was given.",
+          ErrorCode::unsupported, lsi.location,
+          "'" + lsi.id + "' (LSI '" + lsi.lsi_class->name + "') uses the mechanisms and motions of content, but no content was given.",
           "Give content with --content FILE.ugx; `ugoki run PROJECT --ugx FILE.ugx` writes it.");
   }
   if (!problems.empty()) return fail(std::move(problems));

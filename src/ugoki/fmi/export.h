@@ -1,5 +1,6 @@
 #pragma once
-// A circuit as an FMU, for Simulink, Modelica and other tools. Needs no compiler: the binary is the same for all circuits.
+// Exports a circuit as an FMU, for Simulink, Modelica and other tools. No compiler is needed: every FMU contains the same binary
+// (apps/fmu), which reads the circuit from the FMU's resources.
 
 #include <string>
 #include <string_view>
@@ -12,32 +13,34 @@
 
 namespace ugoki::fmi {
 
+/// How to export a circuit.
 struct ExportRequest {
-  int version = 3;          ///< 2 or 3
-  double dt = 0.001;        ///< s, between ticks of the circuit
+  int version = 3;          ///< of FMI: 2 or 3
+  double dt = 0.001;        ///< s, between two ticks of the circuit
   std::string_view binary;  ///< bytes of the shared object that runs circuits (apps/fmu), for this system
-  /// Bytes of the content (*.ugx) whose mechanisms and motions the LSIs work on, and what its characters are to them; empty and null: there
-  /// is none, and only signal LSIs may be used. `binary` must be that for content then.
+  /// Bytes of the content (*.ugx) whose mechanisms and motions the LSIs use. With content, `resources` must be set too, and `binary` must
+  /// be the one for content (ugoki_fmu_content). Empty: the circuit may contain signal LSIs only.
   std::string_view content = {};
-  const circuit::Resources* resources = nullptr;
+  const circuit::Resources* resources = nullptr;  ///< the same content as the LSIs see it; null: no content
 };
 
+/// An exported FMU.
 struct Exported {
   std::string bytes;                                     ///< the *.fmu
   std::string identifier;                                ///< its modelIdentifier
   std::vector<std::string> inputs, outputs, parameters;  ///< names of its variables
-  std::vector<std::string> notes;                        ///< pins that are left out
+  std::vector<std::string> notes;                        ///< sentences about pins and parameters that are left out
 };
 
-/// Made of signal LSIs, those that work on the given content, and nested circuits. Errors: what keeps the circuit from running; LSIs that
-/// need content where there is none; LSIs of installed libraries, whose native code is not packed.
-/// @param library the program's own LSIs @param installed declarations of those that the user has installed
+/// Exports a circuit of signal LSIs, nested circuits and, if content is given, LSIs that use content. Equal arguments give equal bytes.
+/// Errors: the circuit cannot be built; an LSI needs content and none is given; an LSI is of an installed library, whose native code is not
+/// packed. @param library the program's own LSIs @param installed declarations of the installed LSIs, for error messages
 [[nodiscard]] Result<Exported> export_fmu(const circuit::Circuit& circuit, const circuit::Library& library,
                                           const std::vector<circuit::LsiClass>& installed, const ExportRequest& request);
 
-/// Files inside of the FMU.
+/// Names of the files in the FMU's folder resources.
 inline constexpr std::string_view circuit_file = "circuit.json";
-inline constexpr std::string_view content_file = "content.ugx";  ///< of FMUs with content
+inline constexpr std::string_view content_file = "content.ugx";  ///< only in FMUs with content
 inline constexpr std::string_view run_file = "run.json";         ///< {"dt": s, "token": "{...}"}
 
 }  // namespace ugoki::fmi

@@ -11,20 +11,21 @@
 namespace ugoki::fmi {
 namespace {
 
-constexpr std::size_t most_bytes = std::size_t{1} << 30;
-constexpr std::size_t most_state = std::size_t{64} << 20;
+constexpr std::size_t max_bytes = std::size_t{1} << 30;   // size of an FMU file; larger files are refused
+constexpr std::size_t max_state = std::size_t{64} << 20;  // bytes of a saved state, as for all LSIs (ugoki/lsi.h)
 
 Result<ModelDescription> read_description(const Archive& archive, const std::string& path) {
   constexpr std::string_view name = "modelDescription.xml";
   if (!archive.has(name))
-    return fail(ErrorCode::structure, path, "The zip has no modelDescription.xml, so it is no FMU.",
-                "Give a file that was exported as an FMU.");
+    return fail(ErrorCode::structure, path, "The zip has no modelDescription.xml, so it is not an FMU.",
+                "Choose a file that was exported as an FMU.");
   const Result<std::string> xml = archive.read(name);
   if (!xml) return fail(xml.error());
   return read_model_description(*xml, std::filesystem::path(path).filename().string() + "/" + std::string(name));
 }
 
-std::string words_of(const Unit& unit) { return unit.last_words().empty() ? "it does not say why" : unit.last_words(); }
+/// Reason for the end of an error message: the last log message of the failed FMU instance, or "it gives no reason".
+std::string words_of(const Unit& unit) { return unit.last_words().empty() ? "it gives no reason" : unit.last_words(); }
 
 }  // namespace
 
@@ -60,10 +61,10 @@ Result<std::shared_ptr<Fmu>> Fmu::open(const std::string& path, std::string byte
 Result<std::shared_ptr<Code>> Fmu::code() {
   if (code_) return *code_;
   const auto load = [this]() -> Result<std::shared_ptr<Code>> {
-    Result<std::string> bytes = files::read_file(path_, most_bytes);
+    Result<std::string> bytes = files::read_file(path_, max_bytes);
     if (!bytes) return fail(std::move(bytes.error()));
     if (sha256(*bytes) != hash_)
-      return fail(ErrorCode::conflict, path_, "The file was changed while it was in use.", "Run the circuit again.");
+      return fail(ErrorCode::conflict, path_, "The file was changed while the circuit was using it.", "Run the circuit again.");
     const Result<Archive> archive = Archive::open(std::move(*bytes), path_);
     if (!archive) return fail(archive.error());
     return Code::open(*archive, description_, path_);
@@ -84,11 +85,11 @@ Result<void> Fmu::measure(std::size_t& bytes) {
                 "Install what it needs, or export it again.");
   if (unit->enter_initialization(0) > Status::warning || unit->exit_initialization() > Status::warning)
     return fail(ErrorCode::structure, path_, "The FMU cannot be initialised with its own start values: " + words_of(*unit) + ".",
-                "It may need parameters or inputs to be set first.");
+                "Set the parameters or inputs that the FMU needs; see its documentation.");
   EventEnd events;
   if (unit->finish_events(events) > Status::warning)
     return fail(ErrorCode::structure, path_, "The FMU cannot handle its first event: " + words_of(*unit) + ".",
-                "It may need parameters or inputs to be set first.");
+                "Set the parameters or inputs that the FMU needs; see its documentation.");
   void* state = nullptr;
   std::size_t size = 0;
   if (description_.serializes_state && unit->get_state(state) <= Status::warning && state) {
@@ -107,7 +108,7 @@ std::size_t Fmu::state_bytes() {
   const Result<void> measured = measure(size);
   end();
   const std::size_t with_room = size ? (2 * size + 1024) / 8 * 8 : 0;
-  state_bytes_ = measured && with_room <= most_state ? with_room : 0;
+  state_bytes_ = measured && with_room <= max_state ? with_room : 0;
   return *state_bytes_;
 }
 

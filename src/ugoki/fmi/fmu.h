@@ -1,5 +1,5 @@
 #pragma once
-// An FMU file, its LSIs, and its code once it is needed. Internal to fmi.
+// An FMU file: its description, its LSIs and, once a circuit uses it, its code. Internal to fmi.
 
 #include <memory>
 #include <optional>
@@ -15,33 +15,38 @@ namespace ugoki::fmi {
 
 class Fmu;
 
-/// What LsiClass::abi of an FMU's LSI points to.
+/// LsiClass::abi of an FMU's LSI points to this. The base class is empty; the functions of the LSI are in fmu_lsi.cpp.
 struct FmuClass : ugoki_class {
   Fmu* fmu = nullptr;
   Declaration declaration;
 };
 
+/// An FMU file. Its code is loaded when it is needed first.
 class Fmu {
  public:
+  /// Reads the file without running its code. Errors and parameters: see load_fmu.
   [[nodiscard]] static Result<std::shared_ptr<Fmu>> open(const std::string& path, std::string bytes, std::string hash, Phase phase);
 
   [[nodiscard]] const ModelDescription& description() const { return description_; }
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   [[nodiscard]] std::vector<FmuClass>& classes() { return classes_; }
 
-  /// Loads the code at the first call.
+  /// The FMU's code, which is loaded at the first call. Errors: the file has changed since it was opened; see Code::open.
   [[nodiscard]] Result<std::shared_ptr<Code>> code();
-  /// Bytes that its saved state takes, with room to grow; 0: it cannot be saved as bytes. Starts the FMU once to ask it.
+  /// Bytes to reserve for a saved state: twice the size that a started instance reports, and 1 KiB. 0: the FMU cannot save its state as
+  /// bytes, or the state would exceed 64 MiB. The first call starts an instance and ends it.
   [[nodiscard]] std::size_t state_bytes();
-  /// Starts and ends an instance.
+  /// Starts an instance, initialises it and ends it. Error: one of these failed.
   [[nodiscard]] Result<void> attempt();
 
-  int instances = 0;  ///< alive now
+  int instances = 0;  ///< that exist now in this process
 
  private:
   Fmu() = default;
+  /// Reports the phase "The FMU 'ball.fmu' was being WHAT" (see Phase), and its end.
   void begin(const char* what) const;
   void end() const;
+  /// Starts and ends an instance. @param bytes [out] size of its serialised state; 0: none
   [[nodiscard]] Result<void> measure(std::size_t& bytes);
 
   std::string path_, hash_;

@@ -1,5 +1,5 @@
-// The functions of an FMU's LSI. Its communication step is the LSI's own tick: what its outputs show during a tick is the state at the
-// tick's time; `advance` gives it the inputs of the tick and lets it compute up to the next one.
+// The functions of an FMU's LSI. One tick of the LSI is one communication step of the FMU. During a tick the outputs show the state of the
+// FMU at the time of the tick. At the end of the tick, `advance` passes the inputs to the FMU and lets it compute up to the next tick.
 
 #include <algorithm>
 #include <cmath>
@@ -19,9 +19,9 @@ namespace {
 using circuit::Call;
 using circuit::Setup;
 
-constexpr std::size_t most_held = 256;  // states that are kept of an FMU that saves but does not serialise
+constexpr std::size_t max_held = 256;  // states kept inside an FMU that can save but not serialise them; the oldest is dropped first
 
-/// Bytes of what the FMU was given last (tunable parameters, discrete inputs), in the saved state.
+/// Bytes of the values that the FMU was given last (tunable parameters, discrete inputs), as part of the saved state.
 std::size_t given_bytes(const Declaration& d) {
   std::size_t bytes = 0;
   for (const ParameterBinding& b : d.parameters) bytes += b.tunable ? b.count * sizeof(double) : 0;
@@ -29,23 +29,26 @@ std::size_t given_bytes(const Declaration& d) {
   return (bytes + 7) / 8 * 8;
 }
 
-/// In front of what `store` writes into the LSI's state. Behind it: what the FMU was given last, then the FMU's own state.
+/// Header of the saved state that `store` writes into the LSI's state. Behind it follow the values that the FMU was given last, then the
+/// FMU's own serialised state.
 struct SavedHead {
-  enum Kind : std::uint64_t { nothing, bytes, held };
+  enum Kind : std::uint64_t { nothing, bytes, held };  // no state; serialised behind the header; kept inside the FMU
   std::uint64_t kind = nothing;
-  std::uint64_t size = 0;   // bytes behind this; or number of the held state
-  std::uint64_t owner = 0;  // address of the instance that holds it
-  double until = 0;         // s
-  double next_event = 0;    // s
-  std::uint64_t given = 0;  // 1: it was given discrete inputs
+  std::uint64_t size = 0;   // bytes of the serialised state, or number of the held state
+  std::uint64_t owner = 0;  // address of the Running that holds the state
+  double until = 0;         // s, time at which the state was saved
+  double next_event = 0;    // s, as Running::next_event_
+  std::uint64_t given = 0;  // 1: the FMU has been given discrete inputs
 };
 
+/// Object of an LSI: one instance of the FMU. Functions that return std::int32_t return 0, or stop the circuit (circuit::stop) and
+/// return 1.
 class Running {
  public:
   Running(const FmuClass& c, Setup& setup);
   ~Running();
 
-  /// False with a problem reported.
+  /// Creates the FMU's instance. False: the problem was added to `setup`.
   bool start(Setup& setup);
   std::int32_t init(const Call* call);
   std::int32_t advance(const Call* call);
@@ -53,10 +56,10 @@ class Running {
   void recall(const Call* call);
 
  private:
-  bool make_unit(std::string& why);
+  bool make_unit(std::string& why);  // false: `why` has the reason
   std::int32_t initialise(const Call* call, double start);
-  std::int32_t convert(const Call* call, Group& g);
-  std::int32_t give(const Call* call, Group& g);
+  std::int32_t convert(const Call* call, Group& g);  // from the wires to g.memory
+  std::int32_t give(const Call* call, Group& g);     // from g.memory to the FMU
   std::int32_t set_group(const Call* call, Group& g) {
     const std::int32_t bad = convert(call, g);
     return bad ? bad : give(call, g);
@@ -65,13 +68,13 @@ class Running {
   std::int32_t set_inputs(const Call* call);
   std::int32_t finish_events(const Call* call, double now);
   std::int32_t set_parameter(const Call* call, const ParameterBinding& b);
-  std::int32_t set_parameters(const Call* call);
-  std::int32_t set_changed(const Call* call);
+  std::int32_t set_parameters(const Call* call);  // before the initialisation
+  std::int32_t set_changed(const Call* call);     // tunable parameters that differ from the value given last
   std::int32_t get_outputs(const Call* call);
   std::int32_t fail(const Call* call, Status status, const std::string& what);
   [[nodiscard]] const std::string& name_of_input(const PinBinding& b) const { return class_.declaration.lsi_class.inputs[b.pin].name; }
   void drop_held();
-  /// Calls visit(address, bytes) with what the FMU was given last.
+  /// Calls visit(address, bytes) for the values that the FMU was given last.
   template <class Visit>
   void visit_given(Visit visit) {
     for (std::size_t i = 0; i < set_.size(); ++i)
@@ -85,16 +88,18 @@ class Running {
   bool logging_ = false;
   std::uint32_t every_ = 1;
   std::unique_ptr<Unit> unit_;
-  std::vector<Group> wired_, given_, outputs_;  // inputs with a wire, inputs with a value, outputs
-  std::vector<Group> discrete_;                 // inputs with a wire that may be set at events only
-  std::vector<std::string> texts_;              // of text parameters, in the order of bindings
-  std::vector<std::vector<double>> set_;        // [bindings] what the FMU has been given last, of numbers
-  std::vector<std::uint64_t> scratch_;
-  std::map<std::uint64_t, void*> held_;
+  std::vector<Group> wired_, given_, outputs_;  // inputs with a wire, inputs without wire (constant), outputs
+  std::vector<Group> discrete_;                 // inputs with a wire that may be set only at events
+  std::vector<std::string> texts_;              // [parameters] values of text parameters
+  std::vector<std::vector<double>> set_;        // [parameters] values that the FMU was given last; empty for texts
+  std::vector<std::uint64_t> scratch_;          // room for the values of the largest parameter
+  std::map<std::uint64_t, void*> held_;         // states kept inside the FMU, by number
   std::uint64_t next_held_ = 1;
-  double next_event_ = std::numeric_limits<double>::infinity();  // s
+  double next_event_ = std::numeric_limits<double>::infinity();  // s, scheduled by the FMU
   bool are_discrete_given_ = false;
-  bool initialised_ = false, dead_ = false, afresh_ = false;
+  bool initialised_ = false;
+  bool dead_ = false;      // after a fatal error no function of the FMU may be called
+  bool restarts_ = false;  // the next tick starts the FMU from its initial state, because its state could not be restored
 };
 
 Running::Running(const FmuClass& c, Setup& setup) : class_(c), fmu_(*c.fmu), id_(setup.id()), every_(std::max(1u, setup.every())) {
@@ -141,7 +146,7 @@ bool Running::make_unit(std::string& why) {
   }
   unit_ = Unit::make(*code, fmu_.description(), id_, logging_);
   if (unit_->instantiate()) return true;
-  why = "The FMU does not start: " + (unit_->last_words().empty() ? std::string("it does not say why.") : unit_->last_words());
+  why = "The FMU does not start: " + (unit_->last_words().empty() ? std::string("it gives no reason.") : unit_->last_words());
   unit_.reset();
   return false;
 }
@@ -149,18 +154,20 @@ bool Running::make_unit(std::string& why) {
 bool Running::start(Setup& setup) {
   const ModelDescription& d = fmu_.description();
   if (d.only_once_per_process && fmu_.instances > 1) {
-    setup.fail(ErrorCode::unsupported, "The FMU '" + d.identifier + "' can be there once only, and another LSI uses it already.",
-               "Use it once, or export it so that it can be instantiated several times.");
+    setup.fail(ErrorCode::unsupported,
+               "The FMU '" + d.identifier + "' can have only one instance in a process, and another LSI uses it already.",
+               "Use it only once, or export it so that it can be instantiated several times.");
     return false;
   }
   const double step = setup.dt() * every_;
   if (d.internal_step) {
     const double times = step / *d.internal_step;
+    // The relative tolerance of 1e-6 accepts multiples that are inexact in binary, such as 0.1 s / 0.001 s.
     if (!(times > 0.5) || std::fabs(times - std::floor(times + 0.5)) > 1e-6 * times) {
       const std::string what = "The FMU '" + d.identifier + "' computes in steps of " + to_text(*d.internal_step) +
-                               " s, and this LSI asks for steps of " + to_text(step) + " s, which is not a multiple.";
+                               " s, but this LSI needs steps of " + to_text(step) + " s, which is not a multiple.";
       if (!d.variable_step) {
-        setup.fail(ErrorCode::range, what, "Choose the time between ticks, or 'every' of the LSI, so that it is one.");
+        setup.fail(ErrorCode::range, what, "Change the time between ticks, or 'every' of the LSI, so that the step is a multiple.");
         return false;
       }
       post_message("'" + id_ + "': " + what);
@@ -168,7 +175,7 @@ bool Running::start(Setup& setup) {
   }
   std::string why;
   if (make_unit(why)) return true;
-  setup.fail(ErrorCode::structure, why, "Check its parameters, and that all it needs is installed.");
+  setup.fail(ErrorCode::structure, why, "Check its parameters, and that all libraries it needs are installed.");
   return false;
 }
 
@@ -176,9 +183,9 @@ std::int32_t Running::fail(const Call* call, Status status, const std::string& w
   std::string text = what;
   if (status == Status::fatal) {
     dead_ = true;
-    text += ", and it is beyond repair (fatal)";
+    text += " (fatal: this instance cannot be used any more)";
   } else if (status == Status::pending) {
-    text += ": it wants to go on later (pending), which is not supported";
+    text += ": it computes asynchronously (pending), which is not supported";
   }
   if (!unit_->last_words().empty()) text += ": " + unit_->last_words();
   if (!text.ends_with('.')) text += '.';
@@ -191,8 +198,8 @@ std::int32_t Running::convert(const Call* call, Group& g) {
     const double* from = circuit::input(call, b.pin);
     for (std::uint32_t k = 0; k < b.count; ++k, to += bytes_of(g.storage))
       if (!write(g.storage, from[k], to))
-        return circuit::stop(
-            call, "The input '" + name_of_input(b) + "' cannot hold " + to_text(from[k]) + ", which its type in the FMU does not have.");
+        return circuit::stop(call, "The input '" + name_of_input(b) + "' has the value " + to_text(from[k]) +
+                                       ", which is outside of the range of its type in the FMU.");
   }
   return 0;
 }
@@ -216,8 +223,8 @@ std::int32_t Running::set_parameter(const Call* call, const ParameterBinding& b)
       double x = call->parameters[b.first + k];
       if (!b.choices.empty()) x = static_cast<double>(b.choices[static_cast<std::size_t>(x)]);
       if (!write(b.storage, x, to + k * bytes_of(b.storage)))
-        return circuit::stop(call,
-                             "The parameter '" + b.name + "' cannot hold " + to_text(x) + ", which its type in the FMU does not have.");
+        return circuit::stop(
+            call, "The parameter '" + b.name + "' has the value " + to_text(x) + ", which is outside of the range of its type in the FMU.");
     }
     status = unit_->set(b.storage, {&b.reference, 1}, scratch_.data(), b.count);
   }
@@ -226,7 +233,7 @@ std::int32_t Running::set_parameter(const Call* call, const ParameterBinding& b)
   return 0;
 }
 
-/// All that are not what the FMU has by itself.
+/// Sets the parameters that differ from the FMU's start values.
 std::int32_t Running::set_parameters(const Call* call) {
   const std::vector<ParameterBinding>& all = class_.declaration.parameters;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -265,12 +272,13 @@ std::int32_t Running::finish_events(const Call* call, double now) {
   EventEnd end;
   if (const Status status = unit_->finish_events(end); status > Status::warning)
     return fail(call, status, "The FMU cannot handle its event at " + to_fixed(now, 6) + " s");
-  if (end.terminated) return fail(call, Status::ok, "The FMU asks for the end of the simulation at " + to_fixed(now, 6) + " s");
+  if (end.terminated) return fail(call, Status::ok, "The FMU requests the end of the simulation at " + to_fixed(now, 6) + " s");
   next_event_ = end.next;
   return 0;
 }
 
-/// Before a step. In event mode parameters and discrete inputs may change at an event only, and a change of theirs is one.
+/// Passes parameters and inputs to the FMU before a step. In event mode, tunable parameters and discrete inputs may be set only at an
+/// event; therefore a change of one of them causes an event.
 std::int32_t Running::set_inputs(const Call* call) {
   if (unit_->has_events()) {
     bool event = !are_discrete_given_ && !discrete_.empty();
@@ -300,7 +308,7 @@ std::int32_t Running::set_inputs(const Call* call) {
 std::int32_t Running::get_outputs(const Call* call) {
   for (Group& g : outputs_) {
     const Status status = unit_->get(g.storage, g.references, g.bytes(), g.count);
-    if (status > Status::warning) return fail(call, status, "The FMU does not give its outputs");
+    if (status > Status::warning) return fail(call, status, "The FMU does not return its outputs");
     const std::byte* from = g.bytes();
     for (const PinBinding& b : g.pins) {
       double* to = circuit::output(call, b.pin);
@@ -326,7 +334,7 @@ std::int32_t Running::initialise(const Call* call, double start) {
 }
 
 std::int32_t Running::init(const Call* call) {
-  if (dead_) return circuit::stop(call, "The FMU had a fatal error before; build the circuit again.");
+  if (dead_) return circuit::stop(call, "The FMU had a fatal error before; rebuild the circuit.");
   if (initialised_) {
     drop_held();
     initialised_ = false;
@@ -336,29 +344,30 @@ std::int32_t Running::init(const Call* call) {
       if (!make_unit(why)) return circuit::stop(call, why);
     }
   }
-  if (!unit_) return circuit::stop(call, "The FMU does not start any more.");
+  if (!unit_) return circuit::stop(call, "The FMU cannot be restarted.");
   return initialise(call, 0);
 }
 
 std::int32_t Running::advance(const Call* call) {
-  if (dead_ || !unit_) return circuit::stop(call, "The FMU had a fatal error before.");
+  if (dead_ || !unit_) return circuit::stop(call, "The FMU had a fatal error before; rebuild the circuit.");
   unit_->forget_words();
   const double now = call->tick->time, size = call->tick->dt * every_;
-  if (afresh_) {
-    afresh_ = false;
+  if (restarts_) {
+    restarts_ = false;
     initialised_ = false;
-    if (const Status status = unit_->reset(); status > Status::warning) return fail(call, status, "The FMU cannot start afresh");
+    if (const Status status = unit_->reset(); status > Status::warning) return fail(call, status, "The FMU cannot be reset");
     if (const std::int32_t bad = initialise(call, now)) return bad;
   }
   if (const std::int32_t bad = set_inputs(call)) return bad;
-  const double close = 1e-9 * size;
+  const double close = 1e-9 * size;  // s: times this close are equal; covers the rounding of sums of steps
   double at = now;
-  for (int parts = 0; parts < 1000; ++parts) {  // an FMU may return early, and events divide the step
+  // An FMU may return early, and events split the step. After 1000 substeps it is considered stuck.
+  for (int substep = 0; substep < 1000; ++substep) {
     StepEnd end;
     const bool to_event = fmu_.description().variable_step && next_event_ > at + close && next_event_ < now + size - close;
     const Status status = unit_->step(at, (to_event ? next_event_ : now + size) - at, end);
-    if (end.terminated) return fail(call, Status::ok, "The FMU asks for the end of the simulation at " + to_fixed(end.reached, 6) + " s");
-    if (status == Status::discard) return fail(call, status, "The FMU cannot compute the step beyond " + to_fixed(end.reached, 6) + " s");
+    if (end.terminated) return fail(call, Status::ok, "The FMU requests the end of the simulation at " + to_fixed(end.reached, 6) + " s");
+    if (status == Status::discard) return fail(call, status, "The FMU cannot compute beyond " + to_fixed(end.reached, 6) + " s");
     if (status > Status::warning) return fail(call, status, "The FMU reports an error in its step");
     const bool event = unit_->has_events() && (end.event || end.reached >= next_event_ - close);
     if (event) {
@@ -370,7 +379,7 @@ std::int32_t Running::advance(const Call* call) {
     if (!(end.reached > at) && !event) break;
     at = end.reached;
   }
-  return fail(call, Status::error, "The FMU does not get to the end of its step");
+  return fail(call, Status::error, "The FMU does not reach the end of its step");
 }
 
 void Running::store(const Call* call) {
@@ -387,7 +396,7 @@ void Running::store(const Call* call) {
   const std::size_t first = sizeof head + given_bytes(class_.declaration);
   void* state = nullptr;
   const ModelDescription& d = fmu_.description();
-  if (unit_ && !dead_ && initialised_ && !afresh_ && d.saves_state && unit_->get_state(state) <= Status::warning && state) {
+  if (unit_ && !dead_ && initialised_ && !restarts_ && d.saves_state && unit_->get_state(state) <= Status::warning && state) {
     std::size_t size = 0;
     const std::size_t room = fmu_.state_bytes();
     if (room > 0 && unit_->serialized_size(state, size) <= Status::warning && size <= room &&
@@ -396,7 +405,7 @@ void Running::store(const Call* call) {
       head.size = size;
       unit_->free_state(state);
     } else {
-      if (held_.size() >= most_held) {
+      if (held_.size() >= max_held) {
         unit_->free_state(held_.begin()->second);
         held_.erase(held_.begin());
       }
@@ -421,7 +430,7 @@ void Running::recall(const Call* call) {
     given += size;
   });
   const std::size_t first = sizeof head + given_bytes(class_.declaration);
-  afresh_ = false;
+  restarts_ = false;
   void* state = nullptr;
   bool done = false;
   if (unit_ && !dead_ && initialised_) {
@@ -434,11 +443,11 @@ void Running::recall(const Call* call) {
     }
   }
   if (done) return;
-  afresh_ = true;
-  post_message("'" + id_ + "' starts afresh: the state of its FMU could not be saved or taken back.");
+  restarts_ = true;
+  post_message("'" + id_ + "' starts from its initial state: the state of its FMU could not be saved or restored.");
 }
 
-// What the class declares.
+// The functions of LsiClass.
 
 const FmuClass& class_of(const Setup& setup) { return *static_cast<const FmuClass*>(setup.lsi_class().abi); }
 Running& of(const Call* call) { return *static_cast<Running*>(call->object); }

@@ -9,7 +9,7 @@
 namespace ugoki::fmi {
 namespace {
 
-/// Calls visit with a value of the C++ type of a storage.
+/// Calls visit with a value of the C++ type that belongs to a storage type.
 template <class Visit>
 auto with_type(Storage storage, Visit visit) {
   switch (storage) {

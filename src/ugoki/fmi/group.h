@@ -1,5 +1,6 @@
 #pragma once
-// Variables of an FMU that travel together, and numbers on their way between wires (doubles) and the types of the FMU. Internal to fmi.
+// Conversion between the values of wires (double) and the types of an FMU, and groups of variables that are set or got by one call.
+// Internal to fmi.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,23 +10,26 @@
 
 namespace ugoki::fmi {
 
-/// False: the number does not fit. Whole types take the nearest whole number; true is what is above 0, as for all LSIs.
+/// Writes x as a value of the storage type. Integers are rounded to the nearest one; for booleans, values above 0 are true, as in all LSIs.
+/// @return false if x is out of the range of the type
 [[nodiscard]] bool write(Storage storage, double x, std::byte* to);
+/// Reads a value of the storage type; true is 1.
 [[nodiscard]] double read(Storage storage, const std::byte* from);
 
-/// Variables of one type, which travel together.
+/// Variables of one type, which are set or got by one call of the FMU.
 struct Group {
   Storage storage = Storage::f64;
   std::vector<ValueReference> references;
   std::vector<PinBinding> pins;
-  std::vector<std::uint64_t> memory;  // 8-byte aligned
-  std::vector<std::uint64_t> given;   // of discrete inputs: what the FMU has been given last
-  std::size_t count = 0;              // numbers
+  std::vector<std::uint64_t> memory;  ///< `count` values of the storage type, in the order of `references`; 8-byte aligned
+  std::vector<std::uint64_t> given;   ///< discrete inputs: values that were last set in the FMU, laid out as `memory`
+  std::size_t count = 0;              ///< values of all variables
 
   [[nodiscard]] std::byte* bytes() { return reinterpret_cast<std::byte*>(memory.data()); }
-  [[nodiscard]] std::size_t size() const { return count * bytes_of(storage); }
+  [[nodiscard]] std::size_t size() const { return count * bytes_of(storage); }  ///< bytes of the values
 };
 
+/// Sorts variables into groups by their storage type.
 [[nodiscard]] std::vector<Group> group(const std::vector<PinBinding>& pins);
 
 }  // namespace ugoki::fmi

@@ -18,11 +18,13 @@ using circuit::Instance;
 using circuit::Source;
 using circuit::Value;
 
+/// Splits "id.pin".
 std::pair<std::string_view, std::string_view> split(std::string_view end) {
   const auto dot = end.find('.');
   return {end.substr(0, dot), dot == std::string_view::npos ? std::string_view{} : end.substr(dot + 1)};
 }
 
+/// Makes the variables of one circuit.
 class Maker {
  public:
   Maker(const Circuit& c, const circuit::Library& library, circuit::Interpreter& running)
@@ -38,7 +40,7 @@ class Maker {
   }
 
  private:
-  /// A name that no other variable has, without line breaks.
+  /// A name that no other variable has: `name` without control characters, if necessary with " (role)" and apostrophes.
   std::string unique(std::string name, const std::string& role) {
     for (char& c : name)
       if (static_cast<unsigned char>(c) < ' ') c = ' ';
@@ -48,6 +50,7 @@ class Maker {
     return name;
   }
 
+  /// Adds a variable with the next value reference.
   InterfaceVariable& add(InterfaceVariable v) {
     v.reference = next_;
     next_ += std::max(1u, v.count);
@@ -65,11 +68,11 @@ class Maker {
     add(std::move(v));
   }
 
-  /// What a pin cannot be is noted. @param count numbers
+  /// Sets size and start values of a variable. @return false, with a note, if the pin type is not numeric
   bool size_pin(InterfaceVariable& v, circuit::PinTypeId type, std::size_t numbers, const std::string& role) {
     if (!circuit::pin_type(type).numeric) {
       out_.notes.push_back("The " + role + " '" + v.target + "' (" + std::string(circuit::pin_type(type).name) +
-                           ") is no number and is left out.");
+                           ") has no numeric values and is left out.");
       return false;
     }
     v.count = static_cast<std::uint32_t>(numbers);
@@ -80,6 +83,7 @@ class Maker {
     return true;
   }
 
+  /// Copies the range of a pin, unless the start value of an input is outside of it: the standard requires that it is inside.
   template <class Pin>
   static void set_range(InterfaceVariable& v, const Pin& pin) {
     if (pin.minimum == pin.maximum || v.minimum) return;
@@ -148,7 +152,7 @@ class Maker {
     add(std::move(v));
   }
 
-  /// Inputs and devices that reach the feed-through outputs of an LSI in the same tick.
+  /// Collects the inputs and devices that affect the feed-through outputs of the LSI `first` in the same tick.
   void collect(int first, std::set<std::uint32_t>& depends, std::set<int>& seen) const {
     std::vector<int> open{first};
     while (!open.empty()) {
@@ -166,7 +170,11 @@ class Maker {
     }
   }
 
-  /// The parameters of LSIs that "id.parameter" of a circuit leads to. @param scope circuits around, innermost last
+  /// Finds the parameters of LSIs that a circuit's parameter sets, through nested circuits.
+  /// @param scope  enclosing circuits, innermost last
+  /// @param prefix flat id of the innermost circuit, with a slash: "box/"; empty for the outermost circuit
+  /// @param end    what the parameter sets in the innermost circuit: "id.parameter" of an LSI or of a nested circuit
+  /// @param ends   [in, out] the parameters found are appended, with flat ids: "box/noise.seed"
   void resolve(std::vector<const Circuit*>& scope, const std::string& prefix, std::string_view end, std::vector<std::string>& ends) const {
     const auto [id, parameter] = split(end);
     const auto& lsis = scope.back()->lsis;
@@ -206,13 +214,14 @@ class Maker {
       describe(v, inner, lsi->parameters[static_cast<std::size_t>(k)]);
     }
     if (!known) {
-      out_.notes.push_back("The parameter '" + p.name + "' leads nowhere and is left out.");
+      out_.notes.push_back("The parameter '" + p.name + "' leads to no parameter of an LSI and is left out.");
       return;
     }
     v.name = unique(p.name, "parameter");
     add(std::move(v));
   }
 
+  /// Type, start value and range of a parameter.
   static void describe(InterfaceVariable& v, const circuit::Parameter& inner, const Value& value) {
     if (v.doc.empty()) v.doc = inner.doc;
     v.unit = inner.unit;
@@ -253,7 +262,7 @@ class Maker {
   FlatCircuit flat_;
   Interface out_;
   std::set<std::string> names_;
-  std::map<int, std::vector<std::uint32_t>> by_source_;  // flat LSI -> variables that write its outputs
+  std::map<int, std::vector<std::uint32_t>> by_source_;  // index of a flat LSI -> indices of the variables that set its outputs
   std::uint32_t next_ = 0;
 };
 

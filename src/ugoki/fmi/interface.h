@@ -1,6 +1,6 @@
 #pragma once
-// What a circuit shows to the outside as an FMU. The exporter describes it, the FMU's binary works with it: both make it from the circuit,
-// so they cannot differ.
+// The variables of a circuit that is exported as an FMU. The exporter writes them into modelDescription.xml; the FMU's binary (apps/fmu)
+// sets and gets them. Both make them from the circuit by make_interface, so the description and the binary always agree.
 
 #include <cstdint>
 #include <optional>
@@ -15,44 +15,49 @@
 
 namespace ugoki::fmi {
 
+/// Source of a variable in the circuit.
 enum class InterfaceRole : std::uint8_t {
   time,
-  input,     ///< of the circuit
-  device,    ///< an output that the host feeds: a key, an axis
-  output,    ///< of the circuit
-  parameter  ///< of the circuit
+  input,     ///< input pin of the circuit
+  device,    ///< output of a device LSI that the host writes: a key, an axis; an input of the FMU
+  output,    ///< output pin of the circuit
+  parameter  ///< parameter of the circuit
 };
-/// whole: FMI 2.0 Integer, FMI 3.0 Int64.
+/// Type of a variable. real: Real or Float64; whole: an integer, Integer or Int64; choice: Enumeration.
 enum class InterfaceType : std::uint8_t { real, whole, boolean, text, choice };
 
+/// One variable. An array is one variable of FMI 3.0, and `count` scalar variables of FMI 2.0.
 struct InterfaceVariable {
   std::string name, doc, unit;
   InterfaceRole role = InterfaceRole::input;
   InterfaceType type = InterfaceType::real;
-  std::uint32_t reference = 0;  ///< value reference; of the first number in FMI 2.0, where each has one of its own
-  std::uint32_t count = 1;      ///< numbers
-  bool array = false;           ///< has an index, even if it is of one number
-  std::string target;           ///< name of the circuit's pin or parameter; "id.pin" of a device
-  std::vector<double> start;    ///< [count]; of a choice: 1 for its first word
-  std::string text;             ///< start of a text
-  std::vector<std::string> words;
+  std::uint32_t reference = 0;     ///< value reference; in FMI 2.0 of the first element, the others follow
+  std::uint32_t count = 1;         ///< elements
+  bool array = false;              ///< is an array, possibly of one element
+  std::string target;              ///< name of the pin or parameter of the circuit; "id.pin" of a device
+  std::vector<double> start;       ///< [count] start values; of a choice: 1 for its first word
+  std::string text;                ///< start value of a text
+  std::vector<std::string> words;  ///< names of a choice's values
   std::optional<double> minimum, maximum;
-  bool tunable = false;                ///< a parameter that may change while it runs
-  bool on_demand = false;              ///< an output of an LSI that runs on demand only
-  std::string source;                  ///< an output: "id.pin" of the flat circuit
-  std::vector<std::uint32_t> depends;  ///< an output: indices of variables (inputs, devices) that it shows in the same tick
-  std::vector<std::string> ends;       ///< a parameter: "id.parameter" of the flat circuit
+  bool tunable = false;                ///< true: a parameter that may change while the circuit runs
+  bool on_demand = false;              ///< true: an output of an LSI that runs on demand only
+  std::string source;                  ///< of an output: the LSI output that provides its value, as "id.pin" of the flat circuit
+  std::vector<std::uint32_t> depends;  ///< of an output: indices in Interface::variables of the inputs and devices that affect it in the same tick
+  std::vector<std::string> ends;       ///< of a parameter: the LSI parameters that it sets, as "id.parameter" of the flat circuit
 };
 
+/// The variables of a circuit.
 struct Interface {
   std::vector<InterfaceVariable> variables;
-  std::vector<std::string> notes;  ///< pins that cannot be variables
+  std::vector<std::string> notes;  ///< sentences about pins and parameters that cannot be variables
 };
 
-/// @param running built of `circuit` with `library`: knows the sizes
+/// Makes the variables of a circuit: time, inputs, devices, outputs, parameters, with ascending value references from 0.
+/// @param running interpreter built from `circuit` with `library`; supplies the sizes of pins and the device slots
 [[nodiscard]] Interface make_interface(const circuit::Circuit& circuit, const circuit::Library& library, circuit::Interpreter& running);
 
-/// Sets a parameter of the circuit itself in the circuit. @param value fits the kind of the parameters it leads to
+/// Sets a boundary parameter of a circuit: writes `value` into the LSIs that the parameter leads to.
+/// @param value of the kind of these LSIs' parameters
 void set_parameter(circuit::Circuit& circuit, std::string_view parameter, const circuit::Value& value);
 
 }  // namespace ugoki::fmi

@@ -1,5 +1,5 @@
 #pragma once
-// An FMU as a library of LSIs. Reading it runs none of its code; that is unpacked and started when a circuit first uses it.
+// Loads an FMU as a library of LSIs. Loading does not run its code: the code is unpacked and started when a circuit first uses the FMU.
 
 #include <memory>
 #include <string>
@@ -12,31 +12,35 @@
 
 namespace ugoki::fmi {
 
-/// Told what foreign code is about to do ("The FMU 'ball.fmu' was being started"), and with an empty text that it has come back.
+/// Callback that is called before foreign code runs, with a description ("The FMU 'ball.fmu' was being started"), and with an empty text
+/// after it has returned. Crash reports use the description (plugin/guard.h).
 using Phase = void (*)(std::string_view what);
 
+/// A loaded FMU.
 struct LoadedFmu {
-  std::string name;                        ///< its model identifier
-  std::string version;                     ///< of the model
-  std::string doc;                         ///< with what could not become a pin or parameter
-  std::vector<circuit::LsiClass> classes;  ///< "ball/ball", and "ball/ball, all variables" where there are some inside
-  std::shared_ptr<void> code;              ///< the functions of `classes` work as long as this
+  std::string name;                        ///< model identifier
+  std::string version;                     ///< version of the model
+  std::string doc;                         ///< description, and a line for each limitation of the import
+  std::vector<circuit::LsiClass> classes;  ///< "ball/ball"; and "ball/ball, all variables" if the FMU has local variables
+  std::shared_ptr<void> code;              ///< must outlive the use of the functions of `classes`
 };
 
-/// Errors (place: the path): as those of Archive and read_model_description; no binary for this system.
-/// @param hash of `bytes`: the code is read from `path` later and must still be the same @param phase may be null
+/// Reads an FMU. Errors (location: the path): see Archive::open and read_model_description; the FMU has no binary for this system.
+/// @param bytes of the file @param hash SHA-256 of `bytes`: the code is read from `path` later, which must then have the same hash
+/// @param phase may be null
 [[nodiscard]] Result<LoadedFmu> load_fmu(const std::string& path, std::string bytes, std::string hash, Phase phase);
 
-/// Runs its code once: instance, initialisation, end. For a process that may end.
+/// Tests whether an FMU works: starts an instance, initialises it and ends it. Call it only in a process that may crash.
 [[nodiscard]] Result<void> try_fmu(const std::string& path, std::string bytes, std::string hash, Phase phase);
 
-/// What is in the FMU, without running it.
+/// Content of an FMU.
 struct FmuInfo {
   ModelDescription description;
-  std::vector<std::string> notes;    ///< what has no place in an LSI, and what to know
-  std::vector<std::string> systems;  ///< folders of its binaries
-  bool runs_here = false;
+  std::vector<std::string> notes;    ///< sentences: variables that have no pin or parameter, and other limitations
+  std::vector<std::string> systems;  ///< names of the folders of its binaries: "x86_64-linux"
+  bool runs_here = false;            ///< has a binary for this system
 };
+/// Reads an FMU without running its code. @param path for messages
 [[nodiscard]] Result<FmuInfo> read_fmu_info(const std::string& path, std::string bytes);
 
 }  // namespace ugoki::fmi

@@ -6,7 +6,7 @@
 namespace ugoki::fmi {
 namespace {
 
-constexpr std::size_t most = 1000;
+constexpr std::size_t max_messages = 1000;  // that wait: a bound on memory if nobody reads them
 
 struct Queue {
   std::mutex mutex;
@@ -23,7 +23,7 @@ Queue& queue() {
 void post_message(std::string text) {
   Queue& q = queue();
   const std::lock_guard lock(q.mutex);
-  if (q.texts.size() < most)
+  if (q.texts.size() < max_messages)
     q.texts.push_back(std::move(text));
   else
     ++q.dropped;
@@ -33,7 +33,8 @@ std::vector<std::string> take_messages() {
   Queue& q = queue();
   const std::lock_guard lock(q.mutex);
   std::vector<std::string> out = std::exchange(q.texts, {});
-  if (const std::size_t dropped = std::exchange(q.dropped, 0)) out.push_back("FMUs said " + std::to_string(dropped) + " things more.");
+  if (const std::size_t dropped = std::exchange(q.dropped, 0))
+    out.push_back("FMUs sent " + std::to_string(dropped) + " more messages, which are not shown.");
   return out;
 }
 

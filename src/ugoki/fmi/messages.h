@@ -1,13 +1,14 @@
 #pragma once
-// What FMUs say while they run, for the user of this process. Safe for several threads.
+// Queue of the log messages of running FMUs, to be shown to the user. Safe for several threads.
 
 #include <string>
 #include <vector>
 
 namespace ugoki::fmi {
 
+/// Adds a message; drops it if 1000 messages wait already.
 void post_message(std::string text);
-/// All since it was asked for last; of more than a thousand the first ones, and how many there were.
+/// Removes and returns the waiting messages, oldest first. If messages were dropped, a last one states how many.
 [[nodiscard]] std::vector<std::string> take_messages();
 
 }  // namespace ugoki::fmi

@@ -13,11 +13,13 @@
 namespace ugoki::fmi {
 namespace {
 
-constexpr std::size_t most_text = std::size_t{128} << 20;
-constexpr std::uint64_t most_elements = 1'000'000;  // of one array, and of all its starts
-constexpr std::size_t most_variables = 1'000'000;
-constexpr std::size_t most_problems = 20;
+// Bounds on memory and time, against hostile files.
+constexpr std::size_t max_text = std::size_t{128} << 20;  // bytes of the XML
+constexpr std::uint64_t max_elements = 1'000'000;         // elements of one array; all arrays together: 16 times as many
+constexpr std::size_t max_variables = 1'000'000;
+constexpr std::size_t max_problems = 20;  // that are reported
 
+/// Names of a type in FMI 2.0 (null: none) and 3.0.
 struct TypeName {
   const char* fmi2;
   const char* fmi3;
@@ -53,34 +55,37 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
-/// What TypeDefinitions give to the variables of a declared type.
+/// Attributes that a variable inherits from its declared type (TypeDefinitions).
 struct DeclaredType {
   std::string unit, display_unit;
   std::optional<double> minimum, maximum;
   int enumeration = -1;
 };
 
+/// True for C identifiers of 1 to 64 characters.
 bool is_identifier(std::string_view text) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   return !text.empty() && text.size() <= 64 && letter(text[0]) &&
          std::all_of(text.begin(), text.end(), [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
 }
 
+/// Reads one model description.
 class Reader {
  public:
-  Reader(std::string_view text, std::string_view place) : text_(text), place_(place) {}
+  Reader(std::string_view text, std::string_view location) : text_(text), location_(location) {}
 
   Result<ModelDescription> read() {
-    if (text_.size() > most_text)
-      return fail(ErrorCode::range, place_, "The model description is larger than 128 MB.", "Export a smaller model.");
+    if (text_.size() > max_text)
+      return fail(ErrorCode::range, location_, "The model description is larger than 128 MB.", "Export a smaller model.");
     const pugi::xml_parse_result parsed = document_.load_buffer(text_.data(), text_.size());
     if (!parsed) {
       const ErrorCode code = parsed.status == pugi::status_end_element_mismatch ? ErrorCode::truncated : ErrorCode::syntax;
-      return fail(code, place_at(parsed.offset), std::string("The model description is no XML: ") + parsed.description() + ".",
+      return fail(code, location_at(parsed.offset), std::string("The model description is not valid XML: ") + parsed.description() + ".",
                   "Export the FMU again.");
     }
     const pugi::xml_node root = document_.child("fmiModelDescription");
-    if (!root) return fail(ErrorCode::syntax, place_, "There is no <fmiModelDescription>.", "Give an FMU of FMI 2.0 or 3.0.");
+    if (!root)
+      return fail(ErrorCode::syntax, location_, "The root element <fmiModelDescription> is missing.", "Choose an FMU of FMI 2.0 or 3.0.");
     if (!read_head(root)) return fail(std::move(problems_));
     read_types(root);
     read_rest(root);
@@ -91,6 +96,7 @@ class Reader {
   }
 
  private:
+  /// Line, from 1, of a byte offset into the text.
   int line_at(std::ptrdiff_t offset) {
     if (lines_.empty()) {
       lines_.push_back(0);
@@ -99,23 +105,25 @@ class Reader {
     }
     return static_cast<int>(std::upper_bound(lines_.begin(), lines_.end(), std::max<std::ptrdiff_t>(offset, 0)) - lines_.begin());
   }
-  std::string place_at(std::ptrdiff_t offset) { return place_ + ":" + std::to_string(line_at(offset)); }
+  std::string location_at(std::ptrdiff_t offset) { return location_ + ":" + std::to_string(line_at(offset)); }
   void problem(pugi::xml_node node, ErrorCode code, std::string message, std::string remedy = "Export the FMU again.") {
-    if (problems_.problems.size() < most_problems)
-      problems_.add(code, place_at(node.offset_debug()), std::move(message), std::move(remedy));
+    if (problems_.problems.size() < max_problems)
+      problems_.add(code, location_at(node.offset_debug()), std::move(message), std::move(remedy));
   }
 
+  /// Value of a numeric attribute. Nothing if the attribute is missing, infinite or not a number; the last case is reported as a problem.
   std::optional<double> number(pugi::xml_node node, const char* attribute) {
     const pugi::xml_attribute a = node.attribute(attribute);
     if (!a) return std::nullopt;
     const std::string_view text = trim(a.value());
-    if (text == "INF" || text == "+INF" || text == "-INF") return std::nullopt;  // no bound
+    if (text == "INF" || text == "+INF" || text == "-INF") return std::nullopt;  // infinite: no bound
     const std::optional<double> x = parse_double(text);
     if (!x)
       problem(node, ErrorCode::syntax,
-              std::string("'") + attribute + "' of <" + node.name() + "> is no number: '" + std::string(text.substr(0, 40)) + "'.");
+              std::string("'") + attribute + "' of <" + node.name() + "> is not a number: '" + std::string(text.substr(0, 40)) + "'.");
     return x;
   }
+  /// A boolean attribute; false if it is missing.
   bool flag(pugi::xml_node node, const char* attribute) {
     const std::string_view text = trim(node.attribute(attribute).value());
     if (text.empty() || text == "false" || text == "0") return false;
@@ -132,7 +140,8 @@ class Reader {
     } else if (out_.written.starts_with("3.") && !draft) {
       out_.version = 3;
     } else {
-      problem(root, ErrorCode::unsupported, "This is an FMU of FMI '" + out_.written.substr(0, 40) + "'; FMI 2.0 and 3.0 are read.",
+      problem(root, ErrorCode::unsupported,
+              "This is an FMU of FMI '" + out_.written.substr(0, 40) + "'; only FMI 2.0 and 3.0 are supported.",
               "Export it again for FMI 2.0 or 3.0.");
       return false;
     }
@@ -155,7 +164,7 @@ class Reader {
     }
     out_.identifier = unit.attribute("modelIdentifier").value();
     if (!is_identifier(out_.identifier))
-      problem(unit, ErrorCode::structure, "The modelIdentifier is no C identifier of 1 to 64 characters.");
+      problem(unit, ErrorCode::structure, "The modelIdentifier is not a C identifier of 1 to 64 characters.");
     const bool three = out_.version == 3;
     out_.needs_execution_tool = flag(unit, "needsExecutionTool");
     out_.only_once_per_process = flag(unit, "canBeInstantiatedOnlyOncePerProcess");
@@ -189,7 +198,7 @@ class Reader {
       const std::optional<std::int64_t> value = whole<std::int64_t>(item.attribute("value").value());
       const std::string word = item.attribute("name").value();
       if (!value || word.empty() || !names.insert(word).second)
-        problem(item, ErrorCode::structure, "An <Item> of the enumeration '" + name + "' needs a name of its own and a whole number.");
+        problem(item, ErrorCode::structure, "An <Item> of the enumeration '" + name + "' needs a unique name and an integer value.");
       else
         e.items.emplace_back(word, *value);
     }
@@ -212,6 +221,7 @@ class Reader {
     }
   }
 
+  /// An integer; nothing if the text is not one, or is out of the range of T.
   template <class T>
   static std::optional<T> whole(std::string_view text) {
     text = trim(text);
@@ -222,7 +232,7 @@ class Reader {
     return x;
   }
 
-  /// The words of an attribute of starts as numbers.
+  /// Reads the start values of a variable.
   void read_start(pugi::xml_node node, Variable& v) {
     const pugi::xml_attribute a = node.attribute("start");
     if (v.type == VariableType::string && out_.version == 3) {
@@ -245,11 +255,12 @@ class Reader {
         x = parse_double(word.starts_with('+') ? word.substr(1) : word);
       if (!x) {
         problem(node, ErrorCode::syntax,
-                "The start of '" + v.name + "' is no value of its type: '" + std::string(word.substr(0, 40)) + "'.");
+                "The start value of '" + v.name + "' is not valid for its type: '" + std::string(word.substr(0, 40)) + "'.");
         return;
       }
-      if (v.start.size() >= most_elements || ++elements_ > 4 * most_elements) {
-        problem(node, ErrorCode::range, "The starts of '" + v.name + "' are more than a million.", "Export a smaller model.");
+      if (v.start.size() >= max_elements || ++elements_ > 4 * max_elements) {
+        problem(node, ErrorCode::range, "'" + v.name + "' has more than a million start values, or the model has more than four million.",
+                "Export a smaller model.");
         return;
       }
       v.start.push_back(*x);
@@ -257,6 +268,7 @@ class Reader {
     }
   }
 
+  /// Reads causality and variability, with the defaults of the standard.
   void read_causality(pugi::xml_node node, Variable& v) {
     static constexpr std::pair<std::string_view, Causality> causalities[] = {{"parameter", Causality::parameter},
                                                                              {"calculatedParameter", Causality::calculated_parameter},
@@ -297,8 +309,8 @@ class Reader {
   void read_variables(pugi::xml_node list) {
     for (const pugi::xml_node outer : list.children()) {
       if (outer.type() != pugi::node_element) continue;
-      if (problems_.problems.size() >= most_problems) return;
-      if (out_.variables.size() >= most_variables) {
+      if (problems_.problems.size() >= max_problems) return;
+      if (out_.variables.size() >= max_variables) {
         problem(outer, ErrorCode::range, "There are more than a million variables.", "Export fewer variables.");
         return;
       }
@@ -313,7 +325,7 @@ class Reader {
       v.name = outer.attribute("name").value();
       v.line = line_at(outer.offset_debug());
       if (!type) {
-        problem(outer, ErrorCode::unknown, "The variable '" + v.name + "' has no type that FMI knows.");
+        problem(outer, ErrorCode::unknown, "The variable '" + v.name + "' has no type of the FMI standard.");
         continue;
       }
       v.type = *type;
@@ -344,6 +356,7 @@ class Reader {
     }
   }
 
+  /// A dimension has a fixed size, or the size of a structural parameter, which check_variables() looks up.
   void read_dimension(pugi::xml_node node, Variable& v) {
     if (v.extent.size() >= 32) return problem(node, ErrorCode::range, "'" + v.name + "' has more than 32 dimensions.");
     if (const auto fixed = whole<std::uint64_t>(node.attribute("start").value())) {
@@ -356,7 +369,7 @@ class Reader {
     }
   }
 
-  /// Sizes from structural parameters; unique names and value references; ranges.
+  /// Sets sizes from structural parameters; checks that names and value references are unique, and ranges and numbers of start values.
   void check_variables() {
     std::map<ValueReference, const Variable*> structural;
     for (const Variable& v : out_.variables)
@@ -367,47 +380,49 @@ class Reader {
       if (found != structural.end() && found->second->start[0] >= 0 && found->second->start[0] <= 1e9)
         v.extent[dimension] = static_cast<std::uint64_t>(found->second->start[0]);
       else
-        wrong(v, ErrorCode::unknown, "A dimension of '" + v.name + "' refers to no structural parameter.");
+        wrong(v, ErrorCode::unknown, "A dimension of '" + v.name + "' does not refer to a structural parameter with a valid size.");
     }
     std::set<std::string_view> names;
     std::set<ValueReference> references;
     std::uint64_t all = 0;
     for (const Variable& v : out_.variables) {
       if (v.type == VariableType::clock && v.causality == Causality::input)
-        wrong(v, ErrorCode::unsupported, "The input '" + v.name + "' is a clock, which somebody has to tick; nothing here does.",
-              "Export it again with clocks of its own (outputs or local), or without any.");
+        wrong(v, ErrorCode::unsupported, "The input '" + v.name + "' is a clock that the importing tool must tick, which is not supported.",
+              "Export it again with clocks that are outputs or local, or without clocks.");
       if (!names.insert(v.name).second) wrong(v, ErrorCode::duplicate, "Two variables are called '" + v.name + "'.");
       if (out_.version == 3 && !references.insert(v.reference).second)
         wrong(v, ErrorCode::duplicate, "Two variables have the value reference " + std::to_string(v.reference) + ".");
-      if (v.minimum && v.maximum && *v.minimum > *v.maximum) wrong(v, ErrorCode::range, "The range of '" + v.name + "' is upside down.");
+      if (v.minimum && v.maximum && *v.minimum > *v.maximum)
+        wrong(v, ErrorCode::range, "The minimum of '" + v.name + "' is above its maximum.");
       const std::uint64_t count = v.count();
-      all += std::min(count, most_elements + 1);
-      if (count > most_elements || all > 16 * most_elements)
+      all += std::min(count, max_elements + 1);
+      if (count > max_elements || all > 16 * max_elements)
         wrong(v, ErrorCode::range, "The array '" + v.name + "' makes the model too large.");
       else if (v.start.size() > 1 && v.start.size() != count)
         wrong(v, ErrorCode::structure,
-              "'" + v.name + "' has " + std::to_string(v.start.size()) + " starts for " + std::to_string(count) + " elements.");
+              "'" + v.name + "' has " + std::to_string(v.start.size()) + " start values for " + std::to_string(count) + " elements.");
     }
   }
   void wrong(const Variable& v, ErrorCode code, std::string message, std::string remedy = "Export the FMU again.") {
-    if (problems_.problems.size() < most_problems)
-      problems_.add(code, place_ + ":" + std::to_string(v.line), std::move(message), std::move(remedy));
+    if (problems_.problems.size() < max_problems)
+      problems_.add(code, location_ + ":" + std::to_string(v.line), std::move(message), std::move(remedy));
   }
 
+  /// A dimension whose size is the start value of the structural parameter `reference`.
   struct OpenDimension {
     std::size_t variable, dimension;
     ValueReference reference;
   };
 
   std::string_view text_;
-  std::string place_;
+  std::string location_;
   pugi::xml_document document_;
-  std::vector<std::ptrdiff_t> lines_;
+  std::vector<std::ptrdiff_t> lines_;  // offset of the first byte of each line; filled at the first use
   Error problems_;
   ModelDescription out_;
   std::map<std::string, DeclaredType> types_;
   std::vector<OpenDimension> open_;
-  std::uint64_t elements_ = 0;
+  std::uint64_t elements_ = 0;  // start values read so far
 };
 
 }  // namespace
@@ -415,7 +430,7 @@ class Reader {
 std::uint64_t Variable::count() const {
   std::uint64_t n = 1;
   for (const std::uint64_t e : extent) {
-    if (e != 0 && n > (std::uint64_t{1} << 40) / e) return std::uint64_t{1} << 40;
+    if (e != 0 && n > (std::uint64_t{1} << 40) / e) return std::uint64_t{1} << 40;  // avoids overflow; far above every limit
     n *= e;
   }
   return n;
@@ -426,6 +441,6 @@ std::string_view name_of(VariableType type, int version) {
   return version == 2 && names.fmi2 ? names.fmi2 : names.fmi3;
 }
 
-Result<ModelDescription> read_model_description(std::string_view xml, std::string_view place) { return Reader(xml, place).read(); }
+Result<ModelDescription> read_model_description(std::string_view xml, std::string_view location) { return Reader(xml, location).read(); }
 
 }  // namespace ugoki::fmi

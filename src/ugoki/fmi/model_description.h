@@ -1,5 +1,6 @@
 #pragma once
-// modelDescription.xml of an FMU (FMI 2.0 and 3.0), as far as an importer of co-simulation needs it.
+// Reader of modelDescription.xml, which describes an FMU (FMI 2.0 and 3.0). It reads the parts that an importer of co-simulation needs.
+// Names follow the standard: fmi-standard.org, "Functional Mock-up Interface", versions 2.0 and 3.0.
 
 #include <cstdint>
 #include <optional>
@@ -14,7 +15,7 @@ namespace ugoki::fmi {
 
 using ValueReference = std::uint32_t;
 
-/// FMI 2.0's Real is float64, its Integer is int32.
+/// Type of a variable. Real of FMI 2.0 is float64, Integer is int32.
 enum class VariableType : std::uint8_t {
   float64,
   float32,
@@ -35,11 +36,13 @@ enum class VariableType : std::uint8_t {
 enum class Causality : std::uint8_t { parameter, calculated_parameter, structural_parameter, input, output, local, independent };
 enum class Variability : std::uint8_t { constant, fixed, tunable, discrete, continuous };
 
+/// An enumeration of the TypeDefinitions: (word, value) of each item.
 struct EnumerationType {
   std::string name;
   std::vector<std::pair<std::string, std::int64_t>> items;
 };
 
+/// A variable of the FMU: a scalar or, in FMI 3.0, an array.
 struct Variable {
   std::string name, description, unit, display_unit;
   ValueReference reference = 0;
@@ -47,39 +50,42 @@ struct Variable {
   Causality causality = Causality::local;
   Variability variability = Variability::continuous;
   std::optional<double> minimum, maximum;
-  std::vector<double> start;          ///< numbers as they stand there (one may mean all); booleans 0 or 1; empty: none
-  std::vector<std::string> texts;     ///< start of strings
-  std::vector<std::uint64_t> extent;  ///< of each dimension, with the start values of structural parameters; empty: a scalar
-  int enumeration = -1;               ///< index of its type, or -1
-  int line = 0;
+  std::vector<double> start;          ///< start values: one for each element, or one for all; booleans 0 or 1; empty: none
+  std::vector<std::string> texts;     ///< start values of strings
+  std::vector<std::uint64_t> extent;  ///< elements of each dimension, from the start values of structural parameters; empty: a scalar
+  int enumeration = -1;               ///< index into ModelDescription::enumerations, or -1
+  int line = 0;                       ///< in the file, from 1
 
   [[nodiscard]] bool is_array() const { return !extent.empty(); }
-  [[nodiscard]] std::uint64_t count() const;  ///< of its numbers
+  [[nodiscard]] std::uint64_t count() const;  ///< elements; at most 2^40
 };
 
+/// DefaultExperiment of the FMU.
 struct Experiment {
-  std::optional<double> start, stop, tolerance, step;  ///< s; tolerance relative
+  std::optional<double> start, stop, tolerance, step;  ///< s; the tolerance is relative
 };
 
+/// Content of modelDescription.xml.
 struct ModelDescription {
-  int version = 2;      ///< 2 or 3
-  std::string written;  ///< fmiVersion as it stands there
+  int version = 2;      ///< of FMI: 2 or 3
+  std::string written;  ///< fmiVersion as written: "2.0"
   std::string name, token, description, model_version, tool;
-  std::string identifier;  ///< of the co-simulation: name of its binary, a C identifier
+  std::string identifier;  ///< modelIdentifier of the co-simulation: a C identifier, the name of the binary
   bool needs_execution_tool = false, only_once_per_process = false;
   bool variable_step = false, saves_state = false, serializes_state = false, event_mode = false;
-  std::optional<double> internal_step;  ///< s (FMI 3.0)
+  std::optional<double> internal_step;  ///< fixedInternalStepSize, s (FMI 3.0)
   std::vector<std::string> log_categories;
   Experiment experiment;
   std::vector<EnumerationType> enumerations;
   std::vector<Variable> variables;
 };
 
-/// Errors (place: "name:line"): it is no XML, not of FMI 2.0 or 3.0, has no co-simulation, or contradicts itself where that matters.
-/// @param place for messages: "BouncingBall.fmu/modelDescription.xml"
-[[nodiscard]] Result<ModelDescription> read_model_description(std::string_view xml, std::string_view place);
+/// Reads a model description. Reports up to 20 problems.
+/// Errors (location: "name:line"): the text is not XML, is not of FMI 2.0 or 3.0, has no co-simulation, or contradicts itself.
+/// @param location for messages: "BouncingBall.fmu/modelDescription.xml"
+[[nodiscard]] Result<ModelDescription> read_model_description(std::string_view xml, std::string_view location);
 
-/// "Float64", "Integer": what the standard of this version calls it.
+/// Name of a type in the standard: "Integer" in version 2, "Float64" in version 3.
 [[nodiscard]] std::string_view name_of(VariableType type, int version);
 
 }  // namespace ugoki::fmi

@@ -10,11 +10,11 @@
 namespace ugoki::fmi {
 namespace {
 
-constexpr int most_noted = 200;             // messages of one instance that are shown
-constexpr std::size_t longest_note = 2000;  // bytes
-constexpr int most_rounds = 1000;           // of one event
+constexpr int max_noted = 200;                   // messages of one instance that are shown
+constexpr std::size_t max_message_bytes = 2000;  // longer messages are cut
+constexpr int max_rounds = 1000;                 // of UpdateDiscreteStates at one event; more count as an endless loop
 
-/// What is called alike in both versions of the standard.
+/// The functions that have the same name and parameters in both versions of the standard. @tparam last status of the version's enum
 template <class Functions, class ForeignStatus, ForeignStatus last>
 class UnitOf : public Unit {
  public:
@@ -31,6 +31,7 @@ class UnitOf : public Unit {
   void abandon() override { instance_ = nullptr; }
 
  protected:
+  /// A status of the FMU; invalid values are errors.
   static Status as(ForeignStatus status) {
     return status >= ForeignStatus{} && status <= last ? static_cast<Status>(status) : Status::error;
   }
@@ -43,7 +44,7 @@ class Unit2 final : public UnitOf<Functions2, fmi2Status, fmi2Pending> {
  public:
   Unit2(std::shared_ptr<Code> code, const ModelDescription& d, std::string name, bool logging)
       : UnitOf(code, d, std::move(name), logging, code->two()) {}
-  ~Unit2() override { free(); }  // which may still log
+  ~Unit2() override { free(); }  // not in the base class: freeing may call log(), which needs this object
 
   bool instantiate() override {
     instance_ =
@@ -96,7 +97,7 @@ class Unit2 final : public UnitOf<Functions2, fmi2Status, fmi2Pending> {
  private:
   static void log(fmi2ComponentEnvironment self, fmi2String, fmi2Status status, fmi2String category, fmi2String format, ...) {
     if (!self || !format) return;
-    char text[longest_note];
+    char text[max_message_bytes];
     va_list arguments;
     va_start(arguments, format);
     const int n = std::vsnprintf(text, sizeof text, format, arguments);
@@ -136,8 +137,8 @@ class Unit3 final : public UnitOf<Functions3, fmi3Status, fmi3Fatal> {
     if (!again) return Status::ok;
     Status worst = Status::ok;
     for (int round = 0; again; ++round) {
-      if (round == most_rounds) {
-        note(Status::error, "", "Its events do not come to an end (" + std::to_string(most_rounds) + " rounds).");
+      if (round == max_rounds) {
+        note(Status::error, "", "Its events do not end (" + std::to_string(max_rounds) + " rounds of UpdateDiscreteStates).");
         return Status::error;
       }
       bool terminate = false, nominals = false, states = false, has_next = false;
@@ -223,13 +224,13 @@ std::unique_ptr<Unit> Unit::make(std::shared_ptr<Code> code, const ModelDescript
 }
 
 void Unit::note(Status status, const char* category, const std::string& raw) {
-  std::string text = raw.substr(0, longest_note);
+  std::string text = raw.substr(0, max_message_bytes);
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   if (status != Status::ok) last_words_ = text;
-  if ((status == Status::ok && !logging_) || noted_ > most_noted) return;
-  if (noted_++ == most_noted) return post_message("'" + name_ + "' says more than is shown.");
+  if ((status == Status::ok && !logging_) || noted_ > max_noted) return;
+  if (noted_++ == max_noted) return post_message("Further messages of '" + name_ + "' are not shown.");
   constexpr const char* names[] = {"", "warning: ", "discarded: ", "error: ", "fatal: ", "pending: "};
-  post_message("'" + name_ + "' says: " + names[static_cast<std::size_t>(status)] + text +
+  post_message("'" + name_ + "' reports: " + names[static_cast<std::size_t>(status)] + text +
                (category && *category ? " (" + std::string(category) + ")" : ""));
 }
 

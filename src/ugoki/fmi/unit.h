@@ -1,5 +1,5 @@
 #pragma once
-// One running instance of an FMU, the same for FMI 2.0 and 3.0: a thin wrap of its functions.
+// One running instance of an FMU: a thin wrapper around its functions, with one interface for FMI 2.0 and 3.0.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,53 +14,59 @@
 
 namespace ugoki::fmi {
 
-/// As both versions number them.
+/// Status that a function of an FMU returns, with the values of the standard (pending: FMI 2.0 only). Values above `warning` are failures.
 enum class Status : std::uint8_t { ok, warning, discard, error, fatal, pending };
 
-/// How far a step came.
+/// Result of a communication step.
 struct StepEnd {
   Status status = Status::ok;
-  bool terminated = false;  ///< the FMU wants the simulation to end
-  bool event = false;       ///< there is an event at `reached`, to be handled before the next step
-  double reached = 0;       ///< s, time up to which it computed
+  bool terminated = false;  ///< the FMU requests the end of the simulation
+  bool event = false;       ///< an event occurred at `reached`; it must be handled before the next step
+  double reached = 0;       ///< s, time up to which the FMU computed
 };
 
-/// What the FMU says when its events are handled.
+/// Result of the handling of events.
 struct EventEnd {
-  bool terminated = false;                                ///< it wants the simulation to end
-  double next = std::numeric_limits<double>::infinity();  ///< s, time of an event that it knows of
+  bool terminated = false;                                ///< the FMU requests the end of the simulation
+  double next = std::numeric_limits<double>::infinity();  ///< s, time of the next event that the FMU has scheduled; infinity: none
 };
 
+/// An instance. The call order is that of the standard: instantiate, enter_initialization, exit_initialization, then steps, terminate.
 class Unit {
  public:
-  /// @param name of the instance, for the FMU and for messages
+  /// Makes a Unit of the FMU's version; call instantiate() next. @param description must outlive the Unit
+  /// @param name of the instance, for the FMU and for messages @param logging show all log messages, not only warnings and errors
   [[nodiscard]] static std::unique_ptr<Unit> make(std::shared_ptr<Code> code, const ModelDescription& description, std::string name,
                                                   bool logging);
   virtual ~Unit() = default;
   Unit(const Unit&) = delete;
   Unit& operator=(const Unit&) = delete;
 
-  /// False: last_words() may tell why.
+  /// Creates the instance in the FMU. @return false if the FMU refuses; last_words() may contain the reason
   [[nodiscard]] virtual bool instantiate() = 0;
+  /// @param start time of the simulation, s
   [[nodiscard]] virtual Status enter_initialization(double start) = 0;
   [[nodiscard]] virtual Status exit_initialization() = 0;
+  /// Computes the communication step from `now` to now + size, s. @param end [out] result, also when the step fails
   [[nodiscard]] virtual Status step(double now, double size, StepEnd& end) = 0;
-  /// Whether it was made with event mode: after initialisation and after enter_events(), finish_events() leads to the next step;
-  /// parameters and discrete inputs are set between the two. Without, there is nothing to do.
+  /// True if the FMU uses event mode (FMI 3.0). Then finish_events() must be called after the initialisation and after enter_events(),
+  /// before the next step; tunable parameters and discrete inputs may be set only between enter_events() and finish_events(). Without event
+  /// mode both functions do nothing.
   [[nodiscard]] virtual bool has_events() const { return false; }
   [[nodiscard]] virtual Status enter_events() { return Status::ok; }
   [[nodiscard]] virtual Status finish_events(EventEnd&) { return Status::ok; }
   [[nodiscard]] virtual Status reset() = 0;
   virtual void terminate() = 0;
   virtual void free() = 0;
-  /// After a fatal error none of its functions may be called, not even to free it.
+  /// Forgets the instance without a call. Use it after a fatal error: then no function of the FMU may be called, not even to free it.
   virtual void abandon() = 0;
 
-  /// @param values `count` numbers of this storage
+  /// Sets and gets variables of one type. @param values [count] values of the storage type, in the order of the references
   [[nodiscard]] virtual Status set(Storage storage, std::span<const ValueReference> references, const void* values, std::size_t count) = 0;
   [[nodiscard]] virtual Status get(Storage storage, std::span<const ValueReference> references, void* values, std::size_t count) = 0;
   [[nodiscard]] virtual Status set_text(ValueReference reference, const char* text) = 0;
 
+  /// States that the FMU saves; free_state() releases them. The serialised form is `bytes` long.
   [[nodiscard]] virtual Status get_state(void*& state) = 0;
   [[nodiscard]] virtual Status set_state(void* state) = 0;
   virtual void free_state(void*& state) = 0;
@@ -68,12 +74,13 @@ class Unit {
   [[nodiscard]] virtual Status serialize(void* state, std::span<std::byte> bytes) = 0;
   [[nodiscard]] virtual Status deserialize(std::span<const std::byte> bytes, void*& state) = 0;
 
-  /// What the FMU reported last of a warning or worse, as a sentence; empty: nothing.
+  /// The last log message with a status other than `ok`; empty: none.
   [[nodiscard]] const std::string& last_words() const { return last_words_; }
   void forget_words() { last_words_.clear(); }
 
  protected:
   Unit(std::shared_ptr<Code> code, const ModelDescription& description, std::string name, bool logging);
+  /// Handles a log message of the FMU: keeps it for last_words() and posts it (messages.h).
   void note(Status status, const char* category, const std::string& text);
 
   std::shared_ptr<Code> code_;
@@ -83,7 +90,7 @@ class Unit {
 
  private:
   std::string last_words_;
-  int noted_ = 0;
+  int noted_ = 0;  // messages posted so far
 };
 
 }  // namespace ugoki::fmi

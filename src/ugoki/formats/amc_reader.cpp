@@ -17,8 +17,8 @@ class AmcReader {
       : scanner_(text), text_size_(text.size()), asf_(asf), rate_(rate), problems_(problems), degrees_(asf.degrees) {
     for (std::size_t i = 0; i < asf.bones.size(); ++i) {
       index_.emplace(asf.bones[i].name, i);
-      first_.push_back(numbers_a_frame_);
-      numbers_a_frame_ += asf.bones[i].freedoms.size();
+      first_.push_back(values_per_frame_);
+      values_per_frame_ += asf.bones[i].dofs.size();
     }
   }
 
@@ -37,12 +37,13 @@ class AmcReader {
     }
     if (!problems_.empty() || !end_frame()) return false;
     if (frame_lines_.empty()) {
-      problems_.add(ErrorCode::truncated, scanner_.line(), "the file holds no frames.", "Export or copy it again.");
+      problems_.add(ErrorCode::truncated, scanner_.line(), "The file has no frames.", "Export or copy it again.");
       return false;
     }
     return true;
   }
 
+  /// Computes the poses of all frames and interpolates the missing ones. Call after read() has returned true.
   void evaluate(MeasuredMotion& motion) const {
     const std::size_t joints = asf_.skeleton.joints.size();
     const std::size_t frames = frame_lines_.size();
@@ -55,7 +56,7 @@ class AmcReader {
     std::size_t filled = 0;
     for (std::size_t f = 0; f < frames; ++f) {
       const auto at = static_cast<std::size_t>(numbers_[f] - numbers_.front());
-      evaluate_frame(values_.data() + f * numbers_a_frame_, angle_unit, motion.translations.data() + at * joints,
+      evaluate_frame(values_.data() + f * values_per_frame_, angle_unit, motion.translations.data() + at * joints,
                      motion.rotations.data() + at * joints);
       for (; filled < at; ++filled)
         interpolate(motion, filled, f == 0 ? 0 : static_cast<std::size_t>(numbers_[f - 1] - numbers_.front()), at);
@@ -73,7 +74,7 @@ class AmcReader {
 
   bool read_header(std::string_view word) {
     if (!frame_lines_.empty())
-      return stop(ErrorCode::structure, scanner_.line(), in_quotes(word) + " stands between the frames.", "Put it before the first frame.");
+      return stop(ErrorCode::structure, scanner_.line(), in_quotes(word) + " is between frames.", "Move it before the first frame.");
     if (equal_ignoring_case(word, ":DEGREES")) degrees_ = true;
     if (equal_ignoring_case(word, ":RADIANS")) degrees_ = false;
     scanner_.rest_of_line();
@@ -86,42 +87,45 @@ class AmcReader {
     const int line = scanner_.line();
     const auto number = parse_long(word);
     if (!number || *number < 0 || *number > 2'000'000'000)
-      return stop(ErrorCode::syntax, line, in_quotes(word) + " is no frame number.",
-                  "A frame begins with its number, 0 or above, alone on a line.");
+      return stop(ErrorCode::syntax, line, in_quotes(word) + " is not a frame number.",
+                  "Begin each frame with its number, 0 or above, alone on a line.");
     if (const std::string_view rest = scanner_.rest_of_line(); !rest.empty() && !rest.starts_with('#'))
-      return stop(ErrorCode::syntax, line, "after the frame number stands " + in_quotes(rest) + ".",
-                  "A frame begins with its number alone on a line; a bone's line begins with its name.");
+      return stop(ErrorCode::syntax, line, "The frame number is followed by " + in_quotes(rest) + ".",
+                  "Write the frame number alone on a line; begin the line of a bone with its name.");
     if (!numbers_.empty()) {
       const long last = numbers_.back();
       if (*number <= last)
-        return stop(ErrorCode::structure, line, "frame " + std::to_string(*number) + " follows frame " + std::to_string(last) + ".",
-                    "Put the frames into their order, each once.");
-      const double longest = std::max(1.0, rate_);
-      if (static_cast<double>(*number - last - 1) > longest)
+        return stop(ErrorCode::structure, line, "Frame " + std::to_string(*number) + " follows frame " + std::to_string(last) + ".",
+                    "Sort the frames, each number once.");
+      const double max_gap = std::max(1.0, rate_);  // frames in one second
+      if (static_cast<double>(*number - last - 1) > max_gap)
         return stop(ErrorCode::structure, line,
-                    "the frames between " + std::to_string(last) + " and " + std::to_string(*number) + " are missing, more than a second.",
-                    "Cut the motion in two there, or export it again.");
+                    "The frames between " + std::to_string(last) + " and " + std::to_string(*number) +
+                        " are missing; at most one second is interpolated.",
+                    "Split the motion there, or export it again.");
       missing_ += *number - last - 1;
+      // Missing frames take memory but no text: at most 8 interpolated bone poses for each byte of text (and 10 million in any case).
       if (static_cast<std::uint64_t>(missing_) * asf_.bones.size() > 10'000'000 + 8 * text_size_)
-        return stop(ErrorCode::range, line, "more frames are missing than are there.", "Export the motion again.");
+        return stop(ErrorCode::range, line, "Too many frames are missing: " + std::to_string(missing_) + ".", "Export the motion again.");
     }
     numbers_.push_back(*number);
     frame_lines_.push_back(line);
     seen_.assign(asf_.bones.size(), 0);
+    // Bones without DOFs take memory in every frame but no text: at most 8 bone poses for each byte (and a million in any case).
     if (std::uint64_t{numbers_.size()} * asf_.bones.size() > 1'000'000 + 8 * text_size_)
-      return stop(ErrorCode::range, line, "almost no bone has a freedom.", "Leave out bones that never move.");
-    values_.resize(values_.size() + numbers_a_frame_, 0.0);
+      return stop(ErrorCode::range, line, "Almost no bone has degrees of freedom.", "Remove bones that never move.");
+    values_.resize(values_.size() + values_per_frame_, 0.0);
     return true;
   }
 
   bool end_frame() {
     if (frame_lines_.empty()) return true;
     for (std::size_t i = 0; i < seen_.size(); ++i) {
-      if (seen_[i] || asf_.bones[i].freedoms.empty()) continue;
+      if (seen_[i] || asf_.bones[i].dofs.empty()) continue;
       const bool last = !scanner_.skip_space();
       return stop(
           last ? ErrorCode::truncated : ErrorCode::structure, frame_lines_.back(),
-          "frame " + std::to_string(numbers_.back()) + " has no line for bone " + in_quotes(asf_.bones[i].name) + ".",
+          "Frame " + std::to_string(numbers_.back()) + " has no line for bone " + in_quotes(asf_.bones[i].name) + ".",
           last ? "The file was cut off; export or copy it again." : "Check that this motion belongs to this skeleton, or add the line.");
     }
     return true;
@@ -131,19 +135,19 @@ class AmcReader {
     const std::string_view name = scanner_.word();
     const int line = scanner_.line();
     if (frame_lines_.empty())
-      return stop(ErrorCode::syntax, line, in_quotes(name) + " stands before the first frame number.",
-                  "Check that it is an AMC file; a frame begins with its number.");
+      return stop(ErrorCode::syntax, line, in_quotes(name) + " precedes the first frame number.",
+                  "Check that it is an AMC file; each frame begins with its number.");
     const auto found = index_.find(name);
     if (found == index_.end())
-      return stop(ErrorCode::unknown, line, "the skeleton has no bone " + in_quotes(name) + ".",
+      return stop(ErrorCode::unknown, line, "The skeleton has no bone " + in_quotes(name) + ".",
                   "Read the motion with the ASF file that belongs to it.");
     const std::size_t bone = found->second;
     if (seen_[bone])
       return stop(ErrorCode::duplicate, line,
-                  "bone " + in_quotes(name) + " has two lines in frame " + std::to_string(numbers_.back()) + ".", "Remove one of them.");
+                  "Bone " + in_quotes(name) + " has two lines in frame " + std::to_string(numbers_.back()) + ".", "Remove one of them.");
     seen_[bone] = 1;
-    const std::size_t count = asf_.bones[bone].freedoms.size();
-    double* values = values_.data() + values_.size() - numbers_a_frame_ + first_[bone];
+    const std::size_t count = asf_.bones[bone].dofs.size();
+    double* values = values_.data() + values_.size() - values_per_frame_ + first_[bone];
     std::size_t n = 0;
     for (std::string_view word = scanner_.word_on_line(); !word.empty() && !word.starts_with('#'); word = scanner_.word_on_line(), ++n) {
       const auto value = measured_number(word);
@@ -155,12 +159,17 @@ class AmcReader {
     }
     scanner_.rest_of_line();
     if (n != count)
-      return stop(ErrorCode::structure, line,
-                  "bone " + in_quotes(name) + " has " + std::to_string(n) + " numbers, but " + std::to_string(count) + " freedoms.",
-                  "Check that this motion belongs to this skeleton, and that the line is whole.");
+      return stop(
+          ErrorCode::structure, line,
+          "Bone " + in_quotes(name) + " has " + std::to_string(n) + " values, but " + std::to_string(count) + " degrees of freedom.",
+          "Check that this motion belongs to this skeleton, and that the line is complete.");
     return true;
   }
 
+  /// Pose of one frame from its values.
+  /// @param value       [values_per_frame_] file units
+  /// @param angle_unit  rad per file unit of angle
+  /// @param translation, rotation [joints, out] relative to the parent, m
   void evaluate_frame(const double* value, double angle_unit, Vec3* translation, Quat* rotation) const {
     const std::size_t joints = asf_.skeleton.joints.size();
     const double unit = asf_.skeleton.unit;
@@ -176,20 +185,21 @@ class AmcReader {
       }
       Quat turn;
       Vec3 shift;
-      for (const AsfFreedom& f : bone.freedoms) {
+      for (const AsfDof& f : bone.dofs) {
         const double x = *value++;
         switch (f.kind) {
-          case AsfFreedom::Kind::rotation: turn = axis_angle(axes_.unit(f.axis), x * angle_unit) * turn; break;
-          case AsfFreedom::Kind::translation: shift += axes_.unit(f.axis) * (x * unit); break;
-          case AsfFreedom::Kind::length: stretch[i] = x * unit; break;
+          case AsfDof::Kind::rotation: turn = axis_angle(axes_.unit(f.axis), x * angle_unit) * turn; break;
+          case AsfDof::Kind::translation: shift += axes_.unit(f.axis) * (x * unit); break;
+          case AsfDof::Kind::length: stretch[i] = x * unit; break;
         }
       }
-      // The root's position is in the world; a bone's is in its own frame.
+      // The translation of the root is in world axes, that of a bone in the bone's own frame.
       translation[i] += joint.parent < 0 ? shift : rotate(bone.axis, shift);
       rotation[i] = normalized(bone.axis * turn * bone.axis.conjugate());
     }
   }
 
+  /// Interpolates frame `frame` between the frames `before` and `after`.
   static void interpolate(MeasuredMotion& motion, std::size_t frame, std::size_t before, std::size_t after) {
     const std::size_t joints = motion.skeleton.joints.size();
     const double s = static_cast<double>(frame - before) / static_cast<double>(after - before);
@@ -208,14 +218,14 @@ class AmcReader {
   FileAxes axes_;
   bool degrees_;
   std::map<std::string, std::size_t, std::less<>> index_;
-  std::vector<std::size_t> first_;  ///< [bones] where a bone's numbers begin in a frame
-  std::size_t numbers_a_frame_ = 0;
-  std::vector<char> seen_;        ///< [bones] in this frame
-  std::vector<long> numbers_;     ///< [frames] as the file counts them
-  std::vector<int> frame_lines_;  ///< [frames]
-  std::vector<double> values_;    ///< [frames][numbers_a_frame]
+  std::vector<std::size_t> first_;  ///< [bones] index of the bone's first value within a frame
+  std::size_t values_per_frame_ = 0;
+  std::vector<char> seen_;        ///< [bones] the current frame has a line for the bone
+  std::vector<long> numbers_;     ///< [frames] frame numbers of the file
+  std::vector<int> frame_lines_;  ///< [frames] line of the frame number
+  std::vector<double> values_;    ///< [frames][values_per_frame_] file units
   long missing_ = 0;
-  mutable std::vector<double> stretch_;  ///< [bones] m, of the frame being evaluated
+  mutable std::vector<double> stretch_;  ///< [bones] m, lengthening of the bones in the frame that is evaluated
 };
 
 }  // namespace
@@ -236,9 +246,9 @@ Result<MeasuredMotion> read_amc(std::string_view text, std::string_view file_nam
   if (notes) {
     notes->frame_time = 0;
     notes->metres_per_unit = asf.skeleton.unit;
-    notes->remarks.push_back("The format does not tell the frame rate; it is taken as " + to_text(rate) + " frames a second.");
+    notes->remarks.push_back("The AMC format does not specify the frame rate; " + to_text(rate) + " frames per second are assumed.");
     if (reader.missing_frames() > 0)
-      notes->remarks.push_back(std::to_string(reader.missing_frames()) + " missing frames were filled in by interpolation.");
+      notes->remarks.push_back(std::to_string(reader.missing_frames()) + " missing frames were filled by interpolation.");
   }
   return motion;
 }

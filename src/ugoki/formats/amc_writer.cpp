@@ -10,13 +10,14 @@
 namespace ugoki::formats {
 namespace {
 
-/// A bone to be written. Bones stand parents first, the root first.
+/// A bone of the ASF file. In the list of bones, the root is first and parents precede their children.
 struct Bone {
   std::string name;
-  int parent = -1;  ///< of bones
-  int joint = -1;   ///< of the skeleton; -1: leads to a joint
-  Vec3 end;         ///< m, from the bone's start at rest
-  bool turns = false, moves = false;
+  int parent = -1;     ///< index in the list of bones
+  int joint = -1;      ///< index in the skeleton; -1: a bone that only connects a joint to its child or end site
+  Vec3 end;            ///< m, from the start to the end of the bone at rest, our axes
+  bool turns = false;  ///< has the DOFs rx ry rz
+  bool moves = false;  ///< has the DOFs tx ty tz
 };
 
 class Writer {
@@ -38,8 +39,8 @@ class Writer {
   }
 
  private:
-  /// A word of letters that no other bone has.
-  std::string own_name(const std::string& wanted) {
+  /// `wanted` as a single word that no other bone has as its name.
+  std::string unique_name(const std::string& wanted) {
     std::string name;
     for (const char c : wanted)
       name += static_cast<unsigned char>(c) <= ' ' || c == '(' || c == ')' || c == ',' || c == '#' || c == ':' ? '_' : c;
@@ -61,33 +62,33 @@ class Writer {
     return static_cast<int>(bones_.size()) - 1;
   }
 
-  /// Its bone, and a bone to every child or end that is not this bone's end.
+  /// Adds the bone of a joint, and a connecting bone to every child or end site that the end of this bone does not reach.
   void add_joint(int joint, int parent) {
     const SkeletonJoint& j = joints_[static_cast<std::size_t>(joint)];
     const std::vector<int>& children = children_[static_cast<std::size_t>(joint)];
     const bool root = bones_.empty();
-    // Where it can be one bone: everything that hangs on it starts at one place.
+    // With a single child or end site the bone itself can end there; otherwise it has length zero.
     const bool one_end = !root && ((children.size() == 1 && j.end_sites.empty()) || (children.empty() && j.end_sites.size() == 1));
     Bone bone;
-    bone.name = root ? "root" : own_name(j.name);
+    bone.name = root ? "root" : unique_name(j.name);
     bone.parent = parent;
     bone.joint = joint;
     bone.turns = root || ever_turns(static_cast<std::size_t>(joint));
     bone.moves = root || j.parent < 0 || j.translates;
     if (one_end) bone.end = children.empty() ? j.end_sites[0] : joints_[static_cast<std::size_t>(children[0])].offset;
-    if (root && j.name != "root") out_.notes.push_back("The root " + j.name + " is called 'root', as the format demands.");
+    if (root && j.name != "root") out_.notes.push_back("The root " + j.name + " was renamed to 'root', as the ASF format requires.");
     const int own = add(std::move(bone));
     for (const int c : children) {
       const SkeletonJoint& child = joints_[static_cast<std::size_t>(c)];
       int start = own;
       if (!one_end && norm(child.offset) > 0) {
-        start = add({own_name("to_" + child.name), own, -1, child.offset, false, false});
+        start = add({unique_name("to_" + child.name), own, -1, child.offset, false, false});
         ++connections_;
       }
       pending_.push_back({c, start});
     }
     if (one_end) return;
-    for (const Vec3& e : j.end_sites) add({own_name(j.name + "_end"), own, -1, e, false, false});
+    for (const Vec3& e : j.end_sites) add({unique_name(j.name + "_end"), own, -1, e, false, false});
   }
 
   void make_bones() {
@@ -100,7 +101,8 @@ class Writer {
     } else {
       add({"root", -1, -1, {}, true, true});
       for (const int r : roots) pending_.push_back({r, 0});
-      out_.notes.push_back("Its " + std::to_string(roots.size()) + " roots hang on one that stands still, for the format has one root.");
+      out_.notes.push_back("The " + std::to_string(roots.size()) +
+                           " roots were attached to an added root that does not move, because the ASF format has one root.");
     }
     while (!pending_.empty()) {
       const Pending next = pending_.back();
@@ -108,15 +110,16 @@ class Writer {
       add_joint(next.joint, next.parent);
     }
     if (connections_ > 0)
-      out_.notes.push_back(
-          std::to_string(connections_) +
-          " bones without freedoms lead to joints that do not start where their parent's bone ends ('to_' and their name).");
+      out_.notes.push_back(std::to_string(connections_) +
+                           " bones without degrees of freedom were added: each leads to a joint that does not start at the end of its "
+                           "parent's bone, and is named "
+                           "'to_' and the name of the joint.");
     if (renamed_ > 0)
-      out_.notes.push_back(std::to_string(renamed_) + " names were changed: in the format they are single words, all different.");
+      out_.notes.push_back(std::to_string(renamed_) + " names were changed: names in the ASF format are single words, each unique.");
     bool limits = false;
     for (const SkeletonJoint& j : joints_)
-      for (const MeasuredFreedom& f : j.freedoms) limits = limits || f.limited;
-    if (limits) out_.notes.push_back("Limits of joints are not written: they belong to other axes than those of the file.");
+      for (const MeasuredDof& f : j.dofs) limits = limits || f.limited;
+    if (limits) out_.notes.push_back("Joint limits are not written: they refer to other axes than those of the file.");
   }
 
   void add_vector(std::string& out, const Vec3& v) {
@@ -125,7 +128,7 @@ class Writer {
 
   void write_skeleton() {
     std::string& out = out_.asf;
-    out = ":version 1.10\n:name " + (motion_.name.empty() ? std::string("motion") : own_word(motion_.name)) +
+    out = ":version 1.10\n:name " + (motion_.name.empty() ? std::string("motion") : single_word(motion_.name)) +
           "\n:units\n  mass 1.0\n  length " + to_text(0.0254 / unit_) +
           "\n  angle deg\n:documentation\n  written by Ugoki\n:root\n  order TX TY TZ RX RY RZ\n  axis XYZ\n  position 0 0 0\n  "
           "orientation 0 0 0\n:bonedata\n";
@@ -152,7 +155,7 @@ class Writer {
     out += "  end\n";
   }
 
-  static std::string own_word(const std::string& name) {
+  static std::string single_word(const std::string& name) {
     std::string word;
     for (const char c : name) word += static_cast<unsigned char>(c) <= ' ' ? '_' : c;
     return word;
@@ -188,7 +191,7 @@ class Writer {
           for (int i = 0; i < 3; ++i) add_number(p[i]);
         }
         if (b.turns) {
-          // M = Rz Ry Rx about the file's axes: our axes z, x, y are its y, z, x.
+          // M = Rz Ry Rx about the file's axes x, y, z, which are our axes y, z, x.
           Vec3 angles;
           if (b.joint >= 0) {
             const Mat3 R = to_matrix(motion_.rotations[at]);

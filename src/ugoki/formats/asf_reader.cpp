@@ -13,27 +13,28 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// Limits of one DOF, file's unit of angle or length.
 struct Limit {
   double lower = -infinity, upper = infinity;
 };
 
-/// A bone, or the root, as the file describes it.
+/// A bone, or the root, with the values of the file.
 struct BoneText {
   std::string name;
   int line = 0;
-  Vec3 direction;     ///< our axes
-  double length = 0;  ///< file's unit
+  Vec3 direction;     ///< unit vector, our axes
+  double length = 0;  ///< file's unit of length
   Vec3 axis_angles;   ///< file's unit of angle, in the order of axis_order
   std::string axis_order = "XYZ";
-  std::vector<AsfFreedom> freedoms;
+  std::vector<AsfDof> dofs;
   std::vector<Limit> limits;
-  int limits_line = 0;
+  int limits_line = 0;  ///< line of the keyword 'limits'
   bool has_name = false, has_direction = false, has_length = false;
   int parent = -1;
   std::vector<int> children;
 };
 
-/// The words of a line without its comment; parentheses and commas count as blanks.
+/// The words of a line, without the comment that begins with #. Parentheses and commas count as blanks.
 std::vector<std::string_view> words_of(std::string_view line) {
   if (const std::size_t hash = line.find('#'); hash != std::string_view::npos) line = line.substr(0, hash);
   std::vector<std::string_view> words;
@@ -63,38 +64,37 @@ class AsfReader {
   }
 
   std::optional<Asf> read(ReadNotes& notes) {
-    bool going = true;
-    while (going && !problems_.full() && scanner_.skip_space()) {
+    bool readable = true;
+    while (readable && !problems_.full() && scanner_.skip_space()) {
       line_ = scanner_.line();
       const std::string_view text = scanner_.rest_of_line();
       if (text.starts_with(':')) {
-        going = begin_section(text);
+        readable = begin_section(text);
         continue;
       }
       const Words words = words_of(text);
       if (words.empty()) continue;
       switch (section_) {
         case Section::none:
-          going = stop(ErrorCode::syntax, line_, in_quotes(words[0]) + " stands before the first section.",
-                       "Check that it is an ASF file; sections begin with a colon.");
+          readable = stop(ErrorCode::syntax, line_, in_quotes(words[0]) + " precedes the first section.",
+                          "Check that it is an ASF file; section names begin with a colon.");
           break;
         case Section::other: break;
-        case Section::units: going = read_unit(words); break;
-        case Section::root: going = read_root(words); break;
-        case Section::bonedata: going = read_bone(words); break;
-        case Section::hierarchy: going = read_hierarchy(words); break;
+        case Section::units: readable = read_unit(words); break;
+        case Section::root: readable = read_root(words); break;
+        case Section::bonedata: readable = read_bone(words); break;
+        case Section::hierarchy: readable = read_hierarchy(words); break;
       }
     }
     line_ = scanner_.line();
-    if (going && inside_)
+    if (readable && inside_)
       stop(ErrorCode::truncated, line_,
-           "the file ends before the 'end' of " +
+           "The file ends before the 'end' of " +
                (section_ == Section::bonedata ? "bone " + in_quotes(bones_.back().name) : std::string(":hierarchy")) + ".",
            "The file was cut off; export or copy it again.");
     if (!problems_.empty()) return std::nullopt;
     for (const auto& [seen, name] : {std::pair{seen_root_, ":root"}, {seen_bones_, ":bonedata"}, {seen_hierarchy_, ":hierarchy"}})
-      if (!seen)
-        stop(ErrorCode::truncated, line_, std::string("the section ") + name + " is missing.", "Check that it is a whole ASF file.");
+      if (!seen) stop(ErrorCode::truncated, line_, std::string("Section ") + name + " is missing.", "Check that the ASF file is complete.");
     if (!problems_.empty() || !check_bones()) return std::nullopt;
     return build(notes);
   }
@@ -103,18 +103,20 @@ class AsfReader {
   enum class Section { none, other, units, root, bonedata, hierarchy };
   using Words = std::vector<std::string_view>;
 
+  /// Adds a problem that prevents further reading; returns false.
   bool stop(ErrorCode code, int line, std::string message, std::string remedy) {
     problems_.add(code, line, std::move(message), std::move(remedy));
     return false;
   }
-  /// Adds a problem after which reading can go on.
+  /// Adds a problem after which reading can continue; returns false if the list of problems is full.
   bool complain(ErrorCode code, int line, std::string message, std::string remedy) {
     problems_.add(code, line, std::move(message), std::move(remedy));
     return !problems_.full();
   }
 
   bool begin_section(std::string_view text) {
-    if (inside_) return stop(ErrorCode::structure, line_, "a section begins before the 'end' of the one before.", "Add the missing 'end'.");
+    if (inside_)
+      return stop(ErrorCode::structure, line_, "A section begins before the 'end' of the previous section.", "Add the missing 'end'.");
     const Words words = words_of(text);
     const std::string_view name = words[0];
     const auto is = [&](std::string_view s) { return equal_ignoring_case(name, s); };
@@ -127,27 +129,28 @@ class AsfReader {
                                                {Section::bonedata, &seen_bones_, ":bonedata"},
                                                {Section::hierarchy, &seen_hierarchy_, ":hierarchy"}}) {
       if (section_ != section) continue;
-      if (*seen) return stop(ErrorCode::duplicate, line_, std::string("there are two sections ") + label + ".", "Keep one of them.");
+      if (*seen) return stop(ErrorCode::duplicate, line_, std::string("Section ") + label + " occurs twice.", "Keep one of them.");
       *seen = true;
     }
     if (is(":name") && words.size() > 1) name_ = utf8(words[1]);
     return true;
   }
 
-  std::optional<double> number(std::string_view word, const char* what) {
+  /// @param keyword the keyword of the line, for messages
+  std::optional<double> number(std::string_view word, const char* keyword) {
     const auto value = measured_number(word);
     if (!value) {
       const NumberFault fault = number_fault(word);
-      problems_.add(fault.code, line_, std::string("in '") + what + "', " + fault.message, fault.remedy);
+      problems_.add(fault.code, line_, std::string("'") + keyword + "': " + fault.message, fault.remedy);
     }
     return value;
   }
 
-  bool read_vector(const Words& words, const char* what, Vec3& v) {
+  bool read_vector(const Words& words, const char* keyword, Vec3& v) {
     if (words.size() < 4)
-      return complain(ErrorCode::syntax, line_, std::string("'") + what + "' needs three numbers.", "Add the missing numbers.");
+      return complain(ErrorCode::syntax, line_, std::string("'") + keyword + "' needs three numbers.", "Add the missing numbers.");
     for (int i = 0; i < 3; ++i) {
-      const auto value = number(words[static_cast<std::size_t>(i) + 1], what);
+      const auto value = number(words[static_cast<std::size_t>(i) + 1], keyword);
       if (!value) return !problems_.full();
       v[i] = *value;
     }
@@ -160,8 +163,8 @@ class AsfReader {
     std::string sorted = upper;
     std::sort(sorted.begin(), sorted.end());
     if (sorted != "XYZ")
-      return complain(ErrorCode::syntax, line_, "the order of axes is " + in_quotes(word) + ".",
-                      "Write the letters X, Y and Z in some order.");
+      return complain(ErrorCode::syntax, line_, "The order of axes is " + in_quotes(word) + ".",
+                      "Write each of the letters X, Y and Z once.");
     order = upper;
     return true;
   }
@@ -173,8 +176,8 @@ class AsfReader {
       const auto value = number(words[1], is("mass") ? "mass" : "length");
       if (!value) return !problems_.full();
       if (!(*value > 1e-9))
-        return complain(ErrorCode::range, line_, "the scale " + in_quotes(words[1]) + " is not positive.",
-                        "Write 1 where there is no scale.");
+        return complain(ErrorCode::range, line_, "The scale " + in_quotes(words[1]) + " is not a positive number above 1e-9.",
+                        "Write 1 if there is no scale.");
       (is("mass") ? mass_scale_ : length_scale_) = *value;
     } else if (is("angle")) {
       if (equal_ignoring_case(words[1], "deg") || equal_ignoring_case(words[1], "degrees"))
@@ -182,31 +185,32 @@ class AsfReader {
       else if (equal_ignoring_case(words[1], "rad") || equal_ignoring_case(words[1], "radians"))
         degrees_ = false;
       else
-        return complain(ErrorCode::unknown, line_, "the unit of angles is " + in_quotes(words[1]) + ".", "Write deg or rad.");
+        return complain(ErrorCode::unknown, line_, "The unit of angles is " + in_quotes(words[1]) + ".", "Write deg or rad.");
     }
     return true;
   }
 
-  bool read_freedoms(const Words& words, std::size_t limit, std::vector<AsfFreedom>& freedoms) {
+  bool read_dofs(const Words& words, std::size_t limit, std::vector<AsfDof>& dofs) {
     for (std::size_t i = 1; i < words.size(); ++i) {
       const std::string_view w = words[i];
-      AsfFreedom freedom;
+      AsfDof dof;
       const std::size_t axis = w.size() == 2 ? std::string_view("xyzXYZ").find(w[1]) : std::string_view::npos;
       if (axis != std::string_view::npos && (w[0] == 'r' || w[0] == 'R')) {
-        freedom = {AsfFreedom::Kind::rotation, static_cast<int>(axis % 3)};
+        dof = {AsfDof::Kind::rotation, static_cast<int>(axis % 3)};
       } else if (axis != std::string_view::npos && (w[0] == 't' || w[0] == 'T')) {
-        freedom = {AsfFreedom::Kind::translation, static_cast<int>(axis % 3)};
+        dof = {AsfDof::Kind::translation, static_cast<int>(axis % 3)};
       } else if (equal_ignoring_case(w, "l")) {
-        freedom = {AsfFreedom::Kind::length, 0};
+        dof = {AsfDof::Kind::length, 0};
       } else {
-        return complain(ErrorCode::unknown, line_, in_quotes(w) + " is no freedom.", "Freedoms are rx, ry, rz, tx, ty, tz and l.");
+        return complain(ErrorCode::unknown, line_, in_quotes(w) + " is not a degree of freedom.", "Use rx, ry, rz, tx, ty, tz or l.");
       }
-      const bool twice = std::any_of(freedoms.begin(), freedoms.end(),
-                                     [&](const AsfFreedom& f) { return f.kind == freedom.kind && f.axis == freedom.axis; });
-      if (twice) return complain(ErrorCode::duplicate, line_, "the freedom " + in_quotes(w) + " stands here twice.", "Remove one of them.");
-      if (freedoms.size() >= limit)
-        return complain(ErrorCode::range, line_, "there are more freedoms than a bone can have.", "Remove some.");
-      freedoms.push_back(freedom);
+      const bool twice = std::any_of(dofs.begin(), dofs.end(), [&](const AsfDof& f) { return f.kind == dof.kind && f.axis == dof.axis; });
+      if (twice)
+        return complain(ErrorCode::duplicate, line_, "The degree of freedom " + in_quotes(w) + " occurs twice.", "Remove one of them.");
+      if (dofs.size() >= limit)
+        return complain(ErrorCode::range, line_, "There are more than " + std::to_string(limit) + " degrees of freedom.",
+                        "Remove some of them.");
+      dofs.push_back(dof);
     }
     return true;
   }
@@ -216,8 +220,8 @@ class AsfReader {
     BoneText& root = bones_[0];
     root.line = line_;
     if (is("order")) {
-      root.freedoms.clear();
-      return read_freedoms(words, 6, root.freedoms);
+      root.dofs.clear();
+      return read_dofs(words, 6, root.dofs);
     }
     if (is("axis")) {
       if (words.size() < 2) return complain(ErrorCode::syntax, line_, "'axis' has no order.", "Write an order such as XYZ after it.");
@@ -225,18 +229,18 @@ class AsfReader {
     }
     if (is("position")) return read_vector(words, "position", root_position_);
     if (is("orientation")) return read_vector(words, "orientation", root.axis_angles);
-    return complain(ErrorCode::unknown, line_, in_quotes(words[0]) + " is no word of the section :root.",
-                    "Expected are order, axis, position and orientation.");
+    return complain(ErrorCode::unknown, line_, in_quotes(words[0]) + " is not a keyword of section :root.",
+                    "Use order, axis, position or orientation.");
   }
 
   bool read_bone(const Words& words) {
     const auto is = [&](std::string_view s) { return equal_ignoring_case(words[0], s); };
     if (is("begin")) {
       if (inside_)
-        return stop(ErrorCode::structure, line_, "a bone begins inside bone " + in_quotes(bones_.back().name) + ".",
+        return stop(ErrorCode::structure, line_, "A bone begins inside bone " + in_quotes(bones_.back().name) + ".",
                     "Add the 'end' of that bone.");
       if (bones_.size() > max_joints)
-        return stop(ErrorCode::range, line_, "the file has more than " + std::to_string(max_joints) + " bones.",
+        return stop(ErrorCode::range, line_, "The file has more than " + std::to_string(max_joints) + " bones.",
                     "Check that it is a motion-capture skeleton.");
       inside_ = true;
       in_limits_ = false;
@@ -245,7 +249,7 @@ class AsfReader {
       return true;
     }
     if (!inside_)
-      return stop(ErrorCode::structure, line_, in_quotes(words[0]) + " stands outside of any bone.", "Add the 'begin' of its bone.");
+      return stop(ErrorCode::structure, line_, in_quotes(words[0]) + " is outside of any bone.", "Add the 'begin' of its bone.");
     BoneText& bone = bones_.back();
     if (in_limits_ && (is_infinite(words[0]) || measured_number(words[0]))) return read_limits(words, 0);
     in_limits_ = false;
@@ -254,10 +258,10 @@ class AsfReader {
       return finish_bone(bone);
     }
     if (is("name")) {
-      if (words.size() < 2) return complain(ErrorCode::syntax, line_, "'name' has no name.", "Name the bone.");
+      if (words.size() < 2) return complain(ErrorCode::syntax, line_, "'name' has no value.", "Write the name of the bone after it.");
       bone.name = std::string(words[1]);
       if (!index_.emplace(bone.name, static_cast<int>(bones_.size()) - 1).second)
-        return complain(ErrorCode::duplicate, line_, "two bones are called " + in_quotes(bone.name) + ".",
+        return complain(ErrorCode::duplicate, line_, "Two bones are named " + in_quotes(bone.name) + ".",
                         "Rename one of them, here and in the motion files.");
       bone.has_name = true;
       return true;
@@ -274,8 +278,8 @@ class AsfReader {
       bone.has_length = true;
       const auto value = number(words.size() > 1 ? words[1] : std::string_view(), "length");
       if (value && *value < 0)
-        return complain(ErrorCode::range, line_, "the length of bone " + in_quotes(bone.name) + " is negative.",
-                        "Turn the direction around instead.");
+        return complain(ErrorCode::range, line_, "The length of bone " + in_quotes(bone.name) + " is negative.",
+                        "Reverse the direction instead.");
       bone.length = value.value_or(0);
       return !problems_.full();
     }
@@ -284,8 +288,8 @@ class AsfReader {
       return words.size() < 5 || read_order(words[4], bone.axis_order);
     }
     if (is("dof")) {
-      bone.freedoms.clear();
-      return read_freedoms(words, 7, bone.freedoms);
+      bone.dofs.clear();
+      return read_dofs(words, 7, bone.dofs);
     }
     if (is("limits")) {
       bone.limits_line = line_;
@@ -296,11 +300,12 @@ class AsfReader {
     if (is("bodymass")) {
       const auto value = number(words.size() > 1 ? words[1] : std::string_view(), "bodymass");
       if (value && *value < 0)
-        return complain(ErrorCode::range, line_, "the mass of bone " + in_quotes(bone.name) + " is negative.", "Correct it.");
+        return complain(ErrorCode::range, line_, "The mass of bone " + in_quotes(bone.name) + " is negative.",
+                        "Write a mass of 0 or more.");
       mass_ += value.value_or(0);
       return !problems_.full();
     }
-    return true;  // id, cofmass and what other programs add: nothing that this program uses
+    return true;  // id, cofmass and keywords of other programs are not used
   }
 
   bool read_limits(const Words& words, std::size_t from) {
@@ -314,13 +319,14 @@ class AsfReader {
       }
       if (!half_limit_) {
         if (bone.limits.size() > 7)
-          return complain(ErrorCode::structure, line_, "bone " + in_quotes(bone.name) + " has more limits than a bone has freedoms.",
-                          "Give one pair for each freedom.");
+          return complain(ErrorCode::structure, line_,
+                          "Bone " + in_quotes(bone.name) + " has more limits than the 7 degrees of freedom that a bone can have.",
+                          "Write one pair for each degree of freedom.");
         bone.limits.push_back({value, infinity});
       } else {
         bone.limits.back().upper = value;
         if (!(bone.limits.back().lower <= value))
-          return complain(ErrorCode::range, line_, "a lower limit of bone " + in_quotes(bone.name) + " is above its upper limit.",
+          return complain(ErrorCode::range, line_, "A lower limit of bone " + in_quotes(bone.name) + " is above its upper limit.",
                           "Swap the two numbers.");
       }
       half_limit_ = !half_limit_;
@@ -329,24 +335,25 @@ class AsfReader {
   }
 
   bool finish_bone(BoneText& bone) {
-    if (!bone.has_name) return complain(ErrorCode::structure, bone.line, "the bone has no name.", "Add a line 'name ...'.");
+    if (!bone.has_name) return complain(ErrorCode::structure, bone.line, "The bone has no name.", "Add a line 'name ...'.");
     if (!bone.has_direction || !bone.has_length)
       return complain(ErrorCode::structure, bone.line,
-                      "bone " + in_quotes(bone.name) + " has no " + (bone.has_direction ? "length" : "direction") + ".", "Add it.");
+                      "Bone " + in_quotes(bone.name) + " has no " + (bone.has_direction ? "length" : "direction") + ".", "Add it.");
     if (bone.length > 0 && norm(bone.direction) == 0)
-      return complain(ErrorCode::range, bone.line, "the direction of bone " + in_quotes(bone.name) + " has no length.",
-                      "Give a direction that is not zero.");
-    if (!bone.limits.empty() && (bone.limits.size() != bone.freedoms.size() || half_limit_))
+      return complain(ErrorCode::range, bone.line, "The direction of bone " + in_quotes(bone.name) + " is zero.",
+                      "Write a direction that is not zero.");
+    if (!bone.limits.empty() && (bone.limits.size() != bone.dofs.size() || half_limit_))
       return complain(ErrorCode::structure, bone.limits_line,
-                      "bone " + in_quotes(bone.name) + " has " + std::to_string(bone.freedoms.size()) +
-                          " freedoms, but its limits are not as many pairs.",
-                      "Give one pair (lower upper) for each freedom of 'dof'.");
+                      "Bone " + in_quotes(bone.name) + " has " + std::to_string(bone.dofs.size()) +
+                          " degrees of freedom, but its limits are " + std::to_string(bone.limits.size()) +
+                          (half_limit_ ? " pairs, the last one incomplete." : " pairs."),
+                      "Write one pair (lower upper) for each degree of freedom of 'dof'.");
     return true;
   }
 
   bool read_hierarchy(const Words& words) {
     if (words.size() == 1 && equal_ignoring_case(words[0], "begin")) {
-      if (inside_) return stop(ErrorCode::structure, line_, "'begin' stands here twice.", "Remove it.");
+      if (inside_) return stop(ErrorCode::structure, line_, "'begin' occurs twice.", "Remove it.");
       inside_ = true;
       return true;
     }
@@ -359,23 +366,24 @@ class AsfReader {
     if (!inside_) return stop(ErrorCode::structure, line_, "'begin' is missing after :hierarchy.", "Add it.");
     const auto parent = index_.find(words[0]);
     if (parent == index_.end())
-      return complain(ErrorCode::unknown, line_, "there is no bone " + in_quotes(words[0]) + ".", "Name a bone of :bonedata, or root.");
+      return complain(ErrorCode::unknown, line_, "There is no bone " + in_quotes(words[0]) + ".",
+                      "Use the name of a bone in :bonedata, or root.");
     for (std::size_t i = 1; i < words.size(); ++i) {
       const auto child = index_.find(words[i]);
       if (child == index_.end() || child->second == 0) {
-        if (!complain(
-                ErrorCode::unknown, line_,
-                child == index_.end() ? "there is no bone " + in_quotes(words[i]) + "." : std::string("the root cannot hang on a bone."),
-                "Name a bone of :bonedata."))
+        if (!complain(ErrorCode::unknown, line_,
+                      child == index_.end() ? "There is no bone " + in_quotes(words[i]) + "."
+                                            : std::string("The root cannot be the child of a bone."),
+                      "Use the name of a bone in :bonedata."))
           return false;
         continue;
       }
       BoneText& bone = bones_[static_cast<std::size_t>(child->second)];
       if (bone.parent >= 0) {
-        if (!complain(
-                ErrorCode::structure, line_,
-                "bone " + in_quotes(words[i]) + " already hangs on " + in_quotes(bones_[static_cast<std::size_t>(bone.parent)].name) + ".",
-                "Let it hang on one bone only."))
+        if (!complain(ErrorCode::structure, line_,
+                      "Bone " + in_quotes(words[i]) + " already has the parent " +
+                          in_quotes(bones_[static_cast<std::size_t>(bone.parent)].name) + ".",
+                      "Give it one parent only."))
           return false;
         continue;
       }
@@ -385,7 +393,7 @@ class AsfReader {
     return true;
   }
 
-  /// Bones in depth-first order, each parent before its children; false if one does not hang on the root.
+  /// Puts the bones into depth-first order (order_), each parent before its children. False if a bone is not connected to the root.
   bool check_bones() {
     order_.push_back(0);
     std::vector<int> stack(bones_[0].children.rbegin(), bones_[0].children.rend());
@@ -403,17 +411,18 @@ class AsfReader {
       const BoneText& b = bones_[i];
       if (reached[i]) continue;
       if (b.parent < 0)
-        problems_.add(ErrorCode::structure, b.line, "bone " + in_quotes(b.name) + " hangs on nothing.", "Name it in :hierarchy.");
+        problems_.add(ErrorCode::structure, b.line, "Bone " + in_quotes(b.name) + " has no parent.", "Add it to :hierarchy.");
       else
-        problems_.add(ErrorCode::structure, b.line, "bone " + in_quotes(b.name) + " does not lead back to the root.",
-                      "Check :hierarchy for a circle of bones.");
+        problems_.add(ErrorCode::structure, b.line, "Bone " + in_quotes(b.name) + " is not connected to the root.",
+                      "Check :hierarchy for a cycle of bones.");
     }
-    if (bones_[0].freedoms.empty())
-      problems_.add(ErrorCode::structure, bones_[0].line, "the root has no 'order'.",
+    if (bones_[0].dofs.empty())
+      problems_.add(ErrorCode::structure, bones_[0].line, "The root has no 'order'.",
                     "Add a line such as 'order TX TY TZ RX RY RZ' to :root.");
     return problems_.empty();
   }
 
+  /// Rotation from the bone's own frame to our axes: the axis angles, applied in the bone's order. @param angle_unit rad per file unit
   Quat axis_of(const BoneText& bone, double angle_unit) const {
     Quat q;
     for (int i = 0; i < 3; ++i)
@@ -422,53 +431,53 @@ class AsfReader {
   }
 
   Asf build(ReadNotes& notes) {
-    const bool told = options_.metres_per_unit > 0 && std::isfinite(options_.metres_per_unit);
-    const double unit = told ? options_.metres_per_unit : 0.0254 / length_scale_;
+    const bool unit_given = options_.metres_per_unit > 0 && std::isfinite(options_.metres_per_unit);
+    const double unit = unit_given ? options_.metres_per_unit : 0.0254 / length_scale_;
     const double angle_unit = degrees_ ? pi / 180 : 1;
     Asf asf;
     asf.degrees = degrees_;
     asf.skeleton.unit = unit;
     asf.skeleton.mass = mass_ / mass_scale_;
     asf.skeleton.name = name_.empty() ? stem_of(file_name_) : name_;
-    std::vector<int> place(bones_.size(), -1);
+    std::vector<int> joint_of_bone(bones_.size(), -1);
     for (const int index : order_) {
       const BoneText& from = bones_[static_cast<std::size_t>(index)];
-      place[static_cast<std::size_t>(index)] = static_cast<int>(asf.bones.size());
+      joint_of_bone[static_cast<std::size_t>(index)] = static_cast<int>(asf.bones.size());
       SkeletonJoint joint;
       joint.name = utf8(from.name);
       joint.rotation_order = "ZYX";
       if (from.parent >= 0) {
         const BoneText& parent = bones_[static_cast<std::size_t>(from.parent)];
-        joint.parent = place[static_cast<std::size_t>(from.parent)];
+        joint.parent = joint_of_bone[static_cast<std::size_t>(from.parent)];
         joint.offset = parent.direction * (parent.length * unit);
-        for (const AsfFreedom& f : parent.freedoms) joint.translates = joint.translates || f.kind == AsfFreedom::Kind::length;
+        for (const AsfDof& f : parent.dofs) joint.translates = joint.translates || f.kind == AsfDof::Kind::length;
       } else {
         joint.offset = axes_.from_file(root_position_) * unit;
       }
       if (from.children.empty() && index != 0) joint.end_sites.push_back(from.direction * (from.length * unit));
       const Quat axis = axis_of(from, angle_unit);
-      for (std::size_t k = from.freedoms.size(); k-- > 0;) {  // the last one is the outermost
-        const AsfFreedom& f = from.freedoms[k];
-        joint.translates = joint.translates || f.kind == AsfFreedom::Kind::translation;
-        if (f.kind != AsfFreedom::Kind::rotation) continue;
-        MeasuredFreedom freedom;
-        freedom.axis = rotate(axis, axes_.unit(f.axis));
+      for (std::size_t k = from.dofs.size(); k-- > 0;) {  // the last rotation in the file is the outermost
+        const AsfDof& f = from.dofs[k];
+        joint.translates = joint.translates || f.kind == AsfDof::Kind::translation;
+        if (f.kind != AsfDof::Kind::rotation) continue;
+        MeasuredDof dof;
+        dof.axis = rotate(axis, axes_.unit(f.axis));
         if (!from.limits.empty() && (std::isfinite(from.limits[k].lower) || std::isfinite(from.limits[k].upper))) {
-          freedom.limited = true;
-          freedom.lower = from.limits[k].lower * angle_unit;
-          freedom.upper = from.limits[k].upper * angle_unit;
+          dof.limited = true;
+          dof.lower = from.limits[k].lower * angle_unit;
+          dof.upper = from.limits[k].upper * angle_unit;
         }
-        joint.freedoms.push_back(freedom);
+        joint.dofs.push_back(dof);
       }
       asf.skeleton.joints.push_back(std::move(joint));
-      asf.bones.push_back({from.name, axis, from.direction, from.freedoms});
+      asf.bones.push_back({from.name, axis, from.direction, from.dofs});
     }
     notes.metres_per_unit = unit;
     const double extent = rest_extent(asf.skeleton);
-    std::string remark = told ? ""
-                              : "Lengths are inches divided by " + to_text(length_scale_) + ": the skeleton is " + to_fixed(extent, 3) +
-                                    " m tall or wide at rest.";
-    if (!told && !(extent > 0.3 && extent < 4)) remark += " That is an unusual size; give the unit if it is wrong.";
+    std::string remark = unit_given ? ""
+                                    : "Lengths are in inches divided by " + to_text(length_scale_) +
+                                          ": the largest extent of the skeleton at rest is " + to_fixed(extent, 3) + " m.";
+    if (!unit_given && !(extent > 0.3 && extent < 4)) remark += " This is outside of 0.3 to 4 m; set the unit of length if it is wrong.";
     if (!remark.empty()) notes.remarks.push_back(std::move(remark));
     return asf;
   }
@@ -480,16 +489,17 @@ class AsfReader {
   FileAxes axes_;
   Section section_ = Section::none;
   int line_ = 1;
-  bool inside_ = false;  ///< between begin and end
-  bool in_limits_ = false, half_limit_ = false;
+  bool inside_ = false;      ///< between 'begin' and 'end'
+  bool in_limits_ = false;   ///< the next line may continue 'limits'
+  bool half_limit_ = false;  ///< the last pair of limits has only its lower value
   bool seen_root_ = false, seen_bones_ = false, seen_hierarchy_ = false;
   bool degrees_ = true;
   double mass_scale_ = 1, length_scale_ = 1, mass_ = 0;
   std::string name_;
-  Vec3 root_position_;           ///< file's axes and unit
-  std::vector<BoneText> bones_;  ///< the root first
-  std::map<std::string, int, std::less<>> index_;
-  std::vector<int> order_;
+  Vec3 root_position_;                             ///< file axes and units
+  std::vector<BoneText> bones_;                    ///< the root first
+  std::map<std::string, int, std::less<>> index_;  ///< index in bones_ by name
+  std::vector<int> order_;                         ///< indices in bones_, depth first
 };
 
 }  // namespace
@@ -498,10 +508,10 @@ Result<Asf> read_asf(std::string_view text, std::string_view file_name, const As
   Problems problems(file_name);
   const auto plain = plain_text(text, "ASF", problems);
   if (!plain) return fail(problems.take());
-  ReadNotes told;
-  auto asf = AsfReader(*plain, file_name, options, problems).read(told);
+  ReadNotes collected;
+  auto asf = AsfReader(*plain, file_name, options, problems).read(collected);
   if (!asf) return fail(problems.take());
-  if (notes) *notes = std::move(told);
+  if (notes) *notes = std::move(collected);
   return std::move(*asf);
 }
 

@@ -8,13 +8,13 @@
 namespace ugoki::formats {
 namespace {
 
-/// A ROOT, JOINT or End Site whose brace is open.
+/// A ROOT, JOINT or End Site whose closing brace has not been read.
 struct OpenNode {
-  int joint = -1;  ///< in the skeleton; -1 while it is an end site
-  int parent = -1;
+  int joint = -1;   ///< index in the skeleton; -1 while the node is an end site
+  int parent = -1;  ///< index in the skeleton; -1: root
   bool end_site = false;
   bool has_offset = false, has_channels = false;
-  Vec3 offset;  ///< our axes, file's unit
+  Vec3 offset;  ///< our axes, file units
   std::string name;
   int line = 0;
 };
@@ -26,7 +26,7 @@ class HierarchyReader {
   std::optional<BvhHierarchy> read() {
     skip_comments();
     if (!equal_ignoring_case(scanner_.word(), "HIERARCHY")) {
-      problems_.add(ErrorCode::syntax, scanner_.line(), "the file does not begin with HIERARCHY.", "Check that it is a BVH file.");
+      problems_.add(ErrorCode::syntax, scanner_.line(), "The file does not begin with HIERARCHY.", "Check that it is a BVH file.");
       return std::nullopt;
     }
     while (step()) {
@@ -37,12 +37,12 @@ class HierarchyReader {
   }
 
  private:
-  /// One statement; false at MOTION or when reading cannot go on.
+  /// Reads one statement. False at MOTION, or after a problem that prevents further reading.
   bool step() {
     skip_comments();
     if (!scanner_.skip_space()) {
       const std::string inside = open_.empty() ? "before MOTION" : "inside " + in_quotes(open_.back().name);
-      return stop(ErrorCode::truncated, scanner_.line(), "the file ends " + inside + ".", "The file was cut off; export or copy it again.");
+      return stop(ErrorCode::truncated, scanner_.line(), "The file ends " + inside + ".", "The file was cut off; export or copy it again.");
     }
     if (scanner_.accept_on_line('}')) return close();
     const std::string_view word = scanner_.word();
@@ -53,7 +53,7 @@ class HierarchyReader {
     if (equal_ignoring_case(word, "CHANNELS")) return read_channels();
     if (equal_ignoring_case(word, "MOTION")) return finish();
     return stop(ErrorCode::syntax, scanner_.line(), in_quotes(word) + " is not a word of a BVH hierarchy.",
-                "Expected are JOINT, End Site, OFFSET, CHANNELS, braces or MOTION.");
+                "Use JOINT, End Site, OFFSET, CHANNELS, a brace or MOTION.");
   }
 
   void skip_comments() {
@@ -69,7 +69,7 @@ class HierarchyReader {
     skip_comments();
     scanner_.skip_space();
     if (scanner_.accept_on_line('{')) return true;
-    return stop(ErrorCode::syntax, scanner_.line(), "the opening brace of " + in_quotes(name) + " is missing.",
+    return stop(ErrorCode::syntax, scanner_.line(), "The opening brace of " + in_quotes(name) + " is missing.",
                 "Add { after the joint's name.");
   }
 
@@ -77,11 +77,11 @@ class HierarchyReader {
     const int line = scanner_.line();
     std::string name = utf8(scanner_.rest_of_line('{'));
     if (root != open_.empty())
-      return stop(ErrorCode::structure, line, root ? "a ROOT stands inside another joint." : "a JOINT stands outside of any ROOT.",
+      return stop(ErrorCode::structure, line, root ? "A ROOT is inside another joint." : "A JOINT is outside of any ROOT.",
                   "Check the braces above this line.");
     if (name.empty()) {
       name = "joint" + std::to_string(out_.skeleton.joints.size() + 1);
-      out_.remarks.push_back("The joint on line " + std::to_string(line) + " has no name; it is called '" + name + "'.");
+      out_.remarks.push_back("The joint on line " + std::to_string(line) + " has no name; it was named '" + name + "'.");
     }
     if (!open_.empty() && !make_parent(open_.back())) return false;
     OpenNode node;
@@ -97,8 +97,7 @@ class HierarchyReader {
     std::string_view name = scanner_.rest_of_line('{');
     if (name.size() >= 4 && equal_ignoring_case(name.substr(0, 4), "Site")) name.remove_prefix(4);
     while (!name.empty() && (name.front() == ' ' || name.front() == '\t')) name.remove_prefix(1);
-    if (open_.empty())
-      return stop(ErrorCode::structure, line, "an End Site stands outside of any joint.", "Check the braces above this line.");
+    if (open_.empty()) return stop(ErrorCode::structure, line, "An End Site is outside of any joint.", "Check the braces above this line.");
     if (!make_parent(open_.back())) return false;
     OpenNode node;
     node.end_site = true;
@@ -110,7 +109,7 @@ class HierarchyReader {
 
   bool push(OpenNode node) {
     if (open_.size() >= max_depth)
-      return stop(ErrorCode::range, node.line, "joints are nested more than " + std::to_string(max_depth) + " deep.",
+      return stop(ErrorCode::range, node.line, "Joints are nested more than " + std::to_string(max_depth) + " deep.",
                   "Check the braces of the file.");
     if (!expect_open_brace(node.name)) return false;
     open_.push_back(std::move(node));
@@ -119,7 +118,7 @@ class HierarchyReader {
 
   bool add_joint(OpenNode& node) {
     if (out_.skeleton.joints.size() >= max_joints)
-      return stop(ErrorCode::range, node.line, "the file has more than " + std::to_string(max_joints) + " joints.",
+      return stop(ErrorCode::range, node.line, "The file has more than " + std::to_string(max_joints) + " joints.",
                   "Check that it is a motion-capture skeleton.");
     SkeletonJoint joint;
     joint.name = node.name;
@@ -131,12 +130,12 @@ class HierarchyReader {
     return true;
   }
 
-  /// An end site that has children or channels is a joint of its own.
+  /// Makes the node a joint, if it is not yet: an End Site with children or channels is a joint.
   bool make_parent(OpenNode& node) { return node.joint >= 0 || add_joint(node); }
 
   bool read_offset() {
     const int line = scanner_.line();
-    if (open_.empty()) return stop(ErrorCode::structure, line, "OFFSET stands outside of any joint.", "Check the braces above this line.");
+    if (open_.empty()) return stop(ErrorCode::structure, line, "An OFFSET is outside of any joint.", "Check the braces above this line.");
     Vec3 v;
     for (int i = 0; i < 3; ++i) {
       const std::string_view token = scanner_.word_on_line();
@@ -144,8 +143,8 @@ class HierarchyReader {
       if (!value) {
         NumberFault fault = number_fault(token);
         if (token.empty())
-          fault = {ErrorCode::syntax, "OFFSET needs three numbers, here are " + std::to_string(i) + ".", "Add the missing numbers."};
-        problems_.add(fault.code, line, "in the OFFSET of " + in_quotes(open_.back().name) + ", " + fault.message, fault.remedy);
+          fault = {ErrorCode::syntax, "Three numbers are needed, " + std::to_string(i) + " found.", "Add the missing numbers."};
+        problems_.add(fault.code, line, "OFFSET of " + in_quotes(open_.back().name) + ": " + fault.message, fault.remedy);
         scanner_.rest_of_line();
         open_.back().has_offset = true;
         return !problems_.full();
@@ -153,7 +152,7 @@ class HierarchyReader {
       v[i] = *value;
     }
     if (!scanner_.rest_of_line('}').empty())
-      return stop(ErrorCode::syntax, line, "OFFSET has more than three numbers.", "Remove what follows the third number.");
+      return stop(ErrorCode::syntax, line, "OFFSET has more than three numbers.", "Remove everything after the third number.");
     OpenNode& node = open_.back();
     if (node.has_offset) return stop(ErrorCode::duplicate, line, in_quotes(node.name) + " has two OFFSETs.", "Remove one of them.");
     node.has_offset = true;
@@ -164,38 +163,38 @@ class HierarchyReader {
 
   bool read_channels() {
     const int line = scanner_.line();
-    if (open_.empty())
-      return stop(ErrorCode::structure, line, "CHANNELS stands outside of any joint.", "Check the braces above this line.");
+    if (open_.empty()) return stop(ErrorCode::structure, line, "CHANNELS is outside of any joint.", "Check the braces above this line.");
     OpenNode& node = open_.back();
     if (node.has_channels) return stop(ErrorCode::duplicate, line, in_quotes(node.name) + " has CHANNELS twice.", "Remove one of them.");
     node.has_channels = true;
     const std::string_view token = scanner_.word_on_line();
     const auto count = parse_long(token);
     if (!count || *count < 0 || *count > 6)
-      return stop(ErrorCode::range, line, "the number of CHANNELS of " + in_quotes(node.name) + " is " + in_quotes(token) + ", not 0 to 6.",
-                  "Write the number of channel names that follow.");
+      return stop(ErrorCode::range, line,
+                  "The number of CHANNELS of " + in_quotes(node.name) + " is " + in_quotes(token) + "; it must be 0 to 6.",
+                  "Write the number of channel names that follow it.");
     if (*count == 0) return true;
     if (!make_parent(node)) return false;
     SkeletonJoint& joint = out_.skeleton.joints[static_cast<std::size_t>(node.joint)];
     bool seen_position[3] = {false, false, false};
     for (long i = 0; i < *count; ++i) {
-      const std::string_view name = scanner_.word();  // long lists are broken over lines by some programs
+      const std::string_view name = scanner_.word();  // some programs break long lists into several lines
       const std::string_view kind = name.empty() ? name : name.substr(1);
       const std::size_t axis = name.empty() ? std::string_view::npos : std::string_view("XYZxyz").find(name[0]);
       const bool rotation = equal_ignoring_case(kind, "rotation");
       if (axis == std::string_view::npos || !(rotation || equal_ignoring_case(kind, "position")))
         return stop(ErrorCode::unknown, scanner_.line(),
-                    "channel " + std::to_string(i + 1) + " of " + std::to_string(*count) + " of " + in_quotes(node.name) + " is " +
-                        in_quotes(name) + ", which is no channel.",
-                    "Channels are Xposition, Yposition, Zposition, Xrotation, Yrotation and Zrotation; check their number too.");
+                    "Channel " + std::to_string(i + 1) + " of " + std::to_string(*count) + " of " + in_quotes(node.name) + " is " +
+                        in_quotes(name) + ", which is not a channel.",
+                    "Use Xposition, Yposition, Zposition, Xrotation, Yrotation or Zrotation, and check the number after CHANNELS.");
       const int a = static_cast<int>(axis % 3);
       if (rotation) {
-        if (joint.freedoms.size() == 3)
+        if (joint.dofs.size() == 3)
           return stop(ErrorCode::structure, scanner_.line(), in_quotes(node.name) + " has more than three rotation channels.",
                       "Keep three of them.");
-        MeasuredFreedom freedom;
-        freedom.axis = axes_.unit(a);
-        joint.freedoms.push_back(freedom);
+        MeasuredDof dof;
+        dof.axis = axes_.unit(a);
+        joint.dofs.push_back(dof);
         joint.rotation_order += "XYZ"[a];
       } else {
         if (seen_position[a])
@@ -207,14 +206,14 @@ class HierarchyReader {
       out_.channels.push_back({node.joint, rotation, a});
     }
     if (const std::string_view rest = scanner_.rest_of_line('}'); !rest.empty() && rest.front() != '#')
-      return stop(ErrorCode::syntax, scanner_.line(), in_quotes(node.name) + " has more channel names than its CHANNELS says.",
+      return stop(ErrorCode::syntax, scanner_.line(), in_quotes(node.name) + " has more channel names than the number after CHANNELS.",
                   "Correct the number after CHANNELS.");
     return true;
   }
 
   bool close() {
     if (open_.empty())
-      return stop(ErrorCode::structure, scanner_.line(), "a closing brace has no opening one.", "Remove it, or check the braces above.");
+      return stop(ErrorCode::structure, scanner_.line(), "A closing brace has no opening brace.", "Remove it, or check the braces above.");
     const OpenNode node = std::move(open_.back());
     open_.pop_back();
     if (!node.has_offset) {
@@ -229,29 +228,28 @@ class HierarchyReader {
     if (!open_.empty()) {
       const OpenNode& node = open_.back();
       return stop(ErrorCode::structure, scanner_.line(),
-                  "MOTION comes before the closing brace of " + in_quotes(node.name) + " (line " + std::to_string(node.line) + ").",
+                  "MOTION precedes the closing brace of " + in_quotes(node.name) + " (line " + std::to_string(node.line) + ").",
                   "Add the missing brace.");
     }
     if (out_.skeleton.joints.empty())
-      return stop(ErrorCode::structure, scanner_.line(), "the hierarchy has no ROOT.", "Export the file with its skeleton.");
+      return stop(ErrorCode::structure, scanner_.line(), "The hierarchy has no ROOT.", "Export the file with its skeleton.");
     if (out_.channels.empty())
-      return stop(ErrorCode::structure, scanner_.line(), "no joint has any channel, so nothing can move.",
-                  "Export the file with channels.");
+      return stop(ErrorCode::structure, scanner_.line(), "No joint has channels, so nothing can move.", "Export the file with channels.");
     return false;
   }
 
   void make_names_unique() {
-    std::set<std::string, std::less<>> taken;
+    std::set<std::string, std::less<>> used;
     std::map<std::string, int, std::less<>> uses;
-    for (const SkeletonJoint& j : out_.skeleton.joints) taken.insert(j.name);
+    for (const SkeletonJoint& j : out_.skeleton.joints) used.insert(j.name);
     for (SkeletonJoint& j : out_.skeleton.joints) {
       int& n = uses[j.name];
       if (++n == 1) continue;
       std::string name;
       do name = j.name + "_" + std::to_string(n++);
-      while (!taken.insert(name).second);
+      while (!used.insert(name).second);
       --n;
-      if (out_.remarks.size() < 20) out_.remarks.push_back("Two joints are called '" + j.name + "'; one was renamed '" + name + "'.");
+      if (out_.remarks.size() < 20) out_.remarks.push_back("Two joints are named '" + j.name + "'; one was renamed to '" + name + "'.");
       j.name = std::move(name);
     }
   }

@@ -1,5 +1,5 @@
 #pragma once
-// The HIERARCHY part of a BVH file. Internal to formats.
+// The HIERARCHY section of a BVH file. Internal to formats.
 
 #include <optional>
 #include <vector>
@@ -9,19 +9,20 @@
 
 namespace ugoki::formats {
 
+/// One channel: one value of each frame.
 struct BvhChannel {
-  int joint = 0;
-  bool rotation = false;
-  int axis = 0;  ///< of the file: 0 x, 1 y, 2 z
+  int joint = 0;          ///< index in the skeleton
+  bool rotation = false;  ///< true: rotation about the axis; false: position along it
+  int axis = 0;           ///< axis of the file: 0 x, 1 y, 2 z
 };
 
 struct BvhHierarchy {
-  Skeleton skeleton;                 ///< lengths still in the file's units, axes already ours
-  std::vector<BvhChannel> channels;  ///< in the order of the numbers of a frame
-  std::vector<std::string> remarks;
+  Skeleton skeleton;                 ///< our axes, but lengths in file units
+  std::vector<BvhChannel> channels;  ///< in the order of the values of a frame
+  std::vector<std::string> remarks;  ///< for ReadNotes
 };
 
-/// Reads up to and including the word MOTION. Problems are added; nothing is returned if there were any.
+/// Reads from the beginning of the file up to and including the word MOTION. Returns nothing if problems were added.
 [[nodiscard]] std::optional<BvhHierarchy> read_bvh_hierarchy(Scanner& scanner, const FileAxes& axes, Problems& problems);
 
 }  // namespace ugoki::formats

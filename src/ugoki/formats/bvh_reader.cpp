@@ -8,7 +8,7 @@
 namespace ugoki::formats {
 namespace {
 
-constexpr const char* lost_remedy = "The file was cut off; export or copy it again.";
+constexpr const char* cut_off_remedy = "The file was cut off; export or copy it again.";
 
 struct MotionHeader {
   std::size_t frames = 0;
@@ -21,7 +21,7 @@ std::optional<MotionHeader> read_motion_header(Scanner& scanner, Problems& probl
   if (!scanner.accept("Frames")) {
     const bool ended = !scanner.skip_space();
     problems.add(ended ? ErrorCode::truncated : ErrorCode::syntax, scanner.line(), "'Frames:' is missing after MOTION.",
-                 ended ? lost_remedy : "Add a line 'Frames: N'.");
+                 ended ? cut_off_remedy : "Add a line 'Frames: N'.");
     return std::nullopt;
   }
   scanner.accept_on_line(':');
@@ -29,9 +29,9 @@ std::optional<MotionHeader> read_motion_header(Scanner& scanner, Problems& probl
   const auto frames = parse_long(token);
   if (!frames || *frames < 1) {
     problems.add(token.empty() ? ErrorCode::truncated : ErrorCode::range, scanner.line(),
-                 frames ? "the number of frames is " + std::to_string(*frames) + "; a motion has at least one."
-                        : "after 'Frames:' stands " + in_quotes(token) + " instead of a whole number.",
-                 "Write how many frames follow.");
+                 frames ? "The number of frames is " + std::to_string(*frames) + "; it must be at least 1."
+                        : "'Frames:' is followed by " + in_quotes(token) + " instead of an integer.",
+                 "Write the number of frames that follow.");
     return std::nullopt;
   }
   header.frames = static_cast<std::size_t>(*frames);
@@ -40,16 +40,17 @@ std::optional<MotionHeader> read_motion_header(Scanner& scanner, Problems& probl
   if (!timed) {
     const bool ended = !scanner.skip_space();
     problems.add(ended ? ErrorCode::truncated : ErrorCode::syntax, scanner.line(), "'Frame Time:' is missing after 'Frames:'.",
-                 ended ? lost_remedy : "Add a line 'Frame Time: S' with the seconds between frames.");
+                 ended ? cut_off_remedy : "Add a line 'Frame Time: S' with the time between frames in seconds.");
     return std::nullopt;
   }
   scanner.accept_on_line(':');
   token = scanner.word_on_line();
   const auto time = measured_number(token);
+  // Far wider than any recording: rates between one frame an hour and 1 MHz.
   if (!time || *time < 1e-6 || *time > 3600) {
-    NumberFault fault{ErrorCode::range, "the frame time is " + in_quotes(token) + ".",
-                      "Write the seconds between two frames, for example 0.0083333 for 120 frames a second."};
-    if (token.empty()) fault = {ErrorCode::truncated, "'Frame Time:' has no number.", fault.remedy};
+    NumberFault fault{ErrorCode::range, "The frame time is " + in_quotes(token) + "; it must be between 1e-6 and 3600 s.",
+                      "Write the time between two frames in seconds, for example 0.0083333 for 120 frames per second."};
+    if (token.empty()) fault = {ErrorCode::truncated, "'Frame Time:' has no value.", fault.remedy};
     problems.add(fault.code, scanner.line(), fault.message, fault.remedy);
     return std::nullopt;
   }
@@ -58,21 +59,24 @@ std::optional<MotionHeader> read_motion_header(Scanner& scanner, Problems& probl
   return header;
 }
 
-/// The numbers of all frames, [frames][channels].
+/// The values of all frames, [frames][channels], in file units and degrees.
 std::optional<std::vector<double>> read_numbers(Scanner& scanner, std::size_t frames, std::size_t channels, std::size_t joints,
                                                 Problems& problems) {
   const int header_line = scanner.line();
-  const std::string declared = "'Frames:' says " + std::to_string(frames) + " frames of " + std::to_string(channels) + " numbers";
-  // A number takes at least two characters, the blank included: what is promised must fit into the text before memory is taken.
+  const std::string declared = "'Frames:' announces " + std::to_string(frames) + " frames of " + std::to_string(channels) + " values";
+  // A value takes at least two characters, a digit and a separator. Check that the announced values can fit into the rest of the
+  // text before memory is allocated for them.
   if (frames > max_numbers / channels || frames * channels > scanner.remaining() / 2 + 1) {
-    problems.add(ErrorCode::truncated, header_line, declared + ", but the file ends long before.",
+    problems.add(ErrorCode::truncated, header_line, declared + ", but the rest of the file is too short for them.",
                  "Correct the number after 'Frames:', or export the file again.");
     return std::nullopt;
   }
   const std::size_t count = frames * channels;
+  // Joints without channels take memory in every frame but no text. Allow at most 8 joint poses for each value in the text (and a
+  // million in any case), so that memory stays proportional to the file.
   if (std::uint64_t{frames} * joints > std::uint64_t{1'000'000} + std::uint64_t{8} * count) {
-    problems.add(ErrorCode::range, header_line, "almost all of the " + std::to_string(joints) + " joints have no channels.",
-                 "Leave out joints that never move.");
+    problems.add(ErrorCode::range, header_line, "Almost all of the " + std::to_string(joints) + " joints have no channels.",
+                 "Remove joints that never move.");
     return std::nullopt;
   }
   std::vector<double> numbers;
@@ -111,30 +115,31 @@ std::optional<std::vector<double>> read_numbers(Scanner& scanner, std::size_t fr
   const std::size_t found = numbers.size() + surplus;
   if (odd_line > 0 && odd_line != line)
     problems.add(ErrorCode::structure, odd_line,
-                 "this line holds " + std::to_string(odd_count) + " numbers, but a frame has " + std::to_string(channels) + ".",
+                 "This line has " + std::to_string(odd_count) + " values, but a frame has " + std::to_string(channels) + ".",
                  "Correct the line, or the CHANNELS of the joints.");
   else if (surplus > 0)
-    problems.add(ErrorCode::structure, scanner.line(), declared + ", but there are " + std::to_string(found) + " numbers.",
-                 found % channels == 0 ? "Write 'Frames: " + std::to_string(found / channels) + "', or remove the frames that are too many."
-                                       : "Remove the numbers that are too many.");
+    problems.add(ErrorCode::structure, scanner.line(), declared + ", but there are " + std::to_string(found) + " values.",
+                 found % channels == 0 ? "Write 'Frames: " + std::to_string(found / channels) + "', or remove the extra frames."
+                                       : "Remove the extra values.");
   else
     problems.add(ErrorCode::truncated, scanner.line(),
                  declared + ", but the file ends after " + std::to_string(found / channels) + " frames and " +
-                     std::to_string(found % channels) + " numbers.",
+                     std::to_string(found % channels) + " values.",
                  found >= channels ? "Export the file again, or write 'Frames: " + std::to_string(found / channels) +
-                                         "' and remove a frame that is not whole."
-                                   : lost_remedy);
+                                         "' and remove an incomplete last frame."
+                                   : cut_off_remedy);
   return std::nullopt;
 }
 
+/// The unit of length, m per file unit: the caller's, or else guessed from the size of the skeleton.
 double choose_unit(const Skeleton& skeleton, const BvhOptions& options, ReadNotes& notes) {
   notes.unit_guessed = !(options.metres_per_unit > 0) || !std::isfinite(options.metres_per_unit);
   if (!notes.unit_guessed) return options.metres_per_unit;
   const double extent = rest_extent(skeleton);
   const UnitGuess guess = guess_unit(extent);
-  std::string remark = "Lengths are taken as " + guess.name + ": the skeleton is " + to_fixed(extent, 3) + " units tall or wide at rest, " +
-                       to_fixed(extent * guess.metres, 3) + " m.";
-  if (!guess.plausible) remark += " That is no person's size; give the unit if it is wrong.";
+  std::string remark = "Lengths are assumed to be in " + guess.name + ": the largest extent of the skeleton at rest is " +
+                       to_fixed(extent, 3) + " units, " + to_fixed(extent * guess.metres, 3) + " m.";
+  if (!guess.plausible) remark += " This is not the size of a person (1 to 2.5 m); set the unit of length if it is wrong.";
   notes.remarks.push_back(std::move(remark));
   return guess.metres;
 }
@@ -155,12 +160,12 @@ Result<MeasuredMotion> read_bvh(std::string_view text, std::string_view file_nam
   const auto numbers = read_numbers(scanner, header->frames, channels, joints, problems);
   if (!numbers) return fail(problems.take());
 
-  ReadNotes told;
-  told.frame_time = header->frame_time;
-  told.remarks = std::move(hierarchy->remarks);
-  const double unit = choose_unit(hierarchy->skeleton, options, told);
-  told.metres_per_unit = unit;
-  told.z_up = options.z_up;
+  ReadNotes collected;
+  collected.frame_time = header->frame_time;
+  collected.remarks = std::move(hierarchy->remarks);
+  const double unit = choose_unit(hierarchy->skeleton, options, collected);
+  collected.metres_per_unit = unit;
+  collected.z_up = options.z_up;
 
   MeasuredMotion motion;
   motion.name = stem_of(file_name);
@@ -191,7 +196,7 @@ Result<MeasuredMotion> read_bvh(std::string_view text, std::string_view file_nam
     }
     for (std::size_t i = 0; i < joints; ++i) rotation[i] = normalized(rotation[i]);
   }
-  if (notes) *notes = std::move(told);
+  if (notes) *notes = std::move(collected);
   return motion;
 }
 

@@ -10,11 +10,12 @@
 namespace ugoki::formats {
 namespace {
 
-/// Three different axes of the file, the outermost rotation first.
+/// Three different axes of the file (0 x, 1 y, 2 z), the outermost rotation first.
 struct Order {
   int axis[3];
 };
 
+/// The order written as letters, completed to three axes; ZXY if `letters` has a repeated axis or more than three letters.
 Order order_of(const std::string& letters) {
   Order order{{2, 0, 1}};
   bool used[3] = {false, false, false};
@@ -22,11 +23,11 @@ Order order_of(const std::string& letters) {
   int n = 0;
   for (const char c : letters) {
     const int a = c == 'X' ? 0 : c == 'Y' ? 1 : c == 'Z' ? 2 : -1;
-    if (a < 0 || used[a] || n == 3) return order;  // not an order of different axes: ZXY
+    if (a < 0 || used[a] || n == 3) return order;
     used[a] = true;
     found[n++] = a;
   }
-  for (const int a : {2, 0, 1})  // fewer than three: the others follow innermost
+  for (const int a : {2, 0, 1})  // missing axes are appended as the innermost rotations
     if (!used[a]) found[n++] = a;
   return {{found[0], found[1], found[2]}};
 }
@@ -44,7 +45,7 @@ class Writer {
     for (std::size_t i = 0; i < joints_.size(); ++i)
       if (joints_[i].parent >= 0) children_[static_cast<std::size_t>(joints_[i].parent)].push_back(i);
     for (const SkeletonJoint& j : joints_) orders_.push_back(order_of(j.rotation_order));
-    last_.resize(joints_.size());
+    previous_.resize(joints_.size());
   }
 
   std::string write() {
@@ -64,7 +65,8 @@ class Writer {
   void add_number(double value) {
     char buffer[400];
     if (!std::isfinite(value)) value = 0;
-    if (const double steps = std::round(value * scale_); std::fabs(steps) < 9e15) {  // a whole number of last digits
+    // An integer count of the last decimal digit, exact below 2^53 = 9.007e15, is faster to write than std::to_chars of the double.
+    if (const double steps = std::round(value * scale_); std::fabs(steps) < 9e15) {
       const auto all = static_cast<std::uint64_t>(std::fabs(steps)), unit = static_cast<std::uint64_t>(scale_);
       if (steps < 0) out_ += '-';
       char* end = std::to_chars(buffer, buffer + sizeof buffer, all / unit).ptr;
@@ -99,7 +101,7 @@ class Writer {
     return name.empty() ? "joint" + std::to_string(i + 1) : name;
   }
 
-  /// Depth first, so that the order of the numbers is the order of the joints in the text; no recursion.
+  /// Writes the joints depth first without recursion and records their order in sequence_, the order of the values of a frame.
   void write_hierarchy() {
     struct Visit {
       std::size_t joint, next_child;
@@ -169,8 +171,8 @@ class Writer {
           add_number(p[k]);
         }
       }
-      const Vec3 angles = angles_near(to_matrix(motion_.rotations[at]), orders_[i], frame == 0 ? Vec3{} : last_[i]);
-      last_[i] = angles;
+      const Vec3 angles = angles_near(to_matrix(motion_.rotations[at]), orders_[i], frame == 0 ? Vec3{} : previous_[i]);
+      previous_[i] = angles;
       for (int k = 0; k < 3; ++k) {
         if (!first) out_ += ' ';
         first = false;
@@ -180,33 +182,35 @@ class Writer {
     out_ += '\n';
   }
 
-  /// Angles [deg], rounded as written, of R = R0(a0) R1(a1) R2(a2), nearest to `last`. Each angle is found from what the
-  /// rounded angles before it leave over, so that neither rounding nor the gimbal pole adds up.
-  Vec3 angles_near(const Mat3& R, const Order& order, const Vec3& last) const {
+  /// Angles [deg], rounded as they are written, with R = R0(a0) R1(a1) R2(a2), closest to `previous` [deg]. The inner angles are computed
+  /// from R after removal of the rounded outer rotation, so that its rounding error is compensated, also at the gimbal pole.
+  Vec3 angles_near(const Mat3& R, const Order& order, const Vec3& previous) const {
     const int i = axes_.ours(order.axis[0]), j = axes_.ours(order.axis[1]), k = axes_.ours(order.axis[2]);
     const double sign = (j - i + 3) % 3 == 1 ? 1.0 : -1.0;
     const double jk = R.row(j)[k], kk = R.row(k)[k];
-    // At the pole, to within the rounding, the outer and the inner axis fall together: the outer angle stays where it was.
+    // At the gimbal pole (to within the rounding of the text) the outer and the inner axis coincide. The outer angle then keeps its
+    // previous value. `pole` is the sine of a quarter of the last written digit.
     const double pole = 0.25 * (pi / 180) / scale_;
-    const double a0 = jk * jk + kk * kk > pole * pole ? atan2(-sign * jk, kk) * (180 / pi) : last.x;
-    const Vec3 one = solve(R, i, j, k, sign, a0, last);
-    if (distance(one, last) <= 90) return one;  // the other's outer angle alone is 90 degrees or more away
-    const Vec3 two = solve(R, i, j, k, sign, a0 + 180, last);
-    return distance(one, last) <= distance(two, last) ? one : two;
+    const double a0 = jk * jk + kk * kk > pole * pole ? atan2(-sign * jk, kk) * (180 / pi) : previous.x;
+    const Vec3 one = solve(R, i, j, k, sign, a0, previous);
+    if (distance(one, previous) <= 90) return one;  // the other solution differs by 180 degrees in a0: it is at least 90 degrees away
+    const Vec3 two = solve(R, i, j, k, sign, a0 + 180, previous);
+    return distance(one, previous) <= distance(two, previous) ? one : two;
   }
 
-  Vec3 solve(const Mat3& R, int i, int j, int k, double sign, double a0, const Vec3& last) const {
-    const double first = rounded(near(a0, last.x), scale_);
+  /// The angles [deg] for the outer angle a0 [deg].
+  Vec3 solve(const Mat3& R, int i, int j, int k, double sign, double a0, const Vec3& previous) const {
+    const double first = rounded(near(a0, previous.x), scale_);
     Vec3 axis;
     axis[i] = 1;
     const Mat3 M = rotation_about(axis, -first * (pi / 180)) * R;  // = R1(a1) R2(a2)
     const double a1 = atan2(sign * M.row(i)[k], M.row(k)[k]) * (180 / pi);
     const double a2 = atan2(sign * M.row(j)[i], M.row(j)[j]) * (180 / pi);
-    return {first, rounded(near(a1, last.y), scale_), rounded(near(a2, last.z), scale_)};
+    return {first, rounded(near(a1, previous.y), scale_), rounded(near(a2, previous.z), scale_)};
   }
 
-  /// The angle that differs from `angle` by whole turns and is nearest to `last` [deg].
-  static double near(double angle, double last) { return angle + 360 * std::round((last - angle) / 360); }
+  /// `angle` plus the multiple of 360 that makes it closest to `target` [deg].
+  static double near(double angle, double target) { return angle + 360 * std::round((target - angle) / 360); }
   static double distance(const Vec3& a, const Vec3& b) { return std::fabs(a.x - b.x) + std::fabs(a.y - b.y) + std::fabs(a.z - b.z); }
 
   const MeasuredMotion& motion_;
@@ -215,9 +219,9 @@ class Writer {
   int decimals_;
   double per_metre_ = 1, scale_ = 1;
   std::vector<std::vector<std::size_t>> children_;
-  std::vector<std::size_t> sequence_;  ///< joints in the order of the text
+  std::vector<std::size_t> sequence_;  ///< joints in the order in which they are written
   std::vector<Order> orders_;
-  std::vector<Vec3> last_;  ///< [joints] deg, of the frame before
+  std::vector<Vec3> previous_;  ///< [joints] deg, angles of the previous frame
   std::string out_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// C3D files: markers, analog channels, force platforms and events of a motion-capture recording. The dialect is described
-// in docs/formats.md.
+// C3D files: markers, analog channels, force platforms and events of a motion-capture recording.
+// docs/formats.md describes the dialect.
 
 #include <cstddef>
 #include <span>
@@ -16,30 +16,30 @@ namespace ugoki::formats {
 
 /// Which axis of a marker file points up.
 enum class UpAxis {
-  automatic,  ///< what the file says, otherwise the axis along which the lowest marker keeps its height best
+  automatic,  ///< as the file specifies; otherwise the axis along which the height of the lowest marker varies least
   y,          ///< Y up, Z forward
   z,          ///< Z up, X forward
 };
 
 struct MarkerOptions {
   UpAxis up = UpAxis::automatic;
-  double metres_per_unit = 0;  ///< m per unit of length of the file; 0: as the file says
+  double metres_per_unit = 0;  ///< m per unit of length of the file; 0: as the file specifies, guessed if that is missing or implausible
 };
 
-/// Reads a whole C3D file from memory: Intel, DEC and SGI/MIPS byte orders, whole numbers and floating point.
-/// Numbers that are not finite make the marker unseen in that frame (told in the notes).
-/// Errors: a damaged header, parameter section or missing data, each with its place and a remedy. O(bytes).
+/// Reads a whole C3D file from memory: Intel, DEC and SGI/MIPS number formats, integer and floating-point data.
+/// A marker position that is not finite counts as not seen in that frame; the notes report how many.
+/// @param notes if given, receives the unit, the up axis and other decisions
+/// Errors: a damaged header or parameter section, or missing data; location "file: section". O(bytes).
 [[nodiscard]] Result<MarkerMotion> read_c3d(std::span<const std::byte> bytes, std::string_view file_name, const MarkerOptions& options = {},
                                             ReadNotes* notes = nullptr);
 
 struct C3dWriteOptions {
-  bool z_up = true;  ///< write Z up, X forward; otherwise Y up, Z forward
-  double metres_per_unit =
-      0;  ///< of the file: 0: the unit of the file that the recording came from; only 1, 0.1, 0.01 and 0.001 have names
+  bool z_up = true;            ///< write Z up, X forward; otherwise Y up, Z forward
+  double metres_per_unit = 0;  ///< m per file unit; 0: unit of the file that was read; millimetres if the unit has no name
 };
 
-/// The recording as a C3D file: Intel byte order, floating point, so that positions keep 24 bits.
-/// Errors: more than 65535 markers, or more analog samples in a frame than the format can tell (65535).
+/// The recording as a C3D file: Intel byte order, single-precision floating point. At most 255 events and 64 force platforms are written.
+/// Errors: more than 65535 markers, more than 65535 analog samples in a frame, or labels too long for the parameter section.
 [[nodiscard]] Result<std::vector<std::byte>> write_c3d(const MarkerMotion& motion, const C3dWriteOptions& options = {});
 
 }  // namespace ugoki::formats

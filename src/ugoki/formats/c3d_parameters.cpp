@@ -13,7 +13,7 @@ namespace {
 std::uint32_t byte_at(const std::byte* p, int i) { return std::to_integer<std::uint32_t>(p[i]); }
 int signed_byte(std::byte b) { return static_cast<std::int8_t>(std::to_integer<std::uint8_t>(b)); }
 
-/// Capital letters, as names are compared.
+/// The bytes as text in capital letters; parameter names are compared without regard to case.
 std::string name_at(std::span<const std::byte> bytes) {
   std::string name;
   for (const std::byte b : bytes) {
@@ -36,7 +36,8 @@ float C3dNumbers::real(const std::byte* p) const {
     case C3dProcessor::mips: return std::bit_cast<float>(byte_at(p, 0) << 24 | byte_at(p, 1) << 16 | byte_at(p, 2) << 8 | byte_at(p, 3));
     case C3dProcessor::dec: break;
   }
-  // F format: words swapped; exponent one quarter of IEEE's: 0.1m * 2^(e - 128) = 1.m * 2^(e - 129).
+  // DEC F format: the two 16-bit words are swapped, and the value is 0.1m * 2^(e - 128) = 1.m * 2^(e - 129) (binary mantissa m),
+  // a quarter of the IEEE value of the same bits.
   const std::uint32_t bits = byte_at(p, 1) << 24 | byte_at(p, 0) << 16 | byte_at(p, 3) << 8 | byte_at(p, 2);
   const int exponent = static_cast<int>(bits >> 23 & 0xff);
   if (exponent == 0) return (bits & 0x7fffff) != 0 && bits >> 31 != 0 ? std::numeric_limits<float>::quiet_NaN() : 0.0f;
@@ -46,37 +47,37 @@ float C3dNumbers::real(const std::byte* p) const {
 }
 
 Result<C3dParameters> C3dParameters::read(std::span<const std::byte> file, std::size_t at, std::string_view file_name) {
-  const std::string place = std::string(file_name) + ": parameters";
+  const std::string location = std::string(file_name) + ": parameters";
   constexpr const char* again = "Export or copy the file again.";
-  if (at + 4 > file.size()) return fail(ErrorCode::truncated, place, "the file ends before its parameter section.", again);
+  if (at + 4 > file.size()) return fail(ErrorCode::truncated, location, "The file ends before its parameter section.", again);
   C3dParameters out;
   const int processor = static_cast<int>(byte_at(file.data() + at, 3));
-  // Some writers leave the byte 0 and mean Intel.
+  // Some programs write 0 for Intel.
   if (processor != 0 && (processor < 84 || processor > 86))
-    return fail(ErrorCode::unsupported, place,
-                "the processor type is " + std::to_string(processor) + "; known are 84 (Intel), 85 (DEC) and 86 (SGI/MIPS).",
+    return fail(ErrorCode::unsupported, location,
+                "The processor type is " + std::to_string(processor) + "; it must be 84 (Intel), 85 (DEC) or 86 (SGI/MIPS).",
                 "Check that the file is a C3D file, or export it again.");
   out.numbers_.processor = processor == 0 ? C3dProcessor::intel : static_cast<C3dProcessor>(processor);
   std::vector<std::pair<int, std::string>> groups;
   std::vector<int> group_of;
-  std::string last = "the section's beginning";
-  const auto broken = [&](ErrorCode code, const std::string& what) { return fail(code, place, what + " after " + last + ".", again); };
+  std::string last = "the beginning of the section";  // last parameter read, for messages
+  const auto broken = [&](ErrorCode code, const std::string& fault) { return fail(code, location, fault + " after " + last + ".", again); };
   at += 4;
   while (true) {
-    if (at + 2 > file.size()) break;  // files whose section fills its last block end without a mark
+    if (at + 2 > file.size()) break;  // a section that fills its last block has no end mark
     const std::size_t length = static_cast<std::size_t>(std::abs(signed_byte(file[at])));
     if (length == 0) break;
     const int id = signed_byte(file[at + 1]);
-    if (at + 2 + length + 2 > file.size()) return broken(ErrorCode::truncated, "the file ends within a parameter's name");
+    if (at + 2 + length + 2 > file.size()) return broken(ErrorCode::truncated, "The file ends within the name of a parameter");
     const std::string name = name_at(file.subspan(at + 2, length));
     const std::size_t link = at + 2 + length;
     const std::size_t next = out.numbers_.word(file.data() + link);
     std::size_t p = link + 2;
-    if (id == 0) return broken(ErrorCode::structure, "a parameter " + in_quotes(name) + " belongs to no group");
+    if (id == 0) return broken(ErrorCode::structure, "Parameter " + in_quotes(name) + " belongs to no group");
     if (id < 0) {
       groups.emplace_back(-id, name);
     } else {
-      if (p + 2 > file.size()) return broken(ErrorCode::truncated, "the file ends within the parameter " + in_quotes(name));
+      if (p + 2 > file.size()) return broken(ErrorCode::truncated, "The file ends within parameter " + in_quotes(name));
       C3dParameter parameter;
       parameter.name = name;
       parameter.type = signed_byte(file[p]);
@@ -84,8 +85,8 @@ Result<C3dParameters> C3dParameters::read(std::span<const std::byte> file, std::
       p += 2;
       const int type = parameter.type;
       if ((type != -1 && type != 1 && type != 2 && type != 4) || dimensions > 7)
-        return broken(ErrorCode::structure, "the parameter " + in_quotes(name) + " has an unknown type or more than 7 dimensions");
-      if (p + dimensions > file.size()) return broken(ErrorCode::truncated, "the file ends within the parameter " + in_quotes(name));
+        return broken(ErrorCode::structure, "Parameter " + in_quotes(name) + " has an unknown type or more than 7 dimensions");
+      if (p + dimensions > file.size()) return broken(ErrorCode::truncated, "The file ends within parameter " + in_quotes(name));
       std::size_t size = static_cast<std::size_t>(std::abs(type));
       for (std::size_t k = 0; k < dimensions; ++k) {
         parameter.sizes.push_back(static_cast<int>(byte_at(file.data() + p + k, 0)));
@@ -94,16 +95,16 @@ Result<C3dParameters> C3dParameters::read(std::span<const std::byte> file, std::
       }
       p += dimensions;
       if (size > file.size() || p + size > file.size())
-        return broken(ErrorCode::truncated, "the file ends within the parameter " + in_quotes(name));
+        return broken(ErrorCode::truncated, "The file ends within parameter " + in_quotes(name));
       parameter.bytes = file.subspan(p, size);
       out.parameters_.push_back(std::move(parameter));
       group_of.push_back(id);
     }
     last = in_quotes(name);
     if (next == 0) break;
-    if (next < 2 || link + next <= at) return broken(ErrorCode::structure, "the chain of parameters does not go on");
+    if (next < 2 || link + next <= at) return broken(ErrorCode::structure, "The offset to the next parameter is invalid");
     at = link + next;
-    if (groups.size() + group_of.size() > 20'000) return broken(ErrorCode::structure, "there are more than 20000 parameters");
+    if (groups.size() + group_of.size() > 20'000) return broken(ErrorCode::structure, "There are more than 20000 parameters");
   }
   for (std::size_t i = 0; i < group_of.size(); ++i) {
     const auto it = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == group_of[i]; });

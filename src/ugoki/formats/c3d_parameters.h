@@ -1,5 +1,5 @@
 #pragma once
-// The parameter section of C3D files, and their three ways to write numbers. Internal to formats.
+// The parameter section of C3D files, and the three number formats (Intel, DEC, SGI/MIPS) of C3D files. Internal to formats.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,40 +13,44 @@
 
 namespace ugoki::formats {
 
-/// How a file writes its numbers; the value is the byte in the file.
+/// Processor whose number format a file uses; the value is the byte in the file.
 enum class C3dProcessor : std::uint8_t { intel = 84, dec = 85, mips = 86 };
 
-/// Numbers out of bytes. The caller has checked that they are there.
+/// Decodes numbers. The caller must have checked that the bytes (2 or 4) exist.
 struct C3dNumbers {
   C3dProcessor processor = C3dProcessor::intel;
 
   [[nodiscard]] std::uint16_t word(const std::byte* p) const;
   [[nodiscard]] std::int16_t integer(const std::byte* p) const { return static_cast<std::int16_t>(word(p)); }
-  /// DEC's F format has no NaN or infinity; reserved operands give NaN.
+  /// DEC's F format has no NaN or infinity; its reserved operands are returned as NaN.
   [[nodiscard]] float real(const std::byte* p) const;
 };
 
+/// One parameter, for example POINT:RATE.
 struct C3dParameter {
-  std::string group, name;           ///< in capital letters
-  int type = 0;                      ///< -1 text, 1 bytes, 2 whole numbers, 4 floating point
-  std::vector<int> sizes;            ///< none: one value
-  std::span<const std::byte> bytes;  ///< of the file
+  std::string group, name;           ///< converted to capital letters
+  int type = 0;                      ///< -1 text, 1 bytes, 2 integers (16 bits), 4 floating point
+  std::vector<int> sizes;            ///< dimensions, fastest index first; empty: one value
+  std::span<const std::byte> bytes;  ///< the values, a view into the file's bytes
 };
 
+/// All parameters of a file. Refers to the bytes of the file, which must outlive it.
 class C3dParameters {
  public:
-  /// Walks the section. Errors name the parameter after which it breaks. @param at where the section begins
+  /// Reads the section that begins at byte `at` of `file`. Error messages name the last parameter before the fault.
   [[nodiscard]] static Result<C3dParameters> read(std::span<const std::byte> file, std::size_t at, std::string_view file_name);
 
   [[nodiscard]] const C3dNumbers& numbers() const { return numbers_; }
+  /// The parameter, or null. @param group, name in capital letters
   [[nodiscard]] const C3dParameter* find(std::string_view group, std::string_view name) const;
-  /// All values as numbers (whole numbers signed); empty if there is no such parameter or it is text.
+  /// All values as numbers; 16-bit integers are read as signed. Empty if the parameter is missing or is text.
   [[nodiscard]] std::vector<double> values(std::string_view group, std::string_view name) const;
-  /// The first value, or `otherwise`.
+  /// The first value; `otherwise` if the parameter is missing or is text.
   [[nodiscard]] double value(std::string_view group, std::string_view name, double otherwise) const;
-  /// The first value of a count, which the format writes as a signed or unsigned word: 0 ... 65535 (floating point: as it is).
+  /// The first value of a parameter that is a count. Files store counts as signed or unsigned 16-bit words, so that negative words are
+  /// read as 32768 ... 65535. Floating-point values are returned unchanged. Nothing if missing or not finite.
   [[nodiscard]] std::optional<double> count(std::string_view group, std::string_view name) const;
-  /// Texts without blanks at their ends; of the parameter and its continuations NAME2, NAME3 ...
+  /// The texts of the parameter NAME and of its continuations NAME2, NAME3 ..., without blanks at either end, as UTF-8.
   [[nodiscard]] std::vector<std::string> texts(std::string_view group, std::string_view name) const;
 
  private:

@@ -19,13 +19,14 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// What the header and parameters promise of the data section.
+/// Size and format of the data section, as the header and the parameters specify them.
 struct Layout {
-  std::size_t frames = 0, points = 0, channels = 0, samples = 0;  // samples: of each channel in a frame
-  std::size_t start = 0;                                          // byte at which the data begin
+  std::size_t frames = 0, points = 0, channels = 0, samples = 0;  // samples: number per analog channel and frame
+  std::size_t start = 0;                                          // first byte of the data
   int first_frame = 1;
-  double rate = 0, scale = 0;
-  bool real = false;  // floating point
+  double rate = 0;    // frames per second
+  double scale = 0;   // file units per integer step; negative: floating-point data
+  bool real = false;  // the data are floating point
 
   [[nodiscard]] std::size_t frame_bytes() const { return (4 * points + channels * samples) * (real ? 4 : 2); }
 };
@@ -37,11 +38,12 @@ class Reader {
 
   Result<MarkerMotion> read() {
     if (file_.size() < block)
-      return fail(file_.empty() ? ErrorCode::truncated : ErrorCode::syntax, place("header"),
-                  "this is no C3D file: it has fewer than 512 bytes.", again);
+      return fail(file_.empty() ? ErrorCode::truncated : ErrorCode::syntax, location("header"),
+                  "This is not a C3D file: it has fewer than 512 bytes.", again);
     if (byte(1) != 0x50)
-      return fail(ErrorCode::syntax, place("header"), "this is no C3D file: its second byte is not 80.", "Check the file's type.");
-    if (byte(0) == 0) return fail(ErrorCode::structure, place("header"), "the place of the parameters is 0.", again);
+      return fail(ErrorCode::syntax, location("header"), "This is not a C3D file: its second byte is not 80.",
+                  "Check the type of the file.");
+    if (byte(0) == 0) return fail(ErrorCode::structure, location("header"), "The block number of the parameter section is 0.", again);
     auto parameters = C3dParameters::read(file_, (byte(0) - 1) * block, name_);
     if (!parameters) return fail(std::move(parameters.error()));
     parameters_ = std::move(*parameters);
@@ -57,12 +59,12 @@ class Reader {
     if (auto problem = read_frames(); !problem.empty()) return fail(std::move(problem));
     read_events();
     if (!finish_axes())
-      return fail(ErrorCode::range, place("data"), "a marker is farther than 1e9 m from the origin.", "Give the right unit of length.");
+      return fail(ErrorCode::range, location("data"), "A marker is farther than 1e9 m from the origin.", "Set the correct unit of length.");
     return std::move(motion_);
   }
 
  private:
-  [[nodiscard]] std::string place(const std::string& part) const { return std::string(name_) + ": " + part; }
+  [[nodiscard]] std::string location(const std::string& part) const { return std::string(name_) + ": " + part; }
   [[nodiscard]] std::size_t byte(std::size_t at) const { return std::to_integer<std::size_t>(file_[at]); }
   [[nodiscard]] std::size_t header_word(std::size_t number) const { return numbers().word(file_.data() + 2 * (number - 1)); }
   [[nodiscard]] double header_real(std::size_t number) const {
@@ -70,7 +72,7 @@ class Reader {
   }
   [[nodiscard]] const C3dNumbers& numbers() const { return parameters_.numbers(); }
 
-  /// A 32-bit number that TRIAL keeps in two words, low word first; 0 if it is not there.
+  /// A 32-bit value that the group TRIAL stores in two words, low word first; 0 if it is missing.
   [[nodiscard]] double field(std::string_view name) const {
     const std::vector<double> v = parameters_.values("TRIAL", name);
     if (v.size() < 2) return 0;
@@ -82,19 +84,19 @@ class Reader {
     const std::size_t in_header = header_word(2);
     layout_.points = used && *used >= 0 && *used <= 65535 ? static_cast<std::size_t>(*used) : in_header;
     if (layout_.points != in_header && in_header != 0) {
-      notes_.remarks.push_back("The header tells " + std::to_string(in_header) + " markers and POINT:USED " +
-                               std::to_string(layout_.points) + "; the header is taken.");
+      notes_.remarks.push_back("The header specifies " + std::to_string(in_header) + " markers, but POINT:USED is " +
+                               std::to_string(layout_.points) + "; the header is assumed to be right.");
       layout_.points = in_header;
     }
     layout_.scale = header_real(7);
     if (!std::isfinite(layout_.scale) || layout_.scale == 0) layout_.scale = parameters_.value("POINT", "SCALE", -1);
     if (!std::isfinite(layout_.scale) || layout_.scale == 0)
-      return {ErrorCode::range, place("POINT:SCALE"), "the scale is zero or no number.", again};
+      return {ErrorCode::range, location("POINT:SCALE"), "The scale is zero or not finite.", again};
     layout_.real = layout_.scale < 0;
     layout_.rate = header_real(11);
     if (!(layout_.rate > 0) || !std::isfinite(layout_.rate)) layout_.rate = parameters_.value("POINT", "RATE", 0);
     if (!(layout_.rate > 1e-3 && layout_.rate < 1e6))
-      return {ErrorCode::range, place("POINT:RATE"), "the frame rate is not between 0.001 and 1e6 a second.",
+      return {ErrorCode::range, location("POINT:RATE"), "The frame rate is not between 0.001 and 1e6 frames per second.",
               "Correct the rate in the program that wrote the file."};
     count_frames();
     const std::size_t measurements = header_word(3);
@@ -102,54 +104,56 @@ class Reader {
     layout_.samples = measurements == 0 ? 0 : std::max<std::size_t>(header_word(10), 1);
     layout_.channels = layout_.samples == 0 ? 0 : measurements / layout_.samples;
     if (layout_.channels * layout_.samples != measurements)
-      return {ErrorCode::structure, place("header"),
-              std::to_string(measurements) + " analog measurements a frame are no whole multiple of " + std::to_string(layout_.samples) +
+      return {ErrorCode::structure, location("header"),
+              std::to_string(measurements) + " analog measurements in a frame are not a multiple of " + std::to_string(layout_.samples) +
                   " samples.",
               again};
     if (channels && static_cast<std::size_t>(std::clamp(*channels, 0.0, 65535.0)) != layout_.channels)
-      notes_.remarks.push_back("ANALOG:USED does not agree with the header; " + std::to_string(layout_.channels) + " channels are read.");
+      notes_.remarks.push_back("ANALOG:USED disagrees with the header; the " + std::to_string(layout_.channels) +
+                               " channels of the header are read.");
     std::size_t first_block = header_word(9);
     if (first_block < 2)
       first_block = static_cast<std::size_t>(std::clamp(parameters_.count("POINT", "DATA_START").value_or(0), 0.0, 65535.0));
-    if (first_block < 2) return {ErrorCode::structure, place("header"), "the place of the data is missing.", again};
+    if (first_block < 2) return {ErrorCode::structure, location("header"), "The block number of the data section is missing.", again};
     layout_.start = (first_block - 1) * block;
     return check_size();
   }
 
+  /// The header counts frames in 16 bits. Longer recordings store the first and last frame in TRIAL or the count in POINT:FRAMES.
   void count_frames() {
     const std::size_t first = header_word(4), last = header_word(5);
     layout_.first_frame = static_cast<int>(first);
     std::size_t frames = last >= first ? last - first + 1 : 0;
     const double actual_first = field("ACTUAL_START_FIELD"), actual_last = field("ACTUAL_END_FIELD");
-    const double told = parameters_.count("POINT", "FRAMES").value_or(0);
+    const double point_frames = parameters_.count("POINT", "FRAMES").value_or(0);
     if (actual_last >= actual_first && actual_first >= 0 && actual_last > 0 && actual_last < 2e9) {
       frames = static_cast<std::size_t>(actual_last - actual_first) + 1;
       layout_.first_frame = static_cast<int>(actual_first);
-    } else if ((frames == 0 || last == 65535) && told > static_cast<double>(frames) && told < 2e9) {
-      frames = static_cast<std::size_t>(told);
+    } else if ((frames == 0 || last == 65535) && point_frames > static_cast<double>(frames) && point_frames < 2e9) {
+      frames = static_cast<std::size_t>(point_frames);
     }
     layout_.frames = frames;
   }
 
   Error check_size() {
-    if (layout_.frames == 0) return {ErrorCode::structure, place("header"), "the file has no frames.", again};
+    if (layout_.frames == 0) return {ErrorCode::structure, location("header"), "The file has no frames.", again};
     if (layout_.points == 0 && layout_.channels == 0)
-      return {ErrorCode::structure, place("header"), "the file has neither markers nor analog channels.", again};
+      return {ErrorCode::structure, location("header"), "The file has neither markers nor analog channels.", again};
     const std::size_t bytes = layout_.frame_bytes();
-    const std::size_t there = layout_.start < file_.size() ? (file_.size() - layout_.start) / bytes : 0;
-    // Frames may have been cut off the numbers of TRIAL; the header then still fits the data.
+    const std::size_t complete = layout_.start < file_.size() ? (file_.size() - layout_.start) / bytes : 0;
+    // Programs that crop a recording may leave the frame numbers in TRIAL unchanged; the header then matches the data.
     const std::size_t in_header = header_word(5) >= header_word(4) ? header_word(5) - header_word(4) + 1 : 0;
-    if (there < layout_.frames && in_header > 0 && in_header < layout_.frames && there >= in_header) {
+    if (complete < layout_.frames && in_header > 0 && in_header < layout_.frames && complete >= in_header) {
       layout_.frames = in_header;
       layout_.first_frame = static_cast<int>(header_word(4));
     }
-    if (there < layout_.frames)
-      return {ErrorCode::truncated, place("data"),
-              "the file promises " + std::to_string(layout_.frames) + " frames of " + std::to_string(bytes) + " bytes, but ends after " +
-                  std::to_string(there) + ".",
+    if (complete < layout_.frames)
+      return {ErrorCode::truncated, location("data"),
+              "The file declares " + std::to_string(layout_.frames) + " frames of " + std::to_string(bytes) + " bytes, but ends after " +
+                  std::to_string(complete) + " frames.",
               again};
     if (layout_.frames > max_numbers / (4 * layout_.points + layout_.channels * layout_.samples))
-      return {ErrorCode::range, place("data"), "the recording has more than 400 million numbers.", "Cut it into parts."};
+      return {ErrorCode::range, location("data"), "The recording has more than 400 million numbers.", "Split it into several files."};
     return {};
   }
 
@@ -159,7 +163,6 @@ class Reader {
     std::size_t nameless = 0;
     for (std::size_t i = 0; i < layout_.points; ++i) {
       std::string& label = motion_.labels[i];
-      // "Subject:LASI": one subject's prefix is left out below when all share it.
       if (label.empty()) {
         label = "*" + std::to_string(i);
         ++nameless;
@@ -169,9 +172,10 @@ class Reader {
     std::vector<std::string> sorted = motion_.labels;
     std::sort(sorted.begin(), sorted.end());
     if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) make_unique_labels();
-    if (nameless > 0) notes_.remarks.push_back(std::to_string(nameless) + " markers have no label and got numbers.");
+    if (nameless > 0) notes_.remarks.push_back(std::to_string(nameless) + " markers have no label; they were named '*' and their index.");
   }
 
+  /// Removes the subject's name from labels such as "Subject:LASI" if all labels have the same one.
   void drop_common_prefix() {
     if (motion_.labels.empty()) return;
     const std::size_t colon = motion_.labels[0].find(':');
@@ -199,7 +203,8 @@ class Reader {
       motion_.labels[order[i].second] = order[i].first + "_" + std::to_string(count);
       ++renamed;
     }
-    notes_.remarks.push_back(std::to_string(renamed) + " markers have the label of another and got a number.");
+    notes_.remarks.push_back(std::to_string(renamed) +
+                             " markers have the same label as another marker and were renamed by an appended number.");
   }
 
   void read_analog() {
@@ -221,30 +226,31 @@ class Reader {
     const std::size_t rows = channel != nullptr && !channel->sizes.empty() ? static_cast<std::size_t>(channel->sizes[0]) : 6;
     for (std::size_t i = 0; i < count; ++i) {
       if (i >= types.size() || 12 * (i + 1) > corners.size() || 3 * (i + 1) > origins.size() || rows * (i + 1) > channels.size()) {
-        notes_.remarks.push_back("Force platform " + std::to_string(i + 1) + " is not described in full and left out.");
+        notes_.remarks.push_back("The description of force platform " + std::to_string(i + 1) +
+                                 " is incomplete; the platform is left out.");
         continue;
       }
       ForcePlate plate;
       plate.type = static_cast<int>(std::clamp(types[i], -1.0, 100.0));
-      bool sound = true;
+      bool valid = true;
       for (int c = 0; c < 4; ++c)
         for (int k = 0; k < 3; ++k) plate.corners[c][k] = corners[12 * i + static_cast<std::size_t>(3 * c + k)];
       for (int k = 0; k < 3; ++k) plate.origin[k] = origins[3 * i + static_cast<std::size_t>(k)];
-      for (const Vec3& c : plate.corners) sound = sound && is_finite(c) && norm(c) < max_magnitude;
-      sound = sound && is_finite(plate.origin) && norm(plate.origin) < max_magnitude;
+      for (const Vec3& c : plate.corners) valid = valid && is_finite(c) && norm(c) < max_magnitude;
+      valid = valid && is_finite(plate.origin) && norm(plate.origin) < max_magnitude;
       for (std::size_t k = 0; k < rows; ++k) {
         const double number = channels[rows * i + k];
-        if (number == 0 && k >= 6) continue;  // platforms of eight channels beside some of six
-        sound = sound && number >= 1 && number <= static_cast<double>(layout_.channels);
-        if (sound) plate.channels.push_back(static_cast<int>(number) - 1);
+        if (number == 0 && k >= 6) continue;  // the table has 8 rows if any platform has 8 channels; platforms with 6 fill up with 0
+        valid = valid && number >= 1 && number <= static_cast<double>(layout_.channels);
+        if (valid) plate.channels.push_back(static_cast<int>(number) - 1);
       }
       if (plate.type == 4 && 36 * (i + 1) <= calibration.size())
-        for (std::size_t r = 0; r < 6; ++r)  // columns first in the file
+        for (std::size_t r = 0; r < 6; ++r)  // the file stores the matrix by columns
           for (std::size_t c = 0; c < 6; ++c) plate.calibration.push_back(calibration[36 * i + 6 * c + r]);
-      if (sound)
+      if (valid)
         motion_.plates.push_back(std::move(plate));
       else
-        notes_.remarks.push_back("Force platform " + std::to_string(i + 1) + " has impossible corners or channels and is left out.");
+        notes_.remarks.push_back("Force platform " + std::to_string(i + 1) + " has invalid corners or channels and is left out.");
     }
   }
 
@@ -272,19 +278,20 @@ class Reader {
           if (is_unsigned && offset < 0) offset += 65536;
           const double value = (raw - offset) * (c < scales.size() ? scales[c] : 1) * general;
           if (!(std::fabs(value) <= 1e30))
-            return {ErrorCode::range, place("data"),
-                    "the analog channel " + in_quotes(motion_.analog[c].label) + " has a value that is no measurement in frame " +
+            return {ErrorCode::range, location("data"),
+                    "Analog channel " + in_quotes(motion_.analog[c].label) + " has a value that is not finite or above 1e30 in frame " +
                         std::to_string(f) + ".",
                     again};
           *sample++ = value;
         }
       }
     }
-    if (damaged > 0) notes_.remarks.push_back(std::to_string(damaged) + " positions are no finite numbers and count as not seen.");
+    if (damaged > 0) notes_.remarks.push_back(std::to_string(damaged) + " positions are not finite numbers; they are marked as not seen.");
     return {};
   }
 
-  /// False where the numbers are not finite.
+  /// Reads the position and residual of one marker in one frame; false if the position is not finite.
+  /// @param index [frames][markers]
   bool read_point(const std::byte* p, std::size_t index) {
     Vec3& x = motion_.positions[index];
     int state = 0;
@@ -331,9 +338,9 @@ class Reader {
 
   bool finish_axes() {
     const auto screen = parameters_.texts("POINT", "Y_SCREEN"), units = parameters_.texts("POINT", "UNITS");
-    UpAxis told = UpAxis::automatic;
-    if (!screen.empty() && (upper(screen[0]) == "+Z" || upper(screen[0]) == "Z")) told = UpAxis::z;
-    if (!screen.empty() && (upper(screen[0]) == "+Y" || upper(screen[0]) == "Y")) told = UpAxis::y;
+    UpAxis file_up = UpAxis::automatic;
+    if (!screen.empty() && (upper(screen[0]) == "+Z" || upper(screen[0]) == "Z")) file_up = UpAxis::z;
+    if (!screen.empty() && (upper(screen[0]) == "+Y" || upper(screen[0]) == "Y")) file_up = UpAxis::y;
     double metres = 0;
     if (!units.empty() && !units[0].empty()) {
       if (const auto known = metres_of(units[0]))
@@ -341,7 +348,7 @@ class Reader {
       else
         notes_.remarks.push_back("The unit of length " + in_quotes(units[0]) + " is not known.");
     }
-    return to_our_axes(motion_, options_, told, metres, notes_);
+    return to_our_axes(motion_, options_, file_up, metres, notes_);
   }
 
   std::span<const std::byte> file_;

@@ -11,13 +11,13 @@
 namespace ugoki::formats {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "bytes are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "values are written as their bytes in memory, which must be little-endian");
 constexpr std::size_t block = 512;
 
-/// Low 16 bits of a number, as the format's signed words hold counts beyond 32767.
+/// The low 16 bits of `n`. The format stores counts above 32767 in its signed 16-bit words by their bits.
 std::int16_t low_word(std::int64_t n) { return static_cast<std::int16_t>(static_cast<std::uint16_t>(n & 0xffff)); }
 
-/// The parameter section as it grows.
+/// Builds the parameter section. Each parameter belongs to the last group added.
 class Section {
  public:
   void group(const std::string& name) {
@@ -32,7 +32,7 @@ class Section {
   void word(const std::string& name, std::vector<std::size_t> sizes, const std::vector<std::int16_t>& values) {
     parameter(name, 2, sizes, values.data(), values.size() * 2);
   }
-  /// Texts of a fixed length; more than 255 go into NAME2, NAME3 ...
+  /// Texts, padded to one common length. A parameter holds at most 255 of them; the others follow in NAME2, NAME3 ...
   void texts(const std::string& name, const std::vector<std::string>& values) {
     for (std::size_t part = 0, at = 0; part == 0 || at < values.size(); ++part) {
       const std::size_t count = std::min<std::size_t>(values.size() - at, 255);
@@ -51,7 +51,7 @@ class Section {
   }
   void text(const std::string& name, const std::string& value) { parameter(name, -1, {value.size()}, value.data(), value.size()); }
 
-  /// The whole section, a multiple of a block. @param blocks [out]
+  /// The bytes of the section, padded to a multiple of 512 bytes. Call once, last.
   std::vector<std::byte> finish() {
     bytes_.insert(bytes_.end(), 2, std::byte{0});
     bytes_.resize((bytes_.size() + block - 1) / block * block);
@@ -180,10 +180,10 @@ std::vector<std::byte> make_parameters(const MarkerMotion& m, const FileAxes& ax
   add_analog(section, m);
   if (!m.plates.empty()) add_plates(section, m, axes, metres);
   if (!m.events.empty()) add_events(section, m);
-  // The place of the data stands in a word of the section itself: its length is known after one try.
-  Section whole = section;
-  whole.word("DATA_START", {}, {0});
-  const std::size_t blocks = whole.finish().size() / block;
+  // The section contains the block number of the data, which depends on the length of the section. A trial copy gives the length.
+  Section trial = section;
+  trial.word("DATA_START", {}, {0});
+  const std::size_t blocks = trial.finish().size() / block;
   section.word("DATA_START", {}, {low_word(static_cast<std::int64_t>(blocks) + 2)});
   return section.finish();
 }
@@ -196,12 +196,15 @@ Result<std::vector<std::byte>> write_c3d(const MarkerMotion& m, const C3dWriteOp
   const FileAxes axes{options.z_up};
   const std::size_t per_frame = static_cast<std::size_t>(m.samples_per_frame());
   if (m.labels.size() > 65535 || m.analog.size() * per_frame > 65535)
-    return fail(ErrorCode::range, m.name, "a C3D file holds at most 65535 markers and 65535 analog samples in a frame.",
-                "Leave out markers or channels.");
+    return fail(ErrorCode::range, m.name,
+                "The recording has " + std::to_string(m.labels.size()) + " markers and " + std::to_string(m.analog.size() * per_frame) +
+                    " analog samples in a frame; a C3D file holds at most 65535 of each.",
+                "Remove markers or channels.");
   const std::vector<std::byte> parameters = make_parameters(m, axes, metres);
   if (parameters.size() / block > 255)
-    return fail(ErrorCode::range, m.name, "the names and descriptions are longer than a C3D file can hold (130000 bytes).",
-                "Shorten them.");
+    return fail(ErrorCode::range, m.name,
+                "The parameter section has " + std::to_string(parameters.size()) + " bytes; a C3D file holds at most 130560.",
+                "Shorten the labels and descriptions.");
   std::vector<std::byte> out(block + parameters.size());
   const auto word = [&](std::size_t number, std::int64_t value) {
     const std::int16_t w = low_word(value);

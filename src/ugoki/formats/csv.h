@@ -1,5 +1,5 @@
 #pragma once
-// Comma-separated values: markers, positions of joints, coordinates of mechanisms. The dialect is described in docs/formats.md.
+// Comma-separated values: markers, joint positions, coordinates of mechanisms. docs/formats.md describes the dialect.
 
 #include <string>
 #include <string_view>
@@ -13,32 +13,34 @@
 namespace ugoki::formats {
 
 struct CsvWriteOptions {
-  int decimals = 0;     ///< digits after the point, 1 ... 15; 0: the shortest text that gives back the same bits
-  bool degrees = true;  ///< angles of coordinates; otherwise rad
+  int decimals = 0;     ///< digits after the decimal point, 1 ... 15; 0: the shortest text that parses to the same bits
+  bool degrees = true;  ///< unit of angular coordinates: true deg, false rad
 };
 
-/// One row a frame: time, then x, y, z of every marker in m, Z up; empty where a marker was not seen. Residuals, analog channels, platforms
-/// and events have no place in it.
+/// One row for each frame: time [s], then x, y, z [m, Z up] of every marker; empty fields where a marker was not seen. Residuals, analog
+/// channels, force platforms and events are not written.
 [[nodiscard]] std::string write_csv(const MarkerMotion& motion, const CsvWriteOptions& options = {});
-/// World positions of every joint.
+/// One row for each frame: time [s], then the world position x, y, z [m] of every joint.
 [[nodiscard]] std::string write_csv_positions(const MeasuredMotion& motion, const CsvWriteOptions& options = {});
-/// Coordinates of the mechanism: angles [deg or rad], displacements [m], unit quaternions, named "link" or "link.x" ...; contact labels as
-/// 0 and 1.
-/// @param motion of this mechanism (check_motion)
+/// One row for each frame: time [s], then the coordinates q of the mechanism: angles [deg or rad], displacements [m], unit quaternions.
+/// Columns are named "link" or "link.x" ... (csv_coordinates). Contact labels follow as columns "link.contact" of 0 and 1.
+/// @param motion must belong to `mechanism` (check_motion)
 [[nodiscard]] std::string write_csv(const Motion& motion, const Mechanism& mechanism, const CsvWriteOptions& options = {});
 
-/// What a file's columns are. Nothing is read but the head.
+/// Content of a CSV file: points (markers) or coordinates of a mechanism.
 enum class CsvKind { points, coordinates };
+/// The kind of content, judged by the column names alone; points if the header line cannot be read.
 [[nodiscard]] CsvKind csv_kind(std::string_view text);
 
-/// Three columns for each point: NAME.x, NAME.y, NAME.z (also with _, :, - or a blank before the letter, which may be a capital), each
-/// perhaps with a unit in brackets; a column "time" (s) or "frame". Separated by commas, semicolons or tabs. Other columns are noted and
-/// passed over. Errors: at most twenty problems, each with file:line and a remedy. O(text).
+/// Reads points. Each point has three columns NAME.x, NAME.y, NAME.z; the separator before the letter may also be _, :, - or a blank, and
+/// the letter may be a capital. A unit may follow in brackets. A column "time" (s, or "time[ms]") gives the frame rate. Columns are
+/// separated by commas, semicolons or tabs. Other columns are skipped; the notes report how many. Errors: at most twenty problems, each
+/// with file:line and a remedy. O(text).
 [[nodiscard]] Result<MarkerMotion> read_csv(std::string_view text, std::string_view file_name, const MarkerOptions& options = {},
                                             ReadNotes* notes = nullptr);
 
-/// Coordinates of this mechanism, as write_csv names them; columns in any order. Those that are missing keep the neutral position, and this
-/// is told. Quaternions are made unit. Errors as above, and a column that the mechanism does not have.
+/// Reads coordinates of `mechanism`, in columns named as write_csv names them and in any order. Coordinates without a column keep their
+/// neutral value; the notes report how many. Quaternions are normalised. Errors: as above, and columns that name no coordinate.
 [[nodiscard]] Result<Motion> read_csv(std::string_view text, std::string_view file_name, const Mechanism& mechanism,
                                       ReadNotes* notes = nullptr);
 

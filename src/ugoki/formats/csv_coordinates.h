@@ -1,5 +1,5 @@
 #pragma once
-// Names of the coordinates of a mechanism as columns; internal to formats.
+// Column names of the coordinates q of a mechanism. Internal to formats.
 
 #include <string>
 #include <vector>
@@ -8,14 +8,19 @@
 
 namespace ugoki::formats {
 
+/// Column of one coordinate.
 struct CsvCoordinate {
   enum class Kind { angle, length, quaternion } kind = Kind::angle;
   std::string name;
 };
 
-/// One for each place of q, in its order: "link" for a joint with one coordinate; "link.angle" and "link.distance" of cylindrical,
-/// "link.x", "link.y", "link.angle" of planar, "link.angle1", "link.angle2" of universal joints, "link.x" ... "link.qw", "link.qx" ... of
-/// floating ones.
+/// The columns of all coordinates, in the order of q [nq]. Names by joint type:
+///   revolute, helical, prismatic   "link"
+///   cylindrical                    "link.angle", "link.distance"
+///   planar                         "link.x", "link.y", "link.angle"
+///   universal                      "link.angle1", "link.angle2"
+///   spherical                      "link.qw", "link.qx", "link.qy", "link.qz"
+///   floating                       "link.x", "link.y", "link.z", "link.qw", "link.qx", "link.qy", "link.qz"
 [[nodiscard]] std::vector<CsvCoordinate> csv_coordinates(const Mechanism& mechanism);
 
 }  // namespace ugoki::formats

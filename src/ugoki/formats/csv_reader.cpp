@@ -15,10 +15,10 @@
 namespace ugoki::formats {
 namespace {
 
-/// "LASI" and 0 of "LASI.x"; no name: the column is no component of a point.
+/// The point and the component that a column contains: "LASI" and 0 for "LASI.x". An empty name: the column is not a component of a point.
 struct Component {
   std::string_view name;
-  int axis = 0;
+  int axis = 0;  ///< 0 x, 1 y, 2 z
 };
 
 Component component_of(std::string_view column) {
@@ -33,42 +33,44 @@ bool is_frame(std::string_view name) {
   return equal_ignoring_case(name, "frame") || equal_ignoring_case(name, "frame#") || equal_ignoring_case(name, "frames");
 }
 
-/// Frames a second: the head's, or the rows' times; their spacing is looked at.
+/// Frames per second, from the times of the rows if there is a time column, otherwise from the comment "# rate". Adds a problem if the
+/// times do not increase or are not evenly spaced (10 % tolerance).
 std::optional<double> rate_of_rows(const CsvTable& table, Problems& problems, ReadNotes& notes) {
   std::size_t column = table.columns.size();
   for (std::size_t i = 0; i < table.columns.size(); ++i)
     if (is_time(table.columns[i].name)) column = i;
   if (column == table.columns.size() || table.rows() < 2) {
     if (table.rate > 0) return table.rate;
-    notes.remarks.push_back("The file does not tell the frame rate; it is taken as 100 frames a second.");
+    notes.remarks.push_back("The file does not specify the frame rate; 100 frames per second are assumed.");
     return 100;
   }
   const std::string& unit = table.columns[column].unit;
   const double second = unit == "ms" ? 1e-3 : 1;
   const double step = (table.at(table.rows() - 1, column) - table.at(0, column)) * second / static_cast<double>(table.rows() - 1);
   if (!(step > 1e-6 && step < 1e3)) {
-    problems.add(ErrorCode::range, table.lines[0], "the times of the rows do not go up.", "Give the time of each row in seconds.");
+    problems.add(ErrorCode::range, table.lines[0], "The times of the rows do not increase.", "Write the time of each row in seconds.");
     return std::nullopt;
   }
   for (std::size_t r = 1; r < table.rows(); ++r)
     if (const double gap = (table.at(r, column) - table.at(r - 1, column)) * second; !(std::fabs(gap / step - 1) < 0.1)) {
       problems.add(ErrorCode::structure, table.lines[r],
-                   "the rows are not evenly spaced in time: here " + to_text(gap) + " s, on average " + to_text(step) + " s.",
-                   "Resample the recording to one rate, or leave out the column of times.");
+                   "The rows are not evenly spaced in time: " + to_text(gap) + " s before this row, " + to_text(step) + " s on average.",
+                   "Resample the recording to one rate, or remove the column of times.");
       return std::nullopt;
     }
   notes.frame_time = step;
   if (table.rate > 0 && std::fabs(table.rate * step - 1) < 1e-3) return table.rate;
   if (table.rate > 0)
-    notes.remarks.push_back("The rows' times are " + to_fixed(1 / step, 2) + " a second apart and not " + to_fixed(table.rate, 2) +
-                            " as the head says; the times are taken.");
+    notes.remarks.push_back("The times of the rows correspond to " + to_fixed(1 / step, 2) + " frames per second, but '# rate' is " +
+                            to_fixed(table.rate, 2) + "; the times are assumed to be right.");
   const double whole = std::round(1 / step);
   return whole >= 1 && std::fabs(step * whole - 1) < 1e-3 ? whole : 1 / step;
 }
 
+/// The points of a table and their columns.
 struct Points {
   std::vector<std::string> names;
-  std::vector<std::array<int, 3>> columns;  ///< of x, y, z; -1: missing
+  std::vector<std::array<int, 3>> columns;  ///< [points] column of x, y, z; -1: missing
 };
 
 bool find_points(const CsvTable& table, Problems& problems, ReadNotes& notes, Points& points) {
@@ -86,23 +88,24 @@ bool find_points(const CsvTable& table, Problems& problems, ReadNotes& notes, Po
       points.names.emplace_back(c.name);
       points.columns.push_back({-1, -1, -1});
     }
-    int& place = points.columns[it->second][static_cast<std::size_t>(c.axis)];
-    if (place >= 0) {
-      problems.add(ErrorCode::duplicate, 1, "two columns are called " + in_quotes(table.columns[i].name) + ".", "Give each its own name.");
+    int& column = points.columns[it->second][static_cast<std::size_t>(c.axis)];
+    if (column >= 0) {
+      problems.add(ErrorCode::duplicate, 1, "Two columns are named " + in_quotes(table.columns[i].name) + ".",
+                   "Give each column a different name.");
       return false;
     }
-    place = static_cast<int>(i);
+    column = static_cast<int>(i);
   }
   for (std::size_t i = 0; i < points.names.size(); ++i)
     if (*std::min_element(points.columns[i].begin(), points.columns[i].end()) < 0) {
-      problems.add(ErrorCode::structure, 1, "the point " + in_quotes(points.names[i]) + " has not all of .x, .y and .z.",
-                   "Give three columns for each point.");
+      problems.add(ErrorCode::structure, 1, "Point " + in_quotes(points.names[i]) + " does not have all of .x, .y and .z.",
+                   "Add the missing columns.");
       if (problems.full()) return false;
     }
   if (points.names.empty())
-    problems.add(ErrorCode::structure, 1, "no columns NAME.x, NAME.y, NAME.z were found.",
-                 "Name the columns of a point so, or read coordinates with their mechanism.");
-  if (others > 0) notes.remarks.push_back(std::to_string(others) + " columns are no components of points and were passed over.");
+    problems.add(ErrorCode::structure, 1, "No columns NAME.x, NAME.y, NAME.z were found.",
+                 "Name the columns of a point like this, or read coordinates together with their mechanism.");
+  if (others > 0) notes.remarks.push_back(std::to_string(others) + " columns are not components of points and were skipped.");
   return problems.empty();
 }
 
@@ -160,12 +163,12 @@ CsvKind csv_kind(std::string_view text) {
 
 Result<MarkerMotion> read_csv(std::string_view text, std::string_view file_name, const MarkerOptions& options, ReadNotes* notes) {
   ReadNotes own;
-  ReadNotes& told = notes != nullptr ? *notes : own;
+  ReadNotes& collected = notes != nullptr ? *notes : own;
   Problems problems(file_name);
   CsvTable table;
   Points points;
-  if (!read_csv_table(text, problems, table) || !find_points(table, problems, told, points)) return fail(problems.take());
-  const std::optional<double> rate = rate_of_rows(table, problems, told);
+  if (!read_csv_table(text, problems, table) || !find_points(table, problems, collected, points)) return fail(problems.take());
+  const std::optional<double> rate = rate_of_rows(table, problems, collected);
   if (!rate) return fail(problems.take());
   MarkerMotion motion;
   motion.name = stem_of(file_name);
@@ -173,7 +176,7 @@ Result<MarkerMotion> read_csv(std::string_view text, std::string_view file_name,
   motion.labels = points.names;
   motion.rate = *rate;
   motion.frames = static_cast<int>(table.rows());
-  for (std::size_t i = 0; i < table.columns.size(); ++i)  // the first frame's number, as the times have it
+  for (std::size_t i = 0; i < table.columns.size(); ++i)  // the number of the first frame follows from its time
     if (is_time(table.columns[i].name) && table.columns[i].unit != "ms")
       if (const double first = table.at(0, i) * *rate; first >= 0 && first < 1e9)
         motion.first_frame = static_cast<int>(std::lround(first)) + 1;
@@ -187,12 +190,12 @@ Result<MarkerMotion> read_csv(std::string_view text, std::string_view file_name,
     }
   const std::string& unit = table.columns[static_cast<std::size_t>(points.columns[0][0])].unit;
   const std::optional<double> metres = unit.empty() ? std::nullopt : metres_of(unit);
-  if (!unit.empty() && !metres) told.remarks.push_back("The unit of length " + in_quotes(unit) + " is not known.");
+  if (!unit.empty() && !metres) collected.remarks.push_back("The unit of length " + in_quotes(unit) + " is not known.");
   const UpAxis up = equal_ignoring_case(table.up, "z") || table.up == "+z" ? UpAxis::z
                     : equal_ignoring_case(table.up, "y")                   ? UpAxis::y
                                                                            : UpAxis::automatic;
-  if (!to_our_axes(motion, options, up, metres.value_or(0), told)) {
-    problems.add(ErrorCode::range, 1, "a point is farther than 1e9 m from the origin.", "Give the right unit of length.");
+  if (!to_our_axes(motion, options, up, metres.value_or(0), collected)) {
+    problems.add(ErrorCode::range, 1, "A point is farther than 1e9 m from the origin.", "Set the correct unit of length.");
     return fail(problems.take());
   }
   return motion;
@@ -200,11 +203,11 @@ Result<MarkerMotion> read_csv(std::string_view text, std::string_view file_name,
 
 Result<Motion> read_csv(std::string_view text, std::string_view file_name, const Mechanism& mechanism, ReadNotes* notes) {
   ReadNotes own;
-  ReadNotes& told = notes != nullptr ? *notes : own;
+  ReadNotes& collected = notes != nullptr ? *notes : own;
   Problems problems(file_name);
   CsvTable table;
   if (!read_csv_table(text, problems, table)) return fail(problems.take());
-  const std::optional<double> rate = rate_of_rows(table, problems, told);
+  const std::optional<double> rate = rate_of_rows(table, problems, collected);
   if (!rate) return fail(problems.take());
   const std::vector<CsvCoordinate> coordinates = csv_coordinates(mechanism);
   std::map<std::string_view, std::size_t> index;
@@ -219,7 +222,7 @@ Result<Motion> read_csv(std::string_view text, std::string_view file_name, const
   motion.nq = mechanism.nq();
   const std::size_t nq = static_cast<std::size_t>(motion.nq);
   if (nq * table.rows() > max_numbers) {
-    problems.add(ErrorCode::range, 1, "the motion would have more than 400 million numbers.", "Cut it into parts.");
+    problems.add(ErrorCode::range, 1, "The motion would have more than 400 million coordinates.", "Split it into several files.");
     return fail(problems.take());
   }
   const std::vector<double> neutral = mechanism.neutral();
@@ -238,13 +241,13 @@ Result<Motion> read_csv(std::string_view text, std::string_view file_name, const
     }
     const auto found = index.find(column.name);
     if (found == index.end()) {
-      problems.add(ErrorCode::unknown, 1, "the mechanism has no coordinate " + in_quotes(column.name) + ".",
-                   "Read the motion with the mechanism that it was written for, or name the column after one of its links.");
+      problems.add(ErrorCode::unknown, 1, "The mechanism has no coordinate " + in_quotes(column.name) + ".",
+                   "Read the motion with the mechanism for which it was written, or name the column after one of its links.");
       if (problems.full()) return fail(problems.take());
       continue;
     }
     if (given[found->second]) {
-      problems.add(ErrorCode::duplicate, 1, "two columns are called " + in_quotes(column.name) + ".", "Give each its own name.");
+      problems.add(ErrorCode::duplicate, 1, "Two columns are named " + in_quotes(column.name) + ".", "Give each column a different name.");
       return fail(problems.take());
     }
     given[found->second] = 1;
@@ -252,14 +255,14 @@ Result<Motion> read_csv(std::string_view text, std::string_view file_name, const
     double unit = 1;
     if (kind == CsvCoordinate::Kind::angle && column.unit != "rad") {
       unit = pi / 180;
-      if (column.unit.empty()) told.remarks.push_back("The angle " + in_quotes(column.name) + " has no unit; degrees were taken.");
+      if (column.unit.empty()) collected.remarks.push_back("The angle " + in_quotes(column.name) + " has no unit; degrees are assumed.");
     }
     if (kind == CsvCoordinate::Kind::length && !column.unit.empty()) unit = metres_of(column.unit).value_or(1);
     for (std::size_t r = 0; r < table.rows(); ++r) {
       const double x = table.at(r, c);
       if (!std::isfinite(x)) {
-        problems.add(ErrorCode::structure, table.lines[r], "the value of " + in_quotes(column.name) + " is missing.",
-                     "Coordinates need a number in every row.");
+        problems.add(ErrorCode::structure, table.lines[r], "The value of " + in_quotes(column.name) + " is missing.",
+                     "Write a number for each coordinate in every row.");
         if (problems.full()) return fail(problems.take());
         continue;
       }
@@ -269,10 +272,11 @@ Result<Motion> read_csv(std::string_view text, std::string_view file_name, const
   if (!problems.empty()) return fail(problems.take());
   const auto missing = std::count(given.begin(), given.end(), 0);
   if (missing == static_cast<long>(nq) && nq > 0) {
-    problems.add(ErrorCode::structure, 1, "no column is a coordinate of the mechanism.", "Name the columns after its links.");
+    problems.add(ErrorCode::structure, 1, "No column is a coordinate of the mechanism.",
+                 "Name the columns after the links of the mechanism.");
     return fail(problems.take());
   }
-  if (missing > 0) told.remarks.push_back(std::to_string(missing) + " coordinates have no column and keep the neutral position.");
+  if (missing > 0) collected.remarks.push_back(std::to_string(missing) + " coordinates have no column; they keep their neutral value.");
   for (const Link& link : mechanism.links()) {
     const bool floating = link.joint.type == JointType::floating;
     if (!floating && link.joint.type != JointType::spherical) continue;
@@ -280,8 +284,9 @@ Result<Motion> read_csv(std::string_view text, std::string_view file_name, const
       double* q = motion.q.data() + r * nq + static_cast<std::size_t>(link.q_index) + (floating ? 3 : 0);
       const double n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
       if (!(n > 0.5 && n < 2)) {
-        problems.add(ErrorCode::range, table.lines[r], "the quaternion of " + in_quotes(link.name) + " has the length " + to_text(n) + ".",
-                     "A rotation's has the length 1.");
+        problems.add(ErrorCode::range, table.lines[r],
+                     "The quaternion of " + in_quotes(link.name) + " has the norm " + to_text(n) + "; it must be between 0.5 and 2.",
+                     "Write a unit quaternion.");
         return fail(problems.take());
       }
       if (std::fabs(n - 1) > 1e-15)

@@ -13,7 +13,7 @@ std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-/// The fields of one line, quotes resolved. False: a quote is not closed.
+/// Splits the header line into its fields and removes quotes. False if a quote is not closed.
 bool split_names(std::string_view line, char separator, std::vector<std::string>& out) {
   std::string field;
   bool quoted = false, was_quoted = false;
@@ -38,6 +38,7 @@ bool split_names(std::string_view line, char separator, std::vector<std::string>
   return true;
 }
 
+/// Evaluates the comments "# rate: N" and "# up: y"; ignores others.
 void read_comment(std::string_view line, CsvTable& table) {
   line.remove_prefix(1);
   const std::size_t colon = line.find(':');
@@ -82,11 +83,11 @@ bool read_csv_table(std::string_view text, Problems& problems, CsvTable& table, 
       separator = line.find('\t') != std::string_view::npos ? '\t' : line.find(';') != std::string_view::npos ? ';' : ',';
       std::vector<std::string> names;
       if (!split_names(line, separator, names)) {
-        problems.add(ErrorCode::syntax, number, "a name's quotes are not closed.", "Close them.");
+        problems.add(ErrorCode::syntax, number, "The quotes of a column name are not closed.", "Add the closing quote.");
         return false;
       }
       if (names.size() > 3 * max_joints + 2) {
-        problems.add(ErrorCode::range, number, "the file has more than " + std::to_string(3 * max_joints) + " columns.",
+        problems.add(ErrorCode::range, number, "The file has more than " + std::to_string(3 * max_joints) + " columns.",
                      "Check that it is motion data.");
         return false;
       }
@@ -104,7 +105,7 @@ bool read_csv_table(std::string_view text, Problems& problems, CsvTable& table, 
       continue;
     }
     if (table.numbers.size() + width > max_numbers) {
-      problems.add(ErrorCode::range, number, "the file has more than 400 million numbers.", "Cut it into parts.");
+      problems.add(ErrorCode::range, number, "The file has more than 400 million numbers.", "Split it into several files.");
       return false;
     }
     table.lines.push_back(number);
@@ -130,17 +131,17 @@ bool read_csv_table(std::string_view text, Problems& problems, CsvTable& table, 
     }
     if (n != width) {
       problems.add(ErrorCode::structure, number,
-                   "the row has " + std::to_string(n) + " places, but the head names " + std::to_string(width) + " columns.",
+                   "The row has " + std::to_string(n) + " fields, but the header line has " + std::to_string(width) + " columns.",
                    "Correct the row, or export the file again.");
       if (problems.full()) return false;
       table.numbers.resize(table.lines.size() * width, 0);
     }
   }
   if (separator == 0)
-    problems.add(ErrorCode::truncated, std::max(number, 1), "the line with the names of the columns is missing.",
-                 "Write it before the numbers.");
+    problems.add(ErrorCode::truncated, std::max(number, 1), "The line with the column names is missing.",
+                 "Write it before the first row of numbers.");
   else if (table.lines.empty())
-    problems.add(ErrorCode::truncated, std::max(number, 1), "the file has no rows.", "Export it again.");
+    problems.add(ErrorCode::truncated, std::max(number, 1), "The file has no rows.", "Export it again.");
   return problems.empty();
 }
 

@@ -12,13 +12,15 @@ namespace {
 
 constexpr const char* axis_names[] = {".x", ".y", ".z"};
 
+/// Builds the text of a CSV file: first the columns, then the rows.
 class Table {
  public:
-  Table(std::string_view what, const std::string& name, double rate, const CsvWriteOptions& options)
+  /// @param content word for the first comment, for example "markers"
+  Table(std::string_view content, const std::string& name, double rate, const CsvWriteOptions& options)
       : decimals_(std::clamp(options.decimals, 0, 15)) {
     std::string clean;
     for (const char c : name) clean += c == '\n' || c == '\r' ? ' ' : c;
-    out_ = "# " + std::string(what) + " of " + clean + "\n# rate: " + to_text(rate) + "\n# up: z\ntime[s]";
+    out_ = "# " + std::string(content) + " of " + clean + "\n# rate: " + to_text(rate) + "\n# up: z\ntime[s]";
   }
   void column(const std::string& name, const char* unit) {
     const std::string quoted = csv_name(name);
@@ -100,11 +102,11 @@ std::string write_csv(const Motion& motion, const Mechanism& mechanism, const Cs
                          : c.kind == CsvCoordinate::Kind::length ? "m"
                                                                  : "");
   for (const ContactTrack& track : motion.contacts) table.column(track.link + ".contact", "");
-  const double turn = options.degrees ? 180 / pi : 1;
+  const double per_radian = options.degrees ? 180 / pi : 1;
   for (int f = 0; f < motion.frames; ++f) {
     table.row(f / motion.rate);
     for (std::size_t i = 0; i < coordinates.size(); ++i)
-      table.number(motion.frame(f)[i] * (coordinates[i].kind == CsvCoordinate::Kind::angle ? turn : 1));
+      table.number(motion.frame(f)[i] * (coordinates[i].kind == CsvCoordinate::Kind::angle ? per_radian : 1));
     for (const ContactTrack& track : motion.contacts) table.number(track.on[static_cast<std::size_t>(f)]);
   }
   return table.take();

@@ -12,64 +12,64 @@ struct NamedUnit {
   double metres;
   const char* name;
 };
-// In the order of preference where two fit equally well.
+// If two units fit equally well, the earlier one is chosen.
 constexpr NamedUnit units[] = {{0.01, "centimetres"},
                                {1.0, "metres"},
                                {0.001, "millimetres"},
                                {0.0254, "inches"},
-                               {0.0254 / 0.45, "0.45ths of an inch, the unit of the CMU database"},
+                               {0.0254 / 0.45, "units of 1/0.45 inch (CMU database)"},
                                {0.1, "decimetres"}};
 
 constexpr double usual_rates[] = {10,  12,  15,  20,  24,  25,  30,  40,  48,  50,  60,  72,  75,  90,
                                   100, 120, 144, 150, 180, 200, 240, 250, 300, 360, 480, 500, 1000};
 constexpr double video_rates[] = {24000.0 / 1001, 30000.0 / 1001, 60000.0 / 1001, 120000.0 / 1001, 23.976, 29.97, 59.94, 119.88};
 
-/// The rate whose frame time is nearest to `frame_time`, if nearer than `least`.
+/// The rate whose frame time is closest to `frame_time` [s]; 0 if none is closer than `tolerance` [s].
 template <std::size_t n>
-double nearest_rate(const double (&rates)[n], double frame_time, double least) {
+double closest_rate(const double (&rates)[n], double frame_time, double tolerance) {
   double best = 0;
   for (const double rate : rates) {
     const double miss = std::fabs(1 / rate - frame_time);
-    if (miss < least) {
-      least = miss;
+    if (miss < tolerance) {
+      tolerance = miss;
       best = rate;
     }
   }
   return best;
 }
 
-/// Size of the last decimal place of the number as written: 1e-7 of ".0083333".
-double last_place(std::string_view text) {
-  double place = 1;
+/// Value of one unit in the last written digit: 1e-7 for ".0083333"; 0 if the exponent is out of range.
+double last_digit_value(std::string_view text) {
+  double digit = 1;
   bool point = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (c == '.') {
       point = true;
     } else if (c >= '0' && c <= '9') {
-      if (point) place *= 0.1;
+      if (point) digit *= 0.1;
     } else if (c == 'e' || c == 'E') {
       const auto exponent = parse_long(text.substr(i + 1));
       if (!exponent || std::labs(*exponent) > 300) return 0;
-      for (long k = 0; k < std::labs(*exponent); ++k) place *= *exponent < 0 ? 0.1 : 10.0;
+      for (long k = 0; k < std::labs(*exponent); ++k) digit *= *exponent < 0 ? 0.1 : 10.0;
       break;
     }
   }
-  return place;
+  return digit;
 }
 
 }  // namespace
 
 UnitGuess guess_unit(double extent) {
-  constexpr double person = 1.7;
+  constexpr double person = 1.7;  // m, height of an adult
   UnitGuess best{0.01, "centimetres", false};
   if (!(extent > 0) || !std::isfinite(extent)) return best;
-  double least = 0;
+  double best_factor = 0;
   for (const NamedUnit& u : units) {
     const double size = extent * u.metres;
     const double factor = std::max(size / person, person / size);
-    if (least == 0 || factor < least * (1 - 1e-9)) {
-      least = factor;
+    if (best_factor == 0 || factor < best_factor * (1 - 1e-9)) {
+      best_factor = factor;
       best = {u.metres, u.name, size > 1.0 && size < 2.5};
     }
   }
@@ -98,11 +98,12 @@ double rate_of(double frame_time, std::string_view text) {
   const double exact = 1 / frame_time;
   const double whole = std::round(exact);
   if (std::fabs(exact - whole) < 1e-9 * exact) return whole;
-  const double place = std::max(last_place(text), 1e-15 * frame_time);
-  if (place > 0.2 * frame_time) return exact;  // too few digits to tell rates apart
-  if (const double rate = nearest_rate(usual_rates, frame_time, place); rate > 0) return rate;
-  if (const double rate = nearest_rate(video_rates, frame_time, place); rate > 0) return rate;
-  return whole >= 1 && std::fabs(1 / whole - frame_time) <= 0.5 * place ? whole : exact;
+  // A rounded frame time differs from the exact one by half a unit in the last digit, a truncated one by up to a whole unit.
+  const double digit = std::max(last_digit_value(text), 1e-15 * frame_time);
+  if (digit > 0.2 * frame_time) return exact;  // too few digits to distinguish the rates
+  if (const double rate = closest_rate(usual_rates, frame_time, digit); rate > 0) return rate;
+  if (const double rate = closest_rate(video_rates, frame_time, digit); rate > 0) return rate;
+  return whole >= 1 && std::fabs(1 / whole - frame_time) <= 0.5 * digit ? whole : exact;
 }
 
 }  // namespace ugoki::formats

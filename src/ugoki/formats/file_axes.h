@@ -1,5 +1,5 @@
 #pragma once
-// Between the axes, units and rates of measured-data files and those of Ugoki. Internal to formats.
+// Conversion between the axes, units and frame rates of motion-capture files and those of Ugoki. Internal to formats.
 
 #include <string>
 #include <string_view>
@@ -8,13 +8,15 @@
 
 namespace ugoki::formats {
 
-/// Axes of a file. With Y up: file Z forward -> our X, file X left -> our Y, file Y up -> our Z, a rotation of the
-/// axes, so that handedness and the order of rotations stay. With Z up: taken as they are.
+/// Axes of a file. Ugoki's axes ("ours") are X forward, Y left, Z up.
+/// Y up: file Z (forward) -> our X, file X (left) -> our Y, file Y (up) -> our Z. This is a cyclic permutation, so that
+/// handedness and the order of rotations do not change. Z up: the axes of the file are ours.
 struct FileAxes {
-  bool z_up = false;
+  bool z_up = false;  ///< true: Z up, X forward; false: Y up, Z forward
 
   /// Index of our axis along which file axis i (0 x, 1 y, 2 z) points.
   [[nodiscard]] int ours(int i) const { return z_up ? i : (i + 1) % 3; }
+  /// Unit vector along file axis i, in our axes.
   [[nodiscard]] Vec3 unit(int i) const {
     Vec3 e;
     e[ours(i)] = 1;
@@ -24,19 +26,22 @@ struct FileAxes {
   [[nodiscard]] Vec3 to_file(const Vec3& v) const { return z_up ? v : Vec3{v.y, v.z, v.x}; }
 };
 
-/// The unit that makes `extent` (the largest size of a skeleton at rest, in file units) most like a person's.
+/// A guessed unit of length.
 struct UnitGuess {
-  double metres = 1;
+  double metres = 1;  ///< m per file unit
   std::string name;
-  bool plausible = false;  ///< the size comes out between 1 m and 2.5 m
+  bool plausible = false;  ///< the skeleton is then between 1 m and 2.5 m large
 };
+/// The unit in which `extent` is closest (in ratio) to the height of a person, 1.7 m.
+/// @param extent largest size of a skeleton at rest, file units; 0 or not finite: the result is centimetres, not plausible
 [[nodiscard]] UnitGuess guess_unit(double extent);
 
-/// Largest side of the box around all joints and end sites at rest.
+/// Largest side [the skeleton's unit] of the axis-aligned box around all joints and end sites at rest.
 [[nodiscard]] double rest_extent(const Skeleton& skeleton);
 
-/// Frames a second of a file that writes its frame time as `text` = `frame_time` [s]: the usual rate (24, 25, 30, 60,
-/// 120, 29.97 ...) or else whole number whose frame time the text may be a rounding or cut of, otherwise 1 / frame_time.
+/// Frames per second of a file that gives its frame time as `text`, parsed as `frame_time` [s]. Files round or truncate the
+/// frame time ("0.0083333" for 120 frames per second). The result is the first rate whose exact frame time fits the written
+/// digits: a usual rate (24, 25, 30, 60, 120 ...), a video rate (29.97 ...), a whole number; otherwise 1 / frame_time.
 [[nodiscard]] double rate_of(double frame_time, std::string_view text);
 
 }  // namespace ugoki::formats

@@ -1,5 +1,5 @@
 #pragma once
-// glTF 2.0 (.gltf, .glb): skeletons and their animations. The dialect is described in docs/formats.md.
+// glTF 2.0 (.gltf, .glb): skeletons and their animations. docs/formats.md describes the supported subset.
 
 #include <cstddef>
 #include <functional>
@@ -14,24 +14,25 @@
 
 namespace ugoki::formats {
 
-/// Gives the bytes of a file that stands beside a .gltf file; called with the URI as written, percent escapes resolved.
+/// Returns the bytes of a file to which a .gltf file refers by a relative URI. The URI is passed with percent escapes resolved.
 using GltfFiles = std::function<Result<std::vector<std::byte>>(std::string_view uri)>;
 
 struct GltfOptions {
-  double rate = 0;             ///< frames a second to sample the animations at; 0: that of the densest keys
-  double metres_per_unit = 0;  ///< 0: metres, as the format demands, unless the skeleton's size is out of all proportion
-  GltfFiles files = {};        ///< null: buffers in other files are refused
+  double rate = 0;             ///< frames per second at which animations are sampled; 0: that of the densest keys
+  double metres_per_unit = 0;  ///< m per file unit; 0: 1 as glTF specifies, guessed if the skeleton is then above 20 m or below 1 cm
+  GltfFiles files = {};        ///< null: a file with buffers in other files is rejected
 };
 
-/// Reads all animations of a file from memory: one measured motion for each, on the skeleton of all skins' joints and the nodes between and
-/// above them (files without skins: all nodes). A file without animations gives one frame at rest. Rest is the skin's bind pose.
-/// Scales are folded into the joints' positions, so that world positions are those of the file.
-/// Errors: with file and JSON path (or chunk), each with a remedy. O(bytes + frames * joints).
+/// Reads all animations of a file from memory and returns one measured motion for each. The skeleton consists of the joints of all skins,
+/// the nodes between them, and the animated nodes above them; without skins, of all nodes. A file that animates no joint gives one frame at
+/// rest. The rest pose is the bind pose of the skin. Scales are included in the positions of the joints, so that world positions are those
+/// of the file.
+/// Errors: location "file:JSON path" or "file:chunk", each with a remedy. O(bytes + frames * joints).
 [[nodiscard]] Result<std::vector<MeasuredMotion>> read_gltf(std::span<const std::byte> bytes, std::string_view file_name,
                                                             const GltfOptions& options = {}, ReadNotes* notes = nullptr);
 
-/// The motion as a binary glTF file: Y up, metres, one node for each joint, a skin, a mesh of bones that moves with it, one animation with
-/// a key for every frame. World positions of joints come back to single precision.
+/// The motion as a binary glTF file: Y up, metres, one node for each joint, a skin, a mesh of bones bound to the skin, and one animation
+/// with a key for every frame. World positions of the joints have single precision.
 [[nodiscard]] std::vector<std::byte> write_glb(const MeasuredMotion& motion);
 
 }  // namespace ugoki::formats

@@ -14,7 +14,7 @@ namespace {
 using json::Json;
 
 constexpr const char* again = "Export the file again.";
-constexpr std::size_t most_numbers = 50'000'000;
+constexpr std::size_t max_numbers = 50'000'000;  // values of all accessors together; 400 MB as doubles
 
 std::uint32_t little32(const std::byte* p) {
   std::uint32_t v = 0;
@@ -29,6 +29,7 @@ int base64_value(char c) {
   return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
+/// Decodes base64 (RFC 4648) with or without padding, also in the URL alphabet; nothing if `text` is not base64.
 std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   std::vector<std::byte> out;
   out.reserve(text.size() / 4 * 3);
@@ -51,6 +52,7 @@ std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   return out;
 }
 
+/// `uri` with its percent escapes resolved.
 std::string unescaped(std::string_view uri) {
   std::string out;
   const auto hex = [](char c) {
@@ -84,25 +86,27 @@ class Parser {
   }
   static std::string path(std::string_view list, std::size_t i) { return std::string(list) + "/" + std::to_string(i); }
 
-  /// GLB: header 12 bytes, then chunks of length, type, data.
+  /// Finds the JSON text and the binary chunk, and parses the JSON. A GLB file has a header of 12 bytes, then chunks, each with its
+  /// length, type and data.
   bool split(std::span<const std::byte> bytes) {
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (text.starts_with("glTF")) {
-      if (bytes.size() < 20) return refuse(ErrorCode::truncated, "header", "the file ends within its header.");
+      if (bytes.size() < 20) return refuse(ErrorCode::truncated, "header", "The file ends within its header.");
       if (little32(bytes.data() + 4) != 2)
-        return refuse(ErrorCode::unsupported, "header", "version " + std::to_string(little32(bytes.data() + 4)) + " of glTF is not known.",
-                      "Export it as glTF 2.0.");
+        return refuse(ErrorCode::unsupported, "header",
+                      "Version " + std::to_string(little32(bytes.data() + 4)) + " of glTF is not supported.",
+                      "Export the file as glTF 2.0.");
       if (little32(bytes.data() + 8) > bytes.size())
-        return refuse(ErrorCode::truncated, "header", "the file is shorter than its header says.");
+        return refuse(ErrorCode::truncated, "header", "The file is shorter than its header specifies.");
       const std::size_t length = little32(bytes.data() + 12);
-      if (20 + length > bytes.size()) return refuse(ErrorCode::truncated, "chunk 0", "the file ends within its JSON chunk.");
-      if (little32(bytes.data() + 16) != 0x4E4F534A) return refuse(ErrorCode::syntax, "chunk 0", "the first chunk is no JSON.");
+      if (20 + length > bytes.size()) return refuse(ErrorCode::truncated, "chunk 0", "The file ends within its JSON chunk.");
+      if (little32(bytes.data() + 16) != 0x4E4F534A) return refuse(ErrorCode::syntax, "chunk 0", "The first chunk is not JSON.");
       text = text.substr(20, length);
       while (!text.empty() && (text.back() == ' ' || text.back() == '\0')) text.remove_suffix(1);
       const std::size_t at = 20 + length;
       if (at + 8 <= bytes.size() && little32(bytes.data() + at + 4) == 0x004E4942) {
         const std::size_t size = little32(bytes.data() + at);
-        if (at + 8 + size > bytes.size()) return refuse(ErrorCode::truncated, "chunk 1", "the file ends within its binary chunk.");
+        if (at + 8 + size > bytes.size()) return refuse(ErrorCode::truncated, "chunk 1", "The file ends within its binary chunk.");
         binary_ = bytes.subspan(at + 8, size);
       }
     }
@@ -112,36 +116,39 @@ class Parser {
       return false;
     }
     root_ = std::move(*parsed);
-    return root_.is_object() || refuse(ErrorCode::syntax, "", "the file is no JSON object.", "Check the file's type.");
+    return root_.is_object() || refuse(ErrorCode::syntax, "", "The file is not a JSON object.", "Check that it is a glTF file.");
   }
 
   bool check_asset() {
     const Json* asset = member(root_, "asset");
     const Json* version = asset != nullptr ? member(*asset, "version") : nullptr;
     if (version == nullptr || !version->is_string())
-      return refuse(ErrorCode::syntax, "asset/version", "this is no glTF file: it has no version.", "Check the file's type.");
+      return refuse(ErrorCode::syntax, "asset/version", "The glTF version is missing.", "Check that it is a glTF file.");
     if (!version->get_ref<const std::string&>().starts_with("2."))
       return refuse(ErrorCode::unsupported, "asset/version",
-                    "version " + in_quotes(version->get_ref<const std::string&>()) + " of glTF is not known.", "Export it as glTF 2.0.");
+                    "Version " + in_quotes(version->get_ref<const std::string&>()) + " of glTF is not supported.",
+                    "Export the file as glTF 2.0.");
     if (const Json* required = member(root_, "extensionsRequired"); required != nullptr && required->is_array())
       for (const Json& e : *required)
         if (e.is_string() && (e == "EXT_meshopt_compression" || e == "KHR_draco_mesh_compression"))
-          notes_.remarks.push_back("The extension " + in_quotes(e.get_ref<const std::string&>()) + " is not read; meshes are passed over.");
+          notes_.remarks.push_back("The extension " + in_quotes(e.get_ref<const std::string&>()) +
+                                   " is not supported; meshes are skipped.");
     return true;
   }
 
+  /// The member `key` of an object; null if `object` is not an object or has no such member.
   static const Json* member(const Json& object, const char* key) {
     if (!object.is_object()) return nullptr;
     const auto it = object.find(key);
     return it == object.end() ? nullptr : &*it;
   }
-  /// A list of the document; an empty one where there is none.
+  /// The list `key` of the document; an empty list if it is missing.
   const Json& list(const char* key) {
     static const Json nothing = Json::array();
     const Json* l = member(root_, key);
     return l != nullptr && l->is_array() ? *l : nothing;
   }
-  /// A whole number in [0, below); -1 where it is missing; nothing where it is something else.
+  /// The integer `key` in [0, below); -1 if it is missing; nothing if it has another type or value.
   static std::optional<long> index(const Json& object, const char* key, std::size_t below) {
     const Json* v = member(object, key);
     if (v == nullptr) return -1;
@@ -149,11 +156,13 @@ class Parser {
     const auto n = v->get<std::uint64_t>();
     return n < below ? std::optional<long>(static_cast<long>(n)) : std::nullopt;
   }
+  /// The text `key`; empty if it is missing or not a string.
   static std::string text(const Json& object, const char* key) {
     const Json* v = member(object, key);
     return v != nullptr && v->is_string() ? v->get<std::string>() : std::string();
   }
-  /// Exactly n finite numbers, no larger than measurements are; false where they are something else. Absent leaves `out` alone.
+  /// Reads the list `key` of exactly n numbers of magnitude at most max_magnitude; false if it is anything else. If the list is missing,
+  /// `out` is unchanged and the result is true.
   template <std::size_t n>
   static bool numbers(const Json& object, const char* key, std::array<double, n>& out) {
     const Json* v = member(object, key);
@@ -180,12 +189,13 @@ class Parser {
       } else if (uri.starts_with("data:")) {
         const std::size_t comma = uri.find(";base64,");
         auto bytes = comma == std::string::npos ? std::nullopt : from_base64(std::string_view(uri).substr(comma + 8));
-        if (!bytes) return refuse(ErrorCode::syntax, path("buffers", i) + "/uri", "the data are no base64.");
+        if (!bytes) return refuse(ErrorCode::syntax, path("buffers", i) + "/uri", "The data are not valid base64.");
         buffers_.push_back(std::move(*bytes));
       } else {
         if (!files_)
-          return refuse(ErrorCode::unsupported, path("buffers", i) + "/uri", "the file needs " + path_in_quotes(uri) + " beside it.",
-                        "Give a .glb file, or both files together.");
+          return refuse(ErrorCode::unsupported, path("buffers", i) + "/uri",
+                        "The file refers to " + path_in_quotes(uri) + ", which is not available.",
+                        "Use a .glb file, or provide both files together.");
         auto bytes = files_(unescaped(uri));
         if (!bytes) {
           error_ = std::move(bytes.error());
@@ -199,19 +209,19 @@ class Parser {
 
   bool read_nodes() {
     const Json& nodes = list("nodes");
-    if (nodes.empty()) return refuse(ErrorCode::structure, "nodes", "the file has no nodes.");
+    if (nodes.empty()) return refuse(ErrorCode::structure, "nodes", "The file has no nodes.");
     if (nodes.size() > max_joints)
-      return refuse(ErrorCode::range, "nodes", "the file has more than " + std::to_string(max_joints) + " nodes.",
-                    "Export only the skeleton and what it moves.");
+      return refuse(ErrorCode::range, "nodes", "The file has more than " + std::to_string(max_joints) + " nodes.",
+                    "Export only the skeleton and its meshes.");
     out_.nodes.resize(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (!read_node(nodes[i], i)) return false;
-    // No circles: the way up from every node ends.
+    // Cycles: the chain of parents of every node must end within max_depth steps.
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       std::size_t steps = 0;
       for (int n = static_cast<int>(i); n >= 0; n = out_.nodes[static_cast<std::size_t>(n)].parent)
         if (++steps > max_depth)
-          return refuse(ErrorCode::structure, path("nodes", i), "the node is its own ancestor, or nested more than 1000 deep.");
+          return refuse(ErrorCode::structure, path("nodes", i), "The node is its own ancestor, or nested more than 1000 deep.");
     }
     return true;
   }
@@ -223,31 +233,32 @@ class Parser {
     std::array<double, 4> r{0, 0, 0, 1};
     std::array<double, 16> m{};
     if (!numbers(json, "translation", t) || !numbers(json, "scale", s) || !numbers(json, "rotation", r) || !numbers(json, "matrix", m))
-      return refuse(ErrorCode::range, path("nodes", i), "the transform is not made of finite numbers of the right count.");
+      return refuse(ErrorCode::range, path("nodes", i),
+                    "The transform has a wrong number of values, or a value that is not a number up to 1e9.");
     node.translation = {t[0], t[1], t[2]};
     node.scale = {s[0], s[1], s[2]};
     node.rotation = normalized(Quat{r[3], r[0], r[1], r[2]});
-    if (member(json, "matrix") != nullptr)  // columns first
+    if (member(json, "matrix") != nullptr)  // stored by columns
       node.matrix = Affine{Mat3::columns({m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}), {m[12], m[13], m[14]}};
     const auto skin = index(json, "skin", list("skins").size());
-    if (!skin) return refuse(ErrorCode::structure, path("nodes", i) + "/skin", "there is no such skin.");
+    if (!skin) return refuse(ErrorCode::structure, path("nodes", i) + "/skin", "The index of the skin is invalid.");
     node.skin = static_cast<int>(*skin);
     const Json* children = member(json, "children");
     if (children == nullptr) return true;
-    if (!children->is_array()) return refuse(ErrorCode::structure, path("nodes", i) + "/children", "this is no list.");
+    if (!children->is_array()) return refuse(ErrorCode::structure, path("nodes", i) + "/children", "The value is not a list.");
     for (const Json& c : *children) {
       if (!c.is_number_unsigned() || c.get<std::uint64_t>() >= out_.nodes.size())
-        return refuse(ErrorCode::structure, path("nodes", i) + "/children", "there is no such node.");
+        return refuse(ErrorCode::structure, path("nodes", i) + "/children", "The index of a child is invalid.");
       GltfNode& child = out_.nodes[c.get<std::size_t>()];
-      if (child.parent >= 0) return refuse(ErrorCode::structure, path("nodes", i) + "/children", "a node has two parents.");
+      if (child.parent >= 0) return refuse(ErrorCode::structure, path("nodes", i) + "/children", "A node has two parents.");
       child.parent = static_cast<int>(i);
     }
     return true;
   }
 
-  /// All numbers of an accessor, [count][components].
-  bool accessor(long which, std::size_t components, const std::string& place, std::vector<double>& out) {
-    const Json& json = list("accessors")[static_cast<std::size_t>(which)];
+  /// Reads all values of an accessor, [count][components]. @param location JSON path for error messages
+  bool accessor(long index_of_accessor, std::size_t components, const std::string& location, std::vector<double>& out) {
+    const Json& json = list("accessors")[static_cast<std::size_t>(index_of_accessor)];
     const std::string type = text(json, "type");
     const std::size_t own = type == "SCALAR"                   ? 1
                             : type == "VEC2"                   ? 2
@@ -257,52 +268,55 @@ class Parser {
                             : type == "MAT4"                   ? 16
                                                                : 0;
     if (own != components)
-      return refuse(ErrorCode::structure, place, "the accessor has the type " + in_quotes(type) + ", which does not fit here.");
-    const auto count = index(json, "count", most_numbers / components);
+      return refuse(ErrorCode::structure, location, "The accessor has the type " + in_quotes(type) + ", which is not allowed here.");
+    const auto count = index(json, "count", max_numbers / components);
     const auto kind = index(json, "componentType", 6000);
     if (!count || *count < 1 || !kind)
-      return refuse(ErrorCode::range, place, "the accessor's count or component type is missing or out of range.");
+      return refuse(ErrorCode::range, location, "The count or component type of the accessor is missing or out of range.");
     const std::size_t size = *kind == 5126                    ? 4
                              : *kind == 5120 || *kind == 5121 ? 1
                              : *kind == 5122 || *kind == 5123 ? 2
                              : *kind == 5125                  ? 4
                                                               : 0;
-    if (size == 0) return refuse(ErrorCode::structure, place, "the accessor's component type is unknown.");
+    if (size == 0) return refuse(ErrorCode::structure, location, "The component type of the accessor is unknown.");
     read_ += static_cast<std::size_t>(*count) * components;
-    if (read_ > most_numbers) return refuse(ErrorCode::range, place, "the file has more than 50 million numbers.", "Cut it into parts.");
+    if (read_ > max_numbers)
+      return refuse(ErrorCode::range, location, "The file has more than 50 million numbers.", "Split it into several files.");
     out.assign(static_cast<std::size_t>(*count) * components, 0);
     const Json* normalized = member(json, "normalized");
     const bool norm = normalized != nullptr && normalized->is_boolean() && normalized->get<bool>();
     if (member(json, "bufferView") != nullptr) {
       const auto offset = index(json, "byteOffset", std::numeric_limits<std::uint32_t>::max());
-      if (!offset || !view(json, "bufferView", place, static_cast<std::size_t>(std::max(*offset, 0L)), *kind, norm, size, components,
+      if (!offset || !view(json, "bufferView", location, static_cast<std::size_t>(std::max(*offset, 0L)), *kind, norm, size, components,
                            static_cast<std::size_t>(*count), out))
-        return error_.empty() ? refuse(ErrorCode::structure, place, "the accessor's offset is wrong.") : false;
+        return error_.empty() ? refuse(ErrorCode::structure, location, "The offset of the accessor is invalid.") : false;
     }
-    if (const Json* sparse = member(json, "sparse")) return apply_sparse(*sparse, place, *kind, norm, size, components, out);
+    if (const Json* sparse = member(json, "sparse")) return apply_sparse(*sparse, location, *kind, norm, size, components, out);
     return true;
   }
 
-  bool view(const Json& object, const char* key, const std::string& place, std::size_t offset, long kind, bool norm, std::size_t size,
+  /// Reads `count` entries of `components` values from the buffer view `object[key]`, beginning at byte `offset` of the view.
+  /// @param kind glTF component type  @param norm integers are normalised to [0, 1] or [-1, 1]  @param size bytes of a component
+  bool view(const Json& object, const char* key, const std::string& location, std::size_t offset, long kind, bool norm, std::size_t size,
             std::size_t components, std::size_t count, std::vector<double>& out) {
     const Json& views = list("bufferViews");
     const auto which = index(object, key, views.size());
-    if (!which || *which < 0) return refuse(ErrorCode::structure, place, "there is no such buffer view.");
+    if (!which || *which < 0) return refuse(ErrorCode::structure, location, "The index of the buffer view is missing or invalid.");
     const Json& json = views[static_cast<std::size_t>(*which)];
     const auto buffer = index(json, "buffer", buffers_.size()),
                start = index(json, "byteOffset", std::numeric_limits<std::uint32_t>::max()),
                length = index(json, "byteLength", std::numeric_limits<std::uint32_t>::max()), given = index(json, "byteStride", 4096);
     if (!buffer || *buffer < 0 || !start || !length || *length < 0 || !given)
       return refuse(ErrorCode::structure, path("bufferViews", static_cast<std::size_t>(*which)),
-                    "the buffer, offset, length or stride is missing or out of range.");
+                    "The buffer, offset, length or stride is missing or out of range.");
     const std::size_t stride = *given > 0 ? static_cast<std::size_t>(*given) : size * components;
     const std::vector<std::byte>& bytes = buffers_[static_cast<std::size_t>(*buffer)];
     const std::size_t first = static_cast<std::size_t>(std::max(*start, 0L)) + offset;
     const std::size_t end = offset + (count - 1) * stride + size * components;
     if (end > static_cast<std::size_t>(*length) ||
         static_cast<std::size_t>(std::max(*start, 0L)) + static_cast<std::size_t>(*length) > bytes.size())
-      return refuse(ErrorCode::truncated, place, "the accessor reaches beyond its buffer.",
-                    "Copy the file again, with the files beside it.");
+      return refuse(ErrorCode::truncated, location, "The accessor extends beyond its buffer.",
+                    "Copy the file again, together with the files to which it refers.");
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t c = 0; c < components; ++c)
         out[i * components + c] = component(bytes.data() + first + i * stride + c * size, kind, norm);
@@ -326,26 +340,30 @@ class Parser {
     return norm ? std::max(v / 32767.0, -1.0) : v;
   }
 
-  bool apply_sparse(const Json& sparse, const std::string& place, long kind, bool norm, std::size_t size, std::size_t components,
+  /// Replaces the entries of `out` that a sparse accessor lists.
+  bool apply_sparse(const Json& sparse, const std::string& location, long kind, bool norm, std::size_t size, std::size_t components,
                     std::vector<double>& out) {
     const auto count = index(sparse, "count", out.size() / components + 1);
     const Json *indices = member(sparse, "indices"), *values = member(sparse, "values");
     if (!count || *count < 1 || indices == nullptr || values == nullptr)
-      return refuse(ErrorCode::structure, place, "the sparse accessor is not whole.");
+      return refuse(ErrorCode::structure, location, "The sparse accessor is incomplete.");
     const auto index_kind = index(*indices, "componentType", 6000), index_offset = index(*indices, "byteOffset", 1u << 31),
                value_offset = index(*values, "byteOffset", 1u << 31);
     const std::size_t index_size = !index_kind ? 0 : *index_kind == 5121 ? 1 : *index_kind == 5123 ? 2 : *index_kind == 5125 ? 4 : 0;
-    if (index_size == 0 || !index_offset || !value_offset) return refuse(ErrorCode::structure, place, "the sparse accessor is not whole.");
+    if (index_size == 0 || !index_offset || !value_offset)
+      return refuse(ErrorCode::structure, location, "The sparse accessor is incomplete.");
     const auto n = static_cast<std::size_t>(*count);
-    std::vector<double> where(n), what(n * components);
-    if (!view(*indices, "bufferView", place, static_cast<std::size_t>(std::max(*index_offset, 0L)), *index_kind, false, index_size, 1, n,
-              where) ||
-        !view(*values, "bufferView", place, static_cast<std::size_t>(std::max(*value_offset, 0L)), kind, norm, size, components, n, what))
+    std::vector<double> entries(n), replacements(n * components);
+    if (!view(*indices, "bufferView", location, static_cast<std::size_t>(std::max(*index_offset, 0L)), *index_kind, false, index_size, 1, n,
+              entries) ||
+        !view(*values, "bufferView", location, static_cast<std::size_t>(std::max(*value_offset, 0L)), kind, norm, size, components, n,
+              replacements))
       return false;
     for (std::size_t i = 0; i < n; ++i) {
-      const auto at = static_cast<std::size_t>(where[i]);
-      if (at >= out.size() / components) return refuse(ErrorCode::range, place, "a sparse index is beyond the accessor's count.");
-      for (std::size_t c = 0; c < components; ++c) out[at * components + c] = what[i * components + c];
+      const auto at = static_cast<std::size_t>(entries[i]);
+      if (at >= out.size() / components)
+        return refuse(ErrorCode::range, location, "A sparse index is not below the count of the accessor.");
+      for (std::size_t c = 0; c < components; ++c) out[at * components + c] = replacements[i * components + c];
     }
     return true;
   }
@@ -356,19 +374,19 @@ class Parser {
       GltfSkin skin;
       const Json* joints = member(skins[i], "joints");
       if (joints == nullptr || !joints->is_array() || joints->empty())
-        return refuse(ErrorCode::structure, path("skins", i), "the skin has no joints.");
+        return refuse(ErrorCode::structure, path("skins", i), "The skin has no joints.");
       for (const Json& j : *joints) {
         if (!j.is_number_unsigned() || j.get<std::uint64_t>() >= out_.nodes.size())
-          return refuse(ErrorCode::structure, path("skins", i) + "/joints", "there is no such node.");
+          return refuse(ErrorCode::structure, path("skins", i) + "/joints", "The index of a joint is invalid.");
         skin.joints.push_back(j.get<int>());
       }
       const auto binds = index(skins[i], "inverseBindMatrices", list("accessors").size());
-      if (!binds) return refuse(ErrorCode::structure, path("skins", i) + "/inverseBindMatrices", "there is no such accessor.");
+      if (!binds) return refuse(ErrorCode::structure, path("skins", i) + "/inverseBindMatrices", "The index of the accessor is invalid.");
       if (*binds >= 0) {
         std::vector<double> m;
         if (!accessor(*binds, 16, path("skins", i) + "/inverseBindMatrices", m)) return false;
         if (m.size() < 16 * skin.joints.size())
-          return refuse(ErrorCode::structure, path("skins", i) + "/inverseBindMatrices", "there are fewer matrices than joints.");
+          return refuse(ErrorCode::structure, path("skins", i) + "/inverseBindMatrices", "There are fewer matrices than joints.");
         for (std::size_t j = 0; j < skin.joints.size(); ++j) {
           const double* v = m.data() + 16 * j;
           skin.inverse_binds.push_back({Mat3::columns({v[0], v[1], v[2]}, {v[4], v[5], v[6]}, {v[8], v[9], v[10]}), {v[12], v[13], v[14]}});
@@ -382,13 +400,13 @@ class Parser {
   bool read_animations() {
     const Json& animations = list("animations");
     if (animations.size() > 1000)
-      return refuse(ErrorCode::range, "animations", "the file has more than 1000 animations.", "Cut it into parts.");
+      return refuse(ErrorCode::range, "animations", "The file has more than 1000 animations.", "Split it into several files.");
     for (std::size_t i = 0; i < animations.size(); ++i) {
       GltfAnimation animation;
       animation.name = text(animations[i], "name");
       const Json *channels = member(animations[i], "channels"), *samplers = member(animations[i], "samplers");
       if (channels == nullptr || !channels->is_array() || samplers == nullptr || !samplers->is_array())
-        return refuse(ErrorCode::structure, path("animations", i), "the animation has no channels or no samplers.");
+        return refuse(ErrorCode::structure, path("animations", i), "The animation has no channels or no samplers.");
       for (std::size_t c = 0; c < channels->size(); ++c)
         if (!read_channel((*channels)[c], *samplers, path("animations", i) + "/channels/" + std::to_string(c), animation)) return false;
       out_.animations.push_back(std::move(animation));
@@ -396,34 +414,37 @@ class Parser {
     return true;
   }
 
-  bool read_channel(const Json& json, const Json& samplers, const std::string& place, GltfAnimation& animation) {
+  bool read_channel(const Json& json, const Json& samplers, const std::string& location, GltfAnimation& animation) {
     const Json* target = member(json, "target");
     const auto which = index(json, "sampler", samplers.size());
-    if (target == nullptr || !which || *which < 0) return refuse(ErrorCode::structure, place, "the channel has no target or no sampler.");
+    if (target == nullptr || !which || *which < 0)
+      return refuse(ErrorCode::structure, location, "The channel has no target or no valid sampler.");
     const auto node = index(*target, "node", out_.nodes.size());
-    if (!node) return refuse(ErrorCode::structure, place + "/target/node", "there is no such node.");
+    if (!node) return refuse(ErrorCode::structure, location + "/target/node", "The index of the node is invalid.");
     GltfChannel channel;
     const std::string path = text(*target, "path");
-    if (*node < 0 || (path != "translation" && path != "rotation" && path != "scale")) return true;  // morph weights, extensions
+    if (*node < 0 || (path != "translation" && path != "rotation" && path != "scale"))
+      return true;  // morph weights and extensions are not read
     channel.node = static_cast<int>(*node);
     channel.path = path == "rotation" ? GltfPath::rotation : path == "scale" ? GltfPath::scale : GltfPath::translation;
     const Json& sampler = samplers[static_cast<std::size_t>(*which)];
     const auto input = index(sampler, "input", list("accessors").size()), output = index(sampler, "output", list("accessors").size());
     if (!input || *input < 0 || !output || *output < 0)
-      return refuse(ErrorCode::structure, place + "/sampler", "the sampler has no input or no output.");
+      return refuse(ErrorCode::structure, location + "/sampler", "The sampler has no valid input or output.");
     const std::string interpolation = text(sampler, "interpolation");
     channel.interpolation = interpolation == "STEP"          ? GltfInterpolation::step
                             : interpolation == "CUBICSPLINE" ? GltfInterpolation::cubic
                                                              : GltfInterpolation::linear;
     const std::size_t components = channel.path == GltfPath::rotation ? 4 : 3;
-    if (!accessor(*input, 1, place, channel.times) || !accessor(*output, components, place, channel.values)) return false;
+    if (!accessor(*input, 1, location, channel.times) || !accessor(*output, components, location, channel.values)) return false;
     const std::size_t rows = channel.times.size() * (channel.interpolation == GltfInterpolation::cubic ? 3 : 1);
-    if (channel.values.size() < rows * components) return refuse(ErrorCode::structure, place, "there are fewer values than times.");
+    if (channel.values.size() < rows * components) return refuse(ErrorCode::structure, location, "There are fewer values than times.");
     for (std::size_t k = 0; k < channel.times.size(); ++k)
       if (!(channel.times[k] >= 0 && channel.times[k] < 1e6) || (k > 0 && channel.times[k] < channel.times[k - 1]))
-        return refuse(ErrorCode::range, place, "the times of the keys do not rise from 0.");
+        return refuse(ErrorCode::range, location, "The times of the keys are negative, decreasing, or 1e6 s or more.");
     for (const double v : channel.values)
-      if (!(std::fabs(v) <= max_magnitude)) return refuse(ErrorCode::range, place, "a value is not finite or beyond 1e9.");
+      if (!(std::fabs(v) <= max_magnitude))
+        return refuse(ErrorCode::range, location, "A value is not finite or its magnitude is above 1e9.");
     animation.channels.push_back(std::move(channel));
     return true;
   }
@@ -435,7 +456,7 @@ class Parser {
   Json root_;
   std::span<const std::byte> binary_;
   std::vector<std::vector<std::byte>> buffers_;
-  std::size_t read_ = 0;
+  std::size_t read_ = 0;  ///< values of all accessors read
   GltfDocument out_;
 };
 

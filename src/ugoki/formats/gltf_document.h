@@ -1,5 +1,5 @@
 #pragma once
-// A glTF file taken apart: nodes, and numbers out of accessors. Internal to formats.
+// The parsed content of a glTF file: nodes, skins and animations, with the values of their accessors. Internal to formats.
 
 #include <array>
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace ugoki::formats {
 
-/// Linear part (with scale) and translation.
+/// Affine transform x -> A x + p; A includes scale and shear.
 struct Affine {
   Mat3 A = Mat3::identity();
   Vec3 p;
@@ -20,27 +20,28 @@ inline Affine operator*(const Affine& a, const Affine& b) { return {a.A * b.A, a
 
 struct GltfNode {
   std::string name;
-  int parent = -1;
+  int parent = -1;  ///< index in nodes; -1: root
   Vec3 translation;
   Quat rotation;
   Vec3 scale{1, 1, 1};
-  std::optional<Affine> matrix;  ///< instead of the three above
-  int skin = -1;
+  std::optional<Affine> matrix;  ///< if set, replaces translation, rotation and scale
+  int skin = -1;                 ///< index in skins; -1: none
 };
 
 struct GltfSkin {
-  std::vector<int> joints;
-  std::vector<Affine> inverse_binds;  ///< [joints] or empty
+  std::vector<int> joints;            ///< indices in nodes
+  std::vector<Affine> inverse_binds;  ///< [joints], or empty if the file gives none
 };
 
 enum class GltfPath : unsigned char { translation, rotation, scale };
 enum class GltfInterpolation : unsigned char { linear, step, cubic };
 
+/// Keys of one property of one node.
 struct GltfChannel {
-  int node = 0;
+  int node = 0;  ///< index in nodes
   GltfPath path = GltfPath::translation;
   GltfInterpolation interpolation = GltfInterpolation::linear;
-  std::vector<double> times;   ///< s, rising
+  std::vector<double> times;   ///< s, not decreasing
   std::vector<double> values;  ///< [times][3 or 4]; cubic: [times][in-tangent, value, out-tangent][3 or 4]
 };
 
@@ -50,11 +51,14 @@ struct GltfAnimation {
 };
 
 struct GltfDocument {
-  std::vector<GltfNode> nodes;  ///< any order
+  std::vector<GltfNode> nodes;  ///< in file order; a parent may follow its children
   std::vector<GltfSkin> skins;
   std::vector<GltfAnimation> animations;
 };
 
+/// Parses and validates a .gltf or .glb file. Errors have the location "file:JSON path" or "file:chunk".
+/// @param files loads buffers in other files; may be null
+/// @param notes receives remarks on extensions that are not supported
 [[nodiscard]] Result<GltfDocument> read_gltf_document(std::span<const std::byte> bytes, std::string_view file_name, const GltfFiles& files,
                                                       ReadNotes& notes);
 

@@ -9,7 +9,8 @@
 namespace ugoki::formats {
 namespace {
 
-/// Value of a channel at time t, [3 or 4].
+/// Value of a channel at time t [s]; before the first and after the last key, the value of that key.
+/// @param out [3 or 4]; a rotation as x y z w
 void sample_channel(const GltfChannel& c, double t, double* out) {
   const std::size_t n = c.path == GltfPath::rotation ? 4 : 3;
   const bool cubic = c.interpolation == GltfInterpolation::cubic;
@@ -37,13 +38,14 @@ void sample_channel(const GltfChannel& c, double t, double* out) {
   out[0] = q.x, out[1] = q.y, out[2] = q.z, out[3] = q.w;
 }
 
-/// Rotation nearest to the linear part by Gram-Schmidt; scale, shear and mirroring are left out.
+/// The rotation in the linear part A, by Gram-Schmidt orthogonalisation of its columns x, y; scale, shear and mirroring are discarded.
 Mat3 rotation_of(const Mat3& A) {
   const Vec3 x = normalized(A.column(0), {1, 0, 0});
   const Vec3 y = normalized(A.column(1) - x * dot(x, A.column(1)), any_perpendicular(x));
   return Mat3::columns(x, y, cross(x, y));
 }
 
+/// Transform of a node relative to its parent.
 Affine local_of(const GltfNode& n) {
   if (n.matrix) return *n.matrix;
   return {to_matrix(n.rotation) * Mat3::diagonal(n.scale.x, n.scale.y, n.scale.z), n.translation};
@@ -59,7 +61,7 @@ class Reader {
     choose_joints();
     calc_globals(nullptr, 0);
     rest_ = globals_;
-    take_bind_poses();
+    apply_bind_poses();
     std::vector<MeasuredMotion> out;
     std::size_t numbers = 0;
     for (const GltfAnimation& a : doc_.animations) {
@@ -71,8 +73,8 @@ class Reader {
       m.frames = std::max(1, static_cast<int>(std::floor((last - first) * m.rate + 1e-3)) + 1);
       numbers += static_cast<std::size_t>(m.frames) * joints_.size();
       if (numbers > max_numbers / 8)
-        return fail(ErrorCode::range, std::string(name_) + ":animations", "the animations have more than 50 million joint positions.",
-                    "Give a lower rate, or cut the file into parts.");
+        return fail(ErrorCode::range, std::string(name_) + ":animations", "The animations have more than 50 million joint positions.",
+                    "Choose a lower frame rate, or split the file.");
       fill(a, first, m);
       out.push_back(std::move(m));
     }
@@ -82,63 +84,65 @@ class Reader {
       m.rate = 30;
       fill({}, 0, m);
       out.push_back(std::move(m));
-      notes_.remarks.push_back("The file has no animation of its joints; it gives one frame at rest.");
+      notes_.remarks.push_back("The file does not animate any joint; the result is one frame at rest.");
     }
     finish_units(out);
     name_motions(out);
-    const auto sane = [](const Vec3& v) { return is_finite(v) && norm(v) <= max_magnitude; };
+    const auto in_range = [](const Vec3& v) { return is_finite(v) && norm(v) <= max_magnitude; };
     for (const MeasuredMotion& m : out)
-      if (!std::all_of(m.translations.begin(), m.translations.end(), sane) ||
-          !std::all_of(m.skeleton.joints.begin(), m.skeleton.joints.end(), [&](const SkeletonJoint& k) { return sane(k.offset); }))
-        return fail(ErrorCode::range, std::string(name_) + ":nodes", "a joint lies farther than 1e9 m from the origin.",
+      if (!std::all_of(m.translations.begin(), m.translations.end(), in_range) ||
+          !std::all_of(m.skeleton.joints.begin(), m.skeleton.joints.end(), [&](const SkeletonJoint& k) { return in_range(k.offset); }))
+        return fail(ErrorCode::range, std::string(name_) + ":nodes", "A joint is farther than 1e9 m from the origin.",
                     "Correct the scales of the nodes.");
     return out;
   }
 
  private:
+  /// Fills order_: parents before their children, otherwise in file order.
   void order_nodes() {
-    // Parents first, otherwise as in the file.
     std::vector<char> done(doc_.nodes.size());
-    std::vector<std::size_t> way;
+    std::vector<std::size_t> ancestors;
     for (std::size_t i = 0; i < doc_.nodes.size(); ++i) {
       for (int n = static_cast<int>(i); n >= 0 && done[static_cast<std::size_t>(n)] == 0;
            n = doc_.nodes[static_cast<std::size_t>(n)].parent)
-        way.push_back(static_cast<std::size_t>(n));
-      for (; !way.empty(); way.pop_back()) {
-        done[way.back()] = 1;
-        order_.push_back(way.back());
+        ancestors.push_back(static_cast<std::size_t>(n));
+      for (; !ancestors.empty(); ancestors.pop_back()) {
+        done[ancestors.back()] = 1;
+        order_.push_back(ancestors.back());
       }
     }
   }
 
+  /// Fills joints_ with the nodes that become joints of the skeleton.
   void choose_joints() {
-    std::vector<char> joint(doc_.nodes.size());
+    std::vector<char> joint(doc_.nodes.size());  // 1: joint of a skin, 2: needed ancestor
     for (const GltfSkin& skin : doc_.skins)
       for (const int j : skin.joints) joint[static_cast<std::size_t>(j)] = 1;
     if (doc_.skins.empty()) joint.assign(joint.size(), 1);
-    // Nodes above joints belong to them only where they stand between joints or move.
+    // An ancestor of a joint is needed if it is animated, or if it is below a joint or below an animated node.
     std::vector<char> moved(doc_.nodes.size());
     for (const GltfAnimation& a : doc_.animations)
       for (const GltfChannel& c : a.channels) moved[static_cast<std::size_t>(c.node)] = 1;
     for (std::size_t i = 0; i < joint.size(); ++i) {
       if (joint[i] != 1) continue;
-      bool above_is_needed = false;
-      std::vector<int> way;
-      for (int n = doc_.nodes[i].parent; n >= 0; n = doc_.nodes[static_cast<std::size_t>(n)].parent) way.push_back(n);
-      for (auto it = way.rbegin(); it != way.rend(); ++it) {
+      bool needed = false;
+      std::vector<int> ancestors;
+      for (int n = doc_.nodes[i].parent; n >= 0; n = doc_.nodes[static_cast<std::size_t>(n)].parent) ancestors.push_back(n);
+      for (auto it = ancestors.rbegin(); it != ancestors.rend(); ++it) {
         const auto n = static_cast<std::size_t>(*it);
-        above_is_needed = above_is_needed || joint[n] == 1 || moved[n] != 0;
-        if (above_is_needed && joint[n] == 0) joint[n] = 2;
+        needed = needed || joint[n] == 1 || moved[n] != 0;
+        if (needed && joint[n] == 0) joint[n] = 2;
       }
     }
-    of_node_.assign(doc_.nodes.size(), -1);
+    joint_of_node_.assign(doc_.nodes.size(), -1);
     for (const std::size_t n : order_) {
       if (joint[n] == 0) continue;
-      of_node_[n] = static_cast<int>(joints_.size());
+      joint_of_node_[n] = static_cast<int>(joints_.size());
       joints_.push_back(n);
     }
   }
 
+  /// True if `node` is a joint or an ancestor of one.
   [[nodiscard]] bool moves_joint(int node) const {
     for (const std::size_t j : joints_)
       for (int n = static_cast<int>(j); n >= 0; n = doc_.nodes[static_cast<std::size_t>(n)].parent)
@@ -146,12 +150,14 @@ class Reader {
     return false;
   }
 
+  /// The closest ancestor that is a joint; -1: none.
   [[nodiscard]] int parent_joint(std::size_t joint) const {
     for (int n = doc_.nodes[joints_[joint]].parent; n >= 0; n = doc_.nodes[static_cast<std::size_t>(n)].parent)
-      if (of_node_[static_cast<std::size_t>(n)] >= 0) return of_node_[static_cast<std::size_t>(n)];
+      if (joint_of_node_[static_cast<std::size_t>(n)] >= 0) return joint_of_node_[static_cast<std::size_t>(n)];
     return -1;
   }
 
+  /// World transforms of all nodes at time t [s] of the animation; null: as in the file.
   void calc_globals(const GltfAnimation* animation, double t) {
     std::vector<GltfNode>& posed = posed_;
     posed = doc_.nodes;
@@ -173,26 +179,27 @@ class Reader {
     }
   }
 
-  /// A joint's bind pose is the mesh's place times the inverse of its inverse bind matrix.
-  void take_bind_poses() {
+  /// Sets the rest pose of the skins' joints to their bind pose: the world transform of the skinned mesh times the inverse of the joint's
+  /// inverse bind matrix.
+  void apply_bind_poses() {
     for (std::size_t s = 0; s < doc_.skins.size(); ++s) {
       const GltfSkin& skin = doc_.skins[s];
       const auto mesh =
           std::find_if(doc_.nodes.begin(), doc_.nodes.end(), [&](const GltfNode& n) { return n.skin == static_cast<int>(s); });
       if (mesh == doc_.nodes.end() || skin.inverse_binds.empty()) continue;
-      const Affine place = globals_[static_cast<std::size_t>(mesh - doc_.nodes.begin())];
+      const Affine mesh_transform = globals_[static_cast<std::size_t>(mesh - doc_.nodes.begin())];
       for (std::size_t j = 0; j < skin.joints.size(); ++j) {
         const Affine& inv = skin.inverse_binds[j];
         const double determinant = dot(inv.A.column(0), cross(inv.A.column(1), inv.A.column(2)));
-        if (!(std::fabs(determinant) > 1e-12)) continue;
+        if (!(std::fabs(determinant) > 1e-12)) continue;  // not invertible: keep the node's transform
         const Mat3 A = inverse(inv.A);
-        const Affine bind = place * Affine{A, -(A * inv.p)};
+        const Affine bind = mesh_transform * Affine{A, -(A * inv.p)};
         if (is_finite(bind.p)) rest_[static_cast<std::size_t>(skin.joints[j])] = bind;
       }
     }
   }
 
-  /// Rate of the densest keys, and the range of all keys.
+  /// Frames per second of the densest keys. @param first, last [out] s, range of all keys
   double key_range(const GltfAnimation& a, double& first, double& last) const {
     double gap = 0;
     bool any = false;
@@ -207,11 +214,13 @@ class Reader {
     }
     if (gap == 0) return 30;
     const double rate = std::round(1 / gap);
-    // Keys of single precision: 1 / 24 s comes as 0.0416667. Sparse keys are sampled finely enough to keep the curve between them.
+    // Times have single precision (1/24 s is 0.0416667), so that a rate within 0.2 % of an integer is that integer. Rates below 10 are
+    // multiplied to at least 30, so that the curve between sparse keys is kept; rates are at most 1000.
     const double near = std::fabs(rate * gap - 1) < 2e-3 ? rate : 1 / gap;
     return near < 10 ? near * std::ceil(30 / near - 1e-9) : std::min(near, 1000.0);
   }
 
+  /// A motion without frames: the skeleton at rest. @param animation name of the motion
   MeasuredMotion start(const std::string& animation) const {
     MeasuredMotion m;
     m.name = animation;
@@ -225,11 +234,11 @@ class Reader {
       joint.parent = parent_joint(j);
       const Vec3 p = rest_[joints_[j]].p;
       joint.offset = axes.from_file(joint.parent < 0 ? p : p - rest_[joints_[static_cast<std::size_t>(joint.parent)]].p);
-      joint.freedoms = {{{0, 0, 1}}, {{0, 1, 0}}, {{1, 0, 0}}};
+      joint.dofs = {{{0, 0, 1}}, {{0, 1, 0}}, {{1, 0, 0}}};
       joint.translates = joint.parent < 0;
       m.skeleton.joints.push_back(std::move(joint));
     }
-    // Names that two nodes share get a number.
+    // A name that occurs more than once is made unique by an appended number.
     std::vector<std::string> names;
     for (SkeletonJoint& j : m.skeleton.joints) {
       std::string unique = j.name;
@@ -240,14 +249,15 @@ class Reader {
     return m;
   }
 
-  /// Turns from rest in world axes, made local to the parent's; places from the parent's in its axes.
+  /// Computes all frames. The rotation of a joint from rest is computed in world axes and then made relative to that of its parent;
+  /// its position is relative to the parent, in the parent's axes. @param first s, time of the first frame
   void fill(const GltfAnimation& a, double first, MeasuredMotion& m) {
     const FileAxes axes;
     const std::size_t n = joints_.size();
     std::vector<Mat3> rest(n), turn(n);
-    std::vector<Vec3> place(n);
+    std::vector<Vec3> position(n);
     for (std::size_t j = 0; j < n; ++j) rest[j] = rotation_of(rest_[joints_[j]].A).transposed();
-    const auto ours = [&](const Mat3& R) {  // P R P^T
+    const auto ours = [&](const Mat3& R) {  // P R P^T, P from file axes to ours
       const auto turned = [&](const Vec3& e) { return axes.from_file(R * axes.to_file(e)); };
       return Mat3::columns(turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}));
     };
@@ -255,21 +265,22 @@ class Reader {
       calc_globals(&a, first + f / m.rate);
       for (std::size_t j = 0; j < n; ++j) {
         turn[j] = ours(rotation_of(globals_[joints_[j]].A) * rest[j]);
-        place[j] = axes.from_file(globals_[joints_[j]].p);
+        position[j] = axes.from_file(globals_[joints_[j]].p);
         const int p = m.skeleton.joints[j].parent;
         if (p < 0) {
           m.rotations.push_back(to_quat(turn[j]));
-          m.translations.push_back(place[j]);
+          m.translations.push_back(position[j]);
           continue;
         }
         const auto parent = static_cast<std::size_t>(p);
         m.rotations.push_back(to_quat(turn[parent].transposed() * turn[j]));
-        const Vec3 local = transpose_times(turn[parent], place[j] - place[parent]);
+        const Vec3 local = transpose_times(turn[parent], position[j] - position[parent]);
         if (norm(local - m.skeleton.joints[j].offset) > 1e-5 * (1 + norm(local))) m.skeleton.joints[j].translates = true;
         m.translations.push_back(local);
       }
     }
-    // What is below that is rounding of the file's single precision: such a joint stays where it is in its parent.
+    // A joint whose translation never differs from its offset by more than 1e-5 (relative) does not translate: the differences are
+    // rounding errors of the file's single-precision numbers.
     for (std::size_t i = 0; i < m.translations.size(); ++i)
       if (const SkeletonJoint& joint = m.skeleton.joints[i % n]; !joint.translates) m.translations[i] = joint.offset;
   }
@@ -283,8 +294,8 @@ class Reader {
         const UnitGuess guess = guess_unit(extent);
         metres = guess.metres;
         notes_.unit_guessed = true;
-        notes_.remarks.push_back("The format's unit is the metre, but the skeleton would be " + to_fixed(extent, 2) +
-                                 " m large; lengths are taken as " + guess.name + ".");
+        notes_.remarks.push_back("The glTF unit of length is the metre, but the skeleton would be " + to_fixed(extent, 2) +
+                                 " m large; lengths are assumed to be in " + guess.name + ".");
       }
     }
     notes_.metres_per_unit = metres;
@@ -308,11 +319,11 @@ class Reader {
   std::string_view name_;
   const GltfOptions& options_;
   ReadNotes& notes_;
-  std::vector<std::size_t> order_;   // nodes, parents first
-  std::vector<std::size_t> joints_;  // nodes that become joints, parents first
-  std::vector<int> of_node_;         // joint of a node, or -1
-  std::vector<GltfNode> posed_;
-  std::vector<Affine> globals_, rest_;  // [nodes]
+  std::vector<std::size_t> order_;      // nodes, parents first
+  std::vector<std::size_t> joints_;     // nodes that become joints, parents first
+  std::vector<int> joint_of_node_;      // [nodes] index in joints_, or -1
+  std::vector<GltfNode> posed_;         // nodes with the animation applied
+  std::vector<Affine> globals_, rest_;  // [nodes] world transforms, file axes and units: current; at rest
 };
 
 }  // namespace
@@ -320,10 +331,10 @@ class Reader {
 Result<std::vector<MeasuredMotion>> read_gltf(std::span<const std::byte> bytes, std::string_view file_name, const GltfOptions& options,
                                               ReadNotes* notes) {
   ReadNotes own;
-  ReadNotes& told = notes != nullptr ? *notes : own;
-  auto document = read_gltf_document(bytes, file_name, options.files, told);
+  ReadNotes& collected = notes != nullptr ? *notes : own;
+  auto document = read_gltf_document(bytes, file_name, options.files, collected);
   if (!document) return fail(std::move(document.error()));
-  return Reader(std::move(*document), file_name, options, told).read();
+  return Reader(std::move(*document), file_name, options, collected).read();
 }
 
 }  // namespace ugoki::formats

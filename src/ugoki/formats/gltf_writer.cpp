@@ -12,11 +12,13 @@ namespace {
 
 using json::Json;
 
-/// The binary chunk as it grows, with its views and accessors.
+/// Builds the binary chunk together with its buffer views and accessors.
 class Chunk {
  public:
-  /// @param type "VEC3"  @param kind 5126 float, 5123 unsigned short  @param target 0 or what the view is for  @return index of the
-  /// accessor
+  /// Appends data, aligned to 4 bytes, and returns the index of their accessor.
+  /// @param type   glTF type, for example "VEC3"
+  /// @param kind   glTF component type: 5126 float, 5123 unsigned short
+  /// @param target glTF target of the buffer view (34962: vertex attributes); 0: none
   int add(const void* data, std::size_t size, std::size_t count, const char* type, int kind, int target = 0) {
     bytes_.resize((bytes_.size() + 3) / 4 * 4);
     Json view{{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", size}};
@@ -30,17 +32,17 @@ class Chunk {
   int floats(const std::vector<float>& v, std::size_t components, const char* type, int target = 0) {
     return add(v.data(), 4 * v.size(), v.size() / components, type, 5126, target);
   }
-  /// Least and greatest of every component, as the format wants them for positions and times.
+  /// Sets the minimum and maximum of every component, which glTF requires for positions and key times.
   void bound(int accessor, const std::vector<float>& v, std::size_t components) {
     Json low = Json::array(), high = Json::array();
     for (std::size_t c = 0; c < components; ++c) {
-      float least = v[c], most = v[c];
+      float minimum = v[c], maximum = v[c];
       for (std::size_t i = c; i < v.size(); i += components) {
-        least = std::min(least, v[i]);
-        most = std::max(most, v[i]);
+        minimum = std::min(minimum, v[i]);
+        maximum = std::max(maximum, v[i]);
       }
-      low.push_back(least);
-      high.push_back(most);
+      low.push_back(minimum);
+      high.push_back(maximum);
     }
     accessors[static_cast<std::size_t>(accessor)]["min"] = low;
     accessors[static_cast<std::size_t>(accessor)]["max"] = high;
@@ -57,11 +59,11 @@ void put(std::vector<float>& out, const Vec3& v) {
   for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(v[k]));
 }
 
-/// A file's rotation of ours: the axes are turned, the angle stays.
+/// Appends a rotation, converted to file axes, as x y z w.
 void put(std::vector<float>& out, const Quat& q, const FileAxes& axes) {
   const Vec3 v = axes.to_file({q.x, q.y, q.z});
   std::array<double, 4> x = {v.x, v.y, v.z, q.w};
-  // Unit to the last digit of single precision, as validators ask.
+  // Normalised after rounding to single precision: validators check the norm of the stored values.
   double length = 0;
   for (double& c : x) {
     c = static_cast<double>(static_cast<float>(c));
@@ -70,17 +72,18 @@ void put(std::vector<float>& out, const Quat& q, const FileAxes& axes) {
   for (const double c : x) out.push_back(static_cast<float>(c / std::sqrt(length)));
 }
 
-/// A bone: a double pyramid from a to b, flat-shaded.
+/// Mesh of the bones. Each bone is a flat-shaded double pyramid with a square cross-section at a fifth of its length.
 struct Bones {
   std::vector<float> positions, normals, weights;
   std::vector<std::uint16_t> joints;
 
+  /// Adds a bone from a to b [m, file axes] that moves with `joint`; shorter than 1e-6 m: nothing.
   void add(const Vec3& a, const Vec3& b, int joint) {
     const Vec3 d = b - a;
     const double length = norm(d);
     if (!(length > 1e-6)) return;
     const Vec3 z = d / length, x = any_perpendicular(z), y = cross(z, x);
-    const double w = 0.12 * length;
+    const double w = 0.12 * length;  // half width
     const Vec3 m = a + d * 0.2;
     const std::array<Vec3, 4> ring = {m + x * w, m + y * w, m - x * w, m - y * w};
     for (std::size_t k = 0; k < 4; ++k) {
@@ -102,6 +105,7 @@ struct Bones {
   }
 };
 
+/// Adds the mesh, its material and the skin to `root`; returns the node that shows them.
 Json skin_and_mesh(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, Json& root) {
   const std::vector<Vec3> rest = rest_positions(m.skeleton);
   const std::size_t n = rest.size();
@@ -133,9 +137,10 @@ Json skin_and_mesh(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, 
       {{{"name", "bones"},
         {"pbrMetallicRoughness", {{"baseColorFactor", {0.72, 0.74, 0.78, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.7}}}}});
   root["skins"] = Json::array({{{"joints", joints}, {"inverseBindMatrices", chunk.floats(binds, 16, "MAT4")}}});
-  return {{"name", m.skeleton.name.empty() ? "figure" : m.skeleton.name}, {"mesh", 0}, {"skin", 0}};
+  return {{"name", m.skeleton.name.empty() ? "character" : m.skeleton.name}, {"mesh", 0}, {"skin", 0}};
 }
 
+/// Adds the animation to `root`. Joints that do not translate have no translation channel.
 void animate(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, Json& root) {
   std::vector<float> times;
   for (int f = 0; f < m.frames; ++f) times.push_back(static_cast<float>(f / m.rate));
@@ -148,21 +153,21 @@ void animate(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, Json& 
   };
   const std::size_t n = m.skeleton.joints.size();
   for (std::size_t j = 0; j < n; ++j) {
-    std::vector<float> places, turns;
+    std::vector<float> positions, rotations;
     bool still = true;
     for (std::size_t f = 0; f < static_cast<std::size_t>(m.frames); ++f) {
       const std::size_t at = f * n + j;
-      put(places, axes.to_file(m.translations[at]));
+      put(positions, axes.to_file(m.translations[at]));
       Quat q = m.rotations[at];
       if (f > 0) {
-        const Quat& before = m.rotations[at - n];
+        const Quat& before = m.rotations[at - n];  // q and -q are the same rotation: choose the one for the short way
         if (q.w * before.w + dot(q.vec(), before.vec()) < 0) q = {-q.w, -q.x, -q.y, -q.z};
       }
-      put(turns, q, axes);
+      put(rotations, q, axes);
       still = still && norm(m.translations[at] - m.skeleton.joints[j].offset) < 1e-9;
     }
-    if (!still) add(j, "translation", chunk.floats(places, 3, "VEC3"));
-    add(j, "rotation", chunk.floats(turns, 4, "VEC4"));
+    if (!still) add(j, "translation", chunk.floats(positions, 3, "VEC3"));
+    add(j, "rotation", chunk.floats(rotations, 4, "VEC4"));
   }
   root["animations"] = Json::array({{{"name", m.name.empty() ? "motion" : m.name}, {"channels", channels}, {"samplers", samplers}}});
 }
@@ -186,7 +191,7 @@ std::vector<std::byte> write_glb(const MeasuredMotion& m) {
     nodes[static_cast<std::size_t>(joint.parent)]["children"].push_back(j);
   }
   if (m.frames > 0) animate(m, axes, chunk, root);
-  if (joint_roots.size() > 1) {  // joints of a skin need a common root
+  if (joint_roots.size() > 1) {  // glTF requires a common root for the joints of a skin
     nodes.push_back({{"name", "roots"}, {"children", joint_roots}});
     joint_roots = Json::array({nodes.size() - 1});
   }

@@ -24,23 +24,24 @@ constexpr NamedUnit units[] = {{"mm", 0.001},          {"m", 1},
                                {"centimeters", 0.01},  {"centimetres", 0.01},
                                {"feet", 0.3048}};
 
-/// How badly coordinate k of the lowest marker keeps to one height near zero, over at most 200 frames, in file units;
-/// infinite where all markers share one value, as in planar recordings.
+/// How far the minimum of coordinate k over the markers is from a constant value near zero [file units], over at most 200 frames:
+/// |median| + 2 * mean absolute deviation. The lowest marker stays close to the floor, so that the up axis has the smaller value.
+/// Infinite if all markers share one value of the coordinate, as in planar recordings.
 double unsteadiness(const MarkerMotion& m, int k) {
   std::vector<double> low;
   double highest = -std::numeric_limits<double>::infinity();
   const int stride = std::max(1, m.frames / 200);
   for (int f = 0; f < m.frames; f += stride) {
-    double least = 0;
+    double minimum = 0;
     bool any = false;
     for (int i = 0; i < m.marker_count(); ++i) {
       if (!m.seen(f, i)) continue;
       const double x = m.at(f, i)[k];
       highest = std::max(highest, x);
-      least = any ? std::min(least, x) : x;
+      minimum = any ? std::min(minimum, x) : x;
       any = true;
     }
-    if (any) low.push_back(least);
+    if (any) low.push_back(minimum);
   }
   if (low.empty()) return 0;
   const auto middle = low.begin() + static_cast<std::ptrdiff_t>(low.size() / 2);
@@ -52,10 +53,10 @@ double unsteadiness(const MarkerMotion& m, int k) {
   return std::fabs(median) + 2 * spread / static_cast<double>(low.size());
 }
 
-/// Of the markers in the first frame that shows any, in file units.
+/// Extent of the markers in the first frame in which any is seen, in file units.
 struct Reach {
-  double extent = 0;    // largest side of the box around them
-  double distance = 0;  // of the farthest from the origin
+  double extent = 0;    ///< largest side of the axis-aligned box around them
+  double distance = 0;  ///< distance of the farthest one from the origin
 };
 Reach reach_of(const MarkerMotion& m) {
   for (int f = 0; f < m.frames; ++f) {
@@ -79,8 +80,8 @@ Reach reach_of(const MarkerMotion& m) {
   return {};
 }
 
-/// No room of a motion-capture laboratory.
-bool incredible(const Reach& reach, double metres) {
+/// True if the markers would span more than 100 m, or lie within 4 mm of the origin: no motion-capture laboratory is of either size.
+bool implausible(const Reach& reach, double metres) {
   return reach.extent * metres > 100 || (reach.distance > 0 && reach.distance * metres < 0.004);
 }
 
@@ -98,41 +99,41 @@ std::string_view name_of_unit(double metres) {
   return {};
 }
 
-bool to_our_axes(MarkerMotion& motion, const MarkerOptions& options, UpAxis told, double metres, ReadNotes& notes) {
-  UpAxis up = options.up != UpAxis::automatic ? options.up : told;
+bool to_our_axes(MarkerMotion& motion, const MarkerOptions& options, UpAxis file_up, double metres, ReadNotes& notes) {
+  UpAxis up = options.up != UpAxis::automatic ? options.up : file_up;
   if (up == UpAxis::automatic) {
     up = unsteadiness(motion, 1) < unsteadiness(motion, 2) ? UpAxis::y : UpAxis::z;
-    notes.remarks.push_back(std::string("The file does not tell which axis points up; ") + (up == UpAxis::y ? "Y" : "Z") +
-                            " is taken, along which the lowest marker keeps its height best.");
+    notes.remarks.push_back(std::string("The file does not specify the up axis; ") + (up == UpAxis::y ? "Y" : "Z") +
+                            " is assumed, because along it the lowest marker stays closest to a constant height.");
   }
   if (options.metres_per_unit > 0 && std::isfinite(options.metres_per_unit)) {
     metres = options.metres_per_unit;
-  } else if (const Reach reach = reach_of(motion); metres <= 0 || incredible(reach, metres)) {
+  } else if (const Reach reach = reach_of(motion); metres <= 0 || implausible(reach, metres)) {
     if (metres > 0)
-      notes.remarks.push_back("With the file's unit of length the markers would reach over " + to_text(reach.extent * metres) +
-                              " m; it is not believed.");
+      notes.remarks.push_back("With the file's unit of length the markers would span " + to_text(reach.extent * metres) +
+                              " m, which is implausible; the unit is replaced by a guess.");
     else
-      notes.remarks.push_back("The file does not tell its unit of length.");
+      notes.remarks.push_back("The file does not specify its unit of length.");
     const UnitGuess guess = guess_unit(reach.extent);
     metres = guess.metres;
     notes.unit_guessed = true;
-    notes.remarks.push_back("Lengths are taken as " + guess.name + ": the markers reach over " + to_fixed(reach.extent * metres, 3) +
+    notes.remarks.push_back("Lengths are assumed to be in " + guess.name + ": the markers then span " + to_fixed(reach.extent * metres, 3) +
                             " m.");
   }
   motion.unit = notes.metres_per_unit = metres;
   const FileAxes axes{up == UpAxis::z};
   notes.z_up = axes.z_up;
-  bool sane = true;
+  bool in_range = true;
   for (std::size_t i = 0; i < motion.positions.size(); ++i) {
     motion.positions[i] = axes.from_file(motion.positions[i]) * metres;
-    sane = sane && norm(motion.positions[i]) <= max_magnitude;
+    in_range = in_range && norm(motion.positions[i]) <= max_magnitude;
     if (motion.residuals[i] >= 0) motion.residuals[i] = static_cast<float>(motion.residuals[i] * metres);
   }
   for (ForcePlate& plate : motion.plates) {
     for (Vec3& corner : plate.corners) corner = axes.from_file(corner) * metres;
     plate.origin *= metres;
   }
-  return sane;
+  return in_range;
 }
 
 }  // namespace ugoki::formats

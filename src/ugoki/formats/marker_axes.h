@@ -1,5 +1,5 @@
 #pragma once
-// Units and axes of marker files. Internal to formats.
+// Units and axes of marker files (C3D, TRC, CSV). Internal to formats.
 
 #include <optional>
 #include <string>
@@ -9,15 +9,16 @@
 
 namespace ugoki::formats {
 
-/// m of a unit of length as marker files name it ("mm", "M", "inches"); nothing if it is no known name.
+/// Length [m] of the unit that a marker file calls `unit` ("mm", "M", "inches"); nothing for an unknown name.
 [[nodiscard]] std::optional<double> metres_of(std::string_view unit);
-/// "mm" of 0.001; empty if the unit has no name of its own.
+/// Name of the unit of length `metres` [m], "mm" for 0.001; empty if the unit has no name.
 [[nodiscard]] std::string_view name_of_unit(double metres);
 
-/// Turns the positions (in file axes and file units, with residuals set) into metres, Z up; plates likewise.
-/// @param told the axis that the file tells, or automatic
-/// @param metres m per file unit by what the file says; 0: it says nothing
-/// What is decided is put into the notes. Returns false if lengths come out beyond max_magnitude.
-[[nodiscard]] bool to_our_axes(MarkerMotion& motion, const MarkerOptions& options, UpAxis told, double metres, ReadNotes& notes);
+/// Converts marker positions, residuals and force platforms of `motion` from file axes and file units to metres, Z up, in place.
+/// @param file_up the up axis that the file specifies; automatic if it specifies none
+/// @param metres  m per file unit as the file specifies it; 0 if it specifies none
+/// @param notes   receives the unit, the up axis, and a remark for each guess
+/// Returns false if a converted position has a norm above max_magnitude (m) or is not finite.
+[[nodiscard]] bool to_our_axes(MarkerMotion& motion, const MarkerOptions& options, UpAxis file_up, double metres, ReadNotes& notes);
 
 }  // namespace ugoki::formats

@@ -16,21 +16,23 @@ namespace {
 using json::Fields;
 using json::Json;
 
-constexpr std::size_t most_surfaces = 100'000;
+constexpr std::size_t max_surfaces = 100'000;  // entries of each of the two lists
 
-static_assert(std::endian::native == std::endian::little, "numbers are stored with the least byte first");
+static_assert(std::endian::native == std::endian::little, "numbers are packed in little-endian byte order");
 
+/// Values as base64 text of their bytes ("packed"), in quotes.
 template <class T>
 std::string packed(const std::vector<T>& values) {
   return "\"" + to_base64({reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)}) + "\"";
 }
 
-/// The numbers of a base64 text; a problem where it is none.
+/// Decodes packed values; adds a problem and returns false if `text` is not base64 of whole values of type T.
 template <class T>
 bool unpack(Fields& f, const std::string& path, const std::string& text, std::vector<T>& out) {
   const std::optional<std::vector<std::uint8_t>> bytes = from_base64(text);
   if (!bytes || bytes->size() % sizeof(T) != 0) {
-    f.report(ErrorCode::syntax, path, "The packed numbers are not whole.", "Write the file again, or give lists of numbers.");
+    f.report(ErrorCode::syntax, path, "The packed numbers are not valid base64 or are incomplete.",
+             "Write the file again, or use lists of numbers.");
     return false;
   }
   out.resize(bytes->size() / sizeof(T));
@@ -38,22 +40,24 @@ bool unpack(Fields& f, const std::string& path, const std::string& text, std::ve
   return true;
 }
 
+/// Reads the packed values of the field `key`; false if it is missing or, with a problem, if it is not valid.
 template <class T>
 bool read_packed(Fields& f, std::string_view key, std::vector<T>& out) {
   const Json* field = f.find(key);
   if (!field) return false;
   if (field->is_string()) return unpack(f, f.path(key), field->get_ref<const std::string&>(), out);
-  f.report(ErrorCode::syntax, f.path(key), "It must be packed numbers, a text in quotes.", "Remove \"prepared\"; it is made anew.");
+  f.report(ErrorCode::syntax, f.path(key), "The value must be packed numbers, a base64 text.",
+           "Remove \"prepared\"; it will be computed again.");
   return false;
 }
 
-/// Packed, or a list of lists of three numbers.
+/// Reads `key`: packed values, or a list of lists of three numbers. @param number converts one number to the component type
 template <class Three, class Number>
-bool read_threes(Fields& f, std::string_view key, std::size_t most, std::vector<Three>& out, const Number& number) {
+bool read_threes(Fields& f, std::string_view key, std::size_t maximum, std::vector<Three>& out, const Number& number) {
   const Json* field = f.find(key);
   if (field && field->is_string()) return unpack(f, f.path(key), field->get_ref<const std::string&>(), out);
   f.require(key, "three numbers for each entry");
-  const Json* list = f.list(key, most, key);
+  const Json* list = f.list(key, maximum, key);
   for (std::size_t i = 0; list && i < list->size(); ++i) {
     double x[3];
     if (!f.numbers((*list)[i], f.path(key) + "/" + std::to_string(i), x)) return false;
@@ -62,17 +66,18 @@ bool read_threes(Fields& f, std::string_view key, std::size_t most, std::vector<
   return list != nullptr;
 }
 
+/// Adds the problems of `error` at the JSON path `path`.
 void report_all(Fields& f, const std::string& path, const Error& error) {
   for (const Problem& p : error.problems) f.report(p.code, path, p.message, p.remedy);
 }
 
-/// "prepared": null with problems told where it is wrong.
+/// Reads "prepared", the collision data of a mesh; null, with problems added, if it is not valid.
 collision::PreparedPtr read_prepared(Fields& g, const Geometry& geometry) {
   std::string of;
   g.text("of", of);
   if (of != surface_name(geometry.hash)) {
-    g.report(ErrorCode::conflict, g.path("of"), "What was prepared belongs to another mesh than the one beside it.",
-             "Remove \"prepared\"; it is made anew.");
+    g.report(ErrorCode::conflict, g.path("of"), "The prepared data belong to a different mesh.",
+             "Remove \"prepared\"; it will be computed again.");
     return nullptr;
   }
   collision::Hull hull;
@@ -112,12 +117,12 @@ GeometryPtr read_geometry(Fields& f) {
   std::vector<Triangle> triangles;
   bool convex = false;
   f.boolean("convex", convex);
-  bool whole = read_threes(f, "vertices", 3 * most_triangles, vertices, [](double x) { return x; });
-  whole = read_threes(f, "triangles", most_triangles, triangles,
-                      [](double x) { return x == std::floor(x) && x >= 0 && x < 2e9 ? static_cast<std::int32_t>(x) : -1; }) &&
-          whole;
+  bool complete = read_threes(f, "vertices", 3 * max_triangles, vertices, [](double x) { return x; });
+  complete = read_threes(f, "triangles", max_triangles, triangles,
+                         [](double x) { return x == std::floor(x) && x >= 0 && x < 2e9 ? static_cast<std::int32_t>(x) : -1; }) &&
+             complete;
   const Json* prepared = f.find("prepared");
-  if (!whole) return nullptr;
+  if (!complete) return nullptr;
   Result<GeometryPtr> geometry = make_geometry(vertices, triangles, convex, f.path());
   if (!geometry) {
     report_all(f, f.path(), geometry.error());
@@ -143,7 +148,7 @@ HeightFieldPtr read_height_field(Fields& f) {
     if (!unpack(f, f.path("heights"), heights->get_ref<const std::string&>(), field.heights)) return nullptr;
   } else {
     f.require("heights", "one number for each point, row by row");
-    const Json* list = f.list("heights", most_heights, "heights");
+    const Json* list = f.list("heights", max_heights, "heights");
     field.heights.resize(list ? list->size() : 0);
     if (!list || !f.numbers(*list, f.path("heights"), field.heights)) return nullptr;
   }
@@ -153,15 +158,15 @@ HeightFieldPtr read_height_field(Fields& f) {
   return nullptr;
 }
 
-/// Reads every entry of the list and keeps it by its name.
+/// Reads every entry of the list `key` into `out`, by its name.
 template <class Ptr, class Read>
 void read_table(Fields& document, std::string_view key, std::map<std::string, Ptr, std::less<>>& out, const Read& read) {
-  const Json* list = document.list(key, most_surfaces, key);
-  for (std::size_t i = 0; list && i < list->size() && document.problems().problems.size() < json::most_problems; ++i) {
+  const Json* list = document.list(key, max_surfaces, key);
+  for (std::size_t i = 0; list && i < list->size() && document.problems().problems.size() < json::max_problems; ++i) {
     Fields f((*list)[i], document.path(key) + "/" + std::to_string(i), document.problems());
     if (!f.is_object()) continue;
     std::string name;
-    f.require("name", "the text by which shapes refer to it");
+    f.require("name", "the name that shapes use to refer to it");
     f.text("name", name);
     Ptr surface = read(f);
     f.refuse_others();

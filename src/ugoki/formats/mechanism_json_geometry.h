@@ -1,5 +1,6 @@
 #pragma once
-// Meshes and height fields in the JSON form of a mechanism, each written once with what was prepared for it; internal to formats.
+// Meshes and height fields in the JSON form of a mechanism. Each is written once, a mesh together with its prepared collision data (convex
+// hull, sphere tree). Internal to formats.
 
 #include <map>
 #include <string>
@@ -9,19 +10,19 @@
 
 namespace ugoki::formats {
 
-/// By the names under which shapes refer to them.
+/// The surfaces of a document, by the names that shapes use to refer to them.
 struct SurfaceTables {
   std::map<std::string, GeometryPtr, std::less<>> geometries;
   std::map<std::string, HeightFieldPtr, std::less<>> height_fields;
 };
 
-/// Reads "geometries" and "height_fields" of the document; problems have their JSON path.
+/// Reads "geometries" and "height_fields" of the document. Problems are added to the document's list, with their JSON path.
 [[nodiscard]] SurfaceTables read_surfaces(json::Fields& document);
 
-/// The name under which a shape's mesh or height field is written: its hash.
+/// The name under which a mesh or height field is written: its hash as 16 hexadecimal digits.
 [[nodiscard]] std::string surface_name(std::uint64_t hash);
 
-/// The members "geometries" and "height_fields" of the document, with a comma in front; empty where no shape has any.
+/// JSON text of the members "geometries" and "height_fields", each after a leading comma; empty if no shape has a surface.
 [[nodiscard]] std::string surfaces_text(const MechanismSpec& spec);
 
 }  // namespace ugoki::formats

@@ -9,7 +9,7 @@ namespace ugoki::formats {
 namespace {
 
 std::string text_of(double value) {
-  // "-0" would be read as the integer 0, without its sign
+  // "-0" would be read as the integer 0 and lose its sign
   return value == 0 && std::signbit(value) ? "-0.0" : to_text(value);
 }
 std::string text_of(const std::string& value) {
@@ -37,6 +37,7 @@ bool same_bits(const Sym3& a, const Sym3& b) {
 class Members {
  public:
   void add(const char* name, const std::string& text) { text_ += (text_.empty() ? "\"" : ", \"") + std::string(name) + "\": " + text; }
+  /// Adds the member unless `value` has the bits of `standard`, its default.
   template <class T>
   void add_unless(const char* name, const T& value, const T& standard) {
     if (!same(value, standard)) add(name, text_of(value));
@@ -59,8 +60,8 @@ class Members {
   std::string text_;
 };
 
-std::string freedom_text(const Freedom& f) {
-  const Freedom standard;
+std::string dof_text(const Dof& f) {
+  const Dof standard;
   Members m;
   m.add_unless("lower", f.lower, standard.lower);
   m.add_unless("upper", f.upper, standard.upper);
@@ -81,13 +82,13 @@ std::string joint_text(const Joint& j) {
   m.add_unless("axis", j.axis, standard.axis);
   m.add_unless("axis2", j.axis2, standard.axis2);
   m.add_unless("pitch", j.pitch, standard.pitch);
-  int told = 0;  // freedoms at the end that are all standard are left out
+  int written = 0;  // DOFs at the end of the list that have only default values are omitted
   for (int i = 0; i < j.nv(); ++i)
-    if (freedom_text(j.freedoms[static_cast<std::size_t>(i)]) != "{}") told = i + 1;
-  if (told > 0) {
+    if (dof_text(j.dofs[static_cast<std::size_t>(i)]) != "{}") written = i + 1;
+  if (written > 0) {
     std::string list;
-    for (int i = 0; i < told; ++i) list += (i > 0 ? ", " : "") + freedom_text(j.freedoms[static_cast<std::size_t>(i)]);
-    m.add("freedoms", "[" + list + "]");
+    for (int i = 0; i < written; ++i) list += (i > 0 ? ", " : "") + dof_text(j.dofs[static_cast<std::size_t>(i)]);
+    m.add("dofs", "[" + list + "]");
   }
   return m.object();
 }
@@ -95,7 +96,8 @@ std::string joint_text(const Joint& j) {
 std::string inertia_text(const Inertia& inertia) {
   Members m;
   m.add_unless("mass", inertia.mass, 0.0);
-  // What people think in, if it gives back the same bits; otherwise the numbers that are stored.
+  // Mass, centre of mass and inertia about it are easier to read. They are written if they restore the same bits; otherwise the
+  // stored values are.
   const Vec3 centre = inertia.centre();
   const Sym3 about_centre = inertia.about_centre();
   const Inertia back = Inertia::from_centre(inertia.mass, centre, about_centre);
@@ -150,15 +152,15 @@ std::string loop_text(const LoopSpec& l) {
   Members m;
   m.add("name", text_of(l.name));
   m.add("type", text_of(std::string(name_of(l.type))));
-  const auto add_end = [&](const char* name, const std::string& link, const Pose& X, int freedom) {
+  const auto add_end = [&](const char* name, const std::string& link, const Pose& X, int dof) {
     Members end;
     if (!link.empty()) end.add("link", text_of(link));
     end.add_pose(X);
-    if (freedom != 0) end.add("freedom", std::to_string(freedom));
+    if (dof != 0) end.add("dof", std::to_string(dof));
     if (!end.empty()) m.add(name, end.object());
   };
-  add_end("a", l.link_a, l.X_AJ, l.freedom_a);
-  add_end("b", l.link_b, l.X_BJ, l.freedom_b);
+  add_end("a", l.link_a, l.X_AJ, l.dof_a);
+  add_end("b", l.link_b, l.X_BJ, l.dof_b);
   m.add_unless("axis", l.axis, standard.axis);
   m.add_unless("axis2", l.axis2, standard.axis2);
   m.add_unless("length", l.length, standard.length);

@@ -12,14 +12,15 @@
 namespace ugoki::formats {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "bytes are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "values are written as their bytes in memory, which must be little-endian");
 static_assert(sizeof(Vec3) == 24 && sizeof(Quat) == 32);
 
 constexpr std::string_view motion_mark = "UGOKIMOT";
 constexpr std::string_view measured_mark = "UGOKIMEA";
 constexpr std::uint32_t format_version = 1;
-constexpr std::size_t header_size = 32;  // mark 8, version 4, zero 4, payload size 8, checksum 8
+constexpr std::size_t header_size = 32;  // bytes: mark 8, version 4, reserved 4, payload size 8, checksum 8
 
+/// Writes values one after the other behind a header, which finish() fills.
 class ByteWriter {
  public:
   ByteWriter() : bytes_(header_size) {}
@@ -57,32 +58,32 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads in order; after the first failure everything reads as zero and good() is false.
+/// Reads values one after the other. After the first error good() is false and every read returns zero.
 class ByteReader {
  public:
   ByteReader(std::span<const std::byte> bytes, std::string_view name) : bytes_(bytes), name_(name) {}
 
   bool begin(std::string_view mark) {
     constexpr const char* again = "Restore it from a backup, or import the motion again.";
-    if (bytes_.size() < header_size) return refuse(ErrorCode::truncated, "the data ends before its header does.", again);
+    if (bytes_.size() < header_size) return refuse(ErrorCode::truncated, "The data ends within its header.", again);
     if (std::memcmp(bytes_.data(), mark.data(), 8) != 0)
-      return refuse(ErrorCode::syntax, "the data is not a motion of this kind.", "Check what was stored here.");
+      return refuse(ErrorCode::syntax, "The data is not a motion of the expected kind.", "Check which data was stored under this name.");
     std::uint32_t version = 0;
     std::uint64_t size = 0, sum = 0;
     std::memcpy(&version, bytes_.data() + 8, 4);
     std::memcpy(&size, bytes_.data() + 16, 8);
     std::memcpy(&sum, bytes_.data() + 24, 8);
     if (version != format_version)
-      return refuse(ErrorCode::unsupported, "version " + std::to_string(version) + " of the motion format is not known.",
-                    "Use a newer Ugoki.");
+      return refuse(ErrorCode::unsupported, "Version " + std::to_string(version) + " of the motion format is not supported.",
+                    "Use a newer version of Ugoki.");
     if (size != bytes_.size() - header_size)
-      return refuse(
-          ErrorCode::truncated,
-          "the data has " + std::to_string(bytes_.size() - header_size) + " bytes, but its header says " + std::to_string(size) + ".",
-          again);
+      return refuse(ErrorCode::truncated,
+                    "The data has " + std::to_string(bytes_.size() - header_size) + " bytes after the header, but the header specifies " +
+                        std::to_string(size) + ".",
+                    again);
     Hash64 hash;
     hash.add_bytes(bytes_.data() + header_size, bytes_.size() - header_size);
-    if (hash.value() != sum) return refuse(ErrorCode::syntax, "the checksum is wrong: the data was damaged.", again);
+    if (hash.value() != sum) return refuse(ErrorCode::syntax, "The checksum is wrong: the data is damaged.", again);
     at_ = header_size;
     return true;
   }
@@ -96,27 +97,28 @@ class ByteReader {
 
   bool raw(void* out, std::size_t size) {
     if (!good()) return false;
-    if (size > bytes_.size() - at_) return refuse(ErrorCode::truncated, "the data ends inside a value.");
+    if (size > bytes_.size() - at_) return refuse(ErrorCode::truncated, "The data ends within a value.");
     if (size > 0) std::memcpy(out, bytes_.data() + at_, size);
     at_ += size;
     return true;
   }
   double number() {
     double v = 0;
-    if (raw(&v, sizeof v) && std::isnan(v)) refuse(ErrorCode::range, "a number is not one.");
+    if (raw(&v, sizeof v) && std::isnan(v)) refuse(ErrorCode::range, "A value is not a number (NaN).");
     return v;
   }
   double finite() {
     const double v = number();
-    if (!std::isfinite(v)) refuse(ErrorCode::range, "a number is not finite.");
+    if (!std::isfinite(v)) refuse(ErrorCode::range, "A value is not finite.");
     return v;
   }
-  /// A count of things of at least `least` bytes each: never more than the data can hold.
-  std::size_t count(std::size_t least) {
+  /// Reads a count of entries. A count that the remaining bytes cannot contain is an error, so that it never causes a large allocation.
+  /// @param entry_size minimum size of one entry, bytes
+  std::size_t count(std::size_t entry_size) {
     std::uint64_t v = 0;
     if (!raw(&v, sizeof v)) return 0;
-    if (v > (bytes_.size() - at_) / least) {
-      refuse(ErrorCode::truncated, "a count is larger than the data.");
+    if (v > (bytes_.size() - at_) / entry_size) {
+      refuse(ErrorCode::truncated, "A count is larger than the rest of the data.");
       return 0;
     }
     return static_cast<std::size_t>(v);
@@ -129,7 +131,7 @@ class ByteReader {
   bool flag() {
     std::uint8_t v = 0;
     raw(&v, 1);
-    if (v > 1) refuse(ErrorCode::range, "a yes-or-no value is neither.");
+    if (v > 1) refuse(ErrorCode::range, "A flag is neither 0 nor 1.");
     return v == 1;
   }
   std::string text() {
@@ -144,8 +146,9 @@ class ByteReader {
     v.z = finite();
     return v;
   }
+  /// Adds an error if bytes are left.
   void end() {
-    if (good() && at_ != bytes_.size()) refuse(ErrorCode::structure, "bytes are left over at the end.");
+    if (good() && at_ != bytes_.size()) refuse(ErrorCode::structure, "There are extra bytes at the end.");
   }
 
  private:
@@ -164,7 +167,7 @@ bool finite_doubles(const void* data, std::size_t count) {
 
 double read_rate(ByteReader& in) {
   const double rate = in.finite();
-  if (in.good() && !(rate > 0)) in.refuse(ErrorCode::range, "the frame rate is not positive.");
+  if (in.good() && !(rate > 0)) in.refuse(ErrorCode::range, "The frame rate is not positive.");
   return rate;
 }
 
@@ -201,7 +204,7 @@ Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view na
   m.frames = in.integer();
   m.nq = in.integer();
   m.cyclic = in.flag();
-  const std::size_t tracks = in.count(16);
+  const std::size_t tracks = in.count(16);  // bytes of a track without its name and labels: 2 counts
   for (std::size_t i = 0; i < tracks && in.good(); ++i) {
     ContactTrack track;
     track.link = in.text();
@@ -213,8 +216,8 @@ Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view na
   in.raw(m.q.data(), m.q.size() * sizeof(double));
   in.end();
   if (in.good() && (m.frames < 0 || m.nq < 0 || m.q.size() != static_cast<std::uint64_t>(m.frames) * static_cast<std::uint64_t>(m.nq)))
-    in.refuse(ErrorCode::structure, "the numbers are not as many as the frames need.");
-  if (in.good() && !finite_doubles(m.q.data(), m.q.size())) in.refuse(ErrorCode::range, "a coordinate is not finite.");
+    in.refuse(ErrorCode::structure, "The number of coordinates does not match the number of frames.");
+  if (in.good() && !finite_doubles(m.q.data(), m.q.size())) in.refuse(ErrorCode::range, "A coordinate is not finite.");
   if (!in.good()) return fail(in.take());
   return m;
 }
@@ -238,8 +241,8 @@ std::vector<std::byte> write_measured_motion(const MeasuredMotion& motion) {
     out.text(j.rotation_order);
     out.count(j.end_sites.size());
     for (const Vec3& e : j.end_sites) out.vector(e);
-    out.count(j.freedoms.size());
-    for (const MeasuredFreedom& f : j.freedoms) {
+    out.count(j.dofs.size());
+    for (const MeasuredDof& f : j.dofs) {
       out.vector(f.axis);
       out.flag(f.limited);
       out.number(f.lower);
@@ -263,32 +266,32 @@ Result<MeasuredMotion> read_measured_motion(std::span<const std::byte> bytes, st
   m.skeleton.name = in.text();
   m.skeleton.unit = in.finite();
   m.skeleton.mass = in.finite();
-  const std::size_t joints = in.count(61);
+  const std::size_t joints = in.count(61);  // bytes of a joint without its texts and lists: 4 counts 32, parent 4, offset 24, flag 1
   for (std::size_t i = 0; i < joints && in.good(); ++i) {
     SkeletonJoint j;
     j.name = in.text();
     j.parent = in.integer();
     if (in.good() && (j.parent < -1 || j.parent >= static_cast<int>(i)))
-      in.refuse(ErrorCode::structure, "a joint comes before its parent.");
+      in.refuse(ErrorCode::structure, "A joint precedes its parent, or has an invalid parent.");
     j.offset = in.vector();
     j.translates = in.flag();
     j.rotation_order = in.text();
     const std::size_t ends = in.count(sizeof(Vec3));
     for (std::size_t k = 0; k < ends && in.good(); ++k) j.end_sites.push_back(in.vector());
-    const std::size_t freedoms = in.count(41);
-    for (std::size_t k = 0; k < freedoms && in.good(); ++k) {
-      MeasuredFreedom f;
+    const std::size_t dofs = in.count(41);  // bytes of a DOF: axis 24, flag 1, limits 16
+    for (std::size_t k = 0; k < dofs && in.good(); ++k) {
+      MeasuredDof f;
       f.axis = in.vector();
       f.limited = in.flag();
-      f.lower = in.number();  // one side of a limit may be open
+      f.lower = in.number();  // infinite if that side has no limit
       f.upper = in.number();
-      j.freedoms.push_back(f);
+      j.dofs.push_back(f);
     }
     m.skeleton.joints.push_back(std::move(j));
   }
   const std::size_t poses = in.count(sizeof(Vec3) + sizeof(Quat));
   if (in.good() && (m.frames < 0 || poses != static_cast<std::uint64_t>(m.frames) * joints))
-    in.refuse(ErrorCode::structure, "the poses are not as many as the frames need.");
+    in.refuse(ErrorCode::structure, "The number of poses does not match the number of frames and joints.");
   if (in.good()) {
     m.translations.resize(poses);
     m.rotations.resize(poses);
@@ -297,7 +300,7 @@ Result<MeasuredMotion> read_measured_motion(std::span<const std::byte> bytes, st
   }
   in.end();
   if (in.good() && !(finite_doubles(m.translations.data(), 3 * poses) && finite_doubles(m.rotations.data(), 4 * poses)))
-    in.refuse(ErrorCode::range, "a pose is not finite.");
+    in.refuse(ErrorCode::range, "A pose is not finite.");
   if (!in.good()) return fail(in.take());
   return m;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Motions as bytes, for databases: little-endian, versioned, checksummed. The layout is described in docs/formats.md.
+// Binary form of motions for databases: little-endian, versioned, with a checksum. docs/formats.md describes the layout.
 
 #include <cstddef>
 #include <span>
@@ -12,12 +12,13 @@
 
 namespace ugoki::formats {
 
-/// Every bit of the motion. O(numbers).
+/// Bytes of `motion`; read_motion returns the same bits. O(coordinates).
 [[nodiscard]] std::vector<std::byte> write_motion(const Motion& motion);
-/// Errors name the byte. Memory is taken only for what the bytes hold.
+/// Reads bytes written by write_motion. Errors have the location "name: byte N". The size of the data bounds every allocation.
+/// @param name identifies the data in error messages
 [[nodiscard]] Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view name);
 
-/// The same for measured data with its skeleton.
+/// The same two functions for a measured motion with its skeleton.
 [[nodiscard]] std::vector<std::byte> write_measured_motion(const MeasuredMotion& motion);
 [[nodiscard]] Result<MeasuredMotion> read_measured_motion(std::span<const std::byte> bytes, std::string_view name);
 

@@ -1,18 +1,18 @@
 #pragma once
-// What a reader decided on its own, for people to know.
+// Decisions that a reader made where the file leaves a choice, reported to the user.
 
 #include <string>
 #include <vector>
 
 namespace ugoki::formats {
 
-/// Filled by a reader whose caller asks for it. Nothing here is an error.
+/// Notes of one reader call; filled if the caller passes an object. None of them is an error.
 struct ReadNotes {
-  double frame_time = 0;             ///< s, exactly as the file gives it; 0 if it gives none
-  double metres_per_unit = 0;        ///< the unit of length that was used
-  bool unit_guessed = false;         ///< the file and the caller did not tell the unit
-  bool z_up = false;                 ///< the file's Z was taken as up and its X as forward; otherwise Y and Z
-  std::vector<std::string> remarks;  ///< sentences: guesses made, names changed, frames filled in
+  double frame_time = 0;             ///< s between frames, exactly as the file specifies it; 0 if it specifies none
+  double metres_per_unit = 0;        ///< unit of length that was used, m per file unit
+  bool unit_guessed = false;         ///< neither the file nor the caller specified a usable unit
+  bool z_up = false;                 ///< true: the file's axes were read as Z up, X forward; false: as Y up, Z forward
+  std::vector<std::string> remarks;  ///< one sentence each: guesses made, names changed, missing frames filled
 };
 
 }  // namespace ugoki::formats

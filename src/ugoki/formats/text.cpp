@@ -13,6 +13,7 @@ bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 bool is_space(char c) { return is_blank(c) || is_line_end(c); }
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
+// 10^22 is the largest power of ten that a double represents exactly.
 constexpr double powers_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
@@ -25,25 +26,25 @@ void Problems::add(ErrorCode code, int line, std::string message, std::string re
 std::optional<std::string_view> plain_text(std::string_view text, std::string_view format, Problems& problems) {
   const std::string kind(format);
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
-    problems.add(ErrorCode::unsupported, 1, "the text is encoded in UTF-16.", "Save it as UTF-8 or ASCII and import it again.");
+    problems.add(ErrorCode::unsupported, 1, "The text is encoded in UTF-16.", "Save it as UTF-8 or ASCII and import it again.");
     return std::nullopt;
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  while (text.ends_with('\x1A') || text.ends_with('\0')) text.remove_suffix(1);  // padding of old systems
+  while (text.ends_with('\x1A') || text.ends_with('\0')) text.remove_suffix(1);  // padding that some old systems append (Ctrl-Z, NUL)
   int line = 1;
   bool seen = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (c == '\n' || (c == '\r' && (i + 1 == text.size() || text[i + 1] != '\n'))) ++line;
     if ((static_cast<unsigned char>(c) < 0x20 && !is_space(c)) || c == 0x7F) {
-      problems.add(ErrorCode::syntax, line, "the file holds bytes that are no text.",
-                   "Check that it is a " + kind + " text file and was not compressed or damaged.");
+      problems.add(ErrorCode::syntax, line, "The file contains bytes that are not text.",
+                   "Check that it is a " + kind + " text file and that it is not compressed or damaged.");
       return std::nullopt;
     }
     seen = seen || !is_space(c);
   }
   if (!seen) {
-    problems.add(ErrorCode::truncated, 1, "the file is empty.", "Export the " + kind + " file again.");
+    problems.add(ErrorCode::truncated, 1, "The file is empty.", "Export the " + kind + " file again.");
     return std::nullopt;
   }
   return text;
@@ -57,9 +58,9 @@ std::string in_quotes(std::string_view token) {
 }
 
 std::string path_in_quotes(std::string_view path) {
-  constexpr std::size_t most = 400;
-  std::string out = path.size() > most ? "'..." : "'";
-  for (const char c : path.substr(path.size() > most ? path.size() - most : 0))
+  constexpr std::size_t max_bytes = 400;
+  std::string out = path.size() > max_bytes ? "'..." : "'";
+  for (const char c : path.substr(path.size() > max_bytes ? path.size() - max_bytes : 0))
     out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
   return out + "'";
 }
@@ -111,8 +112,9 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
 }
 
 std::optional<double> measured_number(std::string_view token) {
-  // Exact fast path: a mantissa below 2^53 divided by a power of ten that a double holds exactly is rounded once
-  // (Clinger, How to read floating point numbers accurately, 1990).
+  // Fast path: a mantissa below 2^53 and a power of ten up to 10^22 are exact doubles, so that their quotient is rounded only
+  // once and is the correctly rounded value (Clinger, How to read floating point numbers accurately, 1990).
+  // At most 18 digits are read, so that the mantissa does not overflow.
   std::size_t i = !token.empty() && (token[0] == '-' || token[0] == '+') ? 1 : 0;
   std::uint64_t mantissa = 0;
   std::size_t digits = 0, fraction = 0;
@@ -141,9 +143,10 @@ std::optional<double> measured_number(std::string_view token) {
 }
 
 NumberFault number_fault(std::string_view token) {
-  if (token.empty()) return {ErrorCode::truncated, "a number is missing.", "Add it, or export the file again."};
+  if (token.empty()) return {ErrorCode::truncated, "A number is missing.", "Add it, or export the file again."};
   if (parse_double(token))
-    return {ErrorCode::range, in_quotes(token) + " is too large to be a measurement.", "Correct the number, or the units of the export."};
+    return {ErrorCode::range, in_quotes(token) + " is too large to be a measurement; the maximum magnitude is 1e9.",
+            "Correct the number, or the units of the export."};
   std::string_view bare = token;
   if (bare.starts_with('-') || bare.starts_with('+')) bare.remove_prefix(1);
   bool numeric = !bare.empty();
@@ -153,13 +156,13 @@ NumberFault number_fault(std::string_view token) {
     numeric = numeric && ((c >= '0' && c <= '9') || c == '.' || c == ',' || c == 'e' || c == 'E' || c == '-' || c == '+');
   }
   if (numeric && comma)
-    return {ErrorCode::syntax, in_quotes(token) + " has a comma where a number has a point.",
-            "Export again with points in numbers (an English locale)."};
+    return {ErrorCode::syntax, in_quotes(token) + " has a comma instead of a decimal point.",
+            "Export the file again with decimal points (English locale)."};
   if (bare.size() >= 3 &&
       (equal_ignoring_case(bare.substr(0, 3), "nan") || equal_ignoring_case(bare.substr(0, 3), "inf") || bare.starts_with("1.#")))
     return {ErrorCode::range, in_quotes(token) + " is not a finite number.", "Replace it by a measured value, or remove the frame."};
-  if (numeric) return {ErrorCode::range, in_quotes(token) + " is not a number that can be used.", "Correct the number."};
-  return {ErrorCode::syntax, in_quotes(token) + " is not a number.", "Put a number here, or export the file again."};
+  if (numeric) return {ErrorCode::range, in_quotes(token) + " is not a valid number.", "Correct the number."};
+  return {ErrorCode::syntax, in_quotes(token) + " is not a number.", "Write a number here, or export the file again."};
 }
 
 bool Scanner::skip_space() {

@@ -1,5 +1,5 @@
 #pragma once
-// Scanning of text formats: words with their line numbers, numbers, and a bounded list of problems. Internal to formats.
+// Scanner for text formats: words with their line numbers, number parsing, and a bounded list of problems. Internal to formats.
 
 #include <cstddef>
 #include <optional>
@@ -10,14 +10,15 @@
 
 namespace ugoki::formats {
 
-/// No file gives more joints than this, nor deeper trees, nor more numbers.
-inline constexpr std::size_t max_joints = 10'000;
-inline constexpr std::size_t max_depth = 1'000;
-inline constexpr std::size_t max_numbers = 400'000'000;
-/// Lengths and angles beyond this are no measurements; the bound keeps every later product finite.
+/// Limits of the size of a file's content. A reader rejects a file that exceeds one of them.
+inline constexpr std::size_t max_joints = 10'000;        ///< joints, bones or glTF nodes
+inline constexpr std::size_t max_depth = 1'000;          ///< nesting of joints or glTF nodes
+inline constexpr std::size_t max_numbers = 400'000'000;  ///< values of all frames together; 3.2 GB as doubles
+/// Maximum magnitude of a number in a file, in the file's units. Larger lengths or angles cannot be measurements. The limit also
+/// keeps every product computed from such numbers finite.
 inline constexpr double max_magnitude = 1e9;
 
-/// Problems found in one file. Keeps the first twenty; the readers go on only where more of them help.
+/// Problems found in one file. Keeps the first twenty and ignores the others.
 class Problems {
  public:
   explicit Problems(std::string_view file) : file_(file) {}
@@ -31,42 +32,48 @@ class Problems {
   Error error_;
 };
 
-/// The text that may be read: without byte order mark. Refuses what is empty, UTF-16, or not text; the problem is added.
+/// `text` without a UTF-8 byte order mark and without trailing padding. Empty, UTF-16 or binary text adds a problem and returns nothing.
+/// @param format name of the format for messages, for example "BVH"
 [[nodiscard]] std::optional<std::string_view> plain_text(std::string_view text, std::string_view format, Problems& problems);
 
-/// `token` in quotes, shortened and without unprintable bytes, for messages.
+/// `token` in single quotes for messages: at most 40 bytes, every byte that is not printable ASCII replaced by '?'.
 [[nodiscard]] std::string in_quotes(std::string_view token);
 
-/// A path in quotes, likewise without unprintable ASCII; a very long one loses its beginning, for its end is what tells.
+/// `path` in single quotes for messages, control characters replaced by '?'. Of a path of more than 400 bytes only the end is kept,
+/// because the end identifies the file.
 [[nodiscard]] std::string path_in_quotes(std::string_view path);
 
-/// "02_01" of "subjects/02_01.amc".
+/// The file name without folders and extension: "02_01" for "subjects/02_01.amc".
 [[nodiscard]] std::string stem_of(std::string_view file_name);
 
-/// `name` as valid UTF-8: unchanged if it is, otherwise its bytes taken as Latin-1.
+/// `name` as valid UTF-8. A valid name is returned unchanged; otherwise its bytes are interpreted as Latin-1.
 [[nodiscard]] std::string utf8(std::string_view name);
 
+/// True if `a` and `b` are equal apart from the case of ASCII letters.
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b);
 
-/// The finite number that the whole of `token` denotes, at most max_magnitude. Same value as parse_double, faster.
+/// The number written in `token`; nothing if `token` is not entirely one finite number of magnitude at most max_magnitude.
+/// Returns the same bits as parse_double, but faster.
 [[nodiscard]] std::optional<double> measured_number(std::string_view token);
 
-/// A sentence on why `token` is no measured_number, and what to do about it.
+/// Why a token is not accepted by measured_number.
 struct NumberFault {
   ErrorCode code;
-  std::string message, remedy;
+  std::string message, remedy;  ///< one sentence each
 };
+/// The fault of `token`, which measured_number has rejected.
 [[nodiscard]] NumberFault number_fault(std::string_view token);
 
-/// Walks through a text. Lines end with LF, CR LF or CR and are counted from 1.
+/// Reads a text from beginning to end. Lines end with LF, CR LF or CR and are counted from 1.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {}
 
   [[nodiscard]] int line() const { return line_; }
+  /// Bytes not read yet.
   [[nodiscard]] std::size_t remaining() const { return text_.size() - at_; }
 
-  /// Skips blanks and line ends; true if something follows.
+  /// Skips blanks and line ends; false at the end of the text.
   bool skip_space();
   /// The next word, up to a blank or line end; empty at the end of the text. line() is then the word's line.
   std::string_view word();
@@ -74,11 +81,12 @@ class Scanner {
   [[nodiscard]] std::string_view peek();
   /// The next word on this line; empty if there is none.
   std::string_view word_on_line();
-  /// What is left of the line, without blanks at its ends, stopping before `stop`. Does not consume the line end.
+  /// The rest of the line without blanks at either end. Ends before the character `stop`, if `stop` is given and present.
+  /// Does not consume the line end.
   std::string_view rest_of_line(char stop = '\0');
-  /// Consumes `keyword` (letters in any case) if it comes next on any line, even if not followed by a blank.
+  /// Skips blanks and line ends, then consumes `keyword` (in any case) if the text continues with it; no blank need follow it.
   bool accept(std::string_view keyword);
-  /// Consumes one character after blanks on this line.
+  /// Skips blanks on this line, then consumes the character `c`; false if another character or the line end follows.
   bool accept_on_line(char c);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// Track Row Column (TRC) files: markers as text. The dialect is described in docs/formats.md.
+// Track Row Column (TRC) files: marker positions as text. docs/formats.md describes the dialect.
 
 #include <string>
 #include <string_view>
@@ -8,18 +8,20 @@
 
 namespace ugoki::formats {
 
-/// Reads a whole TRC file from memory; columns are separated by tabs or commas. An empty place or "NaN" is a marker not seen.
+/// Reads a whole TRC file from memory; columns are separated by tabs or commas. A marker with an empty or "NaN" component is not seen
+/// in that frame.
+/// @param notes if given, receives the unit, the up axis and other decisions
 /// Errors: at most twenty problems, each with file:line and a remedy. O(text).
 [[nodiscard]] Result<MarkerMotion> read_trc(std::string_view text, std::string_view file_name, const MarkerOptions& options = {},
                                             ReadNotes* notes = nullptr);
 
 struct TrcWriteOptions {
-  bool z_up = false;           ///< write Z up, X forward (usual: Y up, Z forward)
-  double metres_per_unit = 0;  ///< 0: the unit of the file that the recording came from
-  int decimals = 6;            ///< digits after the point, 1 ... 15
+  bool z_up = false;           ///< true: write Z up, X forward; false (usual): Y up, Z forward
+  double metres_per_unit = 0;  ///< m per file unit; 0: unit of the file that was read; millimetres if the unit has no name
+  int decimals = 6;            ///< digits after the decimal point, 1 ... 15
 };
 
-/// The recording's markers as a TRC file. Analog channels, platforms and events have no place in it.
+/// The markers of the recording as a TRC file. Analog channels, force platforms and events are not written.
 [[nodiscard]] std::string write_trc(const MarkerMotion& motion, const TrcWriteOptions& options = {});
 
 }  // namespace ugoki::formats

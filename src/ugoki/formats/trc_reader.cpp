@@ -11,11 +11,12 @@
 namespace ugoki::formats {
 namespace {
 
-/// Lines of a text, and the columns of a line. Lines end with LF, CR LF or CR.
+/// The lines of a text, numbered from 1. Lines end with LF, CR LF or CR.
 class Lines {
  public:
   explicit Lines(std::string_view text) : text_(text) {}
 
+  /// The next line without its end; false at the end of the text.
   bool next(std::string_view& line) {
     if (at_ >= text_.size()) return false;
     const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
@@ -39,7 +40,8 @@ std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-/// The next column of `rest`, which loses it; nothing at the line's end.
+/// Removes the first column from `rest` and returns it; nothing after the last column.
+/// @param ended [in, out] true once the last column has been returned
 std::optional<std::string_view> next_column(std::string_view& rest, char separator, bool& ended) {
   if (ended) return std::nullopt;
   const std::size_t end = rest.find(separator);
@@ -71,7 +73,7 @@ class Reader {
     return false;
   }
 
-  /// The next line that holds anything.
+  /// The next line that is not blank; false at the end of the text.
   bool next_line(std::string_view& line) {
     while (lines_.next(line))
       if (!trimmed(line).empty() && line.find_first_not_of("\t, ") != std::string_view::npos) return true;
@@ -80,12 +82,13 @@ class Reader {
 
   bool read_head(MarkerMotion& motion, double& metres) {
     std::string_view line;
-    if (!next_line(line)) return refuse(ErrorCode::truncated, "the file is empty.", "Export it again.");
+    if (!next_line(line)) return refuse(ErrorCode::truncated, "The file is empty.", "Export it again.");
     separator_ = line.find('\t') != std::string_view::npos ? '\t' : ',';
     if (!columns_of(line, separator_)[0].starts_with("PathFileType"))
-      return refuse(ErrorCode::syntax, "a TRC file begins with 'PathFileType'.", "Check the file's type.");
+      return refuse(ErrorCode::syntax, "The file does not begin with 'PathFileType'.", "Check that it is a TRC file.");
     std::string_view names, values;
-    if (!next_line(names) || !next_line(values)) return refuse(ErrorCode::truncated, "the file ends within its head.", "Export it again.");
+    if (!next_line(names) || !next_line(values))
+      return refuse(ErrorCode::truncated, "The file ends within its header.", "Export it again.");
     const auto keys = columns_of(names, separator_), given = columns_of(values, separator_);
     const auto value = [&](std::string_view key) -> std::string_view {
       for (std::size_t i = 0; i < keys.size() && i < given.size(); ++i)
@@ -94,11 +97,12 @@ class Reader {
     };
     const auto rate = measured_number(value("DataRate"));
     if (!rate || *rate < 1e-3 || *rate > 1e6)
-      return refuse(ErrorCode::range, "DataRate is " + in_quotes(value("DataRate")) + " instead of frames a second.",
-                    "Write the rate under 'DataRate'.");
+      return refuse(ErrorCode::range,
+                    "DataRate is " + in_quotes(value("DataRate")) + "; it must be a number of frames per second between 0.001 and 1e6.",
+                    "Write the frame rate under 'DataRate'.");
     motion.rate = *rate;
-    if (const auto count = parse_long(value("NumFrames"))) promised_frames_ = *count;
-    if (const auto count = parse_long(value("NumMarkers"))) promised_markers_ = *count;
+    if (const auto count = parse_long(value("NumFrames"))) declared_frames_ = *count;
+    if (const auto count = parse_long(value("NumMarkers"))) declared_markers_ = *count;
     if (const auto first = parse_long(value("OrigDataStartFrame")); first && *first >= 0 && *first < 1'000'000'000)
       motion.first_frame = static_cast<int>(*first);
     const std::string_view unit = value("Units");
@@ -109,14 +113,14 @@ class Reader {
     return true;
   }
 
-  /// "Frame#  Time  LASI    RASI ...", each name over three columns, then the line "X1 Y1 Z1 ...".
+  /// Reads the line of marker names "Frame#  Time  LASI    RASI ...", each name above three columns, and the line "X1 Y1 Z1 ...".
   bool read_labels(MarkerMotion& motion) {
     std::string_view line;
-    if (!next_line(line)) return refuse(ErrorCode::truncated, "the line of the markers' names is missing.", "Export the file again.");
+    if (!next_line(line)) return refuse(ErrorCode::truncated, "The line with the marker names is missing.", "Export the file again.");
     std::vector<std::string_view> columns = columns_of(line, separator_);
     if (columns.size() < 3 || !columns[0].starts_with("Frame"))
-      return refuse(ErrorCode::syntax, "the line of the markers' names begins with 'Frame#' and 'Time'.", "Export the file again.");
-    // Empty columns within belong to the name before; empty ones at the end to the line.
+      return refuse(ErrorCode::syntax, "The line with the marker names does not begin with 'Frame#' and 'Time'.", "Export the file again.");
+    // A name is in the first of its three columns. Empty columns at the end of the line are padding.
     for (std::size_t i = 2; i < columns.size(); i += 3) {
       if (columns[i].empty()) {
         bool more = false;
@@ -125,25 +129,25 @@ class Reader {
       }
       motion.labels.push_back(columns[i].empty() ? "*" + std::to_string(motion.labels.size()) : utf8(columns[i]));
     }
-    if (motion.labels.empty()) return refuse(ErrorCode::structure, "no marker is named.", "Write each name over three columns.");
-    if (promised_markers_ >= 0 && promised_markers_ != static_cast<long>(motion.labels.size()))
+    if (motion.labels.empty()) return refuse(ErrorCode::structure, "No marker is named.", "Write each name above its three columns.");
+    if (declared_markers_ >= 0 && declared_markers_ != static_cast<long>(motion.labels.size()))
       return refuse(
           ErrorCode::structure,
-          "NumMarkers is " + std::to_string(promised_markers_) + ", but " + std::to_string(motion.labels.size()) + " markers are named.",
+          "NumMarkers is " + std::to_string(declared_markers_) + ", but " + std::to_string(motion.labels.size()) + " markers are named.",
           "Correct 'NumMarkers' or the names.");
     std::vector<std::string> sorted = motion.labels;
     std::sort(sorted.begin(), sorted.end());
     if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-      return refuse(ErrorCode::duplicate, "two markers are called " + in_quotes(*twice) + ".", "Give each marker a name of its own.");
+      return refuse(ErrorCode::duplicate, "Two markers are named " + in_quotes(*twice) + ".", "Give each marker a different name.");
     if (!next_line(line) || columns_of(line, separator_).size() < 3)
-      return refuse(ErrorCode::truncated, "the line 'X1 Y1 Z1 ...' is missing.", "Export the file again.");
+      return refuse(ErrorCode::truncated, "The line 'X1 Y1 Z1 ...' is missing.", "Export the file again.");
     return true;
   }
 
   bool read_rows(MarkerMotion& motion) {
     const std::size_t n = motion.labels.size();
     if (lines_.remaining() / 2 > max_numbers)
-      return refuse(ErrorCode::range, "the file has more than 400 million numbers.", "Cut it into parts.");
+      return refuse(ErrorCode::range, "The file has more than 400 million numbers.", "Split it into several files.");
     std::string_view line;
     while (next_line(line)) {
       bool ended = false;
@@ -151,17 +155,17 @@ class Reader {
       const auto time = next_column(line, separator_, ended);
       if (!frame || !time || !measured_number(*frame) || !measured_number(*time)) {
         const std::string_view wrong = frame && !measured_number(*frame) ? *frame : time.value_or("");
-        refuse(ErrorCode::syntax, "a row begins with the frame's number and time, not " + in_quotes(wrong) + ".", "Correct the row.");
+        refuse(ErrorCode::syntax, "The row begins with " + in_quotes(wrong) + " instead of the frame number and time.", "Correct the row.");
         if (problems_.full()) return false;
         continue;
       }
       times_.push_back(*measured_number(*time));
       last_columns_ = static_cast<std::size_t>(std::count(line.begin(), line.end(), separator_));
-      most_columns_ = std::max(most_columns_, last_columns_);
+      max_columns_ = std::max(max_columns_, last_columns_);
       for (std::size_t i = 0; i < n; ++i) read_marker(motion, line, ended);
       if (problems_.full()) return false;
       if (!ended && line.find_first_not_of("\t, ") != std::string_view::npos)
-        refuse(ErrorCode::structure, "the row has more numbers than the " + std::to_string(n) + " markers need.", "Correct the row.");
+        refuse(ErrorCode::structure, "The row has more values than " + std::to_string(n) + " markers need.", "Correct the row.");
     }
     return problems_.empty();
   }
@@ -190,21 +194,21 @@ class Reader {
 
   bool finish(MarkerMotion& motion) {
     motion.frames = static_cast<int>(times_.size());
-    if (motion.frames == 0) return refuse(ErrorCode::truncated, "the file has no frames.", "Export it again.");
-    if (promised_frames_ >= 0 && promised_frames_ != motion.frames) {
-      if (last_columns_ < most_columns_ || promised_frames_ < motion.frames)
-        return refuse(promised_frames_ < motion.frames ? ErrorCode::structure : ErrorCode::truncated,
-                      "NumFrames is " + std::to_string(promised_frames_) + ", but there are " + std::to_string(motion.frames) + " rows" +
-                          (last_columns_ < most_columns_ ? ", the last one not whole." : "."),
+    if (motion.frames == 0) return refuse(ErrorCode::truncated, "The file has no frames.", "Export it again.");
+    if (declared_frames_ >= 0 && declared_frames_ != motion.frames) {
+      if (last_columns_ < max_columns_ || declared_frames_ < motion.frames)
+        return refuse(declared_frames_ < motion.frames ? ErrorCode::structure : ErrorCode::truncated,
+                      "NumFrames is " + std::to_string(declared_frames_) + ", but there are " + std::to_string(motion.frames) + " rows" +
+                          (last_columns_ < max_columns_ ? ", the last one incomplete." : "."),
                       "Export the file again, or correct 'NumFrames'.");
-      notes_.remarks.push_back("NumFrames is " + std::to_string(promised_frames_) + ", but the file holds " +
-                               std::to_string(motion.frames) + " rows, all whole; these are read.");
+      notes_.remarks.push_back("NumFrames is " + std::to_string(declared_frames_) + ", but the file has " + std::to_string(motion.frames) +
+                               " complete rows; all of them are read.");
     }
     if (motion.frames > 1) {
       const double step = (times_.back() - times_.front()) / (motion.frames - 1);
       if (step > 0 && std::fabs(step * motion.rate - 1) > 0.01)
-        notes_.remarks.push_back("The rows' times are " + to_fixed(1 / step, 2) + " a second apart and not " + to_fixed(motion.rate, 2) +
-                                 " as DataRate says; DataRate is taken.");
+        notes_.remarks.push_back("The times of the rows correspond to " + to_fixed(1 / step, 2) + " frames per second, but DataRate is " +
+                                 to_fixed(motion.rate, 2) + "; DataRate is assumed to be right.");
       notes_.frame_time = step;
     }
     return true;
@@ -215,26 +219,26 @@ class Reader {
   Problems& problems_;
   ReadNotes& notes_;
   char separator_ = '\t';
-  long promised_frames_ = -1, promised_markers_ = -1;
-  std::size_t last_columns_ = 0, most_columns_ = 0;
-  std::vector<double> times_;
+  long declared_frames_ = -1, declared_markers_ = -1;  ///< from the header; -1: not given
+  std::size_t last_columns_ = 0, max_columns_ = 0;     ///< value columns of the last row; maximum over all rows
+  std::vector<double> times_;                          ///< [frames] s
 };
 
 }  // namespace
 
 Result<MarkerMotion> read_trc(std::string_view text, std::string_view file_name, const MarkerOptions& options, ReadNotes* notes) {
   ReadNotes own;
-  ReadNotes& told = notes != nullptr ? *notes : own;
+  ReadNotes& collected = notes != nullptr ? *notes : own;
   Problems problems(file_name);
   const auto plain = plain_text(text, "TRC", problems);
   if (!plain) return fail(problems.take());
   MarkerMotion motion;
   double metres = 0;
-  if (!Reader(*plain, file_name, problems, told).read(motion, metres)) return fail(problems.take());
+  if (!Reader(*plain, file_name, problems, collected).read(motion, metres)) return fail(problems.take());
   motion.name = stem_of(file_name);
   motion.source = std::string(file_name);
-  if (!to_our_axes(motion, options, UpAxis::automatic, metres, told)) {
-    problems.add(ErrorCode::range, 1, "a marker is farther than 1e9 m from the origin.", "Give the right unit of length.");
+  if (!to_our_axes(motion, options, UpAxis::automatic, metres, collected)) {
+    problems.add(ErrorCode::range, 1, "A marker is farther than 1e9 m from the origin.", "Set the correct unit of length.");
     return fail(problems.take());
   }
   return motion;

@@ -12,9 +12,9 @@
 namespace ugoki::geometry {
 namespace {
 
-constexpr const char* place = "hull";
+constexpr const char* location = "hull";
 
-/// The points in the frame, each once.
+/// The points without duplicates, in the caller's frame and in the PointFrame.
 struct CleanPoints {
   std::vector<Vec3> in_frame, points;
 };
@@ -31,7 +31,7 @@ CleanPoints clean(std::span<const Vec3> points, const PointFrame& frame) {
   return out;
 }
 
-/// Position along a curve that fills space (Morton's), of a point with coordinates in about [-1, 1].
+/// Morton code (position on a space-filling Z-order curve) of a point with coordinates in about [-1, 1], 16 bits per coordinate.
 std::uint64_t morton(const Vec3& u) {
   std::uint64_t code = 0;
   std::uint32_t cell[3];
@@ -41,7 +41,8 @@ std::uint64_t morton(const Vec3& u) {
   return code;
 }
 
-/// The vertices that are used, neighbours in space close together in the array, and the faces turned outward.
+/// Makes the hull from its faces: keeps only the vertices used, sorts them by Morton code so that neighbours in space are close in
+/// memory, and orients all faces outward.
 Result<collision::Hull> assemble(const CleanPoints& clean_points, PolygonHull faces) {
   std::vector<std::int32_t> used(faces.corners);
   std::sort(used.begin(), used.end());
@@ -96,15 +97,15 @@ Result<collision::Hull> flat_hull(const CleanPoints& clean_points) {
 
 Result<collision::Hull> solid_hull(const CleanPoints& clean_points, const HullOptions& options) {
   for (const bool triangles : {false, true}) {
-    std::optional<PolygonHull> faces = quickhull(clean_points.in_frame, options.most_vertices, triangles);
+    std::optional<PolygonHull> faces = quickhull(clean_points.in_frame, options.max_vertices, triangles);
     if (!faces) continue;
     if (faces->too_many)
-      return fail(ErrorCode::range, place, "The convex hull has more than " + std::to_string(options.most_vertices) + " vertices.",
-                  "Simplify the mesh: collision needs no finer hull.");
+      return fail(ErrorCode::range, location, "The convex hull has more than " + std::to_string(options.max_vertices) + " vertices.",
+                  "Simplify the mesh.");
     if (Result<collision::Hull> hull = assemble(clean_points, std::move(*faces)); hull) return hull;
   }
-  return fail(ErrorCode::structure, place, "No convex hull was found: its facets cannot be told apart from rounding.",
-              "Weld points that are closer together than 1e-12 of the shape's size.");
+  return fail(ErrorCode::structure, location, "No convex hull was found: its facets cannot be distinguished from rounding errors.",
+              "Merge points that are closer together than 1e-12 of the shape's size.");
 }
 
 }  // namespace
@@ -112,14 +113,17 @@ Result<collision::Hull> solid_hull(const CleanPoints& clean_points, const HullOp
 Result<collision::Hull> make_hull(std::span<const Vec3> points, const HullOptions& options) {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!is_finite(points[i]) || dot(points[i], points[i]) > 1e200)
-      return fail(ErrorCode::range, "point " + std::to_string(i), "A coordinate is not a finite number, or beyond 1e100.",
-                  "Give every coordinate in metres.");
+      return fail(ErrorCode::range, "point " + std::to_string(i), "A coordinate is not finite or is beyond 1e100 m.", "Correct the point.");
   if (points.size() < 4)
-    return fail(ErrorCode::structure, place, "A convex hull needs at least 4 points, and there are " + std::to_string(points.size()) + ".",
-                "Use a sphere or capsule for a point or a line.");
-  if (points.size() > 500'000'000) return fail(ErrorCode::range, place, "There are more than 500 million points.", "Simplify the mesh.");
+    return fail(ErrorCode::structure, location, "A convex hull needs at least 4 points; " + std::to_string(points.size()) + " were given.",
+                "Add points, or use a sphere or a capsule.");
+  if (points.size() > 500'000'000)
+    return fail(ErrorCode::range, location, "The mesh has " + std::to_string(points.size()) + " points; at most 500 million are allowed.",
+                "Simplify the mesh.");
   const PointFrame frame = find_frame(points);
-  if (frame.dimension == 0) return fail(ErrorCode::structure, place, "All points are equal.", "Use a sphere for a point.");
+  if (frame.dimension == 0)
+    return fail(ErrorCode::structure, location, "All points are equal, so they have no convex hull.",
+                "Use a sphere, or give different points.");
   const CleanPoints clean_points = clean(points, frame);
   if (frame.dimension == 1) return line_hull(clean_points);
   if (frame.dimension == 2) return flat_hull(clean_points);

@@ -5,7 +5,7 @@
 namespace ugoki::geometry {
 namespace {
 
-/// Whether b lies left of the way from a to c, or on it: then it is no corner.
+/// True if b is left of the directed line from a to c, or on it: b is not a corner of the hull.
 bool superfluous(const PlanarPoint& a, const PlanarPoint& b, const PlanarPoint& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) <= 1e-14;
 }

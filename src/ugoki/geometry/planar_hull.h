@@ -9,10 +9,11 @@ namespace ugoki::geometry {
 
 struct PlanarPoint {
   double x = 0, y = 0;
-  std::int32_t index = 0;  ///< the caller's
+  std::int32_t index = 0;  ///< chosen by the caller
 };
 
-/// The corners, counter-clockwise, by the caller's indices; points on an edge (within 1e-14) are no corners. O(n log n).
+/// Indices (PlanarPoint::index) of the hull's corners, counter-clockwise. Points on an edge are not corners; the limit is twice the
+/// triangle area, 1e-14, for coordinates of about 1. O(n log n).
 /// Source: Andrew, Another efficient algorithm for convex hulls in two dimensions (1979).
 [[nodiscard]] std::vector<std::int32_t> planar_hull(std::vector<PlanarPoint> points);
 

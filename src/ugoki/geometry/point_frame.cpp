@@ -8,13 +8,13 @@
 namespace ugoki::geometry {
 namespace {
 
-/// Point with the greatest value of `measure`.
+/// Returns the point with the maximum value of `measure`.
 template <class Measure>
 Vec3 farthest(std::span<const Vec3> points, Measure measure) {
   Vec3 best = points.front();
-  double greatest = -1;
+  double maximum = -1;
   for (const Vec3& p : points)
-    if (const double m = measure(p); m > greatest) greatest = m, best = p;
+    if (const double m = measure(p); m > maximum) maximum = m, best = p;
   return best;
 }
 

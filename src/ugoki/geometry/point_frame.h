@@ -1,5 +1,5 @@
 #pragma once
-// The natural axes of a point set: along them it measures about 1 in every direction in which it has any extent.
+// Principal axes and scales of a point set: in these coordinates its extent is about 1 along every axis with a nonzero extent.
 
 #include <span>
 
@@ -7,11 +7,12 @@
 
 namespace ugoki::geometry {
 
-/// Coordinates u = (axes[k] . (p - origin) * scale[k]) lie in about [-1, 1] for k < dimension. Convexity is the same in u as in p.
+/// Affine coordinates u[k] = axes[k] . (p - origin) * scale[k], within about [-1, 1] for k < dimension. An affine map preserves
+/// convexity, so the hull can be computed in u.
 struct PointFrame {
-  int dimension = 0;  ///< 0 all equal, 1 on a line, 2 in a plane, 3
+  int dimension = 0;  ///< 0: all points equal, 1: on a line, 2: in a plane, 3: in space
   Vec3 origin;        ///< m
-  Vec3 axes[3];       ///< unit, right-handed, not square on each other in general
+  Vec3 axes[3];       ///< unit, orthogonal, right-handed
   double scale[3]{};  ///< 1/m
 
   [[nodiscard]] Vec3 to_frame(const Vec3& p) const {
@@ -20,7 +21,8 @@ struct PointFrame {
   }
 };
 
-/// An extent counts when it is above what rounding of the coordinates makes (1e-15 of the greatest). O(n).
+/// Finds the frame of `points`. An extent counts as nonzero above about 1.6e-15 of the largest coordinate, the rounding error of the
+/// coordinates. O(n).
 [[nodiscard]] PointFrame find_frame(std::span<const Vec3> points);
 
 }  // namespace ugoki::geometry

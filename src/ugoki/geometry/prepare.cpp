@@ -12,43 +12,46 @@ namespace {
 
 using collision::Hull;
 
-Result<Hull> hull_of(std::span<const Vec3> points, std::string_view place) {
+Result<Hull> hull_of(std::span<const Vec3> points, std::string_view location) {
   Result<Hull> hull = make_hull(points);
   if (!hull)
-    for (Problem& p : hull.error().problems) p.place = std::string(place);
+    for (Problem& p : hull.error().problems) p.location = std::string(location);
   return hull;
 }
 
-bool is_whole(const Geometry& g) { return g.prepared && !g.prepared->hull.vertices.empty() && (g.convex || !g.prepared->spheres.empty()); }
+/// True if the geometry has its hull and, unless convex, its sphere tree.
+bool is_prepared(const Geometry& g) {
+  return g.prepared && !g.prepared->hull.vertices.empty() && (g.convex || !g.prepared->spheres.empty());
+}
 
 }  // namespace
 
-Result<GeometryPtr> make_hull_geometry(std::span<const Vec3> points, std::string_view place) {
-  Result<Hull> hull = hull_of(points, place);
+Result<GeometryPtr> make_hull_geometry(std::span<const Vec3> points, std::string_view location) {
+  Result<Hull> hull = hull_of(points, location);
   if (!hull) return fail(std::move(hull.error()));
   if (hull->dimension < 3)
-    return fail(ErrorCode::structure, std::string(place),
-                "All points lie in one plane or on one line, so their convex hull encloses nothing.",
-                "Take a thin box, or the exact surface.");
+    return fail(ErrorCode::structure, std::string(location),
+                "All points are in one plane or on one line, so their convex hull encloses no volume.",
+                "Use a thin box, or the mesh itself instead of its hull.");
   std::vector<Triangle> triangles;
   for (int f = 0; f < hull->faces(); ++f) {
     const std::span<const std::int32_t> corners = hull->face(f);
     for (std::size_t i = 2; i < corners.size(); ++i) triangles.push_back({corners[0], corners[i - 1], corners[i]});
   }
-  const Result<GeometryPtr> geometry = make_geometry(hull->vertices, triangles, true, place);
+  const Result<GeometryPtr> geometry = make_geometry(hull->vertices, triangles, true, location);
   if (!geometry) return geometry;
-  Result<collision::PreparedPtr> prepared = collision::make_prepared(**geometry, std::move(*hull), {}, place);
+  Result<collision::PreparedPtr> prepared = collision::make_prepared(**geometry, std::move(*hull), {}, location);
   if (!prepared) return fail(std::move(prepared.error()));
   return collision::with_prepared(**geometry, std::move(*prepared));
 }
 
-Result<GeometryPtr> prepare(const GeometryPtr& geometry, std::string_view place) {
-  if (is_whole(*geometry)) return geometry;
-  Result<Hull> hull = hull_of(geometry->vertices, place);
+Result<GeometryPtr> prepare(const GeometryPtr& geometry, std::string_view location) {
+  if (is_prepared(*geometry)) return geometry;
+  Result<Hull> hull = hull_of(geometry->vertices, location);
   if (!hull) return fail(std::move(hull.error()));
   collision::SphereTree spheres;
   if (geometry->prepared) spheres = geometry->prepared->spheres;
-  Result<collision::PreparedPtr> prepared = collision::make_prepared(*geometry, std::move(*hull), std::move(spheres), place);
+  Result<collision::PreparedPtr> prepared = collision::make_prepared(*geometry, std::move(*hull), std::move(spheres), location);
   if (!prepared) return fail(std::move(prepared.error()));
   return collision::with_prepared(*geometry, std::move(*prepared));
 }
@@ -60,7 +63,7 @@ Result<MechanismPtr> prepare(const MechanismPtr& mechanism) {
   bool changed = false;
   for (LinkSpec& link : spec.links)
     for (Shape& shape : link.shapes) {
-      if (shape.type != ShapeType::mesh || !shape.collides || is_whole(*shape.geometry)) continue;
+      if (shape.type != ShapeType::mesh || !shape.collides || is_prepared(*shape.geometry)) continue;
       changed = true;
       if (const auto it = done.find(shape.geometry->hash); it != done.end()) {
         shape.geometry = it->second;

@@ -1,5 +1,5 @@
 #pragma once
-// Geometry with everything that collision analysis wants to know beforehand: hulls, proximity lists, sphere trees.
+// Precomputes the data of meshes that collision analysis needs: hulls, proximity lists, sphere trees.
 
 #include <span>
 #include <string_view>
@@ -8,14 +8,16 @@
 
 namespace ugoki::geometry {
 
-/// The convex hull of the points as a geometry, prepared. An Error (at `place`) where make_hull gives one, and where the points
-/// lie in a plane or on a line: such a hull encloses nothing.
-[[nodiscard]] Result<GeometryPtr> make_hull_geometry(std::span<const Vec3> points, std::string_view place);
+/// Returns the convex hull of the points [m] as a prepared geometry. Errors (at `location`): those of make_hull(), and points in a
+/// plane or on a line, whose hull encloses no volume.
+[[nodiscard]] Result<GeometryPtr> make_hull_geometry(std::span<const Vec3> points, std::string_view location);
 
-/// The geometry with its hull and sphere tree; itself where it has them. A mesh in a plane has a flat hull.
-[[nodiscard]] Result<GeometryPtr> prepare(const GeometryPtr& geometry, std::string_view place);
+/// Returns the geometry with its hull and, unless convex, its sphere tree; the same pointer if it already has them. A mesh in a
+/// plane gets a flat hull.
+[[nodiscard]] Result<GeometryPtr> prepare(const GeometryPtr& geometry, std::string_view location);
 
-/// The mechanism with all meshes that collide prepared, each once; itself where there is nothing to do.
+/// Returns the mechanism with all colliding meshes prepared, equal meshes once; the same pointer if none needs preparation.
+/// Reports the problems of all meshes, located at their links.
 [[nodiscard]] Result<MechanismPtr> prepare(const MechanismPtr& mechanism);
 
 }  // namespace ugoki::geometry

@@ -10,7 +10,7 @@ extern "C" {
 namespace ugoki::geometry {
 namespace {
 
-/// One run of Qhull; frees all that it took.
+/// One run of Qhull. The destructor frees all its memory.
 class Run {
  public:
   Run() : silent_(std::fopen("/dev/null", "w")) { qh_zero(&qh_, silent_); }
@@ -37,15 +37,15 @@ class Run {
 
 }  // namespace
 
-std::optional<PolygonHull> quickhull(std::span<const Vec3> points, std::size_t most_vertices, bool triangles) {
+std::optional<PolygonHull> quickhull(std::span<const Vec3> points, std::size_t max_vertices, bool triangles) {
   std::vector<double> coordinates;
   coordinates.reserve(3 * points.size());
   for (const Vec3& p : points) coordinates.insert(coordinates.end(), {p.x, p.y, p.z});
   Run run;
-  if (!run.run(coordinates, "qhull TA" + std::to_string(most_vertices + 1) + (triangles ? " Qt" : ""))) return std::nullopt;
+  if (!run.run(coordinates, "qhull TA" + std::to_string(max_vertices + 1) + (triangles ? " Qt" : ""))) return std::nullopt;
   qhT* qh = run.get();
   PolygonHull out;
-  if (static_cast<std::size_t>(qh->num_vertices) > most_vertices) {
+  if (static_cast<std::size_t>(qh->num_vertices) > max_vertices) {
     out.too_many = true;
     return out;
   }

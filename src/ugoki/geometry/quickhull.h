@@ -1,5 +1,5 @@
 #pragma once
-// The hull of points in space by Qhull.
+// Convex hull of points in space, computed by Qhull.
 
 #include <cstdint>
 #include <optional>
@@ -11,15 +11,15 @@
 
 namespace ugoki::geometry {
 
-/// Polygons over the caller's points.
+/// Faces of a hull as polygons: indices into the caller's points.
 struct PolygonHull {
-  std::vector<std::int32_t> first_corner, corners;  ///< indices into the points; either sense of rotation
-  bool too_many = false;                            ///< stopped: more vertices than allowed
+  std::vector<std::int32_t> first_corner, corners;  ///< first_corner [faces + 1]; corners of a face clockwise or counter-clockwise
+  bool too_many = false;                            ///< stopped: the hull has more vertices than allowed
 };
 
-/// @param points measure about 1 in every direction
-/// @param triangles facets that are one plane up to rounding are left as triangles
-/// Nothing where Qhull gives up. Its own messages are dropped.
-[[nodiscard]] std::optional<PolygonHull> quickhull(std::span<const Vec3> points, std::size_t most_vertices, bool triangles);
+/// Computes the hull of `points`, which must have an extent of about 1 in every direction. Returns nullopt if Qhull fails; its
+/// messages are discarded.
+/// @param triangles true: output triangles only; false: merge facets that are coplanar within rounding into polygons
+[[nodiscard]] std::optional<PolygonHull> quickhull(std::span<const Vec3> points, std::size_t max_vertices, bool triangles);
 
 }  // namespace ugoki::geometry

@@ -1,5 +1,5 @@
 #pragma once
-// What became of a file, in sentences for people: what was read, what was guessed, what was changed, what was left out, what to check.
+// Conversion report: sentences for the user about what was read, guessed, changed and left out during an import, and what to check.
 
 #include <string>
 #include <vector>
@@ -11,26 +11,28 @@
 
 namespace ugoki::intake {
 
+/// Sentences of one import, by category.
 struct ConversionReport {
-  std::vector<std::string> read;      ///< what the file holds
-  std::vector<std::string> guessed;   ///< what the file does not tell
-  std::vector<std::string> changed;   ///< what was repaired, filled in, renamed, made
-  std::vector<std::string> left_out;  ///< what of the file is not in the library
-  std::vector<std::string> check;     ///< what looks wrong, and what to do about it
+  std::vector<std::string> read;      ///< contents of the file
+  std::vector<std::string> guessed;   ///< assumptions about properties that the file does not specify
+  std::vector<std::string> changed;   ///< repaired, filled in, renamed or added data
+  std::vector<std::string> left_out;  ///< parts of the file that are not in the library
+  std::vector<std::string> check;     ///< suspicious results, and what to do about them
 
-  /// Puts a reader's remarks where they belong, by their words. Each sentence once.
+  /// Sorts a reader's remarks into the categories by key phrases (conversion_report.cpp). Repeated sentences are added once.
   void add_remarks(const std::vector<std::string>& remarks);
 };
 
-/// Frames, joints and unit of a skeleton's motions; all on the same skeleton, at least one.
+/// Describes frames, joints and unit. @param motions at least one, all on the same skeleton
 void describe(ConversionReport& report, const std::vector<MeasuredMotion>& motions);
-/// Markers, channels, platforms, events.
+/// Describes markers, analog channels, force platforms and events.
 void describe(ConversionReport& report, const MarkerMotion& markers);
-/// Size, mass, freedoms; what cannot be right of a person who lies, floats, is a giant, or moves faster than anybody.
+/// Describes size, mass and DOFs of a body. Adds checks for implausible size, posture (lying, floating) or speed.
 void describe(ConversionReport& report, const body::Body& body, const MeasuredMotion& measured);
+/// Describes links, DOFs, mass and loops of a mechanism.
 void describe(ConversionReport& report, const Mechanism& mechanism);
 
-/// "a, b, c and 4 more"
-[[nodiscard]] std::string list_of(const std::vector<std::string>& names, std::size_t most = 8);
+/// Joins the names: "a, b, c and 4 more". @param maximum number of names that are listed (one more if it is the last)
+[[nodiscard]] std::string list_of(const std::vector<std::string>& names, std::size_t maximum = 8);
 
 }  // namespace ugoki::intake

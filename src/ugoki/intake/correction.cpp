@@ -11,10 +11,10 @@ Vec3 unit_of(const FileAxis& axis) {
   return e;
 }
 
-constexpr double shift_tolerance = 1e-4;  // m: less is rounding of the file
+constexpr double shift_tolerance = 1e-4;  // m, smaller translations are rounding in the file
 
-/// The only root stands at the head of a chain without branches, along which some joint shifts against the one before.
-bool bears_the_mover(std::span<const MeasuredMotion> motions) {
+/// True if the only root begins a chain without branches in which some joint translates relative to its parent.
+bool root_is_carrier(std::span<const MeasuredMotion> motions) {
   const std::vector<SkeletonJoint>& joints = motions[0].skeleton.joints;
   const auto children_of = [&](int i) { return std::count_if(joints.begin(), joints.end(), [i](const auto& j) { return j.parent == i; }); };
   if (joints.empty() || children_of(-1) != 1) return false;
@@ -33,7 +33,8 @@ bool bears_the_mover(std::span<const MeasuredMotion> motions) {
   return false;
 }
 
-void leave_out_first(MeasuredMotion& m) {
+/// Removes the root; its pose is merged into its only child.
+void remove_root(MeasuredMotion& m) {
   std::vector<SkeletonJoint>& joints = m.skeleton.joints;
   const std::size_t n = joints.size();
   joints[1].offset += joints[0].offset;  // at rest all frames are parallel
@@ -58,11 +59,11 @@ void leave_out_first(MeasuredMotion& m) {
 
 }  // namespace
 
-std::vector<std::string> leave_out_bearers(std::span<MeasuredMotion> motions) {
+std::vector<std::string> remove_carrier_roots(std::span<MeasuredMotion> motions) {
   std::vector<std::string> names;
-  while (bears_the_mover(motions)) {
+  while (root_is_carrier(motions)) {
     names.push_back(motions[0].skeleton.joints[0].name);
-    for (MeasuredMotion& m : motions) leave_out_first(m);
+    for (MeasuredMotion& m : motions) remove_root(m);
   }
   return names;
 }
@@ -87,7 +88,7 @@ void turn(MeasuredMotion& motion, const Mat3& R) {
   for (SkeletonJoint& joint : motion.skeleton.joints) {
     joint.offset = R * joint.offset;
     for (Vec3& end : joint.end_sites) end = R * end;
-    for (MeasuredFreedom& freedom : joint.freedoms) freedom.axis = R * freedom.axis;
+    for (MeasuredDof& dof : joint.dofs) dof.axis = R * dof.axis;
   }
   for (Vec3& t : motion.translations) t = R * t;
   for (Quat& q : motion.rotations) {

@@ -1,5 +1,5 @@
 #pragma once
-// How a file's space and time are taken where its reader guessed wrong: axes, unit of length, frames a second.
+// Corrections of an imported file: axes, unit of length and frame rate, if the reader guessed wrong.
 
 #include <optional>
 #include <span>
@@ -12,38 +12,42 @@
 
 namespace ugoki::intake {
 
-/// An axis of a file's space, in one of its two directions.
+/// A signed coordinate axis of a file's space.
 struct FileAxis {
   int axis = 0;  ///< 0 x, 1 y, 2 z
   bool negative = false;
   friend bool operator==(const FileAxis&, const FileAxis&) = default;
 };
-/// "x", "-y" ...; nothing where it is none of the six.
+/// Parses "x", "-y" ...; nothing for any other text.
 [[nodiscard]] std::optional<FileAxis> file_axis_named(std::string_view name);
+/// "x", "-y" ...
 [[nodiscard]] std::string name_of(const FileAxis& axis);
 
-/// Where up and forward are in a file's space, which is right-handed. Ours: Z up, X forward.
+/// Up and forward axes of a file's right-handed space. Our space has Z up and X forward.
 struct Orientation {
   FileAxis up{1, false}, forward{2, false};
+  /// Up and forward are different axes.
   [[nodiscard]] bool valid() const { return up.axis != forward.axis; }
   friend bool operator==(const Orientation&, const Orientation&) = default;
 };
-/// Y up, Z forward; or Z up, X forward: what the readers take.
+/// Orientation that the readers assume: Z up, X forward (z_up) or Y up, Z forward.
 [[nodiscard]] Orientation usual_orientation(bool z_up);
-/// Turns coordinates of the file's space into ours. Of a valid orientation.
+/// Rotation from the file's space to ours. @param file must be valid()
 [[nodiscard]] Mat3 rotation_to_ours(const Orientation& file);
 
-/// The same motion in a world turned by R. Every joint's frame stays parallel to the world's at rest.
+/// Rotates the motion and its skeleton by R. At rest all joint frames stay parallel to the world.
 void turn(MeasuredMotion& motion, const Mat3& R);
+/// Rotates the markers and the corners of the force plates by R.
 void turn(MarkerMotion& motion, const Mat3& R);
-/// Lengths times `factor`.
+/// Multiplies all lengths by `factor`.
 void scale(MeasuredMotion& motion, double factor);
-/// Leaves out what only carries the joint that moves ("reference", "armature"): where the only root heads a chain without branches and a
-/// joint along it is measured to shift against the one before, that joint becomes the root. World poses of all others stay.
-/// @param motions on the same skeleton
-/// @return names of what was left out
-std::vector<std::string> leave_out_bearers(std::span<MeasuredMotion> motions);
-/// The same frames at another rate; samples and marked events keep to their frames.
+/// Removes carrier roots: joints above the real root that only carry it ("reference", "armature"). If the only root begins a chain without
+/// branches, and some joint of the chain is measured to translate relative to its parent, then that joint becomes the root. World poses of
+/// the remaining joints do not change.
+/// @param motions all on the same skeleton
+/// @return names of the removed joints
+std::vector<std::string> remove_carrier_roots(std::span<MeasuredMotion> motions);
+/// Changes the frame rate [frames/s]. Analog samples and marked events keep their frames.
 void set_rate(MarkerMotion& motion, double rate);
 
 }  // namespace ugoki::intake

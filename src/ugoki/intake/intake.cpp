@@ -36,7 +36,7 @@ std::string stem_of(std::string_view path) {
   return std::string(dot == std::string_view::npos || dot == 0 ? base : base.substr(0, dot));
 }
 
-/// Same structure under another name.
+/// The mechanism with another name.
 Result<MechanismPtr> renamed(const Mechanism& mechanism, const std::string& name) {
   MechanismSpec spec = mechanism.spec();
   spec.name = name;
@@ -44,24 +44,25 @@ Result<MechanismPtr> renamed(const Mechanism& mechanism, const std::string& name
 }
 
 Json mechanism_summary(const Mechanism& mechanism, const std::string& source) {
-  return {{"freedoms", mechanism.nv()}, {"links", mechanism.link_count()}, {"mass", mechanism.mass()}, {"source", source}};
+  return {{"dofs", mechanism.nv()}, {"links", mechanism.link_count()}, {"mass", mechanism.mass()}, {"source", source}};
 }
 
-/// All frames of motions on one skeleton after each other, so that a body made of it can do everything that any of them does.
+/// Concatenates motions on one skeleton, so that a body made from the result can reproduce all of them.
 MeasuredMotion joined(const std::vector<MeasuredMotion>& motions) {
-  MeasuredMotion whole = motions[0];
+  MeasuredMotion all = motions[0];
   for (std::size_t i = 1; i < motions.size(); ++i) {
     const MeasuredMotion& m = motions[i];
-    whole.frames += m.frames;
-    whole.translations.insert(whole.translations.end(), m.translations.begin(), m.translations.end());
-    whole.rotations.insert(whole.rotations.end(), m.rotations.begin(), m.rotations.end());
+    all.frames += m.frames;
+    all.translations.insert(all.translations.end(), m.translations.begin(), m.translations.end());
+    all.rotations.insert(all.rotations.end(), m.rotations.begin(), m.rotations.end());
     for (std::size_t j = 0; j < m.skeleton.joints.size(); ++j)
-      whole.skeleton.joints[j].translates = whole.skeleton.joints[j].translates || m.skeleton.joints[j].translates;
+      all.skeleton.joints[j].translates = all.skeleton.joints[j].translates || m.skeleton.joints[j].translates;
   }
-  return whole;
+  return all;
 }
 
-/// Items of one motion on a body whose mechanism is `mechanism_id` in the library.
+/// Library items of one motion: the measured and the converted motion.
+/// @param mechanism_id library id of the body's mechanism @param motion out: the converted motion
 Result<std::vector<store::LibraryItem>> motion_items(const MeasuredMotion& measured, const body::Body& body,
                                                      const std::string& mechanism_id, const std::string& source,
                                                      const IntakeOptions& options, Motion& motion) {
@@ -84,20 +85,20 @@ Result<std::vector<store::LibraryItem>> motion_items(const MeasuredMotion& measu
                                  {"rate", motion.rate},
                                  {"duration", motion.duration()},
                                  {"cyclic", motion.cyclic},
-                                 {"freedoms", body.mechanism->nv()},
+                                 {"dofs", body.mechanism->nv()},
                                  {"mass", body.mass},
                                  {"height", body.height},
                                  {"source", source}});
   return std::vector<store::LibraryItem>{std::move(measured_item), std::move(motion_item)};
 }
 
-/// The turn from the axes as a reader took them to those that are wanted.
+/// Rotation from the axes that the reader assumed to `wanted`.
 Mat3 turn_from(bool z_up, const Orientation& wanted) {
   return rotation_to_ours(wanted) * rotation_to_ours(usual_orientation(z_up)).transposed();
 }
 
-/// Sets what the caller knows better than the file, and tells what was taken.
-void correct(std::vector<MeasuredMotion>& motions, const formats::ReadNotes& notes, const IntakeOptions& options, Intake& out) {
+/// Applies the caller's axes and frame rate, and records the values used in `out`.
+void apply_corrections(std::vector<MeasuredMotion>& motions, const formats::ReadNotes& notes, const IntakeOptions& options, Intake& out) {
   out.unit_guessed = notes.unit_guessed;
   out.axes = options.axes.value_or(usual_orientation(notes.z_up));
   const Orientation read_as = usual_orientation(notes.z_up);
@@ -107,9 +108,9 @@ void correct(std::vector<MeasuredMotion>& motions, const formats::ReadNotes& not
   }
 }
 
-/// A sentence where several figures stand in one skeleton: it becomes one body. Trees of few joints are things that somebody holds.
-std::string several_figures(const Skeleton& skeleton) {
-  constexpr int least_joints = 5;
+/// Remark if the skeleton contains several characters (roots with at least 5 joints; smaller trees are held objects); otherwise empty.
+std::string several_characters(const Skeleton& skeleton) {
+  constexpr int min_joints = 5;
   std::vector<int> root, count(skeleton.joints.size());
   for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
     const int parent = skeleton.joints[j].parent;
@@ -117,15 +118,15 @@ std::string several_figures(const Skeleton& skeleton) {
     ++count[static_cast<std::size_t>(root.back())];
   }
   std::string names;
-  const auto figures = std::ranges::count_if(count, [](int n) { return n >= least_joints; });
-  if (figures < 2) return {};
+  const auto characters = std::ranges::count_if(count, [](int n) { return n >= min_joints; });
+  if (characters < 2) return {};
   for (std::size_t j = 0; j < count.size(); ++j)
-    if (count[j] >= least_joints) names += (names.empty() ? "" : ", ") + skeleton.joints[j].name;
-  return "The file holds " + std::to_string(figures) + " figures that do not hang together (roots " + names +
-         "); they become one body, of which one figure at most is recognised as a human. Export each into a file of its own.";
+    if (count[j] >= min_joints) names += (names.empty() ? "" : ", ") + skeleton.joints[j].name;
+  return "The file contains " + std::to_string(characters) + " unconnected characters (roots " + names +
+         "); they become one body, and at most one of them is recognised as a human. Export each character to a file of its own.";
 }
 
-/// @param motions at least one, all on the same skeleton
+/// Imports skeleton motions. @param motions at least one, all on the same skeleton
 Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadNotes notes, std::string_view file_name,
                              const IntakeOptions& options) {
   Intake out;
@@ -136,11 +137,11 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   }
   const std::string name = motions.size() == 1 ? motions[0].name : options.name.empty() ? stem_of(file_name) : options.name;
   out.metres_per_unit = notes.metres_per_unit > 0 ? notes.metres_per_unit : motions[0].skeleton.unit;
-  correct(motions, notes, options, out);
-  for (const std::string& joint : leave_out_bearers(motions))
-    notes.remarks.push_back("Joint " + joint + " only carries " + motions[0].skeleton.joints[0].name +
-                            ", which moves against it; it is left out, and its movement is that joint's.");
-  if (std::string sentence = several_figures(motions[0].skeleton); !sentence.empty()) notes.remarks.push_back(std::move(sentence));
+  apply_corrections(motions, notes, options, out);
+  for (const std::string& joint : remove_carrier_roots(motions))
+    notes.remarks.push_back("Joint " + joint + " only carries " + motions[0].skeleton.joints[0].name + ", which moves relative to it; " +
+                            joint + " is left out, and its movement was added to that joint.");
+  if (std::string sentence = several_characters(motions[0].skeleton); !sentence.empty()) notes.remarks.push_back(std::move(sentence));
   describe(out.conversion, motions);
   if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
   out.report.insert(out.report.end(), notes.remarks.begin(), notes.remarks.end());
@@ -152,14 +153,14 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
       motions.size() == 1 ? body::make_body(motions[0], body_options) : body::make_body(joined(motions), body_options);
   if (!body) {
     for (Problem& p : body.error().problems)
-      if (!p.place.starts_with(file_name)) p.place = std::string(file_name) + (p.place.empty() ? "" : ", " + p.place);
+      if (!p.location.starts_with(file_name)) p.location = std::string(file_name) + (p.location.empty() ? "" : ", " + p.location);
     return fail(std::move(body.error()));
   }
   Result<MechanismPtr> mechanism = renamed(*body->mechanism, name);
   if (!mechanism) return fail(std::move(mechanism.error()));
   body->mechanism = *mechanism;
   out.report.insert(out.report.end(), body->report.begin(), body->report.end());
-  if (motions.size() > 1) out.report.push_back("The file holds " + std::to_string(motions.size()) + " motions of one skeleton.");
+  if (motions.size() > 1) out.report.push_back("The file contains " + std::to_string(motions.size()) + " motions of one skeleton.");
   out.conversion.add_remarks(notes.remarks);
   out.conversion.add_remarks(body->report);
   describe(out.conversion, *body, motions[0]);
@@ -191,7 +192,7 @@ Result<Intake> from_measured(MeasuredMotion motion, formats::ReadNotes notes, st
   return from_measured(std::move(motions), std::move(notes), file_name, options);
 }
 
-/// A recording of markers: solved first. What was done and how well it fits is reported.
+/// Imports a marker recording: solves it for a skeleton motion and reports the quality of the fit.
 Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes notes, std::string_view file_name, IntakeOptions options) {
   if (!markers) return fail(std::move(markers.error()));
   const Orientation axes = options.axes.value_or(usual_orientation(notes.z_up));
@@ -205,14 +206,15 @@ Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes not
   const auto worst =
       std::max_element(solved->residuals.begin(), solved->residuals.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
   if (worst != solved->residuals.end())
-    notes.remarks.push_back("The worst marker is " + worst->label + " with " + to_fixed(1000 * worst->rms, 1) + " mm rms, at most " +
-                            to_fixed(1000 * worst->greatest, 1) + " mm in frame " + std::to_string(worst->worst_frame) + ".");
+    notes.remarks.push_back("The worst marker is " + worst->label + " with " + to_fixed(1000 * worst->rms, 1) +
+                            " mm rms and a maximum of " + to_fixed(1000 * worst->maximum, 1) + " mm in frame " +
+                            std::to_string(worst->worst_frame) + ".");
   Result<Intake> out = from_measured(std::move(solved->measured), std::move(notes), file_name, options);
   if (!out) return out;
   out->axes = axes;
   if (worst != solved->residuals.end() && worst->rms > 0.03)
     out->conversion.check.push_back("Marker " + worst->label + " is " + to_fixed(1000 * worst->rms, 0) +
-                                    " mm rms away from where the body has it: look whether it is labelled rightly.");
+                                    " mm rms away from its position on the body: check that it is labelled correctly.");
   ConversionReport recorded;
   describe(recorded, *markers);
   for (auto part : {&ConversionReport::read, &ConversionReport::left_out, &ConversionReport::check})
@@ -221,7 +223,7 @@ Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes not
   return out;
 }
 
-/// The same mechanism with its bases turned.
+/// The mechanism with its base links rotated by R.
 Result<MechanismPtr> turned(const Mechanism& mechanism, const Mat3& R) {
   MechanismSpec spec = mechanism.spec();
   for (LinkSpec& link : spec.links)
@@ -229,7 +231,7 @@ Result<MechanismPtr> turned(const Mechanism& mechanism, const Mat3& R) {
   return Mechanism::make(std::move(spec));
 }
 
-/// The file holds a mechanism and no motion.
+/// Imports a mechanism without motion.
 Result<Intake> from_mechanism(Result<MechanismPtr> mechanism, std::string_view file_name, const IntakeOptions& options) {
   if (!mechanism) return fail(std::move(mechanism.error()));
   const std::string name = !options.name.empty() ? options.name : !(*mechanism)->name().empty() ? (*mechanism)->name() : stem_of(file_name);
@@ -293,13 +295,13 @@ std::string skeleton_name_for(std::string_view amc_name) {
 
 Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf, const IntakeOptions& options) {
   const std::optional<FileKind> kind = file_kind(file_name);
-  const std::string place(file_name);
+  const std::string location(file_name);
   if (options.axes && !options.axes->valid())
-    return fail(ErrorCode::range, place, "Up and forward cannot be the same axis.", "Choose another forward axis.");
+    return fail(ErrorCode::range, location, "Up and forward cannot be the same axis.", "Choose another forward axis.");
   if (!kind)
     return fail(
-        ErrorCode::unsupported, place, "The ending of the name is none that can be imported.",
-        "Give a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, mechanism .json, .urdf, .sdf or MJCF .xml file.");
+        ErrorCode::unsupported, location, "Files with this extension cannot be imported.",
+        "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, mechanism .json, .urdf, .sdf or MJCF .xml file.");
   formats::ReadNotes notes;
   switch (*kind) {
     case FileKind::bvh: {
@@ -311,8 +313,8 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     }
     case FileKind::amc: {
       if (!asf)
-        return fail(ErrorCode::structure, place, "An AMC file needs its skeleton.",
-                    "Give the ASF file that belongs to it (" + skeleton_name_for(base_name(file_name)) + ").");
+        return fail(ErrorCode::structure, location, "An AMC file needs its skeleton.",
+                    "Add the ASF file that belongs to it (" + skeleton_name_for(base_name(file_name)) + ").");
       formats::AmcOptions amc;
       amc.rate = options.rate;
       Result<MeasuredMotion> measured = formats::read_amc(bytes, file_name, *asf, amc, &notes);
@@ -331,7 +333,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     }
     case FileKind::csv: {
       if (formats::csv_kind(bytes) == formats::CsvKind::coordinates)
-        return fail(ErrorCode::structure, place, "It holds the coordinates of a mechanism, but not the mechanism.",
+        return fail(ErrorCode::structure, location, "The file contains the coordinates of a mechanism, but not the mechanism.",
                     "Convert it with its mechanism: ugoki convert FILE OUT --mechanism MECHANISM.");
       Result<MarkerMotion> markers = formats::read_csv(bytes, file_name, {.metres_per_unit = options.unit}, &notes);
       return from_markers(std::move(markers), std::move(notes), file_name, options);
@@ -351,11 +353,12 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
       return from_measured(std::move(*motions), std::move(notes), file_name, options);
     }
     case FileKind::asf:
-      return fail(ErrorCode::structure, place, "An ASF file holds a skeleton without motion.", "Import an AMC file that belongs to it.");
+      return fail(ErrorCode::structure, location, "An ASF file contains a skeleton without motion.",
+                  "Import an AMC file that belongs to it.");
     case FileKind::mechanism_json: return from_mechanism(formats::read_mechanism(bytes, file_name), file_name, options);
     case FileKind::robot: return from_robot(bytes, file_name, options);
   }
-  return fail(ErrorCode::unsupported, place, "This kind of file cannot be imported.", "Give a .bvh or .amc file.");
+  return fail(ErrorCode::unsupported, location, "This kind of file cannot be imported.", "Use a .bvh or .amc file.");
 }
 
 Result<std::vector<std::string>> put(store::Library& library, const Intake& intake) { return library.put(intake.items); }

@@ -11,6 +11,8 @@ Fields::Fields(const Json& object, std::string path, Error& problems) : object_(
 
 bool Fields::has(std::string_view key) const { return object_.is_object() && object_.contains(key); }
 
+std::string_view Fields::renamed(std::string_view key, std::string_view former) const { return !has(key) && has(former) ? former : key; }
+
 const Json* Fields::find(std::string_view key) {
   if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   if (!object_.is_object()) return nullptr;
@@ -23,11 +25,11 @@ std::string Fields::path(std::string_view key) const {
 }
 
 void Fields::report(ErrorCode code, std::string path, std::string message, std::string remedy) {
-  if (problems_.problems.size() < most_problems) problems_.add(code, std::move(path), std::move(message), std::move(remedy));
+  if (problems_.problems.size() < max_problems) problems_.add(code, std::move(path), std::move(message), std::move(remedy));
 }
 
 void Fields::wrong(const std::string& path, const Json& value, std::string_view wanted) {
-  report(ErrorCode::syntax, path, "It must be " + std::string(wanted) + ", but it is " + std::string(type_of(value)) + ".",
+  report(ErrorCode::syntax, path, "The value must be " + std::string(wanted) + ", but is " + std::string(type_of(value)) + ".",
          "Give " + std::string(wanted) + ".");
 }
 
@@ -35,14 +37,14 @@ void Fields::number(std::string_view key, double& value) {
   const Json* field = find(key);
   if (!field) return;
   if (!field->is_number()) return wrong(path(key), *field, "a number");
-  value = field->get<double>();  // finite: the parser refuses what is too large
+  value = field->get<double>();  // finite: the parser rejects numbers too large for a double
 }
 
 void Fields::integer(std::string_view key, int& value) {
   double x = value;
   number(key, x);
   if (x != std::floor(x) || std::fabs(x) > 1e9) {
-    report(ErrorCode::range, path(key), "It must be a whole number.", "Give a whole number.");
+    report(ErrorCode::range, path(key), "The value must be a whole number of at most 1e9 in magnitude.", "Give a whole number.");
     return;
   }
   value = static_cast<int>(x);
@@ -69,7 +71,7 @@ bool Fields::numbers(std::string_view key, std::span<double> values) {
 
 bool Fields::numbers(const Json& value, const std::string& path, std::span<double> values) {
   if (!value.is_array() || value.size() != values.size() || !std::ranges::all_of(value, [](const Json& x) { return x.is_number(); })) {
-    report(ErrorCode::syntax, path, "It must be a list of " + std::to_string(values.size()) + " numbers.",
+    report(ErrorCode::syntax, path, "The value must be a list of " + std::to_string(values.size()) + " numbers.",
            "Write " + std::to_string(values.size()) + " numbers between [ and ].");
     return false;
   }
@@ -77,17 +79,18 @@ bool Fields::numbers(const Json& value, const std::string& path, std::span<doubl
   return true;
 }
 
-const Json* Fields::list(std::string_view key, std::size_t most, std::string_view what) {
+const Json* Fields::list(std::string_view key, std::size_t max_entries, std::string_view entries) {
   const Json* field = find(key);
   if (!field) return nullptr;
   if (!field->is_array()) {
     wrong(path(key), *field, "a list [ ... ]");
     return nullptr;
   }
-  if (field->size() <= most) return field;
+  if (field->size() <= max_entries) return field;
   report(ErrorCode::range, path(key),
-         "These are " + std::to_string(field->size()) + " " + std::string(what) + ", more than the " + std::to_string(most) + " allowed.",
-         "Take some out.");
+         "The list has " + std::to_string(field->size()) + " " + std::string(entries) + "; at most " + std::to_string(max_entries) +
+             " are allowed.",
+         "Remove some of them.");
   return nullptr;
 }
 
@@ -102,8 +105,8 @@ void Fields::refuse_others() {
   for (const std::string& key : known_) known += (known.empty() ? "" : ", ") + key;
   for (const auto& [key, value] : object_.items())
     if (std::ranges::find(known_, key) == known_.end())
-      report(ErrorCode::unknown, path(std::string_view(key).substr(0, 64)), "Nothing has this field here.",
-             "Correct its name or take it out; known are " + known + ".");
+      report(ErrorCode::unknown, path(std::string_view(key).substr(0, 64)), "The field is unknown.",
+             "Correct its name or remove it; the known fields are " + known + ".");
 }
 
 }  // namespace ugoki::json

@@ -1,5 +1,5 @@
 #pragma once
-// Reading JSON objects field by field with all problems reported by their path in the document.
+// Reads JSON objects field by field and reports every problem with its path in the document.
 
 #include <cstdint>
 #include <optional>
@@ -12,39 +12,46 @@
 
 namespace ugoki::json {
 
-/// More problems help nobody; the bound keeps the answer to a hostile document small.
-inline constexpr std::size_t most_problems = 100;
+/// Maximum number of problems reported for one document. It bounds the size of the answer to a hostile document.
+inline constexpr std::size_t max_problems = 100;
 
-/// One object of a document. Absent fields leave their variable alone, wrong ones become problems.
+/// Reader of one JSON object. An absent field leaves its variable unchanged; a field of the wrong type adds a problem.
+/// Refers to the object and to the list of problems, which must outlive it.
 class Fields {
  public:
-  /// @param path of the object, for messages: "scenario/events/3", or "walker.json:" for the whole of a file
+  /// @param path of the object, for messages: "scenario/events/3", or "walker.json:" for the top-level object of a file
   Fields(const Json& object, std::string path, Error& problems);
 
-  /// False where the value is something else; then every field is absent and the problem is told.
+  /// False if the value is not a JSON object. Every field then counts as absent; the constructor has reported the problem.
   [[nodiscard]] bool is_object() const { return object_.is_object(); }
   [[nodiscard]] bool has(std::string_view key) const;
-  /// The field, or null.
+  /// The value of field `key`, or null if it is absent. Marks the field as known for refuse_others().
   [[nodiscard]] const Json* find(std::string_view key);
+  /// `former` if the object has only the field's former name, otherwise `key`. Keeps documents of earlier versions readable.
+  [[nodiscard]] std::string_view renamed(std::string_view key, std::string_view former) const;
+  /// Path of the object.
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// Path of field `key`.
   [[nodiscard]] std::string path(std::string_view key) const;
   [[nodiscard]] Error& problems() { return problems_; }
-  /// Adds a problem, as long as there are fewer than most_problems.
+  /// Adds a problem, as long as there are fewer than max_problems.
   void report(ErrorCode code, std::string path, std::string message, std::string remedy);
 
+  // Each of these sets `value` from field `key`; it reports a problem if the field has another type.
   void number(std::string_view key, double& value);
   void integer(std::string_view key, int& value);
   void boolean(std::string_view key, bool& value);
   void text(std::string_view key, std::string& value);
-  /// A list of exactly as many numbers as `values` holds. @return whether it was there and right
+  /// Reads a list of exactly `values.size()` numbers. @return true if the field is present and valid; otherwise `values` is unchanged
   bool numbers(std::string_view key, std::span<double> values);
-  /// The same for any value of the document. @param path its own
+  /// Reads a list of exactly `values.size()` numbers from any value of the document. @param path of `value`, for messages
   bool numbers(const Json& value, const std::string& path, std::span<double> values);
-  /// A list of at most `most` entries; null if it is absent or something else (told). @param what "links", for messages
-  [[nodiscard]] const Json* list(std::string_view key, std::size_t most, std::string_view what);
-  /// The field must be there.
+  /// The list in field `key`; null if the field is absent. Reports a problem and returns null if the field is not a list or has more
+  /// than `max_entries` entries. @param entries plural noun for messages, for example "links"
+  [[nodiscard]] const Json* list(std::string_view key, std::size_t max_entries, std::string_view entries);
+  /// Reports a problem if the field is absent. @param meaning of the field, for the remedy: "Give <meaning>."
   void require(std::string_view key, std::string_view meaning);
-  /// Reports every field that was not asked for.
+  /// Reports every field that no earlier call asked for.
   void refuse_others();
 
  private:

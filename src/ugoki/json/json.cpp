@@ -21,10 +21,11 @@ std::string_view name_of(ErrorCode code) {
   return "unknown";
 }
 
-/// What no document of ours has, and what the library would recurse or search too long over: a sentence, or empty.
-std::string excess_of(std::string_view text) {
+/// Checks the limits max_depth and max_fields before parsing, because the JSON library recurses per level and searches fields linearly.
+/// @return a sentence that names the exceeded limit, or an empty text
+std::string exceeded_limit(std::string_view text) {
   int depth = 0;
-  int commas[max_depth + 1] = {};  // in the open object of each level; lists have as many entries as they like
+  int commas[max_depth + 1] = {};  // count in the open object of each level; the length of lists is not limited
   bool in_object[max_depth + 1] = {}, in_text = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -34,23 +35,24 @@ std::string excess_of(std::string_view text) {
     } else if (c == '"') {
       in_text = true;
     } else if (c == '{' || c == '[') {
-      if (++depth > max_depth) return "Its brackets are nested deeper than " + std::to_string(max_depth) + " levels.";
+      if (++depth > max_depth) return "The brackets are nested deeper than " + std::to_string(max_depth) + " levels.";
       in_object[depth] = c == '{';
       commas[depth] = 0;
     } else if (c == '}' || c == ']') {
       if (depth > 0) --depth;
     } else if (c == ',' && in_object[depth] && ++commas[depth] >= max_fields) {
-      return "It has an object with more than " + std::to_string(max_fields) + " fields.";
+      return "An object has more than " + std::to_string(max_fields) + " fields.";
     }
   }
   return {};
 }
 
-/// The second of two fields of one name in one object, of which the library would drop one without a word. @param text valid JSON
-/// @return the name as it stands there; null: none
+/// Finds a field name that occurs twice in one object. The JSON library would silently drop one of the two fields.
+/// @param text valid JSON
+/// @return the second occurrence of the name, a view into `text`; its data() is null if there is none
 std::string_view repeated_field(std::string_view text) {
-  std::vector<std::string_view> names;  // of the open objects
-  std::vector<std::size_t> first;       // [open objects] in names
+  std::vector<std::string_view> names;  // field names of all open objects
+  std::vector<std::size_t> first;       // [open objects] index of the object's first field in `names`
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '{') {
       first.push_back(names.size());
@@ -71,10 +73,11 @@ std::string_view repeated_field(std::string_view text) {
   return {};
 }
 
-/// Remembers where the text stops making sense; builds nothing. Without exceptions the library tells it only so.
+/// SAX handler that records the position of the first syntax error and builds no value. Without exceptions, the JSON library reports the
+/// position only to a SAX handler.
 class FaultFinder : public nlohmann::json_sax<Json> {
  public:
-  std::size_t read = 0;  ///< characters up to and with the fault; one more than there are where the text ends too early
+  std::size_t read = 0;  ///< characters read up to and including the error; text size + 1 if the text ends too early
   bool null() override { return true; }
   bool boolean(bool) override { return true; }
   bool number_integer(number_integer_t) override { return true; }
@@ -93,21 +96,22 @@ class FaultFinder : public nlohmann::json_sax<Json> {
   }
 };
 
-/// "name:line"; a name may end with the colon.
-std::string place_of(std::string_view name, std::string_view text, std::size_t offset) {
+/// The location "name:line" of a byte offset in `text`. `name` may already end with the colon.
+std::string location_of(std::string_view name, std::string_view text, std::size_t offset) {
   return std::string(name) + (name.ends_with(':') ? "" : ":") +
          std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(offset), '\n'));
 }
 
-std::unexpected<Error> fault(std::string_view text, std::string_view name) {
+/// The syntax error of `text` as an error result. @param text not valid JSON
+std::unexpected<Error> syntax_error(std::string_view text, std::string_view name) {
   FaultFinder finder;
   (void)Json::sax_parse(text.begin(), text.end(), &finder);
   const std::size_t before = std::min(finder.read > 0 ? finder.read - 1 : 0, text.size());
-  const std::string place = place_of(name, text, before);
-  if (text.empty()) return fail(ErrorCode::truncated, place, "The text is empty, not JSON.", "Give a JSON document.");
+  const std::string location = location_of(name, text, before);
+  if (text.empty()) return fail(ErrorCode::truncated, location, "The text is empty, not JSON.", "Give a JSON document.");
   if (finder.read > text.size())
-    return fail(ErrorCode::truncated, place, "The JSON text ends too early.", "Close what is open: a quote or a bracket.");
-  return fail(ErrorCode::syntax, place, "The text is not valid JSON here.",
+    return fail(ErrorCode::truncated, location, "The JSON text ends too early.", "Close the open quote or bracket.");
+  return fail(ErrorCode::syntax, location, "The text is not valid JSON here.",
               "Look for a missing comma, quote or bracket at this line or the one before.");
 }
 
@@ -116,17 +120,19 @@ std::unexpected<Error> fault(std::string_view text, std::string_view name) {
 Result<Json> parse_json(std::string_view text, std::string_view name, std::size_t max_size) {
   if (text.size() > max_size)
     return fail(ErrorCode::range, std::string(name),
-                "The text has " + std::to_string(text.size()) + " bytes, more than the " + std::to_string(max_size) + " allowed.",
+                "The text has " + std::to_string(text.size()) + " bytes; at most " + std::to_string(max_size) + " are allowed.",
                 "Make it smaller.");
-  if (const std::string excess = excess_of(text); !excess.empty())
-    return fail(ErrorCode::range, std::string(name), excess, "No valid document is like that; write it anew.");
-  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)  // at which the library would stop, content
-    return fail(ErrorCode::syntax, place_of(name, text, zero), "A zero byte stands here, as in no JSON text.", "Save it as UTF-8 again.");
+  if (const std::string exceeded = exceeded_limit(text); !exceeded.empty())
+    return fail(ErrorCode::range, std::string(name), exceeded, "Simplify the document, or check the program that wrote it.");
+  // The JSON library would treat a zero byte as the end of the text and ignore the rest.
+  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
+    return fail(ErrorCode::syntax, location_of(name, text, zero), "The text contains a zero byte, which JSON does not allow.",
+                "Save it again as UTF-8.");
   Json json = Json::parse(text.begin(), text.end(), nullptr, false);
-  if (json.is_discarded()) return fault(text, name);
+  if (json.is_discarded()) return syntax_error(text, name);
   if (const std::string_view field = repeated_field(text); field.data())
-    return fail(ErrorCode::duplicate, place_of(name, text, static_cast<std::size_t>(field.data() - text.data())),
-                "The field '" + std::string(field.substr(0, 100)) + "' stands in its object twice.", "Remove one of the two.");
+    return fail(ErrorCode::duplicate, location_of(name, text, static_cast<std::size_t>(field.data() - text.data())),
+                "The field '" + std::string(field.substr(0, 100)) + "' occurs twice in its object.", "Remove one of the two.");
   return json;
 }
 
@@ -149,7 +155,7 @@ std::string to_text(const Json& json, int indent) { return json.dump(indent, ' '
 Json error_json(const Error& error) {
   Json problems = Json::array();
   for (const Problem& p : error.problems)
-    problems.push_back({{"code", name_of(p.code)}, {"place", p.place}, {"message", p.message}, {"remedy", p.remedy}});
+    problems.push_back({{"code", name_of(p.code)}, {"location", p.location}, {"message", p.message}, {"remedy", p.remedy}});
   return {{"problems", std::move(problems)}};
 }
 

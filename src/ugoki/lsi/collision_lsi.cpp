@@ -1,4 +1,4 @@
-// Collision analysis: contact points of everything with everything.
+// Collision analysis: contact points between links, and between links and the ground.
 
 #include <algorithm>
 #include <cmath>
@@ -19,14 +19,14 @@ struct Collision {
   std::vector<std::vector<Pose>> poses;  // [characters][links]
   std::vector<std::span<const Pose>> views;
   std::vector<collision::ContactPoint> contacts;
-  double margin;
+  double margin;  // m
   std::unique_ptr<contact::SweptContacts> swept;
   std::vector<collision::SystemMotion> motions;
-  std::vector<double> reach;  // m [characters] of free bodies, from their origins; 0: others
+  std::vector<double> reach;  // [characters] free body: maximum distance of its shapes from its origin, m; otherwise 0
 };
 
-/// Anything that may move farther in a step than half the margin. Of linked systems freedoms of 1 m and of 1 rad alike, links being about 1
-/// m long.
+/// Whether a body may move farther than half the margin in one step; contacts must then be searched along the motion. A joint velocity in
+/// rad/s is compared like one in m/s, because links are about 1 m long.
 bool is_fast(const Collision& self, double dt) {
   const double limit = 0.5 * self.margin / dt;
   for (std::size_t i = 0; i < self.motions.size(); ++i) {
@@ -44,13 +44,13 @@ std::int32_t step(const Call* call) {
   auto& self = object_of<Collision>(call);
   for (const Character& c : self.world->characters())
     calc_poses(*c.mechanism, q_of(c, circuit::input(call, 0)), self.poses[static_cast<std::size_t>(c.index)]);
-  self.workspace.forget();  // contacts depend on the state alone: the same bits after a restore
+  self.workspace.forget();  // contacts must depend on the state alone, so that a restored run gives the same bits
   collision::find_contacts(self.scene, self.views, self.margin, self.workspace, self.contacts);
   for (const Character& who : self.world->characters())
     self.motions[static_cast<std::size_t>(who.index)] = {q_of(who, circuit::input(call, 0)), v_of(who, circuit::input(call, 0))};
   if (is_fast(self, call->tick->dt)) self.swept->add(self.motions, self.views, call->tick->dt, self.margin, self.contacts);
   const std::size_t room = call->out_count[0];
-  if (self.contacts.size() > room) {  // the nearest ones, in an order that depends on nothing else
+  if (self.contacts.size() > room) {  // keep the closest contacts; the key makes the order unique
     std::sort(self.contacts.begin(), self.contacts.end(),
               [](const auto& a, const auto& b) { return a.distance != b.distance ? a.distance < b.distance : a.key < b.key; });
     self.contacts.resize(room);
@@ -87,16 +87,18 @@ void* make(Setup& s) {
 void add_collision(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "collision analysis";
-  c.doc = "Finds where links touch the ground, other characters and, if wanted, themselves, and where they soon will.";
+  c.doc =
+      "Finds the points where links touch the ground, other characters and (optionally) links of the same character, or will do so within "
+      "one tick.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now.")};
-  c.outputs = {output_pin("contacts", PinTypeId::contacts, "", "Contact points, without forces.")};
+  c.outputs = {output_pin("contacts", PinTypeId::contacts, "", "Contact points, with zero forces.")};
   circuit::Parameter self_collision;
   self_collision.name = "self-collision";
   self_collision.kind = circuit::ParameterKind::boolean;
   self_collision.initial = false;
-  self_collision.doc = "Links of one character collide with each other.";
+  self_collision.doc = "Whether links of the same character collide with each other.";
   self_collision.live = false;
-  c.parameters = {number_parameter("margin", 0.02, 0, 1, "m", "Points nearer than this are given."), self_collision};
+  c.parameters = {number_parameter("margin", 0.02, 0, 1, "m", "Points closer than this distance become contacts."), self_collision};
   c.configure = [](Setup& s) {
     if (const World* world = world_of(s)) s.set_out(0, world->contact_capacity());
   };

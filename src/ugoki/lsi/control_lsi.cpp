@@ -42,7 +42,7 @@ std::int32_t step(const Call* call) {
 
   const Joint& root = m.link(0).joint;
   if (root.type == JointType::floating) {
-    // the assist as forces on the root's own freedoms: angular ones in the link's axes, linear ones in the joint's
+    // The assist as forces on the root's own DOFs: angular ones in the axes of the link, linear ones in the axes of the joint.
     const Vec3 moment = transpose_times(root.X_PJ.R * joint_pose(root, in.q.data()).R, out.assist.w);
     const Vec3 force = transpose_times(root.X_PJ.R, out.assist.v);
     for (int k = 0; k < 3; ++k) {
@@ -60,7 +60,7 @@ std::int32_t step(const Call* call) {
   }
   report[report_ratio] = out.ratio;
   report[report_size] = out.size_bw;
-  report[report_let_go] = out.let_go ? 1 : 0;
+  report[report_released] = out.released ? 1 : 0;
   const double weight = m.mass() * norm(self.control.options().gravity);
   report[report_force_size] = weight > 0 ? norm(out.assist.v) / weight : 0;
   return 0;
@@ -92,26 +92,29 @@ void add_control(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "motion control";
   c.doc =
-      "Joint torques that make a character follow its reference on its own feet, and the root assist that is still missing. Beyond the "
-      "assist's limit it lets go.";
+      "Computes joint torques that make a character follow its reference on its own feet, and the root assist (an external force on the "
+      "root) for the rest. If the assist needed exceeds its limit for too long, the character is released and falls.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
-              input_pin("reference", PinTypeId::motion, "", "What the character shall do now."),
-              input_pin("contacts", PinTypeId::contacts, "", "Where it touches the ground.")};
-  c.outputs = {output_pin("torque", PinTypeId::joint_values, "N m, N",
-                          "For all freedoms: forces (on the root's freedoms: the root assist), then servo gains, then servo velocities."),
-               output_pin("assist force", PinTypeId::vector, "N", "Force of the root assist, world axes."),
-               output_pin("assist moment", PinTypeId::vector, "N m", "Its moment about the root link's origin."),
-               output_pin("report", PinTypeId::joint_values, "",
-                          "Root assist in ten numbers: force, moment, wanted/cap, size in body weights, let go, force in body weights.")};
-  c.parameters = {
-      character_parameter(),
-      number_parameter("tracking", usual.tracking, 0, 2, "", "Factor on the joints' gains."),
-      number_parameter("balance", usual.balance, 0, 2, "", "Factor on the root's gains."),
-      number_parameter("assist limit", usual.assist_limit, 0, 10, "body weights",
-                       "Cap of the root assist; beyond it the character lets go."),
-      number_parameter("joint frequency", usual.joint_frequency, 0, 500, "rad/s", "How fast an error of a joint decays."),
-      number_parameter("root frequency", usual.root_frequency, 0, 500, "rad/s", "The same for the root and for joints that bear it."),
-      number_parameter("patience", usual.patience, 0.001, 100, "s", "How long too much assist is put up with.")};
+              input_pin("reference", PinTypeId::motion, "", "Reference motion of the character at this tick."),
+              input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the character with the ground support it.")};
+  c.outputs = {
+      output_pin("torque", PinTypeId::joint_values, "N m, N",
+                 "For all degrees of freedom: forces (on the root: the root assist), then servo gains, then servo velocities."),
+      output_pin("assist force", PinTypeId::vector, "N", "Force of the root assist, in world axes."),
+      output_pin("assist moment", PinTypeId::vector, "N m", "Moment of the root assist about the origin of the root link, in world axes."),
+      output_pin("report", PinTypeId::joint_values, "",
+                 "Ten numbers about the root assist: force (3), moment (3), wanted assist / limit, applied assist in body "
+                 "weights, 1 if released, applied force in body weights.")};
+  c.parameters = {character_parameter(),
+                  number_parameter("tracking", usual.tracking, 0, 2, "", "Factor on the gains of the joints."),
+                  number_parameter("balance", usual.balance, 0, 2, "", "Factor on the gains of the root."),
+                  number_parameter("assist limit", usual.assist_limit, 0, 10, "body weights",
+                                   "Maximum root assist; if more is needed for too long, the character is released."),
+                  number_parameter("joint frequency", usual.joint_frequency, 0, 500, "rad/s", "Rate at which the error of a joint decays."),
+                  number_parameter("root frequency", usual.root_frequency, 0, 500, "rad/s",
+                                   "Rate at which the error of the root decays; also used for the joints that carry it."),
+                  number_parameter("patience", usual.patience, 0.001, 100, "s",
+                                   "Averaging time of the wanted assist; a larger value delays the release.")};
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);
     if (!character) return;

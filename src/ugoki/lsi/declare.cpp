@@ -28,7 +28,7 @@ circuit::Parameter number_parameter(std::string name, double initial, double min
   p.maximum = maximum;
   p.unit = std::move(unit);
   p.doc = std::move(doc);
-  p.live = false;  // these LSIs take their numbers when they are made
+  p.live = false;  // these LSIs read their parameters in `make` only
   return p;
 }
 
@@ -37,12 +37,12 @@ circuit::Parameter character_parameter() {
   p.name = "character";
   p.kind = circuit::ParameterKind::text;
   p.initial = std::string();
-  p.doc = "Id of the character it is about.";
+  p.doc = "Id of the character that this LSI works on.";
   p.live = false;
   return p;
 }
 
-const World* world_of(Setup& setup) { return setup.resource<World>("of this content"); }
+const World* world_of(Setup& setup) { return setup.resource<World>(""); }
 const Character* character_of(Setup& setup) { return setup.resource<Character>(setup.text("character")); }
 
 void check_subject(Setup& setup, std::size_t pin, const std::string& pin_name, const Character& character) {
@@ -51,8 +51,9 @@ void check_subject(Setup& setup, std::size_t pin, const std::string& pin_name, c
   const World* world = world_of(setup);
   const std::string other = world ? world->characters()[static_cast<std::size_t>(shape.subject)].id : std::string();
   setup.fail(ErrorCode::structure,
-             "What is wired to '" + setup.id() + "." + pin_name + "' is about '" + other + "', the LSI about '" + character.id + "'.",
-             "Wire the same character's LSIs to each other.");
+             "The value wired to '" + setup.id() + "." + pin_name + "' belongs to the character '" + other + "', but the LSI to '" +
+                 character.id + "'.",
+             "Wire an output of the same character, or change the parameter 'character'.");
 }
 
 }  // namespace ugoki::lsi

@@ -1,5 +1,5 @@
 #pragma once
-// Short ways to write the declarations of this module's LSIs.
+// Functions that shorten the declarations of this module's LSIs.
 
 #include <string>
 #include <utility>
@@ -18,18 +18,22 @@ using circuit::Setup;
 [[nodiscard]] circuit::OutputPin output_pin(std::string name, PinTypeId type, std::string unit, std::string doc);
 [[nodiscard]] circuit::Parameter number_parameter(std::string name, double initial, double minimum, double maximum, std::string unit,
                                                   std::string doc);
-/// The parameter `character`, by which an LSI knows whom it is about.
+/// The parameter `character`: id of the character that an LSI works on.
 [[nodiscard]] circuit::Parameter character_parameter();
 
+/// The world of the content. If there is none: reports a problem and returns null.
 [[nodiscard]] const World* world_of(Setup& setup);
+/// The character that the parameter `character` names. If there is none: reports a problem and returns null.
 [[nodiscard]] const Character* character_of(Setup& setup);
-/// Refuses a payload that is about another character.
+/// Reports a problem if the payload wired to input `pin` belongs to another character.
 void check_subject(Setup& setup, std::size_t pin, const std::string& pin_name, const Character& character);
 
+/// LsiClass::destroy for an object of type T created with new.
 template <class T>
 void destroy(void* object) {
   delete static_cast<T*>(object);
 }
+/// The object that `make` of the LSI created.
 template <class T>
 T& object_of(const Call* call) {
   return *static_cast<T*>(call->object);

@@ -1,7 +1,7 @@
-// Distances: successive Gilbert between two links, the nearest pair of two characters, the impulse of collisions.
+// Distance between two links (successive Gilbert), closest points of two characters, and collision impulses.
 //
-// What a query leaves for the next one is the LSI's state: plain bytes that are saved and restored with the rest, so that a run that is
-// taken up again gives the same bits as one that went on.
+// The warm start of the next query is the state of the LSI: plain bytes that are saved and restored with the circuit. A restored run
+// therefore gives the same bits as an uninterrupted one.
 
 #include <type_traits>
 
@@ -23,17 +23,20 @@ void put(const Vec3& v, double* to) {
   to[2] = v.z;
 }
 
+/// One shape of a link.
 struct Part {
   collision::Collider collider;
   int link;
 };
 
+/// One of the two link systems, or one link of it.
 struct Side {
   const Character* character = nullptr;
   std::vector<Part> parts;
   std::vector<Pose> X_WB;  // [links]
 
   void move_to(const double* state) { calc_poses(*character->mechanism, q_of(*character, state), X_WB); }
+  /// Pose of the shape in the world.
   [[nodiscard]] Pose pose(std::size_t part) const {
     return X_WB[static_cast<std::size_t>(parts[part].link)] * parts[part].collider.shape.X_BS;
   }
@@ -51,9 +54,9 @@ Side make_side(const Character& who, int link) {
   return side;
 }
 
-/// What the next query begins with.
+/// Warm start of the next query: the closest pair of parts of the last one.
 struct Warm {
-  std::int32_t a = 0, b = 0;  // parts
+  std::int32_t a = 0, b = 0;  // indices of the parts
   collision::PairCache cache;
 };
 static_assert(std::is_trivially_copyable_v<Warm>);
@@ -63,8 +66,8 @@ struct Distance {
   collision::DistanceWorkspace workspace;
 };
 
-/// No two points of the parts are nearer.
-double least(const Part& a, const Pose& X_a, const Part& b, const Pose& X_b) {
+/// A lower bound of the distance of two parts, from their bounding spheres, m.
+double min_distance(const Part& a, const Pose& X_a, const Part& b, const Pose& X_b) {
   return norm(X_a * a.collider.centre - X_b * b.collider.centre) - a.collider.bound - b.collider.bound;
 }
 
@@ -83,7 +86,7 @@ std::int32_t distance(const Call* call) {
     for (std::size_t k = 0; k < self.b.parts.size(); ++k) {
       if (i == first_a && k == first_b) continue;
       const Pose X_b = self.b.pose(k);
-      if (least(self.a.parts[i], X_a, self.b.parts[k], X_b) >= best.distance) continue;
+      if (min_distance(self.a.parts[i], X_a, self.b.parts[k], X_b) >= best.distance) continue;
       collision::PairCache cache;
       const collision::PairDistance d =
           find_pair_distance(self.a.parts[i].collider, X_a, self.b.parts[k].collider, X_b, best.distance, cache, self.workspace);
@@ -92,7 +95,8 @@ std::int32_t distance(const Call* call) {
       warm = {static_cast<std::int32_t>(i), static_cast<std::int32_t>(k), cache};
     }
   }
-  if (best.method == collision::DistanceMethod::none) return circuit::stop(call, "There is no distance: a position is not finite.");
+  if (best.method == collision::DistanceMethod::none)
+    return circuit::stop(call, "The distance is undefined, because a position is not finite.");
   std::memcpy(call->state, &warm, sizeof warm);
   *output(call, 0) = best.distance;
   put(best.pa, output(call, 1));
@@ -113,14 +117,14 @@ circuit::Parameter text_parameter(std::string name, std::string doc) {
   return p;
 }
 
-/// The link that parameter `name` gives of `who`; -1: all. Reports what is wrong.
+/// Index of the link of `who` that the parameter `name` specifies; -1: all links. Reports an unknown link and a link without shapes.
 int link_of(Setup& s, const Character* who, const char* name) {
   if (!who || s.lsi_class().find_parameter(name) < 0) return -1;
   const int link = who->mechanism->find_link(s.text(name));
   if (link < 0)
-    s.fail(ErrorCode::unknown, "'" + who->id + "' has no link '" + s.text(name) + "'.", "Give the name of one of its links.");
+    s.fail(ErrorCode::unknown, "'" + who->id + "' has no link '" + s.text(name) + "'.", "Use the name of one of its links.");
   else if (who->mechanism->link(link).shapes.empty())
-    s.fail(ErrorCode::structure, "The link '" + s.text(name) + "' of '" + who->id + "' has no shape.", "Name a link that has one.");
+    s.fail(ErrorCode::structure, "The link '" + s.text(name) + "' of '" + who->id + "' has no shape.", "Use a link that has a shape.");
   return link;
 }
 
@@ -130,7 +134,7 @@ void configure_distance(Setup& s) {
   (void)link_of(s, b, "other link");
   for (const Character* who : {a, b})
     if (who && make_side(*who, -1).parts.empty())
-      s.fail(ErrorCode::structure, "'" + who->id + "' has no shapes.", "Name a character that has some.");
+      s.fail(ErrorCode::structure, "'" + who->id + "' has no shapes.", "Use a character that has shapes.");
 }
 
 void* make_distance(Setup& s) {
@@ -144,12 +148,12 @@ circuit::LsiClass distance_class(std::string name, std::string doc) {
   c.name = std::move(name);
   c.doc = std::move(doc);
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions now.")};
-  c.outputs = {output_pin("distance", PinTypeId::scalar, "m", "Between the surfaces; negative: depth of penetration."),
-               output_pin("a", PinTypeId::vector, "m", "The nearest point of the first."),
-               output_pin("b", PinTypeId::vector, "m", "The nearest point of the second."),
-               output_pin("normal", PinTypeId::vector, "1", "From b towards a."),
-               output_pin("link a", PinTypeId::scalar, "", "Number of the first's link."),
-               output_pin("link b", PinTypeId::scalar, "", "Number of the second's link.")};
+  c.outputs = {output_pin("distance", PinTypeId::scalar, "m", "Distance of the surfaces; negative: depth of penetration."),
+               output_pin("a", PinTypeId::vector, "m", "Closest point on the first character, world."),
+               output_pin("b", PinTypeId::vector, "m", "Closest point on the other character, world."),
+               output_pin("normal", PinTypeId::vector, "1", "Unit vector from b towards a, world."),
+               output_pin("link a", PinTypeId::scalar, "", "Index of the first character's link."),
+               output_pin("link b", PinTypeId::scalar, "", "Index of the other character's link.")};
   c.parameters = {character_parameter(), text_parameter("other", "Id of the other character.")};
   c.state_bytes = sizeof(Warm);
   c.configure = configure_distance;
@@ -188,13 +192,13 @@ std::int32_t impulse(const Call* call) {
   for (const ContactRecord& c : found) self.contacts.push_back(c.point);
   const contact::ImpactReport report = self.solver.collide(self.systems, self.contacts, {});
   if (report.status == contact::ImpactStatus::singular)
-    return circuit::stop(call, "Nothing resists motion of '" + self.world->characters()[static_cast<std::size_t>(report.system)].id +
-                                   "': its inertia is not positive.");
+    return circuit::stop(call, "The inertia of '" + self.world->characters()[static_cast<std::size_t>(report.system)].id +
+                                   "' is not positive, so its velocity change is undefined.");
   auto* out = record_room<ContactRecord>(call->out[1]);
   const std::span<const double> p = self.solver.impulses();
   for (std::size_t i = 0; i < found.size(); ++i) {
     out[i] = found[i];
-    out[i].force = (p[i] / call->tick->dt) * found[i].point.n;  // eq. (17): spread over one step
+    out[i].force = (p[i] / call->tick->dt) * found[i].point.n;  // paper eq. (17): the impulse as a force during one step
   }
   set_count(call->out[1], found.size());
   return 0;
@@ -205,7 +209,7 @@ void configure_impulse(Setup& s) {
   if (!world) return;
   for (const Character& who : world->characters())
     if (who.mechanism->has_loops())
-      s.fail(ErrorCode::unsupported, "'" + who.id + "' has closed loops.", "Use the LSI 'dynamics', whose impulses keep them closed.");
+      s.fail(ErrorCode::unsupported, "'" + who.id + "' has closed loops.", "Use the LSI 'dynamics', whose impulses keep loops closed.");
   s.set_out(0, world->state_count());
   s.set_out(1, world->contact_capacity());
 }
@@ -213,21 +217,26 @@ void configure_impulse(Setup& s) {
 }  // namespace
 
 void add_distance(circuit::Library& library) {
-  circuit::LsiClass gilbert = distance_class("successive Gilbert",
-                                             "The distance of two links. Each query begins where the last one ended, so that its cost does "
-                                             "not grow with the number of vertices while they move steadily.");
-  gilbert.parameters = {character_parameter(), text_parameter("link", "Name of its link."),
-                        text_parameter("other", "Id of the other character."), text_parameter("other link", "Name of the other's link.")};
+  circuit::LsiClass gilbert =
+      distance_class("successive Gilbert",
+                     "Distance of two links. Each query starts at the result of the previous one, so its cost does not "
+                     "grow with the number of vertices if the motion is coherent.");
+  gilbert.parameters = {character_parameter(), text_parameter("link", "Name of the character's link."),
+                        text_parameter("other", "Id of the other character."),
+                        text_parameter("other link", "Name of the other character's link.")};
   library.add(std::move(gilbert));
-  library.add(distance_class("nearest pair", "The nearest two points of two characters, and the links that have them."));
+  library.add(distance_class("closest pair", "The closest points of two characters, and the links on which they are."));
 
   circuit::LsiClass c;
   c.group = "collision";
   c.name = "collision force";
-  c.doc = "The impulses of what collides, by the law of impact: velocities after it, and the forces as they are spread over one step.";
-  c.inputs = {input_pin("state", PinTypeId::state, "", "Before."), input_pin("contacts", PinTypeId::contacts, "", "Where things touch.")};
-  c.outputs = {output_pin("next", PinTypeId::state, "", "After: other velocities at the same positions."),
-               output_pin("contacts", PinTypeId::contacts, "", "The contacts with the forces.")};
+  c.doc =
+      "Impulses of colliding links by the law of impact: the velocities after the impact, and the forces that give the impulses during one "
+      "step.";
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities before the impact."),
+              input_pin("contacts", PinTypeId::contacts, "", "Contact points.")};
+  c.outputs = {output_pin("next", PinTypeId::state, "", "The same positions, with the velocities after the impact."),
+               output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces.")};
   c.configure = configure_impulse;
   c.make = [](Setup& s) -> void* {
     const World* world = world_of(s);

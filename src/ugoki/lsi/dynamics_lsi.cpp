@@ -1,4 +1,4 @@
-// General-purpose dynamics: one step of all characters with contact, friction, limits, torques and what happens to them.
+// General-purpose dynamics: one step of all characters with contacts, friction, joint limits, drive torques, pushes and pulls.
 
 #include <algorithm>
 
@@ -22,26 +22,28 @@ struct Dynamics {
 
   const World* world;
   Stepper stepper;
-  collision::Scene scene;  // what the guard looks at
-  contact::GuardedStep guard;
+  collision::Scene scene;                      // shapes that the guard tests
+  contact::GuardedStep guard;                  // repeats steps that end in penetration, with additional contacts
   std::vector<dynamics::Workspace> scratch;    // [characters] for pulls
-  std::vector<std::vector<Vec6>> external;     // [characters][links]
-  std::vector<std::vector<double>> no_torque;  // [characters][nv]
-  std::vector<int> torque_wire;                // [characters] -1: none
+  std::vector<std::vector<Vec6>> external;     // [characters][links] wrenches of pushes and pulls, world
+  std::vector<std::vector<double>> no_torque;  // [characters][nv] zeros
+  std::vector<int> torque_wire;                // [characters] index in Call::in; -1: no wire
   std::vector<collision::ContactPoint> contacts;
   std::vector<contact::StepSystem> systems;
-  std::vector<char> touches_itself;  // [characters]
+  std::vector<char> touches_itself;  // [characters] whether it has contacts between its own links
   contact::ContactEvents touches;
 };
 
 std::size_t warm_capacity(const World& world) {
-  std::size_t n = 2 * std::size_t{world.contact_capacity()};  // given contacts, and those that the guard adds
+  std::size_t n = 2 * std::size_t{world.contact_capacity()};  // contacts of the input, and those that the guard adds
   for (const Character& c : world.characters()) n += 3 * static_cast<std::size_t>(c.mechanism->nv());
   return n;
 }
 
-/// The state as plain bytes: the stepper's warm start, then the touches that go on; each a count and records.
+/// Offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, then the current touches, each a count
+/// followed by records.
 std::size_t touches_at(const World& world) { return sizeof(std::uint64_t) + warm_capacity(world) * sizeof(Stepper::Warm); }
+// Records of current touches that are saved, and of touch events per tick. Further touches are not saved; further events are dropped.
 constexpr std::size_t touch_capacity = 256, touch_events = 64;
 
 void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {
@@ -65,21 +67,21 @@ void apply_event(Dynamics& self, const EventRecord& e, const double* state, doub
 
 std::int32_t explain(const Call* call, const Dynamics& self, const contact::StepReport& report) {
   const Character& c = self.world->characters()[static_cast<std::size_t>(report.system)];
-  const Link& link = c.mechanism->link(c.mechanism->link_of_freedom(report.freedom));
+  const Link& link = c.mechanism->link(c.mechanism->link_of_dof(report.dof));
   const std::string joint = "the joint of '" + link.name + "' of '" + c.id + "'";
   return circuit::stop(call, report.status == contact::StepStatus::singular
-                                 ? "Nothing resists motion at " + joint + ": its inertia is not positive."
-                                 : "The velocity at " + joint + " has blown up.");
+                                 ? "The inertia at " + joint + " is not positive, so its acceleration is undefined."
+                                 : "The velocity at " + joint + " has diverged.");
 }
 
-/// Who is given no contacts touches nothing, so there is nothing to guard. Afterwards self.contacts are those of the step.
+/// Makes one step. Without contacts at its start, the step is not guarded. Afterwards self.contacts are all contacts of the step.
 contact::StepReport take_step(Dynamics& self, double dt, std::span<const Vec3>& forces) {
   if (self.contacts.empty()) return self.stepper.step(self.systems, self.contacts, dt);
-  std::ranges::fill(self.touches_itself, char{0});  // links of one character collide where collision analysis says so
+  std::ranges::fill(self.touches_itself, char{0});  // self-collision is on for characters with a contact between their own links
   for (const collision::ContactPoint& c : self.contacts)
     if (c.system_a >= 0 && c.system_a == c.system_b) self.touches_itself[static_cast<std::size_t>(c.system_a)] = 1;
   for (std::size_t s = 0; s < self.systems.size(); ++s) self.scene.set_self_collision(static_cast<int>(s), self.touches_itself[s] != 0);
-  self.guard.forget();  // a step depends on the state alone: the same bits after a restore
+  self.guard.forget();  // a step must depend on the state alone, so that a restored run gives the same bits
   const contact::StepReport report = self.guard.step(self.systems, self.contacts, dt);
   forces = self.guard.forces();
   const std::span<const collision::ContactPoint> all = self.guard.contacts();
@@ -138,12 +140,11 @@ void configure(Setup& s) {
     const Character* c = shape.subject >= 0 ? &world->characters()[static_cast<std::size_t>(shape.subject)] : nullptr;
     const std::uint32_t nv = c ? static_cast<std::uint32_t>(c->mechanism->nv()) : 0;
     if (!c || (shape.count != nv && shape.count != 3 * nv)) {
-      s.fail(ErrorCode::structure,
-             "Wire " + std::to_string(k) + " into '" + s.id() + ".torque' does not hold the torques of one character.",
-             "Wire the torque of a motion control.");
+      s.fail(ErrorCode::structure, "Wire " + std::to_string(k) + " into '" + s.id() + ".torque' is not the torque of one character.",
+             "Wire the torque of a motion control LSI.");
     } else if (++wires[static_cast<std::size_t>(c->index)] > 1) {
-      s.fail(ErrorCode::structure, "Two wires into '" + s.id() + ".torque' are about '" + c->id + "'.",
-             "Remove one, or add them up before.");
+      s.fail(ErrorCode::structure, "Two wires into '" + s.id() + ".torque' belong to the character '" + c->id + "'.",
+             "Remove one wire, or add the torques with an LSI first.");
     }
   }
 }
@@ -177,9 +178,9 @@ void store(const Call* call) {
   if (count) std::memcpy(record_room<Stepper::Warm>(call->state), warm.data(), count * sizeof(Stepper::Warm));
   auto* const at = static_cast<std::byte*>(call->state) + touches_at(*self.world);
   const std::span<const contact::Touch> touches = self.touches.touches();
-  const std::size_t going_on = std::min(touches.size(), touch_capacity);
-  set_count(at, going_on);
-  if (going_on) std::memcpy(record_room<contact::Touch>(at), touches.data(), going_on * sizeof(contact::Touch));
+  const std::size_t current = std::min(touches.size(), touch_capacity);
+  set_count(at, current);
+  if (current) std::memcpy(record_room<contact::Touch>(at), touches.data(), current * sizeof(contact::Touch));
 }
 
 void recall(const Call* call) {
@@ -195,22 +196,25 @@ void add_dynamics(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "dynamics";
   c.doc =
-      "General-purpose dynamics: moves every character on by one step under torques, gravity, contact, friction, joint limits, pushes and "
-      "pulls. Where bodies would end a step deeper in each other than 0.4 mm, the step is taken again with contacts against that. "
-      "With more than 256 contacts and limits at once these are kept to 0.1 mm a step, otherwise to rounding.";
-  c.inputs = {
-      input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
-      input_pin("contacts", PinTypeId::contacts, "", "Contact points now."), input_pin("events", PinTypeId::event, "", "Pushes and pulls."),
-      input_pin("torque", PinTypeId::joint_values, "N m, N",
-                "Forces on the freedoms of characters, alone or with servo gains and velocities, one wire each; others move passively.")};
+      "General-purpose dynamics: advances every character by one step under torques, gravity, contact, friction, joint limits, pushes and "
+      "pulls. If bodies would penetrate each other by more than 0.4 mm at the end of a step, the step is solved again with additional "
+      "contacts. With at most 256 contacts and limits, their conditions are solved to rounding; with more, to 0.1 mm per step.";
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
+              input_pin("contacts", PinTypeId::contacts, "", "Contact points now."),
+              input_pin("events", PinTypeId::event, "", "Pushes and pulls."),
+              input_pin("torque", PinTypeId::joint_values, "N m, N",
+                        "Forces on the degrees of freedom of a character, alone or with servo gains and velocities; one wire for each "
+                        "character. Characters "
+                        "without a wire move passively.")};
   c.inputs[in_events].required = false;
   c.inputs[in_torque].required = false;
   c.inputs[in_torque].multiple = true;
   c.outputs = {output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."),
                output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces."),
-               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended, with their impulses.")};
-  c.parameters = {number_parameter("iterations", usual.iterations, 1, 10000, "", "Greatest number of sweeps over the contacts."),
-                  number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes more.")};
+               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended in this tick, with their impulses.")};
+  c.parameters = {
+      number_parameter("iterations", usual.iterations, 1, 10000, "", "Maximum number of sweeps over the contacts."),
+      number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes by more than this.")};
   c.parameters[0].kind = circuit::ParameterKind::integer;
   c.configure = configure;
   c.make = make;

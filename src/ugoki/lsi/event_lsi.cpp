@@ -1,4 +1,4 @@
-// Event: what the scenario and the user let happen at this tick.
+// Event: the events of the scenario and of the user that act at this tick.
 
 #include <algorithm>
 #include <cmath>
@@ -8,27 +8,28 @@
 namespace ugoki::lsi {
 namespace {
 
-constexpr std::size_t most_pushes = 16;
+constexpr std::size_t max_pushes = 16;  // simultaneous pushes of the user; a further push replaces the oldest
 
-/// What lasts: pushes by hand, and the hand that holds a link. Plain data; `step` prepares the next one.
+/// Events of the user that last for several ticks: pushes, and the grab of a link. Plain data.
 struct Lasting {
   std::uint64_t pushes = 0;
-  EventRecord push[most_pushes];
-  double ticks_left[most_pushes] = {};
+  EventRecord push[max_pushes];
+  double ticks_left[max_pushes] = {};
   std::uint64_t grabbed = 0;
   EventRecord grab;
 };
 struct EventState {
-  Lasting now, next;
+  Lasting now, next;  ///< `step` computes `next` from `now`; `advance` copies it to `now`
 };
 
-/// A push acts on whole ticks: as many as fit its duration best, from the first at or after its time.
+/// A push acts for an integral number of ticks: its duration rounded to ticks (at least 1), from the first tick at or after its time.
+/// The 1e-6 ticks absorb the rounding of time / dt; the bounds keep the conversion to an integer defined.
 std::uint64_t first_tick(double time, double dt) { return static_cast<std::uint64_t>(std::clamp(std::ceil(time / dt - 1e-6), 0.0, 1e15)); }
 std::uint64_t tick_count(double duration, double dt) {
   return static_cast<std::uint64_t>(std::clamp(std::floor(duration / dt + 0.5), 1.0, 1e15));
 }
 
-/// The scenario's events in ticks: [first, end).
+/// The events of the scenario, each with its ticks [first, end).
 struct Schedule {
   struct Entry {
     std::uint64_t first, end;
@@ -42,7 +43,7 @@ void* make(Setup& s) {
   for (const ScheduledEvent& e : world_of(s)->events()) {
     std::uint64_t first = first_tick(e.time, s.dt());
     std::uint64_t count = tick_count(e.duration, s.dt());
-    if (e.record.kind == EventKind::throwing) {  // shows at the end of the tick before
+    if (e.record.kind == EventKind::throwing) {  // emitted one tick earlier: the status LSI applies it at the end of the tick
       first = std::max<std::uint64_t>(first, 1) - 1;
       count = 1;
     }
@@ -51,6 +52,7 @@ void* make(Setup& s) {
   return schedule;
 }
 
+/// Appends records to the output; add returns false if it is full.
 class Output {
  public:
   explicit Output(const Call* call) : call_(call) {}
@@ -66,13 +68,14 @@ class Output {
   std::uint64_t count_ = 0;
 };
 
-void take_live(const Call* call, Lasting& next) {
+/// Applies the user's events that arrived before this tick.
+void add_live_events(const Call* call, Lasting& next) {
   for (const EventRecord& e : records<EventRecord>(call->in[0])) {
     switch (e.kind) {
       case EventKind::push:
-        if (next.pushes == most_pushes) {  // the oldest ends early
-          std::move(next.push + 1, next.push + most_pushes, next.push);
-          std::move(next.ticks_left + 1, next.ticks_left + most_pushes, next.ticks_left);
+        if (next.pushes == max_pushes) {  // the oldest ends early
+          std::move(next.push + 1, next.push + max_pushes, next.push);
+          std::move(next.ticks_left + 1, next.ticks_left + max_pushes, next.ticks_left);
           --next.pushes;
         }
         next.push[next.pushes] = e;
@@ -100,7 +103,7 @@ std::int32_t step(const Call* call) {
   for (const Schedule::Entry& e : object_of<Schedule>(call).entries)
     if (index >= e.first && index < e.end) fits &= out.add(e.record);
   Lasting& next = state.next = state.now;
-  take_live(call, next);
+  add_live_events(call, next);
   for (const EventRecord& e : records<EventRecord>(call->in[0]))
     if (e.kind == EventKind::throwing) fits &= out.add(e);
   std::size_t kept = 0;
@@ -113,7 +116,7 @@ std::int32_t step(const Call* call) {
   next.pushes = kept;
   if (next.grabbed) fits &= out.add(next.grab);
   out.finish();
-  return fits ? 0 : circuit::stop(call, "More than " + std::to_string(call->out_count[0]) + " events happen at once.");
+  return fits ? 0 : circuit::stop(call, "More than " + std::to_string(call->out_count[0]) + " events act at the same tick.");
 }
 
 }  // namespace
@@ -121,10 +124,10 @@ std::int32_t step(const Call* call) {
 void add_event(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "event";
-  c.doc = "What happens at this tick: the scenario's pushes and throws, and what the user does while it runs.";
-  c.inputs = {input_pin("live", PinTypeId::event, "", "Inputs by hand that arrived before this tick.")};
+  c.doc = "The events of this tick: pushes and throws of the scenario, and the user's pushes, pulls and throws.";
+  c.inputs = {input_pin("live", PinTypeId::event, "", "Events of the user that arrived before this tick.")};
   c.inputs[0].required = false;
-  c.outputs = {output_pin("events", PinTypeId::event, "", "Everything that acts during this tick.")};
+  c.outputs = {output_pin("events", PinTypeId::event, "", "All events that act during this tick.")};
   c.configure = [](Setup& s) {
     if (world_of(s)) s.set_state(sizeof(EventState));
   };

@@ -13,22 +13,24 @@ using circuit::Instance;
 using circuit::NamedValue;
 using circuit::PinTypeId;
 
-constexpr double measure_rate = 120;       // Hz
-constexpr double column = 240, row = 320;  // distance of LSIs in the editor
+constexpr double measure_rate = 120;       // Hz, rate of naturalness measurements
+constexpr double column = 240, row = 320;  // spacing of LSIs in the editor, px
 
-/// The character's id as part of an id in the circuit, where points separate pins.
-std::string part_of_id(const std::string& id, std::set<std::string>& taken) {
+/// The character's id as part of LSI ids, which must not contain '.': replaces '.', truncates, and makes it unique.
+std::string id_part(const std::string& id, std::set<std::string>& used) {
   std::string part = id.substr(0, 40);
   std::replace(part.begin(), part.end(), '.', '_');
   const std::string base = part;
-  for (int n = 2; !taken.insert(part).second; ++n) part = base + "-" + std::to_string(n);
+  for (int n = 2; !used.insert(part).second; ++n) part = base + "-" + std::to_string(n);
   return part;
 }
 
 class Maker {
  public:
-  Maker(std::size_t figures, double step) : every_(static_cast<std::uint32_t>(std::max(1.0, std::floor(1 / (measure_rate * step) + 0.5)))) {
-    const double middle = figures > 1 ? row * static_cast<double>(figures - 1) / 2 : 0;
+  /// @param followers  number of characters that follow a track
+  Maker(std::size_t followers, double step)
+      : every_(static_cast<std::uint32_t>(std::max(1.0, std::floor(1 / (measure_rate * step) + 0.5)))) {
+    const double middle = followers > 1 ? row * static_cast<double>(followers - 1) / 2 : 0;
     add("event", "event", 0, middle);
     add("status", "status", 1, middle);
     add("collision", "collision analysis", 1, middle + 140);
@@ -42,18 +44,18 @@ class Maker {
     wire("dynamics.next", "status.next");
     wire("status.state", "display.state");
     c_.name = "execution";
-    c_.doc = "One tick: what happens, what each character shall do, torques, contact, dynamics, the new state.";
-    c_.inputs = {pin("live", PinTypeId::event, "Inputs by hand.", "event.live")};
+    c_.doc = "One tick: events, reference motion of each character, control torques, contacts, dynamics, new state.";
+    c_.inputs = {pin("live", PinTypeId::event, "Events of the user.", "event.live")};
     c_.outputs = {pin("state", PinTypeId::state, "Positions and velocities.", "status.state"),
-                  pin("contacts", PinTypeId::contacts, "With forces.", "dynamics.contacts"),
-                  pin("events", PinTypeId::event, "What acts now.", "event.events"),
-                  pin("poses", PinTypeId::pose, "Of all links.", "display.poses"),
-                  pin("figures", PinTypeId::joint_values, "For viewers.", "display.figures"),
-                  pin("measures", PinTypeId::joint_values, "Of naturalness.", "display.measures")};
+                  pin("contacts", PinTypeId::contacts, "Contact points with forces.", "dynamics.contacts"),
+                  pin("events", PinTypeId::event, "Events that act now.", "event.events"),
+                  pin("poses", PinTypeId::pose, "Poses of all links.", "display.poses"),
+                  pin("characters", PinTypeId::joint_values, "Values of each character that viewers show.", "display.characters"),
+                  pin("measures", PinTypeId::joint_values, "Measures of naturalness.", "display.measures")};
   }
 
-  void add_figure(const CircuitCharacter& who, std::size_t index) {
-    const std::string part = part_of_id(who.id, taken_);
+  void add_character(const CircuitCharacter& who, std::size_t index) {
+    const std::string part = id_part(who.id, taken_);
     const double y = row * static_cast<double>(index);
     const NamedValue character{"character", who.id};
     add("retrieval-" + part, "motion retrieval", 2, y - 140).parameters = {character};
@@ -99,11 +101,11 @@ class Maker {
 }  // namespace
 
 Circuit make_execution_circuit(const std::vector<CircuitCharacter>& characters, double step) {
-  std::vector<const CircuitCharacter*> figures;
+  std::vector<const CircuitCharacter*> followers;
   for (const CircuitCharacter& c : characters)
-    if (c.follows_track) figures.push_back(&c);
-  Maker maker(figures.size(), step);
-  for (std::size_t i = 0; i < figures.size(); ++i) maker.add_figure(*figures[i], i);
+    if (c.follows_track) followers.push_back(&c);
+  Maker maker(followers.size(), step);
+  for (std::size_t i = 0; i < followers.size(); ++i) maker.add_character(*followers[i], i);
   return maker.take();
 }
 

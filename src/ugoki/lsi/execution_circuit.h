@@ -1,5 +1,5 @@
 #pragma once
-// The execution circuit that content runs on when it brings none of its own: data like any other circuit.
+// The default execution circuit, used by a content without a circuit of its own.
 
 #include <string>
 #include <vector>
@@ -10,14 +10,14 @@ namespace ugoki::lsi {
 
 struct CircuitCharacter {
   std::string id;
-  bool follows_track = false;  ///< false: it moves passively
-  double tracking = 1, balance = 1, assist_limit = 0.5;
+  bool follows_track = false;                            ///< false: it moves passively
+  double tracking = 1, balance = 1, assist_limit = 0.5;  ///< parameters of its motion control LSI
 };
 
-/// events -> for each character that follows a track: motion retrieval, interpolation, motion control, naturalness -> collision
-/// analysis -> dynamics -> status -> display. Its input `live` takes the user's events; its outputs are `state`, `contacts`,
-/// `events`, `poses`, `figures` and `measures`.
-/// @param step s, between ticks: decides how often naturalness is measured
+/// Makes the execution circuit. It contains event, collision analysis, dynamics, status and display, and for each character that follows a
+/// track: motion retrieval, interpolation, motion control and naturalness. Its input `live` receives the user's events; its outputs are
+/// `state`, `contacts`, `events`, `poses`, `characters` and `measures`.
+/// @param step  time between ticks, s; the rate of naturalness measurements (about 120 Hz) is rounded to ticks
 [[nodiscard]] circuit::Circuit make_execution_circuit(const std::vector<CircuitCharacter>& characters, double step);
 
 }  // namespace ugoki::lsi

@@ -1,4 +1,4 @@
-// Interpolation: one reference from what retrieval gives.
+// Interpolation: blends the two references of motion retrieval into one.
 
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/track_sampler.h"
@@ -25,11 +25,14 @@ std::int32_t step(const Call* call) {
 void add_interpolation(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "interpolation";
-  c.doc = "Blends two references into one, along great arcs and with the velocities and accelerations that belong to it.";
-  c.inputs = {input_pin("current", PinTypeId::motion, "", "The reference that takes over."),
-              input_pin("previous", PinTypeId::motion, "", "The reference that fades."),
+  c.doc =
+      "Blends two references into one. Rotations are interpolated along great arcs; velocities and accelerations are the derivatives of "
+      "the "
+      "blended motion.";
+  c.inputs = {input_pin("current", PinTypeId::motion, "", "Reference that is blended in."),
+              input_pin("previous", PinTypeId::motion, "", "Reference that is blended out."),
               input_pin("blend", PinTypeId::vector, "1, 1/s, 1/s^2", "Weight of the current one, its rate and its acceleration.")};
-  c.outputs = {output_pin("reference", PinTypeId::motion, "", "What the character shall do now: q, v, a, stance.")};
+  c.outputs = {output_pin("reference", PinTypeId::motion, "", "Reference motion of the character at this tick: q, v, a, stance.")};
   c.parameters = {character_parameter()};
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);
@@ -38,12 +41,14 @@ void add_interpolation(circuit::Library& library) {
     for (const std::size_t pin : {std::size_t{0}, std::size_t{1}}) {
       check_subject(s, pin, pin == 0 ? "current" : "previous", *character);
       if (s.in(pin).count != 0 && s.in(pin).count != size)
-        s.fail(ErrorCode::structure, "A reference of '" + character->id + "' has " + std::to_string(size) + " numbers.",
-               "Wire one that is about it.");
+        s.fail(ErrorCode::structure,
+               "The wired reference has " + std::to_string(s.in(pin).count) + " numbers; references of '" + character->id + "' have " +
+                   std::to_string(size) + ".",
+               "Wire a reference of the character '" + character->id + "'.");
     }
     s.set_out(0, size, character->index);
   };
-  c.make = [](Setup& s) -> void* { return const_cast<Character*>(character_of(s)); };  // only read
+  c.make = [](Setup& s) -> void* { return const_cast<Character*>(character_of(s)); };  // never written
   c.step = step;
   library.add(std::move(c));
 }

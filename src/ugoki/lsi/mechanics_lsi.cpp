@@ -1,4 +1,4 @@
-// What a link system's state says: coordinates, poses of links, centre of mass, energy, inverse and forward dynamics.
+// Quantities computed from the state of a link system: coordinates, poses of links, centre of mass, energy, inverse and forward dynamics.
 
 #include <memory>
 
@@ -14,14 +14,14 @@ namespace {
 using circuit::input;
 using circuit::output;
 
-/// Of the LSIs here: whom it is about, and room to compute in.
+/// The object of these LSIs: the character, and working memory.
 struct Body {
   const Character* character;
   const World* world;
   dynamics::Workspace workspace;
   std::vector<double> zero;  // [nv]
   int link = 0;
-  std::unique_ptr<dynamics::ClosedLinks> closed = nullptr;  // of forward dynamics with loops
+  std::unique_ptr<dynamics::ClosedLinks> closed = nullptr;  // set for forward dynamics of a mechanism with loops
 
   [[nodiscard]] const Mechanism& mechanism() const { return *character->mechanism; }
   void move_to(const double* state) {
@@ -44,13 +44,14 @@ void put(const Vec3& v, double* to) {
   to[2] = v.z;
 }
 
+/// A class with the input `state` and the parameter `character`.
 circuit::LsiClass about_character(std::string name, std::string doc, std::vector<circuit::InputPin> more,
                                   std::vector<circuit::OutputPin> outputs, circuit::StepFunction step) {
   circuit::LsiClass c;
   c.group = "mechanics";
   c.name = std::move(name);
   c.doc = std::move(doc);
-  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities.")};
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities of all characters.")};
   c.inputs.insert(c.inputs.end(), more.begin(), more.end());
   c.outputs = std::move(outputs);
   c.parameters = {character_parameter()};
@@ -100,8 +101,8 @@ std::int32_t link_pose(const Call* call) {
   return 0;
 }
 
-/// Numbers of a joint-values input that may have no wire.
-std::span<const double> freedoms_in(const Call* call, std::size_t pin, const Body& body) {
+/// The numbers of an optional joint-values input; zeros without a wire.
+std::span<const double> dofs_in(const Call* call, std::size_t pin, const Body& body) {
   return {call->in[pin] ? input(call, pin) : body.zero.data(), body.zero.size()};
 }
 
@@ -109,7 +110,7 @@ std::int32_t inverse_dynamics(const Call* call) {
   Body& body = object_of<Body>(call);
   const Character& who = *body.character;
   dynamics::calc_inverse_dynamics(body.mechanism(), body.workspace, q_of(who, input(call, 0)), v_of(who, input(call, 0)),
-                                  freedoms_in(call, 1, body), body.world->gravity(), {}, {output(call, 0), body.zero.size()});
+                                  dofs_in(call, 1, body), body.world->gravity(), {}, {output(call, 0), body.zero.size()});
   return 0;
 }
 
@@ -117,28 +118,29 @@ std::int32_t forward_dynamics(const Call* call) {
   Body& body = object_of<Body>(call);
   const Character& who = *body.character;
   const Mechanism& m = body.mechanism();
-  const auto q = q_of(who, input(call, 0)), v = v_of(who, input(call, 0)), tau = freedoms_in(call, 1, body);
+  const auto q = q_of(who, input(call, 0)), v = v_of(who, input(call, 0)), tau = dofs_in(call, 1, body);
   const Vec3& gravity = body.world->gravity();
   const std::span<double> out(output(call, 0), body.zero.size());
   const bool good = body.closed
                         ? dynamics::calc_closed_forward_dynamics(m, *body.closed, q, v, tau, gravity, {}, out) == dynamics::ClosedStatus::ok
                         : dynamics::calc_forward_dynamics(m, body.workspace, q, v, tau, gravity, {}, out);
-  return good ? 0 : circuit::stop(call, "Nothing resists motion at a joint: its inertia is not positive.");
+  return good ? 0 : circuit::stop(call, "The inertia at a joint is not positive, so its acceleration is undefined.");
 }
 
-/// Sizes of an optional input and an output of as many numbers as the character has freedoms.
-void configure_freedoms(Setup& s) {
+/// Checks input 1 and sizes output 0: both have one number for each DOF of the character.
+void configure_dofs(Setup& s) {
   const Character* who = character_of(s);
   if (!who) return;
   const auto nv = static_cast<std::uint32_t>(who->mechanism->nv());
   check_subject(s, 1, s.lsi_class().inputs[1].name, *who);
   if (s.in(1).count != 0 && s.in(1).count != nv)
     s.fail(ErrorCode::structure,
-           "'" + who->id + "' has " + std::to_string(nv) + " freedoms; what is wired has " + std::to_string(s.in(1).count) + " numbers.",
+           "'" + who->id + "' has " + std::to_string(nv) + " degrees of freedom; the wired value has " + std::to_string(s.in(1).count) +
+               " numbers.",
            "Wire joint values of the same character.");
   if (s.lsi_class().name == "inverse dynamics" && who->mechanism->has_loops())
-    s.fail(ErrorCode::unsupported, "'" + who->id + "' has closed loops: many joint forces give the same acceleration.",
-           "Take 'forward dynamics' or 'link dynamics', or a mechanism without loops.");
+    s.fail(ErrorCode::unsupported, "'" + who->id + "' has closed loops, so the joint forces of an acceleration are not unique.",
+           "Use 'forward dynamics' or 'link dynamics', or a mechanism without loops.");
   s.set_out(0, World::payload_count(nv), who->index);
 }
 
@@ -153,7 +155,7 @@ circuit::LsiClass with_link(circuit::LsiClass c) {
   c.configure = [](Setup& s) {
     const Character* who = character_of(s);
     if (who && !s.text("link").empty() && who->mechanism->find_link(s.text("link")) < 0)
-      s.fail(ErrorCode::unknown, "'" + who->id + "' has no link '" + s.text("link") + "'.", "Give the name of one of its links.");
+      s.fail(ErrorCode::unknown, "'" + who->id + "' has no link '" + s.text("link") + "'.", "Use the name of one of its links.");
   };
   c.make = [](Setup& s) -> void* {
     auto* body = static_cast<Body*>(make_body(s));
@@ -169,7 +171,7 @@ void add_mechanics(circuit::Library& library) {
   circuit::LsiClass c =
       about_character("coordinates", "The joint values of one character.", {},
                       {output_pin("q", PinTypeId::joint_values, "m | rad", "Coordinates; unit quaternions where joints have them."),
-                       output_pin("v", PinTypeId::joint_values, "m/s | rad/s", "Velocities of its freedoms.")},
+                       output_pin("v", PinTypeId::joint_values, "m/s | rad/s", "Velocities of the degrees of freedom.")},
                       coordinates);
   c.configure = [](Setup& s) {
     const Character* who = character_of(s);
@@ -178,29 +180,30 @@ void add_mechanics(circuit::Library& library) {
     s.set_out(1, World::payload_count(static_cast<std::size_t>(who->mechanism->nv())), who->index);
   };
   library.add(std::move(c));
-  library.add(about_character(
-      "centre of mass", "Of one character: where it is, how it moves, and what turns about it.", {},
-      {output_pin("position", PinTypeId::vector, "m", ""), output_pin("velocity", PinTypeId::vector, "m/s", ""),
-       output_pin("angular momentum", PinTypeId::vector, "N m s", "About the centre."), output_pin("mass", PinTypeId::scalar, "kg", "")},
-      centre_of_mass));
-  library.add(about_character("energy", "Of one character.", {},
+  library.add(about_character("centre of mass",
+                              "Position and velocity of the centre of mass of one character, its angular momentum and mass.", {},
+                              {output_pin("position", PinTypeId::vector, "m", ""), output_pin("velocity", PinTypeId::vector, "m/s", ""),
+                               output_pin("angular momentum", PinTypeId::vector, "N m s", "About the centre of mass, in world axes."),
+                               output_pin("mass", PinTypeId::scalar, "kg", "")},
+                              centre_of_mass));
+  library.add(about_character("energy", "Kinetic and potential energy of one character.", {},
                               {output_pin("kinetic", PinTypeId::scalar, "J", ""),
-                               output_pin("potential", PinTypeId::scalar, "J", "In the world's gravity, zero at the origin.")},
+                               output_pin("potential", PinTypeId::scalar, "J", "In the gravity of the world; zero at the origin.")},
                               energy));
   library.add(with_link(
-      about_character("link pose", "Where a link is, and how fast its origin moves.", {},
+      about_character("link pose", "Pose of a link in the world, and velocity of its origin.", {},
                       {output_pin("pose", PinTypeId::pose, "m", ""), output_pin("velocity", PinTypeId::vector, "m/s", "")}, link_pose)));
   for (const bool inverse : {true, false}) {
-    circuit::InputPin in = inverse ? input_pin("acceleration", PinTypeId::joint_values, "m/s^2 | rad/s^2", "Without wire: none.")
-                                   : input_pin("torque", PinTypeId::joint_values, "N | N m", "Without wire: none.");
+    circuit::InputPin in = inverse ? input_pin("acceleration", PinTypeId::joint_values, "m/s^2 | rad/s^2", "Without a wire: zero.")
+                                   : input_pin("torque", PinTypeId::joint_values, "N | N m", "Without a wire: zero.");
     in.required = false;
     circuit::LsiClass d =
-        inverse ? about_character("inverse dynamics", "The joint forces that give this acceleration, gravity included; without contacts.",
+        inverse ? about_character("inverse dynamics", "Joint forces that produce this acceleration, including gravity, without contacts.",
                                   {in}, {output_pin("torque", PinTypeId::joint_values, "N | N m", "")}, inverse_dynamics)
                 : about_character("forward dynamics",
-                                  "The acceleration that these joint forces give, gravity and closed loops included; without contacts.",
+                                  "Acceleration that these joint forces produce, including gravity and closed loops, without contacts.",
                                   {in}, {output_pin("acceleration", PinTypeId::joint_values, "m/s^2 | rad/s^2", "")}, forward_dynamics);
-    d.configure = configure_freedoms;
+    d.configure = configure_dofs;
     if (!inverse)
       d.make = [](Setup& s) -> void* {
         auto* body = static_cast<Body*>(make_body(s));

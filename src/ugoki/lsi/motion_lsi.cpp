@@ -1,5 +1,5 @@
-// The operations on motions as software LSIs: each takes a clip of a character's track when the circuit is built, and plays what becomes of
-// it.
+// Operations on motions as software LSIs. Each LSI applies an operation to a clip of a character's track when the circuit is built, and
+// plays the resulting motion.
 
 #include "ugoki/lsi/motion_lsi.h"
 
@@ -19,7 +19,7 @@ namespace {
 
 using namespace motion_edit;
 
-/// What an operation is given: the mechanism, one clip's motion or two, and the LSI's parameters.
+/// Arguments of an operation: the mechanism, the motion of one clip or two, and the LSI's parameters.
 struct Given {
   const Mechanism& m;
   const Motion& motion;
@@ -30,12 +30,12 @@ struct Given {
 };
 using Operation = Result<Motion> (*)(const Given&);
 
-/// Pairs of numbers of a text parameter.
+/// The pairs of numbers that a text parameter lists.
 Result<std::vector<std::pair<double, double>>> pairs_of(const Given& g, const char* parameter) {
   std::vector<double> numbers;
   if (!parse_numbers(g.setup.text(parameter), numbers) || numbers.size() % 2 != 0)
-    return fail(ErrorCode::syntax, parameter, "'" + g.setup.text(parameter) + "' is no list of pairs of numbers.",
-                "Write, for example, 0 0, 1 0.5.");
+    return fail(ErrorCode::syntax, parameter, "'" + g.setup.text(parameter) + "' is not a list of pairs of numbers.",
+                "Write for example 0 0, 1 0.5.");
   std::vector<std::pair<double, double>> out;
   for (std::size_t i = 0; i < numbers.size(); i += 2) out.emplace_back(numbers[i], numbers[i + 1]);
   return out;
@@ -110,11 +110,12 @@ Result<Motion> do_reduce(const Given& g) {
   return to_motion(g.m, *curves);
 }
 
+/// An LSI of this file.
 struct Row {
   const char* name;
   const char* doc;
   Operation operation;
-  bool pair;
+  bool pair;  ///< the operation has two motions
   std::vector<circuit::Parameter> parameters;
 };
 
@@ -125,50 +126,50 @@ const std::vector<Row>& rows() {
        "Plays the part of a clip between two times.",
        do_trim,
        false,
-       {s("from", "Beginning."), s("to", "End; 0: the clip's.")}},
+       {s("from", "Start time in the clip."), s("to", "End time in the clip; 0: end of the clip.")}},
       {"motion join",
-       "Plays one clip after another, the second laid where the first ends.",
+       "Plays one clip after another; the second starts at the position where the first ends.",
        do_join,
        true,
-       {number_parameter("blend", 0.3, 0, 100, "s", "Time of the change.")}},
+       {number_parameter("blend", 0.3, 0, 100, "s", "Duration of the transition.")}},
       {"motion cycle",
-       "Plays the best cycle of a clip for ever, with standing feet that stay.",
+       "Repeats a cycle of a clip without end, with standing feet fixed to the ground.",
        do_cycle,
        false,
-       {s("from", "Beginning, where it is known."), s("to", "End; 0: the best cycle is found.")}},
+       {s("from", "Start time of the cycle, if `to` is given."), s("to", "End time of the cycle; 0: the best cycle is searched.")}},
       {"motion warp",
-       "Plays a clip along a monotone curve of time.",
+       "Plays a clip with its time warped by a monotone curve.",
        do_warp,
        false,
-       {text_parameter("points", "New time and time of the clip, s: '0 0, 1 0.5, 2 2'.")}},
+       {text_parameter("points", "Pairs of output time and clip time, s: '0 0, 1 0.5, 2 2'.")}},
       {"motion mirror", "Plays a clip with left and right exchanged.", do_mirror, false, {}},
       {"motion reverse", "Plays a clip backwards.", do_reverse, false, {}},
       {"motion resample",
-       "Plays a clip as if it had been recorded at another rate.",
+       "Plays a clip resampled to another frame rate.",
        do_resample,
        false,
-       {number_parameter("rate", 60, 1, 1e5, "1/s", "Frames a second.")}},
+       {number_parameter("rate", 60, 1, 1e5, "1/s", "Frames per second.")}},
       {"motion scale",
-       "Plays a clip with longer ways or more time.",
+       "Plays a clip with its distances and duration scaled.",
        do_scale,
        false,
-       {number_parameter("length", 1, 1e-3, 1e3, "1", "Factor of lengths."),
-        number_parameter("time", 1, 1e-3, 1e3, "1", "Factor of the duration.")}},
+       {number_parameter("length", 1, 1e-3, 1e3, "1", "Factor on distances."),
+        number_parameter("time", 1, 1e-3, 1e3, "1", "Factor on the duration.")}},
       {"motion path",
-       "Plays a clip along another way over the ground, feet locked.",
+       "Plays a clip along another path on the ground, with standing feet fixed.",
        do_path,
        false,
-       {text_parameter("points", "x and y in m: '0 0, 2 0, 3 1'.")}},
-      {"motion layer", "Plays a clip with what another one does against its first frame on top.", do_layer, true, {}},
-      {"motion mix", "Plays a clip with joints of another one.", do_mix, true, {}},
-      {"foot contacts", "Plays a clip with the contacts that its feet have, found anew.", do_contacts, false, {}},
-      {"foot lock", "Plays a clip with standing feet that stay where they are.", do_lock, false, {}},
+       {text_parameter("points", "Points x y of the path, m: '0 0, 2 0, 3 1'.")}},
+      {"motion layer", "Plays a clip and adds to it the change of a second clip relative to that clip's first frame.", do_layer, true, {}},
+      {"motion mix", "Plays a clip with some joints replaced by those of a second clip.", do_mix, true, {}},
+      {"foot contacts", "Plays a clip with its foot contacts detected again.", do_contacts, false, {}},
+      {"foot lock", "Plays a clip with standing feet fixed to the ground.", do_lock, false, {}},
       {"motion reduce",
-       "Plays a clip as the fewest keys within a bound describe it.",
+       "Plays a clip reduced to few key frames within an error bound.",
        do_reduce,
        false,
-       {number_parameter("degrees", 0.25, 1e-6, 180, "deg", "No joint is turned farther off."),
-        number_parameter("metres", 0.001, 1e-9, 10, "m", "Nothing slides farther off.")}},
+       {number_parameter("degrees", 0.25, 1e-6, 180, "deg", "Maximum error of a joint angle."),
+        number_parameter("metres", 0.001, 1e-9, 10, "m", "Maximum error of a position.")}},
   };
   return all;
 }
@@ -212,15 +213,15 @@ const Motion* clip_motion(Setup& setup, const Character& character, const char* 
   const auto index = static_cast<std::size_t>(std::max(0.0, setup.number(parameter)));
   const std::size_t clips = character.track ? character.track->clips().size() : 0;
   if (index < clips) return character.track->clips()[index].motion.get();
-  setup.fail(
-      ErrorCode::range,
-      "The track of '" + character.id + "' has " + std::to_string(clips) + " clips, not one of number " + std::to_string(index) + ".",
-      "Clips are counted from 0; lay one on the track.");
+  setup.fail(ErrorCode::range,
+             "The parameter '" + std::string(parameter) + "' is " + std::to_string(index) + ", but the track of '" + character.id +
+                 "' has " + std::to_string(clips) + " clips (counted from 0).",
+             "Use the index of a clip on the track, or add a clip to the track.");
   return nullptr;
 }
 
 void report(Setup& setup, const Error& error) {
-  for (const Problem& p : error.problems) setup.fail(p.code, p.place + ": " + p.message, p.remedy);
+  for (const Problem& p : error.problems) setup.fail(p.code, p.location + ": " + p.message, p.remedy);
 }
 
 bool parse_numbers(const std::string& text, std::vector<double>& out) {
@@ -284,12 +285,11 @@ circuit::LsiClass played_motion_class(std::string name, std::string doc) {
   c.name = std::move(name);
   c.doc = std::move(doc);
   c.group = "motion";
-  circuit::InputPin time =
-      input_pin("time", PinTypeId::scalar, "s", "Moment of the motion; below 0 or not wired: the time of the circuit.");
+  circuit::InputPin time = input_pin("time", PinTypeId::scalar, "s", "Time in the motion; negative or not wired: the time of the circuit.");
   time.required = false;
   time.value = -1;
   c.inputs = {time};
-  c.outputs = {output_pin("reference", PinTypeId::motion, "", "What the character shall do: q, v, a, stance.")};
+  c.outputs = {output_pin("reference", PinTypeId::motion, "", "Reference motion of the character: q, v, a, stance.")};
   c.destroy = destroy<PlayedMotion>;
   c.step = step;
   return c;
@@ -299,13 +299,14 @@ void add_motion_operations(circuit::Library& library) {
   for (const Row& row : rows()) {
     circuit::LsiClass c = played_motion_class(row.name, row.doc);
     c.parameters = {character_parameter(), clip_parameter("clip", 0, "Clip of the character's track, counted from 0.")};
-    if (row.pair) c.parameters.push_back(clip_parameter("second clip", 1, "The other clip."));
+    if (row.pair) c.parameters.push_back(clip_parameter("second clip", 1, "Second clip of the character's track, counted from 0."));
     c.parameters.insert(c.parameters.end(), row.parameters.begin(), row.parameters.end());
     if (row.operation == do_layer || row.operation == do_mix) {
-      c.parameters.push_back(text_parameter("joints", "Links (names or labels) with all behind them, separated by commas; empty: all."));
-      c.parameters.push_back(number_parameter("weight", 1, -100, 100, "1", "Of the whole layer."));
-      c.parameters.push_back(number_parameter("offset", 0, 0, 1e6, "s", "When it begins."));
-      c.parameters.push_back(number_parameter("fade", 0.2, 0, 100, "s", "In which it sets in and ends."));
+      c.parameters.push_back(
+          text_parameter("joints", "Links (names or labels), each with all its descendants, separated by commas; empty: all."));
+      c.parameters.push_back(number_parameter("weight", 1, -100, 100, "1", "Weight of the second clip."));
+      c.parameters.push_back(number_parameter("offset", 0, 0, 1e6, "s", "Time at which the second clip starts."));
+      c.parameters.push_back(number_parameter("fade", 0.2, 0, 100, "s", "Duration over which the second clip is blended in and out."));
     }
     c.configure = configure;
     c.make = make;

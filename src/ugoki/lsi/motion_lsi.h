@@ -1,5 +1,5 @@
 #pragma once
-// What the LSIs of motion operations share. Internal to lsi.
+// Common functions of the LSIs for motion operations. Internal to this module.
 
 #include <vector>
 
@@ -9,24 +9,27 @@
 
 namespace ugoki::lsi {
 
-/// The motion of clip `parameter` (an integer) of the character's track, or null with a problem.
+/// The motion of the clip whose index is the value of `parameter`, of the character's track. If there is none: reports a problem and
+/// returns null.
 [[nodiscard]] const Motion* clip_motion(Setup& setup, const Character& character, const char* parameter);
 
-/// Reports an operation's problems as those of this LSI.
+/// Reports the problems of a motion operation as problems of this LSI.
 void report(Setup& setup, const Error& error);
 
-/// Numbers of a text: "0 0, 1 0.5" -> 0 0 1 0.5; anything between numbers but a point, a sign or a letter parts them. False: something else
-/// is in it.
+/// Appends the numbers of a text: "0 0, 1 0.5" gives 0 0 1 0.5. Separators are space, tab, newline, ',' and ';'.
+/// @return false if a word between separators is not a number
 [[nodiscard]] bool parse_numbers(const std::string& text, std::vector<double>& out);
 
 [[nodiscard]] circuit::Parameter text_parameter(std::string name, std::string doc);
 [[nodiscard]] circuit::Parameter clip_parameter(std::string name, double initial, std::string doc);
 
-/// A motion that plays as a reference: q, v, a, stance.
+/// A motion that is played as a reference (ReferenceLayout).
 class PlayedMotion {
  public:
   PlayedMotion(const Character& character, const Motion& motion);
-  /// @param reference [layout.size(), out]. A cyclic motion goes on for ever, others hold their ends. Allocates nothing.
+  /// Writes the reference at time t, s. A cyclic motion repeats without end; other motions keep their first and last frame outside their
+  /// duration. Allocates nothing.
+  /// @param reference [layout.size(), out]
   void sample(double t, std::span<double> reference) const;
 
  private:
@@ -38,7 +41,7 @@ class PlayedMotion {
   std::vector<std::uint8_t> stance_;  // [frames][feet]
 };
 
-/// An LSI whose object is a PlayedMotion: its pins and how it plays; parameters, configure and make are its own.
+/// A class whose object is a PlayedMotion, with its pins and step. The caller adds parameters, `configure` and `make`.
 [[nodiscard]] circuit::LsiClass played_motion_class(std::string name, std::string doc);
 
 void add_motion_operations(circuit::Library& library);

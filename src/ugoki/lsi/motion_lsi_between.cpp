@@ -1,4 +1,4 @@
-// Intermediate motion whose weight changes while it runs.
+// Intermediate motion: a cyclic motion between two clips, with a weight that may change at every tick.
 
 #include <algorithm>
 #include <cmath>
@@ -14,23 +14,24 @@ namespace {
 using motion_edit::Intermediate;
 using motion_edit::Progression;
 
-constexpr int steps_between = 8;  // cycles are made at so many equal steps of the weight; between two of them poses are interpolated
+constexpr int steps_between = 8;  // intervals of the weight; cycles are computed at their ends, and poses interpolated between them
 
-/// One cycle, as its progression sees it.
+/// The cycle at one weight.
 struct Between {
-  Progression progression;
+  Progression progression;  // frame that moves along with the character at constant speed and turn
   SmoothMotion smooth;
-  double duration;
+  double duration;  // s
   int frames;
   std::vector<std::uint8_t> stance;  // [frames][feet]
 };
 
+/// The object of the LSI.
 struct Gait {
   const Character* character;
-  std::vector<Between> cycles;  // by weight
-  mutable std::vector<double> q[3], other, v, a;
+  std::vector<Between> cycles;                    // [steps_between + 1] by weight
+  mutable std::vector<double> q[3], other, v, a;  // working memory of step
 
-  /// Position at a phase of the mix of two neighbouring cycles, as their progression sees it.
+  /// Position coordinates at a phase of the mix of cycles i and i + 1 (share s of the second), relative to their progression.
   void local(std::size_t i, double s, double phase, std::vector<double>& out) const {
     const Mechanism& m = *character->mechanism;
     phase -= std::floor(phase);
@@ -44,15 +45,17 @@ struct Gait {
   }
 };
 
-/// Where the figure is: state of the LSI.
+/// State of the LSI: phase of the cycle (0 to 1), and placement of the progression on the floor.
 struct Memory {
-  double phase, x, y, heading;
+  double phase, x, y, heading;  // 1, m, m, rad
 };
 
-/// The cell of the weight and the way of the mixed progression in one second.
+/// The mix of cycles i and i + 1 at a weight.
 struct Mix {
   std::size_t i;
-  double s, duration, vx, vy, turn;
+  double s;             // share of cycle i + 1, 0 to 1
+  double duration;      // s, duration of a cycle
+  double vx, vy, turn;  // velocity of the mixed progression, m/s, m/s, rad/s
 };
 Mix mix_at(const Gait& gait, double weight) {
   const double x = std::clamp(std::isfinite(weight) ? weight : 0.0, 0.0, 1.0) * steps_between;
@@ -66,7 +69,7 @@ Mix mix_at(const Gait& gait, double weight) {
   return {i, s, T, rate(&Progression::vx), rate(&Progression::vy), rate(&Progression::turn)};
 }
 
-/// The placement after dt at constant speed and turn.
+/// The placement of the progression dt seconds after `at`, at constant speed and turn.
 Placement moved(const Memory& at, const Mix& mix, double dt) {
   Progression p;
   p.start = {at.x, at.y, 0, at.heading};
@@ -81,7 +84,7 @@ std::int32_t step(const Call* call) {
   const auto& at = *static_cast<const Memory*>(call->state);
   const Mechanism& m = *gait.character->mechanism;
   const Mix mix = mix_at(gait, circuit::input(call, 0)[0]);
-  const double h = std::max(call->tick->dt, 1e-3);
+  const double h = std::max(call->tick->dt, 1e-3);  // s; shorter intervals would amplify rounding in the second difference
   for (int k = -1; k <= 1; ++k) {
     std::vector<double>& q = gait.q[k + 1];
     gait.local(mix.i, mix.s, at.phase + k * h / mix.duration, q);
@@ -91,8 +94,8 @@ std::int32_t step(const Call* call) {
   const std::span<double> out(circuit::output(call, 0), l.size());
   std::copy(gait.q[1].begin(), gait.q[1].end(), out.begin());
   const std::span<double> v = out.subspan(l.v(), l.nv), a = out.subspan(l.a(), l.nv);
-  difference(m, gait.q[1], gait.q[2], v);  // forwards
-  difference(m, gait.q[0], gait.q[1], a);  // up to here
+  difference(m, gait.q[1], gait.q[2], v);  // from t to t + h
+  difference(m, gait.q[0], gait.q[1], a);  // from t - h to t
   for (std::size_t k = 0; k < l.nv; ++k) {
     const double ahead = v[k] / h, behind = a[k] / h;
     v[k] = 0.5 * (ahead + behind);
@@ -159,18 +162,19 @@ void* make(Setup& s) {
 void add_intermediate_motion(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "intermediate motion";
-  c.doc = "A cyclic motion between two clips; how much the second counts may change while it plays.";
+  c.doc = "A cyclic motion between two clips. The weight of the second clip may change while it plays.";
   c.group = "motion";
-  circuit::InputPin weight = input_pin("weight", PinTypeId::scalar, "1", "0: the first clip, 1: the second.");
+  circuit::InputPin weight =
+      input_pin("weight", PinTypeId::scalar, "1", "Weight of the second clip: 0 gives the first clip, 1 the second.");
   weight.required = false;
   weight.value = 0.5;
   weight.minimum = 0;
   weight.maximum = 1;
   c.inputs = {weight};
-  c.outputs = {output_pin("reference", PinTypeId::motion, "", "What the character shall do: q, v, a, stance."),
-               output_pin("speed", PinTypeId::scalar, "m/s", "Of the even way over the ground.")};
+  c.outputs = {output_pin("reference", PinTypeId::motion, "", "Reference motion of the character: q, v, a, stance."),
+               output_pin("speed", PinTypeId::scalar, "m/s", "Mean speed over the ground.")};
   c.parameters = {character_parameter(), clip_parameter("clip", 0, "First clip of the character's track, counted from 0."),
-                  clip_parameter("second clip", 1, "The other clip.")};
+                  clip_parameter("second clip", 1, "Second clip of the character's track, counted from 0.")};
   c.state_bytes = sizeof(Memory);
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);

@@ -1,4 +1,4 @@
-// Motion for another structure, and a reference taken apart.
+// LSIs "motion retarget" (a motion of another character, adapted to this one) and "split reference".
 
 #include <algorithm>
 
@@ -65,12 +65,12 @@ circuit::LsiClass split_reference() {
   circuit::LsiClass c;
   c.name = "split reference";
   c.group = "motion";
-  c.doc = "What a reference asks for: joint values, their velocities and accelerations, and which feet are meant to stand.";
-  c.inputs = {input_pin("reference", PinTypeId::motion, "", "What the character shall do.")};
+  c.doc = "Splits a reference into joint values, velocities, accelerations and the stance of the feet.";
+  c.inputs = {input_pin("reference", PinTypeId::motion, "", "Reference motion of the character.")};
   c.outputs = {output_pin("q", PinTypeId::joint_values, "m | rad", "Coordinates; unit quaternions where joints have them."),
-               output_pin("v", PinTypeId::joint_values, "m/s | rad/s", "Velocities of its freedoms."),
-               output_pin("a", PinTypeId::joint_values, "m/s^2 | rad/s^2", "Accelerations of its freedoms."),
-               output_pin("stance", PinTypeId::joint_values, "1", "Of each foot: 1 while it is meant to stand.")};
+               output_pin("v", PinTypeId::joint_values, "m/s | rad/s", "Velocities of the degrees of freedom."),
+               output_pin("a", PinTypeId::joint_values, "m/s^2 | rad/s^2", "Accelerations of the degrees of freedom."),
+               output_pin("stance", PinTypeId::joint_values, "1", "For each foot: 1 while it should stand, otherwise 0.")};
   c.parameters = {character_parameter()};
   c.configure = configure_split;
   c.make = [](Setup& s) -> void* {
@@ -86,17 +86,19 @@ circuit::LsiClass split_reference() {
 
 void add_motion_retarget(circuit::Library& library) {
   circuit::LsiClass c = played_motion_class(
-      "motion retarget", "Plays what another character does, made for this one's structure: other proportions, an animal, a robot.");
-  circuit::Parameter from = text_parameter("from", "The character on whose track the motion is.");
-  c.parameters = {character_parameter(),
-                  std::move(from),
-                  clip_parameter("clip", 0, "Clip of that track, counted from 0."),
-                  yes_or_no("feet", true, "Standing feet neither slide nor sink."),
-                  yes_or_no("hands", true, "Hands that hold each other or something at rest go on holding it."),
-                  yes_or_no("balance", false, "The centre of mass is kept over the standing feet."),
-                  number_parameter("path scale", 0, 0, 100, "1", "Of the way over the ground; 0: by the length of the legs."),
-                  number_parameter("gait phase", 0.5, 0, 1, "1",
-                                   "Two legs to four: fore legs follow the hind legs of their side by this share of a stride.")};
+      "motion retarget",
+      "Plays a motion of another character, adapted to the structure of this one (other proportions, an animal, a robot).");
+  circuit::Parameter from = text_parameter("from", "Id of the character whose track contains the motion.");
+  c.parameters = {
+      character_parameter(),
+      std::move(from),
+      clip_parameter("clip", 0, "Clip of this character's track, counted from 0."),
+      yes_or_no("feet", true, "Whether standing feet are kept from sliding and sinking."),
+      yes_or_no("hands", true, "Whether hands that hold each other or an object at rest keep holding it."),
+      yes_or_no("balance", false, "Whether the centre of mass is kept over the standing feet."),
+      number_parameter("path scale", 0, 0, 100, "1", "Scale of the path on the ground; 0: ratio of the leg lengths."),
+      number_parameter("gait phase", 0.5, 0, 1, "1",
+                       "Two legs to four: delay of the fore legs after the hind legs of the same side, as a fraction of a stride.")};
   for (circuit::Parameter& p : c.parameters) p.live = false;
   c.configure = configure;
   c.make = make;

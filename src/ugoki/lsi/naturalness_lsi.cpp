@@ -1,4 +1,4 @@
-// Naturalness: how well a character follows its reference, how much help it needs, how its feet treat the ground.
+// Naturalness: tracking error of a character, root assist it needs, and sliding and penetration of its feet.
 
 #include <cmath>
 
@@ -12,13 +12,15 @@ namespace {
 
 enum Input : std::size_t { in_state, in_reference, in_report, in_contacts };
 
-/// Sums since the start; plain data.
+/// Sums since the start. Plain data.
 struct Sums {
-  double tracking = 0, tracking_count = 0;  // squared angles [rad^2], joints
-  double assist = 0, assist_force = 0, assist_count = 0, assist_max = 0;
-  double fell = 0;
-  double let_go_time = -1;
-  double last_time = -1;
+  double tracking = 0, tracking_count = 0;  // squared angles, rad^2; number of joints summed
+  double assist = 0, assist_force = 0;      // squared root assist and its force, (body weights)^2
+  double assist_count = 0;                  // samples
+  double assist_max = 0;                    // body weights
+  double fell = 0;                          // 1: the character has fallen
+  double release_time = -1;                 // s; -1: not released
+  double last_time = -1;                    // s, time of the last sample; -1: none
 };
 
 struct Naturalness {
@@ -29,13 +31,14 @@ struct Naturalness {
   std::vector<Pose> poses;           // [links]
   std::vector<std::uint8_t> stance;  // [feet]
   std::vector<double> error;         // [nv]
-  std::vector<int> foot_of_link;     // [links] which foot (toes and heel are one), -1
-  std::vector<std::uint8_t> bears;   // [feet]
+  std::vector<int> foot_of_link;     // [links] index of the foot (toes and heel are one foot); -1: none
+  std::vector<std::uint8_t> bears;   // [feet] 1: the foot touches the ground
   int foot_count = 0;
-  double upright = 0;  // m: height of the root in the neutral position above the lowest foot
+  double upright = 0;  // m: height of the root above the lowest link in the neutral position
 };
 
-/// Squared angle between joints and reference, summed over the joints that turn. @param count joints
+/// Sum of the squared angles between joints and reference over all joints that can rotate, rad^2; the root of a free body is left out.
+/// @param count [in, out]  increased by the number of joints summed
 double squared_angles(const Mechanism& m, std::span<const double> error, double& count) {
   double sum = 0;
   for (const Link& link : m.links()) {
@@ -54,6 +57,7 @@ double squared_angles(const Mechanism& m, std::span<const double> error, double&
   return sum;
 }
 
+/// Number of feet that touch the ground, -1 if the character has no feet. A contact up to 5 mm above the ground counts as touching.
 int count_feet(Naturalness& self, const void* contacts) {
   if (self.foot_count == 0) return -1;
   for (std::uint8_t& b : self.bears) b = 0;
@@ -75,26 +79,27 @@ std::int32_t advance(const Call* call) {
   const double* reference = circuit::input(call, in_reference);
   const double* report = circuit::input(call, in_report);
   const std::span<const double> q = q_of(*self.character, circuit::input(call, in_state));
-  const bool let_go = report[report_let_go] > 0;
+  const bool released = report[report_released] > 0;
   calc_poses(m, q, self.poses);
   difference(m, q, {reference, self.layout.nq}, self.error);
-  if (!let_go) {
+  if (!released) {
     sums.tracking += squared_angles(m, self.error, sums.tracking_count);
     sums.assist += report[report_size] * report[report_size];
     sums.assist_force += report[report_force_size] * report[report_force_size];
     sums.assist_count += 1;
     sums.assist_max = std::max(sums.assist_max, report[report_size]);
-  } else if (sums.let_go_time < 0) {
-    sums.let_go_time = call->tick->time;
+  } else if (sums.release_time < 0) {
+    sums.release_time = call->tick->time;
   }
-  for (std::size_t k = 0; k < self.layout.feet; ++k) self.stance[k] = !let_go && reference[self.layout.stance() + k] > 0 ? 1 : 0;
+  for (std::size_t k = 0; k < self.layout.feet; ++k) self.stance[k] = !released && reference[self.layout.stance() + k] > 0 ? 1 : 0;
   const double dt = sums.last_time >= 0 ? call->tick->time - sums.last_time : 0;
   sums.last_time = call->tick->time;
   self.skate.add(self.poses, self.stance, dt);
   self.penetration.add(self.poses);
   if (m.link(0).joint.type == JointType::floating) {
-    const double below = reference[2] - q[2];  // heights of the root in the axes of its joint
-    const double tilt = self.error[0] * self.error[0] + self.error[1] * self.error[1];
+    // Fallen: the root is below its reference by more than 35 % of its standing height, or tilted from it by more than 1 rad.
+    const double below = reference[2] - q[2];                                           // m, in the axes of the root joint
+    const double tilt = self.error[0] * self.error[0] + self.error[1] * self.error[1];  // rad^2
     if (below > 0.35 * self.upright || tilt > 1.0) sums.fell = 1;
   }
 
@@ -110,7 +115,7 @@ std::int32_t advance(const Call* call) {
   out[measure_penetration] = self.penetration.worst_mm();
   out[measure_penetration_rms] = self.penetration.rms_mm();
   out[measure_fell] = sums.fell;
-  out[measure_let_go_time] = sums.let_go_time;
+  out[measure_release_time] = sums.release_time;
   out[measure_feet] = count_feet(self, call->in[in_contacts]);
   return 0;
 }
@@ -146,7 +151,7 @@ void* make(Setup& s) {
   return self;
 }
 
-/// Where the objects' memory lies behind the sums.
+/// The memory of `skate` and `penetration` in the state, after the sums.
 double* memory_of(const Call* call) { return reinterpret_cast<double*>(static_cast<std::byte*>(call->state) + sizeof(Sums)); }
 
 void store(const Call* call) {
@@ -169,7 +174,7 @@ std::int32_t init(const Call* call) {
   self.skate.reset();
   self.penetration.reset();
   double* out = circuit::output(call, 0);
-  out[measure_let_go_time] = -1;
+  out[measure_release_time] = -1;
   out[measure_feet] = self.foot_count == 0 ? -1 : 0;
   return 0;
 }
@@ -180,14 +185,14 @@ void add_naturalness(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "naturalness";
   c.doc =
-      "Measures, since the start: tracking error, root assist, foot skate, depth in the ground, whether it fell. Run it at about 120 Hz "
-      "with \"every\".";
+      "Measures since the start: tracking error, root assist, sliding of standing feet, depth in the ground, and whether the character "
+      "fell. Set \"every\" so that it runs at about 120 Hz.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
-              input_pin("reference", PinTypeId::motion, "", "What the character shall do now."),
-              input_pin("report", PinTypeId::joint_values, "", "Report of its motion control."),
+              input_pin("reference", PinTypeId::motion, "", "Reference motion of the character at this tick."),
+              input_pin("report", PinTypeId::joint_values, "", "Report of the character's motion control."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points now.")};
   for (circuit::InputPin& pin : c.inputs) pin.direct = false;
-  c.outputs = {output_pin("measures", PinTypeId::joint_values, "", "Eleven numbers, see docs/circuit.md.")};
+  c.outputs = {output_pin("measures", PinTypeId::joint_values, "", "Eleven numbers; docs/circuit.md lists them.")};
   c.outputs[0].delayed = true;
   c.parameters = {character_parameter()};
   c.configure = [](Setup& s) {

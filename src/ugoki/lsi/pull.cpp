@@ -5,15 +5,15 @@
 namespace ugoki::lsi {
 namespace {
 
-constexpr std::size_t longest_chain = 256;  // freedoms between the ground and a link
+constexpr std::size_t max_chain = 256;  // DOFs between the ground and a link; the working memory is on the stack
 
-/// J M^-1 J^T of a point; zero where the link cannot move.
+/// J M^-1 J^T of a point, 1/kg; zero if the link cannot move, or has more than max_chain DOFs.
 Mat3 mobility(const dynamics::Workspace& ws, int link, const Vec3& p) {
   const std::span<const int> chain = dynamics::chain_of_link(ws, link);
-  if (chain.empty() || chain.size() > longest_chain) return {};
-  std::array<Vec3, longest_chain> rows;
+  if (chain.empty() || chain.size() > max_chain) return {};
+  std::array<Vec3, max_chain> rows;
   dynamics::calc_point_jacobian(ws, link, p, std::span(rows).first(chain.size()));
-  std::array<std::array<double, longest_chain>, 3> y;
+  std::array<std::array<double, max_chain>, 3> y;
   for (int axis = 0; axis < 3; ++axis) {
     auto& column = y[static_cast<std::size_t>(axis)];
     for (std::size_t k = 0; k < chain.size(); ++k) column[k] = rows[k][axis];
@@ -40,8 +40,8 @@ Vec3 calc_pull(const Mechanism& m, dynamics::Workspace& ws, std::span<const doub
   const double g = k * dt + c;
   const Mat3 left = Mat3::identity() + mobility(ws, link, p) * (g * dt);
   const Vec3 force = inverse(left) * ((target - p) * k - u * g);
-  const double size = norm(force), most = options.most_weights * m.mass() * 9.81;
-  return size > most ? force * (most / size) : force;
+  const double size = norm(force), maximum = options.max_weights * m.mass() * 9.81;
+  return size > maximum ? force * (maximum / size) : force;
 }
 
 }  // namespace ugoki::lsi

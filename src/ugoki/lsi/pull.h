@@ -1,6 +1,6 @@
 #pragma once
-// The hand that grabs a link: a spring and damper between a point of the link and a target, taken implicitly, so that it is
-// stable on a finger as well as on a trunk.
+// Force with which the user pulls a grabbed link: a spring and damper between a point of the link and a target. They are integrated
+// implicitly, so that the pull is stable on links of any mass.
 
 #include <span>
 
@@ -9,14 +9,18 @@
 namespace ugoki::lsi {
 
 struct PullOptions {
-  double frequency = 10;      ///< rad/s of the whole figure's mass on the spring
-  double damping = 0.7;       ///< share of critical damping of that
-  double most_weights = 1.5;  ///< greatest force, in weights of the figure at 9.81 m/s^2
+  double frequency = 10;     ///< rad/s, undamped frequency of the character's total mass on the spring
+  double damping = 0.7;      ///< damping ratio of the same oscillator (1: critical)
+  double max_weights = 1.5;  ///< maximum force, in body weights of the character at 9.81 m/s^2
 };
 
-/// Force [N], world axes, on the point p_B of `link` towards `target`.
-/// F = k (target - p') - c u' with the point's velocity u' = u + dt J M^-1 J^T F at the end of the step.
-/// @param ws scratch of this mechanism; its kinematics and factor are of (q, v) afterwards
+/// Force on a point of a link towards a target, N, world axes; zero if the inertia is singular.
+///   F = k (target - p') - c u',  p' = p + dt u',  u' = u + dt J M^-1 J^T F
+/// where p, u are position and velocity of the point now, and p', u' at the end of the step.
+/// @param ws      working memory of this mechanism; afterwards it contains the kinematics and the factor of M at (q, v)
+/// @param p_B     the point in the frame of the link, m
+/// @param target  m, world
+/// @param dt      s
 [[nodiscard]] Vec3 calc_pull(const Mechanism& mechanism, dynamics::Workspace& ws, std::span<const double> q, std::span<const double> v,
                              int link, const Vec3& p_B, const Vec3& target, double dt, const PullOptions& options = {});
 

@@ -1,4 +1,4 @@
-// Motion retrieval: the clips that a character's track plays now.
+// Motion retrieval: the references of the clips that a character's track plays at this tick.
 
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/track_sampler.h"
@@ -35,15 +35,18 @@ std::int32_t step(const Call* call) {
 void add_retrieval(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "motion retrieval";
-  c.doc = "Reads the clips of a character's editing track: the one that plays, the one before it, and how far the change has come.";
-  c.outputs = {output_pin("current", PinTypeId::motion, "", "Reference that the clip of this moment gives: q, v, a, stance."),
-               output_pin("previous", PinTypeId::motion, "", "The same of the clip before, while it is blended over."),
-               output_pin("blend", PinTypeId::vector, "1, 1/s, 1/s^2", "Weight of the current clip, its rate and its acceleration.")};
+  c.doc =
+      "Reads the editing track of a character: the reference of the current clip, that of the previous clip, and the weight of the "
+      "transition between them.";
+  c.outputs = {
+      output_pin("current", PinTypeId::motion, "", "Reference of the current clip: q, v, a, stance."),
+      output_pin("previous", PinTypeId::motion, "", "Reference of the previous clip during a transition, otherwise the same as `current`."),
+      output_pin("blend", PinTypeId::vector, "1, 1/s, 1/s^2", "Weight of the current clip, its rate and its acceleration.")};
   circuit::Parameter smooth;
   smooth.name = "smooth";
   smooth.kind = circuit::ParameterKind::boolean;
   smooth.initial = true;
-  smooth.doc = "Measured motions are filtered and their soles kept above the floor; false: played as they are.";
+  smooth.doc = "Whether motions are low-pass filtered and their soles kept above the floor; false: they are played unchanged.";
   smooth.live = false;
   c.parameters = {character_parameter(), smooth};
   c.configure = [](Setup& s) {
@@ -51,7 +54,7 @@ void add_retrieval(circuit::Library& library) {
     if (!character) return;
     if (!character->track)
       return s.fail(ErrorCode::structure, "The character '" + character->id + "' has no clips.",
-                    "Lay a clip on its track, or set its control to passive.");
+                    "Add a clip to its track, or set its control to passive.");
     const auto size = static_cast<std::uint32_t>(character->track->layout().size());
     s.set_out(0, size, character->index);
     s.set_out(1, size, character->index);

@@ -1,11 +1,11 @@
 #pragma once
-// Every LSI that content may use.
+// The library of all built-in LSIs.
 
 #include "ugoki/circuit/library.h"
 
 namespace ugoki::lsi {
 
-/// The signal LSIs and those of this module. Made once, never changed.
+/// The signal LSIs and the LSIs of this module. Created at the first call, never changed.
 [[nodiscard]] const circuit::Library& standard_library();
 
 }  // namespace ugoki::lsi

@@ -1,11 +1,11 @@
-// Status: holds the state of the world from tick to tick.
+// Status: keeps the state of the world from tick to tick.
 
 #include "ugoki/lsi/declare.h"
 
 namespace ugoki::lsi {
 namespace {
 
-/// Puts the root where it is thrown from, with that velocity; the other joints stop.
+/// Sets the position and velocity of the root to those of the throw, and all joint velocities to zero.
 void throw_character(const Character& c, const EventRecord& e, double* state) {
   const Joint& root = c.mechanism->link(0).joint;
   if (root.type != JointType::floating) return;
@@ -26,7 +26,7 @@ std::int32_t init(const Call* call) {
   const World& world = *static_cast<const World*>(call->object);
   double* state = circuit::output(call, 0);
   for (const Character& c : world.characters()) {
-    std::ranges::copy(c.q0, q_of(c, state).begin());  // none of what is fixed to the world
+    std::ranges::copy(c.q0, q_of(c, state).begin());  // no numbers for a character that is fixed to the world
     std::ranges::copy(c.v0, v_of(c, state).begin());
   }
   return 0;
@@ -46,9 +46,9 @@ std::int32_t advance(const Call* call) {
 void add_status(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "status";
-  c.doc = "The status data: positions and velocities of everybody, changing together at the end of each tick.";
-  c.inputs = {input_pin("next", PinTypeId::state, "", "What they will be after this tick."),
-              input_pin("events", PinTypeId::event, "", "Throws, which set a root's pose and velocity.")};
+  c.doc = "The status data: positions and velocities of all characters. They change together at the end of each tick.";
+  c.inputs = {input_pin("next", PinTypeId::state, "", "Positions and velocities after this tick."),
+              input_pin("events", PinTypeId::event, "", "Throws, which set the position and velocity of a character's root.")};
   for (circuit::InputPin& pin : c.inputs) pin.direct = false;
   c.inputs[1].required = false;
   c.outputs = {output_pin("state", PinTypeId::state, "", "Positions and velocities now.")};
@@ -59,10 +59,11 @@ void add_status(circuit::Library& library) {
     const std::uint32_t size = world->state_count();
     s.set_out(0, size);
     if (s.in(0).count != 0 && s.in(0).count != size)
-      s.fail(ErrorCode::structure, "A state of this content has " + std::to_string(size) + " numbers.",
-             "Wire the state that dynamics gives.");
+      s.fail(ErrorCode::structure,
+             "The wired state has " + std::to_string(s.in(0).count) + " numbers; states of this content have " + std::to_string(size) + ".",
+             "Wire the output 'next' of a dynamics LSI.");
   };
-  c.make = [](Setup& s) -> void* { return const_cast<World*>(world_of(s)); };  // only read
+  c.make = [](Setup& s) -> void* { return const_cast<World*>(world_of(s)); };  // never written
   c.init = init;
   c.advance = advance;
   library.add(std::move(c));

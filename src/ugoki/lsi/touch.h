@@ -1,5 +1,5 @@
 #pragma once
-// Contact events as records of pins, and in words.
+// Conversion of touch events to event records, and their description as text.
 
 #include <string>
 
@@ -8,9 +8,10 @@
 
 namespace ugoki::lsi {
 
+/// The event as a record of kind `touch` (begin) or `parting` (end).
 [[nodiscard]] EventRecord record_of(const contact::TouchEvent& event);
 
-/// "left hand of anna touched box, 12 N s" for the journal; empty for other kinds of events.
+/// Text for the journal: "left hand of anna touched box, 12 N s". Empty for other kinds of events.
 [[nodiscard]] std::string describe_touch(const World& world, const EventRecord& record);
 
 }  // namespace ugoki::lsi

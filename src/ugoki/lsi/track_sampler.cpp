@@ -11,7 +11,7 @@
 namespace ugoki::lsi {
 namespace {
 
-/// Stance of every foot in every frame, from the motion's labels, or labelled now where it has none.
+/// Stance of every foot in every frame, [frames][feet]: from the contact labels of the motion, or from label_contacts if it has none.
 std::vector<std::uint8_t> stance_of(const Mechanism& mechanism, const Motion& motion, std::span<const int> feet) {
   Motion labelled;
   const Motion* source = &motion;
@@ -50,7 +50,7 @@ TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track,
       stance_.push_back(stance_of(*mechanism_, motion, feet));
     }
     Clip playing = track_[i].clip;
-    if (i + 1 < track_.size()) {  // where its motion has more to give, a clip moves on while the next one takes over
+    if (i + 1 < track_.size()) {  // during the transition to the next clip, this one continues if its motion is long enough
       const Clip& next = track_[i + 1].clip;
       playing.length = std::max(playing.length, next.start + next.blend - playing.start);
       if (!playing.loop && playing.speed > 0)
@@ -68,7 +68,8 @@ TrackMoment TrackSampler::moment(double t) const {
   const double passed = t - clip.start;
   if (m.current == 0 || !(passed < clip.blend)) return m;
   m.previous = m.current - 1;
-  const double rate = 1 / clip.blend, x = passed * rate;  // 10 x^3 - 15 x^4 + 6 x^5: smooth to the second derivative
+  // weight = 10 x^3 - 15 x^4 + 6 x^5: velocity and acceleration are zero at both ends
+  const double rate = 1 / clip.blend, x = passed * rate;
   m.blend.weight = x * x * x * (10 + x * (6 * x - 15));
   m.blend.rate = 30 * x * x * (1 - x) * (1 - x) * rate;
   m.blend.acceleration = 60 * x * (1 - x) * (1 - 2 * x) * rate * rate;
@@ -101,11 +102,11 @@ void blend_references(const Mechanism& m, const ReferenceLayout& at, std::span<c
   const double s = blend.weight;
   interpolate(m, previous.first(at.nq), current.first(at.nq), s, out.first(at.nq));
   const std::span<double> v = out.subspan(at.v(), at.nv), a = out.subspan(at.a(), at.nv);
-  difference(m, previous.first(at.nq), current.first(at.nq), v);  // the way from one to the other
+  difference(m, previous.first(at.nq), current.first(at.nq), v);  // displacement from `previous` to `current`
   for (std::size_t i = 0; i < at.nv; ++i) {
-    const double way = v[i], v0 = previous[at.v() + i], v1 = current[at.v() + i], a0 = previous[at.a() + i], a1 = current[at.a() + i];
-    v[i] = v0 + s * (v1 - v0) + blend.rate * way;
-    a[i] = a0 + s * (a1 - a0) + 2 * blend.rate * (v1 - v0) + blend.acceleration * way;
+    const double offset = v[i], v0 = previous[at.v() + i], v1 = current[at.v() + i], a0 = previous[at.a() + i], a1 = current[at.a() + i];
+    v[i] = v0 + s * (v1 - v0) + blend.rate * offset;
+    a[i] = a0 + s * (a1 - a0) + 2 * blend.rate * (v1 - v0) + blend.acceleration * offset;
   }
   for (std::size_t k = 0; k < at.feet; ++k) out[at.stance() + k] = s < 0.5 ? previous[at.stance() + k] : current[at.stance() + k];
 }

@@ -1,6 +1,6 @@
 #pragma once
-// A character's editing track as a reference for motion control: at any time two clips and how far the second has
-// taken over from the first.
+// Samples the editing track of a character as a reference for motion control. At any time up to two clips play: the current one, and
+// during a transition also the previous one.
 
 #include <span>
 #include <vector>
@@ -10,7 +10,8 @@
 
 namespace ugoki::lsi {
 
-/// A reference payload (pin type `motion`): q [nq], v [nv], a [nv], stance [feet] (1 while a foot is meant to stand).
+/// Layout of a reference payload (pin type `motion`): q [nq], v [nv], a [nv], stance [feet] (1 while a foot should stand, otherwise 0).
+/// The functions return the index of the first number of each part.
 struct ReferenceLayout {
   std::size_t nq = 0, nv = 0, feet = 0;
   [[nodiscard]] std::size_t v() const { return nq; }
@@ -20,28 +21,30 @@ struct ReferenceLayout {
 };
 [[nodiscard]] ReferenceLayout reference_layout(const Mechanism& mechanism, std::size_t feet);
 
-/// How much the current clip counts, and how fast that changes [1/s, 1/s^2].
+/// Weight of the current clip in a transition, and its time derivatives.
 struct BlendWeight {
-  double weight = 1, rate = 0, acceleration = 0;
+  double weight = 1, rate = 0, acceleration = 0;  ///< 1, 1/s, 1/s^2
 };
 
-/// Which clips play at a moment.
+/// The clips that play at one time.
 struct TrackMoment {
-  int current = 0, previous = 0;  ///< indices of clips; equal where nothing is blended
+  int current = 0, previous = 0;  ///< indices of clips; equal outside transitions
   BlendWeight blend;
 };
 
 class TrackSampler {
  public:
-  /// @param track not empty, by start
-  /// @param smooth motions are made references as make_reference does; false: played as they are
+  /// @param track   not empty, sorted by start
+  /// @param feet    indices of the links that are feet
+  /// @param smooth  filters the motions by make_reference; false: they are played unchanged
   TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track, std::span<const int> feet, bool smooth);
 
   [[nodiscard]] const ReferenceLayout& layout() const { return layout_; }
   [[nodiscard]] TrackMoment moment(double t) const;
-  /// One clip's reference at track time t. @param reference [layout().size(), out]
+  /// Writes the reference of one clip at track time t, s. @param reference [layout().size(), out]
   void sample_clip(int clip, double t, std::span<double> reference) const;
-  /// The whole track's reference. Allocates; a circuit does the same with its own memory.
+  /// Writes the reference of the track at time t, s, including transitions. Allocates; a circuit instead uses the LSIs "motion retrieval"
+  /// and "interpolation". @param reference [layout().size(), out]
   void sample(double t, std::span<double> reference) const;
   [[nodiscard]] bool smooth() const { return smooth_; }
   [[nodiscard]] const std::vector<TrackClip>& clips() const { return track_; }
@@ -49,16 +52,17 @@ class TrackSampler {
  private:
   MechanismPtr mechanism_;
   std::vector<TrackClip> track_;
-  std::vector<Clip> playing_;                      // clips that may run on below the next one's blend
+  std::vector<Clip> playing_;                      // [clips] extended into the transition to the next clip where possible
   std::vector<SmoothMotion> motions_;              // one for each different motion
-  std::vector<std::size_t> motion_of_;             // [clips]
+  std::vector<std::size_t> motion_of_;             // [clips] index into motions_
   std::vector<std::vector<std::uint8_t>> stance_;  // [motions][frame * feet]
   ReferenceLayout layout_;
   bool smooth_;
 };
 
-/// Blends two references: positions along great arcs, velocities and accelerations as that motion has them.
-/// @param out may alias neither input
+/// Blends two references. Rotations are interpolated along great arcs; velocities and accelerations are the time derivatives of the blended
+/// motion.
+/// @param out  must not alias an input
 void blend_references(const Mechanism& mechanism, const ReferenceLayout& layout, std::span<const double> previous,
                       std::span<const double> current, const BlendWeight& blend, std::span<double> out);
 

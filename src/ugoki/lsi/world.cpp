@@ -10,7 +10,7 @@
 namespace ugoki::lsi {
 namespace {
 
-/// Raises a figure whose first frame reaches into the ground, so that it does not start by being pushed out.
+/// Raises a character whose first frame penetrates the ground, so that contact forces do not push it out at the start.
 void raise_above(const Mechanism& m, double ground, std::span<double> q) {
   if (m.link(0).joint.type != JointType::floating) return;
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
@@ -55,7 +55,7 @@ World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> 
     }
     characters_.push_back(std::move(c));
   }
-  contact_capacity_ = static_cast<std::uint32_t>(std::clamp<std::size_t>(8 * shapes, 64, 4096));
+  contact_capacity_ = static_cast<std::uint32_t>(std::clamp<std::size_t>(8 * shapes, 64, 4096));  // see contact_capacity
 }
 
 const void* World::find(std::string_view kind, std::string_view name) const {

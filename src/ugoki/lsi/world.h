@@ -1,5 +1,5 @@
 #pragma once
-// The resources that the standard LSIs ask for while a circuit is built: who is there, what they play, what will happen.
+// The resources that the standard LSIs request while a circuit is built: characters, their editing tracks, scheduled events.
 
 #include <memory>
 #include <span>
@@ -16,40 +16,41 @@ namespace ugoki::lsi {
 
 class TrackSampler;
 
-/// A clip of an editing track, laid on the floor.
+/// A clip of an editing track, and its motion.
 struct TrackClip {
   Clip clip;
   MotionPtr motion;
 };
 
-/// As the host gives it.
+/// A character as specified by the host.
 struct CharacterSpec {
   std::string id;
   MechanismPtr mechanism;
-  std::vector<TrackClip> track;  ///< by start; may be empty
-  std::vector<double> q0;        ///< [nq] position at time 0 of a character without track
+  std::vector<TrackClip> track;  ///< sorted by start; may be empty
+  std::vector<double> q0;        ///< [nq] position at time 0 of a character without a track; empty: neutral position
 };
 
-/// As LSIs see it.
+/// A character as provided to LSIs.
 struct Character {
   static constexpr const char* resource_kind = "character";
   std::string id;
-  int index = 0;  ///< in the world; the subject of its payloads
+  int index = 0;  ///< index of the character in the world; the subject of its payloads (circuit::Shape)
   MechanismPtr mechanism;
-  std::shared_ptr<const TrackSampler> track;  ///< null: nothing to follow
-  std::vector<double> q0, v0;                 ///< [nq], [nv] at time 0
-  std::vector<int> feet;                      ///< links, as find_feet gives them
-  std::size_t q_offset = 0, v_offset = 0;     ///< of its q and v in a state payload
-  std::size_t first_link = 0;                 ///< in the display's poses
+  std::shared_ptr<const TrackSampler> track;  ///< null: it has no track
+  std::vector<double> q0, v0;                 ///< [nq], [nv] position and velocity at time 0
+  std::vector<int> feet;                      ///< indices of links, from find_feet
+  std::size_t q_offset = 0, v_offset = 0;     ///< index of the first number of its q and v in a state payload
+  std::size_t first_link = 0;                 ///< index of its first link in the display's poses
 };
 
-/// Something that the scenario lets happen.
+/// An event of the scenario.
 struct ScheduledEvent {
-  EventRecord record;   ///< push or throwing
+  EventRecord record;   ///< record of kind push or throwing
   double time = 0;      ///< s
   double duration = 0;  ///< s (push)
 };
 
+/// All characters and events of a content. Provides itself and its characters as resources.
 class World final : public circuit::Resources {
  public:
   static constexpr const char* resource_kind = "world";
@@ -63,13 +64,13 @@ class World final : public circuit::Resources {
   [[nodiscard]] const Vec3& gravity() const { return gravity_; }
   [[nodiscard]] const collision::Ground& ground() const { return ground_; }
   [[nodiscard]] std::vector<MechanismPtr> mechanisms() const;
-  [[nodiscard]] std::size_t state_size() const { return state_size_; }  ///< numbers of all q and v
-  [[nodiscard]] std::size_t link_count() const { return link_count_; }  ///< of all characters
-  /// Numbers in a state payload: those of state_size(), and one where there is nobody.
+  [[nodiscard]] std::size_t state_size() const { return state_size_; }  ///< total nq + nv of all characters
+  [[nodiscard]] std::size_t link_count() const { return link_count_; }  ///< total of all characters
+  /// Elements of a state payload: state_size(), but at least 1.
   [[nodiscard]] std::uint32_t state_count() const { return payload_count(state_size_); }
-  /// Elements of a payload of n things; payloads have at least one.
+  /// Number of elements of a payload for n values: payloads have at least 1 element.
   [[nodiscard]] static std::uint32_t payload_count(std::size_t n) { return n ? static_cast<std::uint32_t>(n) : 1; }
-  /// Records that a contacts payload has room for: every corner of every shape on the ground, and as many again.
+  /// Maximum number of records of a contacts payload: 8 for each shape (4 corners on the ground, and 4 other contacts), from 64 to 4096.
   [[nodiscard]] std::uint32_t contact_capacity() const { return contact_capacity_; }
 
  private:

@@ -9,21 +9,21 @@
 namespace ugoki {
 namespace {
 
-constexpr double farthest = 1e6;  // m
+constexpr double max_coordinate = 1e6;  // m. Doubles resolve 1e-10 m at this distance; larger values are usually a wrong unit.
 
-bool within_reach(double x) { return std::fabs(x) <= farthest; }
+bool within_reach(double x) { return std::fabs(x) <= max_coordinate; }
 bool within_reach(const Vec3& p) { return within_reach(p.x) && within_reach(p.y) && within_reach(p.z); }
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool before(const Vec3& a, const Vec3& b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; }
 
-/// A directed side of a triangle as one number.
+/// A directed side of a triangle packed into one integer, so that sides can be sorted.
 std::uint64_t side(std::int32_t from, std::int32_t to) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(from)) << 32) | static_cast<std::uint32_t>(to);
 }
 
-/// Sides that no other triangle has the other way round; a side that several triangles have counts as often.
+/// Number of sides without a partner in the opposite direction. A side used n times needs n partners.
 std::size_t count_open_edges(std::span<const Triangle> triangles) {
   std::vector<std::uint64_t> sides, turned;
   sides.reserve(3 * triangles.size());
@@ -61,7 +61,7 @@ std::uint64_t content_hash(const Geometry& g) {
 }
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 12);
 
-/// For each vertex the first one at the same place; no vertex has a negative zero afterwards.
+/// Returns for each vertex the lowest index of a vertex with equal coordinates. Replaces -0 by 0 in all coordinates.
 std::vector<std::int32_t> weld(std::vector<Vec3>& vertices) {
   std::vector<std::int32_t> order(vertices.size()), first(vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -79,7 +79,8 @@ std::vector<std::int32_t> weld(std::vector<Vec3>& vertices) {
   return first;
 }
 
-/// Without area: two corners are the same, or all three lie on a line to within rounding.
+/// True if the triangle has no area: two corners coincide, or the corners are collinear within rounding. The limit is a height of
+/// 1e-13 of the longest side, above the rounding errors of the cross product.
 bool is_flat(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 u = b - a, v = c - a, w = c - b;
   const double longest = std::max({dot(u, u), dot(v, v), dot(w, w)});
@@ -134,25 +135,27 @@ GeometryFindings inspect(const Geometry& geometry) {
   return found;
 }
 
-Result<GeometryPtr> make_geometry(std::span<const Vec3> vertices, std::span<const Triangle> triangles, bool convex, std::string_view place,
-                                  GeometryFindings* findings) {
+Result<GeometryPtr> make_geometry(std::span<const Vec3> vertices, std::span<const Triangle> triangles, bool convex,
+                                  std::string_view location, GeometryFindings* findings) {
   const auto refuse = [&](ErrorCode code, std::string message, const char* remedy) {
-    return fail(code, std::string(place), std::move(message), remedy);
+    return fail(code, std::string(location), std::move(message), remedy);
   };
-  if (triangles.size() > most_triangles || vertices.size() > 3 * most_triangles)
-    return refuse(
-        ErrorCode::range,
-        "The mesh has " + std::to_string(triangles.size()) + " triangles; at most " + std::to_string(most_triangles) + " are used.",
-        "Reduce it, or take its convex hull.");
+  if (triangles.size() > max_triangles || vertices.size() > 3 * max_triangles)
+    return refuse(ErrorCode::range,
+                  "The mesh has " + std::to_string(triangles.size()) + " triangles and " + std::to_string(vertices.size()) +
+                      " vertices; at most " + std::to_string(max_triangles) + " triangles and three times as many vertices are allowed.",
+                  "Simplify the mesh, or use its convex hull.");
   for (const Vec3& p : vertices)
     if (!within_reach(p))
-      return refuse(ErrorCode::range, "A vertex of the mesh is not finite, or farther away than 1e6 m.", "Export the mesh again.");
+      return refuse(ErrorCode::range, "A vertex of the mesh has a coordinate that is not finite or is beyond 1e6 m.",
+                    "Check the unit of length and export the mesh again.");
   const auto count = static_cast<std::int32_t>(vertices.size());
   for (const Triangle& t : triangles)
     for (const std::int32_t i : t)
       if (i < 0 || i >= count)
         return refuse(ErrorCode::range,
-                      "A triangle names the vertex " + std::to_string(i) + ", but there are " + std::to_string(count) + ".",
+                      "A triangle refers to vertex " + std::to_string(i) + ", but the mesh has " + std::to_string(count) +
+                          " vertices (the first is 0).",
                       "Export the mesh again.");
 
   GeometryFindings found;
@@ -163,7 +166,8 @@ Result<GeometryPtr> make_geometry(std::span<const Vec3> vertices, std::span<cons
   for (std::size_t i = 0; i < first.size(); ++i) found.doubled_vertices += at(first[i]) != i ? 1 : 0;
   for (const Triangle& t : triangles) {
     const Triangle welded{first[at(t[0])], first[at(t[1])], first[at(t[2])]};
-    // the flat ones of a convex body keep its surface closed where three corners of a face lie on a line
+    // Degenerate triangles (area zero within rounding) are removed. A convex body keeps those with three distinct corners: where three
+    // vertices of a face are collinear, they keep the surface closed.
     const bool flat = convex ? welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]
                              : is_flat(points[at(welded[0])], points[at(welded[1])], points[at(welded[2])]);
     if (flat)
@@ -172,54 +176,64 @@ Result<GeometryPtr> make_geometry(std::span<const Vec3> vertices, std::span<cons
       out.triangles.push_back(welded);
   }
   drop_doubled(out.triangles, found);
-  std::vector<std::int32_t> place_of(points.size(), -1);
+  std::vector<std::int32_t> new_index(points.size(), -1);
   for (const Triangle& t : out.triangles)
-    for (const std::int32_t i : t) place_of[at(i)] = 0;
+    for (const std::int32_t i : t) new_index[at(i)] = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (place_of[i] < 0) continue;
-    place_of[i] = static_cast<std::int32_t>(out.vertices.size());
+    if (new_index[i] < 0) continue;
+    new_index[i] = static_cast<std::int32_t>(out.vertices.size());
     out.vertices.push_back(points[i]);
   }
   found.unused_vertices = points.size() - found.doubled_vertices - out.vertices.size();
   for (Triangle& t : out.triangles)
-    for (std::int32_t& i : t) i = place_of[at(i)];
+    for (std::int32_t& i : t) i = new_index[at(i)];
 
   if (out.triangles.empty())
-    return refuse(ErrorCode::structure, "The mesh has no triangle with an area: all its points are one point, or lie on lines.",
-                  "Give a mesh with a surface.");
+    return refuse(ErrorCode::structure, "The mesh has no triangle with an area: the corners of each triangle coincide or lie on lines.",
+                  "Provide a mesh with a surface.");
   found.open_edges = count_open_edges(out.triangles);
   const Inertia enclosed = enclosed_inertia(out.vertices, out.triangles);
   found.inside_out = found.open_edges == 0 && enclosed.mass < 0;
   if (found.open_edges == 0 && enclosed.mass > 0) out.solid = enclosed;
   if (findings) *findings = found;
   if (convex && !(out.solid.mass > 0))
-    return refuse(ErrorCode::structure, "The surface of a convex body must be closed, look outwards and enclose a volume.",
-                  "Give all its triangles, counter-clockwise seen from outside.");
+    return refuse(ErrorCode::structure, "The surface of a convex body must be closed, have outward normals and enclose a volume.",
+                  "List all triangles, with corners counter-clockwise as seen from outside.");
   out.hash = content_hash(out);
   return std::make_shared<const Geometry>(std::move(out));
 }
 
-Result<HeightFieldPtr> make_height_field(HeightField field, std::string_view place) {
-  const auto refuse = [&](ErrorCode code, const char* message, const char* remedy) {
-    return fail(code, std::string(place), message, remedy);
+Result<HeightFieldPtr> make_height_field(HeightField field, std::string_view location) {
+  const auto refuse = [&](ErrorCode code, std::string message, const char* remedy) {
+    return fail(code, std::string(location), std::move(message), remedy);
   };
   if (field.columns < 2 || field.rows < 2)
-    return refuse(ErrorCode::structure, "A height field needs two columns and two rows.", "Give it more points.");
+    return refuse(ErrorCode::structure,
+                  "The height field has " + std::to_string(field.columns) + " columns and " + std::to_string(field.rows) +
+                      " rows; it needs at least 2 of each.",
+                  "Add columns or rows.");
   const std::size_t wanted = static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows);
-  if (wanted > most_heights) return refuse(ErrorCode::range, "A height field has more than four million points.", "Reduce it.");
+  if (wanted > max_heights)
+    return refuse(ErrorCode::range,
+                  "The height field has " + std::to_string(wanted) + " points; at most " + std::to_string(max_heights) + " are allowed.",
+                  "Use fewer rows or columns.");
   if (field.heights.size() != wanted)
-    return refuse(ErrorCode::structure, "A height field has not as many heights as rows times columns.", "Give one height for each point.");
+    return refuse(ErrorCode::structure,
+                  "The height field has " + std::to_string(field.heights.size()) + " heights, but rows times columns is " +
+                      std::to_string(wanted) + ".",
+                  "Provide one height for each grid point.");
   if (!(field.half_x > 0 && field.half_y > 0 && within_reach(field.half_x) && within_reach(field.half_y)))
-    return refuse(ErrorCode::range, "The sides of a height field must be above zero and at most 1e6 m.", "Correct them.");
+    return refuse(ErrorCode::range, "The half sides of the height field must be above 0 and at most 1e6 m.", "Correct the half sides.");
   field.lowest = field.highest = field.heights.front();
   for (double& h : field.heights) {
-    if (!within_reach(h)) return refuse(ErrorCode::range, "A height is not finite, or beyond 1e6 m.", "Correct the heights.");
+    if (!within_reach(h))
+      return refuse(ErrorCode::range, "A height of the height field is not finite or is beyond 1e6 m.", "Correct the heights.");
     h += 0.0;  // -0 becomes 0
     field.lowest = std::min(field.lowest, h);
     field.highest = std::max(field.highest, h);
   }
   if (!(within_reach(field.base) && -field.base < field.lowest))
-    return refuse(ErrorCode::range, "The base of a height field is not below all its heights.", "Give a larger base.");
+    return refuse(ErrorCode::range, "The base of the height field is not below all its heights.", "Use a larger base.");
   Hash64 hash;
   hash.add(static_cast<std::uint64_t>(field.columns));
   hash.add(static_cast<std::uint64_t>(field.rows));

@@ -1,5 +1,5 @@
 #pragma once
-// Surfaces that shapes share: meshes of triangles and height fields. Immutable once made.
+// Surface data that several shapes can share: triangle meshes and height fields. Immutable once made.
 
 #include <array>
 #include <cstdint>
@@ -19,51 +19,55 @@ struct PreparedGeometry;  // collision/prepared_geometry.h
 
 using Triangle = std::array<std::int32_t, 3>;  ///< indices of vertices, counter-clockwise seen from outside
 
-inline constexpr std::size_t most_triangles = 2'000'000;
-inline constexpr std::size_t most_heights = 4'000'000;
+inline constexpr std::size_t max_triangles = 2'000'000;  ///< larger meshes are refused
+inline constexpr std::size_t max_heights = 4'000'000;    ///< larger height fields are refused
 
-/// A mesh of triangles in the frame of the shapes that use it.
+/// A triangle mesh, in the frame of the shapes that use it.
 struct Geometry {
-  std::vector<Vec3> vertices;  ///< m; no two are the same
+  std::vector<Vec3> vertices;  ///< m; all different
   std::vector<Triangle> triangles;
-  bool convex = false;     ///< the triangles are the surface of a convex body, and that body is meant; otherwise the surface itself
-  std::uint64_t hash = 0;  ///< of vertices, triangles and `convex`
-  Inertia solid;           ///< of what the triangles enclose, at density 1 kg/m^3; mass 0 where they enclose nothing
-  std::shared_ptr<const collision::PreparedGeometry> prepared;  ///< what collision analysis precomputed; may be null
+  bool convex = false;     ///< true: a solid convex body with these triangles as its surface; false: the bare surface
+  std::uint64_t hash = 0;  ///< hash of vertices, triangles and `convex`
+  Inertia solid;           ///< inertia of the enclosed volume at density 1 kg/m^3; mass 0 if the surface is open or inside out
+  std::shared_ptr<const collision::PreparedGeometry> prepared;  ///< data precomputed for collision analysis; may be null
 };
 using GeometryPtr = std::shared_ptr<const Geometry>;
 
-/// What was found, and mended, in the triangles that made a geometry.
+/// Defects of the input triangles of make_geometry(). The first four were repaired, the last two were not.
 struct GeometryFindings {
-  std::size_t doubled_vertices = 0;   ///< dropped: another vertex lies at the very same place
-  std::size_t unused_vertices = 0;    ///< dropped: no triangle has them as a corner
-  std::size_t flat_triangles = 0;     ///< dropped: without area
-  std::size_t doubled_triangles = 0;  ///< dropped: the same corners in the same order
-  std::size_t open_edges = 0;         ///< sides of a triangle that no other triangle has the other way round: holes, seams
-  bool inside_out = false;            ///< closed, but its triangles look inwards
+  std::size_t doubled_vertices = 0;   ///< merged: another vertex has exactly the same coordinates
+  std::size_t unused_vertices = 0;    ///< removed: no triangle uses them
+  std::size_t flat_triangles = 0;     ///< removed: their area is zero within rounding
+  std::size_t doubled_triangles = 0;  ///< removed: another triangle has the same corners in the same cyclic order
+  std::size_t open_edges = 0;         ///< triangle sides without a neighbour that uses them in the opposite direction: holes, seams
+  bool inside_out = false;            ///< the surface is closed, but its normals point inwards
 };
 
-/// Welds vertices at the same place, drops triangles without area and vertices without triangle, and computes the rest.
-/// Errors (at `place`): no triangle with area, an index out of range, a number not finite or beyond 1e6 m, more than
-/// most_triangles; convex: not closed, or no volume. Whether a surface said to be convex is so is not checked.
+/// Makes a geometry: merges equal vertices, removes triangles without area and unused vertices, and computes hash and inertia.
+/// Errors (at `location`): no triangle with an area, an index out of range, a coordinate that is not finite or beyond 1e6 m, more
+/// than max_triangles triangles. If `convex`, also: the surface is open or encloses no volume. Convexity itself is not checked.
+/// @param findings [out] defects found; may be null
+/// O(triangles log triangles)
 [[nodiscard]] Result<GeometryPtr> make_geometry(std::span<const Vec3> vertices, std::span<const Triangle> triangles, bool convex,
-                                                std::string_view place, GeometryFindings* findings = nullptr);
+                                                std::string_view location, GeometryFindings* findings = nullptr);
 
-/// What stands in the way of a geometry as it is (open edges, inside out); the rest is zero. O(triangles log triangles)
+/// Returns the defects that a finished geometry can still have: open edges, inside out. The other fields are zero.
+/// O(triangles log triangles)
 [[nodiscard]] GeometryFindings inspect(const Geometry& geometry);
 
-/// Inertia at density 1 kg/m^3 of what a closed surface encloses, about the origin, by the divergence theorem.
+/// Inertia about the origin of the volume inside a closed surface, at density 1 kg/m^3, by the divergence theorem.
+/// The mass is negative if the normals point inwards. O(triangles)
 [[nodiscard]] Inertia enclosed_inertia(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
-/// Ground whose height is given on a grid: solid from the surface down to z = -base. The grid's point (column, row) lies at
-/// x = half_x (2 column / (columns - 1) - 1), y likewise with its row; each cell is two triangles that share the diagonal
-/// from (column, row) to (column + 1, row + 1).
+/// Ground with its heights on a regular grid, solid from the surface down to z = -base. Grid point (column, row) is at
+/// x = half_x (2 column / (columns - 1) - 1), y = half_y (2 row / (rows - 1) - 1). Each cell is split into two triangles along
+/// the diagonal from (column, row) to (column + 1, row + 1).
 struct HeightField {
   int columns = 0, rows = 0;       ///< at least 2 each
   double half_x = 0, half_y = 0;   ///< m
-  double base = 0;                 ///< m, how far below z = 0 the solid reaches; above minus the least height
+  double base = 0;                 ///< m, depth of the solid's bottom below z = 0; more than -lowest
   std::vector<double> heights;     ///< [rows * columns] m, row by row
-  double lowest = 0, highest = 0;  ///< m, of the heights
+  double lowest = 0, highest = 0;  ///< m, minimum and maximum of `heights`
   std::uint64_t hash = 0;
 
   [[nodiscard]] Vec3 point(int column, int row) const {
@@ -73,8 +77,9 @@ struct HeightField {
 };
 using HeightFieldPtr = std::shared_ptr<const HeightField>;
 
-/// Fills in what follows from the rest. Errors (at `place`): fewer than two rows or columns, a wrong number of heights, a
-/// number not finite or beyond 1e6 m, sides that are not above zero, a base that is not below all heights.
-[[nodiscard]] Result<HeightFieldPtr> make_height_field(HeightField field, std::string_view place);
+/// Checks the field and computes lowest, highest and hash. Errors (at `location`): fewer than two rows or columns, a wrong number
+/// of heights, a value that is not finite or beyond 1e6 m, a half_x or half_y that is not above zero, a bottom that is not below
+/// all heights. O(heights)
+[[nodiscard]] Result<HeightFieldPtr> make_height_field(HeightField field, std::string_view location);
 
 }  // namespace ugoki

@@ -1,7 +1,8 @@
 #pragma once
 // Joint types, their coordinates and their kinematics.
 //
-// A joint places its link's frame B in the parent link's frame P: X_PB = X_PJ * X_JB(q). Coordinates of each type:
+// A joint defines the pose of its link's frame B in the parent link's frame P: X_PB = X_PJ * X_JB(q), where J is the joint frame,
+// fixed in P. Coordinates of each type (angles in rad, distances in m; ' is the time derivative):
 //
 //   type         nq nv  q                        v                                   X_JB(q)
 //   fixed         0  0                                                               1
@@ -31,52 +32,52 @@ enum class JointType : std::uint8_t { fixed, revolute, prismatic, helical, cylin
 [[nodiscard]] std::string_view name_of(JointType type);
 [[nodiscard]] std::optional<JointType> joint_type_named(std::string_view name);
 
-/// What belongs to one freedom of a joint. Units are those of the freedom: rad or m, N m or N.
-struct Freedom {
-  double lower = -std::numeric_limits<double>::infinity();  ///< limit of the coordinate (of the rotation vector's component
-  double upper = std::numeric_limits<double>::infinity();   ///< for a spherical joint; floating joints have none)
-  double damping = 0;                                       ///< torque per velocity
-  double stiffness = 0;                                     ///< torque per displacement from `rest`
-  double rest = 0;                                          ///< where the spring is relaxed
-  double armature = 0;                                      ///< inertia of a geared rotor, added to the diagonal of M
-  double friction = 0;                                      ///< greatest dry-friction torque
-  double effort = std::numeric_limits<double>::infinity();  ///< greatest torque that a drive may give
-  friend bool operator==(const Freedom&, const Freedom&) = default;
+/// Limits, spring, friction and drive of one DOF of a joint. Units: rad and N m for rotations, m and N for translations.
+struct Dof {
+  double lower = -std::numeric_limits<double>::infinity();  ///< limit of the coordinate; of the rotation vector's component
+  double upper = std::numeric_limits<double>::infinity();   ///< for a spherical joint; not used for floating joints
+  double damping = 0;                                       ///< viscous damping: torque or force per velocity
+  double stiffness = 0;                                     ///< spring: torque or force per displacement from `rest`
+  double rest = 0;                                          ///< displacement at which the spring exerts no force
+  double armature = 0;  ///< rotor inertia seen through the gear, added to the diagonal of M; kg m^2 or kg
+  double friction = 0;  ///< maximum dry-friction torque or force
+  double effort = std::numeric_limits<double>::infinity();  ///< maximum torque or force of the drive
+  friend bool operator==(const Dof&, const Dof&) = default;
 };
 
 struct Joint {
   JointType type = JointType::fixed;
-  Pose X_PJ;                          ///< joint frame in the parent link's frame
-  Vec3 axis = {0, 0, 1};              ///< unit, in J
-  Vec3 axis2 = {0, 1, 0};             ///< unit, in J turned by the first angle (universal)
-  double pitch = 0;                   ///< m/rad (helical)
-  std::array<Freedom, 6> freedoms{};  ///< the first nv count
+  Pose X_PJ;                  ///< joint frame in the parent link's frame
+  Vec3 axis = {0, 0, 1};      ///< unit, in J
+  Vec3 axis2 = {0, 1, 0};     ///< unit, second axis of a universal joint, in J rotated by the first angle
+  double pitch = 0;           ///< m/rad (helical)
+  std::array<Dof, 6> dofs{};  ///< only the first nv are used
 
   [[nodiscard]] int nq() const { return position_count(type); }
   [[nodiscard]] int nv() const { return velocity_count(type); }
 };
 
-/// X_JB(q). @param q [nq]
+/// Pose X_JB(q) of the link's frame B in the joint frame J. @param q [nq]
 [[nodiscard]] Pose joint_pose(const Joint& joint, const double* q);
 
-/// Motion subspace: columns S[0 ... nv), in B's frame, so that the velocity of B relative to J is sum S[i] v[i].
-/// @return nv
+/// Computes the motion subspace: columns S[0] to S[nv - 1] in B's frame; the velocity of B relative to J is sum S[i] v[i].
+/// @param q [nq] @param S [nv, out]  @return nv
 int joint_subspace(const Joint& joint, const double* q, Vec6* S);
 
-/// Velocity-product term of the joint: (dS/dt) v as seen in B, zero for most types.
+/// Velocity-product acceleration of the joint: (dS/dt) v in B's frame; zero for most types. @param q [nq] @param v [nv]
 [[nodiscard]] Vec6 joint_bias(const Joint& joint, const double* q, const double* v);
 
-/// q <- the neutral position (zeros; unit quaternions).
+/// Sets q to the neutral position: zeros and identity quaternions. @param q [nq, out]
 void joint_neutral(const Joint& joint, double* q);
 
-/// q_out = q (+) v dt, exactly along a constant v. May alias.
+/// q_out = q (+) v dt: the exact result of moving for dt [s] at the constant velocity v. q_out may alias q.
 void joint_integrate(const Joint& joint, const double* q, const double* v, double dt, double* q_out);
 
-/// v = the constant velocity that leads from q0 to q1 in unit time: joint_integrate(q0, v, 1) = q1. @param v [nv, out]
+/// Computes the constant velocity v that leads from q0 to q1 in 1 s: joint_integrate(q0, v, 1) = q1. @param v [nv, out]
 void joint_difference(const Joint& joint, const double* q0, const double* q1, double* v);
 
-/// Displacement of each freedom from neutral, on which limits and springs act: angles, distances, rotation-vector
-/// components; for floating joints six zeros. @param x [nv, out]
+/// Computes the displacement of each DOF from the neutral position; limits and springs act on it. Angles [rad], distances [m], or
+/// the components of the rotation vector [rad] of a spherical joint; six zeros for a floating joint. @param x [nv, out]
 void joint_displacement(const Joint& joint, const double* q, double* x);
 
 }  // namespace ugoki

@@ -17,17 +17,18 @@ bool is_pose(const Pose& X) {
   return worst < 1e-6 && X.R.determinant() > 0;
 }
 
-/// Why no body can have this inertia; empty if one can.
+/// Explains why no rigid body can have this inertia; empty if the inertia is possible.
 std::string impossible_inertia(const Inertia& inertia) {
   const Sym3& I = inertia.I;
   if (!std::isfinite(inertia.mass) || !is_finite(inertia.h) || !is_finite(Vec3{I.xx, I.yy, I.zz}) || !is_finite(Vec3{I.xy, I.xz, I.yz}))
-    return "a number of its inertia is not finite.";
-  if (inertia.mass < 0) return "its mass is negative.";
-  if (inertia.mass == 0 && norm(inertia.h) > 0) return "it has a centre of mass but no mass.";
+    return "A value of the link's inertia is not finite.";
+  if (inertia.mass < 0) return "The link's mass is negative.";
+  if (inertia.mass == 0 && norm(inertia.h) > 0) return "The link has a centre of mass but no mass.";
   const Sym3 c = inertia.about_centre();
   const double scale = std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), 1e-300});
   const double slack = 1e-9 * scale;
-  // Principal minors, and the triangle inequality: tr/2 1 - I (the second moments of mass) must not be negative.
+  // The inertia c about the centre of mass and the second moments of mass tr(c)/2 1 - c must be positive semidefinite (the latter
+  // is the triangle inequality). Both are checked by their principal minors, within a slack of 1e-9 for rounded input values.
   const double t = 0.5 * (c.xx + c.yy + c.zz);
   const Sym3 moments{t - c.xx, t - c.yy, t - c.zz, -c.xy, -c.xz, -c.yz};
   for (const Sym3& s : {c, moments}) {
@@ -35,34 +36,36 @@ std::string impossible_inertia(const Inertia& inertia) {
                      s.xx * s.zz - s.xz * s.xz < -slack * scale || s.yy * s.zz - s.yz * s.yz < -slack * scale ||
                      s.matrix().determinant() < -slack * scale * scale;
     if (bad)
-      return "no body has these moments of inertia (about its centre of mass they must be positive, and none above the sum of the other "
-             "two).";
+      return "No rigid body has these moments of inertia (about the centre of mass they must be positive, and each at most the sum of "
+             "the other two).";
   }
   return {};
 }
 
-void check_joint(const LinkSpec& link, const std::string& place, Error& errors) {
+void check_joint(const LinkSpec& link, const std::string& location, Error& errors) {
   const Joint& j = link.joint;
-  const auto add = [&](const char* message, const char* remedy) { errors.add(ErrorCode::structure, place, message, remedy); };
-  if (!is_pose(j.X_PJ)) add("the joint's frame is not a rotation and a finite position.", "Give an orthonormal right-handed rotation.");
+  const auto add = [&](const char* message, const char* remedy) { errors.add(ErrorCode::structure, location, message, remedy); };
+  if (!is_pose(j.X_PJ)) add("The joint's frame is not a rotation and a finite position.", "Use an orthonormal right-handed rotation.");
   const bool uses_axis = j.type == JointType::revolute || j.type == JointType::prismatic || j.type == JointType::helical ||
                          j.type == JointType::cylindrical || j.type == JointType::universal;
-  if (uses_axis && !(std::fabs(norm(j.axis) - 1) < 1e-6)) add("the joint's axis is not a unit vector.", "Give an axis of length 1.");
+  if (uses_axis && !(std::fabs(norm(j.axis) - 1) < 1e-6)) add("The joint's axis is not a unit vector.", "Use an axis of length 1.");
   if (j.type == JointType::universal) {
     if (!(std::fabs(norm(j.axis2) - 1) < 1e-6))
-      add("the joint's second axis is not a unit vector.", "Give an axis of length 1.");
+      add("The joint's second axis is not a unit vector.", "Use an axis of length 1.");
     else if (norm(cross(j.axis, j.axis2)) < 1e-6)
-      add("the two axes of the universal joint are parallel.", "Turn one of them, or use a revolute joint.");
+      add("The two axes of the universal joint are parallel.", "Rotate one of them, or use a revolute joint.");
   }
-  if (!std::isfinite(j.pitch)) add("the joint's pitch is not finite.", "Give the pitch in metres per radian.");
+  if (!std::isfinite(j.pitch)) add("The joint's pitch is not finite.", "Enter the pitch in metres per radian.");
   for (int i = 0; i < j.nv(); ++i) {
-    const Freedom& f = j.freedoms[static_cast<std::size_t>(i)];
-    if (!(f.lower <= f.upper)) add("a joint limit's lower bound is above its upper bound, or not a number.", "Swap or correct the limits.");
+    const Dof& f = j.dofs[static_cast<std::size_t>(i)];
+    if (!(f.lower <= f.upper))
+      add("The lower limit of the joint is above its upper limit, or not a number.", "Swap or correct the limits.");
     const bool negative = !(f.damping >= 0) || !(f.stiffness >= 0) || !(f.armature >= 0) || !(f.friction >= 0) || !(f.effort >= 0);
-    const bool endless = !std::isfinite(f.damping) || !std::isfinite(f.stiffness) || !std::isfinite(f.armature) ||
-                         !std::isfinite(f.friction) || !std::isfinite(f.rest);
-    if (negative || endless)
-      add("damping, stiffness, armature, friction and effort must be numbers that are not negative.", "Correct the joint's values.");
+    const bool not_finite = !std::isfinite(f.damping) || !std::isfinite(f.stiffness) || !std::isfinite(f.armature) ||
+                            !std::isfinite(f.friction) || !std::isfinite(f.rest);
+    if (negative || not_finite)
+      add("The joint's damping, stiffness, armature, friction and effort must be at least 0, and finite except for the effort.",
+          "Correct the joint's values.");
   }
 }
 
@@ -81,24 +84,25 @@ bool has_size(const Shape& s) {
   return false;
 }
 
-void check_shapes(const LinkSpec& link, const std::string& place, Error& errors) {
+void check_shapes(const LinkSpec& link, const std::string& location, Error& errors) {
   for (const Shape& s : link.shapes) {
     if (!has_size(s))
-      errors.add(ErrorCode::structure, place, "a shape has no size.", "Give it a positive radius or extents, a mesh or a height field.");
+      errors.add(ErrorCode::structure, location, "A shape has no size.", "Set a positive radius or extents, a mesh or a height field.");
     if (!is_pose(s.X_BS))
-      errors.add(ErrorCode::structure, place, "a shape's frame is not a rotation and a finite position.", "Give an orthonormal rotation.");
+      errors.add(ErrorCode::structure, location, "A shape's frame is not a rotation and a finite position.",
+                 "Use an orthonormal right-handed rotation.");
     if (!(s.friction >= 0) || !(s.restitution >= 0 && s.restitution <= 1))
-      errors.add(ErrorCode::range, place, "a shape's friction or restitution is out of range.",
-                 "Friction is at least 0, restitution between 0 and 1.");
+      errors.add(ErrorCode::range, location, "A shape's friction or restitution is out of range.",
+                 "Use a friction of at least 0 and a restitution from 0 to 1.");
   }
 }
 
 using LinkIndex = std::map<std::string, int, std::less<>>;
 
-/// @param index_of places in spec.links
+/// Checks one loop and adds its problems to `errors`. @param index_of link names -> indices in spec.links
 void check_loop(const LoopSpec& loop, const MechanismSpec& spec, const LinkIndex& index_of, Error& errors) {
-  const std::string place = "loop " + loop.name;
-  const auto add = [&](std::string message, const char* remedy) { errors.add(ErrorCode::structure, place, std::move(message), remedy); };
+  const std::string location = "loop " + loop.name;
+  const auto add = [&](std::string message, const char* remedy) { errors.add(ErrorCode::structure, location, std::move(message), remedy); };
   const LinkSpec* ends[2] = {};
   bool known = true;
   for (int i = 0; i < 2; ++i) {
@@ -107,33 +111,36 @@ void check_loop(const LoopSpec& loop, const MechanismSpec& spec, const LinkIndex
     if (const auto it = index_of.find(name); it != index_of.end()) {
       ends[i] = &spec.links[static_cast<std::size_t>(it->second)];
     } else {
-      errors.add(ErrorCode::unknown, place, "its link '" + name + "' does not exist.", "Name an existing link, or none for the world.");
+      errors.add(ErrorCode::unknown, location, "The loop's link '" + name + "' does not exist.",
+                 "Name an existing link, or none for the world.");
       known = false;
     }
   }
   if (loop.type == LoopType::gear) {
-    const int freedoms[2] = {loop.freedom_a, loop.freedom_b};
+    const int dofs[2] = {loop.dof_a, loop.dof_b};
     for (int i = 0; i < 2 && known; ++i)
-      if (!ends[i] || freedoms[i] < 0 || freedoms[i] >= ends[i]->joint.nv() || ends[i]->joint.type == JointType::floating ||
+      if (!ends[i] || dofs[i] < 0 || dofs[i] >= ends[i]->joint.nv() || ends[i]->joint.type == JointType::floating ||
           ends[i]->joint.type == JointType::spherical)
-        add("its " + std::string(i == 0 ? "first" : "second") + " freedom is none of a joint with coordinates of its own.",
-            "Name a link whose joint is neither spherical nor floating, and one of its freedoms, counted from 0.");
-    if (known && loop.link_a == loop.link_b && loop.freedom_a == loop.freedom_b)
-      add("it couples a freedom with itself.", "Name two freedoms.");
+        add("The gear's " + std::string(i == 0 ? "first" : "second") +
+                " degree of freedom does not exist, or belongs to a spherical or floating joint.",
+            "Name a link whose joint is neither spherical nor floating, and one of its degrees of freedom, counted from 0.");
+    if (known && loop.link_a == loop.link_b && loop.dof_a == loop.dof_b)
+      add("The gear couples a degree of freedom with itself.", "Name two different degrees of freedom.");
     if (!std::ranges::all_of(loop.polynomial, [](double c) { return std::isfinite(c); }))
-      add("a coefficient of its polynomial is not finite.", "Correct it.");
+      add("A coefficient of the gear's polynomial is not finite.", "Correct the coefficient.");
     return;
   }
-  if (known && loop.link_a == loop.link_b) add("it joins a link with itself.", "Name two links, or one and the world.");
+  if (known && loop.link_a == loop.link_b)
+    add("The loop joins a link with itself.", "Name two different links, or one link and the world.");
   if (!is_pose(loop.X_AJ) || !is_pose(loop.X_BJ))
-    add("a frame of it is not a rotation and a finite position.", "Give an orthonormal rotation.");
+    add("A frame of the loop is not a rotation and a finite position.", "Use an orthonormal right-handed rotation.");
   const bool uses_axis = loop.type == LoopType::revolute || loop.type == LoopType::prismatic || loop.type == LoopType::cylindrical ||
                          loop.type == LoopType::planar || loop.type == LoopType::universal;
-  if (uses_axis && !(std::fabs(norm(loop.axis) - 1) < 1e-6)) add("its axis is not a unit vector.", "Give an axis of length 1.");
+  if (uses_axis && !(std::fabs(norm(loop.axis) - 1) < 1e-6)) add("The loop's axis is not a unit vector.", "Use an axis of length 1.");
   if (loop.type == LoopType::universal && !(std::fabs(norm(loop.axis2) - 1) < 1e-6))
-    add("its second axis is not a unit vector.", "Give an axis of length 1.");
+    add("The loop's second axis is not a unit vector.", "Use an axis of length 1.");
   if (loop.type == LoopType::distance && !(loop.length > 0 && std::isfinite(loop.length)))
-    add("its length is not above zero.", "Give a length in metres, or use a ball.");
+    add("The loop's length is not above 0 m.", "Enter a length in metres, or use a ball loop.");
 }
 
 }  // namespace
@@ -141,26 +148,27 @@ void check_loop(const LoopSpec& loop, const MechanismSpec& spec, const LinkIndex
 Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
   Error errors;
   const std::size_t n = spec.links.size();
-  const std::string whole = "mechanism " + (spec.name.empty() ? "(no name)" : spec.name);
-  if (n == 0) errors.add(ErrorCode::structure, whole, "it has no links.", "Add at least one link.");
-  if (n > 1'000'000) return fail(ErrorCode::range, whole, "it has more than a million links.");
+  const std::string mechanism_location = "mechanism " + (spec.name.empty() ? "(no name)" : spec.name);
+  if (n == 0) errors.add(ErrorCode::structure, mechanism_location, "The mechanism has no links.", "Add at least one link.");
+  if (n > 1'000'000)
+    return fail(ErrorCode::range, mechanism_location, "The mechanism has " + std::to_string(n) + " links; at most 1000000 are allowed.");
 
   LinkIndex index_of;
   for (std::size_t i = 0; i < n; ++i) {
     const LinkSpec& l = spec.links[i];
     if (l.name.empty())
-      errors.add(ErrorCode::structure, whole + ", link " + std::to_string(i), "it has no name.", "Name it.");
+      errors.add(ErrorCode::structure, mechanism_location + ", link " + std::to_string(i), "The link has no name.", "Name the link.");
     else if (!index_of.emplace(l.name, static_cast<int>(i)).second)
-      errors.add(ErrorCode::duplicate, "link " + l.name, "two links have this name.", "Rename one of them.");
+      errors.add(ErrorCode::duplicate, "link " + l.name, "Two links have this name.", "Rename one of them.");
   }
   std::vector<int> parent(n, -1);
   for (std::size_t i = 0; i < n; ++i) {
     const LinkSpec& l = spec.links[i];
-    const std::string place = "link " + l.name;
+    const std::string location = "link " + l.name;
     if (!l.parent.empty()) {
       const auto it = index_of.find(l.parent);
       if (it == index_of.end())
-        errors.add(ErrorCode::unknown, place, "its parent '" + l.parent + "' does not exist.",
+        errors.add(ErrorCode::unknown, location, "The link's parent '" + l.parent + "' does not exist.",
                    "Name an existing link, or none for the world.");
       else
         parent[i] = it->second;
@@ -168,52 +176,53 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     if (!l.real.empty()) {
       const auto it = index_of.find(l.real);
       if (it == index_of.end())
-        errors.add(ErrorCode::unknown, place, "its real link '" + l.real + "' does not exist.", "Name the link at which the loop is cut.");
+        errors.add(ErrorCode::unknown, location, "The real link '" + l.real + "' does not exist.",
+                   "Name the link at which the loop is cut.");
       else if (it->second == static_cast<int>(i))
-        errors.add(ErrorCode::structure, place, "it is its own real link.", "Name another link.");
+        errors.add(ErrorCode::structure, location, "The link is its own real link.", "Name another link.");
       else if (!spec.links[static_cast<std::size_t>(it->second)].real.empty())
-        errors.add(ErrorCode::structure, place, "its real link is itself virtual.", "Name the real link.");
+        errors.add(ErrorCode::structure, location, "The real link '" + l.real + "' is itself virtual.", "Name the real link.");
       if (!is_pose(l.X_RV))
-        errors.add(ErrorCode::structure, place, "the loop's frame is not a rotation and a finite position.",
-                   "Give an orthonormal rotation.");
+        errors.add(ErrorCode::structure, location, "The loop's frame is not a rotation and a finite position.",
+                   "Use an orthonormal right-handed rotation.");
     }
-    check_joint(l, place, errors);
-    check_shapes(l, place, errors);
+    check_joint(l, location, errors);
+    check_shapes(l, location, errors);
     if (std::string why = impossible_inertia(l.inertia); !why.empty())
-      errors.add(ErrorCode::structure, place, why, "Correct mass, centre and moments of inertia.");
+      errors.add(ErrorCode::structure, location, why, "Correct the mass, centre of mass and moments of inertia.");
   }
   LinkIndex loop_names;
   for (std::size_t i = 0; i < spec.loops.size(); ++i) {
     const LoopSpec& l = spec.loops[i];
     if (l.name.empty())
-      errors.add(ErrorCode::structure, whole + ", loop " + std::to_string(i), "it has no name.", "Name it.");
+      errors.add(ErrorCode::structure, mechanism_location + ", loop " + std::to_string(i), "The loop has no name.", "Name the loop.");
     else if (const auto it = index_of.find(l.name);
              !loop_names.emplace(l.name, static_cast<int>(i)).second ||
              (it != index_of.end() && !spec.links[static_cast<std::size_t>(it->second)].real.empty()))
-      errors.add(ErrorCode::duplicate, "loop " + l.name, "two loops have this name.",
-                 "Rename one of them; a virtual link's loop has its name.");
+      errors.add(ErrorCode::duplicate, "loop " + l.name, "Two loops have this name.",
+                 "Rename one of them. The loop of a virtual link has the link's name.");
     check_loop(l, spec, index_of, errors);
   }
   if (!errors.empty()) return fail(std::move(errors));
 
   // Parents first, otherwise in the order given.
   std::vector<int> order;
-  std::vector<int> place_of(n, -1);
+  std::vector<int> new_index(n, -1);
   order.reserve(n);
   std::vector<char> on_path(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     std::vector<int> chain;
     int k = static_cast<int>(i);
-    while (k >= 0 && place_of[static_cast<std::size_t>(k)] < 0) {
+    while (k >= 0 && new_index[static_cast<std::size_t>(k)] < 0) {
       if (on_path[static_cast<std::size_t>(k)])
-        return fail(ErrorCode::structure, "link " + spec.links[static_cast<std::size_t>(k)].name, "its parents form a circle.",
+        return fail(ErrorCode::structure, "link " + spec.links[static_cast<std::size_t>(k)].name, "The link's parents form a cycle.",
                     "Cut the loop with a virtual link.");
       on_path[static_cast<std::size_t>(k)] = 1;
       chain.push_back(k);
       k = parent[static_cast<std::size_t>(k)];
     }
     for (auto it = chain.rbegin(); it != chain.rend(); ++it) {
-      place_of[static_cast<std::size_t>(*it)] = static_cast<int>(order.size());
+      new_index[static_cast<std::size_t>(*it)] = static_cast<int>(order.size());
       order.push_back(*it);
     }
   }
@@ -227,34 +236,34 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     const int p = parent[static_cast<std::size_t>(order[i])];
     to.name = std::move(from.name);
     to.label = std::move(from.label);
-    to.parent = p < 0 ? -1 : place_of[static_cast<std::size_t>(p)];
+    to.parent = p < 0 ? -1 : new_index[static_cast<std::size_t>(p)];
     to.joint = from.joint;
     to.inertia = from.inertia;
     to.shapes = std::move(from.shapes);
     to.X_RV = from.X_RV;
-    if (!from.real.empty()) to.real = place_of[static_cast<std::size_t>(index_of.find(from.real)->second)];
+    if (!from.real.empty()) to.real = new_index[static_cast<std::size_t>(index_of.find(from.real)->second)];
     to.q_index = m->nq_;
     to.v_index = m->nv_;
     m->nq_ += to.joint.nq();
     m->nv_ += to.joint.nv();
     m->mass_ += to.inertia.mass;
   }
-  for (std::size_t i = n; i-- > 0;) {  // backwards, so that brothers come in the order of links
+  for (std::size_t i = n; i-- > 0;) {  // backwards, so that siblings are linked in the order of links
     Link& l = m->links_[i];
     if (l.parent < 0) continue;
     Link& p = m->links_[static_cast<std::size_t>(l.parent)];
-    l.brother = p.child;
+    l.sibling = p.child;
     p.child = static_cast<int>(i);
   }
   int last_base = -1;
   for (std::size_t i = 0; i < n; ++i) {
     if (m->links_[i].parent >= 0) continue;
-    if (last_base >= 0) m->links_[static_cast<std::size_t>(last_base)].brother = static_cast<int>(i);
+    if (last_base >= 0) m->links_[static_cast<std::size_t>(last_base)].sibling = static_cast<int>(i);
     last_base = static_cast<int>(i);
   }
 
   const auto link_named = [&](const std::string& name) {
-    return name.empty() ? -1 : place_of[static_cast<std::size_t>(index_of.find(name)->second)];
+    return name.empty() ? -1 : new_index[static_cast<std::size_t>(index_of.find(name)->second)];
   };
   for (LoopSpec& from : spec.loops) {
     Loop to{.name = std::move(from.name),
@@ -269,8 +278,8 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
             .polynomial = from.polynomial,
             .closed = from.closed};
     if (to.type == LoopType::gear) {
-      to.freedom_a = m->link(to.link_a).v_index + from.freedom_a;
-      to.freedom_b = m->link(to.link_b).v_index + from.freedom_b;
+      to.dof_a = m->link(to.link_a).v_index + from.dof_a;
+      to.dof_b = m->link(to.link_b).v_index + from.dof_b;
     }
     m->loops_.push_back(std::move(to));
   }
@@ -283,20 +292,20 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
                            .X_AJ = l.X_RV,
                            .of_virtual_link = true});
 
-  // The tree of freedoms.
-  std::vector<int> last_freedom(n, -1);
+  // Parent DOFs (Featherstone's lambda) and the link of each DOF.
+  std::vector<int> last_dof(n, -1);
   for (std::size_t i = 0; i < n; ++i) {
     const Link& l = m->links_[i];
-    int above = l.parent < 0 ? -1 : last_freedom[static_cast<std::size_t>(l.parent)];
+    int parent_dof = l.parent < 0 ? -1 : last_dof[static_cast<std::size_t>(l.parent)];
     for (int k = 0; k < l.joint.nv(); ++k) {
-      m->freedom_parents_.push_back(above);
-      m->link_of_freedom_.push_back(static_cast<int>(i));
-      above = l.v_index + k;
+      m->dof_parents_.push_back(parent_dof);
+      m->link_of_dof_.push_back(static_cast<int>(i));
+      parent_dof = l.v_index + k;
     }
-    last_freedom[i] = above;
+    last_dof[i] = parent_dof;
   }
 
-  // A movable joint must move something.
+  // A movable joint must carry mass or have armature; otherwise the mass matrix is singular.
   std::vector<double> mass_behind(n, 0.0);
   for (std::size_t i = n; i-- > 0;) {
     const Link& l = m->links_[i];
@@ -304,10 +313,10 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     mass_behind[i] += l.inertia.mass + I.xx + I.yy + I.zz;
     if (l.parent >= 0) mass_behind[static_cast<std::size_t>(l.parent)] += mass_behind[i];
     bool armature = l.joint.nv() > 0;
-    for (int k = 0; k < l.joint.nv(); ++k) armature = armature && l.joint.freedoms[static_cast<std::size_t>(k)].armature > 0;
+    for (int k = 0; k < l.joint.nv(); ++k) armature = armature && l.joint.dofs[static_cast<std::size_t>(k)].armature > 0;
     if (l.joint.nv() > 0 && mass_behind[i] <= 0 && !armature && l.real < 0)
-      errors.add(ErrorCode::structure, "link " + l.name, "its joint can move, but nothing behind it has mass.",
-                 "Give it mass or armature, or make the joint fixed.");
+      errors.add(ErrorCode::structure, "link " + l.name, "The joint can move, but nothing behind it has mass.",
+                 "Add mass or armature, or make the joint fixed.");
   }
   if (!errors.empty()) return fail(std::move(errors));
   return m;
@@ -325,9 +334,9 @@ int Mechanism::find_loop(std::string_view name) const {
   return -1;
 }
 
-const Freedom& Mechanism::freedom(int i) const {
-  const Link& l = link(link_of_freedom(i));
-  return l.joint.freedoms[static_cast<std::size_t>(i - l.v_index)];
+const Dof& Mechanism::dof(int i) const {
+  const Link& l = link(link_of_dof(i));
+  return l.joint.dofs[static_cast<std::size_t>(i - l.v_index)];
 }
 
 std::vector<double> Mechanism::neutral() const {
@@ -364,8 +373,8 @@ MechanismSpec Mechanism::spec() const {
                          .axis = l.axis,
                          .axis2 = l.axis2,
                          .length = l.length,
-                         .freedom_a = gear ? l.freedom_a - link(l.link_a).v_index : 0,
-                         .freedom_b = gear ? l.freedom_b - link(l.link_b).v_index : 0,
+                         .dof_a = gear ? l.dof_a - link(l.link_a).v_index : 0,
+                         .dof_b = gear ? l.dof_b - link(l.link_b).v_index : 0,
                          .polynomial = l.polynomial,
                          .closed = l.closed});
   }

@@ -5,7 +5,7 @@
 namespace ugoki {
 namespace {
 
-/// Prisms from the base up to each triangle of the surface, at density 1, in the field's frame.
+/// Inertia of a height field at density 1 kg/m^3, in the field's frame: the sum of one prism for each triangle of the surface.
 Inertia field_inertia(const HeightField& f) {
   Inertia sum;
   const auto prism = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -23,7 +23,7 @@ Inertia field_inertia(const HeightField& f) {
   return sum;
 }
 
-/// Rotational inertia of a body that is symmetric about its shape's origin, in the shape's axes.
+/// Rotational inertia of a sphere, capsule, box, cylinder or ellipsoid about its centre, in the shape's axes. kg m^2
 Sym3 about_origin(const Shape& s, double density) {
   const double mass = density * volume(s), r = s.radius, L = 2 * s.half_length;
   const Vec3 h = s.half_extents;
@@ -32,7 +32,7 @@ Sym3 about_origin(const Shape& s, double density) {
       const double i = 0.4 * mass * r * r;
       return {i, i, i, 0, 0, 0};
     }
-    case ShapeType::capsule: {  // cylinder of length L and two half balls
+    case ShapeType::capsule: {  // cylinder of length L and two hemispheres
       const double m_cylinder = density * pi * r * r * L;
       const double m_balls = density * 4.0 / 3.0 * pi * r * r * r;
       const double along = m_cylinder * 0.5 * r * r + m_balls * 0.4 * r * r;
@@ -77,17 +77,17 @@ double reach(const Shape& s, const Vec3& d) {
     case ShapeType::cylinder: return s.radius * std::sqrt(d.x * d.x + d.y * d.y) + s.half_length * std::fabs(d.z);
     case ShapeType::ellipsoid: return norm(Vec3{h.x * d.x, h.y * d.y, h.z * d.z});
     case ShapeType::mesh: {
-      double most = -1e300;
-      for (const Vec3& p : s.geometry->vertices) most = std::max(most, dot(p, d));
-      return most;
+      double maximum = -1e300;
+      for (const Vec3& p : s.geometry->vertices) maximum = std::max(maximum, dot(p, d));
+      return maximum;
     }
     case ShapeType::height_field: {
       const HeightField& f = *s.field;
-      double most = -1e300;
+      double maximum = -1e300;
       for (int row = 0; row < f.rows; ++row)
-        for (int column = 0; column < f.columns; ++column) most = std::max(most, dot(f.point(column, row), d));
+        for (int column = 0; column < f.columns; ++column) maximum = std::max(maximum, dot(f.point(column, row), d));
       const Vec3 below{f.half_x, f.half_y, f.base};
-      return std::max(most, below.x * std::fabs(d.x) + below.y * std::fabs(d.y) - below.z * d.z);
+      return std::max(maximum, below.x * std::fabs(d.x) + below.y * std::fabs(d.y) - below.z * d.z);
     }
   }
   return 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Shapes on links, for collision and display.
+// Shapes of links, for collision and display.
 
 #include <cstdint>
 #include <string_view>
@@ -14,14 +14,14 @@ enum class ShapeType : std::uint8_t { sphere, capsule, box, cylinder, ellipsoid,
 
 struct Shape {
   ShapeType type = ShapeType::sphere;
-  Pose X_BS;                 ///< shape's frame in the link's frame
+  Pose X_BS;                 ///< pose of the shape's frame in the link's frame
   double radius = 0;         ///< m; sphere, capsule, cylinder
-  double half_length = 0;    ///< m; along the shape's z, from the centre to the centre of a capsule's cap or of a cylinder's end
-  Vec3 half_extents;         ///< m; box, ellipsoid: along the shape's x, y, z
+  double half_length = 0;    ///< m; capsule: from the centre to a cap's centre along z; cylinder: half its height
+  Vec3 half_extents;         ///< m; box, ellipsoid: half sizes along the shape's x, y, z
   GeometryPtr geometry;      ///< mesh
   HeightFieldPtr field;      ///< height field
-  double friction = 0.8;     ///< Coulomb coefficient; a pair uses the geometric mean
-  double restitution = 0.0;  ///< 0 ... 1; a pair uses the greater
+  double friction = 0.8;     ///< Coulomb coefficient; two shapes in contact use the geometric mean
+  double restitution = 0.0;  ///< 0 to 1; two shapes in contact use the larger value
   bool collides = true;
   bool visible = true;
 
@@ -79,24 +79,23 @@ struct Shape {
   }
 };
 
-/// "sphere", "capsule" ...
+/// Name in files: "sphere", "capsule", ...
 [[nodiscard]] std::string_view name_of(ShapeType type);
 
-/// A box in the shape's frame.
+/// An axis-aligned box in the shape's frame.
 struct Bounds {
   Vec3 low, high;  ///< m
 };
-/// The smallest box along the shape's axes that holds it. O(vertices) for meshes
+/// Smallest axis-aligned box around the shape, in the shape's frame. O(vertices) for meshes.
 [[nodiscard]] Bounds bounds(const Shape& shape);
 
-/// How far [m] the shape reaches from its frame's origin along the unit vector d, in the shape's frame. O(vertices) for
-/// meshes and O(heights) for height fields.
+/// Support function: maximum of d . p [m] over the points p of the shape, in the shape's frame. d is a unit vector.
+/// O(vertices) for meshes, O(heights) for height fields.
 [[nodiscard]] double reach(const Shape& shape, const Vec3& d);
 
-/// Mass properties of the shape filled with `density` [kg/m^3], in the link's frame.
-/// A mesh whose surface is open encloses nothing: its mass is 0.
+/// Mass properties of the shape as a solid of `density` [kg/m^3], in the link's frame. Mass 0 for a mesh with an open surface.
 [[nodiscard]] Inertia solid_inertia(const Shape& shape, double density);
-/// m^3; 0 for a mesh whose surface is open
+/// Volume [m^3]; 0 for a mesh with an open surface.
 [[nodiscard]] double volume(const Shape& shape);
 
 }  // namespace ugoki

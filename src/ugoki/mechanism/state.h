@@ -1,5 +1,5 @@
 #pragma once
-// Status data: the physical properties of one mechanism at one moment. Sized once from the mechanism.
+// Status data: the physical properties of one mechanism at one moment. The vectors are sized once from the mechanism.
 
 #include <span>
 #include <vector>
@@ -13,11 +13,11 @@ struct State {
   std::vector<double> v;       ///< [nv] m/s | rad/s
   std::vector<double> a;       ///< [nv] m/s^2 | rad/s^2
   std::vector<double> tau;     ///< [nv] joint forces, N | N m
-  std::vector<Vec6> external;  ///< [links] wrench on each link about the WORLD origin, world axes
+  std::vector<Vec6> external;  ///< [links] external wrench on each link, about the WORLD origin, in world axes
   double time = 0;             ///< s
 
   State() = default;
-  /// Neutral position at rest.
+  /// Neutral position, at rest, at time 0.
   explicit State(const Mechanism& m)
       : q(m.neutral()),
         v(static_cast<std::size_t>(m.nv())),
@@ -32,19 +32,19 @@ void calc_poses(const Mechanism& m, std::span<const double> q, std::span<Pose> X
 /// Velocity of every link in its own frame. @param X_WB [links] from calc_poses @param V [links, out]
 void calc_velocities(const Mechanism& m, std::span<const double> q, std::span<const double> v, std::span<Vec6> V);
 
-/// q_out = q (+) v dt on the manifold. May alias.
+/// q_out = q (+) v dt on the configuration manifold. q_out may alias q.
 void integrate(const Mechanism& m, std::span<const double> q, std::span<const double> v, double dt, std::span<double> q_out);
 
-/// v = q1 (-) q0: integrate(q0, v, 1) = q1.
+/// v = q1 (-) q0, so that integrate(q0, v, 1) = q1.
 void difference(const Mechanism& m, std::span<const double> q0, std::span<const double> q1, std::span<double> v);
 
-/// q_out between q0 (s = 0) and q1 (s = 1): straight lines and great arcs.
+/// Interpolates from q0 (s = 0) to q1 (s = 1): linear for scalar coordinates, along a great arc for quaternions.
 void interpolate(const Mechanism& m, std::span<const double> q0, std::span<const double> q1, double s, std::span<double> q_out);
 
-/// Centre of mass [m] in the world.
+/// Centre of mass [m] in the world; zero for a mechanism without mass. @param X_WB [links] from calc_poses
 [[nodiscard]] Vec3 centre_of_mass(const Mechanism& m, std::span<const Pose> X_WB);
 
-/// True if every number is finite.
+/// True if all values are finite.
 [[nodiscard]] bool is_finite(std::span<const double> values);
 
 }  // namespace ugoki

@@ -34,30 +34,31 @@ void put_prefix(MechanismSpec& spec, const std::string& prefix) {
   }
 }
 
-/// A prefix of b that keeps the names of the two apart; empty if they are apart.
+/// Returns a prefix for b's names that makes them different from a's; empty if none is needed.
 std::string needed_prefix(const Names& a, const Names& b, const std::string& b_name) {
-  const auto apart = [&](const std::string& prefix) {
+  const auto disjoint = [&](const std::string& prefix) {
     for (const std::string& name : b)
       if (a.contains(prefix + name)) return false;
     return true;
   };
-  if (apart("")) return {};
+  if (disjoint("")) return {};
   const std::string stem = b_name.empty() ? "second" : b_name;
   std::string prefix = stem + " ";
-  for (int number = 2; !apart(prefix); ++number) prefix = stem + " " + std::to_string(number) + " ";
+  for (int number = 2; !disjoint(prefix); ++number) prefix = stem + " " + std::to_string(number) + " ";
   return prefix;
 }
 
-/// The root of the tree to which the link belongs. O(links * depth)
+/// Index of the root of the link's tree. O(links * depth)
 int root_of(const MechanismSpec& spec, int link) {
   while (!spec.links[static_cast<std::size_t>(link)].parent.empty())
     link = find_link(spec, spec.links[static_cast<std::size_t>(link)].parent);
   return link;
 }
 
-std::string unused(std::string name, const Names& taken) {
+/// `name`, with a number appended if it is one of `used`.
+std::string unused(std::string name, const Names& used) {
   const std::string stem = name;
-  for (int number = 2; taken.contains(name); ++number) name = stem + " " + std::to_string(number);
+  for (int number = 2; used.contains(name); ++number) name = stem + " " + std::to_string(number);
   return name;
 }
 
@@ -69,9 +70,11 @@ Result<Combined> combine(const Mechanism& a, const Mechanism& b, const CombineOp
   const int link_b = find_link(second, options.link_b);
   Error errors;
   if (link_a < 0 && !options.link_a.empty())
-    errors.add(ErrorCode::unknown, "mechanism " + a.name(), "It has no link " + options.link_a + ".", "Name one of its links.");
+    errors.add(ErrorCode::unknown, "mechanism " + a.name(), "The mechanism has no link '" + options.link_a + "'.",
+               "Name one of its links.");
   if (link_b < 0)
-    errors.add(ErrorCode::unknown, "mechanism " + b.name(), "It has no link " + options.link_b + ".", "Name one of its links.");
+    errors.add(ErrorCode::unknown, "mechanism " + b.name(), "The mechanism has no link '" + options.link_b + "'.",
+               "Name one of its links.");
   if (!errors.empty()) return fail(std::move(errors));
 
   Combined out;
@@ -79,7 +82,7 @@ Result<Combined> combine(const Mechanism& a, const Mechanism& b, const CombineOp
   put_prefix(second, options.prefix_b);
   if (const std::string prefix = needed_prefix(names_of(first), names_of(second), b.name()); !prefix.empty()) {
     put_prefix(second, prefix);
-    out.report.push_back("Both have links of the same name; those of " + b.name() + " now begin with '" + prefix + "'.");
+    out.report.push_back("Both mechanisms have links of the same name; the names of " + b.name() + " now begin with '" + prefix + "'.");
   }
   for (const LinkSpec& l : first.links) out.links_a.push_back(l.name);
   for (const LinkSpec& l : second.links) out.links_b.push_back(l.name);
@@ -105,9 +108,9 @@ Result<Combined> combine(const Mechanism& a, const Mechanism& b, const CombineOp
     loop.X_BJ = options.X_BJ;
     if (loop.type == LoopType::distance) loop.X_AJ.p = loop.X_AJ.p + loop.X_AJ.R * Vec3{0, 0, -loop.length};
     if (loop.name.empty()) loop.name = (name_a.empty() ? "world" : name_a) + " to " + loop.link_b;
-    Names taken = names_of(first);
-    taken.merge(names_of(second));
-    loop.name = unused(std::move(loop.name), taken);
+    Names used = names_of(first);
+    used.merge(names_of(second));
+    loop.name = unused(std::move(loop.name), used);
     second.loops.push_back(std::move(loop));
   }
 

@@ -9,18 +9,18 @@ namespace {
 
 std::string end_name(const std::string& link) { return link.empty() ? "the world" : link; }
 
-/// Drops the loops that lead to a link which is not kept.
+/// Drops the loops with an end on a link that is not kept, and reports each.
 void drop_loops(MechanismSpec& spec, const Mechanism& m, const std::vector<char>& kept, std::vector<std::string>& report) {
   const auto lost = [&](const std::string& link) { return !link.empty() && !kept[static_cast<std::size_t>(m.find_link(link))]; };
   std::erase_if(spec.loops, [&](const LoopSpec& loop) {
     const bool a = lost(loop.link_a), b = lost(loop.link_b);
     if (!a && !b) return false;
     const bool other_is_kept = a ? !b && !loop.link_b.empty() : !loop.link_a.empty();
-    const std::string what =
+    const std::string description =
         std::string(name_of(loop.type)) + " " + loop.name + " between " + end_name(loop.link_a) + " and " + end_name(loop.link_b);
-    report.push_back(other_is_kept ? "The loop " + what + " was dropped: " + (a ? loop.link_a : loop.link_b) + " is cut off, so " +
+    report.push_back(other_is_kept ? "The loop " + description + " was dropped: " + (a ? loop.link_a : loop.link_b) + " is cut off, so " +
                                          (a ? loop.link_b : loop.link_a) + " moves without it."
-                                   : "The loop " + what + " went with what is cut off.");
+                                   : "The loop " + description + " was dropped together with the links that it connects.");
     return true;
   });
 }
@@ -29,10 +29,12 @@ void drop_loops(MechanismSpec& spec, const Mechanism& m, const std::vector<char>
 
 Result<Edited> cut(const Mechanism& m, std::string_view link, const CutOptions& options) {
   const int at = m.find_link(link);
-  const std::string place = "mechanism " + m.name();
-  if (at < 0) return fail(ErrorCode::unknown, place, "It has no link " + std::string(link) + ".", "Name one of its links.");
+  const std::string location = "mechanism " + m.name();
+  if (at < 0) return fail(ErrorCode::unknown, location, "The mechanism has no link '" + std::string(link) + "'.", "Name one of its links.");
   if (options.keep == Keep::part && options.base != JointType::fixed && options.base != JointType::floating)
-    return fail(ErrorCode::unsupported, place, "What is cut off can be fixed to the world or float in it.", "Say fixed or floating.");
+    return fail(ErrorCode::unsupported, location,
+                "The joint of the cut part to the world is " + std::string(name_of(options.base)) + "; it must be fixed or floating.",
+                "Use fixed or floating.");
 
   const std::size_t n = static_cast<std::size_t>(m.link_count());
   std::vector<char> kept(n, 0);
@@ -63,7 +65,8 @@ Result<Edited> cut(const Mechanism& m, std::string_view link, const CutOptions& 
     LinkSpec& l = spec.links[i];
     if (!kept[i]) {
       if (real >= 0 && kept[static_cast<std::size_t>(real)])
-        out.report.push_back("The loop at the virtual link " + l.name + " was dropped: it is cut off, so " + l.real + " moves without it.");
+        out.report.push_back("The loop at the virtual link " + l.name + " was dropped: the virtual link is cut off, so " + l.real +
+                             " moves without it.");
       continue;
     }
     if (real >= 0 && !kept[static_cast<std::size_t>(real)]) {
@@ -74,7 +77,7 @@ Result<Edited> cut(const Mechanism& m, std::string_view link, const CutOptions& 
     links.push_back(std::move(l));
   }
   if (links.empty())
-    return fail(ErrorCode::structure, place, "Nothing is left when " + std::string(link) + " and what hangs on it are cut off.",
+    return fail(ErrorCode::structure, location, "No link is left without " + std::string(link) + " and its descendants.",
                 "Cut at another link, or keep the part.");
   spec.links = std::move(links);
   Result<MechanismPtr> made = Mechanism::make(std::move(spec));

@@ -1,5 +1,5 @@
 #pragma once
-// A part of a mechanism: what hangs on a link, or what is left without it.
+// Cuts a mechanism at the joint of a link.
 
 #include <string_view>
 
@@ -8,18 +8,19 @@
 namespace ugoki {
 
 enum class Keep {
-  rest,  ///< all but the link and what hangs on it
-  part   ///< the link and what hangs on it
+  rest,  ///< all links except the given link and its descendants
+  part   ///< the given link and its descendants
 };
 
 struct CutOptions {
   Keep keep = Keep::rest;
-  JointType base = JointType::floating;  ///< part: how the link is now joined to the world, where it was in the neutral position
+  JointType base = JointType::floating;  ///< for Keep::part: new joint of the link to the world, at its pose in the neutral position
 };
 
-/// Cuts at the joint of the link. Loops (and gears) that have one end on each side are dropped, and told one by one; a virtual link whose
-/// real link is cut off stays as a link of its own, and this is told. A loop from the kept part to the world stays. Errors: no such link,
-/// nothing left, a base joint that is neither fixed nor floating.
+/// Cuts the mechanism at the joint of the link. Loops and gears with an end on the dropped side are dropped, each with a sentence in the
+/// report. A gear on the joint at which a kept part is cut off is dropped too. A virtual link whose real link is dropped becomes an
+/// ordinary link, also with a sentence. Loops from kept links to the world stay. Errors: an unknown link; nothing left; a base joint that
+/// is neither fixed nor floating.
 [[nodiscard]] Result<Edited> cut(const Mechanism& mechanism, std::string_view link, const CutOptions& options = {});
 
 }  // namespace ugoki

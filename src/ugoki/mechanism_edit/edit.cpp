@@ -11,7 +11,7 @@
 namespace ugoki {
 namespace {
 
-constexpr double endless = std::numeric_limits<double>::infinity();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::optional<std::vector<double>> numbers(std::string_view text) {
   std::vector<double> out;
@@ -28,13 +28,13 @@ std::optional<std::vector<double>> numbers(std::string_view text) {
   }
 }
 
-/// One field of one link, or what is wrong.
+/// Applies one assignment to one link.
 class Editor {
  public:
   Editor(MechanismSpec& spec, int link, const Assignment& assignment, Edited& out)
       : spec_(spec), link_(spec.links[static_cast<std::size_t>(link)]), a_(assignment), out_(out) {}
 
-  /// @return a sentence if it cannot be done
+  /// @return empty, or a sentence that explains why the assignment is not possible
   std::string run() {
     const std::string_view field = a_.field;
     if (field == "name") return rename();
@@ -46,7 +46,7 @@ class Editor {
   }
 
  private:
-  static std::string unknown() { return "There is no such field."; }
+  static std::string unknown() { return "The field does not exist."; }
   std::optional<Vec3> vector() const {
     const auto x = numbers(a_.value);
     if (!x || x->size() != 3) return std::nullopt;
@@ -72,77 +72,78 @@ class Editor {
     Joint& j = link_.joint;
     if (field == "type") {
       const auto type = joint_type_named(a_.value);
-      if (!type) return "There is no joint of this type.";
+      if (!type) return "The joint type does not exist.";
       if (velocity_count(*type) != j.nv()) {
         if (j.nv() > 0)
-          out_.report.push_back("The joint of " + link_.name + " has other freedoms now; limits and springs of the old ones are gone.");
-        j.freedoms = {};
+          out_.report.push_back("The joint of " + link_.name +
+                                " now has other degrees of freedom; the limits and springs of the old ones were dropped.");
+        j.dofs = {};
       }
       j.type = *type;
       return "";
     }
     if (field == "rotation") {
       const auto q = numbers(a_.value);
-      if (!q || q->size() != 4) return "Its value must be four numbers: w,x,y,z.";
+      if (!q || q->size() != 4) return "The value must be four numbers: w,x,y,z.";
       const Quat r{(*q)[0], (*q)[1], (*q)[2], (*q)[3]};
-      if (!(r.w * r.w + r.x * r.x + r.y * r.y + r.z * r.z > 1e-12)) return "A quaternion of length 0 is no rotation.";
+      if (!(r.w * r.w + r.x * r.x + r.y * r.y + r.z * r.z > 1e-12)) return "A quaternion of length 0 is not a rotation.";
       j.X_PJ.R = to_matrix(normalized(r));
       return "";
     }
     if (field == "axis" || field == "axis2" || field == "position") {
       const auto v = vector();
-      if (!v) return "Its value must be three numbers.";
+      if (!v) return "The value must be three numbers.";
       if (field == "position") return j.X_PJ.p = *v, "";
-      if (!(norm(*v) > 1e-9)) return "An axis needs a direction.";
+      if (!(norm(*v) > 1e-9)) return "An axis of length 0 has no direction.";
       (field == "axis" ? j.axis : j.axis2) = normalized(*v);
       return "";
     }
     if (field == "pitch") {
       const auto x = numbers(a_.value);
-      if (!x || x->size() != 1) return "Its value must be a number.";
+      if (!x || x->size() != 1) return "The value must be a number.";
       return j.pitch = (*x)[0], "";
     }
-    return freedoms(field);
+    return dofs(field);
   }
 
-  std::string freedoms(std::string_view field) {
+  std::string dofs(std::string_view field) {
     Joint& j = link_.joint;
     int first = 0, last = j.nv() - 1;
     if (const std::size_t dot = field.rfind('.'); dot != std::string_view::npos) {
       const std::optional<long> which = parse_long(field.substr(dot + 1));
-      if (!which || *which < 0 || *which > last) return "Its joint has no such freedom (they are counted from 0).";
+      if (!which || *which < 0 || *which > last) return "The joint does not have this degree of freedom (they are counted from 0).";
       first = last = static_cast<int>(*which);
       field = field.substr(0, dot);
     }
-    double Freedom::* member = field == "lower"       ? &Freedom::lower
-                               : field == "upper"     ? &Freedom::upper
-                               : field == "damping"   ? &Freedom::damping
-                               : field == "stiffness" ? &Freedom::stiffness
-                               : field == "rest"      ? &Freedom::rest
-                               : field == "armature"  ? &Freedom::armature
-                               : field == "friction"  ? &Freedom::friction
-                               : field == "effort"    ? &Freedom::effort
-                                                      : nullptr;
+    double Dof::* member = field == "lower"       ? &Dof::lower
+                           : field == "upper"     ? &Dof::upper
+                           : field == "damping"   ? &Dof::damping
+                           : field == "stiffness" ? &Dof::stiffness
+                           : field == "rest"      ? &Dof::rest
+                           : field == "armature"  ? &Dof::armature
+                           : field == "friction"  ? &Dof::friction
+                           : field == "effort"    ? &Dof::effort
+                                                  : nullptr;
     if (!member) return unknown();
-    if (last < 0) return "Its joint is fixed and has no freedoms.";
+    if (last < 0) return "The joint is fixed and has no degrees of freedom.";
     const auto x = numbers(a_.value);
     double value = 0;
     if (x && x->size() == 1)
       value = (*x)[0];
     else if (a_.value == "none" && (field == "lower" || field == "upper" || field == "effort"))
-      value = field == "lower" ? -endless : endless;
+      value = field == "lower" ? -infinity : infinity;
     else
-      return "Its value must be a number.";
-    for (int k = first; k <= last; ++k) j.freedoms[static_cast<std::size_t>(k)].*member = value;
+      return "The value must be a number.";
+    for (int k = first; k <= last; ++k) j.dofs[static_cast<std::size_t>(k)].*member = value;
     return "";
   }
 
   std::string inertia(std::string_view field) {
     Inertia& i = link_.inertia;
     const auto x = numbers(a_.value);
-    if (!x) return "Its value must be numbers.";
+    if (!x) return "The value must be one or more numbers.";
     if (field == "mass") {
-      if (x->size() != 1) return "Its value must be a number.";
+      if (x->size() != 1) return "The value must be a number.";
       const double m = (*x)[0];
       if (i.mass > 0) {
         const double f = m / i.mass;
@@ -153,23 +154,24 @@ class Editor {
       return "";
     }
     if (field == "centre") {
-      if (x->size() != 3) return "Its value must be three numbers.";
+      if (x->size() != 3) return "The value must be three numbers.";
       i = Inertia::from_centre(i.mass, {(*x)[0], (*x)[1], (*x)[2]}, i.about_centre());
       return "";
     }
     if (field == "about_centre") {
-      if (x->size() != 6) return "Its value must be six numbers: xx,yy,zz,xy,xz,yz.";
+      if (x->size() != 6) return "The value must be six numbers: xx,yy,zz,xy,xz,yz.";
       i = Inertia::from_centre(i.mass, i.centre(), {(*x)[0], (*x)[1], (*x)[2], (*x)[3], (*x)[4], (*x)[5]});
       return "";
     }
     if (field == "density") {
-      if (x->size() != 1 || !((*x)[0] > 0)) return "Its value must be a number above 0.";
+      if (x->size() != 1 || !((*x)[0] > 0)) return "The value must be a number above 0.";
       Inertia sum;
       for (const Shape& s : link_.shapes)
         if (s.type != ShapeType::height_field) sum += solid_inertia(s, (*x)[0]);
-      if (!(sum.mass > 0)) return "It has no shape that encloses a volume.";
+      if (!(sum.mass > 0)) return "The link has no shape that encloses a volume.";
       if (link_.shapes.size() > 1)
-        out_.report.push_back("The shapes of " + link_.name + " were filled each for itself; where they overlap, mass counts twice.");
+        out_.report.push_back("The mass of each shape of " + link_.name +
+                              " was computed separately; where shapes overlap, mass counts twice.");
       i = sum;
       return "";
     }
@@ -178,13 +180,13 @@ class Editor {
 
   std::string shapes(std::string_view field) {
     if (field == "collides" || field == "visible") {
-      if (a_.value != "true" && a_.value != "false") return "Its value must be true or false.";
+      if (a_.value != "true" && a_.value != "false") return "The value must be true or false.";
       for (Shape& s : link_.shapes) (field == "collides" ? s.collides : s.visible) = a_.value == "true";
       return "";
     }
     if (field != "friction" && field != "restitution") return unknown();
     const auto x = numbers(a_.value);
-    if (!x || x->size() != 1) return "Its value must be a number.";
+    if (!x || x->size() != 1) return "The value must be a number.";
     for (Shape& s : link_.shapes) (field == "friction" ? s.friction : s.restitution) = (*x)[0];
     return "";
   }
@@ -201,7 +203,7 @@ Result<Assignment> parse_assignment(std::string_view text) {
   const std::size_t equals = text.find('=');
   const std::size_t colon = equals == std::string_view::npos ? equals : text.substr(0, equals).rfind(':');
   if (colon == std::string_view::npos || colon == 0)
-    return fail(ErrorCode::syntax, std::string(text), "This is no assignment.",
+    return fail(ErrorCode::syntax, std::string(text), "The text is not an assignment.",
                 "Write LINK:FIELD=VALUE, as in 'shank left:joint.upper=2.4'.");
   return Assignment{std::string(text.substr(0, colon)), std::string(text.substr(colon + 1, equals - colon - 1)),
                     std::string(text.substr(equals + 1))};
@@ -214,7 +216,7 @@ Result<Edited> edit(const Mechanism& m, std::span<const Assignment> assignments)
   for (const Assignment& a : assignments) {
     const int link = find_link(spec, a.link);
     if (link < 0) {
-      errors.add(ErrorCode::unknown, "mechanism " + m.name(), "It has no link " + a.link + ".",
+      errors.add(ErrorCode::unknown, "mechanism " + m.name(), "The mechanism has no link '" + a.link + "'.",
                  "Name one of its links (`ugoki info` lists them).");
       continue;
     }

@@ -1,5 +1,5 @@
 #pragma once
-// Joints and inertias of a mechanism, changed one field at a time.
+// Changes fields of a mechanism's links: names, joints, inertias, shapes.
 
 #include <span>
 #include <string>
@@ -9,22 +9,22 @@
 
 namespace ugoki {
 
-/// A field of a link and its new value, as text. Fields, in SI units (rad, m, kg), several numbers separated by commas:
+/// A field of a link and its new value as text. Values are in SI units (rad, m, kg); several values are separated by commas. Fields:
 ///   name, label
 ///   joint.type, joint.axis, joint.axis2, joint.pitch, joint.position, joint.rotation (w,x,y,z)
-///   joint.lower, upper, damping, stiffness, rest, armature, friction, effort: of all freedoms, or joint.lower.1 of one, counted from 0;
-///     "none" takes a limit or the effort's bound away
-///   inertia.mass (moments follow, so that the density's distribution is kept), inertia.centre (moments about it are kept),
-///   inertia.about_centre (xx,yy,zz,xy,xz,yz), inertia.density (mass, centre and moments of its shapes filled with kg/m^3)
-///   shapes.friction, shapes.restitution, shapes.collides, shapes.visible (true, false): of all its shapes
+///   joint.lower, upper, damping, stiffness, rest, armature, friction, effort: of all DOFs, or joint.lower.1 of one DOF, counted from 0;
+///     "none" removes a limit or the bound of the effort
+///   inertia.mass (moments are scaled by the same factor), inertia.centre (moments about the centre are kept),
+///   inertia.about_centre (xx,yy,zz,xy,xz,yz), inertia.density (mass, centre and moments of its shapes as solids of this density, kg/m^3)
+///   shapes.friction, shapes.restitution, shapes.collides, shapes.visible (true, false): of all shapes of the link
 struct Assignment {
   std::string link, field, value;
 };
 
-/// "shank left:joint.upper=2.4"; the link's name may hold colons. An Error where there is no ':' before '='.
+/// Parses LINK:FIELD=VALUE, for example "shank left:joint.upper=2.4". The link's name may contain colons. Error: no ':' before '='.
 [[nodiscard]] Result<Assignment> parse_assignment(std::string_view text);
 
-/// Does all or none; reports every assignment that cannot be done, and whatever makes the result impossible (Mechanism::make).
+/// Applies all assignments or none. Errors: every assignment that is not possible, or the problems of the result (Mechanism::make).
 [[nodiscard]] Result<Edited> edit(const Mechanism& mechanism, std::span<const Assignment> assignments);
 
 }  // namespace ugoki

@@ -1,5 +1,5 @@
 #pragma once
-// What an operation on a mechanism gives.
+// Result of an operation on a mechanism.
 
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@ namespace ugoki {
 
 struct Edited {
   MechanismPtr mechanism;
-  std::vector<std::string> report;  ///< sentences for people: what was moved, renamed, left out
+  std::vector<std::string> report;  ///< sentences for the user about parts that were moved, renamed or dropped
 };
 
 }  // namespace ugoki

@@ -36,13 +36,13 @@ constexpr std::array<Row, 19> medians = {{{2, 0.865, 12.7, 0.850, 12.1},
                                           {19, 1.766, 69.1, 1.633, 57.3},
                                           {20, 1.768, 70.6, 1.633, 58.2}}};
 
-// Per cent of the body's mass at 6, 12 and 18 years; the head has a regression of its own.
+// Per cent of the body mass at 6, 12 and 18 years. The head's values are replaced by the regression in mass_shares().
 constexpr std::array<MassShares, 3> shares = {
     {{17.1, 43.0, 2.4, 1.3, 0.8, 8.5, 4.6, 1.9}, {10.1, 41.7, 3.2, 1.7, 0.9, 11.0, 5.3, 2.1}, {7.0, 44.6, 3.6, 1.9, 0.9, 11.4, 4.8, 1.7}}};
 
 double total(const MassShares& s) { return s.head + s.trunk + 2 * (s.upper_arm + s.forearm + s.hand + s.thigh + s.shank + s.foot); }
 
-/// The member of the shares to which a link with this label belongs (labels: body/body.h).
+/// The member of MassShares for a link with this label (labels: body/body.h); null if there is none.
 double MassShares::* part_of(std::string_view label) {
   const auto begins = [&](std::string_view word) { return label.substr(0, word.size()) == word; };
   if (label == "head" || begins("neck")) return &MassShares::head;
@@ -59,7 +59,7 @@ double MassShares::* part_of(std::string_view label) {
 std::string metres(double x) { return to_fixed(x, 3) + " m"; }
 std::string kilograms(double x) { return to_fixed(x, 2) + " kg"; }
 
-/// Factors of each link between the two ages for a body of `mass` kg in the end; lengths not yet fitted to a height.
+/// Scale factors of each link between the two ages, such that the body has `mass` [kg]; lengths are not yet fitted to a height.
 std::vector<LinkScale> scales_between(const Mechanism& m, double from_age, double to_age, double mass) {
   const MassShares from = mass_shares(from_age), to = mass_shares(to_age);
   std::vector<LinkScale> out(static_cast<std::size_t>(m.link_count()));
@@ -80,7 +80,8 @@ void keep_density(std::vector<LinkScale>& scales) {
   for (LinkScale& s : scales) s.across = std::sqrt(s.mass / s.along);
 }
 
-/// Lengths times one factor, so that the body becomes `height` tall: a few secant steps, since soles and skulls grow otherwise than bones.
+/// Multiplies the lengths by a common factor so that the body gets the standing height `height` [m]. The factor is found by fixed-point
+/// iteration, because soles and heads are not scaled like bones. @param even [links] nonzero: not multiplied by the factor
 Result<Edited> fitted(const Mechanism& m, std::vector<LinkScale> scales, const std::vector<char>& even, double height) {
   Result<Edited> out;
   double factor = 1, worst = 0;
@@ -96,7 +97,7 @@ Result<Edited> fitted(const Mechanism& m, std::vector<LinkScale> scales, const s
     if (worst < 1e-6) break;
     factor *= height / reached;
   }
-  if (worst >= 1e-3) out->report.push_back("The height comes out as " + metres(standing_height(*out->mechanism)) + ".");
+  if (worst >= 1e-3) out->report.push_back("The resulting height is " + metres(standing_height(*out->mechanism)) + ".");
   return out;
 }
 
@@ -118,7 +119,7 @@ MassShares mass_shares(double age) {
   for (double MassShares::* part : {&MassShares::head, &MassShares::trunk, &MassShares::upper_arm, &MassShares::forearm, &MassShares::hand,
                                     &MassShares::thigh, &MassShares::shank, &MassShares::foot}) {
     const double a = shares[0].*part, b = shares[1].*part, c = shares[2].*part;
-    out.*part = a + t * (b - a) + 0.5 * t * (t - 1) * (c - 2 * b + a);  // Newton's form
+    out.*part = a + t * (b - a) + 0.5 * t * (t - 1) * (c - 2 * b + a);  // parabola through the three values, in Newton's form
   }
   const double years = std::clamp(age, 4.0, 20.0);
   out.head = 27.881 - 2.1152 * years + 0.053168 * years * years;
@@ -149,18 +150,21 @@ double standing_height(const Mechanism& m) {
 }
 
 Result<Edited> grow(const Mechanism& m, const GrowOptions& options) {
-  const std::string place = "mechanism " + m.name();
+  const std::string location = "mechanism " + m.name();
   const bool by_age = options.age > 0;
   if (!by_age && !(options.height > 0) && !(options.mass > 0))
-    return fail(ErrorCode::range, place, "Neither age nor height nor mass is given.", "Give at least one of them, above 0.");
+    return fail(ErrorCode::range, location, "Neither age nor height nor mass is specified.", "Specify at least one of them, above 0.");
   for (const double x : {options.age, options.height, options.mass, options.from_age})
-    if (!std::isfinite(x) || x < 0) return fail(ErrorCode::range, place, "Age, height and mass must be numbers above 0.", "Correct them.");
+    if (!std::isfinite(x) || x < 0)
+      return fail(ErrorCode::range, location, "Age, height and mass must be finite and at least 0; one is " + to_fixed(x, 3) + ".",
+                  "Correct the value.");
   if (by_age && options.age < 2)
-    return fail(ErrorCode::unsupported, place, "Proportions below 2 years of age are not known to the tables.",
-                "Give an age of 2 years or more.");
+    return fail(ErrorCode::unsupported, location, "The age is " + to_fixed(options.age, 2) + " years; the growth tables begin at 2 years.",
+                "Use an age of 2 years or more.");
   const double standing = standing_height(m), was = options.from_height > 0 ? options.from_height : standing;
   if (!(standing > 0) || !(m.mass() > 0))
-    return fail(ErrorCode::structure, place, "It has no height or no mass from which to scale.", "Give its links masses and shapes first.");
+    return fail(ErrorCode::structure, location, "The mechanism has no height or no mass to scale.",
+                "Give its links masses and shapes first.");
   const Growth median = by_age ? median_growth(options.age, options.sex) : Growth{};
   const double height = options.height > 0 ? options.height : by_age ? median.height : was;
   const double l = height / was;
@@ -181,12 +185,12 @@ Result<Edited> grow(const Mechanism& m, const GrowOptions& options) {
                                      kilograms(mass) + "."};
   if (by_age && options.height <= 0) report.push_back("The height is the median at that age.");
   if (by_age && options.mass <= 0) report.push_back("The mass is the median at that age.");
-  if (!by_age && options.mass <= 0 && options.height > 0) report.push_back("The mass grows with the cube of the height.");
+  if (!by_age && options.mass <= 0 && options.height > 0) report.push_back("The mass was scaled with the cube of the height.");
   if (proportions)
-    report.push_back("The shares of its parts are those of a child of " + to_fixed(std::clamp(options.age, 4.0, 20.0), 1) +
-                     " years (Jensen 1989), lengths and thickness follow at the same density.");
+    report.push_back("The mass shares of the body parts are those at " + to_fixed(std::clamp(options.age, 4.0, 20.0), 1) +
+                     " years (Jensen 1989); lengths and thicknesses follow at the same density.");
   else if (by_age)
-    report.push_back("Its links are not labelled as parts of a human, so all were scaled evenly: only height and mass follow the age.");
+    report.push_back("The links are not labelled as parts of a human, so all were scaled evenly: only height and mass follow the age.");
   out->report.insert(out->report.begin(), report.begin(), report.end());
   return out;
 }

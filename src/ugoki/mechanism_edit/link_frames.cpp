@@ -8,14 +8,15 @@
 namespace ugoki {
 namespace {
 
-void turn_round(Freedom& f) {
+/// Changes the limits and rest position of a DOF whose coordinate changes its sign.
+void negate_coordinate(Dof& f) {
   std::swap(f.lower, f.upper);
   f.lower = -f.lower;
   f.upper = -f.upper;
   f.rest = f.rest == 0 ? 0 : -f.rest;
 }
 
-bool acts_on_position(const Freedom& f) { return std::isfinite(f.lower) || std::isfinite(f.upper) || f.stiffness != 0; }
+bool acts_on_position(const Dof& f) { return std::isfinite(f.lower) || std::isfinite(f.upper) || f.stiffness != 0; }
 
 }  // namespace
 
@@ -54,18 +55,18 @@ Joint reversed(const Joint& joint, std::string& lost) {
     case JointType::universal:
       out.axis = -joint.axis2;
       out.axis2 = -joint.axis;
-      std::swap(out.freedoms[0], out.freedoms[1]);
+      std::swap(out.dofs[0], out.dofs[1]);
       break;
     case JointType::spherical:
-      for (std::size_t i = 0; i < 3; ++i) turn_round(out.freedoms[i]);
+      for (std::size_t i = 0; i < 3; ++i) negate_coordinate(out.dofs[i]);
       break;
     case JointType::planar:
-      turn_round(out.freedoms[2]);
+      negate_coordinate(out.dofs[2]);
       for (std::size_t i = 0; i < 2; ++i)
-        if (Freedom& f = out.freedoms[i]; acts_on_position(f)) {
-          lost = "limits and springs of its displacements, which have no place in the reversed joint";
-          f.lower = Freedom{}.lower;
-          f.upper = Freedom{}.upper;
+        if (Dof& f = out.dofs[i]; acts_on_position(f)) {
+          lost = "the limits and springs of its displacements, which the reversed joint cannot have";
+          f.lower = Dof{}.lower;
+          f.upper = Dof{}.upper;
           f.stiffness = 0;
         }
       break;
@@ -83,7 +84,7 @@ void make_root(MechanismSpec& spec, int link, std::vector<std::string>& report) 
     report.push_back("The " + std::string(name_of(base)) + " joint between " + at(path.size() - 1).name + " and the world was dropped.");
 
   std::vector<Joint> joints;
-  std::vector<Pose> frames;  // of what was the parent, in its old frame
+  std::vector<Pose> frames;  // joint frame in the old parent's frame
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     std::string lost;
     joints.push_back(reversed(at(i).joint, lost));
@@ -103,10 +104,10 @@ void make_root(MechanismSpec& spec, int link, std::vector<std::string>& report) 
     if (loop.type != LoopType::gear) continue;
     for (const bool a : {true, false}) {
       std::string& name = a ? loop.link_a : loop.link_b;
-      int& freedom = a ? loop.freedom_a : loop.freedom_b;
+      int& dof = a ? loop.dof_a : loop.dof_b;
       for (std::size_t i = 0; i + 1 < path.size(); ++i)
-        if (name == at(i).name) {  // the joint now belongs to what was the parent
-          if (at(i).joint.type == JointType::universal) freedom = 1 - freedom;
+        if (name == at(i).name) {  // the joint now belongs to the old parent
+          if (at(i).joint.type == JointType::universal) dof = 1 - dof;
           name = at(i + 1).name;
           break;
         }
@@ -119,11 +120,11 @@ void make_root(MechanismSpec& spec, int link, std::vector<std::string>& report) 
   at(0).parent.clear();
   at(0).joint = Joint{};
   for (std::size_t i = path.size() - 1; i >= 1; --i) {
-    // Only what hangs on it and what is fixed in it moves; the joint above is already in its new form.
+    // Converts the link's contents and its children's joints; its own joint already has the new form.
     move_link_frame(spec, path[i], frames[i - 1]);
   }
   if (path.size() > 1)
-    report.push_back("The tree was turned round: " + at(0).name + " is its root, and " + std::to_string(path.size() - 1) +
+    report.push_back("The tree was rerooted: " + at(0).name + " is now its root, and " + std::to_string(path.size() - 1) +
                      (path.size() == 2 ? " joint is" : " joints are") + " reversed.");
 }
 

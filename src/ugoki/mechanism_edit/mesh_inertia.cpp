@@ -10,7 +10,7 @@
 namespace ugoki {
 namespace {
 
-/// A side of a triangle: its ends in ascending order, and whether the triangle has it the other way.
+/// A side of a triangle: its vertices in ascending order, and whether the triangle runs from `high` to `low`.
 struct Side {
   std::int32_t low, high;
   std::int32_t triangle;
@@ -33,7 +33,7 @@ std::vector<Side> sides_of(std::span<const Triangle> triangles) {
   return sides;
 }
 
-/// Sets with the relation of their members: the same way round, or opposite.
+/// Union-find over triangles that also stores relative orientation: whether two members of a set are oriented alike or oppositely.
 class Orientation {
  public:
   explicit Orientation(std::size_t n) : up_(n), opposite_(n, 0) { std::iota(up_.begin(), up_.end(), 0); }
@@ -47,7 +47,7 @@ class Orientation {
       root = up_[at(root)];
     }
     bool rest = odd;
-    while (up_[at(i)] != i) {  // shorten the path
+    while (up_[at(i)] != i) {  // path compression
       const std::int32_t next = up_[at(i)];
       const bool step = opposite_[at(i)] != 0;
       up_[at(i)] = root;
@@ -57,7 +57,7 @@ class Orientation {
     }
     return {root, odd};
   }
-  /// False where it contradicts what is known: a surface with one side.
+  /// Joins the sets of a and b. @return false if the relation contradicts earlier ones: the surface is one-sided
   bool join(std::int32_t a, std::int32_t b, bool opposite) {
     const auto [ra, oa] = find(a);
     const auto [rb, ob] = find(b);
@@ -73,7 +73,7 @@ class Orientation {
   std::vector<char> opposite_;
 };
 
-/// Solid angle of the triangle seen from the origin over 4 pi (Van Oosterom, Strackee 1983).
+/// Solid angle of the triangle seen from the origin, divided by 4 pi (Van Oosterom, Strackee 1983).
 double winding(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double la = norm(a), lb = norm(b), lc = norm(c);
   const double up = dot(a, cross(b, c));
@@ -88,8 +88,8 @@ struct Part {
 
 std::string where(const Vec3& p) { return "(" + to_fixed(p.x, 4) + ", " + to_fixed(p.y, 4) + ", " + to_fixed(p.z, 4) + ") m"; }
 
-/// The sides without partner, joined to rims of holes, as a sentence.
-std::string tell_holes(const std::vector<Side>& open, const std::vector<Vec3>& vertices) {
+/// Describes the holes in a sentence. @param open sides without a partner; connected ones form the rim of a hole
+std::string describe_holes(const std::vector<Side>& open, const std::vector<Vec3>& vertices) {
   Orientation rims(vertices.size());
   for (const Side& s : open) (void)rims.join(s.low, s.high, false);
   struct Rim {
@@ -97,10 +97,10 @@ std::string tell_holes(const std::vector<Side>& open, const std::vector<Vec3>& v
     std::size_t sides = 0;
   };
   std::vector<std::pair<std::int32_t, Rim>> found;
-  std::vector<std::int32_t> place(vertices.size(), -1);
+  std::vector<std::int32_t> slot(vertices.size(), -1);
   for (const Side& s : open) {
     const std::int32_t root = rims.find(s.low).first;
-    std::int32_t& at = place[static_cast<std::size_t>(root)];
+    std::int32_t& at = slot[static_cast<std::size_t>(root)];
     if (at < 0) {
       at = static_cast<std::int32_t>(found.size());
       found.emplace_back(root, Rim{});
@@ -122,10 +122,10 @@ std::string tell_holes(const std::vector<Side>& open, const std::vector<Vec3>& v
          to_fixed(norm(rim.high - rim.low), 4) + " m wide.";
 }
 
-/// Turns what looks inwards, tells cavities and parts within parts.
-void turn_outwards(std::vector<Part>& parts, const std::vector<Vec3>& vertices, MeshInertia& out) {
+/// Reverses parts with inward normals that are not cavities, and reports reversed parts, cavities and nested parts.
+void orient_outwards(std::vector<Part>& parts, const std::vector<Vec3>& vertices, MeshInertia& out) {
   const auto inside = [&](const Part& inner, const Part& outer) {
-    // A point of the inner surface: the middle of a triangle.
+    // Test point: the centroid of a triangle of the inner surface. It is inside if the winding number of the outer surface is not 0.
     const Triangle& t = inner.triangles.front();
     const Vec3 p =
         (vertices[static_cast<std::size_t>(t[0])] + vertices[static_cast<std::size_t>(t[1])] + vertices[static_cast<std::size_t>(t[2])]) /
@@ -152,26 +152,26 @@ void turn_outwards(std::vector<Part>& parts, const std::vector<Vec3>& vertices, 
       ++doubled;
     }
   }
-  const auto tell = [&](std::size_t n, const char* one, const char* many) {
+  const auto notify = [&](std::size_t n, const char* one, const char* many) {
     if (n > 0) out.report.push_back(n == 1 ? std::string("One part ") + one : std::to_string(n) + " parts " + many);
   };
-  tell(inside_out, "looked inwards and was turned round.", "looked inwards and were turned round.");
-  tell(cavities, "is a cavity within another and was subtracted.", "are cavities within another and were subtracted.");
-  tell(doubled, "lies within another and looks outwards: its mass counts twice.",
-       "lie within another and look outwards: their mass counts twice.");
+  notify(inside_out, "had inward normals and was reversed.", "had inward normals and were reversed.");
+  notify(cavities, "is a cavity inside another part and was subtracted.", "are cavities inside another part and were subtracted.");
+  notify(doubled, "is inside another part and has outward normals: its mass counts twice.",
+         "are inside another part and have outward normals: their mass counts twice.");
 }
 
 }  // namespace
 
-Result<MeshInertia> mesh_inertia(std::span<const Vec3> points, std::span<const Triangle> faces, std::string_view place,
+Result<MeshInertia> mesh_inertia(std::span<const Vec3> points, std::span<const Triangle> faces, std::string_view location,
                                  const MeshInertiaOptions& options) {
-  const std::string at(place);
+  const std::string at(location);
   if (!(options.mass > 0) && !(options.density > 0 && std::isfinite(options.density)))
-    return fail(ErrorCode::range, at, "The density is not above 0.", "Give a density in kg/m^3 or a mass in kg.");
+    return fail(ErrorCode::range, at, "The density is not finite and above 0.", "Specify a density in kg/m^3 or a mass in kg.");
   GeometryFindings findings;
-  const Result<GeometryPtr> welded = make_geometry(points, faces, false, place, &findings);
+  const Result<GeometryPtr> welded = make_geometry(points, faces, false, location, &findings);
   if (!welded) return fail(welded.error());
-  // About the middle of the box, so that a mesh far from its origin loses no digits.
+  // Compute relative to the centre of the bounding box, so that a mesh far from its origin loses no digits.
   std::vector<Vec3> vertices = (*welded)->vertices;
   Vec3 low = vertices[0], high = vertices[0];
   for (const Vec3& v : vertices)
@@ -190,7 +190,7 @@ Result<MeshInertia> mesh_inertia(std::span<const Vec3> points, std::span<const T
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].same_edge(sides[i])) ++end;
     if (end - i == 2) {
-      // Neighbours agree if one has the side forwards and the other backwards.
+      // Two triangles are oriented alike if they run through the shared side in opposite directions.
       if (!orientation.join(sides[i].triangle, sides[i + 1].triangle, sides[i].backwards == sides[i + 1].backwards)) one_sided = true;
     } else if ((end - i) % 2 == 1) {
       open.push_back(sides[i]);
@@ -198,9 +198,11 @@ Result<MeshInertia> mesh_inertia(std::span<const Vec3> points, std::span<const T
     i = end;
   }
   if (!open.empty())
-    return fail(ErrorCode::structure, at, tell_holes(open, vertices), "Close the holes where the mesh was made, or take its convex hull.");
+    return fail(ErrorCode::structure, at, describe_holes(open, vertices),
+                "Close the holes in the program that made the mesh, or use its convex hull.");
   if (one_sided)
-    return fail(ErrorCode::structure, at, "The surface has only one side, like a Moebius strip.", "Mend it where the mesh was made.");
+    return fail(ErrorCode::structure, at, "The surface has only one side, like a Moebius strip.",
+                "Repair the surface in the program that made the mesh.");
   for (Vec3& v : vertices) v = v - middle;
 
   MeshInertia out;
@@ -227,7 +229,7 @@ Result<MeshInertia> mesh_inertia(std::span<const Vec3> points, std::span<const T
   }
   for (std::size_t p = 0; p < parts.size(); ++p) {
     std::size_t wrong = opposed[p];
-    if (2 * wrong > parts[p].triangles.size()) {  // most of the part is the other way round than its representative
+    if (2 * wrong > parts[p].triangles.size()) {  // most triangles are opposite to the representative: reverse all
       wrong = parts[p].triangles.size() - wrong;
       for (Triangle& t : parts[p].triangles) std::swap(t[1], t[2]);
     }
@@ -235,18 +237,19 @@ Result<MeshInertia> mesh_inertia(std::span<const Vec3> points, std::span<const T
     parts[p].volume = enclosed_inertia(vertices, parts[p].triangles).mass;
   }
   if (out.turned > 0)
-    out.report.push_back(out.turned == 1
-                             ? "One triangle looked the other way than its neighbours and was turned."
-                             : std::to_string(out.turned) + " triangles looked the other way than their neighbours and were turned.");
-  if (findings.flat_triangles > 0) out.report.push_back(std::to_string(findings.flat_triangles) + " triangles without area were left out.");
-  if (findings.doubled_triangles > 0) out.report.push_back(std::to_string(findings.doubled_triangles) + " triangles were there twice.");
-  turn_outwards(parts, vertices, out);
+    out.report.push_back(out.turned == 1 ? "One triangle had the opposite orientation of its neighbours and was reversed."
+                                         : std::to_string(out.turned) +
+                                               " triangles had the opposite orientation of their neighbours and were reversed.");
+  if (findings.flat_triangles > 0) out.report.push_back(std::to_string(findings.flat_triangles) + " triangles without area were removed.");
+  if (findings.doubled_triangles > 0)
+    out.report.push_back(std::to_string(findings.doubled_triangles) + " duplicate triangles were removed.");
+  orient_outwards(parts, vertices, out);
 
   Inertia unit;
   for (const Part& part : parts) unit += enclosed_inertia(vertices, part.triangles);
   const Vec3 size = high - low;
   if (!(unit.mass > 1e-12 * size.x * size.y * size.z) || !(unit.mass > 0))
-    return fail(ErrorCode::structure, at, "The surface encloses no volume.", "Give a closed surface whose triangles look outwards.");
+    return fail(ErrorCode::structure, at, "The surface encloses no volume.", "Use a closed surface with outward normals.");
   out.parts = parts.size();
   out.volume = unit.mass;
   out.density = options.mass > 0 ? options.mass / out.volume : options.density;

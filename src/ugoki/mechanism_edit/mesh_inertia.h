@@ -1,5 +1,5 @@
 #pragma once
-// Mass properties of a body whose surface is given.
+// Mass properties of a solid body from its surface mesh.
 
 #include <cstddef>
 #include <span>
@@ -14,25 +14,26 @@ namespace ugoki {
 
 struct MeshInertiaOptions {
   double density = 1000;  ///< kg/m^3
-  double mass = 0;        ///< kg; above 0: the density that gives this mass
+  double mass = 0;        ///< kg; if above 0, `density` is ignored and the density follows from this mass
 };
 
 struct MeshInertia {
-  Inertia inertia;         ///< in the mesh's frame
-  double density = 0;      ///< kg/m^3
-  double volume = 0;       ///< m^3
-  double area = 0;         ///< m^2
-  std::size_t parts = 0;   ///< closed surfaces of which none touches another
-  std::size_t turned = 0;  ///< triangles that looked the other way than their neighbours, or inwards, and were turned
-  std::vector<std::string> report;
+  Inertia inertia;                  ///< in the mesh's frame
+  double density = 0;               ///< kg/m^3
+  double volume = 0;                ///< m^3
+  double area = 0;                  ///< m^2
+  std::size_t parts = 0;            ///< number of connected closed surfaces
+  std::size_t turned = 0;           ///< number of triangles whose orientation was reversed
+  std::vector<std::string> report;  ///< sentences for the user about repairs
 };
 
-/// By the divergence theorem (Mirtich 1996; Eberly 2002): exact for the polyhedron but for rounding. Triangles that look against their
-/// neighbours are turned to the side of most; a part that looks inwards is turned too, unless it lies within another: then it is a cavity
-/// and is subtracted. Both are told, and so is a part that lies within another and looks outwards (its mass counts twice).
-/// Errors: holes (their number, where they are and how wide), a surface with one side only, no volume, and those of make_geometry.
+/// Computes mass properties by the divergence theorem (Mirtich 1996; Eberly 2002), exact for the polyhedron except for rounding.
+/// Orientation is repaired: triangles that disagree with their neighbours are reversed towards the majority. A connected part with inward
+/// normals is a cavity and is subtracted if it is inside another part; otherwise it is reversed. The report names these repairs, and parts
+/// with outward normals inside another part, whose mass counts twice.
+/// Errors: holes (number, position and width of the widest), a one-sided surface, no volume, and those of make_geometry.
 /// O(triangles log triangles + parts * triangles)
-[[nodiscard]] Result<MeshInertia> mesh_inertia(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::string_view place,
-                                               const MeshInertiaOptions& options = {});
+[[nodiscard]] Result<MeshInertia> mesh_inertia(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                                               std::string_view location, const MeshInertiaOptions& options = {});
 
 }  // namespace ugoki

@@ -10,9 +10,9 @@
 namespace ugoki {
 namespace {
 
-double negative(double x) { return x == 0 ? 0 : -x; }  // no -0: it would be written down
+double negative(double x) { return x == 0 ? 0 : -x; }  // avoids -0, which would appear in written files
 
-/// S = 1 - 2 n n^T for a coordinate axis n.
+/// The reflection S = 1 - 2 n n^T for a coordinate axis n.
 struct Mirror {
   int n = 1;
 
@@ -21,7 +21,7 @@ struct Mirror {
     v[n] = negative(v[n]);
     return v;
   }
-  /// -S a: the axis of a mirrored rotation.
+  /// -S a, the axis of the mirrored rotation.
   [[nodiscard]] Vec3 of_axis(Vec3 v) const {
     for (int i = 0; i < 3; ++i)
       if (i != n) v[i] = negative(v[i]);
@@ -46,7 +46,7 @@ struct Mirror {
   }
   [[nodiscard]] Inertia of(const Inertia& i) const { return {i.mass, of(i.h), of(i.I)}; }
 
-  /// -1 where freedom k of the joint changes its sign.
+  /// -1 if the coordinate of DOF k changes its sign, else 1.
   [[nodiscard]] double sign(JointType type, int k) const {
     switch (type) {
       case JointType::cylindrical: return k == 1 ? -1 : 1;
@@ -65,7 +65,7 @@ Joint mirrored(const Joint& joint, const Mirror& S) {
   out.axis2 = S.of_axis(joint.axis2);
   out.pitch = negative(joint.pitch);
   for (int k = 0; k < joint.nv(); ++k) {
-    Freedom& f = out.freedoms[static_cast<std::size_t>(k)];
+    Dof& f = out.dofs[static_cast<std::size_t>(k)];
     if (S.sign(joint.type, k) > 0) continue;
     const double lower = f.lower;
     f.lower = negative(f.upper);
@@ -75,27 +75,27 @@ Joint mirrored(const Joint& joint, const Mirror& S) {
   return out;
 }
 
-/// Meshes and fields that several shapes share are mirrored once.
+/// Mirror images of meshes and height fields by their originals, so that shared surfaces are mirrored once.
 struct Surfaces {
   std::map<const Geometry*, GeometryPtr> meshes;
   std::map<const HeightField*, HeightFieldPtr> fields;
 };
 
-Result<GeometryPtr> mirrored(const GeometryPtr& mesh, const Mirror& S, const std::string& place, Surfaces& done) {
+Result<GeometryPtr> mirrored(const GeometryPtr& mesh, const Mirror& S, const std::string& location, Surfaces& done) {
   if (const auto it = done.meshes.find(mesh.get()); it != done.meshes.end()) return it->second;
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   for (const Vec3& v : mesh->vertices) vertices.push_back(S.of(v));
   for (const Triangle& t : mesh->triangles) triangles.push_back({t[0], t[2], t[1]});
-  Result<GeometryPtr> out = make_geometry(vertices, triangles, mesh->convex, place);
+  Result<GeometryPtr> out = make_geometry(vertices, triangles, mesh->convex, location);
   if (out) done.meshes.emplace(mesh.get(), *out);
   return out;
 }
 
-Result<HeightFieldPtr> mirrored(const HeightFieldPtr& field, const Mirror& S, const std::string& place, Surfaces& done) {
+Result<HeightFieldPtr> mirrored(const HeightFieldPtr& field, const Mirror& S, const std::string& location, Surfaces& done) {
   if (S.n == 2)
-    return fail(ErrorCode::unsupported, place, "A height field has no mirror image in a plane across its heights.",
-                "Mirror across x or y, or take the height field off first.");
+    return fail(ErrorCode::unsupported, location, "A height field cannot be mirrored at a horizontal plane (normal z).",
+                "Mirror with the normal x or y, or remove the height field first.");
   if (const auto it = done.fields.find(field.get()); it != done.fields.end()) return it->second;
   HeightField image = *field;
   for (int row = 0; row < field->rows; ++row)
@@ -105,22 +105,22 @@ Result<HeightFieldPtr> mirrored(const HeightFieldPtr& field, const Mirror& S, co
       image.heights[static_cast<std::size_t>(row * field->columns + column)] =
           field->heights[static_cast<std::size_t>(from_row * field->columns + from_column)];
     }
-  Result<HeightFieldPtr> out = make_height_field(std::move(image), place);
+  Result<HeightFieldPtr> out = make_height_field(std::move(image), location);
   if (out) done.fields.emplace(field.get(), *out);
   return out;
 }
 
 Result<void> mirror_shapes(LinkSpec& link, const Mirror& S, Surfaces& done) {
-  const std::string place = "link " + link.name;
+  const std::string location = "link " + link.name;
   for (Shape& shape : link.shapes) {
     shape.X_BS = S.of(shape.X_BS);
     if (shape.geometry) {
-      Result<GeometryPtr> image = mirrored(shape.geometry, S, place, done);
+      Result<GeometryPtr> image = mirrored(shape.geometry, S, location, done);
       if (!image) return fail(std::move(image.error()));
       shape.geometry = std::move(*image);
     }
     if (shape.field) {
-      Result<HeightFieldPtr> image = mirrored(shape.field, S, place, done);
+      Result<HeightFieldPtr> image = mirrored(shape.field, S, location, done);
       if (!image) return fail(std::move(image.error()));
       shape.field = std::move(*image);
     }
@@ -130,12 +130,12 @@ Result<void> mirror_shapes(LinkSpec& link, const Mirror& S, Surfaces& done) {
 
 void mirror_loop(LoopSpec& loop, const MechanismSpec& spec, const Mirror& S) {
   if (loop.type == LoopType::gear) {
-    const auto sign = [&](const std::string& link, int freedom) {
+    const auto sign = [&](const std::string& link, int dof) {
       const auto it = std::ranges::find_if(spec.links, [&](const LinkSpec& l) { return l.name == link; });
-      return S.sign(it->joint.type, freedom);
+      return S.sign(it->joint.type, dof);
     };
-    double s = sign(loop.link_a, loop.freedom_a);
-    const double s_b = sign(loop.link_b, loop.freedom_b);
+    double s = sign(loop.link_a, loop.dof_a);
+    const double s_b = sign(loop.link_b, loop.dof_b);
     for (double& c : loop.polynomial) {
       if (s < 0) c = negative(c);
       s *= s_b;
@@ -144,7 +144,7 @@ void mirror_loop(LoopSpec& loop, const MechanismSpec& spec, const Mirror& S) {
   }
   loop.X_AJ = S.of(loop.X_AJ);
   loop.X_BJ = S.of(loop.X_BJ);
-  // Of an axis only the line matters: sliding along it or turning about it is the same in both directions.
+  // Loop constraints depend only on the line of an axis, not on its direction, so S a and -S a are equivalent.
   loop.axis = S.of(loop.axis);
   loop.axis2 = S.of(loop.axis2);
 }
@@ -189,7 +189,7 @@ Result<Edited> mirror(const Mechanism& m, const MirrorOptions& options) {
   }
   if (options.swap_sides) swap_names(spec);
   Edited out;
-  if (had_prepared) out.report.push_back("What collision analysis prepared for the meshes was dropped; importing makes it again.");
+  if (had_prepared) out.report.push_back("The collision data precomputed for the meshes was dropped; it is recomputed on import.");
   Result<MechanismPtr> made = Mechanism::make(std::move(spec));
   if (!made) return fail(std::move(made.error()));
   out.mechanism = std::move(*made);

@@ -9,7 +9,7 @@ namespace ugoki {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> words = {{{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}}};
-/// Words of their own: the letter, and fore, rear, hind, back with left and right.
+/// Abbreviations that count only as separate words: left and right, also after the initial of fore, rear, hind or back.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 10> short_words = {{{"l", "r"},
                                                                                         {"L", "R"},
                                                                                         {"fl", "fr"},
@@ -25,14 +25,14 @@ bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
 bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
 bool is_letter(char c) { return is_lower(c) || is_upper(c); }
 
-/// What stands at `at` and says left or right, and its opposite.
+/// The word for a side that begins at position `at`, and its opposite; nullopt if there is none.
 std::optional<std::pair<std::string_view, std::string_view>> side_word(std::string_view name, std::size_t at) {
   const auto letter_before = [&] { return at > 0 && is_letter(name[at - 1]); };
   for (const auto& [left, right] : words)
     for (const auto& [word, other] : {std::pair(left, right), std::pair(right, left)}) {
       if (name.substr(at, word.size()) != word) continue;
       const char after = at + word.size() < name.size() ? name[at + word.size()] : ' ';
-      // "left" within "cleft" or "leftover" is no side; "LeftArm" and "armLeft" are.
+      // "left" within "cleft" or "leftover" is not a side; "Left" in "LeftArm" and "armLeft" is.
       const bool begins = is_lower(word[0]) ? !letter_before() : is_lower(word[1]) || !letter_before();
       const bool ends = is_upper(word[1]) ? !is_letter(after) : !is_lower(after);
       if (begins && ends) return std::pair(word, other);

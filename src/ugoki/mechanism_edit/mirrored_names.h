@@ -1,5 +1,5 @@
 #pragma once
-// Left and right in names.
+// Exchange of left and right in names.
 
 #include <span>
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace ugoki {
 
-/// The name with left and right exchanged in every word that says so: "left", "Left", "LEFT" within a word ("LeftArm", "arm_left");
-/// "l" or "L" as a word of its own ("hand_l", "L Arm", "arm.L"), also after f, r, h, b for fore, rear, hind, back ("FL_hip"). Itself if no
-/// word does.
+/// Returns the name with left and right exchanged. Recognised are "left", "Left", "LEFT" as parts of a name ("LeftArm", "arm_left"), and
+/// "l" or "L" as a separate word ("hand_l", "L Arm", "arm.L"), also after f, r, h, b for fore, rear, hind, back ("FL_hip"). A name without
+/// a side is returned unchanged.
 [[nodiscard]] std::string mirrored_word(std::string_view name);
 
-/// For each name its mirrored one, all different if they are: mirrored_word; and where that is the name itself, but the name begins with l
-/// or r and the same name with the other letter is in the list, that one ("lhand" and "rhand", "LFLeg" and "RFLeg"). Applied twice, it
-/// gives the names again.
+/// Returns the mirrored name of each name: mirrored_word(); if that has no effect and the name begins with l or r, the name in the list
+/// that begins with the other letter, if there is one ("lhand" and "rhand", "LFLeg" and "RFLeg"). Different names stay different. Applying
+/// the function twice gives the original names.
 [[nodiscard]] std::vector<std::string> mirrored_names(std::span<const std::string> names);
 
 }  // namespace ugoki

@@ -7,7 +7,7 @@
 namespace ugoki {
 namespace {
 
-/// A = across 1 + (along - across) u u^T
+/// The affine map A = across 1 + (along - across) u u^T.
 Mat3 affine(const LinkScale& s, const Vec3& u) {
   return Mat3::diagonal(s.across, s.across, s.across) + Mat3::outer(u, u) * (s.along - s.across);
 }
@@ -21,17 +21,17 @@ Inertia mapped(const Inertia& i, const Mat3& A, double mass) {
   return {i.mass * mass, A * i.h * mass, Sym3{trace, trace, trace, 0, 0, 0} - Q};
 }
 
-Result<GeometryPtr> mapped(const Geometry& mesh, const Mat3& A, const std::string& place) {
+Result<GeometryPtr> mapped(const Geometry& mesh, const Mat3& A, const std::string& location) {
   std::vector<Vec3> vertices;
   vertices.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) vertices.push_back(A * v);
-  return make_geometry(vertices, mesh.triangles, mesh.convex, place);
+  return make_geometry(vertices, mesh.triangles, mesh.convex, location);
 }
 
-/// Factor of lengths along the axis `i` of the shape's frame.
+/// Factor of lengths along axis i of the shape's frame.
 double factor_along(const Mat3& A, const Mat3& R, int i) { return norm(A * R.column(i)); }
 
-Result<void> scale_shape(Shape& s, const Mat3& A, const std::string& place) {
+Result<void> scale_shape(Shape& s, const Mat3& A, const std::string& location) {
   const double x = factor_along(A, s.X_BS.R, 0), y = factor_along(A, s.X_BS.R, 1), z = factor_along(A, s.X_BS.R, 2);
   const Mat3 in_shape = s.X_BS.R.transposed() * (A * s.X_BS.R);
   s.X_BS.p = A * s.X_BS.p;
@@ -45,7 +45,7 @@ Result<void> scale_shape(Shape& s, const Mat3& A, const std::string& place) {
     case ShapeType::box:
     case ShapeType::ellipsoid: s.half_extents = {s.half_extents.x * x, s.half_extents.y * y, s.half_extents.z * z}; break;
     case ShapeType::mesh: {
-      Result<GeometryPtr> mesh = mapped(*s.geometry, in_shape, place);
+      Result<GeometryPtr> mesh = mapped(*s.geometry, in_shape, location);
       if (!mesh) return fail(std::move(mesh.error()));
       s.geometry = std::move(*mesh);
       break;
@@ -56,7 +56,7 @@ Result<void> scale_shape(Shape& s, const Mat3& A, const std::string& place) {
       field.half_y *= y;
       field.base *= z;
       for (double& h : field.heights) h *= z;
-      Result<HeightFieldPtr> made = make_height_field(std::move(field), place);
+      Result<HeightFieldPtr> made = make_height_field(std::move(field), location);
       if (!made) return fail(std::move(made.error()));
       s.field = std::move(*made);
       break;
@@ -65,17 +65,17 @@ Result<void> scale_shape(Shape& s, const Mat3& A, const std::string& place) {
   return {};
 }
 
-/// Which of the freedoms are displacements.
+/// True if DOF k of the joint type is a displacement (m), false if it is a rotation (rad).
 bool is_displacement(JointType type, int k) {
   return type == JointType::prismatic || (type == JointType::cylindrical && k == 1) || (type == JointType::planar && k < 2) ||
          (type == JointType::floating && k >= 3);
 }
 
-/// @param l, m factors of lengths and of the whole's mass
+/// Scales limits, springs and forces of a joint by dynamic similarity. @param l, m factors of length and of the total mass
 void scale_forces(Joint& joint, double l, double m) {
   const double root = std::sqrt(l);
   for (int k = 0; k < joint.nv(); ++k) {
-    Freedom& f = joint.freedoms[static_cast<std::size_t>(k)];
+    Dof& f = joint.dofs[static_cast<std::size_t>(k)];
     if (is_displacement(joint.type, k)) {
       f.lower *= l;
       f.upper *= l;
@@ -122,10 +122,11 @@ std::vector<Vec3> bone_directions(const Mechanism& m) {
 }
 
 Result<Edited> scale_links(const Mechanism& m, std::span<const LinkScale> scales) {
-  const std::string place = "mechanism " + m.name();
+  const std::string location = "mechanism " + m.name();
   for (const LinkScale& s : scales)
     if (!usable(s.along) || !usable(s.across) || !usable(s.mass))
-      return fail(ErrorCode::range, place, "A factor of its size or mass is not above zero.", "Give factors, heights and masses above 0.");
+      return fail(ErrorCode::range, location, "A factor of size or mass is not finite and above 0.",
+                  "Use factors, heights and masses above 0.");
   MechanismSpec spec = m.spec();
   const std::vector<Vec3> bones = bone_directions(m);
   double mass = 0;
@@ -140,7 +141,7 @@ Result<Edited> scale_links(const Mechanism& m, std::span<const LinkScale> scales
     LinkSpec& link = spec.links[i];
     const Link& was = m.links()[i];
     const LinkScale& own = scales[i];
-    // Joints on the world keep the place where they stand above it as the link itself grows.
+    // The position of a joint to the world scales with the link itself, so that a standing mechanism stays on the ground.
     const Mat3 A = map_of(static_cast<int>(i)),
                A_parent = was.parent < 0 ? Mat3::diagonal(own.along, own.along, own.along) : map_of(was.parent);
     link.joint.X_PJ.p = A_parent * link.joint.X_PJ.p;
@@ -156,20 +157,20 @@ Result<Edited> scale_links(const Mechanism& m, std::span<const LinkScale> scales
   }
   for (LoopSpec& loop : spec.loops) {
     const int a = loop.link_a.empty() ? -1 : m.find_link(loop.link_a), b = loop.link_b.empty() ? -1 : m.find_link(loop.link_b);
-    // The world grows like the link at the other end.
+    // A loop end on the world scales like the link at the other end.
     const auto end_map = [&](int link, int other) {
       const double l = other < 0 ? 1 : scales[static_cast<std::size_t>(other)].along;
       return link < 0 ? Mat3::diagonal(l, l, l) : map_of(link);
     };
     if (loop.type == LoopType::gear) {
-      const auto unit = [&](int link, int freedom) {
+      const auto unit = [&](int link, int dof) {
         const Link& carrier = m.link(link);
-        return is_displacement(carrier.joint.type, freedom) ? (carrier.parent < 0 ? scales[static_cast<std::size_t>(link)].along
-                                                                                  : scales[static_cast<std::size_t>(carrier.parent)].along)
-                                                            : 1.0;
+        return is_displacement(carrier.joint.type, dof) ? (carrier.parent < 0 ? scales[static_cast<std::size_t>(link)].along
+                                                                              : scales[static_cast<std::size_t>(carrier.parent)].along)
+                                                        : 1.0;
       };
-      double factor = unit(a, loop.freedom_a);
-      const double of_b = unit(b, loop.freedom_b);
+      double factor = unit(a, loop.dof_a);
+      const double of_b = unit(b, loop.dof_b);
       for (double& c : loop.polynomial) {
         c *= factor;
         factor /= of_b;
@@ -180,7 +181,7 @@ Result<Edited> scale_links(const Mechanism& m, std::span<const LinkScale> scales
     loop.X_BJ.p = end_map(b, a) * loop.X_BJ.p;
     loop.length *= scales[static_cast<std::size_t>(b >= 0 ? b : a)].along;
   }
-  if (had_prepared) out.report.push_back("What collision analysis prepared for the meshes was dropped; importing makes it again.");
+  if (had_prepared) out.report.push_back("The collision data precomputed for the meshes was dropped; it is recomputed on import.");
   Result<MechanismPtr> made = Mechanism::make(std::move(spec));
   if (!made) return fail(std::move(made.error()));
   out.mechanism = std::move(*made);
@@ -188,12 +189,12 @@ Result<Edited> scale_links(const Mechanism& m, std::span<const LinkScale> scales
 }
 
 Result<Edited> scale(const Mechanism& m, const ScaleOptions& options) {
-  const std::string place = "mechanism " + m.name();
+  const std::string location = "mechanism " + m.name();
   if (!usable(options.length) || !std::isfinite(options.mass) || options.mass < 0)
-    return fail(ErrorCode::range, place, "The factor of its lengths or its new mass is not above zero.",
-                "Give a length factor and a mass above 0.");
+    return fail(ErrorCode::range, location, "The length factor or the new mass is not finite and above 0.",
+                "Use a length factor and a mass above 0.");
   if (options.mass > 0 && !(m.mass() > 0))
-    return fail(ErrorCode::structure, place, "It has no mass that could be scaled.", "Give its links masses first.");
+    return fail(ErrorCode::structure, location, "The mechanism has no mass to scale.", "Give its links masses first.");
   const double l = options.length;
   LinkScale one{.along = l, .across = l, .mass = l * l * l};
   if (options.mass > 0) {

@@ -1,14 +1,14 @@
 #pragma once
-// Zero-lag low-pass filter over rows of samples.
+// Zero-lag low-pass filter for a sequence of samples.
 
 #include <vector>
 
 namespace ugoki {
 
-/// Second-order Butterworth low-pass forwards and backwards over the row, in place; what lies before the first sample counts as
-/// equal to it, so callers pad the ends. Both passes together have the cut-off (the one of each is raised by
-/// (2^(1/2) - 1)^(-1/4)). Source: Winter (2009), section 3.4.4.2.
-/// @param rate samples a second  @param cutoff Hz, below rate / 3
+/// Filters x in place with a second-order Butterworth low-pass, forwards and backwards. Each pass starts as if its first sample had been
+/// constant before; callers pad the ends. `cutoff` is the frequency at which both passes together halve the power; the cut-off of a single
+/// pass is higher by (2^(1/2) - 1)^(-1/4). Source: Winter (2009), section 3.4.4.2.
+/// @param rate samples per second  @param cutoff Hz, below rate / 3
 void filter_both_ways(std::vector<double>& x, double rate, double cutoff);
 
 }  // namespace ugoki

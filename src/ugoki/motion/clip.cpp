@@ -55,10 +55,10 @@ void displace_root(const Mechanism& mechanism, const Placement& by, std::span<do
   const Root root = root_of(mechanism);
   if (root == Root::none) return;
   const Joint& joint = mechanism.link(0).joint;
-  // The displacement seen from the joint's frame: X_PJ^-1 by X_PJ.
+  // The displacement expressed in the joint's frame: X_PJ^-1 * by * X_PJ.
   const Pose D = joint.X_PJ.inverse() * to_pose(by) * joint.X_PJ;
   if (root == Root::planar) {
-    const Vec3 p = D * Vec3{q[0], q[1], 0};  // moves in the joint's own plane; a raise out of it has no coordinate
+    const Vec3 p = D * Vec3{q[0], q[1], 0};  // a planar joint has no coordinate for a displacement out of its plane
     q[0] = p.x;
     q[1] = p.y;
     q[2] += joint.X_PJ.R.zz >= 0 ? by.heading : -by.heading;
@@ -84,14 +84,16 @@ ClipPhase phase_of(const Clip& clip, double duration, double t) {
   return {std::clamp(at - rounds * duration, 0.0, duration), static_cast<long>(rounds)};
 }
 
-Placement placement_in(const Clip& clip, long rounds) { return rounds > 0 ? clip.place * repeated(clip.cycle, rounds) : clip.place; }
+Placement placement_in(const Clip& clip, long rounds) {
+  return rounds > 0 ? clip.placement * repeated(clip.cycle, rounds) : clip.placement;
+}
 
 Placement cycle_of(const Motion& motion, const Mechanism& mechanism) {
   const auto n = static_cast<std::size_t>(motion.nq);
   const Placement first = root_placement(mechanism, {motion.frame(0), n});
   const Placement last = root_placement(mechanism, {motion.frame(motion.frames - 1), n});
   Placement cycle = last * inverse(first);
-  cycle.z = 0;  // a figure that repeats its steps stays on its floor
+  cycle.z = 0;  // repetitions must not accumulate a change of height
   return cycle;
 }
 
@@ -103,19 +105,19 @@ void sample(const Clip& clip, const Motion& motion, const Mechanism& mechanism, 
 
 void lay_clip(Clip& clip, const Motion& motion, const Mechanism& mechanism, const Placement& at) {
   clip.cycle = clip.loop ? cycle_of(motion, mechanism) : Placement{};
-  clip.place = {};
+  clip.placement = {};
   std::vector<double> q(static_cast<std::size_t>(motion.nq));
   sample(clip, motion, mechanism, clip.start, q);
   Placement root = root_placement(mechanism, q);
   root.z = 0;
-  clip.place = at * inverse(root);
+  clip.placement = at * inverse(root);
 }
 
 Placement floor_placement(const Clip& clip, const Motion& motion, const Mechanism& mechanism, double t) {
   std::vector<double> q(static_cast<std::size_t>(motion.nq));
   sample(clip, motion, mechanism, t, q);
   Placement root = root_placement(mechanism, q);
-  root.z = clip.place.z;
+  root.z = clip.placement.z;
   return root;
 }
 

@@ -9,14 +9,14 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Turns runs of `value` that are shorter than `least` frames into the other value; runs at the ends only if `ends`.
-void remove_short_runs(std::vector<std::uint8_t>& on, std::uint8_t value, int least, bool ends) {
+/// Inverts runs of `value` that are shorter than `min_length` frames; runs at the two ends of the motion only if `ends`.
+void remove_short_runs(std::vector<std::uint8_t>& on, std::uint8_t value, int min_length, bool ends) {
   const int n = static_cast<int>(on.size());
   for (int from = 0; from < n;) {
     int to = from;
     while (to < n && on[at(to)] == on[at(from)]) ++to;
     const bool inside = from > 0 && to < n;
-    if (on[at(from)] == value && to - from < least && (inside || ends))
+    if (on[at(from)] == value && to - from < min_length && (inside || ends))
       std::fill(on.begin() + from, on.begin() + to, static_cast<std::uint8_t>(1 - value));
     from = to;
   }
@@ -33,7 +33,7 @@ std::vector<SupportPoint> support_points(const Link& link) {
       case ShapeType::capsule:
         for (const double e : {-1.0, 1.0}) points.push_back({s.X_BS * Vec3{0, 0, e * s.half_length}, s.radius});
         break;
-      case ShapeType::ellipsoid: {  // the ball that fits inside, at both ends of the longest axis
+      case ShapeType::ellipsoid: {  // inscribed spheres at both ends of the longest axis
         const Vec3 h = s.half_extents;
         const int along = h.x >= h.y && h.x >= h.z ? 0 : h.y >= h.z ? 1 : 2;
         const double r = std::min({h.x, h.y, h.z});
@@ -50,7 +50,7 @@ std::vector<SupportPoint> support_points(const Link& link) {
             points.push_back({s.X_BS * Vec3{rim.x * s.radius, rim.y * s.radius, e * s.half_length}, 0});
         break;
       case ShapeType::box:
-      case ShapeType::mesh: {  // corners of the box around it
+      case ShapeType::mesh: {  // corners of the bounding box
         const Bounds b = bounds(s);
         for (const double x : {b.low.x, b.high.x})
           for (const double y : {b.low.y, b.high.y})
@@ -84,17 +84,17 @@ std::vector<std::uint8_t> find_contact(std::span<const std::vector<Pose>> poses,
     const double dt = std::max(1, after - before) / rate;
     const double high = bears ? o.height_off : o.height_on, fast = bears ? o.speed_off : o.speed_on;
     bears = std::any_of(places.begin(), places.end(), [&](const LinkPoint& at_link) {
-      const SupportPoint& s = at_link.place;
+      const SupportPoint& s = at_link.location;
       const auto pose = [&](int frame) -> const Pose& { return poses[at(frame)][at(at_link.link)]; };
       if ((pose(f) * s.p).z - s.radius - o.ground > high) return false;
-      // The material point of a rolling sphere that touches is still: take the velocity of its lowest point.
+      // On a rolling sphere the material point that touches the ground is at rest, so measure the speed of the lowest point.
       const Vec3 low = transpose_times(pose(f).R, Vec3{0, 0, -s.radius});
       return norm(pose(after) * (s.p + low) - pose(before) * (s.p + low)) / dt < fast;
     });
     on[at(f)] = bears ? 1 : 0;
   }
-  remove_short_runs(on, 0, static_cast<int>(o.least_gap * rate + 0.5), false);
-  remove_short_runs(on, 1, static_cast<int>(o.least_contact * rate + 0.5), false);
+  remove_short_runs(on, 0, static_cast<int>(o.min_gap * rate + 0.5), false);
+  remove_short_runs(on, 1, static_cast<int>(o.min_contact * rate + 0.5), false);
   return on;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// When each foot of a motion bears on the ground.
+// Detects in which frames each foot of a motion is in contact with the ground.
 
 #include <span>
 #include <vector>
@@ -8,45 +8,46 @@
 
 namespace ugoki {
 
-/// A place on a link that can bear on the ground: the surface lies `radius` around it.
+/// A point of a link that can touch the ground: the centre of a sphere of the given radius. The radius is 0 for a corner.
 struct SupportPoint {
   Vec3 p;             ///< m, in the link's frame
   double radius = 0;  ///< m
 };
 
-/// Corners of boxes, centres of spheres and of capsules' caps, of all shapes of the link that collide.
+/// Support points of all colliding shapes of the link: corners of boxes and of the bounding boxes of meshes, centres of spheres, capsule
+/// caps and of the ends of ellipsoids, and four points on each rim of a cylinder.
 [[nodiscard]] std::vector<SupportPoint> support_points(const Link& link);
 
-/// Links that stand on the ground: those whose label begins with "foot", "toes" or "paw" and that have colliding shapes.
+/// Indices of the feet: links whose label begins with "foot", "toes" or "paw" and that have a colliding shape.
 [[nodiscard]] std::vector<int> find_feet(const Mechanism& mechanism);
 
 struct ContactLabelOptions {
-  double ground = 0;            ///< m, height of the ground
-  double height_on = 0.03;      ///< m: a point lower than this ...
-  double speed_on = 0.35;       ///< m/s: ... and slower than this starts a contact,
-  double height_off = 0.045;    ///< which lasts while a point is below this ...
-  double speed_off = 0.6;       ///< ... and slower than this
-  double span = 0;              ///< s on both sides over which speed is measured; at least one frame
-  double least_contact = 0.05;  ///< s: shorter contacts are none
-  double least_gap = 0.04;      ///< s: shorter gaps are none
+  double ground = 0;          ///< m, height of the ground
+  double height_on = 0.03;    ///< m: a contact starts when a point is lower than this ...
+  double speed_on = 0.35;     ///< m/s: ... and slower than this;
+  double height_off = 0.045;  ///< m: it continues while a point is lower than this ...
+  double speed_off = 0.6;     ///< m/s: ... and slower than this
+  double span = 0;            ///< s before and after the frame over which the speed is averaged; at least one frame
+  double min_contact = 0.05;  ///< s: shorter contacts are removed
+  double min_gap = 0.04;      ///< s: shorter gaps between contacts are closed
 };
 
-/// A place on one of the mechanism's links.
+/// A support point of one of the mechanism's links.
 struct LinkPoint {
-  int link = 0;
-  SupportPoint place;  ///< in the link's frame
+  int link = 0;           ///< index of the link
+  SupportPoint location;  ///< in the link's frame
 };
 
-/// Frames in which any of the places bears on the ground: one that is low and slow, with hysteresis. [frames]
-/// @param poses [frames][links] of all links
+/// Returns for each frame 1 if any of the points is in contact with the ground, else 0. A point is in contact while it is low and slow,
+/// with hysteresis (ContactLabelOptions). [frames]
+/// @param poses [frames][links] world poses of all links  @param rate frames per second
 [[nodiscard]] std::vector<std::uint8_t> find_contact(std::span<const std::vector<Pose>> poses, double rate,
                                                      std::span<const LinkPoint> places, const ContactLabelOptions& options = {});
 
-/// Labels the contacts of the given links in motion.contacts, one track a link, in this order. A link bears on the ground
-/// while one of its support points is low and slow (with hysteresis), so heel strike, flat foot, and roll over the toes
-/// are one contact. O(frames * links).
+/// Replaces motion.contacts by one track per given link, in this order. A link is in contact while any of its support points is low and
+/// slow, so that heel strike, flat foot and toe-off belong to one contact. O(frames * links).
 void label_contacts(const Mechanism& mechanism, Motion& motion, std::span<const int> links, const ContactLabelOptions& options = {});
-/// The same for find_feet(mechanism).
+/// Labels the contacts of the links returned by find_feet(mechanism).
 void label_contacts(const Mechanism& mechanism, Motion& motion, const ContactLabelOptions& options = {});
 
 }  // namespace ugoki

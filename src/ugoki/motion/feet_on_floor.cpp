@@ -11,31 +11,32 @@
 namespace ugoki {
 namespace {
 
-constexpr double root_time = 0.1;    // s in which the root follows what the standing feet have in common
-constexpr double foot_time = 0.03;   // s in which a foot follows its own correction
-constexpr double still_speed = 0.2;  // m/s upwards or downwards: a foot that is slower counts fully as standing
+constexpr double root_time = 0.1;    // s, time constant of the root's correction
+constexpr double foot_time = 0.03;   // s, time constant of a foot's own correction
+constexpr double still_speed = 0.2;  // m/s: at this vertical speed the weight of a foot in contact has fallen to a quarter
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A foot with its toes.
 struct Foot {
   int link;
-  std::vector<int> parts;  ///< links that can bear: the foot and those behind it
+  std::vector<int> parts;  ///< links that can touch the ground: the foot and its descendants
   std::vector<std::vector<SupportPoint>> points;
-  std::vector<int> limb;      ///< links from the limb's base to the foot, whose joints can move it alone
-  std::vector<double> low;    ///< m above the floor, lowest point in each frame
-  std::vector<double> bears;  ///< 0 ... 1 in each frame
+  std::vector<int> limb;      ///< links from the limb's base to the foot, whose joints move no other foot
+  std::vector<double> low;    ///< [frames] m, height of the lowest point above the floor
+  std::vector<double> bears;  ///< [frames] 0 to 1: weight with which the foot counts as standing
 };
 
-std::vector<Foot> find_whole_feet(const Mechanism& m) {
+/// Groups the links of find_feet() into feet: a link whose parent belongs to a foot is part of that foot.
+std::vector<Foot> group_feet(const Mechanism& m) {
   const std::vector<int> links = find_feet(m);  // parents first
   std::vector<Foot> feet;
   std::vector<int> feet_behind(at(m.link_count()), 0);
   for (const int link : links) {
-    const auto whole = std::find_if(feet.begin(), feet.end(), [&](const Foot& f) {
+    const auto group = std::find_if(feet.begin(), feet.end(), [&](const Foot& f) {
       return std::find(f.parts.begin(), f.parts.end(), m.link(link).parent) != f.parts.end();
     });
-    Foot& foot = whole == feet.end() ? feet.emplace_back() : *whole;
+    Foot& foot = group == feet.end() ? feet.emplace_back() : *group;
     if (foot.parts.empty()) {
       foot.link = link;
       for (int i = link; i >= 0; i = m.link(i).parent) ++feet_behind[at(i)];
@@ -79,7 +80,7 @@ void observe(const Motion& motion, const Mechanism& m, double floor, std::vector
   }
 }
 
-/// The place that all standing feet ask of the root, [frames] m.
+/// Vertical correction of the root: the smoothed weighted mean of the corrections of the standing feet. [frames] m
 std::vector<double> lift_of_root(const std::vector<Foot>& feet, double rate) {
   const std::size_t frames = feet.front().low.size();
   std::vector<double> value(frames), weight(frames);
@@ -93,7 +94,7 @@ std::vector<double> lift_of_root(const std::vector<Foot>& feet, double rate) {
   return pass_through(value, weight, root_time * rate * root_time * rate);
 }
 
-/// What is left for one limb, [frames] m.
+/// Remaining vertical correction of one foot after the root's correction, such that the foot is never below the floor. [frames] m
 std::vector<double> lift_of_foot(const Foot& foot, std::span<const double> root, double rate) {
   std::vector<double> value(root.size());
   for (std::size_t f = 0; f < root.size(); ++f) value[f] = -foot.low[f] - root[f];
@@ -106,7 +107,7 @@ std::vector<double> lift_of_foot(const Foot& foot, std::span<const double> root,
 
 Motion with_feet_on_floor(const Motion& motion, const Mechanism& m, double floor) {
   Motion out = motion;
-  std::vector<Foot> feet = find_whole_feet(m);
+  std::vector<Foot> feet = group_feet(m);
   if (feet.empty() || motion.frames < 2 || m.link(0).joint.type != JointType::floating) return out;
   observe(motion, m, floor, feet);
   const std::vector<double> root = lift_of_root(feet, motion.rate);

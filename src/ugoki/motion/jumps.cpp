@@ -8,8 +8,8 @@
 namespace ugoki {
 namespace {
 
-constexpr double least_turn = 70 * pi / 180;  // rad
-constexpr double least_speed = 80;            // rad/s
+constexpr double min_turn = 70 * pi / 180;  // rad per frame, reason in jumps.h
+constexpr double min_speed = 80;            // rad/s, reason in jumps.h
 
 bool turns_only(const Joint& joint) {
   return joint.type == JointType::revolute || joint.type == JointType::universal || joint.type == JointType::spherical;
@@ -27,7 +27,7 @@ std::vector<Jump> find_jumps(const Motion& motion, const Mechanism& m) {
       joint_difference(link.joint, motion.frame(f - 1) + link.q_index, motion.frame(f) + link.q_index, d);
       for (int k = 0; k < link.joint.nv(); ++k) square += d[k] * d[k];
       const double turn = std::sqrt(square);
-      if (turn > least_turn && turn * motion.rate > least_speed) jumps.push_back({i, f});
+      if (turn > min_turn && turn * motion.rate > min_speed) jumps.push_back({i, f});
     }
   }
   return jumps;

@@ -1,6 +1,6 @@
 #pragma once
-// Measured joints that turn over from one frame to the next: markers that changed places, solvers that came to the other side of a
-// singular position. No body moves like that.
+// Finds and removes jumps of measured joints: large rotations within one frame, caused by swapped markers or by a solver that crossed a
+// singular position.
 
 #include <vector>
 
@@ -8,18 +8,19 @@
 
 namespace ugoki {
 
-/// A joint's coordinates leap from frame - 1 to frame.
+/// A jump of a link's joint between the frames frame - 1 and frame.
 struct Jump {
   int link;
   int frame;
 };
 
-/// Turns of a joint by more than 70 degrees within a frame and faster than 80 rad/s (a pitcher's shoulder does not reach that where
-/// motion is measured at 60 Hz or more). By link, then by frame.
+/// Finds rotations of a joint by more than 70 degrees within one frame and faster than 80 rad/s. In motion measured at 60 Hz or more,
+/// not even a pitcher's shoulder moves that far in a frame. Sorted by link, then by frame.
 [[nodiscard]] std::vector<Jump> find_jumps(const Motion& motion, const Mechanism& mechanism);
 
-/// The motion without them: after a jump a joint goes on from where it was with the turns measured in its own axes. What turns over
-/// about an axis of its parent and back comes back to its place, but for what it turned between the frames of the jumps.
+/// Returns the motion without jumps: the step of each jump is replaced by zero, and the later measured steps of the joint, in its own axes,
+/// are integrated from there. A joint that jumps and later jumps back returns to its measured angles, except for the true rotation during
+/// the frames of the two jumps.
 [[nodiscard]] Motion without_jumps(const Motion& motion, const Mechanism& mechanism);
 
 }  // namespace ugoki

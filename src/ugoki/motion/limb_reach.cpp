@@ -10,7 +10,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// What one freedom does to the end: its place, then its orientation times the lever.
+/// Column of the Jacobian of the end for one DOF: linear velocity, then angular velocity times the lever. World axes.
 using Column = std::array<double, 6>;
 
 /// Solves the symmetric positive definite A x = b in place.
@@ -27,8 +27,8 @@ void solve_spd(std::array<std::array<double, 6>, 6>& A, std::array<double, 6>& b
   }
 }
 
-/// Steps of the joints for a step y of the end: J^T (J J^T + damping^2)^-1 y.
-std::array<double, 6> damped(std::span<const Column> columns, std::array<double, 6> y, double damping) {
+/// Returns (J J^T + damping^2 1)^-1 y; the joint step for a step y of the end is J^T times this vector. @param columns of J
+std::array<double, 6> solve_damped(std::span<const Column> columns, std::array<double, 6> y, double damping) {
   std::array<std::array<double, 6>, 6> A{};
   for (std::size_t r = 0; r < 6; ++r) {
     A[r][r] = damping * damping;
@@ -54,14 +54,16 @@ void find_columns(const Mechanism& m, std::span<const int> limb, const ReachOpti
   }
 }
 
-/// Way of each freedom from the limb's joints back to `start`. @param start their coordinates one after the other
-void find_way_back(const Mechanism& m, std::span<const int> limb, const double* q, const double* start, std::vector<double>& way) {
-  way.clear();
+/// Computes the displacement of each DOF of the limb from its present coordinates to `start`.
+/// @param start coordinates of the limb's joints, one joint after the other  @param displacement [DOFs of the limb, out]
+void find_displacement_to_start(const Mechanism& m, std::span<const int> limb, const double* q, const double* start,
+                                std::vector<double>& displacement) {
+  displacement.clear();
   for (const int i : limb) {
     const Link& link = m.link(i);
     double d[6];
     joint_difference(link.joint, q + link.q_index, start, d);
-    way.insert(way.end(), d, d + link.joint.nv());
+    displacement.insert(displacement.end(), d, d + link.joint.nv());
     start += link.joint.nq();
   }
 }
@@ -76,7 +78,7 @@ void move(const Mechanism& m, std::span<const int> limb, std::span<const double>
     joint_integrate(joint, own, own_step, 1.0, own);
     own_step += joint.nv();
     if (joint.type == JointType::revolute)
-      own[0] = std::clamp(own[0], std::min(before, joint.freedoms[0].lower), std::max(before, joint.freedoms[0].upper));
+      own[0] = std::clamp(own[0], std::min(before, joint.dofs[0].lower), std::max(before, joint.dofs[0].upper));
   }
 }
 
@@ -92,7 +94,7 @@ void set_joints(const Mechanism& m, std::span<const int> limb, const double* val
   }
 }
 
-void place(const Mechanism& m, std::span<const int> limb, const double* q, std::span<Pose> X_WB) {
+void update_poses(const Mechanism& m, std::span<const int> limb, const double* q, std::span<Pose> X_WB) {
   for (const int i : limb) {
     const Link& link = m.link(i);
     const Pose X_PB = link.joint.X_PJ * joint_pose(link.joint, q + link.q_index);
@@ -116,12 +118,12 @@ double reach(const Mechanism& m, std::span<const int> limb, const Pose& X_goal, 
   std::vector<Column> columns;
   std::vector<double> start, before, back, step;
   copy_joints(m, limb, q, start);
-  find_way_back(m, limb, q, start.data(), back);
+  find_displacement_to_start(m, limb, q, start.data(), back);
   std::array<double, 6> y = error();
   const auto cost_of = [&](double miss) {
-    double way = 0;
-    for (const double x : back) way += x * x;
-    return miss * miss + (o.keep ? o.damping * o.damping * way : 0.0);
+    double displacement = 0;
+    for (const double x : back) displacement += x * x;
+    return miss * miss + (o.keep ? o.damping * o.damping * displacement : 0.0);
   };
   double miss = size(y), cost = cost_of(miss), share = 1;
   for (int iteration = 0; iteration < o.iterations && miss >= o.enough; ++iteration) {
@@ -129,32 +131,32 @@ double reach(const Mechanism& m, std::span<const int> limb, const Pose& X_goal, 
     if (!o.keep) std::fill(back.begin(), back.end(), 0.0);
     for (std::size_t r = 0; r < 6; ++r)
       for (std::size_t c = 0; c < columns.size(); ++c) y[r] -= columns[c][r] * back[c];
-    y = damped(columns, y, o.damping);
+    y = solve_damped(columns, y, o.damping);
     step = back;
-    double greatest = 0;
+    double maximum = 0;
     for (std::size_t c = 0; c < columns.size(); ++c) {
       for (std::size_t r = 0; r < 6; ++r) step[c] += columns[c][r] * y[r];
       step[c] *= share;
-      greatest = std::max(greatest, std::fabs(step[c]));
+      maximum = std::max(maximum, std::fabs(step[c]));
     }
     copy_joints(m, limb, q, before);
     move(m, limb, step, q);
-    place(m, limb, q, X_WB);
+    update_poses(m, limb, q, X_WB);
     y = error();
-    find_way_back(m, limb, q, start.data(), back);
+    find_displacement_to_start(m, limb, q, start.data(), back);
     const double now = size(y);
     if (const double next = cost_of(now); next < cost) {
       cost = next;
       miss = now;
       share = std::min(1.0, 2 * share);
-    } else {  // too far: back, and a shorter step
+    } else {  // the step did not reduce the cost: undo it and try a shorter one
       set_joints(m, limb, before.data(), q);
-      place(m, limb, q, X_WB);
+      update_poses(m, limb, q, X_WB);
       y = error();
-      find_way_back(m, limb, q, start.data(), back);
+      find_displacement_to_start(m, limb, q, start.data(), back);
       share *= 0.25;
     }
-    if (greatest < 1e-7) break;
+    if (maximum < 1e-7) break;
   }
   return miss;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Inverse kinematics of one limb: its joints are turned until its end is where it shall be.
+// Inverse kinematics of one limb: moves its joints so that its end reaches a goal pose.
 
 #include <span>
 
@@ -8,20 +8,21 @@
 namespace ugoki {
 
 struct ReachOptions {
-  double damping = 0.02;  ///< m: a straight limb is not bent for less
-  bool keep = false;      ///< damping holds the joints to where they were at first, not only to where the step before left them:
-                          ///< what only a great turn could mend stays
-  double lever = 0.3;     ///< m: an error of the end's orientation counts as one of its place at this distance
-  double enough = 1e-5;   ///< m: nearer need not be
-  int iterations = 6;
-  int held = -1;  ///< link of the limb whose own joint is left alone; -1: none
+  double damping = 0.02;  ///< m/rad, damping of the least squares: errors much smaller than this do not bend a straight limb
+  bool keep = false;      ///< true: damping pulls the joints towards their initial values, so that errors which only a large
+                          ///< joint motion could remove remain; false: damping limits each iteration's step only
+  double lever = 0.3;     ///< m: an orientation error [rad] times this length counts as a position error
+  double enough = 1e-5;   ///< m: the iteration stops below this error
+  int iterations = 6;     ///< maximum number of iterations
+  int held = -1;          ///< index of a link of the limb whose joint is not moved; -1: none
 };
 
-/// Moves the joints of the limb so that its end comes to X_goal as nearly as damping lets it (damped least squares: Buss 2009). A hinge is
-/// not led beyond its limit, and not back from where it was beyond it.
-/// @param limb links from the limb's base to its end; the end is the last one's frame
-/// @param q [nq, in and out]  @param X_WB [links, in and out] poses at q, kept up to date for the links of the limb only
-/// @return m, how far the end misses, the orientation's error times the lever included
+/// Moves the joints of the limb so that its end approaches X_goal (damped least squares, Buss 2009). A step moves a hinge at most to its
+/// limit; a hinge that is already beyond its limit does not move farther out.
+/// @param limb links from the limb's base to its end; the end is the frame of the last link
+/// @param X_goal goal pose of the end in the world
+/// @param q [nq, in and out]  @param X_WB [links, in and out] poses at q; only those of the limb's links are updated
+/// @return remaining error [m]: norm of the position error and of the orientation error times the lever
 double reach(const Mechanism& mechanism, std::span<const int> limb, const Pose& X_goal, const ReachOptions& options, double* q,
              std::span<Pose> X_WB);
 

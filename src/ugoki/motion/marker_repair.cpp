@@ -24,14 +24,14 @@ Vec3 slope(const MarkerMotion& m, int marker, int frame) {
   return {};
 }
 
-/// Cubic Hermite between values a, b with slopes over an interval of length h, at share t.
+/// Cubic Hermite interpolation between values a and b with slopes da and db over an interval of length h, at t in [0, 1].
 Vec3 hermite(const Vec3& a, const Vec3& da, const Vec3& b, const Vec3& db, double h, double t) {
   const double t2 = t * t, t3 = t2 * t;
   return a * (2 * t3 - 3 * t2 + 1) + da * (h * (t3 - 2 * t2 + t)) + b * (3 * t2 - 2 * t3) + db * (h * (t3 - t2));
 }
 
-/// The rotation that turns the points a (about their middle) best into b, in the sense of least squares: largest eigenvector of Horn's
-/// matrix (1987) by shifted power iteration from `guess`.
+/// Rotation that maps the points a to b with the least squared error; both are relative to their centroids. It is the eigenvector of the
+/// largest eigenvalue of Horn's matrix (1987), found by shifted power iteration from `guess`.
 Quat best_rotation(const std::vector<Vec3>& a, const std::vector<Vec3>& b, Quat guess) {
   Mat3 M{};
   double size = 0;
@@ -63,7 +63,7 @@ Quat best_rotation(const std::vector<Vec3>& a, const std::vector<Vec3>& b, Quat 
   return normalized(Quat{v[0], v[1], v[2], v[3]});
 }
 
-/// The markers whose distances from `marker` vary least: up to six, each below `rigid`.
+/// Up to six markers whose distance from `marker` has the smallest standard deviation, below `rigid` [m].
 std::vector<int> rigid_neighbours(const MarkerMotion& m, int marker, double rigid) {
   std::vector<std::pair<double, int>> order;
   for (int other = 0; other < m.marker_count(); ++other) {
@@ -87,7 +87,8 @@ std::vector<int> rigid_neighbours(const MarkerMotion& m, int marker, double rigi
   return out;
 }
 
-/// Where `marker` would be in frame `to` if it moved with `others` as one body from frame `from`; false if too few are seen.
+/// Computes the position of `marker` in frame `to` if it moved rigidly with the markers `others` since frame `from`.
+/// @return false if fewer than three of them are seen in both frames
 bool carry(const MarkerMotion& m, int marker, const std::vector<int>& others, int from, int to, Vec3& out) {
   std::vector<Vec3> a, b;
   for (const int o : others) {
@@ -111,7 +112,7 @@ bool carry(const MarkerMotion& m, int marker, const std::vector<int>& others, in
   return true;
 }
 
-/// Squares of what a filter of this cut-off takes away, over all seen coordinates. @param count [out] of them
+/// Sum of the squared changes that a filter with this cut-off makes, over all seen coordinates. @param count [out] their number
 double removed(const MarkerMotion& motion, double cutoff, double& count) {
   MarkerMotion filtered = motion;
   filter_markers(filtered, cutoff);
@@ -154,11 +155,11 @@ int remove_spikes(MarkerMotion& m, double limit) {
     if (sorted.empty()) continue;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    const double usual = std::max(limit, 6 * *middle);
+    const double threshold = std::max(limit, 6 * *middle);
     for (int f = 1; f + 1 < m.frames; ++f) {
       const double jump = jumps[static_cast<std::size_t>(f)];
-      // The neighbours of a spike jump too, half as far: only the greatest of the three goes.
-      if (jump <= usual || jump < jumps[static_cast<std::size_t>(f - 1)] || jump < jumps[static_cast<std::size_t>(f + 1)]) continue;
+      // A spike also displaces the midpoints of its neighbours by half its height, so only the largest of the three is removed.
+      if (jump <= threshold || jump < jumps[static_cast<std::size_t>(f - 1)] || jump < jumps[static_cast<std::size_t>(f + 1)]) continue;
       m.positions[m.index(f, i)] = {};
       m.residuals[m.index(f, i)] = -1;
       ++count;
@@ -207,8 +208,8 @@ int fill_gaps_by_neighbours(MarkerMotion& m, double rigid) {
 double choose_cutoff(const MarkerMotion& m) {
   const double highest = m.rate / 4;
   if (!(highest > 5) || m.frames < 20) return 0;
-  // Noise is white: what a high cut-off removes grows linearly as the cut-off falls. Extended down to 0 Hz, that line is the noise;
-  // the cut-off that removes just as much keeps as much noise as it takes of the signal.
+  // White noise: at high cut-offs the residual grows linearly as the cut-off falls. The line through two high cut-offs, extrapolated to
+  // 0 Hz, estimates the noise. At the cut-off whose residual equals this value, remaining noise and lost signal are balanced.
   double count = 0;
   const auto residual = [&](double cutoff) {
     const double squares = removed(m, cutoff, count);

@@ -1,5 +1,5 @@
 #pragma once
-// Measured markers made clean: spikes taken out, gaps closed, noise filtered.
+// Cleaning of measured markers: removes spikes, fills gaps, filters noise.
 
 #include <vector>
 
@@ -7,32 +7,33 @@
 
 namespace ugoki {
 
-/// A stretch of frames [first, last] in which a marker was not seen.
+/// A range of frames [first, last] in which a marker was not seen.
 struct MarkerGap {
   int marker = 0, first = 0, last = 0;
 };
 
-/// All gaps, by marker, then by frame.
+/// All gaps, sorted by marker, then by frame.
 [[nodiscard]] std::vector<MarkerGap> find_gaps(const MarkerMotion& motion);
 
-/// Takes out single frames that jump: a position whose distance from the line between its neighbours is above `limit` [m] and six times
-/// the marker's usual one becomes unseen. @return how many
+/// Marks single outliers as unseen: positions whose distance from the midpoint of the two neighbouring frames is above both `limit` [m] and
+/// six times the median of these distances for the marker. @return number of positions removed
 int remove_spikes(MarkerMotion& motion, double limit = 0.02);
 
-/// Fills gaps of at most `longest` [s] by cubic Hermite splines through the frames beside them. Gaps at the ends stay. Filled places get
-/// a residual of 0. @return how many places
+/// Fills gaps of at most `longest` [s] by cubic Hermite splines through the frames next to them. Gaps at the ends stay. Filled positions
+/// get a residual of 0. @return number of positions filled
 int fill_short_gaps(MarkerMotion& motion, double longest);
 
-/// Fills what is left of a marker's gaps from three or more markers that move with it as one rigid body (those whose distances
-/// from it vary least, below `rigid` [m]), by the rigid motion that fits them best in each frame; joined to the measured ends without
-/// a jump. @return how many places
+/// Fills the remaining gaps of a marker from at least three (at most six) markers that move with it like one rigid body: those with the
+/// smallest standard deviation of their distance from it, below `rigid` [m]. The position follows the best-fitting rigid motion of these
+/// markers, blended between both measured ends of the gap. @return number of positions filled
 int fill_gaps_by_neighbours(MarkerMotion& motion, double rigid = 0.015);
 
-/// The cut-off frequency [Hz] at which filtering begins to cut into the motion: residual analysis (Winter 2009, section 3.4.4.3) of
-/// all coordinates together, between 4 Hz and a quarter of the rate.
+/// Cut-off frequency [Hz] above which filtering removes mainly noise: residual analysis (Winter 2009, section 3.4.4.3) of all coordinates
+/// together, between 4 Hz and 0.7 times a quarter of the rate. 0 (no filter) for rates up to 20 Hz or fewer than 20 frames.
 [[nodiscard]] double choose_cutoff(const MarkerMotion& motion);
 
-/// Zero-lag Butterworth filter of second order over every stretch of seen frames, forwards and backwards, ends padded by reflection.
+/// Filters every run of seen frames with filter_both_ways() (butterworth.h), with ends padded by reflection. No effect unless `cutoff` [Hz]
+/// is between 0 and a third of the rate, nor on runs of fewer than 4 frames.
 void filter_markers(MarkerMotion& motion, double cutoff);
 
 }  // namespace ugoki

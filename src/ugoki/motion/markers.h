@@ -1,6 +1,6 @@
 #pragma once
-// Measured data before it has a skeleton: markers in space over time, and what was recorded beside them.
-// All in metres, seconds, Z up, X forward.
+// Measured data without a skeleton: positions of markers over time, and the analog channels, force platforms and events recorded with them.
+// Metres, seconds, Z up, X forward.
 
 #include <cmath>
 #include <cstdint>
@@ -11,41 +11,42 @@
 
 namespace ugoki {
 
-/// One analog channel, in the units it was calibrated to.
+/// Description of one analog channel. Its samples are in the calibrated unit.
 struct AnalogChannel {
   std::string label;
-  std::string unit;         ///< as the file names it: "N", "Nmm", "V"
+  std::string unit;         ///< as written in the file: "N", "Nmm", "V"
   std::string description;  ///< may be empty
 };
 
 /// A moment that was marked in a recording, for example "Left Foot Strike".
 struct MarkedEvent {
-  double time = 0;      ///< s on the recording's clock, on which frame i is at (first_frame - 1 + i) / rate
+  double time = 0;      ///< s since the start of the recording; frame index i is at (first_frame - 1 + i) / rate
   std::string label;    ///< "Foot Strike"
   std::string context;  ///< "Left"; may be empty
 };
 
-/// A force platform, as C3D files describe it.
+/// A force platform as described in C3D files.
 struct ForcePlate {
-  int type = 2;                     ///< kind of its channels: 1 force and centre of pressure, 2 and 4 force and moment, 3 eight sensors
-  Vec3 corners[4];                  ///< m, world: in the order of the plate's quadrants (+x +y, -x +y, -x -y, +x -y)
-  Vec3 origin;                      ///< m, plate's axes: of the sensor from the middle of the surface (types 2, 4), sizes (3)
+  int type = 2;     ///< C3D type: 1 force and centre of pressure, 2 and 4 force and moment, 3 eight sensors
+  Vec3 corners[4];  ///< m, world; order of the quadrants in the plate's axes: +x +y, -x +y, -x -y, +x -y
+  Vec3 origin;      ///< m, plate's axes: position of the sensor relative to the centre of the surface (types 2, 4); sizes (type 3)
   std::vector<int> channels;        ///< indices into MarkerMotion::analog
-  std::vector<double> calibration;  ///< [6][6] of type 4, row-major; otherwise empty
+  std::vector<double> calibration;  ///< [6][6] row-major calibration matrix of type 4; otherwise empty
 };
 
+/// A recording of markers.
 struct MarkerMotion {
   std::string name;
   std::string source;               ///< file name as read
   std::vector<std::string> labels;  ///< [markers]
-  double unit = 1;                  ///< m per unit of length of the file
-  double rate = 100;                ///< frames a second
+  double unit = 1;                  ///< m per length unit of the file
+  double rate = 100;                ///< frames per second
   int frames = 0;
-  int first_frame = 1;           ///< number of the first frame in the recording
+  int first_frame = 1;           ///< number of the first frame in the recording, counted from 1
   std::vector<Vec3> positions;   ///< [frames][markers] m; zero where not seen
-  std::vector<float> residuals;  ///< [frames][markers] m: how well the cameras agreed; -1 where the marker was not seen
+  std::vector<float> residuals;  ///< [frames][markers] m, residual of the reconstruction from the cameras; -1 if the marker was not seen
 
-  double analog_rate = 0;             ///< samples a second, a whole multiple of `rate`; 0 without channels
+  double analog_rate = 0;             ///< samples per second, an integer multiple of `rate`; 0 without channels
   std::vector<AnalogChannel> analog;  ///< [channels]
   std::vector<double> samples;        ///< [frames * analog_rate / rate][channels]
 
@@ -64,7 +65,7 @@ struct MarkerMotion {
   [[nodiscard]] int find(const std::string& label) const;
 };
 
-/// Share of [frames * markers] that was seen, 0 ... 1.
+/// Fraction of the frames * markers positions that were seen, 0 to 1.
 [[nodiscard]] double seen_share(const MarkerMotion& motion);
 
 }  // namespace ugoki

@@ -31,14 +31,14 @@ void FootSkate::add(std::span<const Pose> X_WB, std::span<const std::uint8_t> on
       foot.path = 0;
     }
     if (stands && foot.stood && foot.count > 0) {
-      // The material point that is lowest now: how far has it moved over the ground since the frame before?
+      // Horizontal displacement, since the previous frame, of the material point that is lowest now.
       const SupportPoint* lowest = nullptr;
-      double least = 0;
+      double minimum = 0;
       for (int i = foot.first; i < foot.first + foot.count; ++i) {
         const double z = (X * points_[at(i)].p).z - points_[at(i)].radius;
-        if (!lowest || z < least) {
+        if (!lowest || z < minimum) {
           lowest = &points_[at(i)];
-          least = z;
+          minimum = z;
         }
       }
       const Vec3 p = lowest->p + transpose_times(X.R, Vec3{0, 0, -lowest->radius});

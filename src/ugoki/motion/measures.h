@@ -1,6 +1,6 @@
 #pragma once
-// Measures of naturalness, fed frame by frame with the links' poses: how far standing feet slide, how deep shapes sink
-// into the ground. Nothing is allocated after construction.
+// Quality measures of motions, updated frame by frame from the links' poses: sliding of standing feet, and penetration of the ground.
+// No allocation after construction.
 
 #include <cstdint>
 #include <span>
@@ -10,28 +10,28 @@
 
 namespace ugoki {
 
-/// Horizontal sliding of the place that bears on the ground while a foot is labelled as standing.
+/// Measures the horizontal sliding of a foot's lowest point while the foot is labelled as standing.
 class FootSkate {
  public:
   /// @param links the feet, for example find_feet(mechanism)
   FootSkate(const Mechanism& mechanism, std::span<const int> links);
 
-  /// One more frame.
+  /// Adds a frame.
   /// @param X_WB [links of the mechanism] poses
-  /// @param on   [feet] not 0 while the foot is meant to stand
-  /// @param dt   s since the frame before; the first frame's is not used
+  /// @param on   [feet] nonzero while the foot is labelled as standing
+  /// @param dt   s since the previous frame; not used in the first frame
   void add(std::span<const Pose> X_WB, std::span<const std::uint8_t> on, double dt);
   void reset();
 
-  /// Mean horizontal path of the lowest sole point in one stance of one foot [cm]; 0 before any stance.
+  /// Mean length [cm] of the horizontal path of the lowest point per stance of one foot; 0 before the first stance.
   [[nodiscard]] double mean_per_stance_cm() const;
-  /// The worst stance so far. cm
+  /// Longest path in one stance so far. cm
   [[nodiscard]] double worst_stance_cm() const { return 100 * worst_; }
   /// Root mean square of the sliding speed over all stance time [m/s].
   [[nodiscard]] double rms_speed() const;
   [[nodiscard]] int stances() const { return stances_; }
 
-  /// What it remembers, as numbers, for saving and restoring. @param out, in [memory_size()]
+  /// Internal state as an array of doubles, for saving and restoring. @param out, in [memory_size()]
   [[nodiscard]] std::size_t memory_size() const { return 5 + feet_.size() * 14; }
   void save(std::span<double> out) const;
   void restore(std::span<const double> in);
@@ -39,10 +39,10 @@ class FootSkate {
  private:
   struct Foot {
     int link = 0;
-    int first = 0, count = 0;  ///< its points in points_
-    bool stood = false;
-    double path = 0;  ///< m, in this stance
-    Pose before;
+    int first = 0, count = 0;  ///< range of its points in points_
+    bool stood = false;        ///< it was standing in the previous frame
+    double path = 0;           ///< m, in this stance
+    Pose before;               ///< pose of the link in the previous frame
   };
   std::vector<Foot> feet_;
   std::vector<SupportPoint> points_;
@@ -50,22 +50,22 @@ class FootSkate {
   double path_ = 0, worst_ = 0, square_ = 0, time_ = 0;
 };
 
-/// Depth of colliding shapes below the ground.
+/// Measures the depth of colliding shapes below the ground.
 class GroundPenetration {
  public:
   explicit GroundPenetration(const Mechanism& mechanism, double ground = 0);
 
-  /// One more frame. @param X_WB [links]
+  /// Adds a frame. @param X_WB [links] poses
   void add(std::span<const Pose> X_WB);
   void reset();
 
   [[nodiscard]] double worst_mm() const { return 1000 * worst_; }
-  /// Root mean square over the frames of each frame's greatest depth.
+  /// Root mean square over all frames of the maximum depth in each frame. mm
   [[nodiscard]] double rms_mm() const;
-  /// Link that was deepest, or -1.
+  /// Index of the link that was deepest, or -1.
   [[nodiscard]] int worst_link() const { return worst_link_; }
 
-  /// What it remembers, as numbers, for saving and restoring. @param out, in [memory_size()]
+  /// Internal state as an array of doubles, for saving and restoring. @param out, in [memory_size()]
   [[nodiscard]] std::size_t memory_size() const { return 4; }
   void save(std::span<double> out) const;
   void restore(std::span<const double> in);

@@ -9,23 +9,24 @@ namespace ugoki {
 
 Error check_motion(const Motion& motion, const Mechanism& mechanism) {
   Error errors;
-  const std::string place = "motion " + motion.name;
+  const std::string location = "motion " + motion.name;
   if (motion.nq != mechanism.nq()) {
-    errors.add(ErrorCode::structure, place,
-               "it has " + std::to_string(motion.nq) + " coordinates, mechanism " + mechanism.name() + " has " +
+    errors.add(ErrorCode::structure, location,
+               "The motion has " + std::to_string(motion.nq) + " coordinates, but mechanism " + mechanism.name() + " has " +
                    std::to_string(mechanism.nq()) + ".",
-               "Use it with the mechanism for which it was made (" + motion.mechanism + ").");
+               "Use the motion with the mechanism for which it was made (" + motion.mechanism + ").");
     return errors;
   }
   if (motion.frames < 1 || motion.q.size() != static_cast<std::size_t>(motion.frames) * static_cast<std::size_t>(motion.nq))
-    errors.add(ErrorCode::structure, place, "it has no frames, or not as many numbers as its frames need.", "Import it again.");
+    errors.add(ErrorCode::structure, location, "The motion has no frames, or its number of values is not frames times coordinates.",
+               "Import the motion again.");
   if (!(motion.rate > 0) || !std::isfinite(motion.rate))
-    errors.add(ErrorCode::range, place, "its frame rate is not positive.", "Import it again.");
+    errors.add(ErrorCode::range, location, "The motion's frame rate is not above 0.", "Import the motion again.");
   if (!errors.empty()) return errors;
   for (int f = 0; f < motion.frames; ++f) {
     const double* q = motion.frame(f);
     if (!is_finite(std::span(q, static_cast<std::size_t>(motion.nq)))) {
-      errors.add(ErrorCode::range, place + ", frame " + std::to_string(f), "a number is not finite.", "Import it again.");
+      errors.add(ErrorCode::range, location + ", frame " + std::to_string(f), "A value is not finite.", "Import the motion again.");
       return errors;
     }
     for (const Link& link : mechanism.links()) {
@@ -33,17 +34,19 @@ Error check_motion(const Motion& motion, const Mechanism& mechanism) {
       if (at < 0) continue;
       const double* r = q + link.q_index + at;
       if (std::fabs(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] - 1) > 1e-6) {
-        errors.add(ErrorCode::range, place + ", frame " + std::to_string(f),
-                   "the quaternion of link " + link.name + " is not of unit length.", "Import it again.");
+        errors.add(ErrorCode::range, location + ", frame " + std::to_string(f),
+                   "The quaternion of link " + link.name + " is not of unit length.", "Import the motion again.");
         return errors;
       }
     }
   }
   for (const ContactTrack& c : motion.contacts) {
     if (mechanism.find_link(c.link) < 0)
-      errors.add(ErrorCode::unknown, place, "it labels contacts of link '" + c.link + "', which does not exist.", "Label them again.");
+      errors.add(ErrorCode::unknown, location, "The motion has contact labels of link '" + c.link + "', which does not exist.",
+                 "Label the contacts again.");
     if (c.on.size() != static_cast<std::size_t>(motion.frames))
-      errors.add(ErrorCode::structure, place, "its contact labels are not as long as its frames.", "Label them again.");
+      errors.add(ErrorCode::structure, location, "The number of contact labels of link '" + c.link + "' differs from the number of frames.",
+                 "Label the contacts again.");
   }
   return errors;
 }

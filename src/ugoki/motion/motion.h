@@ -11,22 +11,22 @@
 
 namespace ugoki {
 
-/// Links whose ground contact a motion labels, for example both feet.
+/// Ground-contact labels of one link, for example a foot.
 struct ContactTrack {
   std::string link;              ///< name of the link
-  std::vector<std::uint8_t> on;  ///< [frames] 1 while it bears on the ground
+  std::vector<std::uint8_t> on;  ///< [frames] 1 while the link is in contact with the ground
 };
 
 struct Motion {
   std::string name;
-  std::string source;     ///< where it comes from, for people
-  std::string mechanism;  ///< name of the mechanism for which it was made
-  double rate = 120;      ///< frames a second
+  std::string source;     ///< origin of the data, for display
+  std::string mechanism;  ///< name of the mechanism for which the motion was made
+  double rate = 120;      ///< frames per second
   int frames = 0;
   int nq = 0;
   std::vector<double> q;  ///< [frames][nq]
   std::vector<ContactTrack> contacts;
-  bool cyclic = false;  ///< the last frame leads into the first (but for the root's path)
+  bool cyclic = false;  ///< the last frame equals the first except for the displacement of the root
 
   [[nodiscard]] double duration() const { return frames > 1 ? (frames - 1) / rate : 0; }
   [[nodiscard]] const double* frame(int i) const { return q.data() + static_cast<std::size_t>(i) * static_cast<std::size_t>(nq); }
@@ -34,10 +34,12 @@ struct Motion {
 };
 using MotionPtr = std::shared_ptr<const Motion>;
 
-/// Problems that make the motion unusable on this mechanism: other nq, no frames, numbers not finite, quaternions not unit.
+/// Returns the problems that make the motion unusable with this mechanism: different nq, no frames, invalid rate, values that are not
+/// finite, quaternions that are not of unit length, contact labels of unknown links or of wrong length. Empty if there are none.
 [[nodiscard]] Error check_motion(const Motion& motion, const Mechanism& mechanism);
 
-/// q at time t [s] from the first frame, clamped to the ends: shortest-arc interpolation between frames. @param q [nq, out]
+/// Coordinates at time t [s] after the first frame; t is clamped to the motion. Interpolates linearly, and along the shorter great arc for
+/// quaternions. @param q [nq, out]
 void sample(const Motion& motion, const Mechanism& mechanism, double t, std::span<double> q);
 
 }  // namespace ugoki

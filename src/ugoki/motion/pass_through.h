@@ -1,13 +1,13 @@
 #pragma once
-// A smooth row of numbers through those that count.
+// Smoothing of a sequence with weights.
 
 #include <span>
 #include <vector>
 
 namespace ugoki {
 
-/// x of least sum of weight (x - value)^2 + stiffness (x[i + 1] - x[i])^2: follows the values where they have weight, runs straight
-/// between, and level before the first and after the last. All zero without any weight. O(values)
+/// Returns the x that minimises sum weight[i] (x[i] - value[i])^2 + stiffness (x[i + 1] - x[i])^2. x follows the values with weight, is
+/// linear between them, and constant before the first and after the last. All zero if no weight is above 1e-3. O(values)
 [[nodiscard]] std::vector<double> pass_through(std::span<const double> value, std::span<const double> weight, double stiffness);
 
 }  // namespace ugoki

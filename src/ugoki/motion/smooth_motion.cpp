@@ -29,7 +29,7 @@ SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, std::span<c
       nv_(static_cast<std::size_t>(m.nv())),
       q_(motion.q) {
   const auto n = static_cast<std::size_t>(frames_);
-  // A quaternion and its negative are the same turn; the filter needs the nearer one.
+  // A quaternion and its negative are the same rotation; the filter needs the sign that is closer to the previous frame.
   for (const Link& link : m.links()) {
     const int at = quat_of(link.joint);
     if (at < 0) continue;
@@ -68,7 +68,7 @@ SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, std::span<c
   a_.assign(n * nv_, 0.0);
   if (frames_ < 2) return;
   const auto frame = [&](std::size_t f) { return std::span<const double>(q_.data() + f * nq_, nq_); };
-  std::vector<double> step((n - 1) * nv_);  // velocity between the frames f and f + 1
+  std::vector<double> step((n - 1) * nv_);  // mean velocity between the frames f and f + 1
   for (std::size_t f = 0; f + 1 < n; ++f) {
     const std::span<double> d(step.data() + f * nv_, nv_);
     difference(m, frame(f), frame(f + 1), d);
@@ -97,17 +97,17 @@ void SmoothMotion::sample(const Mechanism& m, double t, std::span<double> q, std
   const double* v1 = v_.data() + j * nv_;
   const double* a0 = a_.data() + i * nv_;
   const double* a1 = a_.data() + j * nv_;
-  // Cubic Hermite curve of the displacement from frame i
+  // Cubic Hermite interpolation of the displacement from frame i.
   const double h01 = s * s * (3 - 2 * s), h10 = s * (1 - s) * (1 - s), h11 = s * s * (s - 1);
   const double d01 = 6 * s * (1 - s), d10 = (1 - s) * (1 - 3 * s), d11 = s * (3 * s - 2);
   for (const Link& link : m.links()) {
     const int nv = link.joint.nv();
-    double whole[6], part[6];
-    joint_difference(link.joint, q0 + link.q_index, q1 + link.q_index, whole);
+    double step[6], part[6];  // displacement from frame i to frame j, and to time t
+    joint_difference(link.joint, q0 + link.q_index, q1 + link.q_index, step);
     for (int k = 0; k < nv; ++k) {
       const auto f = static_cast<std::size_t>(link.v_index + k);
-      part[k] = h01 * whole[k] + dt * (h10 * v0[f] + h11 * v1[f]);
-      v[f] = inside ? d01 * whole[k] * rate_ + d10 * v0[f] + d11 * v1[f] : 0.0;
+      part[k] = h01 * step[k] + dt * (h10 * v0[f] + h11 * v1[f]);
+      v[f] = inside ? d01 * step[k] * rate_ + d10 * v0[f] + d11 * v1[f] : 0.0;
       a[f] = inside ? (1 - s) * a0[f] + s * a1[f] : 0.0;
     }
     joint_integrate(link.joint, q0 + link.q_index, part, 1.0, q.data() + link.q_index);
@@ -118,8 +118,8 @@ void sample(const Clip& clip, const SmoothMotion& motion, const Mechanism& m, do
             std::span<double> a) {
   const ClipPhase phase = phase_of(clip, motion.duration(), t);
   motion.sample(m, phase.time, q, v, a);
-  const Placement place = placement_in(clip, phase.rounds);
-  displace_root(m, place, q);
+  const Placement location = placement_in(clip, phase.rounds);
+  displace_root(m, location, q);
   const bool playing = t >= clip.start && t <= clip.end();
   const double speed = playing ? clip.speed : 0;
   for (double& x : v) x *= speed;
@@ -127,8 +127,8 @@ void sample(const Clip& clip, const SmoothMotion& motion, const Mechanism& m, do
   const Joint& root = m.link(0).joint;
   const int linear = root.type == JointType::floating ? 3 : root.type == JointType::planar ? 0 : -1;
   if (linear < 0) return;
-  // Linear parts are in the axes of the joint frame; the floor's turn is about the world's Z.
-  const Mat3 R = root.X_PJ.R.transposed() * (rotation_about({0, 0, 1}, place.heading) * root.X_PJ.R);
+  // The root's linear velocity and acceleration are in the axes of its joint frame; the clip's heading is about the world's Z.
+  const Mat3 R = root.X_PJ.R.transposed() * (rotation_about({0, 0, 1}, location.heading) * root.X_PJ.R);
   for (const std::span<double> x : {v, a}) {
     double* p = x.data() + m.link(0).v_index + linear;
     const Vec3 turned = R * Vec3{p[0], p[1], root.type == JointType::floating ? p[2] : 0.0};

@@ -1,6 +1,6 @@
 #pragma once
-// Motion data made ready to be a reference for motion control: position, velocity and acceleration that belong together.
-// Measured frames carry noise of millimetres; its second difference would ask for accelerations of many g.
+// Motion data as a reference for motion control: consistent positions, velocities and accelerations. Measured frames contain millimetres of
+// noise, whose second differences would be accelerations of many g; therefore the motion is filtered first.
 
 #include <span>
 #include <vector>
@@ -12,20 +12,19 @@ namespace ugoki {
 
 class SmoothMotion {
  public:
-  /// Zero-lag Butterworth filter (second order, forwards and backwards, ends padded by reflection: Winter 2009, ch. 2) on
-  /// every coordinate, then velocities and accelerations by central differences on the manifold. Cyclic motions are
-  /// padded with the rounds before and after.
-  /// @param cutoff Hz; 0 or above a third of the rate: no filter
+  /// Filters every coordinate with filter_both_ways() (butterworth.h), with ends padded by reflection, or by the neighbouring cycles if the
+  /// motion is cyclic. Then computes velocities and accelerations by central differences on the manifold.
+  /// @param cutoff Hz; 0 or at least a third of the rate: no filter
   SmoothMotion(const Motion& motion, const Mechanism& mechanism, double cutoff);
-  /// The same with a cut-off for each link's joint. @param cutoffs [links] Hz
+  /// As above, with one cut-off for each link's joint. @param cutoffs [links] Hz
   SmoothMotion(const Motion& motion, const Mechanism& mechanism, std::span<const double> cutoffs);
 
   [[nodiscard]] double duration() const { return frames_ > 1 ? (frames_ - 1) / rate_ : 0; }
   [[nodiscard]] int frames() const { return frames_; }
   [[nodiscard]] double rate() const { return rate_; }
 
-  /// Reference at time t [s] from the first frame; held at rest before the first and after the last frame.
-  /// @param q [nq, out]  @param v, a [nv, out] 1/s, 1/s^2 of the coordinates
+  /// Reference at time t [s] after the first frame. Before the first and after the last frame, q is constant and v = a = 0.
+  /// @param q [nq, out]  @param v, a [nv, out] rad/s | m/s, rad/s^2 | m/s^2
   void sample(const Mechanism& mechanism, double t, std::span<double> q, std::span<double> v, std::span<double> a) const;
 
  private:
@@ -35,8 +34,8 @@ class SmoothMotion {
   std::vector<double> q_, v_, a_;  // [frames][nq], [frames][nv]
 };
 
-/// The reference that a clip gives at track time t [s]: placed on the floor, at the clip's speed. Before the clip's start and
-/// after its end it stands still. Sizes as above.
+/// Reference of a clip at track time t [s], with the clip's placement and speed applied. Before the clip's start and after its end, q is
+/// constant and v = a = 0. @param q [nq, out]  @param v, a [nv, out]
 void sample(const Clip& clip, const SmoothMotion& motion, const Mechanism& mechanism, double t, std::span<double> q, std::span<double> v,
             std::span<double> a);
 

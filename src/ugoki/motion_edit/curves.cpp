@@ -8,7 +8,7 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double least_key_gap = 1e-6;  // s
+constexpr double min_key_gap = 1e-6;  // s, minimum distance of keys; interpolation divides by it
 
 using Values = std::array<double, 3>;
 
@@ -35,13 +35,13 @@ struct Hermite {
   }
 };
 
-/// The values of one curve in every frame.
+/// One curve with the motion's values in every frame.
 struct Channel {
   Curve curve;
   std::vector<Values> value, slope;  // [frames]
   double rate = 0, bound = 0;
 
-  /// How far the piece's value at a frame is from the motion's: angle for rotations.
+  /// Distance between an interpolated and a true value: angle [rad] for rotations, otherwise the norm of the difference.
   [[nodiscard]] double error(const Values& made, const Values& true_value) const {
     if (curve.kind == Curve::Kind::rotation) {
       const Quat a = exp_map({made[0], made[1], made[2]}), b = exp_map({true_value[0], true_value[1], true_value[2]});
@@ -79,10 +79,10 @@ struct Channel {
       if (b - a < 2) continue;
       const Key first = key(a), last = key(b);
       int worst = -1;
-      double most = bound;
+      double maximum = bound;
       for (int f = a + 1; f < b; ++f)
-        if (const double e = error(Hermite{first, last}.value(f / rate), value[at(f)]); e > most) {
-          most = e;
+        if (const double e = error(Hermite{first, last}.value(f / rate), value[at(f)]); e > maximum) {
+          maximum = e;
           worst = f;
         }
       if (worst < 0) continue;
@@ -95,7 +95,7 @@ struct Channel {
   }
 };
 
-/// Rotation vectors from the reference, each turned on by whole turns to lie nearest to the one before.
+/// Adds the rotation vectors relative to the mean rotation; each is extended by full turns so that it is closest to the previous one.
 void add_rotation(const Motion& motion, const Link& link, int coordinate, Channel& c) {
   const int first = link.q_index + coordinate;
   Quat reference = quat_at(motion.frame(0) + first);
@@ -116,7 +116,7 @@ void add_rotation(const Motion& motion, const Link& link, int coordinate, Channe
   }
 }
 
-void add_numbers(const Motion& motion, const Link& link, int coordinate, int size, Channel& c) {
+void add_scalars(const Motion& motion, const Link& link, int coordinate, int size, Channel& c) {
   for (int f = 0; f < motion.frames; ++f) {
     Values v{};
     for (int k = 0; k < size; ++k) v[at(k)] = motion.frame(f)[link.q_index + coordinate + k];
@@ -124,11 +124,11 @@ void add_numbers(const Motion& motion, const Link& link, int coordinate, int siz
   }
 }
 
-/// The curves that a joint has: kind, first coordinate, components.
+/// A curve of a joint type: kind, first coordinate, number of components.
 struct Part {
   Curve::Kind kind;
   int coordinate, size;
-  bool length;  ///< counted in metres
+  bool length;  ///< unit is m, otherwise rad
 };
 std::vector<Part> parts_of(const Joint& joint) {
   using enum Curve::Kind;
@@ -141,35 +141,40 @@ std::vector<Part> parts_of(const Joint& joint) {
     case JointType::universal: return {{coordinate, 0, 1, false}, {coordinate, 1, 1, false}};
     case JointType::planar: return {{coordinate, 0, 1, true}, {coordinate, 1, 1, true}, {coordinate, 2, 1, false}};
     case JointType::spherical: return {{rotation, 0, 3, false}};
-    case JointType::floating: return {{place, 0, 3, true}, {rotation, 3, 3, false}};
+    case JointType::floating: return {{location, 0, 3, true}, {rotation, 3, 3, false}};
   }
   return {};
 }
 
 Error check_curve(const Mechanism& m, const Curve& c) {
-  const std::string place = "curve of link " + c.link;
+  const std::string location = "curve of link " + c.link;
   const int link = m.find_link(c.link);
   if (link < 0)
-    return {ErrorCode::unknown, place, "Mechanism " + m.name() + " has no such link.", "Use the mechanism that it was made for."};
+    return {ErrorCode::unknown, location, "Mechanism " + m.name() + " has no such link.",
+            "Use the mechanism for which the curves were made."};
   const std::vector<Part> parts = parts_of(m.link(link).joint);
   if (std::none_of(parts.begin(), parts.end(),
                    [&](const Part& p) { return p.kind == c.kind && p.coordinate == c.coordinate && p.size == c.size; }))
-    return {ErrorCode::structure, place, "Its joint has no such coordinate.", "Use the mechanism that it was made for."};
-  if (c.keys.empty()) return {ErrorCode::structure, place, "It has no key.", "Give it one at least."};
+    return {ErrorCode::structure, location, "The link's joint has no coordinate of this kind.",
+            "Use the mechanism for which the curves were made."};
+  if (c.keys.empty()) return {ErrorCode::structure, location, "The curve has no key.", "Add at least one key."};
   for (std::size_t i = 0; i < c.keys.size(); ++i) {
     bool finite = std::isfinite(c.keys[i].time);
     for (std::size_t k = 0; k < 3; ++k)
       finite = finite && std::isfinite(c.keys[i].value[k]) && std::isfinite(c.keys[i].slope_in[k]) && std::isfinite(c.keys[i].slope_out[k]);
-    if (!finite) return {ErrorCode::range, place + ", key " + std::to_string(i), "A number is not finite.", "Set it again."};
+    if (!finite)
+      return {ErrorCode::range, location + ", key " + std::to_string(i), "The time, value or slope of the key is not finite.",
+              "Set the key again."};
     if (i > 0 && !(c.keys[i].time > c.keys[i - 1].time))
-      return {ErrorCode::structure, place + ", key " + std::to_string(i), "It is not later than the one before.", "Order keys by time."};
+      return {ErrorCode::structure, location + ", key " + std::to_string(i), "The key is not later than the previous one.",
+              "Sort the keys by time."};
   }
   return {};
 }
 
 Error no_key(const Curve& c, int key) {
-  return {ErrorCode::range, "curve of link " + c.link, "It has no key " + std::to_string(key) + ".",
-          "Its keys are 0 to " + std::to_string(static_cast<int>(c.keys.size()) - 1) + "."};
+  return {ErrorCode::range, "curve of link " + c.link, "The curve has no key " + std::to_string(key) + ".",
+          "Use a key from 0 to " + std::to_string(static_cast<int>(c.keys.size()) - 1) + "."};
 }
 
 bool has_key(const Curve& c, int key) { return key >= 0 && key < static_cast<int>(c.keys.size()); }
@@ -205,8 +210,8 @@ int MotionCurves::find(const std::string& link, Curve::Kind kind) const {
 Result<MotionCurves> reduce_keys(const Mechanism& m, const Motion& motion, const ReduceOptions& o) {
   if (Error wrong = check_motion(motion, m); !wrong.empty()) return fail(std::move(wrong));
   if (!(o.degrees > 0) || !(o.metres > 0))
-    return fail(ErrorCode::range, "bounds of the keys", "They are " + to_text(o.degrees) + " degrees and " + to_text(o.metres) + " m.",
-                "Give numbers above 0.");
+    return fail(ErrorCode::range, "bounds of the keys",
+                "The bounds are " + to_text(o.degrees) + " degrees and " + to_text(o.metres) + " m.", "Use bounds above 0.");
   MotionCurves out{motion.name, motion.source, m.name(), motion.rate, motion.frames, motion.cyclic, {}, motion.contacts};
   for (const Link& link : m.links())
     for (const Part& part : parts_of(link.joint)) {
@@ -220,7 +225,7 @@ Result<MotionCurves> reduce_keys(const Mechanism& m, const Motion& motion, const
       if (part.kind == Curve::Kind::rotation)
         add_rotation(motion, link, part.coordinate, c);
       else
-        add_numbers(motion, link, part.coordinate, part.size, c);
+        add_scalars(motion, link, part.coordinate, part.size, c);
       c.reduce();
       out.curves.push_back(std::move(c.curve));
     }
@@ -234,7 +239,8 @@ Result<Motion> to_motion(const Mechanism& m, const MotionCurves& curves, double 
     errors.problems.insert(errors.problems.end(), wrong.problems.begin(), wrong.problems.end());
   }
   if (!(curves.rate > 0) || curves.frames < 1 || !(rate >= 0) || !std::isfinite(rate))
-    errors.add(ErrorCode::range, "curves " + curves.name, "They have no frames, or no frame rate.", "Reduce a motion again.");
+    errors.add(ErrorCode::range, "curves " + curves.name, "The curves have no frames or no valid frame rate.",
+               "Make the curves from a motion again.");
   if (!errors.empty()) return fail(std::move(errors));
   Motion out;
   out.name = curves.name;
@@ -272,9 +278,11 @@ Result<Motion> to_motion(const Mechanism& m, const MotionCurves& curves, double 
 
 Result<int> add_key(Curve& c, double t) {
   const auto b = std::lower_bound(c.keys.begin(), c.keys.end(), t, [](const Key& k, double x) { return k.time < x; });
-  const bool taken = (b != c.keys.end() && b->time - t < least_key_gap) || (b != c.keys.begin() && t - (b - 1)->time < least_key_gap);
-  if (!std::isfinite(t) || taken)
-    return fail(ErrorCode::duplicate, "curve of link " + c.link, "There is a key at " + to_text(t) + " s.", "Change that one.");
+  const bool occupied = (b != c.keys.end() && b->time - t < min_key_gap) || (b != c.keys.begin() && t - (b - 1)->time < min_key_gap);
+  if (!std::isfinite(t) || occupied)
+    return fail(ErrorCode::duplicate, "curve of link " + c.link,
+                "A key cannot be added at " + to_text(t) + " s: the time is not finite, or a key exists there.",
+                "Change the existing key, or use another time.");
   const Values slope = c.slope(t);
   const Key key{t, c.value(t), slope, slope};
   return static_cast<int>(c.keys.insert(b, key) - c.keys.begin());
@@ -282,13 +290,13 @@ Result<int> add_key(Curve& c, double t) {
 
 Result<void> move_key(Curve& c, int key, double t, const Values& value) {
   if (!has_key(c, key)) return fail(no_key(c, key));
-  const bool after = key == 0 || t >= c.keys[at(key - 1)].time + least_key_gap;
-  const bool before = key + 1 == static_cast<int>(c.keys.size()) || t <= c.keys[at(key + 1)].time - least_key_gap;
+  const bool after = key == 0 || t >= c.keys[at(key - 1)].time + min_key_gap;
+  const bool before = key + 1 == static_cast<int>(c.keys.size()) || t <= c.keys[at(key + 1)].time - min_key_gap;
   if (!std::isfinite(t) || !after || !before)
-    return fail(ErrorCode::range, "curve of link " + c.link, "Key " + std::to_string(key) + " cannot pass its neighbours.",
-                "Keep it between them, or delete them first.");
+    return fail(ErrorCode::range, "curve of link " + c.link, "Key " + std::to_string(key) + " cannot be moved past its neighbours.",
+                "Keep its time between theirs, or delete them first.");
   for (const double x : value)
-    if (!std::isfinite(x)) return fail(ErrorCode::range, "curve of link " + c.link, "The new value is not finite.", "Give a number.");
+    if (!std::isfinite(x)) return fail(ErrorCode::range, "curve of link " + c.link, "The new value is not finite.", "Use a finite value.");
   c.keys[at(key)].time = t;
   c.keys[at(key)].value = value;
   return {};
@@ -297,7 +305,7 @@ Result<void> move_key(Curve& c, int key, double t, const Values& value) {
 Result<void> set_slopes(Curve& c, int key, const Values& in, const Values& out) {
   if (!has_key(c, key)) return fail(no_key(c, key));
   for (const double x : {in[0], in[1], in[2], out[0], out[1], out[2]})
-    if (!std::isfinite(x)) return fail(ErrorCode::range, "curve of link " + c.link, "The new slope is not finite.", "Give a number.");
+    if (!std::isfinite(x)) return fail(ErrorCode::range, "curve of link " + c.link, "The new slope is not finite.", "Use a finite slope.");
   c.keys[at(key)].slope_in = in;
   c.keys[at(key)].slope_out = out;
   return {};
@@ -306,7 +314,7 @@ Result<void> set_slopes(Curve& c, int key, const Values& in, const Values& out) 
 Result<void> delete_key(Curve& c, int key) {
   if (!has_key(c, key)) return fail(no_key(c, key));
   if (c.keys.size() == 1)
-    return fail(ErrorCode::structure, "curve of link " + c.link, "Its last key cannot be deleted.", "Move it instead.");
+    return fail(ErrorCode::structure, "curve of link " + c.link, "The last key of a curve cannot be deleted.", "Move the key instead.");
   c.keys.erase(c.keys.begin() + key);
   return {};
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A motion as few keys with tangents, which people can edit, and back.
+// Conversion of a motion to editable curves with few keys and tangents, and back.
 
 #include <array>
 #include <string>
@@ -9,62 +9,62 @@
 
 namespace ugoki::motion_edit {
 
-/// Value of a curve at a moment, and its slopes before and after it. Unused components are 0.
+/// A key of a curve: time, value, and slopes before and after it. Unused components are 0.
 struct Key {
   double time = 0;                                ///< s
-  std::array<double, 3> value{};                  ///< m or rad; rotations: rotation vector from the curve's reference
+  std::array<double, 3> value{};                  ///< m or rad; for rotations the rotation vector relative to the curve's reference
   std::array<double, 3> slope_in{}, slope_out{};  ///< per second
 };
 
-/// What one curve moves: a joint's coordinate, its place, or its rotation.
+/// A curve of one joint: a scalar coordinate, the position (location) of a floating joint, or a rotation.
 struct Curve {
-  enum class Kind { coordinate, place, rotation };
+  enum class Kind { coordinate, location, rotation };
   std::string link;
   Kind kind = Kind::coordinate;
-  int coordinate = 0;     ///< of the joint's own q: the first one that it gives
+  int coordinate = 0;     ///< index of its first coordinate within the joint's q
   int size = 1;           ///< components: 1 or 3
-  Quat reference;         ///< rotations: what its rotation vectors are counted from
-  std::vector<Key> keys;  ///< by time; at least one
+  Quat reference;         ///< rotations: orientation to which the rotation vectors are relative
+  std::vector<Key> keys;  ///< sorted by time; at least one
 
-  /// Cubic Hermite between keys, constant outside.
+  /// Value and slope at time t [s]: cubic Hermite interpolation between keys, constant outside.
   [[nodiscard]] std::array<double, 3> value(double t) const;
   [[nodiscard]] std::array<double, 3> slope(double t) const;
 };
 
 struct MotionCurves {
   std::string name, source, mechanism;
-  double rate = 120;  ///< frames a second of the motion it came from
+  double rate = 120;  ///< frames per second of the source motion
   int frames = 0;
   bool cyclic = false;
-  std::vector<Curve> curves;  ///< one for each coordinate, place and rotation of the mechanism
+  std::vector<Curve> curves;  ///< one for each scalar coordinate, position and rotation of the mechanism's joints
   std::vector<ContactTrack> contacts;
 
   [[nodiscard]] int key_count() const;
-  [[nodiscard]] int find(const std::string& link, Curve::Kind kind) const;  ///< -1: none
+  [[nodiscard]] int find(const std::string& link, Curve::Kind kind) const;  ///< index of the first such curve; -1: none
 };
 
 struct ReduceOptions {
-  double degrees = 0.25;  ///< no joint is turned farther from where it was, in any frame
-  double metres = 0.001;  ///< no joint slides farther from where it was, nor the root from its place
+  double degrees = 0.25;  ///< maximum rotation error of any joint in any frame
+  double metres = 0.001;  ///< maximum translation error of any joint, including the root, in any frame
 };
 
-/// As few keys as keep every frame within the bounds: pieces are halved at their worst frame until none is outside (Douglas and Peucker's
-/// scheme with cubic Hermite pieces whose slopes are those of the motion). O(frames log frames) for most motions. Errors: the motion does
-/// not fit; bounds not positive.
+/// Converts a motion to curves with few keys such that every frame is within the bounds: splits a piece at its worst frame until all frames
+/// are within (the Douglas-Peucker scheme, with cubic Hermite pieces that have the slopes of the motion). O(frames log frames) for most
+/// motions. Errors: the motion does not fit the mechanism; bounds that are not above 0.
 [[nodiscard]] Result<MotionCurves> reduce_keys(const Mechanism& mechanism, const Motion& motion, const ReduceOptions& options = {});
 
-/// The motion that the curves describe. @param rate frames a second; 0: theirs
-/// Errors: a curve of a link or coordinate that the mechanism does not have, or with keys not by time or not finite; no frames.
+/// Samples the curves as a motion. @param rate frames per second; 0: the rate of the curves
+/// Errors: a curve of a link or coordinate that the mechanism does not have; keys that are not sorted by time or not finite; no frames.
 [[nodiscard]] Result<Motion> to_motion(const Mechanism& mechanism, const MotionCurves& curves, double rate = 0);
 
-// Editing. Errors name the curve's link and say what is possible.
+// Editing of keys. Errors name the curve's link and the allowed values.
 
-/// A new key at time t that leaves the curve's shape as it is. @return its index
+/// Inserts a key at time t [s] without changing the curve's shape. @return its index
 [[nodiscard]] Result<int> add_key(Curve& curve, double t);
-/// Moves a key to another time (between its neighbours) and value.
+/// Sets time [s] and value of a key; the time must stay between its neighbours.
 [[nodiscard]] Result<void> move_key(Curve& curve, int key, double t, const std::array<double, 3>& value);
 [[nodiscard]] Result<void> set_slopes(Curve& curve, int key, const std::array<double, 3>& in, const std::array<double, 3>& out);
-/// The last key of a curve cannot be deleted.
+/// Deletes a key. The only remaining key of a curve cannot be deleted.
 [[nodiscard]] Result<void> delete_key(Curve& curve, int key);
 
 }  // namespace ugoki::motion_edit

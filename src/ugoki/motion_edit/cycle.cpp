@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ugoki/base/number.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion_edit/rounds.h"
 
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double speed_time = 0.1;  // s: a difference of velocities counts as the way it makes in this time
+constexpr double speed_time = 0.1;  // s: a velocity difference counts as the distance covered in this time
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -25,17 +26,17 @@ std::vector<double> velocity(const Mechanism& m, const Motion& motion, int f) {
   return v;
 }
 
-/// Everything of a pose but where on the floor it is: joints, the root's height and tilt, and their velocities.
-class Likeness {
+/// Difference between frames, independent of position and heading on the floor: joints, height and tilt of the root, and velocities.
+class FrameDifference {
  public:
-  Likeness(const Mechanism& m, const Motion& motion) : m_(m) {
+  FrameDifference(const Mechanism& m, const Motion& motion) : m_(m) {
     const auto nq = at(m.nq());
     for (int f = 0; f < motion.frames; ++f) {
       std::vector<double> q(motion.frame(f), motion.frame(f) + nq), v = velocity(m, motion, f);
       Placement root = root_placement(m, q);
       root.z = 0;
       displace_root(m, inverse(root), q);
-      if (m.link(0).joint.type == JointType::floating) {  // velocities over the floor, as the figure sees them
+      if (m.link(0).joint.type == JointType::floating) {  // linear velocity of the root relative to its heading
         const Mat3 R = m.link(0).joint.X_PJ.R.transposed() * (rotation_about({0, 0, 1}, -root.heading) * m.link(0).joint.X_PJ.R);
         const Vec3 p = R * Vec3{v[3], v[4], v[5]};
         for (int k = 0; k < 3; ++k) v[at(3 + k)] = p[k];
@@ -45,7 +46,7 @@ class Likeness {
     }
   }
 
-  /// Mean square over the freedoms. rad^2
+  /// Mean square difference of frames i and j over the DOFs. rad^2 (m counts as rad)
   [[nodiscard]] double operator()(int i, int j) const {
     std::vector<double> d(at(m_.nv()));
     difference(m_, q_[at(i)], q_[at(j)], d);
@@ -62,7 +63,7 @@ class Likeness {
   std::vector<std::vector<double>> q_, v_;
 };
 
-/// Strides: from one touch-down of a foot to its next, in which each other foot that steps at all lands once.
+/// Strides: ranges from one touch-down of a foot to its next in which every other foot that ever lands, lands exactly once.
 std::vector<Stance> find_strides(const FootContacts& contacts) {
   std::vector<std::vector<int>> landings;
   for (std::size_t k = 0; k < contacts.feet.size(); ++k) {
@@ -79,7 +80,7 @@ std::vector<Stance> find_strides(const FootContacts& contacts) {
       });
       if (whole) strides.push_back({own[i - 1], own[i]});
     }
-    if (!strides.empty()) return strides;  // of the first foot that has one: motions of a kind are cut at the same foot
+    if (!strides.empty()) return strides;  // always the first foot with a stride, so that similar motions are cut at the same foot
   }
   return {};
 }
@@ -88,27 +89,29 @@ std::vector<Stance> find_strides(const FootContacts& contacts) {
 
 Result<Stance> find_cycle(const Mechanism& m, const Motion& motion, const FootContacts& contacts, const CycleOptions& o,
                           CycleReport* report) {
-  const int least = std::max(2, static_cast<int>(o.shortest * motion.rate)), most = static_cast<int>(o.longest * motion.rate);
-  if (motion.frames <= least)
-    return fail(ErrorCode::structure, place_of(motion), "It is shorter than one cycle can be.",
-                "Give a motion of at least two steps of each foot.");
-  const Likeness unlike(m, motion);
+  const int minimum = std::max(2, static_cast<int>(o.shortest * motion.rate)), maximum = static_cast<int>(o.longest * motion.rate);
+  if (motion.frames <= minimum)
+    return fail(
+        ErrorCode::structure, place_of(motion),
+        "The motion has " + std::to_string(motion.frames) + " frames; the shortest cycle needs " + std::to_string(minimum + 1) + ".",
+        "Use a motion with at least two steps of each foot.");
+  const FrameDifference frame_difference(m, motion);
   Stance best{-1, -1};
-  double least_cost = 1e300;
+  double min_cost = 1e300;
   const auto consider = [&](const Stance& s) {
-    if (s.last - s.first < least || s.last - s.first > most) return;
-    if (const double cost = unlike(s.first, s.last); cost < least_cost) {
-      least_cost = cost;
+    if (s.last - s.first < minimum || s.last - s.first > maximum) return;
+    if (const double cost = frame_difference(s.first, s.last); cost < min_cost) {
+      min_cost = cost;
       best = s;
     }
   };
   for (const Stance& s : find_strides(contacts)) consider(s);
   const bool by_contacts = best.first >= 0;
   if (!by_contacts) {
-    // Every frame against every later one, at a tenth of a cycle's resolution at first.
-    const int step = std::max(1, least / 10);
+    // Compare every frame with every later frame, first at a tenth of the shortest cycle, then frame by frame around the best pair.
+    const int step = std::max(1, minimum / 10);
     for (int i = 0; i < motion.frames; i += step)
-      for (int j = i + least; j < motion.frames && j - i <= most; j += step) consider({i, j});
+      for (int j = i + minimum; j < motion.frames && j - i <= maximum; j += step) consider({i, j});
     if (best.first >= 0) {
       const Stance coarse = best;
       for (int i = std::max(0, coarse.first - step); i <= coarse.first + step; ++i)
@@ -116,10 +119,11 @@ Result<Stance> find_cycle(const Mechanism& m, const Motion& motion, const FootCo
     }
   }
   if (best.first < 0)
-    return fail(ErrorCode::structure, place_of(motion), "No cycle of a usual length was found in it.",
-                "Give first and last frame of the cycle.");
+    return fail(ErrorCode::structure, place_of(motion),
+                "No cycle between " + to_text(o.shortest) + " s and " + to_text(o.longest) + " s long was found.",
+                "Specify the first and last frame of the cycle.");
   if (report) {
-    report->seam = std::sqrt(least_cost);
+    report->seam = std::sqrt(min_cost);
     report->by_contacts = by_contacts;
   }
   return best;
@@ -127,7 +131,7 @@ Result<Stance> find_cycle(const Mechanism& m, const Motion& motion, const FootCo
 
 namespace {
 
-/// Sets the motion down on the ground, where it stands near it.
+/// Moves the motion vertically so that its feet stand on the ground, if they are near it. @param raised [out] m
 Motion levelled(const Mechanism& m, const Motion& motion, std::span<const FootLimb> feet, const CycleOptions& o, double& raised) {
   Motion out = motion;
   if (feet.empty() || o.contacts.find_ground) return out;
@@ -142,25 +146,26 @@ Motion levelled(const Mechanism& m, const Motion& motion, std::span<const FootLi
 
 Result<Motion> make_cyclic(const Mechanism& m, const Motion& source, const CycleOptions& o, CycleReport* report) {
   if (Error wrong = check_motion(source, m); !wrong.empty()) return fail(std::move(wrong));
-  if (m.nv() == 0) return fail(ErrorCode::structure, "mechanism " + m.name(), "Nothing of it moves.", "Give a mechanism with joints.");
-  CycleReport told;
+  if (m.nv() == 0)
+    return fail(ErrorCode::structure, "mechanism " + m.name(), "The mechanism has no movable joint.", "Use a mechanism with joints.");
+  CycleReport reported;
   std::vector<FootLimb> feet = find_foot_limbs(m);
-  const Motion motion = levelled(m, source, feet, o, told.raised);
+  const Motion motion = levelled(m, source, feet, o, reported.raised);
   Motion out = motion;
   if (!motion.cyclic) {
     Stance cycle{o.first, o.last};
     if (o.first < 0 || o.last < 0) {
-      Result<Stance> found = find_cycle(m, motion, find_contacts(m, motion, feet, o.contacts), o, &told);
+      Result<Stance> found = find_cycle(m, motion, find_contacts(m, motion, feet, o.contacts), o, &reported);
       if (!found) return fail(std::move(found.error()));
       cycle = *found;
     }
     if (cycle.last >= motion.frames || cycle.last - cycle.first < 2)
       return fail(ErrorCode::range, place_of(motion),
-                  "Frames " + std::to_string(cycle.first) + " to " + std::to_string(cycle.last) + " are no cycle of its " +
+                  "Frames " + std::to_string(cycle.first) + " to " + std::to_string(cycle.last) + " are not a cycle of the motion of " +
                       std::to_string(motion.frames) + " frames.",
-                  "Give two frames of the motion, at least two apart.");
-    told.first = cycle.first;
-    told.last = cycle.last;
+                  "Specify two frames of the motion, at least two apart.");
+    reported.first = cycle.first;
+    reported.last = cycle.last;
     const int n = cycle.last - cycle.first;
     const auto nq = at(m.nq()), nv = at(m.nv());
     out.frames = n + 1;
@@ -170,7 +175,7 @@ Result<Motion> make_cyclic(const Mechanism& m, const Motion& source, const Cycle
     const Placement way = cycle_of(out, m);
     std::vector<double> end(out.frame(n), out.frame(n) + nq), gap(nv), jump(nv), part(nv);
     displace_root(m, inverse(way), end);
-    difference(m, end, {out.frame(0), nq}, gap);  // from the end to the beginning
+    difference(m, end, {out.frame(0), nq}, gap);  // displacement from the last to the first frame
     const std::vector<double> v0 = velocity(m, motion, cycle.first);
     std::vector<double> v1 = velocity(m, motion, cycle.last);
     if (m.link(0).joint.type == JointType::floating) {
@@ -185,7 +190,8 @@ Result<Motion> make_cyclic(const Mechanism& m, const Motion& source, const Cycle
       const double in = f < near ? f * (1 - f / near) * (1 - f / near) : 0,
                    away = left < near ? left * (1 - left / near) * (1 - left / near) : 0;
       for (std::size_t k = 0; k < nv; ++k) part[k] = s * gap[k] + 0.5 * jump[k] / motion.rate * (in + away);
-      if (m.link(0).joint.type == JointType::floating) {  // its linear part is over the floor, which turns under the figure in a cycle
+      if (m.link(0).joint.type ==
+          JointType::floating) {  // express the linear part in the world: the character's heading changes during the cycle
         const Mat3& J = m.link(0).joint.X_PJ.R;
         const Mat3 turn = rotation_about({0, 0, 1}, way.heading * (static_cast<double>(f) / n));
         const Vec3 p = transpose_times(J, turn * (J * Vec3{part[3], part[4], part[5]}));
@@ -199,11 +205,11 @@ Result<Motion> make_cyclic(const Mechanism& m, const Motion& source, const Cycle
   FootContacts contacts = find_contacts(m, out, std::move(feet), o.contacts);
   set_labels(m, contacts, out);
   if (o.lock_feet && !contacts.feet.empty()) {
-    Result<Motion> locked = lock_feet(m, out, contacts, o.lock, &told.feet);
+    Result<Motion> locked = lock_feet(m, out, contacts, o.lock, &reported.feet);
     if (!locked) return fail(std::move(locked.error()));
     out = std::move(*locked);
   }
-  if (report) *report = told;
+  if (report) *report = reported;
   return out;
 }
 

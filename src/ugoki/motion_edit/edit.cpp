@@ -14,7 +14,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string place_of(const Motion& motion) { return "motion " + motion.name; }
 
-/// A motion like `source`, at other moments of it. @param frames of the new motion  @param moment_of s of the source at a new frame
+/// Samples `source` at other times. @param frames number of new frames  @param moment_of source time [s] of a new frame
 template <class MomentOf>
 Motion played(const Mechanism& m, const Motion& source, const SmoothMotion& smooth, int frames, double rate, const MomentOf& moment_of) {
   Motion out = source;
@@ -32,32 +32,33 @@ Motion played(const Mechanism& m, const Motion& source, const SmoothMotion& smoo
   return out;
 }
 
-constexpr double least_factor = 1e-6, greatest_factor = 1e6, least_rate = 0.001, greatest_rate = 1e5;
+constexpr double min_factor = 1e-6, max_factor = 1e6, min_rate = 0.001, max_rate = 1e5;
 
-Error check_factor(const char* what, double x) {
-  if (x >= least_factor && x <= greatest_factor) return {};
-  return {ErrorCode::range, std::string("factor of ") + what, "It is " + to_text(x) + ".", "Give a number from 0.000001 to 1000000."};
+Error check_factor(const char* quantity, double x) {
+  if (x >= min_factor && x <= max_factor) return {};
+  return {ErrorCode::range, std::string("factor of ") + quantity, "The factor is " + to_text(x) + ".",
+          "Use a factor from 0.000001 to 1000000."};
 }
 
-/// A motion that would not fit into memory is none that anybody wants. @param frames of the new motion
+/// Refuses results with more than 100 million coordinates (0.8 GB). @param frames number of new frames
 Error check_size(const Motion& motion, double frames) {
-  const double most = std::floor(1e8 / std::max(1, motion.nq));
-  if (frames <= most) return {};
-  return {ErrorCode::range, place_of(motion), "It would have " + to_fixed(frames, 0) + " frames.",
-          "Make it shorter, or of fewer frames a second: at most " + to_fixed(most, 0) + " frames."};
+  const double maximum = std::floor(1e8 / std::max(1, motion.nq));
+  if (frames <= maximum) return {};
+  return {ErrorCode::range, place_of(motion), "The result would have " + to_fixed(frames, 0) + " frames.",
+          "Reduce its duration or its frame rate: at most " + to_fixed(maximum, 0) + " frames are allowed."};
 }
 
-/// s, as people read it; never more than it is.
+/// Formats a time [s] with three decimals, rounded down so that a limit shown to the user is valid.
 std::string seconds(double s) { return to_fixed(std::floor(1000 * s + 1e-6) / 1000, 3) + " s"; }
 
 }  // namespace
 
 Result<Motion> trim(const Motion& motion, int first, int last) {
   if (first < 0 || last >= motion.frames || first > last)
-    return fail(
-        ErrorCode::range, place_of(motion),
-        "Frames " + std::to_string(first) + " to " + std::to_string(last) + " are not in its " + std::to_string(motion.frames) + " frames.",
-        "Give frames from 0 to " + std::to_string(motion.frames - 1) + ", that is 0 to " + seconds(motion.duration()) + ".");
+    return fail(ErrorCode::range, place_of(motion),
+                "Frames " + std::to_string(first) + " to " + std::to_string(last) + " are not a range within the motion's " +
+                    std::to_string(motion.frames) + " frames.",
+                "Use frames from 0 to " + std::to_string(motion.frames - 1) + " (0 to " + seconds(motion.duration()) + ").");
   Motion out = motion;
   out.frames = last - first + 1;
   out.cyclic = motion.cyclic && out.frames == motion.frames;
@@ -75,8 +76,9 @@ Motion reverse(const Motion& motion) {
 
 Result<Motion> resample(const Mechanism& m, const Motion& motion, double rate) {
   if (Error wrong = check_motion(motion, m); !wrong.empty()) return fail(std::move(wrong));
-  if (!(rate >= 1 && rate <= greatest_rate))
-    return fail(ErrorCode::range, place_of(motion), "It cannot have " + to_text(rate) + " frames a second.", "Give 1 to 100000.");
+  if (!(rate >= 1 && rate <= max_rate))
+    return fail(ErrorCode::range, place_of(motion), "The new frame rate is " + to_text(rate) + " frames per second.",
+                "Use 1 to 100000 frames per second.");
   if (motion.frames < 2) {
     Motion out = motion;
     out.rate = rate;
@@ -98,9 +100,9 @@ Result<Motion> scale(const Mechanism& m, const Motion& motion, const ScaleOption
   if (!errors.empty()) return fail(std::move(errors));
   Motion out = motion;
   out.rate = motion.rate / (o.time * (o.froude ? std::sqrt(o.length) : 1.0));
-  if (!(out.rate >= least_rate && out.rate <= greatest_rate))
-    return fail(ErrorCode::range, place_of(motion), "It would have " + to_text(out.rate) + " frames a second.",
-                "Give a factor of time that leaves 0.001 to 100000.");
+  if (!(out.rate >= min_rate && out.rate <= max_rate))
+    return fail(ErrorCode::range, place_of(motion), "The result would have " + to_text(out.rate) + " frames per second.",
+                "Use a time factor that gives 0.001 to 100000 frames per second.");
   for (int f = 0; f < out.frames; ++f)
     for (const Link& link : m.links()) {
       double* q = out.frame(f) + link.q_index;
@@ -119,15 +121,17 @@ Result<Motion> scale(const Mechanism& m, const Motion& motion, const ScaleOption
 
 Result<Motion> time_warp(const Mechanism& m, const Motion& motion, std::span<const TimePoint> p) {
   if (Error wrong = check_motion(motion, m); !wrong.empty()) return fail(std::move(wrong));
-  if (p.size() < 2) return fail(ErrorCode::structure, "time curve", "It has fewer than two points.", "Give beginning and end at least.");
+  if (p.size() < 2)
+    return fail(ErrorCode::structure, "time curve", "The time curve has fewer than two points.", "Specify at least its start and end.");
   for (std::size_t i = 0; i < p.size(); ++i) {
-    const std::string place = "time curve, point " + std::to_string(i);
+    const std::string location = "time curve, point " + std::to_string(i);
     if (!std::isfinite(p[i].time) || !(p[i].source >= 0 && p[i].source <= motion.duration() + 1e-9))
-      return fail(ErrorCode::range, place, "It shows " + to_text(p[i].source) + " s of a motion of " + seconds(motion.duration()) + ".",
+      return fail(ErrorCode::range, location,
+                  "The source time is " + to_text(p[i].source) + " s, but the motion lasts " + seconds(motion.duration()) + ".",
                   "Keep source times within the motion.");
     if (i > 0 && !(p[i].time > p[i - 1].time && p[i].source >= p[i - 1].source))
-      return fail(ErrorCode::range, place, "Time does not rise there, or the source runs backwards.",
-                  "Give rising times; use `reverse` for backwards.");
+      return fail(ErrorCode::range, location, "The time does not increase, or the source time decreases.",
+                  "Use increasing times; use `reverse` to play backwards.");
   }
   std::vector<double> slope(p.size());
   const auto rise = [&](std::size_t i) { return (p[i + 1].source - p[i].source) / (p[i + 1].time - p[i].time); };
@@ -162,7 +166,7 @@ Result<Motion> join(const Mechanism& m, const Motion& first, const Motion& secon
   if (!errors.empty()) return fail(std::move(errors));
   if (!(o.blend >= 0 && o.blend <= std::min(first.duration(), second.duration())))
     return fail(ErrorCode::range, "join", "A blend of " + to_text(o.blend) + " s does not fit into both motions.",
-                "Give at most " + seconds(std::min(first.duration(), second.duration())) + ".");
+                "Use a blend from 0 s to " + seconds(std::min(first.duration(), second.duration())) + ".");
   Result<Motion> next = second.rate == first.rate ? Result<Motion>(second) : resample(m, second, first.rate);
   if (!next) return next;
   if (Error too_long = check_size(first, static_cast<double>(first.frames) + next->frames); !too_long.empty())
@@ -173,7 +177,7 @@ Result<Motion> join(const Mechanism& m, const Motion& first, const Motion& secon
   if (o.where_it_ends) {
     const Placement from = root_placement(m, {next->frame(0), nq}), to = root_placement(m, {first.frame(start), nq});
     by = to * inverse(from);
-    by.z = 0;  // both keep their floor
+    by.z = 0;  // heights above the floor are kept
   }
   Motion out = first;
   out.name = first.name + " + " + second.name;

@@ -1,6 +1,6 @@
 #pragma once
-// Operations on one or two motions along their time. Each leaves its inputs as they are and gives a motion that fits the same mechanism;
-// contact labels go along. Errors name the motion and what to change; a motion of more than 100 million coordinates is not made.
+// Operations on the time axis of one or two motions. Each returns a new motion for the same mechanism, with its contact labels.
+// Errors name the motion and a remedy. Results with more than 100 million coordinates are refused.
 
 #include <span>
 
@@ -8,38 +8,40 @@
 
 namespace ugoki::motion_edit {
 
-/// Frames first ... last, both included. Errors: frames that it does not have.
+/// Returns frames first to last, both included. Errors: frames that the motion does not have.
 [[nodiscard]] Result<Motion> trim(const Motion& motion, int first, int last);
 
-/// The other way round in time.
+/// Returns the motion reversed in time.
 [[nodiscard]] Motion reverse(const Motion& motion);
 
-/// The motion at another frame rate, by cubic pieces on the manifold. Its duration stays: the frames of a cyclic motion divide it evenly,
-/// so its rate may differ a little from the one asked for; others lose less than a frame at the end. A lower rate filters first what it
-/// cannot hold (zero-lag Butterworth at 0.4 of the new rate). @param rate frames a second, 1 ... 100000
+/// Returns the motion at another frame rate, by cubic interpolation on the manifold. A cyclic motion keeps its duration, so its rate may
+/// differ slightly from `rate`; other motions lose less than one frame at the end. Before the rate is lowered (below 0.8 of the old one),
+/// the motion is low-pass filtered at 0.4 of the new rate (zero-lag Butterworth). @param rate frames per second, 1 to 100000
 [[nodiscard]] Result<Motion> resample(const Mechanism& mechanism, const Motion& motion, double rate);
 
 struct ScaleOptions {
-  double length = 1;    ///< all lengths: the root's place and sliding joints; the mechanism must be scaled alike
-  double time = 1;      ///< of the motion's duration: 2 is half as fast
-  bool froude = false;  ///< time is the square root of length, so that weight moves it as before
+  double length = 1;    ///< factor of all lengths: root position and sliding joints; scale the mechanism by the same factor
+  double time = 1;      ///< factor of the duration: 2 is half as fast
+  bool froude = false;  ///< also multiply the duration by sqrt(length): dynamic similarity under the same gravity (Froude number)
 };
-/// Errors: factors outside of 1e-6 ... 1e6; a rate outside of 0.001 ... 100000 frames a second.
+/// Scales lengths and duration. Errors: factors outside 1e-6 to 1e6; a resulting rate outside 0.001 to 100000 frames per second.
 [[nodiscard]] Result<Motion> scale(const Mechanism& mechanism, const Motion& motion, const ScaleOptions& options);
 
-/// A moment of the new motion and the moment of the source that it shows. s
+/// A pair of times: time in the new motion and the corresponding time in the source. s
 struct TimePoint {
   double time = 0, source = 0;
 };
-/// The motion played along a monotone curve through the points (cubic, no overshoot: Fritsch and Carlson 1980), from the first point's
-/// time, which becomes 0, to the last one's. Errors: fewer than two points, times that do not rise, source times that fall or lie outside.
+/// Returns the motion with its time mapped by a monotone cubic curve through the points (no overshoot: Fritsch and Carlson 1980). The time
+/// of the first point becomes 0. Errors: fewer than two points, times that do not increase, source times that decrease or are outside the
+/// motion.
 [[nodiscard]] Result<Motion> time_warp(const Mechanism& mechanism, const Motion& motion, std::span<const TimePoint> points);
 
 struct JoinOptions {
-  double blend = 0.3;         ///< s in which the end of the first goes over into the beginning of the second
-  bool where_it_ends = true;  ///< the second is laid where the first ends; false: it stays where it is
+  double blend = 0.3;         ///< s of overlap in which the first motion is cross-faded to the second
+  bool where_it_ends = true;  ///< true: the second motion is displaced to start where the first ends; false: it is not displaced
 };
-/// One motion after the other. The rate is that of the first. Errors: a motion that does not fit the mechanism; a blend longer than either.
+/// Returns the first motion followed by the second, at the rate of the first. Errors: a motion that does not fit the mechanism; a blend
+/// longer than one of the motions.
 [[nodiscard]] Result<Motion> join(const Mechanism& mechanism, const Motion& first, const Motion& second, const JoinOptions& options = {});
 
 }  // namespace ugoki::motion_edit

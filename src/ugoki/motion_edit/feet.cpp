@@ -20,20 +20,20 @@ double lowest(std::span<const Pose> X_WB, int link, std::span<const SupportPoint
   return low;
 }
 
-/// Ends of limbs that are lowest in the neutral position: within a tenth of the figure's height of the lowest place of all.
+/// Lowest ends of limbs in the neutral position: those within a tenth of the character's height above the lowest point.
 std::vector<int> lowest_ends(const Mechanism& m) {
   std::vector<Pose> X(at(m.link_count()));
   calc_poses(m, m.neutral(), X);
   std::vector<double> low(X.size(), 1e300);
-  double least = 1e300, most = -1e300;
+  double minimum = 1e300, maximum = -1e300;
   for (int i = 0; i < m.link_count(); ++i) {
     low[at(i)] = lowest(X, i, support_points(m.link(i)));
-    least = std::min(least, low[at(i)]);
-    most = std::max(most, X[at(i)].p.z);
+    minimum = std::min(minimum, low[at(i)]);
+    maximum = std::max(maximum, X[at(i)].p.z);
   }
   std::vector<int> ends;
   for (int i = 1; i < m.link_count(); ++i) {
-    if (low[at(i)] > least + 0.1 * std::max(0.0, most - least)) continue;
+    if (low[at(i)] > minimum + 0.1 * std::max(0.0, maximum - minimum)) continue;
     const bool last = std::none_of(m.links().begin() + i + 1, m.links().end(), [&](const Link& other) {
       const int k = static_cast<int>(&other - m.links().data());
       return low[at(k)] < 1e299 && is_behind(m, k, i);
@@ -43,10 +43,10 @@ std::vector<int> lowest_ends(const Mechanism& m) {
   return ends;
 }
 
-/// Back and front of the sole: along its longer horizontal extent at rest, the ankle being nearer to the back.
+/// Splits the points of the sole into back and front along its longer horizontal extent at rest. The back is the end closer to the ankle.
 void find_heel_and_toe(std::span<const Pose> X, FootLimb& foot) {
   std::vector<Vec3> p;
-  for (const LinkPoint& q : foot.points) p.push_back(X[at(q.link)] * q.place.p - X[at(foot.link)].p);
+  for (const LinkPoint& q : foot.points) p.push_back(X[at(q.link)] * q.location.p - X[at(foot.link)].p);
   Vec3 low{1e300, 1e300, 0}, high{-1e300, -1e300, 0};
   for (const Vec3& v : p) {
     low = {std::min(low.x, v.x), std::min(low.y, v.y), 0};
@@ -67,8 +67,8 @@ std::vector<FootLimb> limbs_of(const Mechanism& m, std::span<const int> links) {
   std::vector<FootLimb> feet;
   std::vector<int> feet_behind(at(m.link_count()), 0);
   for (const int link : links) {  // parents first
-    const auto whole = std::find_if(feet.begin(), feet.end(), [&](const FootLimb& f) { return is_behind(m, link, f.link); });
-    FootLimb& foot = whole == feet.end() ? feet.emplace_back() : *whole;
+    const auto group = std::find_if(feet.begin(), feet.end(), [&](const FootLimb& f) { return is_behind(m, link, f.link); });
+    FootLimb& foot = group == feet.end() ? feet.emplace_back() : *group;
     if (foot.parts.empty()) {
       foot.link = link;
       for (int i = link; i >= 0; i = m.link(i).parent) ++feet_behind[at(i)];
@@ -103,8 +103,8 @@ Result<std::vector<FootLimb>> find_foot_limbs(const Mechanism& m, std::span<cons
     if (link < 0)
       errors.add(ErrorCode::unknown, "foot '" + name + "'", "Mechanism " + m.name() + " has no such link.", "Name one of its links.");
     else if (support_points(m.link(link)).empty())
-      errors.add(ErrorCode::structure, "foot '" + name + "'", "This link has no shape that collides, so it cannot stand.",
-                 "Name the link that carries the sole.");
+      errors.add(ErrorCode::structure, "foot '" + name + "'", "The link has no colliding shape, so it cannot touch the ground.",
+                 "Name the link with the sole.");
     else
       links.push_back(link);
   }

@@ -9,9 +9,9 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr int least_flight = 4;         // frames: of a shorter flight no acceleration can be told
-constexpr double stance_weight = 0.02;  // of an acceleration while feet bear, against one in flight
-constexpr double return_time = 0.15;    // s in which a raise goes back without a reason
+constexpr int min_flight = 4;           // frames: shorter flights do not determine an acceleration
+constexpr double stance_weight = 0.02;  // weight of acceleration errors in frames with contact; in flight it is 1
+constexpr double return_time = 0.15;    // s, time constant with which the displacement returns to 0
 
 struct Flight {
   int first = 0, last = 0;
@@ -24,8 +24,8 @@ std::vector<Flight> find_flights(std::span<const double> z, std::span<const std:
   for (int from = 0; from < n;) {
     int to = from;
     while (to + 1 < n && bears[static_cast<std::size_t>(to) + 1] == bears[static_cast<std::size_t>(from)]) ++to;
-    if (!bears[static_cast<std::size_t>(from)] && to - from + 1 >= least_flight && from > 0 && to + 1 < n) {
-      // Parabola of least squares through the heights.
+    if (!bears[static_cast<std::size_t>(from)] && to - from + 1 >= min_flight && from > 0 && to + 1 < n) {
+      // Least-squares parabola through the heights.
       double s2 = 0, s4 = 0, s0 = 0, z0 = 0, z2 = 0;
       const double middle = 0.5 * (from + to);
       for (int i = from; i <= to; ++i) {
@@ -43,7 +43,8 @@ std::vector<Flight> find_flights(std::span<const double> z, std::span<const std:
   return out;
 }
 
-/// Solves the symmetric positive definite band matrix of width 2 in place: row i holds a[i][0..2] = A(i, i), A(i, i + 1), A(i, i + 2).
+/// Solves A x = b in place for a symmetric positive definite band matrix of half-bandwidth 2.
+/// @param a a[i][0..2] = A(i, i), A(i, i + 1), A(i, i + 2); overwritten  @param x b on entry, the solution on return
 void solve_band(std::vector<std::array<double, 3>>& a, std::vector<double>& x) {
   const std::size_t n = x.size();
   for (std::size_t i = 0; i < n; ++i)
@@ -80,7 +81,7 @@ double flight_acceleration(std::span<const double> heights, std::span<const std:
   return frames > 0 ? sum / frames : 0;
 }
 
-/// Least sum of weight (u'' - c)^2 + u^2 / return_time^4, with c = what is missing in flights and 0 elsewhere.
+// Minimises sum weight (u'' - c)^2 + stance_weight u^2 / return_time^4, where c is the missing acceleration in flights and 0 elsewhere.
 std::vector<double> raise_for_flight(std::span<const double> heights, std::span<const std::uint8_t> bears, double rate, double wanted) {
   const std::size_t n = heights.size();
   std::vector<double> c(n, 0.0), weight(n, stance_weight), u(n, 0.0);

@@ -1,5 +1,5 @@
 #pragma once
-// Phases in which no foot bears: there a body's centre of mass falls.
+// Flight phases: frames in which no foot is in contact and the centre of mass is in free fall.
 
 #include <cstdint>
 #include <span>
@@ -9,15 +9,15 @@
 
 namespace ugoki::motion_edit {
 
-/// Height of the centre of mass in every frame. [frames] m
+/// Heights of the centre of mass. [frames] m
 [[nodiscard]] std::vector<double> centre_heights(const Mechanism& mechanism, const Motion& motion);
 
-/// Mean vertical acceleration of the heights over the frames in which nothing bears, m/s^2, from the change of velocity over each flight.
-/// @param bears [frames] 1 while any foot bears  @param frames of flight that count (out), 0: there is none
+/// Mean vertical acceleration [m/s^2] in flight phases, from a least-squares parabola through the heights of each flight.
+/// @param bears [frames] 1 while any foot is in contact  @param frames [out] number of frames in flight phases; 0 if there are none
 [[nodiscard]] double flight_acceleration(std::span<const double> heights, std::span<const std::uint8_t> bears, double rate, int& frames);
 
-/// Raise of the root in every frame, [frames] m, smooth and small, that brings the mean acceleration in each flight to `wanted` [m/s^2];
-/// while feet bear the body is pushed up as much more.
+/// Vertical displacement of the root in every frame, [frames] m: a smooth, small correction that brings the mean acceleration of each
+/// flight to `wanted` [m/s^2]. The opposite acceleration is distributed over the frames with contact.
 [[nodiscard]] std::vector<double> raise_for_flight(std::span<const double> heights, std::span<const std::uint8_t> bears, double rate,
                                                    double wanted);
 

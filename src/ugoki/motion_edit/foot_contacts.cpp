@@ -9,7 +9,7 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double leg_of_options = 0.9;  // m, to which FootContactOptions refers
+constexpr double leg_of_options = 0.9;  // m, leg length for which FootContactOptions is specified
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -28,8 +28,8 @@ ContactLabelOptions scaled(const FootContactOptions& o, double ground, double le
   out.speed_on = o.speed_on * pace;
   out.speed_off = o.speed_off * pace;
   out.span = o.span;
-  out.least_contact = o.least_contact;
-  out.least_gap = o.least_gap;
+  out.min_contact = o.min_contact;
+  out.min_gap = o.min_gap;
   return out;
 }
 
@@ -66,14 +66,14 @@ double find_ground(const Mechanism& m, const Motion& motion, std::span<const Foo
       const LinkPoint* lowest = nullptr;
       double low = 1e300;
       for (const LinkPoint& p : foot.points) {
-        const double z = (poses[at(f)][at(p.link)] * p.place.p).z - p.place.radius;
+        const double z = (poses[at(f)][at(p.link)] * p.location.p).z - p.location.radius;
         if (z < low) {
           low = z;
           lowest = &p;
         }
       }
       if (!lowest) continue;
-      const Vec3 p = lowest->place.p;
+      const Vec3 p = lowest->location.p;
       const double dt = std::max(1, after - before) / motion.rate;
       moments.push_back({norm(poses[at(after)][at(lowest->link)] * p - poses[at(before)][at(lowest->link)] * p) / dt, low});
     }
@@ -154,14 +154,14 @@ SkateReport measure_skate(const Mechanism& m, const Motion& motion, const FootCo
       const LinkPoint* lowest = nullptr;
       double low = 1e300;
       for (const LinkPoint& p : contacts.feet[k].points) {
-        const double z = (X[at(p.link)] * p.place.p).z - p.place.radius;
+        const double z = (X[at(p.link)] * p.location.p).z - p.location.radius;
         if (z >= low) continue;
         low = z;
         lowest = &p;
       }
       if (!lowest) continue;
       const Pose& now = X[at(lowest->link)];
-      const Vec3 p = lowest->place.p + transpose_times(now.R, Vec3{0, 0, -lowest->place.radius});
+      const Vec3 p = lowest->location.p + transpose_times(now.R, Vec3{0, 0, -lowest->location.radius});
       const Vec3 d = now * p - before[at(lowest->link)] * p;
       const double step = std::sqrt(d.x * d.x + d.y * d.y);
       path[k] += step;

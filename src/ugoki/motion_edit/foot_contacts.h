@@ -1,5 +1,5 @@
 #pragma once
-// When each foot of a motion stands, and with which part of the sole.
+// Detects when each foot of a motion is in contact with the ground, and with which part of the sole.
 
 #include <cstdint>
 #include <vector>
@@ -8,17 +8,17 @@
 
 namespace ugoki::motion_edit {
 
-/// Heights and speeds are those of a leg of 0.9 m; heights scale with the leg's length, speeds with its square root (Froude's law).
+/// Thresholds for a leg length of 0.9 m. Heights scale with the leg length, speeds with its square root (Froude scaling).
 struct FootContactOptions {
-  bool find_ground = false;     ///< the ground is where the feet stand in this motion (find_ground)
-  double ground = 0;            ///< m, otherwise
-  double height_on = 0.03;      ///< m: a place lower than this ...
-  double speed_on = 0.35;       ///< m/s: ... and slower than this starts a contact,
-  double height_off = 0.045;    ///< which lasts while a place is below this ...
-  double speed_off = 0.8;       ///< ... and slower than this
-  double span = 0.02;           ///< s on both sides over which speed is measured, whatever the frame rate; at least one frame
-  double least_contact = 0.05;  ///< s: shorter contacts are none
-  double least_gap = 0.04;      ///< s: shorter gaps are none
+  bool find_ground = false;   ///< true: estimate the height of the ground from this motion (find_ground)
+  double ground = 0;          ///< m, height of the ground if find_ground is false
+  double height_on = 0.03;    ///< m: a contact starts when a point is lower than this ...
+  double speed_on = 0.35;     ///< m/s: ... and slower than this;
+  double height_off = 0.045;  ///< m: it continues while a point is lower than this ...
+  double speed_off = 0.8;     ///< m/s: ... and slower than this
+  double span = 0.02;         ///< s before and after the frame over which the speed is averaged; at least one frame
+  double min_contact = 0.05;  ///< s: shorter contacts are removed
+  double min_gap = 0.04;      ///< s: shorter gaps between contacts are closed
 };
 
 /// One unbroken contact of a foot: frames [first, last].
@@ -29,30 +29,32 @@ struct Stance {
 struct FootContacts {
   std::vector<FootLimb> feet;
   double ground = 0;                                 ///< m
-  std::vector<std::vector<std::uint8_t>> bears;      ///< [feet][frames] 1 while any place of the foot bears
-  std::vector<std::vector<std::uint8_t>> heel, toe;  ///< [feet][frames] the same for its back and its front
+  std::vector<std::vector<std::uint8_t>> bears;      ///< [feet][frames] 1 while any point of the foot is in contact
+  std::vector<std::vector<std::uint8_t>> heel, toe;  ///< [feet][frames] 1 while any point of the back (front) of the sole is in contact
 
   [[nodiscard]] std::vector<Stance> stances(std::size_t foot) const;
 };
 
-/// Contacts of the motion's feet. A foot bears while one of its places is low and slow, with hysteresis. In a cyclic motion contacts run on
-/// over the seam. O(frames * points).
+/// Detects the contacts of the given feet (without them: of find_foot_limbs). A foot is in contact while one of its points is low and slow,
+/// with hysteresis. In a cyclic motion contacts continue across the seam. O(frames * points).
 [[nodiscard]] FootContacts find_contacts(const Mechanism& mechanism, const Motion& motion, std::vector<FootLimb> feet,
                                          const FootContactOptions& options = {});
 [[nodiscard]] FootContacts find_contacts(const Mechanism& mechanism, const Motion& motion, const FootContactOptions& options = {});
 
-/// Contacts as the motion's own labels have them (Motion::contacts, links of each foot united); detected where it has none for a foot.
+/// Contacts from the motion's labels (Motion::contacts); a foot is in contact if any of its links is. Feet without labels, and all heels
+/// and toes, are detected as in find_contacts.
 [[nodiscard]] FootContacts labelled_contacts(const Mechanism& mechanism, const Motion& motion, std::vector<FootLimb> feet,
                                              const FootContactOptions& options = {});
 
-/// Writes the contacts as labels: one track a foot, for its first link.
+/// Replaces the motion's labels by the contacts: one track per foot, for its first link.
 void set_labels(const Mechanism& mechanism, const FootContacts& contacts, Motion& motion);
 
-/// Height [m] at which the feet stand: the median of the lowest places of the slow quarter of the frames. 0 without feet.
+/// Estimates the height [m] of the ground: the median height of the feet's lowest points in the slowest quarter of the frames. 0 without
+/// feet.
 [[nodiscard]] double find_ground(const Mechanism& mechanism, const Motion& motion, std::span<const FootLimb> feet);
 
-/// Sliding of standing feet, of each stance the horizontal path of whatever material point is lowest (as FootSkate, for feet with
-/// toes). cm
+/// Sliding of standing feet: the length of the horizontal path of the lowest material point in each stance, mean and maximum. cm.
+/// As FootSkate, but for feet of several links.
 struct SkateReport {
   double mean_cm = 0, worst_cm = 0;
   int stances = 0;

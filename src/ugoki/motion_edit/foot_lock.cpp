@@ -11,12 +11,12 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double most_drop = 0.3;  // of the limb's length: a goal farther away is missed
+constexpr double max_drop = 0.3;  // maximum lowering of the root as a fraction of the limb's length; goals farther away are not reached
 constexpr ReachOptions foot_reach = {.damping = 0.01, .keep = true, .lever = 0.15, .enough = 2e-6, .iterations = 40};
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// How far the root must sink so that this foot's limb is not stretched too far. m
+/// Distance [m] by which the root must be lowered so that the limb of this foot is not extended beyond its maximum.
 double drop_for(const FootLimb& foot, const Vec3& goal, std::span<const Pose> X, double stretch) {
   if (!(foot.length > 0)) return 0;
   const Vec3 hip = X[at(foot.chain.front())].p;
@@ -24,14 +24,15 @@ double drop_for(const FootLimb& foot, const Vec3& goal, std::span<const Pose> X,
   const double limit = std::max(stretch * foot.length, std::min(norm(to_foot), foot.length));
   if (to_goal.z >= 0 || dot(to_goal, to_goal) <= limit * limit) return 0;
   const double level = to_goal.x * to_goal.x + to_goal.y * to_goal.y, room = limit * limit - level;
-  return std::min(-to_goal.z - (room > 0 ? std::sqrt(room) : 0.0), most_drop * foot.length);
+  return std::min(-to_goal.z - (room > 0 ? std::sqrt(room) : 0.0), max_drop * foot.length);
 }
 
-/// The one hinge between a limb's base and its end (knee), by which the limb is made longer and shorter. The distance of the end from the
-/// base is sqrt(a + b cos(angle - straight)). Damped least squares cannot leave a straight limb, this closed form can.
+/// The single hinge between a limb's base and its end (knee), which controls the limb's length. The distance between base and end is
+/// sqrt(a + b cos(angle)), with the angle measured from the straight limb. Damped least squares cannot bend a straight limb (its Jacobian
+/// is singular there); this closed form can.
 class Knee {
  public:
-  /// @param motion tells on which side of straight the limb bends
+  /// @param motion used to find the side to which the limb bends
   Knee(const Mechanism& m, const Motion& motion, const FootLimb& foot) : m_(m), foot_(foot) {
     std::vector<Pose> X(at(m.link_count()));
     calc_poses(m, std::span(motion.frame(0), at(motion.nq)), X);
@@ -56,10 +57,10 @@ class Knee {
     side_ = side_ < 0 ? -1 : 1;
   }
 
-  /// Link of the hinge; -1: this limb has none, or several joints between base and end.
+  /// Link of the hinge; -1: none, or several joints between base and end.
   [[nodiscard]] int link() const { return link_; }
 
-  /// Bends the hinge so that the limb has the length of the way from its base to `goal`, within the hinge's limits.
+  /// Sets the hinge, within its limits, so that the distance from base to end equals the distance from base to `goal`. Updates q and X.
   void bend(const Vec3& goal, double* q, std::span<Pose> X) const {
     if (link_ < 0) return;
     double& angle = q[m_.link(link_).q_index];
@@ -67,7 +68,7 @@ class Knee {
     if (!(arc.b > 0)) return;
     const Vec3 way = goal - X[at(foot_.chain.front())].p;
     const double wanted = (dot(way, way) - arc.a) / arc.b;
-    const Freedom& limit = m_.link(link_).joint.freedoms[0];
+    const Dof& limit = m_.link(link_).joint.dofs[0];
     const double before = angle, bent = angle - arc.angle + side_ * acos(std::clamp(wanted, -1.0, 1.0));
     angle = std::clamp(bent, std::min(before, limit.lower), std::max(before, limit.upper));
     for (const int i : foot_.chain) {
@@ -81,12 +82,13 @@ class Knee {
     double a = 0, b = 0;  ///< m^2
     double angle = 0;     ///< rad from straight, in (-pi, pi]
   };
-  /// The limb's arc about its hinge.
+  /// Coefficients a, b and the present angle of the hinge.
   [[nodiscard]] Arc from_straight(std::span<const Pose> X) const {
     const Pose& knee = X[at(link_)];
     const Vec3 n = knee.R * m_.link(link_).joint.axis;
     const Vec3 to_base = X[at(foot_.chain.front())].p - knee.p, to_end = X[at(foot_.link)].p - knee.p;
-    const Vec3 u = to_base - n * dot(n, to_base), v = to_end - n * dot(n, to_end);  // turned about n, v is opposite u when straight
+    const Vec3 u = to_base - n * dot(n, to_base),
+               v = to_end - n * dot(n, to_end);  // perpendicular to n; v is opposite to u when the limb is straight
     const double along = dot(n, to_end) - dot(n, to_base);
     return {dot(u, u) + dot(v, v) + along * along, 2 * norm(u) * norm(v), atan2(-dot(n, cross(u, v)), -dot(u, v))};
   }
@@ -97,7 +99,7 @@ class Knee {
   double side_ = 0;
 };
 
-/// A smooth curve that is nowhere below `need`: the greatest need within `reach` frames, averaged twice over half of it.
+/// Smooth upper envelope of `need`: the maximum within `reach` frames, smoothed by two moving averages over `reach` frames.
 std::vector<double> smooth_above(const std::vector<double>& need, int reach) {
   const int n = static_cast<int>(need.size()), half = std::max(1, reach / 2);
   if (std::all_of(need.begin(), need.end(), [](double x) { return x <= 0; })) return need;
@@ -133,7 +135,7 @@ Motion follow_paths(const Mechanism& m, const Motion& motion, std::span<const Fo
                     const FootLockOptions& o, FootLockReport* report) {
   Motion out = motion;
   FootLockReport unused;
-  FootLockReport& told = report ? *report : unused;
+  FootLockReport& reported = report ? *report : unused;
   std::vector<Pose> X(at(m.link_count()));
   const bool floats = m.link_count() > 0 && m.link(0).joint.type == JointType::floating;
   std::vector<double> drop(at(motion.frames), 0.0);
@@ -148,22 +150,22 @@ Motion follow_paths(const Mechanism& m, const Motion& motion, std::span<const Fo
   for (int f = 0; f < motion.frames; ++f) {
     double* q = out.frame(f);
     if (floats) displace_root(m, {0, 0, -drop[at(f)], 0}, {q, at(out.nq)});
-    told.greatest_drop = std::max(told.greatest_drop, drop[at(f)]);
+    reported.max_drop = std::max(reported.max_drop, drop[at(f)]);
     calc_poses(m, std::span<const double>(q, at(out.nq)), X);
     for (std::size_t k = 0; k < feet.size(); ++k) {
       const FootLimb& foot = feet[k];
       const Pose& goal = paths[k].X_WF[at(f)];
-      told.greatest_move = std::max(told.greatest_move, norm(goal.p - X[at(foot.link)].p - Vec3{0, 0, drop[at(f)]}));
+      reported.max_move = std::max(reported.max_move, norm(goal.p - X[at(foot.link)].p - Vec3{0, 0, drop[at(f)]}));
       if (foot.chain.empty()) continue;
       knees[k].bend(goal.p, q, X);
       ReachOptions with_knee = foot_reach;
       with_knee.held = knees[k].link();
       (void)reach(m, foot.chain, goal, with_knee, q, X);
       const double miss = norm(goal.p - X[at(foot.link)].p);
-      if (!paths[k].bears[at(f)] || miss <= told.greatest_miss) continue;
-      told.greatest_miss = miss;
-      told.miss_frame = f;
-      told.miss_link = m.link(foot.link).name;
+      if (!paths[k].bears[at(f)] || miss <= reported.max_miss) continue;
+      reported.max_miss = miss;
+      reported.miss_frame = f;
+      reported.miss_link = m.link(foot.link).name;
     }
   }
   out.contacts.clear();
@@ -175,31 +177,31 @@ Result<Motion> lock_feet(const Mechanism& m, const Motion& motion, const FootCon
                          FootLockReport* report) {
   if (Error wrong = check_motion(motion, m); !wrong.empty()) return fail(std::move(wrong));
   if (contacts.feet.empty())
-    return fail(ErrorCode::structure, "mechanism " + m.name(), "It has no feet that could be locked.",
+    return fail(ErrorCode::structure, "mechanism " + m.name(), "The mechanism has no feet to lock.",
                 "Name the links that stand on the ground, or label them 'foot' or 'paw'.");
   if (!(o.ease >= 0 && o.ease <= 10 && o.drop_time >= 0 && o.drop_time <= 10))
     return fail(ErrorCode::range, "foot lock",
-                "A correction cannot take " + to_text(o.ease) + " s, or the pelvis " + to_text(o.drop_time) + " s.",
-                "Give times from 0 to 10 s.");
+                "The time of the correction is " + to_text(o.ease) + " s, that of the pelvis " + to_text(o.drop_time) + " s.",
+                "Use times from 0 to 10 s.");
   if (!(o.stretch > 0 && o.stretch <= 1) || !(std::fabs(contacts.ground) <= 1e6))
     return fail(
         ErrorCode::range, "foot lock",
-        "A leg cannot be stretched to " + to_text(o.stretch) + " of its length, or the ground lie at " + to_text(contacts.ground) + " m.",
-        "Give a stretch up to 1 and a ground that the feet can reach.");
+        "The maximum stretch is " + to_text(o.stretch) + " of the leg's length, and the ground is at " + to_text(contacts.ground) + " m.",
+        "Use a stretch above 0 and at most 1, and a ground within 1e6 m.");
   const bool around = motion.cyclic && motion.frames > 2;
   const FootContacts c = around ? repeated_three_times(contacts) : contacts;
-  const Motion whole = around ? three_rounds(motion, m) : motion;
-  std::vector<FootPath> paths = foot_paths(m, whole, c);
+  const Motion extended = around ? three_rounds(motion, m) : motion;
+  std::vector<FootPath> paths = foot_paths(m, extended, c);
   pin_stances(paths, motion.rate, c.ground, mean_leg_length(c.feet), o);
-  FootLockReport told;
-  Motion out = follow_paths(m, whole, c.feet, paths, o, &told);
+  FootLockReport reported;
+  Motion out = follow_paths(m, extended, c.feet, paths, o, &reported);
   if (around) {
     out = middle_round(out, m, cycle_of(motion, m));
-    if (told.miss_frame >= 0) told.miss_frame %= round_frames(motion);
+    if (reported.miss_frame >= 0) reported.miss_frame %= round_frames(motion);
   }
-  told.before = measure_skate(m, motion, contacts);
-  told.after = measure_skate(m, out, contacts);
-  if (report) *report = told;
+  reported.before = measure_skate(m, motion, contacts);
+  reported.after = measure_skate(m, out, contacts);
+  if (report) *report = reported;
   return out;
 }
 

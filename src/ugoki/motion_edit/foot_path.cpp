@@ -1,4 +1,4 @@
-// Goals of standing feet: rolling without slipping.
+// Goal poses of standing feet that roll without slipping.
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,10 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double leg_of_options = 0.9;  // m, to which FootLockOptions refers
-constexpr double still_speed = 0.2;     // m/s upwards or downwards: a foot that is slower counts fully as standing
-constexpr double lift_time = 0.02;      // s in which a foot follows the correction of its height
-constexpr double twist_radius = 0.02;   // m: soles that bear on less than this are free to twist as the motion has it
+constexpr double leg_of_options = 0.9;  // m, leg length for which FootLockOptions is specified
+constexpr double still_speed = 0.2;     // m/s: at this vertical speed the weight of a foot in contact has fallen to a quarter
+constexpr double lift_time = 0.02;      // s, time constant of the height correction
+constexpr double twist_radius = 0.02;   // m: below this radius of the loaded points the twist of the motion is kept instead of locked
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -48,7 +48,7 @@ class Pinning {
 
  private:
   [[nodiscard]] const SupportPoint& point(std::size_t f, std::size_t i) const { return path_.points[f * count_ + i]; }
-  /// Lowest material point of place i, in the foot's frame.
+  /// Lowest material point of support point i, in the foot's frame.
   [[nodiscard]] Vec3 material(std::size_t f, std::size_t i) const {
     const SupportPoint& s = point(f, i);
     return s.p + transpose_times(path_.X_WF[f].R, Vec3{0, 0, -s.radius});
@@ -72,17 +72,17 @@ class Pinning {
     for (std::size_t f = 0; f < n_; ++f) path_.X_WF[f].p.z += std::max(lift[f], value[f]);
   }
 
-  /// Rolls over the sole from frame to frame, then puts the stance as a whole where the path had it.
+  /// Computes the correction of one stance: rolls over the sole from frame to frame, then restores the stance's mean position and heading.
   void pin(std::size_t first, std::size_t last) {
-    std::vector<Vec3> bearing(n_ ? last - first + 1 : 0);  // middle of what bears, as the path has it
+    std::vector<Vec3> bearing(n_ ? last - first + 1 : 0);  // load-weighted centre of the sole on the original path
     double yaw = 0;
-    Vec3 shift;  // of the turn about the world's origin
+    Vec3 shift;  // translation of the correction; its rotation by yaw is about the world's origin
     std::vector<Vec3> shifts;
     std::vector<double> yaws;
     for (std::size_t f = first; f <= last; ++f) {
       const double low = lowest(f);
       double sum = 0;
-      Vec3 a, b;  // middles: where the points were in the frame before (pinned), where the path has them now
+      Vec3 a, b;  // load-weighted centres of the points: corrected positions in the previous frame, original positions in this frame
       std::vector<Vec3> was(count_), is(count_);
       std::vector<double> w(count_);
       const Mat3 R_before = rotation_about({0, 0, 1}, yaw);
@@ -140,7 +140,7 @@ class Pinning {
     move_[f] = move_[like];
   }
 
-  /// From one stance's correction to the next one's: evenly, with the foot's velocity continuous at both ends.
+  /// Interpolates the correction from one stance to the next, with continuous velocity of the foot at both ends.
   void ease(const std::pair<std::size_t, std::size_t>& a, const std::pair<std::size_t, std::size_t>& b) {
     const std::size_t from = a.second, to = b.first;
     const double length = static_cast<double>(to - from), near = std::min(o_.ease * rate_, 0.5 * length);
@@ -178,7 +178,7 @@ std::vector<FootPath> foot_paths(const Mechanism& m, const Motion& motion, const
       const Pose& X_WF = X[at(foot.link)];
       paths[k].X_WF.push_back(X_WF);
       for (const LinkPoint& p : foot.points)
-        paths[k].points.push_back({transpose_times(X_WF.R, X[at(p.link)] * p.place.p - X_WF.p), p.place.radius});
+        paths[k].points.push_back({transpose_times(X_WF.R, X[at(p.link)] * p.location.p - X_WF.p), p.location.radius});
     }
   }
   for (std::size_t k = 0; k < paths.size(); ++k) paths[k].bears = contacts.bears[k];

@@ -15,21 +15,21 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double least_anchor_gap = 0.05;  // of a cycle between touch-downs by which phases are aligned
-constexpr double main_stance = 0.4;        // of a foot's longest stance: shorter ones are no steps
-constexpr double still = 0.05;             // m/s: slower motions have no direction of travel
-constexpr double least_part = 0.02;        // of a cycle, of stance and of swing
+constexpr double min_anchor_gap = 0.05;  // cycles, minimum distance of touch-downs that are used as anchors
+constexpr double main_stance = 0.4;      // fraction of a foot's longest stance: shorter stances do not count as steps
+constexpr double still = 0.05;           // m/s: the direction of travel of slower motions is ignored
+constexpr double min_part = 0.02;        // cycles, minimum duration of a stance or swing that is aligned separately
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double wrapped(double x, double period) { return x - period * std::floor(x / period + 0.5); }
 
-/// One stance of a foot in a cycle: phases, on in [0, 1), off in (on, on + 1).
+/// One stance of a foot: phases of touch-down and lift-off in cycles; on in [0, 1), off in (on, on + 1).
 struct Step {
   double on = 0, off = 0;
 };
 
-/// A source, made cyclic.
+/// A source in its cyclic form, with its contacts and steps.
 struct Source {
   Motion cycle;
   CycleReport report;
@@ -63,18 +63,20 @@ struct Intermediate::Impl {
   IntermediateOptions options;
   std::vector<FootLimb> feet;
   std::vector<Source> sources;
-  std::vector<bool> foot_steps;              ///< [feet] the foot steps in all sources
-  std::vector<std::vector<int>> in_limb;     ///< [feet] links whose joints follow the foot's own phase: its limb and what is behind it
-  std::vector<std::vector<double>> anchors;  ///< [sources][anchors] own phases that belong together, rising, within less than a cycle
+  std::vector<bool> foot_steps;  ///< [feet] true if the foot steps in all sources
+  std::vector<std::vector<int>>
+      in_limb;  ///< [feet] links whose joints follow the foot's own phase: its limb and the descendants of the foot
+  std::vector<std::vector<double>>
+      anchors;  ///< [sources][anchors] phases of corresponding events in each source, increasing, within less than a cycle
 
   [[nodiscard]] const Mechanism& m() const { return *mechanism; }
 
-  Result<void> take(const Motion& motion);
+  Result<void> add_source(const Motion& motion);
   Result<void> align();
   void align_by_pose();
   void find_limbs();
 
-  /// q of a source at an own phase, as seen from its progression there. @param q [nq, out]
+  /// Coordinates of a source at a phase of its own cycle, relative to its progression at that phase. @param q [nq, out]
   void sample_at(const Source& s, double phase, std::vector<double>& q) const {
     const double rounds = std::floor(phase);
     q.resize(at(m().nq()));
@@ -83,11 +85,11 @@ struct Intermediate::Impl {
     displace_root(m(), inverse(s.progression.at(phase - rounds)), q);
   }
   [[nodiscard]] Progression mixed_progression(std::span<const double> w, int& frames, double rate) const;
-  void let_fall(std::span<const double> w, Motion& mixed, const std::vector<FootPath>& paths) const;
+  void correct_flight(std::span<const double> w, Motion& mixed, const std::vector<FootPath>& paths) const;
   [[nodiscard]] Motion mix(std::span<const double> w, std::vector<FootPath>& paths) const;
 };
 
-Result<void> Intermediate::Impl::take(const Motion& motion) {
+Result<void> Intermediate::Impl::add_source(const Motion& motion) {
   CycleReport report;
   CycleOptions o = options.cycle;
   Result<Motion> cycle = make_cyclic(m(), motion, o, &report);
@@ -108,12 +110,13 @@ Result<void> Intermediate::Impl::align() {
     for (const Source& s : sources) {
       if (!foot_steps[k] || s.steps[k].size() == sources[0].steps[k].size()) continue;
       return fail(ErrorCode::structure, "motion " + s.cycle.name + ", foot " + m().link(feet[k].link).name,
-                  "It steps " + std::to_string(s.steps[k].size()) + " times in a cycle, in " + sources[0].cycle.name + " " +
-                      std::to_string(sources[0].steps[k].size()) + " times.",
+                  "The foot steps " + std::to_string(s.steps[k].size()) + " times per cycle, but " +
+                      std::to_string(sources[0].steps[k].size()) + " times in motion " + sources[0].cycle.name + ".",
                   "Make cycles of one stride each, or label the contacts by hand.");
     }
   }
-  // Own phases of all touch-downs; those of the first foot are the nearest to each other, the others lie within the cycle after it.
+  // Phases of all touch-downs in each source, unwrapped: those of the first touch-down are chosen closest to each other, the others within
+  // one cycle after it.
   struct Anchor {
     std::vector<double> phase;  // [sources]
   };
@@ -129,7 +132,7 @@ Result<void> Intermediate::Impl::align() {
           own = j == 0 ? own : a.phase[0] + wrapped(own - a.phase[0], 1);
         else if (j == 0)
           own = reference + (own - reference) - std::floor(own - reference);
-        else  // as far after the first foot as in the first source
+        else  // closest to the delay after the first touch-down in source 0
           own = reference + (a.phase[0] - first) + wrapped(own - reference - (a.phase[0] - first), 1);
         a.phase.push_back(own);
       }
@@ -138,11 +141,11 @@ Result<void> Intermediate::Impl::align() {
   }
   std::sort(found.begin(), found.end(), [](const Anchor& a, const Anchor& b) { return a.phase[0] < b.phase[0]; });
   anchors.assign(sources.size(), {});
-  for (const Anchor& a : found) {  // kept as long as every source has them in this order
+  for (const Anchor& a : found) {  // keep an anchor only if it is in this order in every source
     bool rising = true;
     for (std::size_t j = 0; j < sources.size(); ++j)
       if (!anchors[j].empty())
-        rising = rising && a.phase[j] - anchors[j].back() > least_anchor_gap && a.phase[j] < anchors[j].front() + 1 - least_anchor_gap;
+        rising = rising && a.phase[j] - anchors[j].back() > min_anchor_gap && a.phase[j] < anchors[j].front() + 1 - min_anchor_gap;
     for (std::size_t j = 0; rising && j < sources.size(); ++j) anchors[j].push_back(a.phase[j]);
   }
   if (found.empty()) align_by_pose();
@@ -154,7 +157,7 @@ void Intermediate::Impl::align_by_pose() {
   std::vector<double> a, b, d(at(m().nv()));
   anchors.assign(sources.size(), {0.0});
   for (std::size_t j = 1; j < sources.size(); ++j) {
-    double least = 1e300;
+    double minimum = 1e300;
     for (int shift = 0; shift < parts; ++shift) {
       double sum = 0;
       for (int i = 0; i < parts; ++i) {
@@ -163,8 +166,8 @@ void Intermediate::Impl::align_by_pose() {
         difference(m(), a, b, d);
         for (const double x : d) sum += x * x;
       }
-      if (sum < least - 1e-12) {
-        least = sum;
+      if (sum < minimum - 1e-12) {
+        minimum = sum;
         anchors[j] = {wrapped(static_cast<double>(shift) / parts, 1)};
       }
     }
@@ -183,8 +186,8 @@ void Intermediate::Impl::find_limbs() {
   }
 }
 
-/// Speed and rate of turning are those of the summed ways in the summed times; the direction of travel turns from one motion's to the
-/// other's.
+/// Progression of the mixture: distance, change of heading and duration are the weighted means; the direction of travel is interpolated as
+/// an angle, or, if directions differ by 90 degrees or more, displacements are averaged. @param frames [out] frames of the cycle
 Progression Intermediate::Impl::mixed_progression(std::span<const double> w, int& frames, double rate) const {
   double duration = 0, way = 0, turn = 0;
   for (std::size_t j = 0; j < sources.size(); ++j) {
@@ -193,7 +196,7 @@ Progression Intermediate::Impl::mixed_progression(std::span<const double> w, int
     turn += w[j] * sources[j].progression.turn;
   }
   frames = std::max(3, static_cast<int>(duration * rate + 0.5));
-  const double share = frames / rate / duration;  // the cycle has whole frames; speed stays
+  const double share = frames / rate / duration;  // the duration is rounded to whole frames; the speed is kept
   const auto speed = [](const Source& s) {
     return std::sqrt(s.progression.vx * s.progression.vx + s.progression.vy * s.progression.vy) / s.duration();
   };
@@ -231,7 +234,7 @@ Motion Intermediate::Impl::mix(std::span<const double> w, std::vector<FootPath>&
   const double rate = sources[at(static_cast<int>(std::max_element(w.begin(), w.end()) - w.begin()))].cycle.rate;
   int n = 0;
   const Progression way = mixed_progression(w, n, rate);
-  // Phases of the common cycle at which what belongs together happens: the weighted means of the sources' own.
+  // Maps from the common phase to the phase of each source: an anchor's common phase is the weighted mean of its phases in the sources.
   std::vector<PhaseCurve> own(count);
   std::vector<PhaseCurve::Point> points;
   for (std::size_t j = 0; j < count; ++j) {
@@ -243,7 +246,8 @@ Motion Intermediate::Impl::mix(std::span<const double> w, std::vector<FootPath>&
     }
     own[j] = PhaseCurve(points);
   }
-  // Each foot's stance: common phases of touch-down and lift-off, and for each source the phase at which its foot is as far.
+  // Stances of each foot: common phases of touch-down and lift-off, and for each source the map to the phase at which its foot is equally
+  // far in its stance or swing.
   std::vector<std::vector<Step>> steps(feet.size());
   std::vector<std::vector<PhaseCurve>> foot_phase(feet.size(), std::vector<PhaseCurve>(count));
   for (std::size_t k = 0; k < feet.size(); ++k) {
@@ -254,7 +258,7 @@ Motion Intermediate::Impl::mix(std::span<const double> w, std::vector<FootPath>&
       for (std::size_t i = 0; i < stances; ++i) {
         Step s = sources[j].steps[k][i];
         s = {own[j].inverse(s.on), own[j].inverse(s.off)};
-        if (j > 0) {  // the same round as the first source
+        if (j > 0) {  // unwrap to the cycle of source 0
           const double rounds = std::floor(s.on - common[0][i].on + 0.5);
           s = {s.on - rounds, s.off - rounds};
         }
@@ -272,7 +276,7 @@ Motion Intermediate::Impl::mix(std::span<const double> w, std::vector<FootPath>&
       for (std::size_t i = 0; i < stances; ++i) {
         const Step& to = common[j][i];
         const double next = i + 1 < stances ? common[j][i + 1].on : common[j][0].on + 1;
-        fits = fits && to.off - to.on > least_part && next - to.off > least_part;
+        fits = fits && to.off - to.on > min_part && next - to.off > min_part;
         points.push_back({steps[k][i].on, to.on});
         points.push_back({steps[k][i].off, to.off});
       }
@@ -330,7 +334,7 @@ Motion Intermediate::Impl::mix(std::span<const double> w, std::vector<FootPath>&
     for (std::size_t k = 0; k < feet.size(); ++k) {
       const Pose& X_WF = X[at(feet[k].link)];
       for (const LinkPoint& p : feet[k].points)
-        paths[k].points.push_back({transpose_times(X_WF.R, X[at(p.link)] * p.place.p - X_WF.p), p.place.radius});
+        paths[k].points.push_back({transpose_times(X_WF.R, X[at(p.link)] * p.location.p - X_WF.p), p.location.radius});
     }
   }
   return out;
@@ -348,9 +352,9 @@ std::vector<std::uint8_t> any_of_three_rounds(std::span<const std::vector<std::u
 
 }  // namespace
 
-/// Means of heights have means of accelerations, so where one motion flies and the other does not, the mixed body would hover. In its own
-/// flights it falls as the flying sources do in theirs.
-void Intermediate::Impl::let_fall(std::span<const double> w, Motion& mixed, const std::vector<FootPath>& paths) const {
+/// Corrects the height in flight phases. The mean of heights also averages accelerations, so between a motion with flight and one without
+/// the mixed body would fall too slowly. After the correction its acceleration in flight is the mean of the sources with flight.
+void Intermediate::Impl::correct_flight(std::span<const double> w, Motion& mixed, const std::vector<FootPath>& paths) const {
   if (m().link(0).joint.type != JointType::floating) return;
   double wanted = 0, sum = 0;
   for (std::size_t j = 0; j < sources.size(); ++j) {
@@ -375,7 +379,7 @@ void Intermediate::Impl::let_fall(std::span<const double> w, Motion& mixed, cons
 
 namespace {
 
-/// Goals of three rounds of a cyclic motion.
+/// Repeats the paths of one cycle three times, displaced by the cycle.
 std::vector<FootPath> three_rounds_of(const std::vector<FootPath>& paths, const Placement& cycle) {
   std::vector<FootPath> out(paths.size());
   const Pose shift[3] = {to_pose(inverse(cycle)), Pose{}, to_pose(cycle)};
@@ -397,7 +401,8 @@ std::vector<FootPath> three_rounds_of(const std::vector<FootPath>& paths, const 
 
 Result<Intermediate> Intermediate::make(const Mechanism& mechanism, std::span<const Motion* const> sources,
                                         const IntermediateOptions& options) {
-  if (sources.empty()) return fail(ErrorCode::structure, "intermediate motion", "There is no motion to mix.", "Give at least one.");
+  if (sources.empty())
+    return fail(ErrorCode::structure, "intermediate motion", "There is no motion to mix.", "Specify at least one motion.");
   auto impl = std::make_unique<Impl>();
   impl->mechanism = &mechanism;
   impl->options = options;
@@ -410,8 +415,8 @@ Result<Intermediate> Intermediate::make(const Mechanism& mechanism, std::span<co
   }
   Error errors;
   for (const Motion* motion : sources)
-    if (Result<void> taken = impl->take(*motion); !taken)
-      errors.problems.insert(errors.problems.end(), taken.error().problems.begin(), taken.error().problems.end());
+    if (Result<void> added = impl->add_source(*motion); !added)
+      errors.problems.insert(errors.problems.end(), added.error().problems.begin(), added.error().problems.end());
   if (!errors.empty()) return fail(std::move(errors));
   impl->find_limbs();
   if (Result<void> aligned = impl->align(); !aligned) return fail(std::move(aligned.error()));
@@ -439,9 +444,10 @@ Result<Motion> Intermediate::blend(std::span<const double> weights, FootLockRepo
     sum += w;
   }
   if (!valid || !(sum > 0))
-    return fail(ErrorCode::range, "weights of the intermediate motion",
-                "There must be one number for each of the " + std::to_string(s.sources.size()) + " motions, none below 0 and not all 0.",
-                "Give, for example, 0.5 and 0.5.");
+    return fail(
+        ErrorCode::range, "weights of the intermediate motion",
+        "The weights must be one value for each of the " + std::to_string(s.sources.size()) + " motions, none below 0 and not all 0.",
+        "Use, for example, 0.5 and 0.5 for two motions.");
   std::vector<double> w(weights.begin(), weights.end());
   for (double& x : w) x /= sum;
   for (std::size_t j = 0; j < w.size(); ++j)
@@ -459,18 +465,18 @@ Result<Motion> Intermediate::blend(std::span<const double> weights, FootLockRepo
   }
   for (std::size_t k = 0; k < s.feet.size(); ++k) mixed.contacts.push_back({s.m().link(s.feet[k].link).name, paths[k].bears});
   if (!s.options.cycle.lock_feet || s.feet.empty()) return mixed;
-  s.let_fall(w, mixed, paths);
+  s.correct_flight(w, mixed, paths);
   const Placement cycle = cycle_of(mixed, s.m());
   const FootLockOptions& o = s.options.cycle.lock;
   FootContacts contacts = labelled_contacts(s.m(), mixed, s.feet, s.options.cycle.contacts);
-  FootLockReport told;
+  FootLockReport reported;
   std::vector<FootPath> rounds = three_rounds_of(paths, cycle);
   pin_stances(rounds, mixed.rate, contacts.ground, mean_leg_length(s.feet), o);
-  Motion out = middle_round(follow_paths(s.m(), three_rounds(mixed, s.m()), s.feet, rounds, o, &told), s.m(), cycle);
-  told.before = measure_skate(s.m(), mixed, contacts);
-  told.after = measure_skate(s.m(), out, contacts);
-  if (told.miss_frame >= 0) told.miss_frame %= round_frames(out);
-  if (report) *report = told;
+  Motion out = middle_round(follow_paths(s.m(), three_rounds(mixed, s.m()), s.feet, rounds, o, &reported), s.m(), cycle);
+  reported.before = measure_skate(s.m(), mixed, contacts);
+  reported.after = measure_skate(s.m(), out, contacts);
+  if (reported.miss_frame >= 0) reported.miss_frame %= round_frames(out);
+  if (report) *report = reported;
   return out;
 }
 

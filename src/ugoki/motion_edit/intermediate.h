@@ -1,5 +1,5 @@
 #pragma once
-// Intermediate motion: a cyclic motion between two or more cyclic motions of one mechanism. docs/design/intermediate-motion.md
+// Intermediate motion: a cyclic motion mixed from two or more cyclic motions of one mechanism. See docs/design/intermediate-motion.md.
 
 #include <memory>
 #include <span>
@@ -11,24 +11,24 @@
 namespace ugoki::motion_edit {
 
 struct IntermediateOptions {
-  CycleOptions cycle;             ///< how motions that are not cyclic are made so
-  std::vector<std::string> feet;  ///< links that stand; empty: found
+  CycleOptions cycle;             ///< options of make_cyclic for the sources
+  std::vector<std::string> feet;  ///< names of the links that stand on the ground; empty: find_foot_limbs
 };
 
-/// A cycle in numbers.
+/// Measures of a cycle.
 struct CycleFacts {
   double duration = 0;  ///< s
-  double speed = 0;     ///< m/s of the root over the ground
-  double turn = 0;      ///< rad in a cycle
+  double speed = 0;     ///< m/s, mean speed of the root over the ground
+  double turn = 0;      ///< rad, change of heading per cycle
   SkateReport skate;
 };
 
 /// Motions of one mechanism whose contacts and phases are aligned, ready to be mixed.
 class Intermediate {
  public:
-  /// Makes the sources cyclic (make_cyclic) and aligns them: touch-downs of the feet at the same phases where all motions have them in the
-  /// same order; motions without steps by the shift of phase at which their poses are most alike.
-  /// Errors: no source; one that does not fit the mechanism or has no cycle; feet that step a different number of times in a cycle.
+  /// Makes the sources cyclic (make_cyclic) and aligns their phases: by the touch-downs of the feet, where all sources have them in the
+  /// same order; without steps, by the phase shift at which the poses are most alike. `mechanism` must outlive the result. Errors: no
+  /// source; a source that does not fit the mechanism or has no cycle; a foot whose number of steps per cycle differs.
   [[nodiscard]] static Result<Intermediate> make(const Mechanism& mechanism, std::span<const Motion* const> sources,
                                                  const IntermediateOptions& options = {});
   Intermediate(Intermediate&&) noexcept;
@@ -36,15 +36,16 @@ class Intermediate {
   ~Intermediate();
 
   [[nodiscard]] int count() const;
-  /// The cyclic version of a source, and what was done to it.
+  /// The cyclic version of source i, and the report of how it was made.
   [[nodiscard]] const Motion& cycle(int i) const;
   [[nodiscard]] const CycleReport& cycle_report(int i) const;
   /// True if the phases were aligned by the feet's touch-downs.
   [[nodiscard]] bool by_contacts() const;
 
-  /// The motion in which source i counts weights[i]. Durations of cycle and of stances are the weighted means; so is the way over the
-  /// ground, so the speed of two motions changes from one to the other without a turn. Feet are locked. With all weight on one source its
-  /// cycle comes back exactly. @param weights [count] at least 0, not all 0; they are made to sum to 1
+  /// Returns the mixture with the given weights of the sources. Durations of the cycle and of stances, and the displacement over the
+  /// ground, are weighted means, so between two sources the speed changes monotonically with the weight. Feet are locked. If one source has
+  /// all the weight, its cycle is returned exactly.
+  /// @param weights [count] at least 0, not all 0; normalised to the sum 1
   [[nodiscard]] Result<Motion> blend(std::span<const double> weights, FootLockReport* report = nullptr) const;
 
   [[nodiscard]] CycleFacts facts(const Motion& cycle) const;
@@ -55,7 +56,7 @@ class Intermediate {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The same at once.
+/// Intermediate::make followed by blend.
 [[nodiscard]] Result<Motion> make_intermediate(const Mechanism& mechanism, std::span<const Motion* const> sources,
                                                std::span<const double> weights, const IntermediateOptions& options = {});
 

@@ -11,7 +11,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Moment of the layer at time t of the base and how much it counts there, by its fades.
+/// Time in the layer [s] and its weight from the fades, 0 to 1, at one time of the base.
 struct Moment {
   double time = 0, share = 0;
 };
@@ -20,7 +20,7 @@ Moment moment_of(const Motion& layer, const LayerOptions& o, double t, double en
   const double last = layer.cyclic ? std::max(end - o.offset, 0.0) : layer.duration();
   if (local < -1e-9 || local > last + 1e-9) return {};
   const auto eased = [](double x) { return x >= 1 ? 1.0 : x <= 0 ? 0.0 : x * x * x * (10 + x * (6 * x - 15)); };
-  // At the base's own ends there is nothing to ease from.
+  // A layer that starts or ends with the base does not fade there.
   const double in = o.fade > 0 && o.offset > 0 ? eased(local / o.fade) : 1;
   const double out = o.fade > 0 && o.offset + last < end - 1e-9 ? eased((last - local) / o.fade) : 1;
   if (layer.cyclic && local > layer.duration() + 1e-9) local -= layer.duration() * std::floor(local / layer.duration());
@@ -32,15 +32,17 @@ Error check(const Mechanism& m, const Motion& base, const Motion& layer, const J
   const Error wrong = check_motion(layer, m);
   errors.problems.insert(errors.problems.end(), wrong.problems.begin(), wrong.problems.end());
   if (mask.size() != at(m.link_count()))
-    errors.add(ErrorCode::structure, "mask",
-               "It has " + std::to_string(mask.size()) + " weights for " + std::to_string(m.link_count()) + " links.",
-               "Make it for this mechanism.");
+    errors.add(
+        ErrorCode::structure, "mask",
+        "The mask has " + std::to_string(mask.size()) + " weights, but the mechanism has " + std::to_string(m.link_count()) + " links.",
+        "Make the mask for this mechanism.");
   return errors;
 }
 
 Error check_times(const Motion& other, const LayerOptions& o) {
   if (std::isfinite(o.offset) && o.fade >= 0 && std::isfinite(o.fade)) return {};
-  return {ErrorCode::range, "layer " + other.name, "Its beginning or its fade is no time.", "Give seconds, for the fade 0 or more."};
+  return {ErrorCode::range, "layer " + other.name, "The layer's offset or fade is not a valid time.",
+          "Use a finite offset, and a fade of 0 s or more."};
 }
 
 }  // namespace
@@ -50,7 +52,7 @@ Result<JointMask> make_mask(const Mechanism& m, std::span<const MaskEntry> entri
   Error errors;
   for (const MaskEntry& e : entries) {
     if (!(e.weight >= 0 && e.weight <= 1))
-      errors.add(ErrorCode::range, "mask, link '" + e.link + "'", "Its weight is " + to_text(e.weight) + ".", "Give a weight from 0 to 1.");
+      errors.add(ErrorCode::range, "mask, link '" + e.link + "'", "The weight is " + to_text(e.weight) + ".", "Use a weight from 0 to 1.");
     bool found = e.link == "*";
     std::vector<bool> in(mask.size(), e.link == "*");
     for (int i = 0; i < m.link_count(); ++i) {
@@ -62,7 +64,7 @@ Result<JointMask> make_mask(const Mechanism& m, std::span<const MaskEntry> entri
     }
     if (!found)
       errors.add(ErrorCode::unknown, "mask, link '" + e.link + "'", "Mechanism " + m.name() + " has no link of this name or label.",
-                 "List its links with `ugoki info`.");
+                 "List the links with `ugoki info`.");
   }
   if (!errors.empty()) return fail(std::move(errors));
   return mask;
@@ -72,7 +74,7 @@ Result<Motion> mix_joints(const Mechanism& m, const Motion& base, const Motion& 
   if (Error wrong = check(m, base, other, mask); !wrong.empty()) return fail(std::move(wrong));
   if (Error wrong = check_times(other, o); !wrong.empty()) return fail(std::move(wrong));
   if (!(o.weight >= 0 && o.weight <= 1))
-    return fail(ErrorCode::range, "layer " + other.name, "Its weight is " + to_text(o.weight) + ".", "Give a weight from 0 to 1.");
+    return fail(ErrorCode::range, "layer " + other.name, "The weight is " + to_text(o.weight) + ".", "Use a weight from 0 to 1.");
   Motion out = base;
   std::vector<double> q(at(m.nq())), step(6);
   for (int f = 0; f < base.frames; ++f) {
@@ -98,7 +100,7 @@ Result<Motion> mix_joints(const Mechanism& m, const Motion& base, const Motion& 
 Result<Motion> add_layer(const Mechanism& m, const Motion& base, const Motion& layer, const JointMask& mask, const LayerOptions& o) {
   if (Error wrong = check(m, base, layer, mask); !wrong.empty()) return fail(std::move(wrong));
   if (Error wrong = check_times(layer, o); !wrong.empty()) return fail(std::move(wrong));
-  if (!std::isfinite(o.weight)) return fail(ErrorCode::range, "layer " + layer.name, "Its weight is no number.", "Give a finite number.");
+  if (!std::isfinite(o.weight)) return fail(ErrorCode::range, "layer " + layer.name, "The weight is not finite.", "Use a finite weight.");
   Motion out = base;
   std::vector<double> q(at(m.nq())), step(6);
   for (int f = 0; f < base.frames; ++f) {

@@ -1,5 +1,5 @@
 #pragma once
-// Several motions at once on different joints.
+// Layers: mixing of several motions on selected joints.
 
 #include <span>
 #include <string>
@@ -15,23 +15,25 @@ using JointMask = std::vector<double>;
 struct MaskEntry {
   std::string link;           ///< name or label; "*" for all
   double weight = 1;          ///< 0 ... 1
-  bool with_children = true;  ///< everything behind it too
+  bool with_children = true;  ///< also applies to all descendants of the link
 };
-/// Entries one after the other, later ones override. No entries: everything takes part. Errors: unknown links, weights outside 0 ... 1.
+/// Makes a mask from entries; later entries override earlier ones. Without entries all weights are 1; otherwise links without an entry have
+/// weight 0. Errors: unknown links, weights outside 0 to 1.
 [[nodiscard]] Result<JointMask> make_mask(const Mechanism& mechanism, std::span<const MaskEntry> entries);
 
-/// Joint-wise mix: each joint goes from `base` to `other` by its weight in the mask, on great arcs. `other` begins at `offset` [s] of the
-/// base; before and after it counts nothing, a cyclic one repeats. `fade` [s] eases it in and out. Errors: motions that do not fit; a mask
-/// of another size.
 struct LayerOptions {
-  double weight = 1;  ///< of the whole layer, 0 ... 1 (additive: any number)
-  double offset = 0;  ///< s
-  double fade = 0.2;  ///< s
+  double weight = 1;  ///< weight of the whole layer, 0 to 1 (additive layers: any finite value)
+  double offset = 0;  ///< s of the base at which the layer begins
+  double fade = 0.2;  ///< s in which the layer fades in and out
 };
+
+/// Mixes two motions joint by joint: interpolates each joint from `base` to `other` by its weight in the mask, along great arcs for
+/// rotations. `other` begins at options.offset of the base; outside its duration it has no effect, unless it is cyclic: then it repeats.
+/// Errors: motions that do not fit the mechanism; a mask of another size; a weight outside 0 to 1; invalid times.
 [[nodiscard]] Result<Motion> mix_joints(const Mechanism& mechanism, const Motion& base, const Motion& other, const JointMask& mask,
                                         const LayerOptions& options = {});
 
-/// Additive layer: what `layer` does against its own first frame is done on top of `base`, in each joint's own frame. Otherwise as
+/// Additive layer: adds the displacement of `layer` from its own first frame to `base`, in each joint's own frame. Timing and errors as
 /// mix_joints.
 [[nodiscard]] Result<Motion> add_layer(const Mechanism& mechanism, const Motion& base, const Motion& layer, const JointMask& mask,
                                        const LayerOptions& options = {});

@@ -1,5 +1,5 @@
 #pragma once
-// Weighted means on the manifold of a mechanism's positions.
+// Weighted means on the configuration manifold of a mechanism.
 
 #include <span>
 #include <vector>
@@ -8,11 +8,12 @@
 
 namespace ugoki::motion_edit {
 
-/// The position from which the weighted ways to all given ones cancel (Karcher's mean): straight means of angles and lengths, for two
-/// rotations the great arc. @param q [motions] of nq each  @param weights [motions] sum to 1  @param out [nq] may alias none
+/// Computes the Karcher mean: the position from which the weighted displacements to all given positions sum to zero. It is the arithmetic
+/// mean for angles and lengths, and a point on the great arc for two rotations.
+/// @param q [motions] vectors of nq  @param weights [motions] with the sum 1  @param out [nq, out] must not alias q
 void calc_mean(const Mechanism& mechanism, std::span<const std::vector<double>> q, std::span<const double> weights, std::span<double> out);
 
-/// The same for rotations.
+/// Karcher mean of rotations. @param weights with the sum 1
 [[nodiscard]] Quat calc_mean(std::span<const Quat> rotations, std::span<const double> weights);
 
 }  // namespace ugoki::motion_edit

@@ -11,14 +11,14 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double alike = 0.9;  // cosine between an axis and the mirror image of its partner's
+constexpr double alike = 0.9;  // minimum cosine between an axis and the mirror image of its partner's axis
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-Vec3 reflected(const Vec3& v) { return {v.x, -v.y, v.z}; }        // a place or direction
+Vec3 reflected(const Vec3& v) { return {v.x, -v.y, v.z}; }        // a position or direction
 Vec3 reflected_turn(const Vec3& w) { return {-w.x, w.y, -w.z}; }  // an axis of rotation
 
-/// The name of the other side; the same name where it has no side.
+/// The name with left and right exchanged; unchanged if it contains neither.
 std::string other_side(const std::string& name) {
   static constexpr std::array<std::pair<const char*, const char*>, 3> words = {{{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}}};
   for (const auto& [left, right] : words) {
@@ -28,7 +28,7 @@ std::string other_side(const std::string& name) {
   }
   const auto swapped = [](char c) { return c == 'l' ? 'r' : c == 'r' ? 'l' : c == 'L' ? 'R' : c == 'R' ? 'L' : '\0'; };
   const auto separator = [](char c) { return c == '_' || c == '.' || c == ' ' || c == '-' || c == ':'; };
-  for (std::size_t i = 0; i < name.size(); ++i) {  // a letter on its own between separators or ends
+  for (std::size_t i = 0; i < name.size(); ++i) {  // a single letter between separators or at an end
     const bool begins = i == 0 || separator(name[i - 1]), ends = i + 1 == name.size() || separator(name[i + 1]);
     if (!begins || !ends || !swapped(name[i])) continue;
     std::string out = name;
@@ -38,7 +38,7 @@ std::string other_side(const std::string& name) {
   return name;
 }
 
-/// First letter l or r, as in "lfemur".
+/// The name with its first letter exchanged if that is l or r, as in "lfemur".
 std::string other_initial(std::string name) {
   if (name.size() < 2) return name;
   const char c = name[0];
@@ -59,9 +59,9 @@ int find_by(const Mechanism& m, const std::string& name, bool label) {
 struct Reflection {
   const Mechanism& m;
   std::vector<int> partner;
-  std::vector<Mat3> axes;  // [links] joint frame in the world at neutral
+  std::vector<Mat3> axes;  // [links] orientation of the joint frames in the world in the neutral position
 
-  /// Sign with which link i's coordinate about `own` follows its partner's about `other`; 0: they are not mirror images.
+  /// Sign between link i's coordinate about `own` and its partner's about `other`: 1 or -1; 0 if the axes are not mirror images.
   [[nodiscard]] double sign(int i, const Vec3& own, const Vec3& other, bool turns) const {
     const Vec3 there = axes[at(partner[at(i)])] * other, image = turns ? reflected_turn(there) : reflected(there);
     const double c = dot(axes[at(i)] * own, image);
@@ -75,8 +75,9 @@ struct Reflection {
 
 Error not_alike(const Mechanism& m, int i, int k) {
   return {ErrorCode::structure, "joint of link " + m.link(i).name,
-          "It is not the mirror image of the joint of link " + m.link(k).name + ".",
-          "Make the mechanism symmetric (same joint types and mirrored axes on both sides); measured files: keep all joints movable."};
+          "The joint is not the mirror image of the joint of link " + m.link(k).name + ".",
+          "Make the mechanism symmetric, with the same joint types and mirrored axes on both sides. For measured files, keep all joints "
+          "movable."};
 }
 
 }  // namespace
@@ -94,7 +95,7 @@ std::vector<int> find_mirror_links(const Mechanism& m) {
       if (const std::string other = other_initial(link.name); other != link.name) k = find_by(m, other, false);
     if (k >= 0) out[at(i)] = k;
   }
-  for (int i = 0; i < n; ++i)  // only what goes both ways
+  for (int i = 0; i < n; ++i)  // keep only mutual partners
     if (out[at(i)] >= 0 && out[at(out[at(i)])] != i) out[at(i)] = -1;
   std::vector<Pose> X(at(n));
   calc_poses(m, m.neutral(), X);
@@ -109,11 +110,11 @@ std::vector<int> find_mirror_links(const Mechanism& m) {
     if (out[at(i)] >= 0) continue;
     const Vec3 p = X[at(i)].p - X[0].p, image = reflected(p);
     int best = i;
-    double least = std::fabs(p.y) < 0.02 * size ? 0.0 : 0.05 * size;  // what lies in the plane is its own partner
+    double minimum = std::fabs(p.y) < 0.02 * size ? 0.0 : 0.05 * size;  // a link in the plane of symmetry is its own partner
     for (int k = 0; k < n; ++k) {
       if (k == i || out[at(k)] >= 0 || depth(k) != depth(i) || m.link(k).joint.type != m.link(i).joint.type) continue;
-      if (const double off = norm(X[at(k)].p - X[0].p - image); off < least) {
-        least = off;
+      if (const double off = norm(X[at(k)].p - X[0].p - image); off < minimum) {
+        minimum = off;
         best = k;
       }
     }
@@ -129,7 +130,7 @@ Result<Motion> mirror(const Mechanism& m, const Motion& motion) {
   std::vector<Pose> X(at(m.link_count()));
   calc_poses(m, m.neutral(), X);
   for (const Link& link : m.links()) r.axes.push_back((link.parent < 0 ? Mat3::identity() : X[at(link.parent)].R) * link.joint.X_PJ.R);
-  // Signs of the coordinates that are numbers.
+  // Signs of the scalar coordinates (not rotations and positions in space).
   Error errors;
   std::vector<std::array<double, 2>> signs(at(m.link_count()), {1, 1});
   for (int i = 0; i < m.link_count(); ++i) {
@@ -178,8 +179,8 @@ Result<Motion> mirror(const Mechanism& m, const Motion& motion) {
           break;
         case JointType::planar:
         case JointType::floating: {
-          const Vec3 place{from[0], from[1], joint.type == JointType::planar ? 0.0 : from[2]};
-          const Vec3 there = r.axes[at(k)] * place + m.link(k).joint.X_PJ.p;
+          const Vec3 location{from[0], from[1], joint.type == JointType::planar ? 0.0 : from[2]};
+          const Vec3 there = r.axes[at(k)] * location + m.link(k).joint.X_PJ.p;
           const Vec3 p = transpose_times(r.axes[at(i)], reflected(there) - joint.X_PJ.p);
           own[0] = p.x;
           own[1] = p.y;

@@ -1,5 +1,5 @@
 #pragma once
-// Left and right exchanged.
+// Mirroring of a motion: exchanges left and right.
 
 #include <string>
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace ugoki::motion_edit {
 
-/// For each link the one on the other side, itself in the middle. By names and labels (left and right, l and r in their usual spellings);
-/// where these tell nothing, by the places of the joints in the neutral position against the plane of symmetry through the root.
-/// @return [links]
+/// Finds for each link its partner on the other side, or the link itself in the middle. Uses names and labels (left and right, l and r in
+/// their usual spellings); otherwise the positions of the joints in the neutral position, mirrored at the x-z plane through the root.
+/// @return [links] index of the partner
 [[nodiscard]] std::vector<int> find_mirror_links(const Mechanism& mechanism);
 
-/// The motion mirrored at the vertical plane through the root along its heading in the first frame, so that it begins at the same place and
-/// in the same direction. Mirrored twice it is the motion again, to rounding. Errors: the motion does not fit; a joint whose partner is of
-/// another type or turns about an axis that is not its mirror image.
+/// Returns the motion mirrored at the vertical plane through the root along its heading in the first frame, so that start position and
+/// heading are kept. Mirroring twice gives the original motion within rounding. Errors: the motion does not fit the mechanism; a joint
+/// whose partner has another type or an axis that is not its mirror image.
 [[nodiscard]] Result<Motion> mirror(const Mechanism& mechanism, const Motion& motion);
 
 }  // namespace ugoki::motion_edit

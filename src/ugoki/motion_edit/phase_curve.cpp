@@ -10,7 +10,7 @@ namespace ugoki::motion_edit {
 PhaseCurve::PhaseCurve(std::vector<Point> points) : points_(std::move(points)) {
   UGOKI_CHECK(!points_.empty());
   const std::size_t n = points_.size();
-  std::vector<double> rise(n);  // of the piece that begins at each point
+  std::vector<double> rise(n);  // mean slope of the piece that begins at each point
   for (std::size_t i = 0; i < n; ++i) {
     const bool last = i + 1 == n;
     const Point& a = points_[i];
@@ -20,7 +20,8 @@ PhaseCurve::PhaseCurve(std::vector<Point> points) : points_(std::move(points)) {
   }
   for (std::size_t i = 0; i < n; ++i) {
     const double before = rise[(i + n - 1) % n], after = rise[i];
-    slopes_.push_back(2 * before * after / (before + after));  // harmonic mean: at most twice either, so the pieces stay monotone
+    slopes_.push_back(2 * before * after /
+                      (before + after));  // the harmonic mean is at most twice either value, so the pieces are monotone
   }
 }
 

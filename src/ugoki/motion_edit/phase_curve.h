@@ -1,12 +1,12 @@
 #pragma once
-// A monotone map from one phase of a cycle to another.
+// A monotone map from the phase of one cycle to the phase of another.
 
 #include <vector>
 
 namespace ugoki::motion_edit {
 
-/// y(x) with y(x + 1) = y(x) + 1, strictly rising, continuous with its slope: cubic Hermite pieces through the given points, their slopes
-/// limited so that nothing overshoots (Fritsch and Carlson 1980).
+/// A strictly increasing function y(x) with y(x + 1) = y(x) + 1 and continuous slope: cubic Hermite pieces through the given points, with
+/// slopes limited so that the curve does not overshoot (Fritsch and Carlson 1980). Phases are in cycles.
 class PhaseCurve {
  public:
   struct Point {
@@ -14,11 +14,11 @@ class PhaseCurve {
   };
   /// y = x + shift
   explicit PhaseCurve(double shift = 0) : points_{{0, shift}}, slopes_{1} {}
-  /// @param points rising in x and in y, within less than one cycle of both; at least one
+  /// @param points increasing in x and y, within less than one cycle in both; at least one
   explicit PhaseCurve(std::vector<Point> points);
 
   [[nodiscard]] double operator()(double x) const;
-  /// x at which the curve has the value y.
+  /// Returns the x at which the curve has the value y.
   [[nodiscard]] double inverse(double y) const;
 
  private:

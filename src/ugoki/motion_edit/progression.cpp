@@ -5,7 +5,7 @@
 namespace ugoki::motion_edit {
 namespace {
 
-/// sin(x)/x and (1 - cos(x))/x.
+/// sin(x)/x and (1 - cos(x))/x; by series for small x.
 std::pair<double, double> arc(double x) {
   if (std::fabs(x) < 1e-4) return {1 - x * x / 6, x / 2};
   const SinCos s = sin_cos(x);
@@ -33,7 +33,7 @@ Progression find_progression(const Motion& motion, const Mechanism& m) {
     cosine += h.cos;
   }
   out.start = {first.x, first.y, 0, atan2(sine, cosine)};
-  const auto make_way = [&] {  // so that one cycle gives the displacement
+  const auto make_way = [&] {  // sets vx, vy so that one cycle makes the cycle's displacement
     const Placement way = inverse(out.start) * cycle * out.start;
     const auto [a, b] = arc(out.turn);
     const double d = a * a + b * b;

@@ -9,24 +9,24 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr int pieces = 64;         // straight pieces by which a span of the curve is measured
-constexpr double least_way = 0.2;  // m: a shorter way has no direction that could be bent
+constexpr int pieces = 64;       // line segments that approximate the curve between two points
+constexpr double min_way = 0.2;  // m: a shorter path has no definite direction
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 double distance(const PathPoint& a, const PathPoint& b) { return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y)); }
 PathPoint between(const PathPoint& a, const PathPoint& b, double s) { return {a.x + s * (b.x - a.x), a.y + s * (b.y - a.y)}; }
 
-/// A way with its length at each of its places.
+/// A polyline with the arc length at each of its points.
 struct Way {
   std::vector<PathPoint> p;
-  std::vector<double> length;  ///< m from the first
+  std::vector<double> length;  ///< m, arc length from the first point
 
   explicit Way(std::vector<PathPoint> places) : p(std::move(places)) {
     for (std::size_t i = 0; i < p.size(); ++i) length.push_back(i ? length.back() + distance(p[i - 1], p[i]) : 0);
   }
-  [[nodiscard]] double whole() const { return length.back(); }
-  /// Place at a length; straight on before the beginning and beyond the end.
-  [[nodiscard]] PathPoint place(double s) const {
+  [[nodiscard]] double total_length() const { return length.back(); }
+  /// Point at arc length s [m]; extrapolated along the first and last segment.
+  [[nodiscard]] PathPoint point(double s) const {
     std::size_t i = static_cast<std::size_t>(std::upper_bound(length.begin(), length.end(), s) - length.begin());
     i = std::clamp<std::size_t>(i, 1, p.size() - 1);
     while (i > 1 && length[i] - length[i - 1] < 1e-12) --i;
@@ -34,14 +34,14 @@ struct Way {
     const double h = length[i] - length[i - 1];
     return h < 1e-12 ? p[i] : between(p[i - 1], p[i], (s - length[i - 1]) / h);
   }
-  /// Place and direction, the latter over `reach` [m] on both sides.
+  /// Point and direction at arc length s; the direction is the chord from s - reach to s + reach [m].
   [[nodiscard]] Placement frame(double s, double reach) const {
-    const PathPoint here = place(s), a = place(s - reach), b = place(s + reach);
+    const PathPoint here = point(s), a = point(s - reach), b = point(s + reach);
     return {here.x, here.y, 0, atan2(b.y - a.y, b.x - a.x)};
   }
 };
 
-/// Barry and Goldman's recursion, knots by the square root of the distance.
+/// Centripetal Catmull-Rom spline through the points as a polyline, by the recursion of Barry and Goldman.
 std::vector<PathPoint> catmull_rom(std::span<const PathPoint> points) {
   std::vector<PathPoint> p;
   for (const PathPoint& q : points)
@@ -76,7 +76,7 @@ std::vector<PathPoint> root_path(const Mechanism& m, const Motion& motion, doubl
   for (int pass = 0; pass < 2; ++pass) {
     out.clear();
     for (int f = 0; f < motion.frames; ++f) {
-      const int reach = std::min({half, f, motion.frames - 1 - f});  // ends stay
+      const int reach = std::min({half, f, motion.frames - 1 - f});  // the window shrinks to 0 at the ends, so that they are kept
       PathPoint sum;
       for (int k = -reach; k <= reach; ++k) {
         sum.x += raw[at(f + k)].x / (2 * reach + 1);
@@ -94,19 +94,21 @@ Result<Motion> bend_path(const Mechanism& m, const Motion& motion, std::span<con
   if (Error wrong = check_motion(motion, m); !wrong.empty()) return fail(std::move(wrong));
   const JointType root = m.link_count() > 0 ? m.link(0).joint.type : JointType::fixed;
   if (root != JointType::floating && root != JointType::planar)
-    return fail(ErrorCode::structure, "mechanism " + m.name(), "Its root does not move over the ground.",
-                "Use a mechanism with a floating root.");
+    return fail(ErrorCode::structure, "mechanism " + m.name(), "The mechanism's root cannot move over the ground.",
+                "Use a mechanism with a floating or planar root.");
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!(std::fabs(points[i].x) <= 1e6 && std::fabs(points[i].y) <= 1e6))
-      return fail(ErrorCode::range, "path, point " + std::to_string(i), "It lies more than 1000 km away.", "Give numbers in metres.");
+      return fail(ErrorCode::range, "path, point " + std::to_string(i), "The point is not finite or is beyond 1e6 m.",
+                  "Enter coordinates in metres.");
   std::vector<PathPoint> curve = catmull_rom(points);
-  if (curve.size() < 2) return fail(ErrorCode::structure, "path", "It has fewer than two different points.", "Give at least two.");
+  if (curve.size() < 2)
+    return fail(ErrorCode::structure, "path", "The path has fewer than two different points.", "Specify at least two points.");
   const Way to(std::move(curve)), from(root_path(m, motion, o.smoothing));
-  if (from.whole() < least_way)
+  if (from.total_length() < min_way)
     return fail(ErrorCode::structure, "motion " + motion.name,
-                "It goes only " + to_fixed(from.whole(), 3) + " m, so it has no way that could be bent.",
-                "Move or turn it as a whole instead.");
-  const double ratio = o.keep_speed ? 1 : to.whole() / from.whole(), reach = 0.25 * std::min(1.0, from.whole());
+                "The path of the motion is " + to_fixed(from.total_length(), 3) + " m long; bending needs at least 0.2 m.",
+                "Move or turn the whole motion instead.");
+  const double ratio = o.keep_speed ? 1 : to.total_length() / from.total_length(), reach = 0.25 * std::min(1.0, from.total_length());
   Motion out = motion;
   for (int f = 0; f < motion.frames; ++f) {
     const double s = from.length[at(f)];

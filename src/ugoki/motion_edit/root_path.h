@@ -1,5 +1,5 @@
 #pragma once
-// The way of a motion over the ground, bent along another curve.
+// The path of a motion over the ground, and bending it along another curve.
 
 #include <span>
 
@@ -12,20 +12,20 @@ struct PathPoint {
 };
 
 struct RootPathOptions {
-  bool keep_speed = true;  ///< steps stay as long as they are: the figure may stop before the curve's end or go on straight beyond it.
-                           ///< false: the way is stretched to the curve's length
-  double smoothing = 0.8;  ///< s: sway within this time is no part of the way
-  bool lock_feet = true;   ///< feet are locked afterwards
+  bool keep_speed = true;  ///< true: steps keep their length; the character may stop before the curve's end, or continue straight beyond
+                           ///< it. false: the path is scaled to the curve's length
+  double smoothing = 0.8;  ///< s: sway within this time is smoothed out of the path
+  bool lock_feet = true;   ///< lock the feet afterwards (lock_feet)
   FootContactOptions contacts;
   FootLockOptions lock;
 };
 
-/// The smoothed way of the root over the ground, one place a frame.
+/// The smoothed path of the root over the ground. [frames] @param smoothing s
 [[nodiscard]] std::vector<PathPoint> root_path(const Mechanism& mechanism, const Motion& motion, double smoothing = 0.8);
 
-/// The motion along a smooth curve through the points (centripetal Catmull-Rom), beginning at the first one and in the curve's direction;
-/// sway, height and heading against the way stay. Errors: the motion does not fit or its root is fixed; fewer than two different points; it
-/// goes nowhere.
+/// Returns the motion along a smooth curve through the points (centripetal Catmull-Rom). It starts at the first point in the curve's
+/// direction; sway, height and heading relative to the path are kept. Errors: the motion does not fit the mechanism; the root cannot move
+/// over the ground; fewer than two different points; a path shorter than 0.2 m.
 [[nodiscard]] Result<Motion> bend_path(const Mechanism& mechanism, const Motion& motion, std::span<const PathPoint> points,
                                        const RootPathOptions& options = {}, FootLockReport* report = nullptr);
 

@@ -1,17 +1,19 @@
 #pragma once
-// A cyclic motion over several rounds, so that what looks around a frame need not know of the seam.
+// Repetition of a cyclic motion over several cycles ("rounds"), so that algorithms that use neighbouring frames need no special case at
+// the seam.
 
 #include "ugoki/motion/clip.h"
 
 namespace ugoki::motion_edit {
 
-/// Frames of one round of a cyclic motion; its last frame is the first of the next round.
+/// Number of frames of one cycle of a cyclic motion, without its last frame, which is the first frame of the next cycle.
 [[nodiscard]] inline int round_frames(const Motion& motion) { return motion.frames - 1; }
 
-/// Three rounds one after the other, the middle one where the motion is; contacts repeated. Not cyclic. At least 2 frames.
+/// Returns three consecutive cycles; the middle one is `motion` itself. Contact labels are repeated. The result is not marked as cyclic.
+/// `motion` must have at least 2 frames.
 [[nodiscard]] Motion three_rounds(const Motion& motion, const Mechanism& mechanism);
 
-/// The middle one of three rounds; its last frame is made its first frame, moved by `cycle`, exactly.
+/// Returns the middle cycle of three_rounds(). Its last frame is set to its first frame displaced by `cycle`.
 [[nodiscard]] Motion middle_round(const Motion& rounds, const Mechanism& mechanism, const Placement& cycle);
 
 }  // namespace ugoki::motion_edit

@@ -9,7 +9,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// The place of the link's shapes that is farthest from its joint, in the link's frame.
+/// Centre of the shape or of a capsule's cap that is farthest from the joint, in the link's frame. m
 Vec3 far_end(const Link& link) {
   Vec3 end;
   for (const Shape& s : link.shapes) {
@@ -42,7 +42,7 @@ MeasuredMotion to_measured(const Mechanism& m, const Motion& motion) {
     joint.translates = t == JointType::floating || t == JointType::planar || t == JointType::prismatic || t == JointType::cylindrical ||
                        t == JointType::helical;
     if (t != JointType::fixed && t != JointType::prismatic)
-      for (const Vec3& axis : {Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) joint.freedoms.push_back({axis});
+      for (const Vec3& axis : {Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) joint.dofs.push_back({axis});
     const bool last = std::none_of(m.links().begin(), m.links().end(), [&](const Link& other) { return other.parent == i; });
     if (const Vec3 end = rest[at(i)].R * far_end(link); last && norm(end) > 1e-6) joint.end_sites.push_back(end);
     out.skeleton.joints.push_back(std::move(joint));
@@ -51,7 +51,7 @@ MeasuredMotion to_measured(const Mechanism& m, const Motion& motion) {
     calc_poses(m, {motion.frame(f), at(motion.nq)}, X);
     for (int i = 0; i < m.link_count(); ++i) {
       const int parent = m.link(i).parent;
-      const Mat3 R = X[at(i)].R * rest[at(i)].R.transposed();  // parallel to the world at rest
+      const Mat3 R = X[at(i)].R * rest[at(i)].R.transposed();  // orientation of the joint frame, which is parallel to the world at rest
       const Pose own{R, X[at(i)].p};
       const Pose base = parent < 0 ? Pose{} : Pose{X[at(parent)].R * rest[at(parent)].R.transposed(), X[at(parent)].p};
       const Pose local = base.inverse() * own;

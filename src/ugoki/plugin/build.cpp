@@ -17,8 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::seconds compile_limit{300};
+constexpr std::chrono::seconds compile_limit{300};  // a file of plain functions takes a few seconds; a compiler that hangs is killed
 
+/// A new folder for temporary files, removed with its content at the end. The path is empty if it cannot be created.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -38,6 +39,7 @@ class TemporaryFolder {
   std::string path_;
 };
 
+/// Path of an executable: in PATH, or `name` itself if it has a slash. Empty: not found.
 std::string find_program(const std::string& name) {
   if (name.find('/') != std::string::npos) return ::access(name.c_str(), X_OK) == 0 ? name : "";
   const char* all = ::getenv("PATH");
@@ -51,15 +53,16 @@ std::string find_program(const std::string& name) {
   return {};
 }
 
-/// A line of the compiler's output that begins a message: "spring.c:3:5: error: text".
+/// First line of a compiler message: "spring.c:3:5: error: text".
 struct Diagnostic {
-  std::string place, kind, text;
+  std::string location, kind, text;
 };
+/// False if the line does not begin a message.
 bool read_diagnostic(const std::string& line, Diagnostic& d) {
   for (const char* kind : {"fatal error", "error", "warning"}) {
     const auto at = line.find(": " + std::string(kind) + ": ");
     if (at == std::string::npos || line.starts_with(" ")) continue;
-    d.place = line.substr(0, at);
+    d.location = line.substr(0, at);
     d.kind = kind;
     d.text = line.substr(at + std::string(kind).size() + 4);
     return true;
@@ -67,9 +70,11 @@ bool read_diagnostic(const std::string& line, Diagnostic& d) {
   return false;
 }
 
-std::string source_line(const std::string& source, const std::string& place) {
-  const auto first = place.find(':');
-  const auto line = first == std::string::npos ? std::nullopt : parse_long(place.substr(first + 1, place.find(':', first + 1) - first - 1));
+/// The line of `source` that "spring.c:3:5" points to, without indentation; empty: none.
+std::string source_line(const std::string& source, const std::string& location) {
+  const auto first = location.find(':');
+  const auto line =
+      first == std::string::npos ? std::nullopt : parse_long(location.substr(first + 1, location.find(':', first + 1) - first - 1));
   if (!line || *line < 1) return {};
   std::size_t at = 0;
   for (long i = 1; i < *line && at != std::string::npos; ++i) {
@@ -82,7 +87,7 @@ std::string source_line(const std::string& source, const std::string& place) {
   return begin == std::string::npos ? "" : text.substr(begin);
 }
 
-/// What the compiler said, with the user's own name of the file.
+/// Sorts the compiler's output into errors and warnings. The absolute path `full` is replaced by the path that the user gave.
 void read_messages(const std::string& output, const BuildRequest& request, const std::string& full, const std::string& source,
                    Error& errors, std::vector<std::string>& warnings) {
   const std::string shown = request.source;
@@ -90,13 +95,13 @@ void read_messages(const std::string& output, const BuildRequest& request, const
     const std::size_t end = std::min(output.find('\n', at), output.size());
     Diagnostic d;
     if (read_diagnostic(output.substr(at, end - at), d)) {
-      const bool own = d.place.starts_with(full + ":");
-      if (own) d.place.replace(0, full.size(), shown);
+      const bool own = d.location.starts_with(full + ":");
+      if (own) d.location.replace(0, full.size(), shown);
       if (d.kind == "warning") {
-        warnings.push_back(d.place + ": " + d.text);
+        warnings.push_back(d.location + ": " + d.text);
       } else {
-        const std::string line = own ? source_line(source, d.place) : "";
-        errors.add(ErrorCode::syntax, d.place, d.text + (d.text.ends_with('.') ? "" : "."),
+        const std::string line = own ? source_line(source, d.location) : "";
+        errors.add(ErrorCode::syntax, d.location, d.text + (d.text.ends_with('.') ? "" : "."),
                    line.empty() ? "Correct the source." : "The line is: " + line);
       }
     }
@@ -119,7 +124,8 @@ Result<std::string> find_compiler(bool cpp, const std::string& wanted) {
   if (!wanted.empty()) {
     const std::string path = find_program(wanted);
     if (!path.empty()) return path;
-    return fail(ErrorCode::io, "--compiler", "There is no program '" + wanted + "'.", "Name a C or C++ compiler that is installed.");
+    return fail(ErrorCode::io, "--compiler", "The compiler '" + wanted + "' was not found.",
+                "Give the name or path of an installed C or C++ compiler.");
   }
   using Names = std::array<const char*, 3>;
   const Names names = cpp ? Names{"clang++-19", "clang++", "g++"} : Names{"clang-19", "clang", "gcc"};
@@ -133,7 +139,8 @@ Result<BuildReport> build_library(const BuildRequest& request) {
   const std::string extension = fs::path(request.source).extension().string();
   const bool cpp = extension == ".cpp" || extension == ".cc" || extension == ".cxx" || extension == ".C";
   if (!cpp && extension != ".c")
-    return fail(ErrorCode::unsupported, request.source, "The LSI builder takes C and C++ files.", "Give a file *.c or *.cpp.");
+    return fail(ErrorCode::unsupported, request.source, "The LSI builder reads C and C++ files, not '" + extension + "'.",
+                "Give a file *.c or *.cpp.");
   const Result<std::string> text = files::read_file(request.source, std::size_t{16} << 20);
   if (!text) return fail(text.error());
   std::error_code ec;
@@ -155,7 +162,7 @@ Result<BuildReport> build_library(const BuildRequest& request) {
 
   const TemporaryFolder folder;
   if (folder.path().empty())
-    return fail(ErrorCode::io, "temporary folder", "There is no folder for temporary files.", "Set TMPDIR to one that can be written.");
+    return fail(ErrorCode::io, "temporary folder", "No temporary folder can be created.", "Set TMPDIR to a folder that you may write to.");
   fs::create_directories(folder.path() + "/include/ugoki", ec);
   for (const Header& h : public_headers())
     if (Result<void> done = files::write_file(folder.path() + "/include/" + h.path, std::string_view(h.text)); !done)
@@ -164,7 +171,8 @@ Result<BuildReport> build_library(const BuildRequest& request) {
   if (!source.declares_library)
     if (Result<void> done = files::write_file(unit, std::string_view(wrapper.code)); !done) return fail(done.error());
   const std::string made = folder.path() + "/" + report.name + ".so";
-  // The same numbers everywhere: no contraction of a * b + c. Frame pointers let a crash be traced.
+  // -ffp-contract=off: a * b + c is rounded twice on every machine, so that results are the same everywhere. Frame pointers allow stack
+  // traces.
   const std::vector<std::string> arguments = {*compiler,
                                               cpp ? "-std=c++20" : "-std=gnu17",
                                               "-O2",
@@ -192,12 +200,12 @@ Result<BuildReport> build_library(const BuildRequest& request) {
   read_messages(ran->err, request, full, *text, errors, report.warnings);
   if (ran->status != 0) {
     if (ran->timed_out)
-      return fail(ErrorCode::io, request.source, "The compiler did not end within " + std::to_string(compile_limit.count()) + " s.",
+      return fail(ErrorCode::io, request.source, "The compiler did not finish within " + std::to_string(compile_limit.count()) + " s.",
                   "Make the file smaller.");
     if (errors.empty()) {
       const auto tail = ran->err.size() > 2000 ? ran->err.substr(ran->err.size() - 2000) : ran->err;
       errors.add(ErrorCode::syntax, request.source, "The library cannot be linked: " + tail,
-                 "See that every function it uses is in the file.");
+                 "Make sure that every function that is used is defined in the file.");
     }
     return fail(std::move(errors));
   }

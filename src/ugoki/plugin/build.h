@@ -1,5 +1,5 @@
 #pragma once
-// The LSI builder: from a C or C++ file to a library of LSIs.
+// LSI builder: compiles a C or C++ file to a library of software LSIs.
 
 #include <string>
 #include <vector>
@@ -8,30 +8,36 @@
 
 namespace ugoki::plugin {
 
+/// What to build.
 struct BuildRequest {
-  std::string source;    ///< *.c, or *.cpp, *.cc, *.cxx
-  std::string output;    ///< empty: the source's name with .so, beside it
-  std::string name;      ///< of the library; empty: `@library NAME` in the first comment, or the file's name
-  std::string compiler;  ///< empty: the first of clang-19, clang, gcc (clang++-19, clang++, g++) that is there
+  std::string source;    ///< path of the user's file: *.c, *.cpp, *.cc, *.cxx or *.C
+  std::string output;    ///< path of the library; empty: as `source`, with the extension .so
+  std::string name;      ///< name of the library; empty: `@library NAME` in the first comment, or the file's name
+  std::string compiler;  ///< name or path; empty: the first installed one of clang-19, clang, gcc (C++: clang++-19, clang++, g++)
 };
 
+/// What was built.
 struct BuildReport {
-  std::string output, name, compiler;
-  std::vector<std::string> notes;     ///< what was not made an LSI, and why
-  std::vector<std::string> warnings;  ///< of the compiler, "spring.c:12:3: ..."
+  std::string output, name, compiler;  ///< path and name of the library; path of the compiler
+  std::vector<std::string> notes;      ///< functions that are not LSIs, with the reason
+  std::vector<std::string> warnings;   ///< warnings of the compiler: "spring.c:12:3: ..."
 };
 
-/// Errors of the compiler have the user's line as their place.
+/// Builds a library. Runs the compiler as a child process, for at most 300 s.
+/// Errors: the file cannot be read or offers no LSI; an annotation is wrong (see make_wrapper); there is no compiler; the compiler failed.
+/// The location of a compiler's error is the line in the user's file.
 [[nodiscard]] Result<BuildReport> build_library(const BuildRequest& request);
 
-/// Path of the compiler, or an error that says what to install.
+/// Path of a compiler for C or C++. @param wanted name or path; empty: the first installed one, as in BuildRequest::compiler
+/// Error: none is installed; the remedy names the package to install.
 [[nodiscard]] Result<std::string> find_compiler(bool cpp, const std::string& wanted = {});
 
-/// The public headers as they are in the repository: ("ugoki/lsi.h", text).
+/// A public header of LSIs, as it is in the repository.
 struct Header {
-  const char* path;
+  const char* path;  ///< below the include folder: "ugoki/lsi.h"
   const char* text;
 };
+/// ugoki/lsi.h and ugoki/lsi.hpp.
 [[nodiscard]] const std::vector<Header>& public_headers();
 
 }  // namespace ugoki::plugin

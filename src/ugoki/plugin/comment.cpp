@@ -1,4 +1,4 @@
-// The annotations in comments.
+// Parser of the annotations in comments.
 
 #include <algorithm>
 #include <cctype>
@@ -9,17 +9,18 @@
 namespace ugoki::plugin {
 namespace {
 
-/// Reads a line from the left.
+/// Reads a line from left to right.
 class Line {
  public:
   explicit Line(std::string_view text) : text_(text) {}
   void blanks() {
     while (!text_.empty() && std::isspace(static_cast<unsigned char>(text_[0]))) text_.remove_prefix(1);
   }
-  bool take(std::string_view what) {
+  /// Skips blanks and then `expected`; false if the text does not continue with it.
+  bool take(std::string_view expected) {
     blanks();
-    if (!text_.starts_with(what)) return false;
-    text_.remove_prefix(what.size());
+    if (!text_.starts_with(expected)) return false;
+    text_.remove_prefix(expected.size());
     return true;
   }
   std::string word() {
@@ -36,7 +37,7 @@ class Line {
     while (n < text_.size() && !text_.substr(n).starts_with("..") &&
            (std::isdigit(static_cast<unsigned char>(text_[n])) || std::string_view("+-.eE").find(text_[n]) != std::string_view::npos))
       ++n;
-    // "3." at the end of a sentence is 3
+    // A trailing point ends a sentence: "3." is the number 3.
     while (n > 0 && text_[n - 1] == '.') --n;
     const auto parsed = parse_double(text_.substr(0, n));
     if (!parsed) return false;
@@ -63,6 +64,7 @@ class Line {
   std::string_view text_;
 };
 
+/// True for annotations whose next word is a name.
 bool has_name(std::string_view word) {
   return word == "in" || word == "out" || word == "return" || word == "param" || word == "parameter" || word == "state" || word == "dt" ||
          word == "time";
@@ -75,6 +77,7 @@ std::string trimmed(std::string text) {
   return text;
 }
 
+/// Reads ": type [unit] = value, {choices} low..high" of an annotation; each part may be missing.
 void read_details(Line& line, Annotation& a) {
   if (line.take(":")) {
     const std::string_view before = line.left();
@@ -107,7 +110,7 @@ void read_details(Line& line, Annotation& a) {
   } else {
     line.reset(before);
   }
-  if (line.take("-")) line.blanks();  // "@in x - how far"
+  if (line.take("-")) line.blanks();  // "@in x - How far."
 }
 
 }  // namespace
@@ -117,7 +120,7 @@ Annotation read_annotation(std::string_view text) {
   Line line(text);
   a.word = line.word();
   if (has_name(a.word)) {
-    // doxygen's "@param[in] x"
+    // Doxygen writes "@param[in] x".
     if (a.word == "param" && line.take("[")) line.until(']');
     line.blanks();
     const bool unnamed_return = a.word == "return" && !line.left().empty() &&
@@ -131,7 +134,7 @@ Annotation read_annotation(std::string_view text) {
 
 Comment read_comment(const std::vector<std::pair<int, std::string>>& lines) {
   Comment out;
-  Annotation* open = nullptr;
+  Annotation* open = nullptr;  // the annotation that the next line continues
   for (const auto& [number, raw] : lines) {
     std::string line = trimmed(raw);
     if (line.size() > 1 && (line[0] == '@' || line[0] == '\\') && std::isalpha(static_cast<unsigned char>(line[1]))) {
@@ -141,9 +144,9 @@ Comment read_comment(const std::vector<std::pair<int, std::string>>& lines) {
         out.doc += (out.doc.empty() ? "" : " ") + a.doc;
         continue;
       }
-      const bool prose = has_name(a.word);
+      const bool may_continue = has_name(a.word);
       out.annotations.push_back(std::move(a));
-      open = prose ? &out.annotations.back() : nullptr;
+      open = may_continue ? &out.annotations.back() : nullptr;
     } else if (line.empty()) {
       open = nullptr;
     } else if (open) {

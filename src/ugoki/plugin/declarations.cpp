@@ -9,27 +9,30 @@ namespace {
 
 using circuit::LsiClass;
 
-constexpr std::uint32_t most_entries = 10'000;
-constexpr std::uint32_t most_elements = 1'000'000;
-constexpr std::uint64_t most_state = std::uint64_t{64} << 20;
+// Bounds against damaged tables.
+constexpr std::uint32_t max_entries = 10'000;                 // entries of one table
+constexpr std::uint32_t max_elements = 1'000'000;             // elements of one pin
+constexpr std::uint64_t max_state = std::uint64_t{64} << 20;  // bytes; documented in ugoki/lsi.h
 
 std::string text_of(const char* text) { return text ? text : ""; }
 
+/// True for a valid name of a library.
 bool is_name(std::string_view text) {
   return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   });
 }
 
-/// Visits tables whose entries may be longer than ours: their own first field says how long they are.
+/// A table whose entries may be longer than T, if the library was built with a later header. The first field of an entry is its size in
+/// bytes, which is the distance between entries.
 template <class T>
 class Table {
  public:
   Table(const T* first, std::uint32_t count) : bytes_(reinterpret_cast<const char*>(first)), count_(count) {}
-  /// False where the entries are shorter than those of the first version.
+  /// False if the entries are shorter than T, differ in size, are not aligned for T, or are too many.
   [[nodiscard]] bool valid() const {
     if (count_ == 0) return true;
-    if (!bytes_ || count_ > most_entries) return false;
+    if (!bytes_ || count_ > max_entries) return false;
     const std::uint32_t stride = at(0, 0).size;
     if (stride < sizeof(T) || stride % alignof(T) != 0 || stride > 65536) return false;
     for (std::uint32_t i = 0; i < count_; ++i)
@@ -37,7 +40,7 @@ class Table {
     return true;
   }
   template <class Visit>
-  void each(Visit visit) const {
+  void each(Visit visit) const {  // the table must be valid()
     for (std::uint32_t i = 0; i < count_; ++i) visit(at(i, at(0, 0).size));
   }
 
@@ -49,58 +52,61 @@ class Table {
   std::uint32_t count_;
 };
 
+/// Converts the tables of one library.
 class Reader {
  public:
-  Reader(std::string place, Error& problems) : place_(std::move(place)), problems_(problems) {}
+  Reader(std::string location, Error& problems) : location_(std::move(location)), problems_(problems) {}
 
   Declared read(const ugoki_library* library) {
     Declared out;
     if (!library || library->size < offsetof(ugoki_library, name)) {
-      wrong(place_, "The library describes nothing.");
+      wrong(location_, "The library has no description, or one of a few bytes only.");
       return out;
     }
     if (library->abi != UGOKI_LSI_ABI) {
-      problems_.add(ErrorCode::unsupported, place_,
+      problems_.add(ErrorCode::unsupported, location_,
                     "The library was built for version " + std::to_string(library->abi) +
-                        " of the interface of LSIs; this program has version " + std::to_string(UGOKI_LSI_ABI) + ".",
-                    "Build it again with this program: ugoki lsi build FILE.c");
+                        " of the LSI interface; this program has version " + std::to_string(UGOKI_LSI_ABI) + ".",
+                    "Rebuild it with this program: ugoki lsi build FILE.c");
       return out;
     }
     if (library->size < sizeof(ugoki_library)) {
-      wrong(place_, "The library's description is cut off.");
+      wrong(location_, "The description of the library is too short.");
       return out;
     }
     out.name = text_of(library->name);
     out.version = text_of(library->version);
     out.doc = text_of(library->doc);
-    if (!is_name(out.name)) wrong(place_, "'" + out.name + "' cannot be the name of a library: 1 to 64 letters, digits, '_' and '-'.");
-    if (library->class_count == 0 || library->class_count > most_entries || !library->classes) {
-      wrong(place_, "The library has no LSIs.");
+    if (!is_name(out.name))
+      wrong(location_, "'" + out.name + "' is not a valid name of a library: it needs 1 to 64 letters, digits, '_' and '-'.");
+    if (library->class_count == 0 || library->class_count > max_entries || !library->classes) {
+      wrong(location_, "The library has no LSIs, or more than " + std::to_string(max_entries) + ".");
       return out;
     }
     for (std::uint32_t i = 0; i < library->class_count; ++i) {
       if (library->classes[i] && library->classes[i]->size >= sizeof(ugoki_class))
         out.classes.push_back(read_class(*library->classes[i], out.name));
       else
-        wrong(place_, "The description of its LSI number " + std::to_string(i + 1) + " is cut off.");
+        wrong(location_, "The description of LSI number " + std::to_string(i + 1) + " is missing or too short.");
     }
     std::sort(out.classes.begin(), out.classes.end(), [](const LsiClass& a, const LsiClass& b) { return a.name < b.name; });
     for (std::size_t i = 1; i < out.classes.size(); ++i)
-      if (out.classes[i].name == out.classes[i - 1].name) wrong(place_, "Two of its LSIs are called '" + out.classes[i].name + "'.");
+      if (out.classes[i].name == out.classes[i - 1].name)
+        wrong(location_, "Two LSIs of the library are called '" + out.classes[i].name + "'.");
     return out;
   }
 
  private:
-  void wrong(const std::string& place, std::string message) {
-    problems_.add(ErrorCode::structure, place, std::move(message), "Correct the declaration and build the library again.");
+  void wrong(const std::string& location, std::string message) {
+    problems_.add(ErrorCode::structure, location, std::move(message), "Correct the declaration and rebuild the library.");
   }
 
   LsiClass read_class(const ugoki_class& from, const std::string& library) {
     LsiClass c;
     const std::string name = text_of(from.name);
-    const std::string here = place_ + ", LSI '" + name + "'";
+    const std::string here = location_ + ", LSI '" + name + "'";
     if (name.empty() || name.size() > 100 || name.find_first_of("./") != std::string::npos)
-      wrong(here, "The name of an LSI has 1 to 100 characters, none of them '.' or '/'.");
+      wrong(here, "The name of an LSI must have 1 to 100 characters, none of them '.' or '/'.");
     c.name = library + "/" + name;
     c.doc = text_of(from.doc);
     c.group = from.group && *from.group ? from.group : library;
@@ -112,22 +118,23 @@ class Reader {
     const Table parameters(from.parameters, from.parameter_count);
     const Table fields(from.fields, from.field_count);
     if (!inputs.valid() || !outputs.valid() || !parameters.valid() || !fields.valid()) {
-      wrong(here, "The tables of its pins, parameters or state are damaged.");
+      wrong(here, "The tables of pins, parameters or state fields are damaged.");
       return c;
     }
     inputs.each([&](const ugoki_input& pin) { c.inputs.push_back(read_input(pin, here)); });
     outputs.each([&](const ugoki_output& pin) { c.outputs.push_back(read_output(pin, here, from)); });
     parameters.each([&](const ugoki_parameter& p) { c.parameters.push_back(read_parameter(p, here)); });
-    if (from.state_size > most_state) wrong(here, "Its state has more than 64 MB.");
-    c.state_bytes = static_cast<std::size_t>(std::min(from.state_size, most_state));
+    if (from.state_size > max_state) wrong(here, "The state has " + std::to_string(from.state_size) + " bytes; the limit is 64 MB.");
+    c.state_bytes = static_cast<std::size_t>(std::min(from.state_size, max_state));
     fields.each([&](const ugoki_field& f) { c.fields.push_back(read_field(f, here, c.state_bytes)); });
     check_names(c.inputs, here, "inputs");
     check_names(c.outputs, here, "outputs");
     check_names(c.parameters, here, "parameters");
     check_names(c.fields, here, "fields of the state");
     for (std::size_t i = 0; i + 1 < c.inputs.size(); ++i)
-      if (c.inputs[i].multiple && !c.inputs[i + 1].multiple) wrong(here, "An input that takes several wires comes after all others.");
-    if (!from.step && !from.advance) wrong(here, "It has neither 'step' nor 'advance', so it can do nothing.");
+      if (c.inputs[i].multiple && !c.inputs[i + 1].multiple)
+        wrong(here, "Inputs with UGOKI_MULTIPLE must be declared after all other inputs.");
+    if (!from.step && !from.advance) wrong(here, "The LSI has neither 'step' nor 'advance'.");
     c.init = from.init;
     c.step = from.step;
     c.advance = from.advance;
@@ -143,11 +150,13 @@ class Reader {
     return circuit::PinTypeId::scalar;
   }
 
+  /// Checks what pins, parameters and state fields have in common.
   void check_pin(const std::string& name, std::uint32_t count, double minimum, double maximum, const std::string& here) {
     if (name.empty() || name.find('.') != std::string::npos || name.size() > 100)
-      wrong(here, "'" + name + "' cannot be the name of a pin: 1 to 100 characters without point.");
-    if (count > most_elements) wrong(here, "The pin '" + name + "' has more than a million elements.");
-    if (!(minimum <= maximum)) wrong(here, "The range of the pin '" + name + "' is upside down.");
+      wrong(here, "'" + name + "' is not a valid name of a pin, parameter or field: it needs 1 to 100 characters, none of them '.'.");
+    if (count > max_elements)
+      wrong(here, "The pin '" + name + "' has " + std::to_string(count) + " elements; the limit is " + std::to_string(max_elements) + ".");
+    if (!(minimum <= maximum)) wrong(here, "The minimum of '" + name + "' is above its maximum.");
   }
 
   circuit::InputPin read_input(const ugoki_input& from, const std::string& here) {
@@ -164,7 +173,7 @@ class Reader {
     pin.minimum = from.minimum;
     pin.maximum = from.maximum;
     check_pin(pin.name, pin.count, pin.minimum, pin.maximum, here);
-    if (!std::isfinite(pin.value)) wrong(here, "The value of the input '" + pin.name + "' is not a number.");
+    if (!std::isfinite(pin.value)) wrong(here, "The default value of the input '" + pin.name + "' is not finite.");
     return pin;
   }
 
@@ -179,13 +188,14 @@ class Reader {
     pin.minimum = from.minimum;
     pin.maximum = from.maximum;
     check_pin(pin.name, pin.count, pin.minimum, pin.maximum, here);
-    if (pin.delayed && !owner.advance) wrong(here, "The output '" + pin.name + "' is delayed, but there is no 'advance' to write it.");
+    if (pin.delayed && !owner.advance) wrong(here, "The output '" + pin.name + "' is delayed, but the LSI has no 'advance' to write it.");
     if (from.like > owner.input_count)
-      wrong(here, "The output '" + pin.name + "' is to be like an input that there is not.");
+      wrong(here, "The output '" + pin.name + "' refers to input " + std::to_string(from.like) + " by 'like', but the LSI has " +
+                      std::to_string(owner.input_count) + " inputs.");
     else
       pin.like = static_cast<int>(from.like) - 1;
     if (pin.count == 0 && pin.like < 0 && pin_type(pin.type).default_count == 0)
-      wrong(here, "Nothing says how many elements the output '" + pin.name + "' has: set 'count' or 'like'.");
+      wrong(here, "The number of elements of the output '" + pin.name + "' is unknown: set 'count' or 'like'.");
     return pin;
   }
 
@@ -220,7 +230,7 @@ class Reader {
         break;
       case UGOKI_CHOICE:
         p.kind = circuit::ParameterKind::choice;
-        good = from.choices && from.choice_count > 0 && from.choice_count <= most_entries;
+        good = from.choices && from.choice_count > 0 && from.choice_count <= max_entries;
         for (std::uint32_t i = 0; good && i < from.choice_count; ++i) p.choices.push_back(text_of(from.choices[i]));
         good = good && first >= 0 && first < static_cast<double>(from.choice_count);
         if (good) p.initial = p.choices[static_cast<std::size_t>(first)];
@@ -232,7 +242,7 @@ class Reader {
         break;
       default: good = false;
     }
-    if (!good) wrong(here, "The parameter '" + p.name + "' has an unknown kind, no choices, or a first value out of its range.");
+    if (!good) wrong(here, "The parameter '" + p.name + "' has an unknown kind, no choices, or an initial value out of its range.");
     return p;
   }
 
@@ -251,25 +261,25 @@ class Reader {
     }
     f.type = static_cast<circuit::FieldType>(from.type);
     if (f.offset + std::uint64_t{f.count} * bytes_of(f.type) > state_bytes)
-      wrong(here, "The field '" + f.name + "' lies outside of the state.");
+      wrong(here, "The field '" + f.name + "' is outside of the state, which has " + std::to_string(state_bytes) + " bytes.");
     return f;
   }
 
-  template <class Things>
-  void check_names(const Things& things, const std::string& here, const char* what) {
-    for (std::size_t i = 0; i < things.size(); ++i)
+  template <class Items>
+  void check_names(const Items& items, const std::string& here, const char* what) {
+    for (std::size_t i = 0; i < items.size(); ++i)
       for (std::size_t k = 0; k < i; ++k)
-        if (things[i].name == things[k].name) wrong(here, "Two of its " + std::string(what) + " are called '" + things[i].name + "'.");
+        if (items[i].name == items[k].name) wrong(here, "Two " + std::string(what) + " are called '" + items[i].name + "'.");
   }
 
-  std::string place_;
+  std::string location_;
   Error& problems_;
 };
 
 }  // namespace
 
-Declared read_declarations(const ugoki_library* library, const std::string& place, Error& problems) {
-  return Reader(place, problems).read(library);
+Declared read_declarations(const ugoki_library* library, const std::string& location, Error& problems) {
+  return Reader(location, problems).read(library);
 }
 
 }  // namespace ugoki::plugin

@@ -1,5 +1,6 @@
 #pragma once
-// The tables of a library of LSIs (include/ugoki/lsi.h) as classes of the runtime. Nothing in them is trusted but their addresses.
+// Conversion of the tables of a library of LSIs (include/ugoki/lsi.h) to classes of the circuit runtime. Sizes, names, types, ranges and
+// offsets in the tables are checked; only the addresses in them are trusted.
 
 #include <string>
 #include <vector>
@@ -9,12 +10,14 @@
 
 namespace ugoki::plugin {
 
+/// A library as its tables describe it.
 struct Declared {
   std::string name, version, doc;
-  std::vector<circuit::LsiClass> classes;  ///< by name; with functions, without `make`
+  std::vector<circuit::LsiClass> classes;  ///< sorted by name, "library/lsi"; all functions are set except `make`
 };
 
-/// Everything wrong is reported. @param place of the library, for messages
-[[nodiscard]] Declared read_declarations(const ugoki_library* library, const std::string& place, Error& problems);
+/// Reads the tables of a library. @param location path of the library, for messages
+/// @param problems [out] every fault that was found is added; if there are any, the result must not be used
+[[nodiscard]] Declared read_declarations(const ugoki_library* library, const std::string& location, Error& problems);
 
 }  // namespace ugoki::plugin

@@ -20,15 +20,15 @@
 namespace ugoki::plugin {
 namespace {
 
-constexpr int crash_status = 70;
-constexpr std::chrono::milliseconds look_every{100};
+constexpr int crash_status = 70;                        // exit status after last words (EX_SOFTWARE of sysexits.h)
+constexpr std::chrono::milliseconds check_period{100};  // the watching thread notices a hang at most this long after the patience ended
 
-int words_fd = -1;
-std::atomic<bool> ended = false;
+int words_fd = -1;                           // where last words are written
+std::atomic<bool> ended = false;             // one thread is writing last words already
 char phase[256];                             // zero-terminated
-std::atomic<std::uint64_t> phase_number{0};  // odd: a phase is going on
+std::atomic<std::uint64_t> phase_number{0};  // odd during a phase; increases with every change
 
-/// "place \n message \n remedy" without allocation.
+/// Last words: three lines, "location\nmessage\nremedy\n". Allocates nothing, so that a signal handler may use it.
 class Words {
  public:
   Words& operator<<(std::string_view text) {
@@ -39,7 +39,7 @@ class Words {
   void end_line() {
     if (size_ < sizeof text_) text_[size_++] = '\n';
   }
-  /// Room to be filled by a describe function.
+  /// The unused memory, for a describe function of circuit/activity.h; add() then states how much it used.
   std::span<char> room() { return {text_ + size_, sizeof text_ - size_}; }
   void add(std::size_t n) { size_ += n; }
   void send() const {
@@ -55,7 +55,7 @@ class Words {
   std::size_t size_ = 0;
 };
 
-/// Says who did `what` ("divided a whole number by zero"), and ends the process.
+/// Writes last words and ends the process. @param what happened ("divided an integer by zero") @param running null: no LSI runs
 [[noreturn]] void end_with(std::string_view what, const circuit::RunningLsi* running) {
   if (!ended.exchange(true)) {
     Words words;
@@ -74,24 +74,26 @@ class Words {
     } else {
       words << "interpreter";
       words.end_line();
-      words << "The interpreter " << what << ", outside of any LSI.";
+      words << "The interpreter " << what << " while no LSI was running.";
     }
     words.end_line();
-    words << (running || phase_number.load() % 2 == 1 ? "Correct the LSI, build it again and restart the circuit."
-                                                      : "This is a fault of the program; report it with the project.");
+    words << (running || phase_number.load() % 2 == 1 ? "Correct the LSI, rebuild it and restart the circuit."
+                                                      : "This is a bug in Ugoki; report it together with the project.");
     words.send();
   }
   _exit(crash_status);
 }
 
+/// What a signal means, as the end of a sentence whose subject is the LSI.
 std::string_view words_for(int signal, const siginfo_t* info) {
   switch (signal) {
-    case SIGFPE: return info->si_code == FPE_INTDIV ? "divided a whole number by zero" : "made an arithmetic fault (SIGFPE)";
+    case SIGFPE: return info->si_code == FPE_INTDIV ? "divided an integer by zero" : "caused an arithmetic error (SIGFPE)";
     case SIGSEGV:
+      // The first page (4096 bytes) is never mapped: an access there is a null pointer, perhaps with the offset of a field.
       return reinterpret_cast<std::uintptr_t>(info->si_addr) < 4096 ? "used a null pointer (SIGSEGV)"
-                                                                    : "used memory that it does not have (SIGSEGV)";
-    case SIGBUS: return "used memory that is not there (SIGBUS)";
-    case SIGILL: return "came to an instruction that is none (SIGILL)";
+                                                                    : "accessed memory that it does not own (SIGSEGV)";
+    case SIGBUS: return "accessed memory that does not exist (SIGBUS)";
+    case SIGILL: return "executed an invalid instruction (SIGILL)";
     case SIGABRT: return "aborted (SIGABRT)";
     default: return "was ended by a signal";
   }
@@ -103,12 +105,13 @@ void on_exit() {
   if (const circuit::RunningLsi* running = running_of(process_activity())) end_with("ended the process (exit)", running);
 }
 
+/// Body of the watching thread: ends the process when one call of an LSI, or one phase, takes longer than `patience`.
 [[noreturn]] void watch(std::chrono::milliseconds patience) {
   const circuit::RunningLsi* last = nullptr;
   std::uint64_t last_pass = 0, last_phase = 0;
   auto since = std::chrono::steady_clock::now();
   while (true) {
-    std::this_thread::sleep_for(look_every);
+    std::this_thread::sleep_for(check_period);
     const circuit::Activity& activity = process_activity();
     const circuit::RunningLsi* running = running_of(activity);
     const std::uint64_t pass = passes_of(activity), number = phase_number.load();
@@ -121,13 +124,14 @@ void on_exit() {
       since = now;
     } else if (now - since > patience) {
       char what[96];
-      std::snprintf(what, sizeof what, "did not come back within %.1f s and was stopped", 1e-3 * static_cast<double>(patience.count()));
+      std::snprintf(what, sizeof what, "did not return within %.1f s and was stopped", 1e-3 * static_cast<double>(patience.count()));
       end_with(what, running);
     }
   }
 }
 
-/// Half of the machine's memory: an LSI that allocates for ever then runs out of it here, and not the studio with its project.
+/// Limits this process to half of the machine's memory. An LSI that allocates without end then fails here and does not take the memory of
+/// the studio, which holds the project. Has no effect under sanitizers, which reserve much more address space.
 void limit_memory() {
   if (has_shadow_memory) return;
   const auto half = static_cast<rlim_t>(::sysconf(_SC_PHYS_PAGES)) / 2 * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
@@ -157,7 +161,7 @@ void set_phase(std::string_view what) {
 void guard_process(int fd, std::chrono::milliseconds patience) {
   words_fd = fd;
   limit_memory();
-  static char stack[1 << 16];  // a stack that ran over is reported on another one
+  static char stack[1 << 16];  // the handler runs on this stack, so that it also works after a stack overflow
   stack_t other{};
   other.ss_sp = stack;
   other.ss_size = sizeof stack;
@@ -168,7 +172,7 @@ void guard_process(int fd, std::chrono::milliseconds patience) {
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) ::sigaction(signal, &action, nullptr);
   std::atexit(on_exit);
-  // The watching thread takes no signals: those of Ctrl+C are for the main one.
+  // The watching thread blocks all signals, so that the main thread handles Ctrl+C.
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -180,20 +184,21 @@ Error read_last_words(std::string_view words, std::string_view how) {
   const auto first = words.find('\n');
   const auto second = first == std::string_view::npos ? first : words.find('\n', first + 1);
   if (second == std::string_view::npos)
-    return Error(ErrorCode::structure, "interpreter", "The process in which LSIs run " + std::string(how) + ".", "Run it again.");
+    return Error(ErrorCode::structure, "interpreter", "The process that runs the LSIs " + std::string(how) + ".", "Run it again.");
   return Error(ErrorCode::structure, std::string(words.substr(0, first)), std::string(words.substr(first + 1, second - first - 1)),
                std::string(words.substr(second + 1)));
 }
 
 Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseconds patience) {
   int ends[2];
-  if (::pipe(ends) != 0) return fail(ErrorCode::io, "interpreter", "There are no more pipes.", "Close other programs.");
+  if (::pipe(ends) != 0)
+    return fail(ErrorCode::io, "interpreter", "No pipe can be opened for the guarded process.", "Close other programs.");
   std::fflush(nullptr);
   const pid_t child = ::fork();
   if (child < 0) {
     ::close(ends[0]);
     ::close(ends[1]);
-    return fail(ErrorCode::io, "interpreter", "No process can be started.", "Close other programs.");
+    return fail(ErrorCode::io, "interpreter", "The guarded process cannot be started.", "Close other programs.");
   }
   if (child == 0) {
     ::close(ends[0]);
@@ -204,7 +209,7 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   }
   ::close(ends[1]);
   struct sigaction ignore{}, before{};
-  ignore.sa_handler = SIG_IGN;  // Ctrl+C is the child's, which ends in order
+  ignore.sa_handler = SIG_IGN;  // Ctrl+C reaches the child too, which then ends regularly
   ::sigaction(SIGINT, &ignore, &before);
   std::string words;
   char buffer[1024];
@@ -220,7 +225,7 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   }
   ::sigaction(SIGINT, &before, nullptr);
   if (words.empty() && WIFEXITED(status)) return WEXITSTATUS(status);
-  std::string how = "ended too early";
+  std::string how = "ended early";
   if (WIFSIGNALED(status)) how = "was ended by signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")";
   return fail(read_last_words(words, how));
 }

@@ -1,5 +1,6 @@
 #pragma once
-// Last words of a process that foreign code ended or kept busy: which LSI, when, and with which inputs.
+// Crash reports for processes that run foreign code. When an LSI crashes or does not return, its process writes a report to a pipe and
+// ends. The report ("last words") names the LSI, the time and the inputs; the parent process turns it into an error.
 
 #include <chrono>
 #include <functional>
@@ -11,22 +12,26 @@
 
 namespace ugoki::plugin {
 
+/// Time after which one call of an LSI counts as hung, if the user does not set another one.
 inline constexpr std::chrono::milliseconds usual_patience{3000};
 
-/// What interpreters of this process note (BuildOptions::activity), and what its last words tell.
+/// The LSI that runs in this process right now. Pass it to interpreters as BuildOptions::activity; crash reports read it.
 [[nodiscard]] circuit::Activity& process_activity();
-/// What else is going on ("The library 'springs' was being loaded"), for the time when no LSI runs yet; empty: nothing.
+/// Describes foreign code that runs outside of any LSI ("The library 'springs' was being loaded"), for crash reports. An empty text ends
+/// the phase. Call it from one thread only. At most 255 bytes are kept.
 void set_phase(std::string_view what);
 
-/// From now on this process ends with last words on `fd` when it crashes (a null pointer, a whole number divided by zero, abort, exit
-/// while an LSI runs) or when one LSI, or a phase, takes longer than `patience`. Once in a process, on its main thread.
+/// Guards this process from now on. When it crashes (null pointer, division of an integer by zero, abort), when an LSI calls exit, or when
+/// one call of an LSI or one phase takes longer than `patience`, the process writes its last words to `fd` and ends with status 70. The
+/// process may then use at most half of the machine's memory. Call it once in a process, on its main thread.
 void guard_process(int fd, std::chrono::milliseconds patience = usual_patience);
 
-/// Last words as an error (place: the LSI). Empty text: an error that only says `how` it ended.
+/// Turns last words into an error whose location is the LSI. @param how the process ended ("was ended by signal 9"): the message if `words`
+/// are empty or incomplete
 [[nodiscard]] Error read_last_words(std::string_view words, std::string_view how);
 
-/// Runs `work` in a guarded child of this process, which shares stdout and stderr; this process may have one thread only.
-/// @return exit status of `work`; an error where it did not come to its end
+/// Runs `work` in a guarded child process (fork), which shares stdout and stderr with this one. Call it while this process has only one
+/// thread. @return the return value of `work`, 0 ... 255; an error if the child crashed, hung or was killed
 [[nodiscard]] Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseconds patience = usual_patience);
 
 }  // namespace ugoki::plugin

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Changes when the file does: it is replaced, or written.
+/// Stamp of a file: inode, size and modification time. It changes when the file is replaced or written.
 std::string stamp_of(const std::string& path) {
   struct stat s{};
   if (::stat(path.c_str(), &s) != 0) return "missing";
@@ -24,6 +24,7 @@ std::string stamp_of(const std::string& path) {
          std::to_string(s.st_mtim.tv_nsec);
 }
 
+/// Names and stamps of all manifests of a shelf. It changes when a library is installed or removed.
 std::string stamp_of_shelf(const std::string& folder) {
   std::string out;
   std::error_code ec;
@@ -32,6 +33,7 @@ std::string stamp_of_shelf(const std::string& folder) {
   return out;
 }
 
+/// A set of LSIs together with the code that they run.
 struct Kept {
   circuit::Library library;
   std::vector<std::shared_ptr<void>> code;
@@ -40,8 +42,8 @@ struct Kept {
 }  // namespace
 
 struct LiveLibrary::Source {
-  std::string path, hash, stamp, name, refusal;
-  std::optional<LoadedLibrary> loaded;
+  std::string path, hash, stamp, name, refusal;  // refusal: why the file could not be loaded
+  std::optional<LoadedLibrary> loaded;           // empty: never loaded
 };
 
 LiveLibrary::LiveLibrary(const circuit::Library& base, std::string shelf, std::vector<std::string> files)
@@ -67,7 +69,7 @@ bool LiveLibrary::poll() {
   find_sources(next);
   for (Source& s : next) {
     s.stamp = stamp_of(s.path);
-    Source* old = nullptr;
+    Source* old = nullptr;  // the previous version: the same path, or a file LIBRARY-HASH of the same library on the shelf
     for (Source& o : sources_)
       if (o.path == s.path || (o.loaded && !s.hash.empty() && fs::path(o.path).parent_path() == fs::path(s.path).parent_path() &&
                                s.path.starts_with(fs::path(o.path).parent_path().string() + "/" + o.loaded->name + "-")))
@@ -84,7 +86,7 @@ bool LiveLibrary::poll() {
     } else {
       messages_.push_back(loaded.error().text());
       s.refusal = loaded.error().problems[0].message;
-      if (old) s.loaded = old->loaded;  // what runs goes on until there is something better
+      if (old) s.loaded = old->loaded;  // keep the previous code until a file can be loaded
     }
   }
   sources_ = std::move(next);
@@ -100,7 +102,8 @@ void LiveLibrary::assemble() {
     if (!s.loaded) continue;
     for (const circuit::LsiClass& c : s.loaded->classes) {
       if (kept->library.has(c.name))
-        messages_.push_back(s.path + ": there is an LSI '" + c.name + "' already; this one is left out. Give the library another name.");
+        messages_.push_back(s.path + ": the LSI '" + c.name +
+                            "' is left out, because another library has an LSI of this name. Rename the library.");
       else
         kept->library.add(c);
     }
@@ -111,7 +114,7 @@ void LiveLibrary::assemble() {
 
 std::vector<std::string> LiveLibrary::take_messages() {
   std::vector<std::string> out = std::exchange(messages_, {});
-  for (std::string& said : fmi::take_messages()) out.push_back(std::move(said));
+  for (std::string& text : fmi::take_messages()) out.push_back(std::move(text));
   return out;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// All LSIs that circuits of this process may use: those of the program, those on the shelf, and files that were named. Loads them, and
-// loads them again when they change on disk.
+// All LSIs that circuits of this process may use: those of the program, the installed ones (shelf.h), and libraries named by path.
+// Libraries are reloaded when their files change. Loading runs foreign code; use this class only in a process that may crash (guard.h).
 
 #include <memory>
 #include <string>
@@ -12,19 +12,21 @@ namespace ugoki::plugin {
 
 class LiveLibrary {
  public:
-  /// @param base the program's own LSIs @param shelf folder; empty: none @param files libraries to use from where they are
+  /// @param base the program's own LSIs; must outlive this object @param shelf folder of the installed libraries; empty: none
+  /// @param files paths of further libraries and FMUs; they are used without being installed
   LiveLibrary(const circuit::Library& base, std::string shelf, std::vector<std::string> files = {});
   ~LiveLibrary();
 
-  /// The code of its plug-ins lives as long as the pointer.
+  /// The current set of LSIs. The loaded code stays in memory as long as a copy of the pointer exists.
   [[nodiscard]] std::shared_ptr<const circuit::Library> library() const { return library_; }
-  /// Looks at the disk. True: library() is another one from now on.
+  /// Checks the files for changes and reloads those that changed. A file that cannot be loaded keeps its previous code.
+  /// @return true if library() now returns another set
   bool poll();
-  /// What could not be loaded, and what FMUs said while they ran, since it was asked for last.
+  /// Messages since the last call: libraries that could not be loaded, and log messages of running FMUs.
   [[nodiscard]] std::vector<std::string> take_messages();
 
  private:
-  struct Source;
+  struct Source;  // a library file and what was loaded from it
   void find_sources(std::vector<Source>& out) const;
   void assemble();
 
@@ -32,7 +34,7 @@ class LiveLibrary {
   std::string shelf_;
   std::vector<std::string> files_;
   std::vector<Source> sources_;
-  std::string shelf_stamp_;
+  std::string shelf_stamp_;  // names and file stamps of the manifests when the shelf was read last
   std::shared_ptr<const circuit::Library> library_;
   std::vector<std::string> messages_;
 };

@@ -20,8 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_bytes = std::size_t{1} << 30;
+constexpr std::size_t max_bytes = std::size_t{1} << 30;  // size of a library's file; larger files are refused
 
+/// A loaded shared library; unloads it when destroyed.
 struct Code {
   void* handle = nullptr;
   ~Code() {
@@ -29,12 +30,13 @@ struct Code {
   }
 };
 
-/// Opens a copy of the bytes: the dynamic loader takes a file of a known name for the one that it has already.
+/// Loads a library from a private copy of its bytes. Without a copy, dlopen would return the old code for a rebuilt file of the same path,
+/// and overwriting the file would change the code that runs.
 Result<std::shared_ptr<Code>> open_copy(const std::string& path, const std::string& bytes) {
   std::error_code ec;
   std::string folder = (fs::temp_directory_path(ec) / "ugoki-lsi-XXXXXX").string();
   if (ec || ::mkdtemp(folder.data()) == nullptr)
-    return fail(ErrorCode::io, path, "There is no folder for temporary files.", "Set TMPDIR to one that can be written.");
+    return fail(ErrorCode::io, path, "No temporary folder can be created.", "Set TMPDIR to a folder that you may write to.");
   const std::string copy = folder + "/" + fs::path(path).filename().string();
   const Result<void> written = files::write_file(copy, std::string_view(bytes));
   auto code = std::make_shared<Code>();
@@ -48,6 +50,7 @@ Result<std::shared_ptr<Code>> open_copy(const std::string& path, const std::stri
   return fail(ErrorCode::syntax, path, "The library cannot be opened: " + reason + ".", "Build it on this machine: ugoki lsi build FILE.c");
 }
 
+/// LsiClass::make of a plug-in: calls ugoki_class::create.
 void* create_object(circuit::Setup& setup) {
   const circuit::LsiClass& c = setup.lsi_class();
   const std::vector<double> numbers = setup.numbers();
@@ -70,11 +73,12 @@ void* create_object(circuit::Setup& setup) {
   void* object = c.abi->create(&given);
   reason[sizeof reason - 1] = '\0';
   if (!object)
-    setup.fail(ErrorCode::structure, std::string("The LSI could not be made: ") + (reason[0] ? reason : "it does not say why."),
+    setup.fail(ErrorCode::structure, std::string("The LSI cannot be created: ") + (reason[0] ? reason : "it gives no reason."),
                "Check its parameters and wires.");
   return object;
 }
 
+/// load_library for an FMU.
 Result<LoadedLibrary> load_unit(const std::string& path, std::string bytes, const std::string& hash) {
   Result<fmi::LoadedFmu> fmu = fmi::load_fmu(path, std::move(bytes), hash, set_phase);
   if (!fmu) return fail(std::move(fmu.error()));
@@ -85,19 +89,19 @@ Result<LoadedLibrary> load_unit(const std::string& path, std::string bytes, cons
 }  // namespace
 
 Result<LoadedLibrary> load_library(const std::string& path, const std::string& hash) {
-  Result<std::string> bytes = files::read_file(path, most_bytes);
+  Result<std::string> bytes = files::read_file(path, max_bytes);
   if (!bytes) return fail(std::move(bytes.error()));
   LoadedLibrary out;
   out.hash = sha256(*bytes);
   if (!hash.empty() && out.hash != hash)
-    return fail(ErrorCode::conflict, path, "The file is not the one that was installed: its SHA-256 is " + out.hash + ".",
+    return fail(ErrorCode::conflict, path, "The file has changed since it was installed: its SHA-256 is now " + out.hash + ".",
                 "Install it again if you trust it: ugoki lsi install FILE");
   if (fmi::is_zip(*bytes)) return load_unit(path, std::move(*bytes), out.hash);
   Result<std::shared_ptr<Code>> code = open_copy(path, *bytes);
   if (!code) return fail(std::move(code.error()));
   const auto entry = reinterpret_cast<const ugoki_library* (*)()>(dlsym((*code)->handle, "ugoki_lsi_library"));
   if (!entry)
-    return fail(ErrorCode::syntax, path, "This is not a library of LSIs: it has no function ugoki_lsi_library.",
+    return fail(ErrorCode::syntax, path, "The file is not a library of LSIs: it does not export ugoki_lsi_library.",
                 "Build it with: ugoki lsi build FILE.c");
   Error problems;
   Declared declared = read_declarations(entry(), path, problems);
@@ -113,7 +117,7 @@ Result<LoadedLibrary> load_library(const std::string& path, const std::string& h
 }
 
 Result<void> try_library(const std::string& path) {
-  Result<std::string> bytes = files::read_file(path, most_bytes);
+  Result<std::string> bytes = files::read_file(path, max_bytes);
   if (!bytes) return fail(std::move(bytes.error()));
   if (fmi::is_zip(*bytes)) {
     std::string hash = sha256(*bytes);

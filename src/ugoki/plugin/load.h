@@ -1,6 +1,7 @@
 #pragma once
-// A library of LSIs in this process: opened, its declarations checked. Opening runs foreign code (of an FMU: its first use in a circuit
-// does), so it is done in a process that may end (run_guarded, the studio's interpreter), never in the one that holds a project.
+// Loads a library of LSIs into this process and checks its declarations. Loading a shared library runs foreign code; the code of an FMU
+// runs when a circuit first uses it. Load only in a process that may crash (run_guarded, the studio's interpreter), never in one that holds
+// an unsaved project.
 
 #include <memory>
 #include <string>
@@ -11,21 +12,21 @@
 
 namespace ugoki::plugin {
 
-/// Names of classes get the library's name in front: "springs/damper".
+/// A loaded library. The names of its classes begin with the library's name: "springs/damper".
 struct LoadedLibrary {
   std::string name, version, doc;
   std::string hash;  ///< SHA-256 of the file
   std::vector<circuit::LsiClass> classes;
-  std::shared_ptr<void> code;  ///< the functions of `classes` live as long as this
+  std::shared_ptr<void> code;  ///< keeps the functions of `classes` in memory
 };
 
-/// A shared library, or an FMU.
-/// Errors (place: the path, or the LSI and pin): it cannot be opened, it is no library of LSIs, its interface has another version, its
-/// declarations contradict themselves. The file may be replaced while it is loaded: what runs is a copy.
-/// @param hash not empty: refused if the file has another one
+/// Loads a shared library or an FMU. A shared library is loaded from a private copy, so its file may be replaced while the library is in
+/// use. Errors (location: the path, or the LSI): the file cannot be opened, is not a library of LSIs, was built for another version of the
+/// interface, or has contradictory declarations.
+/// @param hash expected SHA-256 of the file, 64 hexadecimal digits; another file is refused; empty: any file
 [[nodiscard]] Result<LoadedLibrary> load_library(const std::string& path, const std::string& hash = {});
 
-/// Starts an FMU and ends it again; a shared library is only opened.
+/// Tests whether a library works on this machine: starts an instance of an FMU and ends it; loads a shared library.
 [[nodiscard]] Result<void> try_library(const std::string& path);
 
 }  // namespace ugoki::plugin

@@ -14,14 +14,16 @@
 namespace ugoki::plugin {
 namespace {
 
-constexpr int most_depth = 8;  // bundles inside bundles
-constexpr std::size_t most_bytes = 65536;
+constexpr int max_depth = 8;                // nesting depth of bundles, to bound the recursion
+constexpr std::size_t max_bytes = 65536;    // size of a packet: UDP carries less than 64 KiB
+constexpr int max_packets_per_poll = 1000;  // so that a flood of packets cannot stop the circuit
 
-/// Takes big-endian values from the front.
+/// The unread bytes of a packet. Its functions read from the front and return false if too few bytes are left.
 class Packet {
  public:
   explicit Packet(std::span<const std::byte> bytes) : left_(bytes) {}
   [[nodiscard]] bool empty() const { return left_.empty(); }
+  /// A big-endian integer of `size` bytes.
   bool word(std::uint64_t& value, std::size_t size) {
     if (left_.size() < size) return false;
     value = 0;
@@ -29,7 +31,7 @@ class Packet {
     left_ = left_.subspan(size);
     return true;
   }
-  /// Zero-terminated, padded to four bytes.
+  /// A zero-terminated text, padded to a multiple of 4 bytes.
   bool text(std::string_view& value) {
     const auto* begin = reinterpret_cast<const char*>(left_.data());
     const auto* end = left_.empty() ? nullptr : static_cast<const char*>(std::memchr(begin, 0, left_.size()));
@@ -53,6 +55,7 @@ class Packet {
 
 using Visit = std::function<void(std::string_view, std::span<const double>)>;
 
+/// Reads the arguments of a message. @param types type tags of OSC 1.0, with the leading ','
 bool read_arguments(Packet& p, std::string_view types, std::vector<double>& numbers) {
   for (const char type : types.substr(1)) {
     std::uint64_t word = 0;
@@ -100,12 +103,13 @@ bool read_arguments(Packet& p, std::string_view types, std::vector<double>& numb
   return true;
 }
 
+/// Reads a message, or a bundle at this depth of nesting.
 bool read(std::span<const std::byte> bytes, const Visit& visit, int depth) {
   Packet p(bytes);
   std::string_view address, types;
-  if (depth > most_depth || !p.text(address)) return false;
+  if (depth > max_depth || !p.text(address)) return false;
   if (address == "#bundle") {
-    if (!p.skip(8)) return false;  // its time: what comes is taken at once
+    if (!p.skip(8)) return false;  // the time tag: messages are used when they arrive
     while (!p.empty()) {
       std::uint64_t size = 0;
       std::span<const std::byte> part;
@@ -135,7 +139,8 @@ Result<OscReceiver> OscReceiver::open(std::uint16_t port) {
       ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
     const std::string why = std::strerror(errno);
     if (socket >= 0) ::close(socket);
-    return fail(ErrorCode::io, "port " + std::to_string(port), "Messages cannot be received here: " + why + ".", "Choose another port.");
+    return fail(ErrorCode::io, "port " + std::to_string(port), "The port cannot be opened for OSC messages: " + why + ".",
+                "Choose another port.");
   }
   return OscReceiver(socket, ntohs(address.sin_port));
 }
@@ -146,8 +151,8 @@ OscReceiver::~OscReceiver() {
 }
 
 void OscReceiver::poll(const Visit& visit) {
-  std::byte buffer[most_bytes];
-  for (int i = 0; i < 1000; ++i) {
+  std::byte buffer[max_bytes];
+  for (int i = 0; i < max_packets_per_poll; ++i) {
     const ssize_t n = ::recv(socket_, buffer, sizeof buffer, 0);
     if (n < 0) return;
     (void)read_osc({buffer, static_cast<std::size_t>(n)}, visit);

@@ -1,5 +1,6 @@
 #pragma once
-// Open Sound Control 1.0 over UDP, from this computer only: numbers for the LSIs `osc` of a circuit.
+// Receives Open Sound Control 1.0 over UDP, from this computer only. The received values feed the `osc` LSIs of a circuit.
+// Source of the packet format: The Open Sound Control 1.0 Specification (opensoundcontrol.org).
 
 #include <cstddef>
 #include <functional>
@@ -12,14 +13,16 @@
 
 namespace ugoki::plugin {
 
-/// Reads a packet (a message or a bundle); visit(address, numbers): floats, doubles, whole numbers and truth values, others are left out.
-/// False: it is damaged; what came before the damage was visited.
+/// Reads a packet: a message or a bundle of messages. Calls visit(address, numbers) for each message. `numbers` are the arguments that are
+/// floats, doubles, integers or booleans (1, 0); values that are not finite become 0, and arguments of other types are skipped.
+/// @return false if the packet is damaged; messages in front of the damage were visited
 bool read_osc(std::span<const std::byte> packet,
               const std::function<void(std::string_view address, std::span<const double> numbers)>& visit);
 
+/// A UDP socket that listens for OSC packets. Movable; closes the socket when it is destroyed.
 class OscReceiver {
  public:
-  /// Listens on 127.0.0.1. @param port 0: any free one
+  /// Listens on 127.0.0.1. @param port 0: any free port Error: the port cannot be opened, for example because it is in use
   [[nodiscard]] static Result<OscReceiver> open(std::uint16_t port);
   OscReceiver(OscReceiver&& other) noexcept;
   OscReceiver(const OscReceiver&) = delete;
@@ -28,7 +31,7 @@ class OscReceiver {
   ~OscReceiver();
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Visits all that came since; never waits.
+  /// Reads the packets that have arrived since the last call, at most 1000, and visits their messages (see read_osc). Does not wait.
   void poll(const std::function<void(std::string_view address, std::span<const double> numbers)>& visit);
 
  private:

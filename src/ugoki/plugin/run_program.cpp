@@ -14,11 +14,12 @@ namespace ugoki::plugin {
 
 Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, std::chrono::seconds limit) {
   int out[2], err[2];
-  if (::pipe2(out, O_CLOEXEC) != 0) return fail(ErrorCode::io, arguments[0], "There are no more pipes.", "Close other programs.");
+  if (::pipe2(out, O_CLOEXEC) != 0)
+    return fail(ErrorCode::io, arguments[0], "No pipe can be opened for the program's output.", "Close other programs.");
   if (::pipe2(err, O_CLOEXEC) != 0) {
     ::close(out[0]);
     ::close(out[1]);
-    return fail(ErrorCode::io, arguments[0], "There are no more pipes.", "Close other programs.");
+    return fail(ErrorCode::io, arguments[0], "No pipe can be opened for the program's output.", "Close other programs.");
   }
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -61,7 +62,7 @@ Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, std
   ::close(err[0]);
   if (error != 0)
     return fail(ErrorCode::io, arguments[0], std::string("The program cannot be started: ") + std::strerror(error) + ".",
-                "See that it is there and may be run.");
+                "Check that the program exists and may be executed.");
   int status = 0;
   while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
   }

@@ -16,16 +16,17 @@ namespace {
 namespace fs = std::filesystem;
 using json::Json;
 
-constexpr std::size_t most_manifest = std::size_t{64} << 20;
+constexpr std::size_t max_manifest = std::size_t{64} << 20;  // bytes; larger manifests are refused
 
+/// Placeholder for the functions of an installed LSI, whose code is not loaded.
 std::int32_t not_here(const circuit::Call* call) {
-  return circuit::stop(call, "The functions of this LSI run in the interpreter's own process only.");
+  return circuit::stop(call, "This LSI of an installed library can run only in the process of the interpreter.");
 }
 
-/// What describe_library wrote, with what the shelf adds.
-ShelfEntry read_entry(const Json& json, const std::string& place, Error& problems) {
+/// Reads a manifest: the description of describe_library, plus the fields "file" and "source".
+ShelfEntry read_entry(const Json& json, const std::string& location, Error& problems) {
   ShelfEntry e;
-  json::Fields f(json, place, problems);
+  json::Fields f(json, location, problems);
   for (const char* field : {"name", "sha256", "classes"}) f.require(field, "as `ugoki lsi install` writes it");
   f.text("name", e.name);
   f.text("version", e.version);
@@ -61,13 +62,13 @@ std::vector<ShelfEntry> read_shelf(const std::string& folder, Error* problems) {
   std::vector<ShelfEntry> out;
   std::error_code ec;
   Error ignored;
-  Error& told = problems ? *problems : ignored;
+  Error& reported = problems ? *problems : ignored;
   for (const fs::directory_entry& file : fs::directory_iterator(folder, ec)) {
     if (file.path().extension() != ".json") continue;
     const std::string path = file.path().string();
-    const Result<std::string> text = files::read_file(path, most_manifest);
+    const Result<std::string> text = files::read_file(path, max_manifest);
     if (!text) {
-      told.problems.insert(told.problems.end(), text.error().problems.begin(), text.error().problems.end());
+      reported.problems.insert(reported.problems.end(), text.error().problems.begin(), text.error().problems.end());
       continue;
     }
     Error wrong;
@@ -77,11 +78,12 @@ std::vector<ShelfEntry> read_shelf(const std::string& folder, Error* problems) {
     } else {
       ShelfEntry e = read_entry(*json, path + ":", wrong);
       if (wrong.empty() && manifest_path(folder, e.name) != path)
-        wrong.add(ErrorCode::structure, path, "The file speaks of the library '" + e.name + "'.", "Install the library again.");
+        wrong.add(ErrorCode::structure, path, "The manifest describes the library '" + e.name + "', but has another name.",
+                  "Install the library again.");
       e.file = folder + "/" + fs::path(e.file).filename().string();
       if (wrong.empty()) out.push_back(std::move(e));
     }
-    told.problems.insert(told.problems.end(), wrong.problems.begin(), wrong.problems.end());
+    reported.problems.insert(reported.problems.end(), wrong.problems.begin(), wrong.problems.end());
   }
   std::sort(out.begin(), out.end(), [](const ShelfEntry& a, const ShelfEntry& b) { return a.name < b.name; });
   return out;
@@ -106,11 +108,13 @@ Result<ShelfEntry> put_on_shelf(const std::string& folder, const std::string& pa
   const Result<std::string> bytes = files::read_file(path);
   if (!bytes) return fail(bytes.error());
   if (sha256(*bytes) != entry.hash)
-    return fail(ErrorCode::conflict, path, "The file was changed while it was installed.", "Install it again.");
+    return fail(ErrorCode::conflict, path, "The file has changed since its hash was confirmed.", "Install it again.");
   std::error_code ec;
   fs::create_directories(folder, ec);
-  if (ec) return fail(ErrorCode::io, folder, "The folder for LSIs cannot be made: " + ec.message() + ".", "Set UGOKI_LSI to another one.");
-  // The library first, under a name of its own; the manifest then makes it valid in one step.
+  if (ec)
+    return fail(ErrorCode::io, folder, "The folder for installed LSIs cannot be created: " + ec.message() + ".",
+                "Set UGOKI_LSI to a folder that you may write to.");
+  // Write the library first, under a name that contains its hash. Writing the manifest then installs it in one step.
   const std::string start = entry.name + "-", extension = fmi::is_zip(*bytes) ? ".fmu" : ".so";
   const std::string name = start + entry.hash.substr(0, 16) + extension;
   entry.file = folder + "/" + name;
@@ -120,6 +124,7 @@ Result<ShelfEntry> put_on_shelf(const std::string& folder, const std::string& pa
   (*json)["source"] = entry.source;
   if (Result<void> done = files::write_file(manifest_path(folder, entry.name), std::string_view(json::to_text(*json, 1) + "\n")); !done)
     return fail(done.error());
+  // Remove the files of older versions: NAME- and 16 digits of the hash.
   for (const fs::directory_entry& file : fs::directory_iterator(folder, ec)) {
     const std::string other = file.path().filename().string();
     const bool version = other.starts_with(start) && fs::path(other).stem().string().size() == start.size() + 16;
@@ -134,11 +139,12 @@ Result<void> remove_from_shelf(const std::string& folder, const std::string& nam
     std::error_code ec;
     fs::remove(manifest_path(folder, name), ec);
     if (ec)
-      return fail(ErrorCode::io, manifest_path(folder, name), "The library cannot be removed: " + ec.message() + ".", "See who owns it.");
+      return fail(ErrorCode::io, manifest_path(folder, name), "The library cannot be removed: " + ec.message() + ".",
+                  "Check that you may delete files in this folder.");
     fs::remove(e.file, ec);
     return {};
   }
-  return fail(ErrorCode::unknown, name, "No library of this name is installed.", "`ugoki lsi list` shows what is.");
+  return fail(ErrorCode::unknown, name, "No library of this name is installed.", "`ugoki lsi list` shows the installed libraries.");
 }
 
 }  // namespace ugoki::plugin

@@ -1,5 +1,6 @@
 #pragma once
-// The libraries of LSIs that the user has installed, by consent and by hash. Reading the shelf runs no foreign code.
+// The shelf: a folder with the libraries of LSIs that the user has installed. For each library it contains a copy of the file and a
+// manifest (NAME.json) with its SHA-256 and declarations. Reading the shelf runs no foreign code.
 
 #include <string>
 #include <string_view>
@@ -10,26 +11,30 @@
 
 namespace ugoki::plugin {
 
+/// An installed library.
 struct ShelfEntry {
   std::string name, version, doc;
-  std::string hash;                        ///< SHA-256 of the library's file, 64 hexadecimal digits
+  std::string hash;                        ///< SHA-256 of the copy, 64 hexadecimal digits
   std::string file;                        ///< path of the copy on the shelf
-  std::string source;                      ///< path that it was installed from
-  std::vector<circuit::LsiClass> classes;  ///< declarations only: their functions stop with a sentence
+  std::string source;                      ///< path of the file that was installed
+  std::vector<circuit::LsiClass> classes;  ///< declarations only: calling their functions stops the circuit with a message
 };
 
-/// $UGOKI_LSI, or ~/.local/share/ugoki/lsi.
+/// Folder of the shelf: $UGOKI_LSI, $XDG_DATA_HOME/ugoki/lsi, or ~/.local/share/ugoki/lsi; the first that is set.
 [[nodiscard]] std::string default_shelf();
 
-/// By name. A shelf that is not there is empty; damaged entries are reported and left out.
+/// The installed libraries, sorted by name. A missing folder is an empty shelf. @param problems [out] faults of damaged entries, which are
+/// left out; null: ignored
 [[nodiscard]] std::vector<ShelfEntry> read_shelf(const std::string& folder, Error* problems = nullptr);
 
-/// The declarations of a library as text, made in a process that may crash: {"name", "version", "doc", "sha256", "classes"}.
+/// The declarations of a library as JSON text: {"name", "version", "doc", "sha256", "classes"}. Loads the library; call it only in a
+/// process that may crash. Errors: see load_library.
 [[nodiscard]] Result<std::string> describe_library(const std::string& path);
 
-/// Puts a copy of `path` on the shelf, in place of an older one of the same name.
-/// @param description as describe_library gives it; refused if the file has another hash by now
+/// Installs a copy of the file `path` on the shelf; replaces an installed library of the same name.
+/// @param description result of describe_library Errors: the file has changed since then; the shelf cannot be written
 [[nodiscard]] Result<ShelfEntry> put_on_shelf(const std::string& folder, const std::string& path, std::string_view description);
+/// Removes an installed library. Errors: no library has this name; its file cannot be removed.
 [[nodiscard]] Result<void> remove_from_shelf(const std::string& folder, const std::string& name);
 
 }  // namespace ugoki::plugin

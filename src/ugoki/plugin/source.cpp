@@ -11,17 +11,17 @@
 namespace ugoki::plugin {
 namespace {
 
-enum class Kind { word, number, text, sign, comment };
+enum class Kind { word, number, text, sign, comment };  // text: a literal in quotes
 struct Token {
   Kind kind = Kind::sign;
   std::string text;
-  int line = 0;
-  int last_line = 0;  ///< of a comment
+  int line = 0;       ///< first line, from 1
+  int last_line = 0;  ///< differs from `line` for comments of several lines
 };
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-/// The text as words, signs and comments; preprocessor lines are left out.
+/// Splits the text into tokens. Preprocessor lines are skipped.
 std::vector<Token> tokens_of(std::string_view text) {
   std::vector<Token> out;
   int line = 1;
@@ -77,7 +77,7 @@ std::vector<Token> tokens_of(std::string_view text) {
   return out;
 }
 
-/// The text of one comment as lines without slashes and stars.
+/// Appends the lines of one comment as (line number, text), without the slashes and stars in front.
 void add_lines(const Token& comment, std::vector<std::pair<int, std::string>>& lines) {
   int number = comment.line;
   std::string_view left = comment.text;
@@ -92,11 +92,13 @@ void add_lines(const Token& comment, std::vector<std::pair<int, std::string>>& l
   }
 }
 
+/// Words that make up the arithmetic types.
 constexpr std::array<std::string_view, 23> number_words = {"double",   "float",     "int",      "long",      "short",    "char",
                                                            "signed",   "unsigned",  "bool",     "_Bool",     "size_t",   "int8_t",
                                                            "int16_t",  "int32_t",   "int64_t",  "uint8_t",   "uint16_t", "uint32_t",
                                                            "uint64_t", "ptrdiff_t", "intptr_t", "uintptr_t", "real"};
 
+/// Finds functions with bodies and structs, also inside of namespaces and extern "C" blocks.
 class Parser {
  public:
   Parser(std::vector<Token> tokens, bool cpp) : tokens_(std::move(tokens)), cpp_(cpp) {}
@@ -116,6 +118,7 @@ class Parser {
   [[nodiscard]] bool more() const { return at_ < tokens_.size(); }
   [[nodiscard]] bool is(std::size_t i, std::string_view text) const { return i < tokens_.size() && tokens_[i].text == text; }
 
+  /// The comment at the start of the file, up to the first empty line.
   void read_file_comment() {
     std::vector<std::pair<int, std::string>> lines;
     for (const Token& t : tokens_) {
@@ -125,7 +128,7 @@ class Parser {
     source_.file = read_comment(lines);
   }
 
-  /// Declarations until the bracket that closes the scope.
+  /// Reads declarations up to the bracket that closes the scope. @param prefix of names: "signals::"
   void scope(const std::string& prefix) {
     std::vector<std::pair<int, std::string>> comment;
     int comment_end = -1;
@@ -147,13 +150,13 @@ class Parser {
         comment.clear();
         continue;
       }
-      if (t.line > comment_end + 2) comment.clear();
+      if (t.line > comment_end + 2) comment.clear();  // more than one empty line: the comment is not about this declaration
       declaration(prefix, comment);
       comment.clear();
     }
   }
 
-  /// Index behind the bracket that closes the one at i.
+  /// Index after the bracket that closes the one at i; the number of tokens if there is none.
   [[nodiscard]] std::size_t behind(std::size_t i) const {
     int depth = 0;
     for (; i < tokens_.size(); ++i) {
@@ -166,6 +169,7 @@ class Parser {
     return tokens_.size();
   }
 
+  /// Reads one declaration and moves behind it.
   void declaration(const std::string& prefix, const std::vector<std::pair<int, std::string>>& comment) {
     const std::size_t begin = at_;
     if (tokens_[at_].text == "namespace" ||
@@ -179,7 +183,7 @@ class Parser {
       scope(named ? prefix + name + "::" : prefix);
       return;
     }
-    // To the end of the declaration: its first body, or the semicolon.
+    // Find the end of the declaration: its first body in braces, or the semicolon.
     std::size_t end = begin;
     std::size_t parameters = 0, body = 0;
     while (end < tokens_.size()) {
@@ -215,6 +219,7 @@ class Parser {
     return is(i, "struct") || (is(i, "typedef") && is(i + 1, "struct")) || (cpp_ && is(i, "class"));
   }
 
+  /// @param begin, body, end tokens: first word, '{', behind '}'
   void read_struct(std::size_t begin, std::size_t body, std::size_t end, const std::string& prefix) {
     CStruct s;
     s.line = tokens_[begin].line;
@@ -258,7 +263,7 @@ class Parser {
           if (method) break;
           continue;
         }
-        if (t == ":" && stop == i + 1) break;  // public:
+        if (t == ":" && stop == i + 1) break;  // "public:"
         ++stop;
       }
       if (is(stop, ":")) {
@@ -271,7 +276,7 @@ class Parser {
     if (!s.name.empty()) source_.structs.push_back(std::move(s));
   }
 
-  /// "double x = 1, y[3];"
+  /// Adds the fields of one declaration: "double x = 1, y[3];".
   void add_fields(CStruct& s, std::size_t begin, std::size_t end) {
     if (is(begin, "static") || is(begin, "using") || is(begin, "friend") || is(begin, "enum")) return;
     std::optional<CType> base;
@@ -296,13 +301,13 @@ class Parser {
     }
   }
 
-  /// A declared type and name of tokens [begin, end), with "= initial" behind.
+  /// Type, name and initial value of the variable that tokens [begin, end) declare.
   [[nodiscard]] CVariable variable(std::size_t begin, std::size_t end) const {
     CVariable v;
     v.line = begin < tokens_.size() ? tokens_[begin].line : 0;
     std::vector<std::string> words;
     std::size_t i = begin;
-    bool strange = false;
+    bool is_unknown = false;  // the type has tokens that are not understood
     for (; i < end; ++i) {
       const Token& t = tokens_[i];
       if (t.kind == Kind::comment) continue;
@@ -330,13 +335,13 @@ class Parser {
         else if (is(i + 1, "]"))
           ++v.type.pointers;
         else
-          strange = true;
+          is_unknown = true;
         i = behind(i) - 1;
       } else {
-        strange = true;
+        is_unknown = true;
       }
     }
-    if (v.type.elements < 0) strange = true;
+    if (v.type.elements < 0) is_unknown = true;
     if (i < end && (is(i, "=") || is(i, "{"))) {
       for (std::size_t k = i + 1; k < end; ++k)
         if (!is(k, "}")) v.initial += tokens_[k].text;
@@ -347,7 +352,7 @@ class Parser {
     }
     for (std::size_t k = begin; k < std::min(i, end); ++k)
       if (tokens_[k].kind != Kind::comment && tokens_[k].text != v.name) v.type.text += (v.type.text.empty() ? "" : " ") + tokens_[k].text;
-    if (!strange)
+    if (!is_unknown)
       for (const std::string& w : words) v.type.base += (v.type.base.empty() ? "" : " ") + (w.starts_with("std::") ? w.substr(5) : w);
     return v;
   }
@@ -356,6 +361,7 @@ class Parser {
     return std::find(number_words.begin(), number_words.end(), word) != number_words.end();
   }
 
+  /// @param begin first token @param open the '(' of the parameters
   void read_function(std::size_t begin, std::size_t open, const std::string& prefix,
                      const std::vector<std::pair<int, std::string>>& comment) {
     if (open == begin || tokens_[open - 1].kind != Kind::word) return;
@@ -370,7 +376,7 @@ class Parser {
     if (is(open - 2, "::") || name == "main" || name == "UGOKI_LSI" || name == "UGOKI_LIBRARY") return;
     f.name = prefix + name;
     f.result = variable(begin, open).type;
-    // `variable` takes the function's name for the variable's.
+    // The tokens in front of '(' read as a variable: the result type, and the function's name as the name of the variable.
     const std::size_t close = behind(open) - 1;
     std::size_t first = open + 1;
     for (std::size_t i = first; i <= close; ++i) {
@@ -378,8 +384,8 @@ class Parser {
         if (is(i, "(") || is(i, "[") || is(i, "{")) i = behind(i) - 1;
         continue;
       }
-      const bool nothing = first == close || (first + 1 == close && is(first, "void"));
-      if (!nothing) f.parameters.push_back(variable(first, i));
+      const bool is_empty = first == close || (first + 1 == close && is(first, "void"));
+      if (!is_empty) f.parameters.push_back(variable(first, i));
       first = i + 1;
     }
     f.comment = read_comment(comment);

@@ -1,6 +1,6 @@
 #pragma once
-// What a C or C++ file offers to become LSIs: its functions, and the structs that hold their state. A reader of declarations, no
-// compiler: what it does not understand it leaves alone and says so.
+// Reader of C and C++ files for the LSI builder: finds the functions that can become LSIs, the structs of their states, and the annotations
+// in comments. It reads declarations only and does not expand macros. It marks types that it does not know; make_wrapper reports them.
 
 #include <cstddef>
 #include <string>
@@ -9,47 +9,51 @@
 
 namespace ugoki::plugin {
 
-/// "@in x: vector [m] = 1, -5..5 How far." of a comment.
+/// One annotation of a comment: "@in x: vector [m] = 1, -5..5 How far."
 struct Annotation {
-  std::string word;  ///< "in", without the sign
-  std::string name;
-  std::string type;  ///< "vector"; empty: by its C type
-  std::string unit, doc;
+  std::string word;                  ///< keyword without the sign: "in"
+  std::string name;                  ///< name of the parameter of the C function, or of the field
+  std::string type;                  ///< pin type, "vector"; empty: follows from the C type
+  std::string unit, doc;             ///< "m", "How far."
   std::vector<std::string> choices;  ///< {linear, cubic}
   bool has_value = false, has_range = false;
   double value = 0, minimum = 0, maximum = 0;
-  std::string word_value;  ///< of a choice
-  int line = 0;
+  std::string word_value;  ///< initial value that is a word: of a choice, or true and false
+  int line = 0;            ///< in the file, from 1
 };
 
+/// The comment in front of a function.
 struct Comment {
-  std::string doc;
+  std::string doc;  ///< the text outside of annotations
   std::vector<Annotation> annotations;
+  /// The first annotation with this keyword and, if `name` is not empty, this name; null: none.
   [[nodiscard]] const Annotation* find(std::string_view word, std::string_view name = {}) const;
 };
 
-/// A type that the builder knows, or not.
+/// The type of a variable or function result, possibly one that the builder does not know.
 struct CType {
-  std::string base;  ///< "double", "int", "struct spring"; empty: not understood
-  std::string text;  ///< as written, for messages
+  std::string base;  ///< "double", "int", "struct spring"; empty: unknown
+  std::string text;  ///< as written in the file, for messages
   bool is_const = false;
-  int pointers = 0;  ///< stars; a reference counts as one
+  int pointers = 0;  ///< number of '*', '&' and '[]'
   bool reference = false;
-  int elements = 0;                    ///< of an array; 0: none
-  [[nodiscard]] bool numeric() const;  ///< base is a number of C
+  int elements = 0;                    ///< number of elements of an array; 0: not an array
+  [[nodiscard]] bool numeric() const;  ///< true if base is an arithmetic type of C
   [[nodiscard]] bool by_value() const { return pointers == 0 && elements == 0; }
 };
 
+/// A parameter of a function, or a field of a struct.
 struct CVariable {
   CType type;
   std::string name;
-  std::string initial;  ///< "= 3" of a member, without the sign
-  std::string comment;  ///< behind it on the line
+  std::string initial;  ///< initial value of a member: "3"
+  std::string comment;  ///< text of the comment behind it on the same line
   int line = 0;
 };
 
+/// A function with a body.
 struct CFunction {
-  std::string name;  ///< with its namespaces
+  std::string name;  ///< with its namespaces: "signals::smooth"
   CType result;
   std::vector<CVariable> parameters;
   Comment comment;
@@ -57,25 +61,28 @@ struct CFunction {
   bool is_static = false;
 };
 
+/// A struct, or a class in C++.
 struct CStruct {
   std::string name;   ///< as it is written in a parameter: "struct spring" or "spring"
-  std::string alias;  ///< the other way to write it; may be empty
-  std::string full;   ///< as it is written outside of its namespaces
+  std::string alias;  ///< another spelling (typedef name, or the tag in C++); may be empty
+  std::string full;   ///< with its namespaces, for code outside of them
   std::vector<CVariable> fields;
-  bool understood = true;  ///< every field is a number or an array of numbers
+  bool understood = true;  ///< true: every field is a number or an array of numbers
   int line = 0;
 };
 
+/// A source file.
 struct CSource {
   std::vector<CFunction> functions;
   std::vector<CStruct> structs;
-  Comment file;                   ///< the first comment, if it says @library
-  bool declares_library = false;  ///< it has UGOKI_LIBRARY or ugoki_lsi_library itself
-  bool declares_lsis = false;     ///< it has UGOKI_LSI
-  [[nodiscard]] const CStruct* find_struct(std::string_view name) const;
-  [[nodiscard]] const CFunction* find_function(std::string_view name) const;
+  Comment file;                   ///< the first comment of the file; describes the library if it has @library
+  bool declares_library = false;  ///< the file uses UGOKI_LIBRARY or ugoki_lsi_library, so it needs no wrapper
+  bool declares_lsis = false;     ///< the file uses UGOKI_LSI
+  [[nodiscard]] const CStruct* find_struct(std::string_view name) const;      ///< by name or alias; null: none
+  [[nodiscard]] const CFunction* find_function(std::string_view name) const;  ///< by name with namespaces; null: none
 };
 
+/// Reads a file. Accepts any text: parts that are not valid C or C++ are skipped. @param cpp the language is C++
 [[nodiscard]] CSource read_source(std::string_view text, bool cpp);
 
 }  // namespace ugoki::plugin

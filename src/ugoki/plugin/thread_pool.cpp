@@ -10,20 +10,22 @@
 namespace ugoki::plugin {
 namespace {
 
-constexpr int spins = 2000;  // looks before a thread sleeps: waves of a tick follow each other within microseconds
+constexpr int spins =
+    2000;  // polls before a thread sleeps: the waves of a tick follow each other within microseconds, faster than a wake-up
 
 }  // namespace
 
 struct ThreadPool::Shared {
   std::mutex mutex;
   std::condition_variable begin;
-  std::atomic<std::uint64_t> round{0};
-  std::atomic<int> left{0};
-  bool end = false;  // under the mutex, with `round`
+  std::atomic<std::uint64_t> round{0};  // number of calls of `run` so far; an increase starts the threads
+  std::atomic<int> left{0};             // threads that have not finished this round
+  bool end = false;                     // the threads shall exit; set before `round` is increased
   void (*work)(void*, int) = nullptr;
   void* context = nullptr;
   std::vector<std::thread> threads;
 
+  /// Body of a thread: waits for the next round and works on it, until the end.
   void serve(int worker) {
     std::uint64_t seen = 0;
     while (true) {

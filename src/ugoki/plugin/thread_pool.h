@@ -1,5 +1,5 @@
 #pragma once
-// Threads that an interpreter may use (circuit/executor.h).
+// Threads on which an interpreter runs LSIs of a circuit side by side (circuit/executor.h).
 
 #include <memory>
 
@@ -7,9 +7,10 @@
 
 namespace ugoki::plugin {
 
+/// A fixed set of threads that wait for work between calls of `run`.
 class ThreadPool final : public circuit::Executor {
  public:
-  /// @param workers at least 1; the calling thread is the first of them
+  /// @param workers at least 1; the thread that calls `run` is worker 0, so workers - 1 threads are started
   explicit ThreadPool(int workers);
   ~ThreadPool() override;
   [[nodiscard]] int workers() const override;

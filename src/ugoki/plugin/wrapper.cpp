@@ -10,6 +10,7 @@
 namespace ugoki::plugin {
 namespace {
 
+/// A C string literal.
 std::string literal(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -19,13 +20,14 @@ std::string literal(const std::string& text) {
   return out + "\"";
 }
 
+/// A C literal of type double.
 std::string number(double x) {
   std::string out = to_text(x);
   if (out.find_first_of(".en") == std::string::npos) out += ".0";
   return out;
 }
 
-/// enum ugoki_field_type of a number of C; empty: none fits.
+/// Name of the enum ugoki_field_type for an arithmetic type of C; empty: none.
 std::string field_type(const std::string& base) {
   static const std::map<std::string, std::string> types = {
       {"double", "F64"},   {"float", "F32"},        {"int", "I32"},           {"signed int", "I32"},
@@ -39,17 +41,14 @@ std::string field_type(const std::string& base) {
   return found == types.end() ? "" : "UGOKI_" + found->second;
 }
 
+/// True for integers and bool.
 bool is_whole(const std::string& base) { return base != "double" && base != "float" && base != "real"; }
 
-struct Pin {
-  std::string name, type, value;  ///< value: flags and first value
-  int elements = 1;
-};
-
+/// Writes the wrapper of one source file.
 class Writer {
  public:
   Writer(const CSource& source, std::string path, bool cpp) : source_(source), path_(std::move(path)), cpp_(cpp) {
-    place_ = std::filesystem::path(path_).filename().string();
+    location_ = std::filesystem::path(path_).filename().string();
   }
 
   Result<Wrapper> write(const std::string& name) {
@@ -71,8 +70,8 @@ class Writer {
     if (out_.lsis.empty() && problems_.empty()) {
       std::string notes;
       for (const std::string& note : out_.notes) notes += " " + note;
-      problems_.add(ErrorCode::structure, place_, "There is no function here that can be made an LSI." + notes,
-                    "Write one that takes numbers and returns a number, for example: double twice(double x) { return 2 * x; }");
+      problems_.add(ErrorCode::structure, location_, "The file has no function that can become an LSI." + notes,
+                    "Write a function that takes numbers and returns a number, for example: double twice(double x) { return 2 * x; }");
     }
     if (!problems_.empty()) return fail(std::move(problems_));
     out_.code += "static const ugoki_class* const ugoki_gen_classes[] = {";
@@ -89,17 +88,20 @@ class Writer {
   }
 
  private:
-  static std::string id(const char* what, std::size_t n) { return "ugoki_gen_" + std::string(what) + "_" + std::to_string(n); }
+  /// Name of a generated object: "ugoki_gen_inputs_3" for the table `kind` of LSI n.
+  static std::string id(const char* kind, std::size_t n) { return "ugoki_gen_" + std::string(kind) + "_" + std::to_string(n); }
 
+  /// Notes that a function does not become an LSI.
   void note(const CFunction& f, const std::string& why) {
-    out_.notes.push_back(place_ + ":" + std::to_string(f.line) + ": '" + f.name + "' was not made an LSI: " + why);
+    out_.notes.push_back(location_ + ":" + std::to_string(f.line) + ": '" + f.name + "' does not become an LSI: " + why);
   }
 
+  /// The struct of a parameter that is a state (a pointer or reference to a struct of this file); null: it is not one.
   [[nodiscard]] const CStruct* state_of(const CVariable& v) const {
     if (v.type.pointers != 1 || v.type.is_const || v.type.elements) return nullptr;
     return source_.find_struct(v.type.base);
   }
-  /// NAME_init(state) sets a first state and is no LSI.
+  /// True for NAME_init(state), which sets the first state of the LSI NAME and is not an LSI itself.
   [[nodiscard]] bool is_init(const CFunction& f) const {
     return f.name.ends_with("_init") && f.parameters.size() == 1 && f.result.base == "void" && state_of(f.parameters[0]);
   }
@@ -112,9 +114,10 @@ class Writer {
       if (!why.empty()) return note(f, why);
     }
     const bool returns = f.result.by_value() && f.result.numeric();
-    if (!returns && f.result.base != "void") return note(f, "it returns '" + f.result.text + "', which is no number.");
+    if (!returns && f.result.base != "void") return note(f, "it returns '" + f.result.text + "', which is not a number.");
     if (f.result.base == "void" && (f.result.pointers || f.result.elements)) return note(f, "it returns a pointer.");
-    if (!returns && p.outputs.empty() && !p.state) return note(f, "it gives nothing back.");
+    if (!returns && p.outputs.empty() && !p.state)
+      return note(f, "it has no output: it returns nothing, and no parameter is an output or a state.");
     const bool delayed = f.comment.find("delayed") != nullptr;
     if (returns) {
       const Annotation* a = f.comment.find("return");
@@ -128,19 +131,25 @@ class Writer {
     emit(f, p, returns, delayed);
   }
 
+  /// Generated code of one LSI.
   struct Parts {
-    std::vector<std::string> inputs, outputs, parameters, arguments, before, after, names;
+    std::vector<std::string> inputs, outputs, parameters;  ///< rows of the tables
+    std::vector<std::string> arguments;                    ///< arguments of the call of the user's function
+    std::vector<std::string> before, after;                ///< statements around the call
+    std::vector<std::string> names;                        ///< names of the function's parameters
     const CStruct* state = nullptr;
-    int numbers = 0;  ///< of parameters so far
+    int numbers = 0;  ///< values in ugoki_call::parameters so far
     std::vector<std::string> choice_tables;
   };
 
+  /// The annotation of a parameter, with the first of these keywords that exists; null: none.
   static const Annotation* about(const CFunction& f, const std::string& name, std::initializer_list<const char*> words) {
     for (const char* word : words)
       if (const Annotation* a = f.comment.find(word, name)) return a;
     return nullptr;
   }
 
+  /// Pin type (enum ugoki_type) of a parameter: as annotated, otherwise by the number of its elements.
   std::string type_of(const CFunction& f, const Annotation* a, int elements) {
     static const std::map<std::string, std::pair<std::string, int>> types = {{"scalar", {"UGOKI_SCALAR", 1}},
                                                                              {"vector", {"UGOKI_VECTOR", 3}},
@@ -151,7 +160,7 @@ class Writer {
       const auto found = types.find(a->type);
       if (found != types.end() && (found->second.second == elements || found->second.second == 0)) return found->second.first;
       problems_.add(
-          ErrorCode::structure, place_ + ":" + std::to_string(a->line ? a->line : f.line),
+          ErrorCode::structure, location_ + ":" + std::to_string(a->line ? a->line : f.line),
           "'" + a->name + "' of '" + f.name + "' has " + std::to_string(elements) + " numbers and cannot be of the type '" + a->type + "'.",
           "Use scalar (1 number), vector (3), rotation (4), pose (7) or joint values (any).");
     }
@@ -171,18 +180,19 @@ class Writer {
            literal(name) + ", " + texts(a) + ", " + range(a) + ", 0, 0}";
   }
 
-  /// @return why not; empty: done
+  /// Makes a parameter of the function a pin, a parameter or the state of the LSI. @return the reason if this is impossible; empty: done
   std::string add_parameter(const CFunction& f, const CVariable& v, Parts& p) {
     if (const CStruct* s = state_of(v)) {
-      if (p.state) return "it has two states.";
+      if (p.state) return "it has two parameters that are states.";
       p.state = s;
       p.arguments.push_back(std::string(v.type.reference ? "*" : "") + "(" + s_name(*s) + "*)call->state");
       return {};
     }
-    if (v.name.empty()) return "one of its parameters has no name.";
+    if (v.name.empty()) return "a parameter has no name.";
     p.names.push_back(v.name);
     const CType& t = v.type;
-    if (!t.numeric()) return "its parameter '" + v.name + "' is '" + t.text + "', which is neither a number nor a struct of this file.";
+    if (!t.numeric())
+      return "its parameter '" + v.name + "' is of the type '" + t.text + "', which is neither a number nor a struct of this file.";
     const bool real = t.base == "double" || t.base == "float";
     const bool annotated = about(f, v.name, {"in", "out", "parameter"}) != nullptr;
     if (t.by_value() && real && (f.comment.find("dt", v.name) || (v.name == "dt" && !annotated))) {
@@ -201,7 +211,7 @@ class Writer {
       return add_output(f, v, p, t.elements);
     }
     if (t.pointers == 1 && !t.elements && !t.is_const) return add_output(f, v, p, 1);
-    return "nothing says how many numbers its parameter '" + v.name + "' has. Write for example 'const double " + v.name + "[3]'.";
+    return "the number of elements of its parameter '" + v.name + "' is unknown. Write for example 'const double " + v.name + "[3]'.";
   }
 
   std::string add_input(const CFunction& f, const CVariable& v, Parts& p, int elements) {
@@ -257,32 +267,35 @@ class Writer {
       p.choice_tables.push_back("static const char* const " + table + "[] = {" + words + "};\n");
       const auto found = std::find(a->choices.begin(), a->choices.end(), a->word_value);
       if (!a->word_value.empty() && found == a->choices.end())
-        problems_.add(ErrorCode::unknown, place_ + ":" + std::to_string(a->line),
-                      "'" + a->word_value + "' is none of the choices of '" + v.name + "'.", "Write one of the words in the braces.");
+        problems_.add(ErrorCode::unknown, location_ + ":" + std::to_string(a->line),
+                      "'" + a->word_value + "' is not one of the choices of '" + v.name + "'.", "Write one of the words in the braces.");
       if (found != a->choices.end()) initial = number(static_cast<double>(found - a->choices.begin()));
     } else if (is_whole(v.type.base)) {
       kind = "UGOKI_INTEGER";
     }
     if (a->has_range && (a->value < a->minimum || a->value > a->maximum))
-      problems_.add(ErrorCode::range, place_ + ":" + std::to_string(a->line),
-                    "The first value " + to_text(a->value) + " of '" + v.name + "' is outside of its range.", "Write another after '='.");
+      problems_.add(ErrorCode::range, location_ + ":" + std::to_string(a->line),
+                    "The initial value " + to_text(a->value) + " of '" + v.name + "' is outside of its range " + to_text(a->minimum) +
+                        ".." + to_text(a->maximum) + ".",
+                    "Write another value after '='.");
     p.parameters.push_back("{sizeof(ugoki_parameter), " + kind + ", 0, " + choices + ", " + literal(v.name) + ", " + texts(a) + ", {" +
                            initial + ", 0.0, 0.0}, " + range(a) + ", " + table + ", 0}");
     p.arguments.push_back("(" + v.type.base + ")call->parameters[" + std::to_string(p.numbers++) + "]");
     return {};
   }
 
+  /// Adds a problem for each annotation that names no parameter of the function.
   void check_annotations(const CFunction& f, const Parts& p) {
     for (const Annotation& a : f.comment.annotations) {
       const bool names = a.word == "in" || a.word == "out" || a.word == "parameter" || a.word == "dt" || a.word == "time";
       if (!names || std::find(p.names.begin(), p.names.end(), a.name) != p.names.end()) continue;
-      problems_.add(ErrorCode::unknown, place_ + ":" + std::to_string(a.line),
-                    "The comment speaks of '" + a.name + "', but '" + f.name + "' has no such parameter.",
-                    "Mind the spelling, or remove the line.");
+      problems_.add(ErrorCode::unknown, location_ + ":" + std::to_string(a.line),
+                    "The annotation '" + a.word + "' names '" + a.name + "', but '" + f.name + "' has no parameter of this name.",
+                    "Correct the name, or remove the annotation.");
     }
   }
 
-  /// Rows of the state's fields, and which of them the comments give a first value.
+  /// Rows of the table of the state's fields; empty if the struct has fields of other types than numbers.
   std::vector<std::string> field_rows(const CFunction& f, const CStruct& s) {
     std::vector<std::string> rows;
     if (!s.understood) return rows;
@@ -300,6 +313,7 @@ class Writer {
   static Annotation read_field_comment(const CVariable& v);
   static std::string s_name(const CStruct& s) { return s.full; }
 
+  /// A constant array; empty if there are no rows.
   static std::string table(const char* type, const std::string& name, const std::vector<std::string>& rows) {
     if (rows.empty()) return {};
     std::string out = "static const " + std::string(type) + " " + name + "[] = {\n";
@@ -307,6 +321,7 @@ class Writer {
     return out + "};\n";
   }
 
+  /// Writes the tables, the `run` function and the class of one LSI.
   void emit(const CFunction& f, const Parts& p, bool returns, bool delayed) {
     const std::size_t n = out_.lsis.size();
     std::string& code = out_.code;
@@ -325,7 +340,7 @@ class Writer {
     if (cpp_)
       code +=
           "  } catch (const std::exception& e) {\n    return ugoki_stop(call, e.what());\n  } catch (...) {\n"
-          "    return ugoki_stop(call, \"It threw something that is no std::exception.\");\n  }\n";
+          "    return ugoki_stop(call, \"The function threw an exception that is not a std::exception.\");\n  }\n";
     for (const std::string& line : p.after) code += "  " + line + "\n";
     code += "  return 0;\n}\n";
     const std::string init = emit_init(f, p, n);
@@ -334,20 +349,20 @@ class Writer {
     const Annotation* version = f.comment.find("version");
     const auto colon = f.name.rfind("::");
     const std::string shown = name && !name->doc.empty() ? name->doc : colon == std::string::npos ? f.name : f.name.substr(colon + 2);
-    const auto counted = [&](const char* what, const std::vector<std::string>& rows) {
-      return rows.empty() ? std::string("0") : id(what, n);
+    const auto table_name = [&](const char* kind, const std::vector<std::string>& rows) {
+      return rows.empty() ? std::string("0") : id(kind, n);
     };
     code += "static const ugoki_class " + id("class", n) + " = {sizeof(ugoki_class), " +
             (version && parse_long(version->doc) ? version->doc : "1") + ", " + literal(shown) + ", " + literal(f.comment.doc) + ", " +
-            (group ? literal(group->doc) : "0") + ", " + counted("inputs", p.inputs) + ", " + counted("outputs", p.outputs) + ", " +
-            counted("parameters", p.parameters) + ", " + counted("fields", fields) + ", " + std::to_string(p.inputs.size()) + ", " +
+            (group ? literal(group->doc) : "0") + ", " + table_name("inputs", p.inputs) + ", " + table_name("outputs", p.outputs) + ", " +
+            table_name("parameters", p.parameters) + ", " + table_name("fields", fields) + ", " + std::to_string(p.inputs.size()) + ", " +
             std::to_string(p.outputs.size()) + ", " + std::to_string(p.parameters.size()) + ", " + std::to_string(fields.size()) + ", " +
             (p.state ? "sizeof(" + s_name(*p.state) + ")" : "0") + ", " + init + ", " + (delayed ? "0" : id("run", n)) + ", " +
             (delayed ? id("run", n) : "0") + ", 0, 0, 0, 0};\n";
     out_.lsis.push_back(shown);
   }
 
-  /// A function that sets the first state, where the fields alone do not.
+  /// Writes the `init` function of an LSI. @return its name; "0" if the initial values of the fields are enough
   std::string emit_init(const CFunction& f, const Parts& p, std::size_t n) {
     if (!p.state) return "0";
     const CFunction* init = source_.find_function(f.name + "_init");
@@ -358,7 +373,7 @@ class Writer {
     if (cpp_) {
       const std::string type = s_name(*p.state);
       code += "  static_assert(std::is_trivially_copyable_v<" + type +
-              ">, \"A state is plain data: no pointers to memory, strings or containers.\");\n";
+              ">, \"The struct of a state must be trivially copyable: plain data without pointers to memory, strings or containers.\");\n";
       const bool commented = std::any_of(p.state->fields.begin(), p.state->fields.end(), [&](const CVariable& v) {
         return f.comment.find("state", v.name) != nullptr || read_field_comment(v).has_value;
       });
@@ -373,7 +388,7 @@ class Writer {
   }
 
   const CSource& source_;
-  std::string path_, place_;
+  std::string path_, location_;
   bool cpp_;
   Wrapper out_;
   Error problems_;

@@ -1,5 +1,5 @@
 #pragma once
-// The LSI builder's second half: from what a file offers to the C code that describes it to a host.
+// Second half of the LSI builder: writes the C or C++ code of the tables that describe the functions of a source file to a host.
 
 #include <string>
 #include <vector>
@@ -9,14 +9,15 @@
 
 namespace ugoki::plugin {
 
+/// Generated code.
 struct Wrapper {
-  std::string code;                ///< a file that includes the user's
-  std::vector<std::string> lsis;   ///< names, in the order of the file
-  std::vector<std::string> notes;  ///< "spring.c:12: 'load' was not made an LSI: ..."
+  std::string code;                ///< text of a file that includes the user's file
+  std::vector<std::string> lsis;   ///< names of the LSIs, in the order of the file
+  std::vector<std::string> notes;  ///< "spring.c:12: 'load' does not become an LSI: ..."
 };
 
-/// @param path of the user's file, absolute; @param name of the library
-/// Errors: nothing can be made an LSI; an annotation names nothing, or contradicts the declaration.
+/// Writes the wrapper of a source file. @param path absolute path of the user's file @param name of the library
+/// Errors (location: "spring.c:12"): no function can be an LSI; an annotation names no parameter, or contradicts the declaration.
 [[nodiscard]] Result<Wrapper> make_wrapper(const CSource& source, const std::string& path, const std::string& name, bool cpp);
 
 }  // namespace ugoki::plugin

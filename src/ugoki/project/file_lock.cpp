@@ -15,13 +15,13 @@ namespace ugoki::project {
 Result<FileLock> FileLock::take(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code unresolved;
-  const fs::path real = fs::weakly_canonical(path, unresolved);  // two names of one file are one lock
+  const fs::path real = fs::weakly_canonical(path, unresolved);  // different names (links) of one file share a lock
   const fs::path file = unresolved ? fs::path(path) : real;
   const std::string lock_path = (file.parent_path() / (".~" + file.filename().string() + ".lock")).string();
   for (int attempt = 0; attempt < 100; ++attempt) {
     const int descriptor = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (descriptor < 0)
-      return fail(ErrorCode::io, path, "The lock beside the file cannot be made: " + std::string(std::strerror(errno)) + ".",
+      return fail(ErrorCode::io, path, "The lock file next to the project cannot be created: " + std::string(std::strerror(errno)) + ".",
                   "Check that the folder exists and that you may write to it.");
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       const int error = errno;
@@ -35,13 +35,14 @@ Result<FileLock> FileLock::take(const std::string& path) {
       return fail(ErrorCode::conflict, path, "The project is already open in another program" + by + ".",
                   "Close it there first, or work on a copy.");
     }
-    // The holder before may have removed the lock file between our open and our lock: then this is not the file others see.
+    // The previous holder may have removed the lock file between open() and flock(). The locked file then no longer has this name, other
+    // programs cannot see the lock, and the attempt must be repeated.
     struct stat ours{}, theirs{};
     if (::fstat(descriptor, &ours) == 0 && ::stat(lock_path.c_str(), &theirs) == 0 && ours.st_ino == theirs.st_ino &&
         ours.st_dev == theirs.st_dev) {
       const std::string number = std::to_string(::getpid());
       if (::ftruncate(descriptor, 0) != 0 || ::pwrite(descriptor, number.data(), number.size(), 0) < 0) {
-        // Only the message to others loses the number; the lock holds.
+        // The lock is held. Only the process id in other programs' conflict messages is missing.
       }
       return FileLock(descriptor, lock_path);
     }
@@ -59,7 +60,7 @@ FileLock& FileLock::operator=(FileLock&& other) noexcept {
 }
 FileLock::~FileLock() {
   if (descriptor_ < 0) return;
-  ::unlink(lock_path_.c_str());  // while it is held, so that nobody can hold it and see it vanish
+  ::unlink(lock_path_.c_str());  // before the lock is released, so that the file of the next holder is not removed
   ::close(descriptor_);
 }
 

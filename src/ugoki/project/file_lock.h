@@ -1,5 +1,5 @@
 #pragma once
-// A lock that one program holds on a file while it edits it. It vanishes with the program, however that ends.
+// A lock that a program holds on a file while it edits the file. The system releases it when the program ends, also after a crash.
 
 #include <string>
 
@@ -7,10 +7,12 @@
 
 namespace ugoki::project {
 
+/// Exclusive lock of a file; the destructor releases it. A default-constructed lock holds nothing.
 class FileLock {
  public:
   FileLock() = default;
-  /// Holds a lock file beside `path` (".~NAME.lock", with the holder's process number). A conflict names the holder.
+  /// Locks a lock file in the folder of `path`: ".~NAME.lock", which contains the process id of the holder.
+  /// Error `conflict`, with the holder's process id, if another program holds the lock.
   [[nodiscard]] static Result<FileLock> take(const std::string& path);
   FileLock(FileLock&& other) noexcept;
   FileLock& operator=(FileLock&& other) noexcept;

@@ -18,11 +18,11 @@
 namespace ugoki::project {
 namespace {
 
-constexpr std::int64_t kept_steps = 10'000;
+constexpr std::int64_t max_history_steps = 10'000;  // older steps are deleted
 
 std::span<const std::byte> bytes_of(std::string_view text) { return {reinterpret_cast<const std::byte*>(text.data()), text.size()}; }
 
-/// A resource that was read but not yet put in.
+/// A resource that was read and checked but not yet added to the project.
 struct Loaded {
   std::string id, kind, name;
   std::vector<std::byte> data;
@@ -30,29 +30,29 @@ struct Loaded {
   MotionPtr motion;
 };
 
-Result<Loaded> load(std::string_view id, std::string_view kind, std::vector<std::byte> data, const std::string& place) {
+Result<Loaded> load(std::string_view id, std::string_view kind, std::vector<std::byte> data, const std::string& location) {
   Loaded out{std::string(id), std::string(kind), {}, std::move(data), nullptr, nullptr};
   if (!content::is_id(id, content::max_resource_id))
-    return fail(ErrorCode::syntax, place, "'" + out.id + "' cannot be an id.", "Use 1 to 21 letters, digits, '-', '_' or '.'.");
+    return fail(ErrorCode::syntax, location, "'" + out.id + "' cannot be an id.", "Use 1 to 21 letters, digits, '-', '_' or '.'.");
   if (kind == "mechanism") {
-    Result<MechanismPtr> mechanism = formats::read_mechanism({reinterpret_cast<const char*>(out.data.data()), out.data.size()}, place);
+    Result<MechanismPtr> mechanism = formats::read_mechanism({reinterpret_cast<const char*>(out.data.data()), out.data.size()}, location);
     if (!mechanism) return fail(std::move(mechanism.error()));
     out.mechanism = std::move(*mechanism);
     out.name = out.mechanism->name();
     return out;
   }
   if (kind == "motion") {
-    Result<Motion> motion = formats::read_motion(out.data, place);
+    Result<Motion> motion = formats::read_motion(out.data, location);
     if (!motion) return fail(std::move(motion.error()));
     out.motion = std::make_shared<const Motion>(std::move(*motion));
     out.name = out.motion->name;
     return out;
   }
-  return fail(ErrorCode::unsupported, place, "A project holds mechanisms and motions, not '" + out.kind + "'.",
-              "Use an entry of another kind.");
+  return fail(ErrorCode::unsupported, location, "A project can contain mechanisms and motions, but not entries of kind '" + out.kind + "'.",
+              "Choose a mechanism or a motion.");
 }
 
-/// Moves a finished file to its place for good.
+/// Renames the finished file `from` to `to`, after flushing it to the disk. Replaces an existing file atomically.
 Result<void> move_into_place(const std::string& from, const std::string& to) {
   namespace fs = std::filesystem;
   const auto sync = [](const std::string& path, int flags) {
@@ -64,11 +64,11 @@ Result<void> move_into_place(const std::string& from, const std::string& to) {
   };
   std::error_code error;
   if (!sync(from, O_RDONLY))
-    return fail(ErrorCode::io, to, "The new file could not be brought to the disk.", "Check the disk, then save again.");
-  for (const char* suffix : {"-wal", "-shm"}) fs::remove(to + suffix, error);  // of a file that is replaced: not of this one
+    return fail(ErrorCode::io, to, "The new file could not be flushed to the disk.", "Check the disk, then save again.");
+  for (const char* suffix : {"-wal", "-shm"}) fs::remove(to + suffix, error);  // they belong to the replaced file
   fs::rename(from, to, error);
   if (error)
-    return fail(ErrorCode::io, to, "The new file could not be named: " + error.message() + ".",
+    return fail(ErrorCode::io, to, "The new file could not be renamed to its final name: " + error.message() + ".",
                 "Check the folder's permissions, then save again.");
   const std::string folder = fs::path(to).parent_path().string();
   (void)sync(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
@@ -87,15 +87,15 @@ struct Project::Body {
   content::Resources resources;
   content::Catalogue catalogue;
   std::vector<Step> steps;
-  std::int64_t position = 0;  ///< number of the last step that is in the document
+  std::int64_t position = 0;  ///< number of the last history step that the document includes
   std::uint64_t next_id = 1, revision = 0;
 
   Body(FileLock l, ProjectFile f) : lock(std::move(l)), file(std::move(f)) {}
 
-  /// Reads everything that the file holds.
+  /// Reads and checks the whole file.
   Result<void> read();
   Result<void> may_write() const {
-    if (read_only) return fail(ErrorCode::conflict, file.path(), "The project was opened only to look.", "Open it for editing.");
+    if (read_only) return fail(ErrorCode::conflict, file.path(), "The project was opened read-only.", "Open it for editing.");
     return {};
   }
   /// Runs `write` in one transaction.
@@ -108,7 +108,8 @@ struct Project::Body {
     return transaction->commit();
   }
   Result<void> put(const Loaded& resource) { return file.put_resource(resource.id, resource.kind, resource.name, resource.data); }
-  void take(const Loaded& resource) {
+  /// Adds the resource to the maps in memory.
+  void add_to_maps(const Loaded& resource) {
     if (resource.mechanism) {
       catalogue.mechanisms.insert_or_assign(resource.id, content::facts_of(*resource.mechanism));
       resources.mechanisms.insert_or_assign(resource.id, resource.mechanism);
@@ -129,8 +130,8 @@ struct Project::Body {
     const auto it = std::find_if(steps.begin(), steps.end(), [&](const Step& s) { return s.number == number; });
     return it == steps.end() ? -1 : it - steps.begin();
   }
-  /// Undo and redo.
-  Result<std::string> go(bool back);
+  /// Undoes or redoes one step of the history. @return its label
+  Result<std::string> step_history(bool back);
 };
 
 Result<void> Project::Body::read() {
@@ -140,7 +141,7 @@ Result<void> Project::Body::read() {
   for (ResourceRow& row : *rows) {
     Result<Loaded> resource = load(row.id, row.kind, std::move(row.data), file.path() + ", " + row.kind + " " + row.id);
     if (resource)
-      take(*resource);
+      add_to_maps(*resource);
     else
       for (Problem& p : resource.error().problems) problems.problems.push_back(std::move(p));
   }
@@ -150,24 +151,24 @@ Result<void> Project::Body::read() {
     if (!value) return fail(std::move(value.error()));
     *text = std::move(*value);
   }
-  const std::string place = file.path() + ", scenario";
-  Result<content::Scenario> read = content::read_scenario(document, place);
+  const std::string location = file.path() + ", scenario";
+  Result<content::Scenario> read = content::read_scenario(document, location);
   if (!read) return fail(std::move(read.error()));
-  problems = content::check_scenario(*read, &catalogue, place);
+  problems = content::check_scenario(*read, &catalogue, location);
   if (!problems.empty()) return fail(std::move(problems));
   scenario = std::move(*read);
   if (std::string canonical = content::write_scenario(scenario); canonical != document) {
     if (saved == document) saved = canonical;
-    document = std::move(canonical);  // another program wrote it, in a form of its own
+    document = std::move(canonical);  // the file was written by another program or version in a non-canonical form
   }
-  for (const auto& [name, read_only_number] : {std::pair<const char*, bool>("position", true), {"next_id", false}}) {
+  for (const auto& [name, is_position] : {std::pair<const char*, bool>("position", true), {"next_id", false}}) {
     const Result<std::string> text = file.property(name);
     if (!text) return fail(text.error());
     const std::optional<long> number = parse_long(*text);
     if (!number || *number < 0)
-      return fail(ErrorCode::syntax, file.path(), "Its " + std::string(name) + " is no number.",
-                  "Restore it from a copy; it was left as it is.");
-    if (read_only_number)
+      return fail(ErrorCode::syntax, file.path(), "The property '" + std::string(name) + "' is not a number of at least 0.",
+                  "Restore the project from a backup; the file was not changed.");
+    if (is_position)
       position = *number;
     else
       next_id = static_cast<std::uint64_t>(*number);
@@ -194,7 +195,7 @@ Result<Project> Project::create(const std::string& path, const content::Scenario
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored))
     return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or remove it first.");
-  // Made under another name first: a file with the project's name is always a whole project.
+  // The file is created under another name first, so that a file with the project's name is always a complete project.
   const std::string unfinished = path + ".new";
   for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(unfinished + suffix, ignored);
   Result<void> made = [&]() -> Result<void> {
@@ -217,7 +218,7 @@ Result<Project> Project::create(const std::string& path, const content::Scenario
   if (!made) {
     for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(unfinished + suffix, ignored);
     for (Problem& p : made.error().problems)
-      if (p.place == unfinished) p.place = path;
+      if (p.location == unfinished) p.location = path;
     return fail(std::move(made.error()));
   }
   Result<ProjectFile> file = ProjectFile::open(path, false);
@@ -236,7 +237,7 @@ Result<Project> Project::open(const std::string& path) {
   Result<FileLock> lock = FileLock::take(path);
   if (!lock) return fail(std::move(lock.error()));
   {
-    Result<Project> look = open_read_only(path);  // a file that is refused must not be written to
+    Result<Project> look = open_read_only(path);  // opening for writing may change a file that must be refused
     if (!look) return fail(std::move(look.error()));
   }
   Result<ProjectFile> file = ProjectFile::open(path, false);
@@ -272,7 +273,7 @@ Result<Change> Project::execute(std::string_view command, const store::Library* 
       const bool known = b.has(id) || std::any_of(fetched.begin(), fetched.end(), [&](const Loaded& l) { return l.id == id; });
       if (known) continue;
       if (const Result<store::LibraryEntry> entry = library->get(id); !entry) {
-        if (entry.error().problems.front().code == ErrorCode::unknown) continue;  // the command's own check names what nobody has
+        if (entry.error().problems.front().code == ErrorCode::unknown) continue;  // the command's check reports the unknown id
         return fail(entry.error());
       }
       Result<Loaded> resource = b.fetch(id, *library);
@@ -297,7 +298,7 @@ Result<Change> Project::execute(std::string_view command, const store::Library* 
   Result<void> written = b.in_transaction([&]() -> Result<void> {
     for (const Loaded& resource : fetched)
       if (Result<void> done = b.put(resource); !done) return done;
-    if (Result<void> done = b.file.add_step(b.position, step, kept_steps); !done) return done;
+    if (Result<void> done = b.file.add_step(b.position, step, max_history_steps); !done) return done;
     for (const auto& [name, value] : {std::pair<const char*, std::string>("document", text),
                                       {"position", std::to_string(b.position + 1)},
                                       {"next_id", std::to_string(next_id)}})
@@ -305,9 +306,9 @@ Result<Change> Project::execute(std::string_view command, const store::Library* 
     return {};
   });
   if (!written) return fail(std::move(written.error()));
-  for (const Loaded& resource : fetched) b.take(resource);
+  for (const Loaded& resource : fetched) b.add_to_maps(resource);
   const std::int64_t position = b.position;
-  std::erase_if(b.steps, [&](const Step& s) { return s.number > position || s.number <= position + 1 - kept_steps; });
+  std::erase_if(b.steps, [&](const Step& s) { return s.number > position || s.number <= position + 1 - max_history_steps; });
   b.steps.push_back({++b.position, effect->label});
   b.next_id = next_id;
   b.scenario = std::move(effect->scenario);
@@ -316,7 +317,7 @@ Result<Change> Project::execute(std::string_view command, const store::Library* 
   return Change{std::move(effect->label), std::move(effect->created)};
 }
 
-Result<std::string> Project::Body::go(bool back) {
+Result<std::string> Project::Body::step_history(bool back) {
   if (Result<void> allowed = may_write(); !allowed) return fail(std::move(allowed.error()));
   const std::int64_t number = back ? position : position + 1;
   if (step_index(number) < 0) return fail(ErrorCode::range, file.path(), back ? "There is nothing to undo." : "There is nothing to redo.");
@@ -346,8 +347,8 @@ Result<std::string> Project::Body::go(bool back) {
   return data->label;
 }
 
-Result<std::string> Project::undo() { return body_->go(true); }
-Result<std::string> Project::redo() { return body_->go(false); }
+Result<std::string> Project::undo() { return body_->step_history(true); }
+Result<std::string> Project::redo() { return body_->step_history(false); }
 bool Project::can_undo() const { return body_->step_index(body_->position) >= 0; }
 bool Project::can_redo() const { return body_->step_index(body_->position + 1) >= 0; }
 std::string Project::undo_label() const {
@@ -365,7 +366,7 @@ Result<void> Project::save() {
   Body& b = *body_;
   if (Result<void> done = b.in_transaction([&] { return b.file.set_property("saved", b.document); }); !done) return done;
   b.saved = b.document;
-  return b.file.database().run("PRAGMA wal_checkpoint(TRUNCATE)");  // so that the one file is all there is to copy
+  return b.file.database().run("PRAGMA wal_checkpoint(TRUNCATE)");  // a user who copies the file needs no -wal file
 }
 
 Result<void> Project::save_as(const std::string& path, bool overwrite) {
@@ -375,7 +376,7 @@ Result<void> Project::save_as(const std::string& path, bool overwrite) {
   Result<FileLock> lock = FileLock::take(path);
   if (!lock) return fail(std::move(lock.error()));
   if (fs::exists(path, ignored) && !overwrite)
-    return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or agree to replace it.");
+    return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or choose to replace the file.");
   const std::string unfinished = path + ".new";
   for (const char* suffix : {"", "-wal", "-shm"}) fs::remove(unfinished + suffix, ignored);
   Result<void> made = [&]() -> Result<void> {
@@ -416,7 +417,7 @@ Result<void> Project::add_resource(std::string_view id, std::string_view kind, s
   Result<Loaded> resource = load(id, kind, {data.begin(), data.end()}, std::string(kind) + " " + std::string(id));
   if (!resource) return fail(std::move(resource.error()));
   if (Result<void> done = body_->in_transaction([&] { return body_->put(*resource); }); !done) return done;
-  body_->take(*resource);
+  body_->add_to_maps(*resource);
   return {};
 }
 
@@ -425,7 +426,7 @@ Result<void> Project::adopt(std::string_view id, const store::Library& library) 
   Result<Loaded> resource = body_->fetch(id, library);
   if (!resource) return fail(std::move(resource.error()));
   if (Result<void> done = body_->in_transaction([&] { return body_->put(*resource); }); !done) return done;
-  body_->take(*resource);
+  body_->add_to_maps(*resource);
   return {};
 }
 

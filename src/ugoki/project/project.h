@@ -1,5 +1,5 @@
 #pragma once
-// The integration file (*.ugoki): everything that a piece of content consists of; what the user edits and saves.
+// The integration file (*.ugoki): a project with all data of a piece of content. The user edits and saves it.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,23 +17,22 @@
 
 namespace ugoki::project {
 
-/// What a command did.
+/// Result of a command.
 struct Change {
-  std::string label;                 ///< "Move clip"; empty if the command changed nothing
-  std::vector<std::string> created;  ///< ids of what it made
+  std::string label;                 ///< for undo menus, for example "Move clip"; empty if the command changed nothing
+  std::vector<std::string> created;  ///< ids of the clips, characters and events that the command created
 };
 
-/// An open project. Every command, undo and redo is in the file (and on the disk) when its function returns; so nothing
-/// is lost when the program is killed. "Saved" is a mark: which state the user called finished.
-/// One thread at a time. When a function fails, project and file are as they were before.
+/// An open project. Every command, undo and redo is on the disk when its function returns, so nothing is lost if the program is killed.
+/// save() only marks the current state as saved. Used by one thread at a time. A function that fails leaves project and file unchanged.
 class Project {
  public:
-  /// Makes a new file with this content; fails if the file exists, or if the document does not fit the resources.
+  /// Creates a new file with this document and these resources. Errors: the file exists, or the document does not fit the resources.
   [[nodiscard]] static Result<Project> create(const std::string& path, const content::Scenario& scenario,
                                               const content::Resources& resources = {});
-  /// Opens for editing. Conflict if another program has it open; a damaged, foreign or newer file is left untouched.
+  /// Opens a file for editing. Error `conflict`: another program has it open. A damaged, foreign or newer file is refused and not changed.
   [[nodiscard]] static Result<Project> open(const std::string& path);
-  /// Opens to look: never writes, and works while another program edits.
+  /// Opens a file read-only. Never writes, and works while another program edits the file.
   [[nodiscard]] static Result<Project> open_read_only(const std::string& path);
   Project(Project&&) noexcept;
   Project& operator=(Project&&) noexcept;
@@ -45,39 +44,42 @@ class Project {
   [[nodiscard]] const std::string& document() const;
   [[nodiscard]] const content::Resources& resources() const;
   [[nodiscard]] const content::Catalogue& catalogue() const;
-  /// Grows with every change of the document.
+  /// Increases with every change of the document since the project was opened.
   [[nodiscard]] std::uint64_t revision() const;
 
   /// Applies one command of docs/scenario.md (JSON).
-  /// @param library where mechanisms and motions are fetched from that the command names and the project lacks; may be null
+  /// @param library source of mechanisms and motions that the command names but the project does not contain; may be null
   [[nodiscard]] Result<Change> execute(std::string_view command, const store::Library* library = nullptr);
-  /// @return the label of what was undone or redone; a problem if there is nothing
+  /// Undoes or redoes one command. @return its label; error `range` if there is no command to undo or redo
   [[nodiscard]] Result<std::string> undo();
   [[nodiscard]] Result<std::string> redo();
   [[nodiscard]] bool can_undo() const;
   [[nodiscard]] bool can_redo() const;
-  [[nodiscard]] std::string undo_label() const;  ///< empty if there is nothing
-  [[nodiscard]] std::string redo_label() const;
+  [[nodiscard]] std::string undo_label() const;  ///< label of the next command to undo; empty if there is none
+  [[nodiscard]] std::string redo_label() const;  ///< label of the next command to redo; empty if there is none
 
-  /// True if the document differs from the one that was last saved by the user.
+  /// True if the document differs from the one that the user saved last.
   [[nodiscard]] bool unsaved() const;
+  /// Marks the current document as saved.
   [[nodiscard]] Result<void> save();
-  /// Writes a copy, history included, and goes on with that; the old file keeps what it has. An existing file is replaced
-  /// only with `overwrite`, and in one step.
+  /// Writes a copy of the project with its history and continues with the copy; the old file is unchanged. An existing file is replaced
+  /// only if `overwrite` is true, and atomically.
   [[nodiscard]] Result<void> save_as(const std::string& path, bool overwrite = false);
 
-  /// Puts a mechanism (JSON of formats/mechanism_json.h) or a motion (formats/motion_binary.h) in, checked. Nothing
-  /// happens if the project has the id already. @param kind "mechanism" or "motion"
+  /// Checks a mechanism (JSON of formats/mechanism_json.h) or a motion (formats/motion_binary.h) and adds it. Has no effect if the
+  /// project already contains the id. @param kind "mechanism" or "motion"
   [[nodiscard]] Result<void> add_resource(std::string_view id, std::string_view kind, std::span<const std::byte> data);
-  /// Fetches a library entry by id into the project, if the project lacks it.
+  /// Copies the library entry `id` into the project. Has no effect if the project already contains the id.
   [[nodiscard]] Result<void> adopt(std::string_view id, const store::Library& library);
 
-  /// What a program keeps beside the document (the studio its breakpoints): on the disk at once, no part of the history and of what is
-  /// generated. Copies take it along. Empty where nothing was kept.
+  // Named texts that a program stores in the file in addition to the document, for example the studio's breakpoints. They are not part of
+  // the history or of generated data; save_as() copies them.
+  /// The stored text; empty if there is none.
   [[nodiscard]] Result<std::string> kept(std::string_view name) const;
+  /// Stores a text; it is on the disk when the function returns.
   [[nodiscard]] Result<void> keep(std::string_view name, std::string_view text);
 
-  /// Executable data (*.ugx) of the document as it is.
+  /// Executable data (*.ugx) of the current document.
   [[nodiscard]] Result<std::vector<std::byte>> generate() const;
 
  private:

@@ -43,22 +43,23 @@ Result<void> check(store::Database& database) {
   const Result<std::int64_t> version = database.integer("PRAGMA user_version");
   if (!version) return fail(version.error());
   if (*application != project_application_id)
-    return fail(ErrorCode::syntax, path, "This file is not a project of Ugoki.", "Open a *.ugoki file; make one with `ugoki new`.");
+    return fail(ErrorCode::syntax, path, "This file is not a project of Ugoki.", "Open a *.ugoki file, or create one with `ugoki new`.");
   if (*version > project_version)
     return fail(ErrorCode::unsupported, path,
-                "The project was saved by a newer Ugoki (version " + std::to_string(*version) + "; this program knows " +
+                "The project was saved by a newer Ugoki (version " + std::to_string(*version) + "; this program reads up to version " +
                     std::to_string(project_version) + ").",
-                "Open it with a newer Ugoki; it was left as it is.");
+                "Open it with a newer Ugoki; the file was not changed.");
   if (*version < 1)
-    return fail(ErrorCode::syntax, path, "The project has an impossible version.", "Restore it from a copy; it was left as it is.");
+    return fail(ErrorCode::syntax, path, "The project has the invalid version " + std::to_string(*version) + ".",
+                "Restore the project from a backup; the file was not changed.");
   if (Result<void> good = database.check_structure(); !good) return good;
   const Result<std::int64_t> others = database.integer(
       "SELECT count(*) FROM sqlite_schema WHERE type IN ('trigger', 'view') OR (type = 'table' AND name NOT IN ('property', 'resource', "
       "'history'))");
   if (!others) return fail(others.error());
   if (*others != 0)
-    return fail(ErrorCode::structure, path, "The project holds tables or triggers that no Ugoki made.",
-                "Do not trust it; restore it from a copy.");
+    return fail(ErrorCode::structure, path, "The project contains tables, views or triggers that Ugoki did not create.",
+                "Do not trust the file; restore it from a backup.");
   return {};
 }
 
@@ -70,10 +71,10 @@ Result<ProjectFile> ProjectFile::create(const std::string& path) {
     return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or remove it first.");
   Result<store::Database> database = store::Database::open(path, store::OpenMode::create);
   if (!database) return fail(std::move(database.error()));
-  const std::string marks =
+  const std::string pragmas =
       "PRAGMA application_id = " + std::to_string(project_application_id) + "; PRAGMA user_version = " + std::to_string(project_version);
   for (const std::string& sql : {std::string("PRAGMA journal_mode = WAL"), std::string("PRAGMA synchronous = FULL"),
-                                 std::string("BEGIN IMMEDIATE;") + tables + marks + ";COMMIT"})
+                                 std::string("BEGIN IMMEDIATE;") + tables + pragmas + ";COMMIT"})
     if (Result<void> done = database->run(sql); !done) return fail(std::move(done.error()));
   return ProjectFile(std::move(*database));
 }
@@ -81,7 +82,7 @@ Result<ProjectFile> ProjectFile::create(const std::string& path) {
 Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
-    return fail(ErrorCode::io, path, "There is no such file.", "Check its name, or make a project with `ugoki new`.");
+    return fail(ErrorCode::io, path, "The file does not exist.", "Check its name, or create a project with `ugoki new`.");
   if (!std::filesystem::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "This is not a file.", "Give a *.ugoki file.");
   Result<store::Database> look = store::Database::open(path, store::OpenMode::read_only);
   if (!look) return fail(std::move(look.error()));
@@ -106,8 +107,8 @@ Result<std::string> ProjectFile::property(std::string_view name) {
   Result<std::optional<std::string>> found = find_property(name);
   if (!found) return fail(std::move(found.error()));
   if (!*found)
-    return fail(ErrorCode::structure, path(), "The project lacks its " + std::string(name) + ".",
-                "Restore it from a copy; it was left as it is.");
+    return fail(ErrorCode::structure, path(), "The property '" + std::string(name) + "' is missing from the project.",
+                "Restore the project from a backup; the file was not changed.");
   return std::move(**found);
 }
 
@@ -129,8 +130,9 @@ Result<std::vector<ResourceRow>> ProjectFile::resources() {
     if (!*next) break;
     out.push_back({rows->text(0), rows->text(1), rows->blob(2)});
     if (checksum_of(out.back().data) != rows->text(3))
-      problems.add(ErrorCode::syntax, path() + ", " + out.back().kind + " " + out.back().id, "Its data are damaged (checksum).",
-                   "Restore the project from a copy; it was left as it is.");
+      problems.add(ErrorCode::syntax, path() + ", " + out.back().kind + " " + out.back().id,
+                   "The data of the resource are damaged (checksum mismatch).",
+                   "Restore the project from a backup; the file was not changed.");
   }
   if (!problems.empty()) return fail(std::move(problems));
   return out;
@@ -161,14 +163,14 @@ Result<StepData> ProjectFile::step(std::int64_t number) {
   if (!found) return fail(found.error());
   if (!*found)
     return fail(ErrorCode::structure, path(), "Step " + std::to_string(number) + " of the history is missing.",
-                "Undo and redo cannot go further here.");
+                "Undo and redo cannot continue past this step; the document is unchanged.");
   return StepData{row->text(0), row->text(1), row->text(2), row->text(3)};
 }
 
 Result<void> ProjectFile::add_step(std::int64_t position, const StepData& step, std::int64_t keep) {
-  Result<store::Statement> forget = database_.prepare("DELETE FROM history WHERE number > ?1 OR number <= ?2");
-  if (!forget) return fail(std::move(forget.error()));
-  if (Result<void> done = forget->bind(1, position).bind(2, position + 1 - keep).run(); !done) return done;
+  Result<store::Statement> remove = database_.prepare("DELETE FROM history WHERE number > ?1 OR number <= ?2");
+  if (!remove) return fail(std::move(remove.error()));
+  if (Result<void> done = remove->bind(1, position).bind(2, position + 1 - keep).run(); !done) return done;
   Result<store::Statement> add =
       database_.prepare("INSERT INTO history (number, label, command, forward, backward, time) VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
   if (!add) return fail(std::move(add.error()));

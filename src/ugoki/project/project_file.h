@@ -17,36 +17,44 @@ inline constexpr std::int64_t project_version = 1;
 
 /// One command of the history.
 struct Step {
-  std::int64_t number = 0;
+  std::int64_t number = 0;  ///< counts from 1
   std::string label;
 };
 
+/// A command of the history with the deltas for redo and undo.
 struct StepData {
-  std::string label, command, forward, backward;
+  std::string label;
+  std::string command;            ///< JSON
+  std::string forward, backward;  ///< deltas (content/delta.h), JSON
 };
 
 struct ResourceRow {
-  std::string id, kind;
+  std::string id;
+  std::string kind;  ///< "mechanism" or "motion"
   std::vector<std::byte> data;
 };
 
+/// The tables of one integration file.
 class ProjectFile {
  public:
-  /// Makes the tables in a new file. The file must not exist.
+  /// Creates a new file with the tables. The file must not exist.
   [[nodiscard]] static Result<ProjectFile> create(const std::string& path);
-  /// Refuses what is no project, damaged, or newer than this program, without writing to it.
+  /// Opens a file. A file that is not a project, is damaged, or was saved by a newer version is refused and not changed.
   [[nodiscard]] static Result<ProjectFile> open(const std::string& path, bool read_only);
 
+  /// The value of a property; a problem if it is missing.
   [[nodiscard]] Result<std::string> property(std::string_view name);
+  /// The value of a property; empty optional if it is missing.
   [[nodiscard]] Result<std::optional<std::string>> find_property(std::string_view name);
   [[nodiscard]] Result<void> set_property(std::string_view name, std::string_view value);
-  /// Every resource, its data checked.
+  /// All resources, their data checked against their checksums.
   [[nodiscard]] Result<std::vector<ResourceRow>> resources();
   [[nodiscard]] Result<void> put_resource(std::string_view id, std::string_view kind, std::string_view name,
                                           std::span<const std::byte> data);
+  /// All steps of the history, oldest first.
   [[nodiscard]] Result<std::vector<Step>> steps();
   [[nodiscard]] Result<StepData> step(std::int64_t number);
-  /// Adds a step after `position`; what came after it before is forgotten, and so are steps more than `keep` ago.
+  /// Adds a step with number `position` + 1. Deletes the later steps, which can no longer be redone, and all but the last `keep` steps.
   [[nodiscard]] Result<void> add_step(std::int64_t position, const StepData& step, std::int64_t keep);
 
   [[nodiscard]] store::Database& database() { return database_; }

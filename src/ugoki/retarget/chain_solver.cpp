@@ -10,7 +10,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Quat quat_of(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 void set_quat(const Quat& r, double* q) {
-  // The sign that the frame before had: quaternions of one joint stay on one side.
+  // q and -q are the same rotation: choose the sign nearest to the previous value, so that coordinates stay continuous.
   const double sign = r.w * q[0] + r.x * q[1] + r.y * q[2] + r.z * q[3] < 0 ? -1.0 : 1.0;
   q[0] = sign * r.w;
   q[1] = sign * r.x;
@@ -18,7 +18,7 @@ void set_quat(const Quat& r, double* q) {
   q[3] = sign * r.z;
 }
 
-/// d(rotation in B) per unit of the rotation vector's component k.
+/// Column k of the right Jacobian of SO(3): angular velocity in the body frame per unit rate of the rotation vector's component k.
 Vec3 right_jacobian_column(const Vec3& x, int k) {
   const double angle2 = dot(x, x);
   Vec3 e;
@@ -34,11 +34,11 @@ Vec3 right_jacobian_column(const Vec3& x, int k) {
 
 ChainSolver::ChainSolver(const Mechanism& mechanism) : m_(mechanism) {
   for (int i = 0; i < m_.nv(); ++i) {
-    // A hair inside, so that rounding of quaternions stays within.
-    const Freedom& f = m_.freedom(i);
-    const double hair = std::min(1e-9, 0.25 * (f.upper - f.lower));
-    lower.push_back(f.lower + hair);
-    upper.push_back(f.upper - hair);
+    // Limits are narrowed by at most 1e-9, so that rounding in quaternions never leaves the mechanism's limits.
+    const Dof& f = m_.dof(i);
+    const double inset = std::min(1e-9, 0.25 * (f.upper - f.lower));
+    lower.push_back(f.lower + inset);
+    upper.push_back(f.upper - inset);
   }
   columns_.reserve(at(m_.nv()));
 }
@@ -89,7 +89,7 @@ bool ChainSolver::orient(int link, const Mat3& R_WB, double* q, std::span<Pose> 
       there = true;
       break;
     case JointType::revolute: {
-      // The turn about the axis that comes nearest: the twist of swing and twist.
+      // The closest rotation about the axis is the twist of the swing-twist decomposition.
       double angle = 2 * atan2(dot(turn.vec(), l.joint.axis), turn.w);
       const double middle =
           std::isfinite(lower[at(l.v_index)] + upper[at(l.v_index)]) ? 0.5 * (lower[at(l.v_index)] + upper[at(l.v_index)]) : own[0];
@@ -119,7 +119,7 @@ void ChainSolver::gather(std::span<const int> chain, const double* q, std::span<
       for (int k = 0; k < 3; ++k) {
         Column& c = columns_.emplace_back();
         c.link = i;
-        c.freedom = k;
+        c.dof = k;
         c.w = X.R * right_jacobian_column(x, k);
         c.x = x[k];
       }
@@ -130,7 +130,7 @@ void ChainSolver::gather(std::span<const int> chain, const double* q, std::span<
     for (int k = 0, n = joint_subspace(l.joint, own, S); k < n; ++k) {
       Column& c = columns_.emplace_back();
       c.link = i;
-      c.freedom = k;
+      c.dof = k;
       c.w = X.R * S[k].w;
       c.v = X.R * S[k].v;
       c.x = own[k];
@@ -139,42 +139,42 @@ void ChainSolver::gather(std::span<const int> chain, const double* q, std::span<
 }
 
 void ChainSolver::find_step(const Vec3& first, const Vec3& turn_error, const Vec3& along, double damping, bool turn) {
-  for (Column& c : columns_) c.held = false;
+  for (Column& c : columns_) c.at_limit = false;
   Vec3 e1 = first, e2 = turn_error;
   for (int round = 0; round < 6; ++round) {
     Mat3 A = Mat3::diagonal(damping, damping, damping) + Mat3::outer(along, along), K{};
     for (const Column& c : columns_) {
-      if (c.held) continue;
+      if (c.at_limit) continue;
       A += Mat3::outer(c.J1, c.J1);
       if (turn) K += Mat3::outer(c.J2, c.J1);
     }
     const Mat3 A_inverse = inverse(A);
     const Vec3 y = A_inverse * e1;
     for (Column& c : columns_)
-      if (!c.held) c.step = dot(c.J1, y);
+      if (!c.at_limit) c.step = dot(c.J1, y);
     if (turn) {
       const Mat3 M = K * A_inverse;
       Vec3 rest = e2;
       Mat3 B = Mat3::diagonal(1e-4, 1e-4, 1e-4);
       for (const Column& c : columns_) {
-        if (c.held) continue;
+        if (c.at_limit) continue;
         rest -= c.J2 * c.step;
         const Vec3 n = c.J2 - M * c.J1;
         B += Mat3::outer(n, n);
       }
       const Vec3 z = inverse(B) * rest;
       for (Column& c : columns_)
-        if (!c.held) c.step += dot(c.J2 - M * c.J1, z);
+        if (!c.at_limit) c.step += dot(c.J2 - M * c.J1, z);
     }
-    // What would go beyond its limit goes to it, and the others do the rest.
+    // DOFs that would pass their limit are fixed at it; the step is re-solved for the others with the remaining error.
     bool changed = false;
     for (Column& c : columns_) {
-      if (c.held) continue;
-      const int f = m_.link(c.link).v_index + c.freedom;
+      if (c.at_limit) continue;
+      const int f = m_.link(c.link).v_index + c.dof;
       const double inside = std::clamp(c.x + c.step, lower[at(f)], upper[at(f)]) - c.x;
       if (inside == c.step) continue;
       c.step = inside;
-      c.held = true;
+      c.at_limit = true;
       changed = true;
       e1 -= c.J1 * inside;
       e2 -= c.J2 * inside;
@@ -183,16 +183,17 @@ void ChainSolver::find_step(const Vec3& first, const Vec3& turn_error, const Vec
   }
 }
 
-Mat3 ChainSolver::resistance(std::span<const int> chain, const Vec3& place, const Vec3& wish, double length, const double* q,
+Mat3 ChainSolver::resistance(std::span<const int> chain, const Vec3& point, const Vec3& wish, double length, const double* q,
                              std::span<const Pose> X_WB) {
+  // softness: regularization (dimensionless, J is divided by the length). near_limit: rad | m, closer DOFs count as at the limit.
   constexpr double softness = 1e-3, near_limit = 1e-3;
   gather(chain, q, X_WB);
   Mat3 A = Mat3::diagonal(softness, softness, softness);
   for (const Column& c : columns_) {
-    const Vec3 J = (c.v + cross(c.w, place - X_WB[at(c.link)].p)) / length;
-    const int f = m_.link(c.link).v_index + c.freedom;
-    const double way = dot(J, wish);
-    if ((way > 0 && c.x > upper[at(f)] - near_limit) || (way < 0 && c.x < lower[at(f)] + near_limit)) continue;
+    const Vec3 J = (c.v + cross(c.w, point - X_WB[at(c.link)].p)) / length;
+    const int f = m_.link(c.link).v_index + c.dof;
+    const double rate = dot(J, wish);
+    if ((rate > 0 && c.x > upper[at(f)] - near_limit) || (rate < 0 && c.x < lower[at(f)] + near_limit)) continue;
     A += Mat3::outer(J, J);
   }
   return inverse(A) * softness;
@@ -209,7 +210,7 @@ void ChainSolver::apply(std::span<const int> chain, double share, double* q, std
       for (int k = 0; k < 3; ++k, ++next)
         x[k] = std::clamp(columns_[next].x + share * columns_[next].step, lower[at(l.v_index + k)], upper[at(l.v_index + k)]);
       set_quat(exp_map(x), own);
-      clamp(i, q);  // beyond half a turn the vector comes back from the other side
+      clamp(i, q);  // a rotation vector longer than pi is equivalent to one of opposite direction, which may be outside the limits
     } else {
       for (int k = 0; k < l.joint.nv(); ++k, ++next)
         own[k] = std::clamp(columns_[next].x + share * columns_[next].step, lower[at(l.v_index + k)], upper[at(l.v_index + k)]);
@@ -251,7 +252,7 @@ ChainSolver::Miss ChainSolver::miss_of(const ChainGoal& goal, const Pose& X) {
 }
 
 double ChainSolver::solve(std::span<const int> chain, const ChainGoal& goal, double* q, std::span<Pose> X_WB) {
-  constexpr double enough = 1e-9;
+  constexpr double enough = 1e-9;  // rad or share of the chain's size: the goal counts as reached
   const int end = chain.back();
   const bool direct = goal.first == ChainGoal::First::direction;
   const double scale = direct ? 1 : goal.length;
@@ -268,7 +269,7 @@ double ChainSolver::solve(std::span<const int> chain, const ChainGoal& goal, dou
     double longest = 0;
     for (const Column& c : columns_) longest = std::max(longest, std::fabs(c.step));
     if (longest < 1e-12) break;
-    // No step is longer than 0.5 rad, and none makes it worse.
+    // Limit steps to 0.5 (rad | m), where the linearization still holds, and accept only steps that reduce the cost.
     save(chain, q);
     share = std::min(share, longest > 0.5 ? 0.5 / longest : 1.0);
     bool better = false;

@@ -1,5 +1,5 @@
 #pragma once
-// Inverse kinematics of a chain of links with strict joint limits and two priorities.
+// Inverse kinematics of a chain of links with strict joint limits and two task priorities: position (or direction), then orientation.
 
 #include <span>
 #include <vector>
@@ -8,61 +8,67 @@
 
 namespace ugoki::retarget {
 
-/// What the last link of a chain shall do.
+/// Goal for the last link of a chain.
 struct ChainGoal {
-  enum class First { place, direction };
-  First first = First::place;
-  Vec3 point;                 ///< place: m, in the last link's frame; direction: unit, in the last link's frame
-  Vec3 target;                ///< place: m, in the world; direction: unit, in the world
-  bool turn = true;           ///< with what is left of the freedoms: the orientation
+  enum class First { position, direction };
+  First first = First::position;
+  Vec3 point;                 ///< in the last link's frame; position: m, direction: unit vector
+  Vec3 target;                ///< in the world; position: m, direction: unit vector
+  bool turn = true;           ///< second priority: also reach the orientation R with the remaining DOFs
   Mat3 R = Mat3::identity();  ///< wanted orientation of the last link
-  double length = 1;          ///< m, size of the chain, for damping
+  double length = 1;          ///< m, size of the chain; makes position errors dimensionless
   int iterations = 12;
 };
 
-/// Joint limits are kept at every step: a freedom that would go beyond its limit goes to it, and the others do the rest. First the goal's
-/// place (or direction) by damped least squares, then in the null space of that the orientation. Spherical joints move in the components of
-/// their rotation vector, on which their limits act. Source: Siciliano and Slotine 1991 (task priority); Buss 2009 (damping).
+/// Solves for the goal's position (or direction) by damped least squares, then for its orientation in the null space of the first task.
+/// Joint limits are kept at every step: a DOF that would pass its limit is set to the limit, and the step is re-solved for the others.
+/// Spherical joints are parametrized by their rotation vector, to whose components their limits apply.
+/// Source: Siciliano and Slotine 1991 (task priority); Buss 2009 (damping).
 class ChainSolver {
  public:
   explicit ChainSolver(const Mechanism& mechanism);
 
-  /// Limits of every freedom as they are kept here [nv]: those of the mechanism, or narrower ones.
+  /// [nv] rad | m, limits of every DOF: those of the mechanism, or narrower ones set by the owner.
   std::vector<double> lower, upper;
 
-  /// @param chain links, each the child of the one before
-  /// @param q [nq, in and out] @param X_WB [links, in and out] kept up to date for the chain; its base's parent must be right
-  /// @return what misses of the place [m] or the direction [rad]
+  /// @param chain links, each the child of the previous one
+  /// @param q [nq, in and out]
+  /// @param X_WB [links, in and out] poses; updated for the chain. The pose of the first link's parent must be valid.
+  /// @return remaining error of the position [m] or direction [rad]
   double solve(std::span<const int> chain, const ChainGoal& goal, double* q, std::span<Pose> X_WB);
 
-  /// How much of a wish to move the place on the last link stays undone where the chain is now: 0 in directions in which it moves freely, 1
-  /// in those in which it is stretched out or at its limits. Symmetric.
-  /// @param place m, in the world @param wish m, for its direction: limits count that would be passed
-  [[nodiscard]] Mat3 resistance(std::span<const int> chain, const Vec3& place, const Vec3& wish, double length, const double* q,
+  /// Share of a desired displacement of a point on the last link that the chain cannot follow, as a symmetric matrix in world axes.
+  /// Eigenvalues: near 0 in directions in which the point moves freely, near 1 where the chain is stretched out or at its limits.
+  /// @param point m, in the world @param wish m, desired displacement; its direction decides which limits would be passed
+  [[nodiscard]] Mat3 resistance(std::span<const int> chain, const Vec3& point, const Vec3& wish, double length, const double* q,
                                 std::span<const Pose> X_WB);
 
-  /// Brings the joint's coordinates inside its limits. @return true if they were outside
+  /// Clamps the joint's coordinates to its limits. @return true if they were outside
   bool clamp(int link, double* q) const;
-  /// Sets the joint so that the link turns to R_WB as nearly as one joint can, within its limits. The parent's pose must be right.
-  /// @return true if it is there, false if limits or missing freedoms keep it away
+  /// Sets the joint so that the link's orientation is as close to R_WB as this joint and its limits allow. The parent's pose must be valid.
+  /// @return true if the orientation is reached, false if limits or missing DOFs prevent it
   bool orient(int link, const Mat3& R_WB, double* q, std::span<Pose> X_WB) const;
-  /// Pose of the link from its parent's and its coordinates.
+  /// Updates the pose of the link from its parent's pose and the joint's coordinates.
   void place(int link, const double* q, std::span<Pose> X_WB) const;
 
  private:
+  /// One DOF of the chain: its Jacobian column and its step.
   struct Column {
-    int link = 0, freedom = 0;
-    Vec3 w, v;  // of the link per unit of the coordinate, about the joint, world axes
-    Vec3 J1, J2;
-    double x = 0, step = 0;
-    bool held = false;
+    int link = 0, dof = 0;
+    Vec3 w, v;               // angular and linear velocity of the link's origin per unit of the coordinate, world axes
+    Vec3 J1, J2;             // column of the first task (position or direction) and of the orientation
+    double x = 0, step = 0;  // rad | m
+    bool at_limit = false;
   };
+  /// Fills columns_ for the chain at q.
   void gather(std::span<const int> chain, const double* q, std::span<const Pose> X_WB);
+  /// Step of all columns within the limits. @param first, turn_error task errors @param along direction excluded from the first task
   void find_step(const Vec3& first, const Vec3& turn_error, const Vec3& along, double damping, bool turn);
+  /// Adds `share` times the step of every column to q, clamps, and updates the poses.
   void apply(std::span<const int> chain, double share, double* q, std::span<Pose> X_WB);
   void save(std::span<const int> chain, const double* q);
   void restore(std::span<const int> chain, double* q, std::span<Pose> X_WB) const;
-  /// What misses of a goal: place over the chain's size, or direction, then the turn. [rad]
+  /// Errors of a goal, dimensionless (position over the chain's size) or rad (direction, orientation).
   struct Miss {
     Vec3 first, turn, point;
     double cost = 0;

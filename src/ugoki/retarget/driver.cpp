@@ -9,8 +9,9 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double most_tilt = 0.35;  // rad, of a trunk that follows one of another kind
+constexpr double max_tilt = 0.35;  // rad, upper bound of the tilt of a trunk that follows a trunk of another kind
 
+/// True if a and b are equal up to rounding (1e-9 a row).
 bool near(const Mat3& a, const Mat3& b) {
   const Mat3 d = a - b;
   for (int i = 0; i < 3; ++i)
@@ -18,33 +19,33 @@ bool near(const Mat3& a, const Mat3& b) {
   return true;
 }
 
-/// Turn about Z of a rotation (the twist of swing and twist).
+/// Rotation about Z contained in r (the twist of its swing-twist decomposition).
 Quat heading_of(const Quat& r) { return normalized(std::fabs(r.w) + std::fabs(r.z) > 1e-12 ? Quat{r.w, 0, 0, r.z} : Quat{}); }
 
-/// Tilts beyond `most_tilt` are approached, never passed.
+/// R with its tilt compressed smoothly, so that it stays below `max_tilt`; the heading is kept.
 Mat3 levelled(const Mat3& R) {
   const Quat r = to_quat(R), heading = heading_of(r);
   const Vec3 tilt = log_map(r * heading.conjugate());
   const double angle = norm(tilt);
   if (angle < 1e-9) return R;
-  const double soft = angle / (1 + angle / most_tilt);
+  const double soft = angle / (1 + angle / max_tilt);
   return to_matrix(exp_map(tilt * (soft / angle)) * heading);
 }
 
 }  // namespace
 
 Driver::Driver(const Rig& source, const Rig& target, const Mapping& mapping)
-    : s_(source), t_(target), same_kind_(source.figure.four_legs == target.figure.four_legs), solver_(*target.mechanism) {
-  scale_ = same_kind_ && !t_.figure.four_legs ? t_.leg_length / s_.leg_length : t_.hip_height / s_.hip_height;
+    : s_(source), t_(target), same_kind_(source.anatomy.four_legs == target.anatomy.four_legs), solver_(*target.mechanism) {
+  scale_ = same_kind_ && !t_.anatomy.four_legs ? t_.leg_length / s_.leg_length : t_.hip_height / s_.hip_height;
   path_scale_ = scale_;
-  want_of_.assign(at(t_.mechanism->link_count()), -1);
-  partner_.assign(want_of_.size(), -1);
+  goal_of_.assign(at(t_.mechanism->link_count()), -1);
+  partner_.assign(goal_of_.size(), -1);
   limbs_.resize(limb_count);
   map_trunk();
   map_limbs();
   map_extras(mapping);
   make_clusters();
-  // A knee that can bend the way knees bend does not bend the other way.
+  // A knee with at least 0.4 rad of flexion must not overextend by more than 0.03 rad, whatever its mechanical limits are.
   for (int k = 0; k < 2; ++k) {
     const LimbRig& limb = t_.limbs[at(k)];
     if (!limb.found || limb.knee < 0 || (partner_[at(limb.knee)] >= 0 && is_twin(partner_[at(limb.knee)], limb.knee))) continue;
@@ -55,9 +56,9 @@ Driver::Driver(const Rig& source, const Rig& target, const Mapping& mapping)
   }
 }
 
-void Driver::want(int target, int a, int b, double t, bool deviation, bool level) {
+void Driver::add_goal(int target, int a, int b, double t, bool deviation, bool level) {
   if (target < 0 || a < 0) return;
-  Want w;
+  LinkGoal w;
   w.link = target;
   w.a = a;
   w.b = b;
@@ -65,42 +66,42 @@ void Driver::want(int target, int a, int b, double t, bool deviation, bool level
   w.level = level;
   w.K = t_.F[at(target)].transposed();
   if (deviation) w.K = s_.G[at(a)].transposed() * (t_.G[at(target)] * w.K);
-  want_of_[at(target)] = static_cast<int>(wants_.size());
-  wants_.push_back(w);
+  goal_of_[at(target)] = static_cast<int>(goals_.size());
+  goals_.push_back(w);
 }
 
-/// Chains of different length: places at the same share of the way.
+/// Maps a chain of source links to a chain of target links of possibly different count, by equal shares of the chain's length.
 void Driver::map_chain(const std::vector<int>& source, int source_base, const std::vector<int>& target, bool level) {
   const auto n = static_cast<double>(source.size()), count = static_cast<double>(target.size());
-  int freedoms = 3;  // of the joints below the last wanted link: fewer than three cannot do what is wanted of them alone
+  int dofs = 3;  // DOFs of the joints since the last link with a goal; fewer than three cannot reach an orientation alone
   for (std::size_t i = target.size(); i-- > 0;) {
     const bool last = i + 1 == target.size();
     if (source.size() == target.size()) partner_[at(target[i])] = source[i];
-    if (!last && freedoms < 3) {
-      freedoms += t_.mechanism->link(target[i]).joint.nv();
+    if (!last && dofs < 3) {
+      dofs += t_.mechanism->link(target[i]).joint.nv();
       continue;
     }
-    freedoms = t_.mechanism->link(target[i]).joint.nv();
+    dofs = t_.mechanism->link(target[i]).joint.nv();
     const double u = n * static_cast<double>(i + 1) / count;
     if (source.empty()) {
-      want(target[i], source_base, -1, 0, !same_kind_, level);
+      add_goal(target[i], source_base, -1, 0, !same_kind_, level);
       continue;
     }
     const double down = std::floor(u + 1e-9);
     const auto k = static_cast<int>(down);
     const int a = k == 0 ? source_base : source[at(k - 1)];
     if (u - down < 1e-9 || k >= static_cast<int>(source.size()))
-      want(target[i], a, -1, 0, !same_kind_, level);
+      add_goal(target[i], a, -1, 0, !same_kind_, level);
     else
-      want(target[i], a, source[at(k)], u - down, !same_kind_, level);
+      add_goal(target[i], a, source[at(k)], u - down, !same_kind_, level);
   }
 }
 
 void Driver::map_trunk() {
-  const Figure &s = s_.figure, &t = t_.figure;
+  const Anatomy &s = s_.anatomy, &t = t_.anatomy;
   const bool level = !same_kind_;
   partner_[at(t.pelvis)] = s.pelvis;
-  want(t.pelvis, s.pelvis, -1, 0, !same_kind_, level);
+  add_goal(t.pelvis, s.pelvis, -1, 0, !same_kind_, level);
   map_chain(s.spine, s.pelvis, t.spine, level);
   map_chain(s.neck, s.chest(), t.neck, level);
   if (!s.tail.empty()) map_chain(s.tail, s.pelvis, t.tail, level);
@@ -111,33 +112,33 @@ void Driver::map_limbs() {
     const LimbRig& limb = t_.limbs[at(k)];
     LimbDrive& drive = limbs_[at(k)];
     if (!limb.found) continue;
-    const Limb& target = t_.figure.limbs[at(k)];
-    drive.ground = k < 2 || t_.figure.four_legs;
+    const Limb& target = t_.anatomy.limbs[at(k)];
+    drive.ground = k < 2 || t_.anatomy.four_legs;
     drive.source = k;
-    if (k >= 2 && t_.figure.four_legs && !s_.figure.four_legs) drive.source = 3 - k;  // the fore leg goes with the hind leg across
+    if (k >= 2 && t_.anatomy.four_legs && !s_.anatomy.four_legs) drive.source = 3 - k;  // a fore leg follows the diagonally opposite leg
     if (!s_.limbs[at(drive.source)].found) {
       drive.source = -1;
       if (drive.ground) drive.source = k == 2 ? 1 : k == 3 ? 0 : -1;
-      if (!drive.ground)  // an arm that nothing drives hangs
-        for (const Slot slot : {Slot::upper, Slot::lower}) want(target.last(slot), s_.figure.chest(), -1, 0, true, !same_kind_);
+      if (!drive.ground)  // an undriven arm hangs beside the chest
+        for (const Slot slot : {Slot::upper, Slot::lower}) add_goal(target.last(slot), s_.anatomy.chest(), -1, 0, true, !same_kind_);
       if (drive.source < 0) continue;
     }
-    const Limb& source = s_.figure.limbs[at(drive.source)];
-    drive.mode = drive.ground && (!same_kind_ || drive.source != k) ? LimbMode::stood : LimbMode::copied;
+    const Limb& source = s_.anatomy.limbs[at(drive.source)];
+    drive.mode = drive.ground && (!same_kind_ || drive.source != k) ? LimbMode::placed : LimbMode::copied;
     drive.flat = drive.ground && (!same_kind_ || s_.limbs[at(drive.source)].point_foot);
-    if (drive.mode == LimbMode::stood) {
-      if (!t_.figure.four_legs)
-        for (const Slot slot : {Slot::upper, Slot::lower}) want(target.last(slot), s_.figure.pelvis, -1, 0, true, true);
+    if (drive.mode == LimbMode::placed) {
+      if (!t_.anatomy.four_legs)
+        for (const Slot slot : {Slot::upper, Slot::lower}) add_goal(target.last(slot), s_.anatomy.pelvis, -1, 0, true, true);
       continue;
     }
-    const bool deviation = !same_kind_ || t_.figure.four_legs;
+    const bool deviation = !same_kind_ || t_.anatomy.four_legs;
     for (int i = 0; i < slot_count; ++i) {
       const auto slot = static_cast<Slot>(i);
       if (!target.has(slot)) continue;
       const int from = source.begin[at(i)], count = source.begin[at(i) + 1] - from;
       if (count == target.begin[at(i) + 1] - target.begin[at(i)])
         for (int n = 0; n < count; ++n) partner_[at(target.links[at(target.begin[at(i)] + n)])] = source.links[at(from + n)];
-      if (source.has(slot)) want(target.last(slot), source.last(slot), -1, 0, deviation, false);
+      if (source.has(slot)) add_goal(target.last(slot), source.last(slot), -1, 0, deviation, false);
     }
   }
 }
@@ -152,13 +153,13 @@ void Driver::map_extras(const Mapping& mapping) {
     if (a < 0 || b < 0) continue;
     if (s.link(a).joint.type == t.link(b).joint.type)
       extras_.emplace_back(a, b);
-    else if (want_of_[at(b)] < 0)
-      want(b, a, -1, 0, !same_kind_, false);
+    else if (goal_of_[at(b)] < 0)
+      add_goal(b, a, -1, 0, !same_kind_, false);
     partner_[at(b)] = a;
     used[at(a)] = true;
   }
   for (int i = 0; i < t.link_count(); ++i) {
-    if (want_of_[at(i)] >= 0 || partner_[at(i)] >= 0 || t.link(i).joint.nv() == 0 || i == 0) continue;
+    if (goal_of_[at(i)] >= 0 || partner_[at(i)] >= 0 || t.link(i).joint.nv() == 0 || i == 0) continue;
     const int a = s.find_link(t.link(i).name);
     if (a < 0 || used[at(a)] || a == 0) continue;
     const Joint &x = s.link(a).joint, &y = t.link(i).joint;
@@ -181,10 +182,10 @@ void Driver::make_clusters() {
   const Mechanism& m = *t_.mechanism;
   std::vector<bool> owned(at(m.link_count()), false);
   for (int i = 0; i < m.link_count(); ++i) {
-    if (want_of_[at(i)] < 0) continue;
+    if (goal_of_[at(i)] < 0) continue;
     Cluster c;
-    c.want = want_of_[at(i)];
-    int freedoms = 0, twins = 0, movable = 0;
+    c.goal = goal_of_[at(i)];
+    int dofs = 0, twins = 0, movable = 0;
     for (int k = i; k >= 0 && !owned[at(k)]; k = m.link(k).parent) {
       c.links.insert(c.links.begin(), k);
       owned[at(k)] = true;
@@ -195,7 +196,7 @@ void Driver::make_clusters() {
       if (joint.nv() == 0) continue;
       ++movable;
       c.movable = k;
-      freedoms += joint.nv();
+      dofs += joint.nv();
       if (is_twin(partner_[at(k)], k)) ++twins;
     }
     if (c.links.empty()) continue;
@@ -208,7 +209,7 @@ void Driver::make_clusters() {
     } else if (movable == 1 && (type == JointType::spherical || type == JointType::revolute)) {
       c.kind = Kind::single;
     }
-    c.from_stand = freedoms > 3;
+    c.from_stand = dofs > 3;
     if (c.movable >= 0) {
       std::vector<Pose> X(at(m.link_count()));
       calc_poses(m, t_.q_stand, X);
@@ -219,7 +220,7 @@ void Driver::make_clusters() {
   std::erase_if(extras_, [&](const std::pair<int, int>& e) { return owned[at(e.second)]; });
 }
 
-Mat3 Driver::wanted(const Want& w, std::span<const Pose> X_S) const {
+Mat3 Driver::goal_rotation(const LinkGoal& w, std::span<const Pose> X_S) const {
   Mat3 O = X_S[at(w.a)].R * s_.F[at(w.a)];
   if (w.b >= 0) O = to_matrix(slerp(to_quat(O), to_quat(X_S[at(w.b)].R * s_.F[at(w.b)]), w.t));
   if (w.level) O = levelled(O);
@@ -240,8 +241,8 @@ void Driver::solve(const Cluster& c, std::span<const double> q_S, std::span<cons
     }
     return;
   }
-  const Want& w = wants_[at(c.want)];
-  const Mat3 R = wanted(w, X_S);
+  const LinkGoal& w = goals_[at(c.goal)];
+  const Mat3 R = goal_rotation(w, X_S);
   if (c.kind == Kind::root || c.kind == Kind::single) {
     bool there = true;
     for (const int i : c.links) {
@@ -275,47 +276,47 @@ void Driver::pose(std::span<const double> q_S, std::span<const Pose> X_S, std::s
     std::copy_n(q_S.data() + s_.mechanism->link(from).q_index, link.joint.nq(), q.data() + link.q_index);
     solver_.clamp(to, q.data());
   }
-  // Legs that stand start from how they stand, so that every frame is solved alike.
+  // Legs placed by inverse kinematics start from the standing posture, so that the solution does not depend on the previous frame.
   for (int k = 0; k < limb_count; ++k)
-    if (limbs_[at(k)].mode == LimbMode::stood && t_.figure.four_legs)
+    if (limbs_[at(k)].mode == LimbMode::placed && t_.anatomy.four_legs)
       for (const int i : t_.limbs[at(k)].chain)
         std::copy_n(t_.q_stand.data() + m.link(i).q_index, m.link(i).joint.nq(), q.data() + m.link(i).q_index);
   calc_poses(m, q, X);
   if (m.link(0).joint.type != JointType::floating) return;
   const Vec3 hips = (X[at(t_.limbs[0].root)].p + X[at(t_.limbs[1].root)].p) * 0.5;
-  const Vec3 move = hip_place(X_S) - hips;
+  const Vec3 move = hip_position(X_S) - hips;
   const Vec3 own = transpose_times(m.link(0).joint.X_PJ.R, move);
   for (int k = 0; k < 3; ++k) q[at(k)] += own[k];
   for (Pose& pose : X) pose.p += move;
 }
 
 double Driver::heading(std::span<const Pose> X_S) const {
-  const Quat h = heading_of(to_quat(X_S[at(s_.figure.pelvis)].R * s_.F[at(s_.figure.pelvis)]));
+  const Quat h = heading_of(to_quat(X_S[at(s_.anatomy.pelvis)].R * s_.F[at(s_.anatomy.pelvis)]));
   return 2 * atan2(h.z, h.w);
 }
 
-Vec3 Driver::hip_place(std::span<const Pose> X_S) const {
+Vec3 Driver::hip_position(std::span<const Pose> X_S) const {
   const Vec3 p = (X_S[at(s_.limbs[0].root)].p + X_S[at(s_.limbs[1].root)].p) * 0.5;
   return {path_scale_ * p.x, path_scale_ * p.y, t_.hip_height + scale_ * (p.z - ground_ + crouch_ - s_.hip_height)};
 }
 
-Vec3 Driver::end_place(int k, std::span<const Pose> X_S) const {
+Vec3 Driver::end_position(int k, std::span<const Pose> X_S) const {
   const LimbDrive& drive = limbs_[at(k)];
   const LimbRig &s = s_.limbs[at(drive.source)], &t = t_.limbs[at(k)];
-  const bool toes = !same_kind_ && t_.figure.four_legs && s.tip >= 0;
-  const Vec3 place = toes ? X_S[at(s.tip)].p : X_S[at(s.end)] * s.end_point;
-  const Vec3 from_hip = place - X_S[at(s.root)].p, stand = toes ? s.stand_tip : s.stand;
+  const bool toes = !same_kind_ && t_.anatomy.four_legs && s.tip >= 0;
+  const Vec3 position = toes ? X_S[at(s.tip)].p : X_S[at(s.end)] * s.end_point;
+  const Vec3 from_hip = position - X_S[at(s.root)].p, stand = toes ? s.stand_tip : s.stand;
   Vec3 rest = t.stand - Vec3{path_scale_ * stand.x, path_scale_ * stand.y, scale_ * (stand.z + crouch_)};
-  // What stands on four legs hardly stretches them; on two straight legs there would be no play.
-  if (!same_kind_ && !t_.figure.four_legs) rest.z += 0.03 * t.length;
+  // A biped that follows a four-legged source stands with feet 0.03 of the leg's length higher: fully straight legs could not adjust.
+  if (!same_kind_ && !t_.anatomy.four_legs) rest.z += 0.03 * t.length;
   return Vec3{path_scale_ * from_hip.x, path_scale_ * from_hip.y, scale_ * from_hip.z} + rotation_about({0, 0, 1}, heading(X_S)) * rest;
 }
 
-Mat3 Driver::end_turn(int k, std::span<const Pose> X_S) const {
+Mat3 Driver::end_orientation(int k, std::span<const Pose> X_S) const {
   const LimbDrive& drive = limbs_[at(k)];
   const LimbRig &s = s_.limbs[at(drive.source)], &t = t_.limbs[at(k)];
   const Mat3 O = X_S[at(s.end)].R * s_.F[at(s.end)];
-  if (same_kind_ && !t_.figure.four_legs) return O * t_.F[at(t.end)].transposed();
+  if (same_kind_ && !t_.anatomy.four_legs) return O * t_.F[at(t.end)].transposed();
   return O * (s_.G[at(s.end)].transposed() * (t_.G[at(t.end)] * t_.F[at(t.end)].transposed()));
 }
 
@@ -327,9 +328,9 @@ void Driver::place_from(const LimbRig& limb, int link, const double* q, std::spa
   }
 }
 
-/// The knee makes the limb as long as the way to the place: law of cosines, with what lies along the axis kept apart.
-/// @return false if the limb is too short for it
-bool Driver::bend_knee(const LimbRig& limb, const Vec3& place, double* q, std::span<Pose> X) {
+/// Bends the knee so that the distance from hip to end point equals the distance from hip to target (law of cosines in the plane normal to
+/// the knee's axis; components along the axis are constant). @return false if the target is out of reach
+bool Driver::bend_knee(const LimbRig& limb, const Vec3& target, double* q, std::span<Pose> X) {
   const Link& knee = t_.mechanism->link(limb.knee);
   const Vec3 hip = X[at(limb.root)].p, k = X[at(limb.knee)].p, end = X[at(limb.end)] * limb.end_point;
   const Vec3 axis = X[at(limb.knee)].R * knee.joint.axis * limb.knee_sign;
@@ -338,10 +339,10 @@ bool Driver::bend_knee(const LimbRig& limb, const Vec3& place, double* q, std::s
   const Vec3 up = u - axis * ua, wp = w - axis * wa;
   const double both = norm(up) * norm(wp);
   if (!(both > 1e-12)) return true;
-  const double wanted = norm(place - hip);
-  const double c = (dot(u, u) + dot(w, w) - wanted * wanted - 2 * ua * wa) / (2 * both);
+  const double distance = norm(target - hip);
+  const double c = (dot(u, u) + dot(w, w) - distance * distance - 2 * ua * wa) / (2 * both);
   const double now = atan2(dot(axis, cross(up, wp)), dot(up, wp));
-  double turn = -acos(c) - now;  // flexion turns the lower section from straight (pi) on
+  double turn = -acos(c) - now;  // flexion is measured from the straight limb (pi)
   turn -= 2 * pi * std::floor(turn / (2 * pi) + 0.5);
   double& angle = q[knee.q_index];
   angle += limb.knee_sign * turn;
@@ -352,9 +353,9 @@ bool Driver::bend_knee(const LimbRig& limb, const Vec3& place, double* q, std::s
   return c >= -1;
 }
 
-/// Turns the upper section until the led place lies in the direction of the goal.
-void Driver::aim(const LimbRig& limb, const Vec3& place, double* q, std::span<Pose> X) {
-  const Vec3 hip = X[at(limb.root)].p, to = normalized(place - hip);
+/// Turns the upper section until the direction from hip to end point is the direction from hip to target.
+void Driver::aim(const LimbRig& limb, const Vec3& target, double* q, std::span<Pose> X) {
+  const Vec3 hip = X[at(limb.root)].p, to = normalized(target - hip);
   const int last = limb.upper.back();
   if (t_.mechanism->link(limb.root).joint.type == JointType::spherical) {
     const Vec3 is = normalized(X[at(limb.end)] * limb.end_point - hip);
@@ -371,7 +372,7 @@ void Driver::aim(const LimbRig& limb, const Vec3& place, double* q, std::span<Po
   place_from(limb, limb.upper.front(), q, X);
 }
 
-/// Turns what is behind the led place, which stays where it is.
+/// Turns the links beyond the end point to orientation R; the end point does not move.
 void Driver::turn_end(const LimbRig& limb, const Mat3& R, double* q, std::span<Pose> X) {
   int movable = 0;
   for (const int i : limb.ankle) {
@@ -394,23 +395,23 @@ void Driver::turn_end(const LimbRig& limb, const Mat3& R, double* q, std::span<P
 
 double Driver::reach(int k, const Pose& X_goal, double* q, std::span<Pose> X, bool turn) {
   const LimbRig& limb = t_.limbs[at(k)];
-  const Vec3 place = X_goal * limb.end_point;
+  const Vec3 target = X_goal * limb.end_point;
   const double enough = 1e-8 * limb.length;
-  double misses = norm(place - X[at(limb.end)] * limb.end_point);
-  bool stretched = false;  // out towards the goal: nothing comes nearer
+  double misses = norm(target - X[at(limb.end)] * limb.end_point);
+  bool stretched = false;  // the limb is straight and points at the goal: iterations cannot come closer
   if (limb.end_is_ankle && misses > enough) {
-    const bool too_short = !bend_knee(limb, place, q, X);
-    aim(limb, place, q, X);
+    const bool too_short = !bend_knee(limb, target, q, X);
+    aim(limb, target, q, X);
     const Vec3 hip = X[at(limb.root)].p, end = X[at(limb.end)] * limb.end_point;
-    misses = norm(place - end);
-    stretched = too_short && norm(cross(place - hip, end - hip)) < 1e-5 * limb.length * limb.length;
+    misses = norm(target - end);
+    stretched = too_short && norm(cross(target - hip, end - hip)) < 1e-5 * limb.length * limb.length;
   }
   if (misses > enough && !stretched) {
     ChainGoal goal;
     goal.point = limb.movers.back() == limb.end
                      ? limb.end_point
                      : transpose_times(X[at(limb.movers.back())].R, X[at(limb.end)] * limb.end_point - X[at(limb.movers.back())].p);
-    goal.target = place;
+    goal.target = target;
     goal.turn = false;
     goal.length = limb.length;
     goal.iterations = 30;
@@ -428,11 +429,11 @@ Mat3 Driver::resistance(int k, const Vec3& wish, const double* q, std::span<cons
   return solver_.resistance(limb.movers, X[at(limb.end)] * limb.end_point, wish, limb.length, q, X);
 }
 
-std::vector<std::string> Driver::words() const {
+std::vector<std::string> Driver::describe_mapping() const {
   const Mechanism &s = *s_.mechanism, &t = *t_.mechanism;
   std::vector<std::string> out;
   for (const Cluster& c : clusters_) {
-    const Want& w = wants_[at(c.want)];
+    const LinkGoal& w = goals_[at(c.goal)];
     std::string text;
     for (const int i : c.links)
       if (t.link(i).joint.nv() > 0) text += (text.empty() ? "" : " + ") + t.link(i).name;
@@ -444,7 +445,7 @@ std::vector<std::string> Driver::words() const {
   for (int k = 0; k < limb_count; ++k) {
     const LimbDrive& d = limbs_[at(k)];
     if (!d.ground || d.source < 0) continue;
-    out.push_back(t.link(t_.limbs[at(k)].end).name + " is led where " + s.link(s_.limbs[at(d.source)].end).name + " goes");
+    out.push_back(t.link(t_.limbs[at(k)].end).name + " follows " + s.link(s_.limbs[at(d.source)].end).name);
   }
   for (const auto& [from, to] : extras_) out.push_back(t.link(to).name + " as " + s.link(from).name);
   std::string still;
@@ -455,7 +456,7 @@ std::vector<std::string> Driver::words() const {
     for (const auto& e : extras_) driven = driven || e.second == i;
     if (!driven) still += (still.empty() ? "" : ", ") + t.link(i).name;
   }
-  if (!still.empty()) out.push_back("Nothing drives " + still + "; they keep still.");
+  if (!still.empty()) out.push_back("Not driven, so not moving: " + still + ".");
   return out;
 }
 

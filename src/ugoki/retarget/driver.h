@@ -1,5 +1,5 @@
 #pragma once
-// From one posture of the source to one of the target: which link of the source drives which joints of the target.
+// Maps one posture of the source to one posture of the target: which source link drives which target joints.
 
 #include <span>
 #include <string>
@@ -9,85 +9,94 @@
 
 namespace ugoki::retarget {
 
-/// How a limb of the target is led.
+/// How a limb of the target follows a limb of the source.
 enum class LimbMode {
-  none,
-  copied,  ///< its sections point where those of the source point
-  stood,   ///< it stands as it stands, and its end goes where the source's end goes
+  none,    ///< not driven
+  copied,  ///< its sections take the directions of the source's sections
+  placed,  ///< inverse kinematics moves its end as the source's end moves; its joints start from the standing posture
 };
 
+/// Assignment of one limb of the target.
 struct LimbDrive {
   LimbMode mode = LimbMode::none;
-  int source = -1;      ///< limb of the source
+  int source = -1;      ///< limb of the source (LimbName); -1: none
   bool ground = false;  ///< its end can stand on the ground
-  bool flat = false;    ///< of another kind: flat while it stands
+  bool flat = false;    ///< the foot is kept level during stance, because source and target feet are of different kinds
 };
 
+/// Computes postures of the target. `source` and `target` must outlive the driver.
 class Driver {
  public:
   Driver(const Rig& source, const Rig& target, const Mapping& mapping);
 
-  /// Turns of all joints of the target, root at the middle between the hips of the source (scaled).
+  /// Computes all joint coordinates of the target. Its root is placed so that the midpoint of its hips follows the scaled one of the
+  /// source.
   /// @param q_S [nq of the source] @param X_S [links of the source]
-  /// @param q [nq of the target, in and out] in: the frame before (or the standing position), from which solutions start
+  /// @param q [nq of the target, in and out] in: the previous frame (or the standing posture), the start of iterative solutions
   /// @param X [links of the target, out]
   void pose(std::span<const double> q_S, std::span<const Pose> X_S, std::span<double> q, std::span<Pose> X);
-  /// Brings the end of a limb there. @param turn false: what is behind the led place keeps its joints
-  /// @return m, what is missing
+  /// Moves the limb's end link to X_goal by inverse kinematics. @param turn false: joints beyond the limb's end point keep their angles
+  /// @return m, remaining distance of the end point
   double reach(int limb, const Pose& X_goal, double* q, std::span<Pose> X, bool turn = true);
-  /// ChainSolver::resistance of a limb's end where it is.
+  /// ChainSolver::resistance of the limb's end point in the present posture.
   [[nodiscard]] Mat3 resistance(int limb, const Vec3& wish, const double* q, std::span<const Pose> X);
-  /// Orientation that the end of the limb should have.
-  [[nodiscard]] Mat3 end_turn(int limb, std::span<const Pose> X_S) const;
-  /// Where the led place of the limb should be, seen from the target's hip or shoulder.
-  [[nodiscard]] Vec3 end_place(int limb, std::span<const Pose> X_S) const;
-  /// Middle between the hips, where the target's should be. m
-  [[nodiscard]] Vec3 hip_place(std::span<const Pose> X_S) const;
-  /// A place of the source's world in the target's, which is larger or smaller.
-  [[nodiscard]] Vec3 scaled_place(const Vec3& p) const { return {path_scale_ * p.x, path_scale_ * p.y, scale_ * (p.z - ground_)}; }
-  /// Heading of the source's pelvis.
+  /// Goal orientation of the limb's end link in the world.
+  [[nodiscard]] Mat3 end_orientation(int limb, std::span<const Pose> X_S) const;
+  /// Goal position [m] of the limb's end point relative to the target's hip or shoulder, world axes.
+  [[nodiscard]] Vec3 end_position(int limb, std::span<const Pose> X_S) const;
+  /// Goal position [m] of the midpoint between the target's hips.
+  [[nodiscard]] Vec3 hip_position(std::span<const Pose> X_S) const;
+  /// Maps a world position [m] of the source to the target's scaled world.
+  [[nodiscard]] Vec3 scaled_position(const Vec3& p) const { return {path_scale_ * p.x, path_scale_ * p.y, scale_ * (p.z - ground_)}; }
+  /// Heading [rad] of the source's pelvis about Z.
   [[nodiscard]] double heading(std::span<const Pose> X_S) const;
 
-  /// How much lower than on straight legs the source usually holds its hips [m]: a figure of another kind does not crouch for that.
+  /// @param crouch m, by which the source usually holds its hips lower than on straight legs; a target of another kind does not copy it
   void set_crouch(double crouch) { crouch_ = crouch; }
+  /// Ratio of lengths, target over source.
   [[nodiscard]] double scale() const { return scale_; }
+  /// Ratio of horizontal root motion, target over source.
   void set_path_scale(double scale) { path_scale_ = scale; }
-  /// @param ground m, height on which the source stands; the target's is 0
+  /// @param ground m, height of the ground under the source; the target's ground is 0
   void set_ground(double ground) { ground_ = ground; }
   [[nodiscard]] const LimbDrive& limb(int k) const { return limbs_[static_cast<std::size_t>(k)]; }
   [[nodiscard]] const ChainSolver& solver() const { return solver_; }
-  [[nodiscard]] std::vector<std::string> words() const;
+  /// One sentence a row: which source link drives which target links.
+  [[nodiscard]] std::vector<std::string> describe_mapping() const;
 
  private:
-  struct Want {
-    int link = -1;       ///< of the target
-    int a = -1, b = -1;  ///< of the source
-    double t = 0;        ///< between a and b
-    bool level = false;  ///< tilts are limited: a trunk of another kind
-    Mat3 K = Mat3::identity();
+  /// Goal orientation of a target link: that of source link a, or interpolated between a and b.
+  struct LinkGoal {
+    int link = -1;              ///< link of the target
+    int a = -1, b = -1;         ///< links of the source; b -1: only a
+    double t = 0;               ///< interpolation parameter from a (0) to b (1)
+    bool level = false;         ///< the tilt is limited (trunk of another kind)
+    Mat3 K = Mat3::identity();  ///< constant rotation from the source's anatomical axes to the target link's frame
   };
+  /// root: floating base; twin: joints identical to the source's, copied; single: one joint solved in closed form; general: iterative.
   enum class Kind { root, twin, single, general };
+  /// Links of the target whose joints are solved together for one goal.
   struct Cluster {
     Kind kind = Kind::general;
     std::vector<int> links;
-    int want = -1;
-    int movable = -1;               ///< single: the joint that moves
-    Mat3 R_rel = Mat3::identity();  ///< single, root: of the wanted link against the movable one
-    std::vector<int> twins;         ///< links of the source
-    bool from_stand = false;        ///< more freedoms than needed: each frame starts from the standing position
+    int goal = -1;                  ///< index into goals_
+    int movable = -1;               ///< root, single: the link whose joint moves
+    Mat3 R_rel = Mat3::identity();  ///< root, single: orientation of the goal's link relative to the movable one
+    std::vector<int> twins;         ///< [links] partner links of the source
+    bool from_stand = false;        ///< redundant DOFs: each frame starts from the standing posture
   };
 
   void map_trunk();
   void map_chain(const std::vector<int>& source, int source_base, const std::vector<int>& target, bool level);
   void map_limbs();
   void map_extras(const Mapping& mapping);
-  void want(int target, int a, int b, double t, bool deviation, bool level);
+  void add_goal(int target, int a, int b, double t, bool deviation, bool level);
   void make_clusters();
   [[nodiscard]] bool is_twin(int source, int target) const;
-  [[nodiscard]] Mat3 wanted(const Want& w, std::span<const Pose> X_S) const;
+  [[nodiscard]] Mat3 goal_rotation(const LinkGoal& w, std::span<const Pose> X_S) const;
   void solve(const Cluster& c, std::span<const double> q_S, std::span<const Pose> X_S, double* q, std::span<Pose> X);
-  bool bend_knee(const LimbRig& limb, const Vec3& place, double* q, std::span<Pose> X);
-  void aim(const LimbRig& limb, const Vec3& place, double* q, std::span<Pose> X);
+  bool bend_knee(const LimbRig& limb, const Vec3& target, double* q, std::span<Pose> X);
+  void aim(const LimbRig& limb, const Vec3& target, double* q, std::span<Pose> X);
   void turn_end(const LimbRig& limb, const Mat3& R, double* q, std::span<Pose> X);
   void place_from(const LimbRig& limb, int link, const double* q, std::span<Pose> X) const;
 
@@ -96,11 +105,11 @@ class Driver {
   bool same_kind_;
   double scale_ = 1, path_scale_ = 1, ground_ = 0, crouch_ = 0;
   ChainSolver solver_;
-  std::vector<Want> wants_;
-  std::vector<int> want_of_;  // [links of the target]
-  std::vector<int> partner_;  // [links of the target] link of the source at the same place; -1
+  std::vector<LinkGoal> goals_;
+  std::vector<int> goal_of_;  // [links of the target] index into goals_; -1
+  std::vector<int> partner_;  // [links of the target] corresponding link of the source; -1
   std::vector<Cluster> clusters_;
-  std::vector<std::pair<int, int>> extras_;  // source, target
+  std::vector<std::pair<int, int>> extras_;  // (source, target) links whose coordinates are copied
   std::vector<LimbDrive> limbs_;
 };
 

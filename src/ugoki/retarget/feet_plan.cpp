@@ -9,15 +9,15 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double swing_tilt = 0.6;  // share of the source's tilt that a foot of another kind shows in the middle of a swing
-constexpr double tilt_time = 0.10;  // s to and from the stance over which it comes
+constexpr double swing_tilt = 0.6;  // share of the source's tilt that a foot of another kind keeps in mid-swing
+constexpr double tilt_time = 0.10;  // s, duration of the transition between level (stance) and tilted (swing)
 
-/// The labels of a limb's links, united; empty if there are none.
+/// Contact labels of limb k: on where any of its links is labelled; empty if the motion has no label for them.
 std::vector<std::uint8_t> labelled(const Rig& rig, const Motion& motion, int k) {
   std::vector<std::uint8_t> on;
   for (const ContactTrack& track : motion.contacts) {
     const int link = rig.mechanism->find_link(track.link);
-    const std::vector<int>& own = rig.figure.limbs[at(k)].links;
+    const std::vector<int>& own = rig.anatomy.limbs[at(k)].links;
     const std::vector<int>& parts = rig.limbs[at(k)].sole.parts;
     const bool ours = std::find(own.begin(), own.end(), link) != own.end() || std::find(parts.begin(), parts.end(), link) != parts.end();
     if (link < 0 || !ours || static_cast<int>(track.on.size()) != motion.frames) continue;
@@ -35,11 +35,11 @@ std::vector<std::vector<std::uint8_t>> source_contacts(const Rig& rig, const Mot
   std::vector<int> limbs;
   bool all = true;
   for (int k = 0; k < limb_count; ++k) {
-    if (!rig.limbs[at(k)].found || (k >= 2 && !rig.figure.four_legs)) continue;
+    if (!rig.limbs[at(k)].found || (k >= 2 && !rig.anatomy.four_legs)) continue;
     out[at(k)] = labelled(rig, motion, k);
     all = all && !out[at(k)].empty();
     motion_edit::FootLimb sole = rig.limbs[at(k)].sole;
-    if (rig.limbs[at(k)].point_foot) sole.points = {{rig.limbs[at(k)].end, {rig.limbs[at(k)].end_point, sole.points[0].place.radius}}};
+    if (rig.limbs[at(k)].point_foot) sole.points = {{rig.limbs[at(k)].end, {rig.limbs[at(k)].end_point, sole.points[0].location.radius}}};
     feet.push_back(std::move(sole));
     limbs.push_back(k);
   }
@@ -58,7 +58,7 @@ std::vector<std::vector<std::uint8_t>> source_contacts(const Rig& rig, const Mot
 void flatten(FootPlan& plan, const Mat3& F, double rate) {
   const std::vector<std::uint8_t>& on = plan.raw.bears;
   const std::size_t n = on.size();
-  // Frames to the nearest stance.
+  // Distance in frames to the nearest stance.
   std::vector<double> away(n, 1e9);
   for (std::size_t f = 0; f < n; ++f) away[f] = on[f] ? 0 : f > 0 ? away[f - 1] + 1 : 1e9;
   for (std::size_t f = n; f-- > 0;)
@@ -73,13 +73,13 @@ void flatten(FootPlan& plan, const Mat3& F, double rate) {
 }
 
 void step_where_dragged(FootPlan& plan, double rate, double length) {
-  constexpr double most_drag = 0.2, step_height = 0.12;    // of the leg's length
-  constexpr double step_time = 0.12, least_stance = 0.06;  // s
+  constexpr double max_drag = 0.2, step_height = 0.12;   // shares of the leg's length
+  constexpr double step_time = 0.12, min_stance = 0.06;  // s
   std::vector<std::uint8_t>& on = plan.raw.bears;
   const int n = static_cast<int>(on.size()), half = std::max(1, static_cast<int>(step_time * rate));
-  const auto place = [&](int f) { return plan.raw.X_WF[at(f)].p; };
+  const auto position = [&](int f) { return plan.raw.X_WF[at(f)].p; };
   const auto off = [&](int f, const Vec3& from) {
-    const Vec3 d = place(f) - from;
+    const Vec3 d = position(f) - from;
     return std::sqrt(d.x * d.x + d.y * d.y);
   };
   const std::vector<std::uint8_t> stood = on;
@@ -87,28 +87,28 @@ void step_where_dragged(FootPlan& plan, double rate, double length) {
     if (!stood[at(first)] || (first > 0 && stood[at(first - 1)])) continue;
     int last = first;
     while (last + 1 < n && stood[at(last + 1)]) ++last;
-    // From one step to the next: as long as the foot may stand where it would be in the middle.
-    Vec3 from = place(first);
+    // A stance lasts until its planned position has moved by max_drag; then a step of 2 * step_time follows.
+    Vec3 from = position(first);
     int began = first;
     for (int f = first; f <= last; ++f) {
-      if (off(f, from) < most_drag * length) continue;
+      if (off(f, from) < max_drag * length) continue;
       const int lift = std::max(began, f - half), land = std::min(last, f + half);
       for (int i = lift; i <= land; ++i) on[at(i)] = 0;
       began = land + 1;
       f = land;
-      if (began <= last) from = place(began);
+      if (began <= last) from = position(began);
     }
   }
-  const int least = static_cast<int>(least_stance * rate + 0.5);
+  const int minimum = static_cast<int>(min_stance * rate + 0.5);
   for (int first = 0; first < n; ++first) {
     if (!on[at(first)] || (first > 0 && on[at(first - 1)])) continue;
     int last = first;
     while (last + 1 < n && on[at(last + 1)]) ++last;
-    if (last - first + 1 < least && (first > 0 && last + 1 < n))
+    if (last - first + 1 < minimum && (first > 0 && last + 1 < n))
       for (int i = first; i <= last; ++i) on[at(i)] = 0;
     first = last;
   }
-  // A step that the source did not make is lifted.
+  // Lift the foot in the added steps.
   for (int first = 0; first < n; ++first) {
     if (!stood[at(first)] || on[at(first)]) continue;
     int last = first;
@@ -150,11 +150,11 @@ int stride_of(std::span<const std::uint8_t> bears) {
 
 double path_skate(const motion_edit::FootPath& path, int& stances) {
   const std::size_t n = path.X_WF.size(), count = n > 0 ? path.points.size() / n : 0;
-  double worst = 0, way = 0;
+  double worst = 0, travelled = 0;
   for (std::size_t f = 0; f < n; ++f) {
     if (!path.bears[f]) continue;
     if (f == 0 || !path.bears[f - 1]) {
-      way = 0;
+      travelled = 0;
       ++stances;
       continue;
     }
@@ -173,8 +173,8 @@ double path_skate(const motion_edit::FootPath& path, int& stances) {
     }
     const Vec3 same = lowest - path.points[f * count + index].p + path.points[(f - 1) * count + index].p;
     const Vec3 d = X * lowest - path.X_WF[f - 1] * same;
-    way += std::sqrt(d.x * d.x + d.y * d.y);
-    worst = std::max(worst, way);
+    travelled += std::sqrt(d.x * d.x + d.y * d.y);
+    worst = std::max(worst, travelled);
   }
   return worst;
 }

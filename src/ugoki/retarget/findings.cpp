@@ -14,28 +14,27 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void find_margins(const Mechanism& m, const Motion& motion, RetargetReport& report) {
-  report.least_margin = 1e300;
+  report.min_margin = 1e300;
   for (const Link& link : m.links()) {
     const int nv = link.joint.nv();
     bool limited = false;
     for (int k = 0; k < nv; ++k)
-      limited = limited || std::isfinite(link.joint.freedoms[at(k)].lower) || std::isfinite(link.joint.freedoms[at(k)].upper);
+      limited = limited || std::isfinite(link.joint.dofs[at(k)].lower) || std::isfinite(link.joint.dofs[at(k)].upper);
     if (!limited || link.joint.type == JointType::floating) continue;
     int frames = 0;
     for (int f = 0; f < motion.frames; ++f) {
       double x[6], margin = 1e300;
       joint_displacement(link.joint, motion.frame(f) + link.q_index, x);
-      for (int k = 0; k < nv; ++k)
-        margin = std::min({margin, x[k] - link.joint.freedoms[at(k)].lower, link.joint.freedoms[at(k)].upper - x[k]});
+      for (int k = 0; k < nv; ++k) margin = std::min({margin, x[k] - link.joint.dofs[at(k)].lower, link.joint.dofs[at(k)].upper - x[k]});
       if (margin < 1e-6) ++frames;
-      if (margin < report.least_margin) {
-        report.least_margin = margin;
+      if (margin < report.min_margin) {
+        report.min_margin = margin;
         report.margin_link = link.name;
       }
     }
     if (frames > 0) report.at_limit.emplace_back(link.name, frames);
   }
-  if (report.least_margin > 1e299) report.least_margin = INFINITY;
+  if (report.min_margin > 1e299) report.min_margin = INFINITY;
   std::sort(report.at_limit.begin(), report.at_limit.end(),
             [](const auto& a, const auto& b) { return a.second != b.second ? a.second > b.second : a.first < b.first; });
 }
@@ -44,23 +43,23 @@ void find_speeds(const Mechanism& m, const Mapping& mapping, const Motion& motio
   if (!(mapping.speed > 0) && mapping.link_speeds.empty()) return;
   for (const Link& link : m.links()) {
     if (link.joint.type == JointType::floating || link.joint.nv() == 0) continue;
-    double most = mapping.speed;
+    double maximum = mapping.speed;
     for (const auto& [name, speed] : mapping.link_speeds)
-      if (name == link.name) most = speed;
-    if (!(most > 0)) continue;
+      if (name == link.name) maximum = speed;
+    if (!(maximum > 0)) continue;
     for (int f = 1; f < motion.frames; ++f) {
       double v[6];
       joint_difference(link.joint, motion.frame(f - 1) + link.q_index, motion.frame(f) + link.q_index, v);
       for (int k = 0; k < link.joint.nv(); ++k)
-        if (const double share = std::fabs(v[k]) * motion.rate / most; share > report.greatest_speed) {
-          report.greatest_speed = share;
+        if (const double share = std::fabs(v[k]) * motion.rate / maximum; share > report.max_speed) {
+          report.max_speed = share;
           report.speed_link = link.name;
         }
     }
   }
 }
 
-/// The way of a limb that stands on a point, m.
+/// Longest path [m] in one stance of a limb whose sole is a single point.
 double skate_of_point(const LimbRig& limb, const Mechanism& m, const Motion& motion, const std::vector<std::uint8_t>& on, int& stances) {
   motion_edit::FootPath path;
   path.bears = on;
@@ -68,7 +67,7 @@ double skate_of_point(const LimbRig& limb, const Mechanism& m, const Motion& mot
   for (int f = 0; f < motion.frames; ++f) {
     calc_poses(m, std::span<const double>(motion.frame(f), at(motion.nq)), X);
     path.X_WF.push_back({Mat3::identity(), X[at(limb.end)] * limb.end_point});
-    for (const LinkPoint& p : limb.sole.points) path.points.push_back(p.place);
+    for (const LinkPoint& p : limb.sole.points) path.points.push_back(p.location);
   }
   return path_skate(path, stances);
 }
@@ -94,37 +93,39 @@ void find_skate(const Rig& rig, const Driver& driver, const Motion& motion, Reta
 
 }  // namespace
 
-void find_facts(const Rig& target, const Driver& driver, const RetargetOptions& options, Retargeted& result) {
+void complete_report(const Rig& target, const Driver& driver, const RetargetOptions& options, Retargeted& result) {
   RetargetReport& report = result.report;
   find_margins(*target.mechanism, result.motion, report);
   find_skate(target, driver, result.motion, report);
   find_speeds(*target.mechanism, options.mapping, result.motion, report);
-  if (!(report.greatest_speed > 1)) return;
+  if (!(report.max_speed > 1)) return;
   if (!options.slow_down) {
-    report.notes.push_back(report.speed_link + " would have to be " + to_fixed(report.greatest_speed, 2) +
-                           " times as fast as it may; the motion can be slowed down by that factor.");
+    report.notes.push_back(report.speed_link + " moves at " + to_fixed(report.max_speed, 2) +
+                           " times its allowed speed; slow the motion down by that factor.");
     return;
   }
-  report.slowed = report.greatest_speed;
+  report.slowed = report.max_speed;
   result.motion.rate /= report.slowed;
-  report.notes.push_back("Slowed down by the factor " + to_fixed(report.slowed, 2) + " because of " + report.speed_link + ".");
+  report.notes.push_back("The motion was slowed down by the factor " + to_fixed(report.slowed, 2) + ", so that " + report.speed_link +
+                         " keeps its allowed speed.");
 }
 
 std::vector<std::string> describe(const RetargetReport& r) {
   std::vector<std::string> lines;
   const auto mm = [](double metres, int digits) { return to_fixed(1000 * metres, digits) + " mm"; };
-  lines.push_back("Lengths times " + to_fixed(r.scale, 3) + "; " + std::to_string(r.stances) + " stances, the worst slides " +
-                  mm(r.skate_after, 2) + " (" + mm(r.skate_before, 1) + " if the feet were left alone).");
-  if (r.greatest_shift > 1e-3)
-    lines.push_back("The root was moved by up to " + mm(r.greatest_shift, 0) + " (frame " + std::to_string(r.shift_frame) +
+  lines.push_back("Lengths were scaled by " + to_fixed(r.scale, 3) + "; in " + std::to_string(r.stances) +
+                  " stances a foot slides by at most " + mm(r.skate_after, 2) + " (" + mm(r.skate_before, 1) +
+                  " without foot correction).");
+  if (r.max_shift > 1e-3)
+    lines.push_back("The root was moved by up to " + mm(r.max_shift, 0) + " (frame " + std::to_string(r.shift_frame) +
                     "), so that the feet reach the ground.");
   if (!r.margin_link.empty())
-    lines.push_back("No joint limit is passed; the nearest is that of " + r.margin_link + ", " +
-                    to_fixed(std::max(0.0, r.least_margin), 4) + " away.");
+    lines.push_back("No joint limit is exceeded; the smallest margin is that of " + r.margin_link + ", " +
+                    to_fixed(std::max(0.0, r.min_margin), 4) + " (rad or m).");
   for (std::size_t i = 0; i < r.at_limit.size() && i < 5; ++i)
     lines.push_back(r.at_limit[i].first + " is at a limit in " + std::to_string(r.at_limit[i].second) + " frames.");
   for (const Miss& m : r.misses)
-    lines.push_back(m.link + " misses its place by up to " + mm(m.most, 1) + " (frame " + std::to_string(m.frame) +
+    lines.push_back(m.link + " misses its goal by up to " + mm(m.maximum, 1) + " (frame " + std::to_string(m.frame) +
                     "), by more than 1 mm in " + std::to_string(m.frames) + " frames.");
   lines.insert(lines.end(), r.holds.begin(), r.holds.end());
   lines.insert(lines.end(), r.notes.begin(), r.notes.end());

@@ -7,13 +7,14 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double least_time = 0.4;    // s
-constexpr double still_speed = 0.12;  // m/s of a leg of 0.9 m
-constexpr double least_way = 0.08;    // of the leg's length, that the hips move meanwhile: otherwise the body just stands
-constexpr double near_hands = 0.5;    // of the leg's length
-constexpr double play = 0.02;         // m: how much the distance of the hands may change
-constexpr double ease = 0.17;         // s
+constexpr double min_time = 0.4;              // s, shorter rests do not count
+constexpr double still_speed = 0.12;          // m/s for legs of 0.9 m (scales with the square root of the length); faster hands move
+constexpr double min_hip_travel = 0.08;       // fraction of the leg's length: if the hips move less, the person merely stands still
+constexpr double max_hand_distance = 0.5;     // fraction of the leg's length: hands farther apart do not hold each other
+constexpr double max_distance_change = 0.02;  // m for legs of 0.9 m: tolerance for the distance between the hands
+constexpr double fade_time = 0.17;            // s, transition before and after a hold
 
+/// Diagonal [m] of the bounding box of the points.
 double spread(std::span<const Vec3> p) {
   Vec3 low{1e300, 1e300, 1e300}, high = low * -1.0;
   for (const Vec3& x : p)
@@ -28,7 +29,7 @@ double spread(std::span<const Vec3> p) {
 
 std::vector<Hold> find_holds(const std::array<std::vector<Vec3>, 2>& hands, std::span<const Vec3> hips, double rate, double size) {
   std::vector<Hold> out;
-  const int n = static_cast<int>(hips.size()), least = static_cast<int>(least_time * rate),
+  const int n = static_cast<int>(hips.size()), minimum = static_cast<int>(min_time * rate),
             step = std::max(1, static_cast<int>(0.02 * rate + 0.5));
   const double still = still_speed * std::sqrt(size / 0.9);
   for (int hand = 0; hand < 2; ++hand) {
@@ -44,8 +45,8 @@ std::vector<Hold> find_holds(const std::array<std::vector<Vec3>, 2>& hands, std:
       Vec3 sum = p[at(first)];
       while (last + 1 < n && rests(last + 1) && norm(p[at(last + 1)] - p[at(first)]) < 0.05 * size) sum += p[at(++last)];
       const int count = last - first + 1;
-      if (count >= least && spread(hips.subspan(at(first), at(count))) > least_way * size)
-        out.push_back({Hold::Kind::place, hand, first, last, sum / static_cast<double>(count)});
+      if (count >= minimum && spread(hips.subspan(at(first), at(count))) > min_hip_travel * size)
+        out.push_back({Hold::Kind::fixed, hand, first, last, sum / static_cast<double>(count)});
       first = last;
     }
   }
@@ -53,17 +54,17 @@ std::vector<Hold> find_holds(const std::array<std::vector<Vec3>, 2>& hands, std:
   const auto apart = [&](int f) { return norm(hands[0][at(f)] - hands[1][at(f)]); };
   for (int first = 0; first < n; ++first) {
     double low = apart(first), high = low;
-    if (low > near_hands * size) continue;
+    if (low > max_hand_distance * size) continue;
     int last = first;
     while (last + 1 < n) {
       const double d = apart(last + 1);
-      if (std::max(high, d) - std::min(low, d) > play * size / 0.9) break;
+      if (std::max(high, d) - std::min(low, d) > max_distance_change * size / 0.9) break;
       low = std::min(low, d);
       high = std::max(high, d);
       ++last;
     }
     const std::span<const Vec3> left = std::span(hands[0]).subspan(at(first), at(last - first + 1));
-    if (last - first + 1 < least || spread(left) < 0.1 * size) continue;
+    if (last - first + 1 < minimum || spread(left) < 0.1 * size) continue;
     out.push_back({Hold::Kind::together, 0, first, last, {}});
     first = last;
   }
@@ -72,7 +73,7 @@ std::vector<Hold> find_holds(const std::array<std::vector<Vec3>, 2>& hands, std:
 
 double weight_of(const Hold& hold, int frame, double rate) {
   const int away = std::max({0, hold.first - frame, frame - hold.last});
-  const double s = std::min(1.0, away / (ease * rate));
+  const double s = std::min(1.0, away / (fade_time * rate));
   return 1 - s * s * (3 - 2 * s);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Hands that hold something: what stays at rest while the body moves, or the other hand. Internal to retarget.
+// Detects hands that hold a fixed object, or hold each other, from the wrists' paths. Internal to retarget.
 
 #include <array>
 #include <span>
@@ -10,27 +10,28 @@
 
 namespace ugoki::retarget {
 
+/// A range of frames in which a hand holds.
 struct Hold {
   enum class Kind {
-    place,    ///< a hand stays where it is while the body moves
-    together  ///< both hands move, at the same distance
+    fixed,    ///< the hand stays at one point of the world while the body moves
+    together  ///< both hands move and keep their distance
   };
-  Kind kind = Kind::place;
+  Kind kind = Kind::fixed;
   int hand = 0;             ///< 0 left, 1 right; together: 0
-  int first = 0, last = 0;  ///< frames
-  Vec3 place;               ///< m, in the source's world
+  int first = 0, last = 0;  ///< frames, both included
+  Vec3 point;               ///< m, in the source's world; fixed: the mean position of the wrist
 };
 
-/// Finds them in the paths of the source's wrists.
-/// @param hands [2][frames] m, in the world; empty where there is no hand @param hips [frames] m
+/// Finds all holds in the paths of the source's wrists. O(frames).
+/// @param hands [2][frames] m, in the world; empty if there is no hand @param hips [frames] m, midpoint of the hips @param rate frames/s
 /// @param size m, length of the source's legs
 [[nodiscard]] std::vector<Hold> find_holds(const std::array<std::vector<Vec3>, 2>& hands, std::span<const Vec3> hips, double rate,
                                            double size);
 
-/// Share of a hold that counts in a frame: 1 inside, falling to 0 within a sixth of a second beside it.
+/// Weight of a hold in a frame: 1 inside, falling smoothly to 0 within 0.17 s before and after it.
 [[nodiscard]] double weight_of(const Hold& hold, int frame, double rate);
 
-/// "left hand holds still in frames 10 to 80"
+/// "The left hand holds still in frames 10 to 80."
 [[nodiscard]] std::string text_of(const Hold& hold);
 
 }  // namespace ugoki::retarget

@@ -9,7 +9,7 @@ namespace {
 
 using json::Json;
 
-/// Reads one document and collects what is wrong with it.
+/// Reads one document and collects its problems (at most 50).
 class Reader {
  public:
   explicit Reader(std::string_view file) : file_(file) {}
@@ -17,14 +17,14 @@ class Reader {
   Result<Mapping> read(const Json& root) {
     Mapping out;
     if (!root.is_object()) {
-      problem("", "The mapping is " + std::string(json::type_of(root)) + ".", "Write an object (docs/retarget.md).");
+      problem("", "The mapping is " + std::string(json::type_of(root)) + ", not an object.", "Write a JSON object (docs/retarget.md).");
       return fail(std::move(error_));
     }
     for (const auto& [key, value] : root.items()) {
       if (key == "source")
-        read_figure(value, "/source", out.source);
+        read_character(value, "/source", out.source);
       else if (key == "target")
-        read_figure(value, "/target", out.target);
+        read_character(value, "/target", out.target);
       else if (key == "links")
         read_links(value, out);
       else if (key == "soles")
@@ -34,7 +34,7 @@ class Reader {
       else if (key == "speeds")
         read_speeds(value, out);
       else
-        problem("/" + key, "This word is not known.", "Known are source, target, links, soles, speed and speeds.");
+        problem("/" + key, "This key is unknown.", "Use one of source, target, links, soles, speed and speeds.");
     }
     if (!error_.empty()) return fail(std::move(error_));
     return out;
@@ -46,12 +46,12 @@ class Reader {
   }
   std::string text(const Json& value, const std::string& path) {
     if (value.is_string()) return value.get<std::string>();
-    problem(path, "A link's name is expected, not " + std::string(json::type_of(value)) + ".", "Write it in quotation marks.");
+    problem(path, "A link name is expected, not " + std::string(json::type_of(value)) + ".", "Write it in quotation marks.");
     return {};
   }
   double number(const Json& value, const std::string& path) {
     if (value.is_number() && std::isfinite(value.get<double>()) && value.get<double>() > 0) return value.get<double>();
-    problem(path, "A number above zero is expected.", "Give rad/s (m/s of sliding joints).");
+    problem(path, "A number above zero is expected.", "Give the speed in rad/s (m/s for sliding joints).");
     return 0;
   }
   bool object(const Json& value, const std::string& path) {
@@ -65,7 +65,7 @@ class Reader {
     return false;
   }
 
-  void read_figure(const Json& value, const std::string& path, FigureNames& out) {
+  void read_character(const Json& value, const std::string& path, AnatomyNames& out) {
     if (!object(value, path)) return;
     for (const auto& [key, item] : value.items()) {
       const std::string here = path + "/" + key;
@@ -85,8 +85,8 @@ class Reader {
       else if (key == "legs" && item.is_number_integer() && (item == 2 || item == 4))
         out.four_legs = item == 4 ? 1 : 0;
       else if (key != "tail")
-        problem(here, "This is not known of a figure.",
-                "Known are pelvis, chest, head, tail, legs (2 or 4), left leg, right leg, left arm and right arm.");
+        problem(here, "This key is unknown in a character.",
+                "Use one of pelvis, chest, head, tail, legs (2 or 4), left leg, right leg, left arm and right arm.");
     }
   }
   void read_limb(const Json& value, const std::string& path, std::array<std::string, slot_count>& out) {
@@ -96,11 +96,12 @@ class Reader {
       for (int s = 0; s < slot_count; ++s)
         if (key == name_of(static_cast<Slot>(s))) slot = s;
       if (slot < 0)
-        problem(path + "/" + key, "This is no section of a limb.", "Sections are girdle, upper, lower, end and tip.");
+        problem(path + "/" + key, "This is not a section of a limb.", "Use one of girdle, upper, lower, end and tip.");
       else
         out[static_cast<std::size_t>(slot)] = text(item, path + "/" + key);
     }
-    if (out[1].empty() || out[2].empty()) problem(path, "A limb needs its upper and its lower section.", "Name the first link of both.");
+    if (out[1].empty() || out[2].empty())
+      problem(path, "The upper or the lower section of the limb is missing.", "Name the first link of both sections.");
   }
   void read_links(const Json& value, Mapping& out) {
     if (!object(value, "/links")) return;
@@ -122,9 +123,9 @@ class Reader {
         if (good)
           sole.points.push_back({p[0].get<double>(), p[1].get<double>(), p[2].get<double>()});
         else
-          problem(path, "A place is three numbers.", "Give x, y and z in m in the link's frame.");
+          problem(path, "A point of the sole is not a list of three finite numbers.", "Give x, y and z in m in the link's frame.");
       }
-      if (sole.points.empty()) problem(path, "A sole needs a place.", "Give the places that bear on the ground.");
+      if (sole.points.empty()) problem(path, "The sole has no points.", "Give the points that bear on the ground.");
       out.soles.push_back(std::move(sole));
     }
   }

@@ -1,5 +1,5 @@
 #pragma once
-// What a user says about two figures where the automatic mapping is not what is wanted. docs/retarget.md describes the file.
+// Mapping file: the user's corrections of the automatic mapping between two characters. docs/retarget.md describes the format.
 
 #include <string>
 #include <string_view>
@@ -10,15 +10,16 @@
 
 namespace ugoki::retarget {
 
+/// Content of a mapping file; default-constructed: everything is automatic.
 struct Mapping {
-  FigureNames source, target;
-  std::vector<std::pair<std::string, std::string>> links;   ///< source link, target link: joints beyond the chains (ears, fingers)
-  std::vector<SoleSpec> soles;                              ///< of the target
-  double speed = 0;                                         ///< rad/s (m/s of sliding joints) that no joint may exceed; 0: none
-  std::vector<std::pair<std::string, double>> link_speeds;  ///< the same for single links of the target
+  AnatomyNames source, target;
+  std::vector<std::pair<std::string, std::string>> links;  ///< (source link, target link): joints outside trunk and limbs (ears, fingers)
+  std::vector<SoleSpec> soles;                             ///< soles of the target
+  double speed = 0;  ///< rad/s (m/s for sliding joints), speed limit of all joints of the target; 0: none
+  std::vector<std::pair<std::string, double>> link_speeds;  ///< the same for single links; takes precedence over `speed`
 };
 
-/// Reads the JSON text. Errors name the path in it.
+/// Reads the JSON text. Error locations are the file name followed by the JSON path ("m.json/target/left leg").
 [[nodiscard]] Result<Mapping> read_mapping(std::string_view text, std::string_view file_name);
 
 }  // namespace ugoki::retarget

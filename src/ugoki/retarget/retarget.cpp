@@ -15,12 +15,14 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double near_enough = 1e-5;  // of a leg's length: a standing foot this near to its goal is there
-constexpr double slips_weigh = 20;    // a foot that slides a little in each frame slides far; one that misses its height does not
-constexpr int most_rolls = 100;       // until a sole that cannot turn as planned is where it rolls to; mostly 2 or 3
-constexpr double fade_time = 0.06;    // s in which a swinging foot comes back to its plan
-constexpr double shift_time = 0.1;    // s before and after within which the root is moved for a foot that cannot reach
+constexpr double near_enough = 1e-5;  // fraction of the leg's length: a standing foot this close to its goal has reached it
+constexpr double slip_weight =
+    20;  // weight of sliding against missing the goal: sliding accumulates over the frames of a stance, a height error does not
+constexpr int max_roll_iterations = 100;  // upper bound of the iterations of roll(); usually 2 or 3 suffice
+constexpr double fade_time = 0.06;        // s, time constant with which a swinging foot returns to its plan
+constexpr double shift_time = 0.1;        // s, window before and after a frame with an unreachable foot in which the root is moved
 
+/// One retargeting run; run() performs the steps in order.
 class Retargeting {
  public:
   Retargeting(const Rig& source, const Rig& target, const Motion& motion, const RetargetOptions& options)
@@ -52,10 +54,10 @@ class Retargeting {
     if (cancelled()) return std::move(out_);
     hold();
     label();
-    find_facts(t_, driver_, o_, out_);
+    complete_report(t_, driver_, o_, out_);
     for (FootPlan& plan : feet_) add_foot_facts(plan);
     out_.report.scale = driver_.scale();
-    out_.report.mapping = driver_.words();
+    out_.report.mapping = driver_.describe_mapping();
     out_.report.notes.insert(out_.report.notes.end(), t_.notes.begin(), t_.notes.end());
     return std::move(out_);
   }
@@ -65,9 +67,10 @@ class Retargeting {
   [[nodiscard]] double* frame(int f) { return out_.motion.frame(f); }
   [[nodiscard]] const double* posture(int f) const { return postures_.data() + at(f) * at(m_.nq()); }
 
-  /// People walk with their hips some centimetres lower than they stand; what has other legs stands as it stands. m
+  /// How much lower the source's hips usually are than on straight legs, m: 75th percentile of their height, at most 0.1 of the hip height.
+  /// 0 unless a biped drives a four-legged character.
   [[nodiscard]] double usual_crouch(double ground) const {
-    if (s_.figure.four_legs == t_.figure.four_legs || s_.figure.four_legs) return 0;
+    if (s_.anatomy.four_legs == t_.anatomy.four_legs || s_.anatomy.four_legs) return 0;
     std::vector<double> heights;
     std::vector<Pose> X(at(s_.mechanism->link_count()));
     for (int f = 0; f < in_.frames; f += std::max(1, in_.frames / 200)) {
@@ -78,7 +81,7 @@ class Retargeting {
     return std::clamp(s_.hip_height - heights[heights.size() * 3 / 4], 0.0, 0.1 * s_.hip_height);
   }
 
-  /// Joints of every frame, and where the feet would be.
+  /// Maps the joints of every frame and records the uncorrected paths of the feet.
   void copy_postures() {
     for (int k = 0; k < limb_count; ++k)
       if (driver_.limb(k).ground && driver_.limb(k).source >= 0) {
@@ -95,7 +98,7 @@ class Retargeting {
     for (int f = 0; f < in_.frames; ++f) {
       const std::span<const double> q_S(in_.frame(f), at(in_.nq));
       calc_poses(*s_.mechanism, q_S, X_S);
-      if (f == 0)  // the first solution has no frame before it to start from
+      if (f == 0)  // the first frame has no previous solution: iterate until it converges
         for (int i = 0; i < 5; ++i) driver_.pose(q_S, X_S, q_, X_);
       driver_.pose(q_S, X_S, q_, X_);
       std::copy(q_.begin(), q_.end(), frame(f));
@@ -104,18 +107,20 @@ class Retargeting {
         if (has_hand(hand)) hands_[at(hand)].push_back(X_S[at(s_.limbs[at(2 + hand)].end)].p);
       for (FootPlan& plan : feet_) {
         const LimbRig& limb = t_.limbs[at(plan.limb)];
-        plan.from_hip[at(f)] = driver_.end_place(plan.limb, X_S);
-        plan.turn[at(f)] = limb.point_foot ? Mat3::identity() : driver_.end_turn(plan.limb, X_S);
+        plan.from_hip[at(f)] = driver_.end_position(plan.limb, X_S);
+        plan.turn[at(f)] = limb.point_foot ? Mat3::identity() : driver_.end_orientation(plan.limb, X_S);
         plan.raw.X_WF[at(f)].p = X_[at(limb.root)].p;
         const Pose& X_end = X_[at(limb.end)];
         for (const LinkPoint& p : limb.sole.points)
           plan.raw.points.push_back(
-              limb.point_foot ? p.place : SupportPoint{transpose_times(X_end.R, X_[at(p.link)] * p.place.p - X_end.p), p.place.radius});
+              limb.point_foot ? p.location
+                              : SupportPoint{transpose_times(X_end.R, X_[at(p.link)] * p.location.p - X_end.p), p.location.radius});
       }
     }
     postures_ = out_.motion.q;
   }
 
+  /// Builds the feet's paths and contacts.
   void make_paths() {
     for (FootPlan& plan : feet_) {
       const LimbDrive& drive = driver_.limb(plan.limb);
@@ -132,11 +137,12 @@ class Retargeting {
         X.p += plan.from_hip[at(f)];
         X.R = plan.turn[at(f)];
       }
-      if (drive.mode == LimbMode::stood) step_where_dragged(plan, in_.rate, t_.limbs[at(plan.limb)].length);
+      if (drive.mode == LimbMode::placed) step_where_dragged(plan, in_.rate, t_.limbs[at(plan.limb)].length);
     }
     pin();
   }
 
+  /// Fixes the stances of all feet to the ground.
   void pin() {
     std::vector<motion_edit::FootPath> paths;
     for (const FootPlan& plan : feet_) paths.push_back(plan.raw);
@@ -144,7 +150,7 @@ class Retargeting {
     for (std::size_t k = 0; k < feet_.size(); ++k) feet_[k].path = std::move(paths[k]);
   }
 
-  /// Legs of one frame, with the root moved by `shift`. @return what the standing feet miss at most
+  /// Solves the legs of one frame with the root displaced by `shift` [m]. @return largest distance [m] of a standing foot from its goal
   double solve_frame(int f, const Vec3& shift) {
     std::copy_n(posture(f), m_.nq(), frame(f));
     calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
@@ -166,34 +172,35 @@ class Retargeting {
     for (int k = 0; k < 3; ++k) frame(f)[k] += own[k];
   }
 
-  /// A place of the root at which all standing feet reach: Newton's method on what the limbs cannot do themselves.
+  /// Displacement [m] of the root with which all standing feet reach their goals: Newton's method on the errors that the limbs cannot
+  /// remove.
   Vec3 find_shift(int f, Vec3 shift) {
     const double enough = near_enough * t_.leg_length, longest = 0.15 * t_.leg_length;
     Vec3 best = shift;
-    double least = 1e300;
+    double minimum = 1e300;
     for (int i = 0; i < 12; ++i) {
       const double worst = solve_frame(f, shift);
-      if (worst < least) {
-        least = worst;
+      if (worst < minimum) {
+        minimum = worst;
         best = shift;
       }
       if (worst < enough) break;
       Vec3 wish, pull;
-      std::vector<Vec3>& lacks = lacks_;
-      lacks.clear();
+      std::vector<Vec3>& missing = missing_;
+      missing.clear();
       for (const FootPlan& plan : feet_) {
         const LimbRig& limb = t_.limbs[at(plan.limb)];
-        lacks.push_back(plan.path.bears[at(f)] ? plan.path.X_WF[at(f)].p - shift - X_[at(limb.end)] * limb.end_point : Vec3{});
-        wish += lacks.back();
+        missing.push_back(plan.path.bears[at(f)] ? plan.path.X_WF[at(f)].p - shift - X_[at(limb.end)] * limb.end_point : Vec3{});
+        wish += missing.back();
       }
       Mat3 A = Mat3::diagonal(1e-4, 1e-4, 1e-4);
       for (std::size_t k = 0; k < feet_.size(); ++k) {
         if (!feet_[k].path.bears[at(f)]) continue;
-        // A foot that is where it should be resists being taken along by the root.
-        const bool there = norm(lacks[k]) < enough;
-        const Mat3 P = driver_.resistance(feet_[k].limb, there ? -wish : lacks[k], frame(f), X_);
+        // A foot at its goal resists motion of the root opposite to `wish`.
+        const bool there = norm(missing[k]) < enough;
+        const Mat3 P = driver_.resistance(feet_[k].limb, there ? -wish : missing[k], frame(f), X_);
         A += P * P;
-        pull += P * (P * lacks[k]);
+        pull += P * (P * missing[k]);
       }
       const Vec3 step = inverse(A) * pull;
       shift += step * std::min(1.0, longest / std::max(norm(step), 1e-12));
@@ -201,7 +208,7 @@ class Retargeting {
     return best;
   }
 
-  /// A smooth curve that is nowhere less than the given one within shift_time: greatest of the neighbourhood, then averaged.
+  /// Smooth envelope of the displacements d: extreme value within shift_time, then a Hann average over the same window.
   [[nodiscard]] std::vector<Vec3> envelope(const std::vector<Vec3>& d) const {
     const int n = static_cast<int>(d.size()), w = std::max(1, static_cast<int>(shift_time * in_.rate + 0.5));
     std::vector<Vec3> wide(d.size()), out(d.size());
@@ -211,7 +218,7 @@ class Retargeting {
       hann.push_back(0.5 + 0.5 * cos(pi * i / (w + 1)));
       sum += hann.back();
     }
-    int quiet = w + 1;  // frames since a shift was near
+    int quiet = w + 1;  // frames since the last displacement that is not zero
     for (int f = 0; f < n + w; ++f) {
       quiet = f < n && d[at(f)] != Vec3{} ? 0 : quiet + 1;
       const int g = f - w;
@@ -230,9 +237,10 @@ class Retargeting {
     return out;
   }
 
-  /// Sideways, so that the centre of mass comes over the standing feet: between them, or no farther from one than a part of its length.
+  /// Horizontal displacements [m] of the root that bring the centre of mass within 0.06 of the leg's length of the segment between
+  /// the standing feet.
   [[nodiscard]] std::vector<Vec3> shift_for_balance() {
-    const double play = 0.06 * t_.leg_length;
+    const double tolerance = 0.06 * t_.leg_length;
     std::vector<Vec3> need(at(in_.frames));
     for (int f = 0; f < in_.frames && !cancelled(); ++f) {
       solve_frame(f, {});
@@ -242,21 +250,22 @@ class Retargeting {
         if (plan.path.bears[at(f)]) feet.push_back(plan.path.X_WF[at(f)].p);
       if (feet.empty()) continue;
       Vec3 com = centre_of_mass(m_, X_), nearest;
-      double least = 1e300;
+      double minimum = 1e300;
       for (const Vec3& a : feet)
         for (const Vec3& b : feet) {
           const Vec3 ab{b.x - a.x, b.y - a.y, 0}, ac{com.x - a.x, com.y - a.y, 0};
           const double s = dot(ab, ab) > 0 ? std::clamp(dot(ab, ac) / dot(ab, ab), 0.0, 1.0) : 0;
-          if (const Vec3 d = ab * s - ac; norm(d) < least) {
-            least = norm(d);
+          if (const Vec3 d = ab * s - ac; norm(d) < minimum) {
+            minimum = norm(d);
             nearest = d;
           }
         }
-      if (least > play) need[at(f)] = nearest * (1 - play / least);
+      if (minimum > tolerance) need[at(f)] = nearest * (1 - tolerance / minimum);
     }
     return envelope(need);
   }
 
+  /// Solves all frames; repeats up to three times with a smooth displacement of the root where feet do not reach.
   void solve_all() {
     std::vector<Vec3> shift(at(in_.frames)), extra(at(in_.frames));
     const bool movable = m_.link(0).joint.type == JointType::floating && o_.keep_contacts;
@@ -286,16 +295,16 @@ class Retargeting {
         dirty_[at(f)] = 1;
       }
     }
-    out_.report.greatest_shift = 0;
+    out_.report.max_shift = 0;
     for (int f = 0; f < in_.frames; ++f)
-      if (norm(shift[at(f)]) > out_.report.greatest_shift) {
-        out_.report.greatest_shift = norm(shift[at(f)]);
+      if (norm(shift[at(f)]) > out_.report.max_shift) {
+        out_.report.max_shift = norm(shift[at(f)]);
         out_.report.shift_frame = f;
       }
   }
 
-  /// Soles that could not turn as wanted (limits, missing freedoms) are planned again as they really turn, once; what then still differs is
-  /// rolled off frame by frame.
+  /// Soles whose orientation could not be reached (limits, missing DOFs) are planned once again with their real orientation; remaining
+  /// differences are removed frame by frame by roll().
   void follow_real_soles() {
     if (!o_.keep_contacts) return;
     double worst = 0;
@@ -310,7 +319,7 @@ class Retargeting {
         worst = std::max(worst, 3 - off.trace());
       }
     }
-    if (worst > 1e-7) {  // angle^2: a third of a milliradian
+    if (worst > 1e-7) {  // squared angle: 1e-7 is 0.3 mrad
       for (std::size_t k = 0; k < feet_.size(); ++k) {
         if (t_.limbs[at(feet_[k].limb)].point_foot) continue;
         for (int f = 0; f < in_.frames; ++f) feet_[k].raw.X_WF[at(f)].R = real[k][at(f)].R;
@@ -326,16 +335,17 @@ class Retargeting {
     }
   }
 
-  /// The lowest place of a sole: its bottom in its own link's frame, and that link's pose in the foot's.
+  /// Lowest point of a sole.
   struct Bearing {
-    std::size_t point = 0;
-    Vec3 bottom;
-    double height = 1e300;
+    std::size_t point = 0;  // index into the sole's points
+    Vec3 bottom;            // m, in the frame of the point's link
+    double height = 1e300;  // m, world
   };
+  /// @param X_FP [points] pose of each point's link in the foot's frame
   [[nodiscard]] Bearing find_bearing(const LimbRig& limb, const Pose& X_WF, std::span<const Pose> X_FP) const {
     Bearing out;
     for (std::size_t i = 0; i < limb.sole.points.size(); ++i) {
-      const SupportPoint& s = limb.sole.points[i].place;
+      const SupportPoint& s = limb.sole.points[i].location;
       const Pose X = X_WF * X_FP[i];
       const Vec3 bottom = s.p + transpose_times(X.R, Vec3{0, 0, -s.radius});
       if (const double height = (X * bottom).z; height < out.height) out = {i, bottom, height};
@@ -343,20 +353,21 @@ class Retargeting {
     return out;
   }
 
-  /// How far the place that bears has slid, m. @param X_WP of the places in the frame before
+  /// Horizontal distance [m] that the lowest point has slid since the previous frame.
+  /// @param X_WP [points] world poses of the points' links in the previous frame
   [[nodiscard]] double slip_of(const LimbRig& limb, const Pose& X, std::span<const Pose> X_FP, std::span<const Pose> X_WP) const {
     const Bearing low = find_bearing(limb, X, X_FP);
     const Vec3 d = X * (X_FP[low.point] * low.bottom) - X_WP[low.point] * low.bottom;
     return std::sqrt(d.x * d.x + d.y * d.y);
   }
 
-  /// From frame to frame: the place that bears stays where it was in the frame before, at the height of the plan.
+  /// Goes through the frames and keeps the lowest point of the sole where it was in the previous frame, at the planned height.
   void roll(FootPlan& plan) {
     const LimbRig& limb = t_.limbs[at(plan.limb)];
     const std::vector<LinkPoint>& points = limb.sole.points;
     const double fade = 1 / (1 + fade_time * in_.rate);
     std::vector<Pose> X_FP(points.size()), X_WP(points.size());
-    Vec3 off, best_off;  // of the foot from its plan
+    Vec3 off, best_off;  // m, displacement of the foot from its plan
     for (int f = 0; f < in_.frames && !cancelled(); ++f) {
       const bool stands = plan.path.bears[at(f)] != 0, stood = f > 0 && plan.path.bears[at(f - 1)] != 0;
       if (!stands) off = off * (1 - fade);
@@ -365,8 +376,8 @@ class Retargeting {
       for (std::size_t i = 0; i < points.size(); ++i) X_FP[i] = X.inverse() * X_[at(points[i].link)];
       const Pose& planned = plan.path.X_WF[at(f)];
       const double height = find_bearing(limb, planned, X_FP).height;
-      double least = 1e300;
-      for (int i = 0; i < most_rolls; ++i) {
+      double minimum = 1e300;
+      for (int i = 0; i < max_roll_iterations; ++i) {
         const Bearing low = find_bearing(limb, X, X_FP);
         const Vec3 in_foot = X_FP[low.point] * low.bottom;
         Pose goal{planned.R, planned.p + off};
@@ -380,10 +391,10 @@ class Retargeting {
         const Mat3 turned = X.R.transposed() * X_[at(limb.end)].R;
         X = X_[at(limb.end)];
         const bool settled = i > 0 && 3 - turned.trace() < 1e-13;
-        // Where turning the sole changes what bears, there may be no rest; then the best that was found counts.
+        // If turning the sole changes its lowest point, the iteration may oscillate: keep the best solution found.
         const double slip = stands && stood ? slip_of(limb, X, X_FP, X_WP) : 0;
-        if (settled || miss + slips_weigh * slip < least) {
-          least = miss + slips_weigh * slip;
+        if (settled || miss + slip_weight * slip < minimum) {
+          minimum = miss + slip_weight * slip;
           plan.miss[at(f)] = miss;
           best_.assign(frame(f), frame(f) + m_.nq());
           best_off = off;
@@ -398,12 +409,13 @@ class Retargeting {
     }
   }
 
+  /// True if the hand of the target follows a hand of the source.
   [[nodiscard]] bool has_hand(int hand) const {
     const LimbDrive& drive = driver_.limb(2 + hand);
-    return drive.mode == LimbMode::copied && !drive.ground && !s_.figure.four_legs;
+    return drive.mode == LimbMode::copied && !drive.ground && !s_.anatomy.four_legs;
   }
 
-  /// Hands go on holding what they held: a place of the (scaled) world, or each other.
+  /// Moves holding hands to the held point of the scaled world, or to each other's scaled distance.
   void hold() {
     if (!o_.keep_holds || !o_.keep_contacts) return;
     std::vector<Miss> misses(2);
@@ -417,8 +429,8 @@ class Retargeting {
         std::array<Vec3, 2> goals;
         for (int hand = 0; hand < 2; ++hand)
           if (has_hand(hand)) goals[at(hand)] = X_[at(t_.limbs[at(2 + hand)].end)].p;
-        if (hold.kind == Hold::Kind::place) {
-          goals[at(hold.hand)] += (driver_.scaled_place(hold.place) - goals[at(hold.hand)]) * weight;
+        if (hold.kind == Hold::Kind::fixed) {
+          goals[at(hold.hand)] += (driver_.scaled_position(hold.point) - goals[at(hold.hand)]) * weight;
         } else {
           const Vec3 between = (hands_[1][at(f)] - hands_[0][at(f)]) * driver_.scale();
           const Vec3 off = between - (goals[1] - goals[0]);
@@ -426,15 +438,15 @@ class Retargeting {
           goals[1] += off * (0.5 * weight);
         }
         for (int hand = 0; hand < 2; ++hand) {
-          if (!has_hand(hand) || (hold.kind == Hold::Kind::place && hand != hold.hand)) continue;
+          if (!has_hand(hand) || (hold.kind == Hold::Kind::fixed && hand != hold.hand)) continue;
           const LimbRig& limb = t_.limbs[at(2 + hand)];
           const double off = driver_.reach(2 + hand, {X_[at(limb.end)].R, goals[at(hand)]}, frame(f), X_);
           Miss& miss = misses[at(hand)];
           miss.link = m_.link(limb.end).name;
           if (weight < 1 || off < 1e-3) continue;
           ++miss.frames;
-          if (off > miss.most) {
-            miss.most = off;
+          if (off > miss.maximum) {
+            miss.maximum = off;
             miss.frame = f;
           }
         }
@@ -444,7 +456,7 @@ class Retargeting {
       if (miss.frames > 0) hand_misses_.push_back(miss);
   }
 
-  /// Standing feet are labelled; one that did not come to the ground does not stand.
+  /// Writes contact labels. A foot that missed its goal by more than 0.002 of the leg's length is not labelled.
   void label() {
     for (FootPlan& plan : feet_) {
       const LimbRig& limb = t_.limbs[at(plan.limb)];
@@ -457,6 +469,7 @@ class Retargeting {
     }
   }
 
+  /// Adds sliding before correction and misses of one foot to the report.
   void add_foot_facts(FootPlan& plan) {
     int none = 0;
     out_.report.skate_before = std::max(out_.report.skate_before, path_skate(plan.raw, none));
@@ -465,8 +478,8 @@ class Retargeting {
     for (int f = 0; f < in_.frames; ++f) {
       if (!plan.path.bears[at(f)] || plan.miss[at(f)] < 1e-3) continue;
       ++miss.frames;
-      if (plan.miss[at(f)] > miss.most) {
-        miss.most = plan.miss[at(f)];
+      if (plan.miss[at(f)] > miss.maximum) {
+        miss.maximum = plan.miss[at(f)];
         miss.frame = f;
       }
     }
@@ -484,44 +497,46 @@ class Retargeting {
   std::vector<double> postures_, q_, best_;
   std::vector<Pose> X_;
   std::vector<std::uint8_t> dirty_;
-  std::vector<Vec3> lacks_, hips_;
+  std::vector<Vec3> missing_, hips_;
   std::array<std::vector<Vec3>, 2> hands_;  // [frames] m, of the source
   std::vector<Miss> hand_misses_;
   Retargeted out_;
 };
 
-/// Runs with shorter and shorter steps until the feet reach where they shall stand.
+/// Repeats the run with shorter steps (factor 0.8 each, at most 5 runs) until the feet reach their goals; returns the best run.
 Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& motion, const RetargetOptions& options) {
   Retargeted best;
-  double least = 1e300;
+  double minimum = 1e300;
   RetargetOptions tried = options;
   const double usual = Driver(source, target, options.mapping).scale();
   for (int i = 0; i < 5; ++i) {
     Retargeting run(source, target, motion, tried);
     Retargeted out = run.run();
-    double most = 0;
-    for (const Miss& miss : out.report.misses) most = std::max(most, miss.most);
+    double maximum = 0;
+    for (const Miss& miss : out.report.misses) maximum = std::max(maximum, miss.maximum);
     out.report.misses.insert(out.report.misses.end(), run.hand_misses().begin(), run.hand_misses().end());
-    // A root that has to be moved far looks as bad as a foot that does not reach.
-    most += 0.1 * std::max(0.0, out.report.greatest_shift - 0.1 * target.leg_length);
-    if (most < least - 1e-4 || i == 0) {
-      least = most;
+    // A large displacement of the root is penalized like a foot that misses its goal.
+    maximum += 0.1 * std::max(0.0, out.report.max_shift - 0.1 * target.leg_length);
+    if (maximum < minimum - 1e-4 || i == 0) {
+      minimum = maximum;
       best = std::move(out);
       if (i > 0)
-        best.report.notes.push_back("Steps are " + to_fixed(100 * (1 - tried.path_scale / usual), 0) +
-                                    " % shorter than those of the source, because the legs reach no further within their limits.");
+        best.report.notes.push_back(
+            "Steps are " + to_fixed(100 * (1 - tried.path_scale / usual), 0) +
+            " % shorter than those of the source, because the legs cannot reach further within their joint limits.");
     }
-    if (most < 2e-3 * target.leg_length || options.path_scale > 0 || (options.cancelled && options.cancelled())) break;
+    if (maximum < 2e-3 * target.leg_length || options.path_scale > 0 || (options.cancelled && options.cancelled())) break;
     tried.path_scale = usual * pow(0.8, i + 1);
   }
   return best;
 }
 
-/// Names of the mapping that neither mechanism has; those of the figures are looked up with them.
+/// Problems: link names of the mapping that do not exist. Names of the anatomy are checked by find_anatomy.
 Error unknown_names(const Mapping& mapping, const Mechanism& from, const Mechanism& to) {
   Error out;
   const auto look = [&](const Mechanism& m, const std::string& name, const char* where) {
-    if (m.find_link(name) < 0) out.add(ErrorCode::unknown, where, "'" + m.name() + "' has no link '" + name + "'.", "Correct the mapping.");
+    if (m.find_link(name) < 0)
+      out.add(ErrorCode::unknown, where, "'" + m.name() + "' has no link '" + name + "'.", "Correct the name in the mapping file.");
   };
   for (const auto& [source, target] : mapping.links) {
     look(from, source, "mapping/links");
@@ -542,16 +557,17 @@ Result<Retargeted> retarget(MechanismPtr from, const Motion& motion, MechanismPt
   Result<Rig> target = make_rig(to, options.mapping.target, options.mapping.soles);
   if (!target) return fail(std::move(target.error()));
   if (to->link(0).joint.type != JointType::floating)
-    return fail(ErrorCode::structure, to->name(), "Its base is joined to the world, so it cannot go where the motion goes.",
-                "Read it with a floating base (--base floating).");
+    return fail(ErrorCode::structure, to->name(),
+                "The base of the target mechanism is fixed to the world, so the target cannot follow the motion.",
+                "Import the mechanism with a floating base (--base floating).");
   const bool around = motion.cyclic && options.keep_contacts && motion.frames >= 3;
   Retargeted out = run_with_steps(*source, *target, around ? motion_edit::three_rounds(motion, *from) : motion, options);
   if (options.cancelled && options.cancelled())
-    return fail(ErrorCode::cancelled, "motion " + motion.name, "Its retargeting was cancelled.", "");
+    return fail(ErrorCode::cancelled, "motion " + motion.name, "The retargeting was cancelled.", "");
   if (!around) return out;
-  const auto place = [&](int frame) { return root_placement(*to, {out.motion.frame(frame), at(to->nq())}); };
+  const auto placement = [&](int frame) { return root_placement(*to, {out.motion.frame(frame), at(to->nq())}); };
   const int round = motion.frames - 1;
-  out.motion = motion_edit::middle_round(out.motion, *to, place(2 * round) * inverse(place(round)));
+  out.motion = motion_edit::middle_round(out.motion, *to, placement(2 * round) * inverse(placement(round)));
   return out;
 }
 

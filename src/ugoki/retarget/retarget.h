@@ -1,6 +1,6 @@
 #pragma once
-// Motion for another structure: what one figure does, done by another one of other proportions or another kind.
-// docs/design/retargeting.md says how.
+// Retargeting: transfers the motion of one character to another one of other proportions or another kind.
+// docs/design/retargeting.md describes the method.
 
 #include <functional>
 #include <string>
@@ -13,51 +13,56 @@ namespace ugoki::retarget {
 
 struct RetargetOptions {
   Mapping mapping;
-  bool keep_contacts = true;  ///< standing feet neither slide nor sink; false: joints only, the root's path scaled
-  bool keep_holds = true;     ///< hands that hold each other or something at rest go on holding it
-  double path_scale = 0;      ///< of the root's way over the ground; 0: by the length of the legs
-  double gait_phase = 0.5;    ///< two legs to four: fore legs follow the hind legs of their side by this share of a stride (0.5: trot)
-  bool balance = false;       ///< the centre of mass is kept over the standing feet (for slow motions of robots)
-  bool slow_down = false;     ///< the whole motion is slowed until no joint is faster than the mapping allows
-  std::function<bool()> cancelled;  ///< asked before each frame; where it says yes, the work ends with an error
+  bool keep_contacts =
+      true;                ///< standing feet neither slide nor sink; false: joints are mapped and the root's path is scaled, nothing else
+  bool keep_holds = true;  ///< hands that hold each other or a fixed object keep holding it
+  double path_scale = 0;   ///< scale of the root's horizontal path; 0: ratio of the leg lengths
+  double gait_phase =
+      0.5;                 ///< from two legs to four: delay of each fore leg behind the hind leg of its side, share of a stride (0.5: trot)
+  bool balance = false;    ///< shift the root sideways so that the centre of mass stays over the standing feet (slow robot motions)
+  bool slow_down = false;  ///< slow the whole motion down until all joints keep the speed limits of the mapping
+  std::function<bool()> cancelled;  ///< called before each frame; true ends the work with ErrorCode::cancelled
 };
 
-/// A limb that did not come where it should.
+/// A limb whose end point did not reach its goal.
 struct Miss {
   std::string link;
-  double most = 0;  ///< m
-  int frame = -1;   ///< frame of that
-  int frames = 0;   ///< in how many it missed by more than 1 mm
+  double maximum = 0;  ///< m, largest distance from the goal
+  int frame = -1;      ///< frame of the largest distance
+  int frames = 0;      ///< number of frames with a distance above 1 mm
 };
 
+/// Measurements on a retargeted motion, and what was assumed.
 struct RetargetReport {
-  double scale = 1;                          ///< of lengths
-  double skate_before = 0, skate_after = 0;  ///< m, longest path of a standing foot over the ground: without and with the feet's goals
-  int stances = 0;
-  double greatest_shift = 0;  ///< m, by which the root was moved so that the feet reach the ground
-  int shift_frame = -1;
-  std::vector<Miss> misses;  ///< standing feet and holding hands; only those that miss by more than 1 mm
-  double least_margin = 0;   ///< rad | m, nearest that a joint comes to a limit; never negative
-  std::string margin_link;
-  std::vector<std::pair<std::string, int>> at_limit;  ///< links and in how many frames they are at a limit, most first
-  double greatest_speed = 0;                          ///< greatest speed of a joint over what is allowed; 0: nothing is limited
-  std::string speed_link;
-  double slowed = 1;                 ///< factor by which the motion lasts longer
-  std::vector<std::string> holds;    ///< what hands were found to hold, in words
-  std::vector<std::string> mapping;  ///< which link drives which, in words
-  std::vector<std::string> notes;    ///< what was assumed or left out
+  double scale = 1;                          ///< ratio of lengths, target over source
+  double skate_before = 0, skate_after = 0;  ///< m, longest path of a foot over the ground in one stance: without and with foot correction
+  int stances = 0;                           ///< number of stances of all feet
+  double max_shift = 0;                      ///< m, largest displacement of the root that was needed for the feet to reach the ground
+  int shift_frame = -1;                      ///< frame of max_shift
+  std::vector<Miss> misses;                  ///< standing feet and holding hands that miss their goal by more than 1 mm
+  double min_margin = 0;                     ///< rad | m, smallest distance of a joint from a limit; infinite if no joint is limited
+  std::string margin_link;                   ///< link of min_margin
+  std::vector<std::pair<std::string, int>> at_limit;  ///< (link, number of frames at a limit), largest first
+  double max_speed = 0;                               ///< largest ratio of a joint's speed to its limit; 0: no limits
+  std::string speed_link;                             ///< link of max_speed
+  double slowed = 1;                                  ///< factor by which the duration was increased
+  std::vector<std::string> holds;                     ///< sentences about the holds that were found
+  std::vector<std::string> mapping;                   ///< which source link drives which target links, for display
+  std::vector<std::string> notes;                     ///< sentences about assumptions and omissions
 };
 
-/// The report for people, a sentence each, without the mapping.
+/// The report as sentences for display, without the mapping.
 [[nodiscard]] std::vector<std::string> describe(const RetargetReport& report);
 
+/// Result of retarget.
 struct Retargeted {
-  Motion motion;  ///< of the target, with its contacts labelled
+  Motion motion;  ///< motion of the target, with contact labels
   RetargetReport report;
 };
 
-/// The motion on another mechanism. Joint limits of the target are kept in every frame.
-/// Errors: the motion does not fit its mechanism; no legs are found in one of the two; the target's root does not float; cancelled.
+/// Transfers `motion` from mechanism `from` to mechanism `to`. Joint limits of the target are kept in every frame.
+/// Errors: the motion does not fit its mechanism; one of the mechanisms has no recognizable legs; the target's root does not float;
+/// the mapping names unknown links; cancelled.
 /// O(frames * links).
 [[nodiscard]] Result<Retargeted> retarget(MechanismPtr from, const Motion& motion, MechanismPtr to, const RetargetOptions& options = {});
 

@@ -7,26 +7,26 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr std::size_t most_parts = 12;                    // folders above, and parts of a path, that are tried
-constexpr std::size_t most_bytes = std::size_t{1} << 31;  // of all meshes of a description
-constexpr int most_absent = 500;                          // absent files that are looked for
+constexpr std::size_t max_parts = 12;                    // maximum number of parent folders, and of path components removed, in the search
+constexpr std::size_t max_bytes = std::size_t{1} << 31;  // total size of all mesh files of one description
+constexpr int max_absent = 500;                          // after this many files were not found, the search stops: each costs many paths
 
-/// The folder of the file, and each above it: "a/c.urdf" gives "a/", "", "../", "../../" ...
+/// The folder of the file and its parent folders: "a/c.urdf" gives "a/", "", "../", "../../" ... At most `max_parts` folders.
 std::vector<std::string> folders_above(std::string_view file_name) {
   std::vector<std::string> out;
   std::size_t slash = file_name.rfind('/');
-  while (slash != std::string_view::npos && out.size() < most_parts) {
+  while (slash != std::string_view::npos && out.size() < max_parts) {
     out.emplace_back(file_name.substr(0, slash + 1));
     if (slash == 0) return out;
     slash = file_name.rfind('/', slash - 1);
   }
-  for (std::string above; !file_name.starts_with('/') && out.size() < most_parts; above += "../") out.push_back(above);
+  for (std::string above; !file_name.starts_with('/') && out.size() < max_parts; above += "../") out.push_back(above);
   return out;
 }
 
 }  // namespace
 
-std::vector<std::string> places_of(std::string_view uri, std::string_view file_name) {
+std::vector<std::string> candidate_paths(std::string_view uri, std::string_view file_name) {
   std::string_view path = uri;
   bool searched = false;
   for (const std::string_view scheme : {"package://", "model://", "file://"}) {
@@ -39,8 +39,8 @@ std::vector<std::string> places_of(std::string_view uri, std::string_view file_n
   if (!searched) return {path.starts_with('/') ? std::string(path) : (folders.empty() ? "" : folders.front()) + std::string(path)};
   while (path.starts_with('/')) path.remove_prefix(1);
   std::vector<std::string> out;
-  for (std::size_t part = 0; part < most_parts && !path.empty(); ++part) {
-    const bool bare = path.find('/') == std::string_view::npos;  // a name alone is looked for beside the description only
+  for (std::size_t part = 0; part < max_parts && !path.empty(); ++part) {
+    const bool bare = path.find('/') == std::string_view::npos;  // a bare file name is only searched in the description's folder
     for (std::size_t i = 0; i < (bare ? 1 : folders.size()); ++i) out.push_back(folders[i] + std::string(path));
     if (bare) break;
     path.remove_prefix(path.find('/') + 1);
@@ -56,13 +56,14 @@ const Result<std::optional<MeshShape>>& Assets::mesh(const std::string& uri, con
 }
 
 Result<std::optional<MeshShape>> Assets::read(const std::string& uri, const Vec3& scale, Meshes how, bool collides) {
-  if (!read_ || absent_ >= most_absent) return std::nullopt;
-  for (const std::string& path : places_of(uri, file_name_)) {
+  if (!read_ || absent_ >= max_absent) return std::nullopt;
+  for (const std::string& path : candidate_paths(uri, file_name_)) {
     const Result<std::string> bytes = read_(path);
     if (!bytes) continue;
     bytes_ += bytes->size();
-    if (bytes_ > most_bytes)
-      return fail(ErrorCode::range, path, "the meshes of this description have more than 2 GB.", "Leave them out, or reduce them.");
+    if (bytes_ > max_bytes)
+      return fail(ErrorCode::range, path, "The meshes of this description have more than 2 GB in total.",
+                  "Reduce the meshes, or read without them.");
     Result<MeshFile> mesh = read_mesh(*bytes, path);
     if (!mesh) return fail(std::move(mesh.error()));
     for (Vec3& p : mesh->points) p = {p.x * scale.x, p.y * scale.y, p.z * scale.z};

@@ -1,5 +1,6 @@
 #pragma once
-// Mesh files that a description names: where they may lie, and their shapes, each read once; internal to robot_formats.
+// Mesh files that a robot description refers to: the paths at which they are searched, and the shapes made from them, each read once.
+// Internal to robot_formats.
 
 #include <map>
 #include <optional>
@@ -12,20 +13,23 @@
 
 namespace ugoki::robot_formats {
 
-/// Paths at which the file may lie that `uri` names in the description `file_name`, the likeliest first. `package://a/b/c` and
-/// `model://a/b/c` are looked for in the description's folder and every folder above it, as a/b/c and then without
-/// leading parts, because packages are copied in pieces; other paths are relative to the description's folder.
-[[nodiscard]] std::vector<std::string> places_of(std::string_view uri, std::string_view file_name);
+/// Paths at which the file that `uri` names in the description `file_name` may be found, most likely path first. For `package://a/b/c` and
+/// `model://a/b/c` the description's folder and every folder above it are candidates, combined with a/b/c, b/c and c, because packages are
+/// often copied in part. The bare name c is only combined with the description's own folder. Any other path is relative to the
+/// description's folder. Empty for other schemes (http://).
+[[nodiscard]] std::vector<std::string> candidate_paths(std::string_view uri, std::string_view file_name);
 
+/// Loads and caches the meshes of one description.
 class Assets {
  public:
   Assets(AssetReader read, std::string_view file_name) : read_(std::move(read)), file_name_(file_name) {}
 
-  /// The mesh whose vertices were multiplied by `scale`. Nothing where the file is absent; an Error where it is there but cannot
-  /// be used. Kept for the next call. O(file)
+  /// The shape of the mesh after its vertices were multiplied by `scale`. std::nullopt if the file was not found; an Error if it was found
+  /// but cannot be used. The result is cached. The first call for a mesh costs O(file size).
   /// @param how exact, hull or box
+  /// @param collides whether the shape takes part in collision detection
   [[nodiscard]] const Result<std::optional<MeshShape>>& mesh(const std::string& uri, const Vec3& scale, Meshes how, bool collides);
-  /// What was read so far.
+  /// All meshes read so far.
   [[nodiscard]] std::vector<MeshRead> take_meshes() { return std::move(meshes_); }
 
  private:
@@ -35,8 +39,8 @@ class Assets {
 
   std::map<std::string, Result<std::optional<MeshShape>>, std::less<>> shapes_;
   std::vector<MeshRead> meshes_;
-  std::size_t bytes_ = 0;  ///< read so far
-  int absent_ = 0;
+  std::size_t bytes_ = 0;  ///< total size of the mesh files read so far
+  int absent_ = 0;         ///< number of mesh files that were not found
 };
 
 }  // namespace ugoki::robot_formats

@@ -11,15 +11,15 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr std::size_t most_points = 50'000'000;
+constexpr std::size_t max_points = 50'000'000;
 
-/// Points and triangles of one <geometry>, in its own frame.
+/// Vertices and triangles of one <geometry>, in the frame of this geometry.
 struct Part {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
 };
 
-/// x -> A x + b, any linear A: scales are allowed.
+/// Affine map x -> A x + b. A may contain scales.
 struct Placement {
   Mat3 A = Mat3::identity();
   Vec3 b;
@@ -51,14 +51,14 @@ class ColladaReader {
         without_hash(mesh.child("vertices").find_child_by_attribute("input", "semantic", "POSITION").attribute("source").value());
     for (const pugi::xml_node source : mesh.children("source")) {
       if (id != source.attribute("id").value()) continue;
-      const std::vector<double> v = xml_.list(xml_.element(source, "float_array"), 0, 3 * most_points);
+      const std::vector<double> v = xml_.list(xml_.element(source, "float_array"), 0, 3 * max_points);
       Part& part = geometries_[geometry.attribute("id").value()];
       for (std::size_t i = 0; i + 2 < v.size(); i += 3) part.points.push_back({v[i], v[i + 1], v[i + 2]});
       for (const pugi::xml_node faces : mesh.children()) read_faces(faces, part);
     }
   }
 
-  /// <triangles>, <polylist> or <polygons>: polygons become fans.
+  /// Adds the faces of one <triangles>, <polylist> or <polygons>. Polygons are split into triangle fans.
   void read_faces(pugi::xml_node faces, Part& part) {
     const std::string_view kind = faces.name();
     if (kind != "triangles" && kind != "polylist" && kind != "polygons") return;
@@ -69,10 +69,10 @@ class ColladaReader {
       if (std::string_view(input.attribute("semantic").value()) == "VERTEX") offset = at;
     }
     std::vector<double> counts;
-    if (kind == "polylist") counts = xml_.list(xml_.element(faces, "vcount"), 0, most_points, not_negative);
+    if (kind == "polylist") counts = xml_.list(xml_.element(faces, "vcount"), 0, max_points, not_negative);
     std::size_t polygon = 0;
     for (const pugi::xml_node list : faces.children("p")) {
-      const std::vector<double> p = xml_.list(xml_.content(list), 0, 10 * most_points, not_negative);
+      const std::vector<double> p = xml_.list(xml_.content(list), 0, 10 * max_points, not_negative);
       const std::size_t corners = p.size() / stride;
       for (std::size_t first = 0; first < corners;) {
         std::size_t n = kind == "triangles" ? 3 : corners;
@@ -82,7 +82,7 @@ class ColladaReader {
         const auto corner = [&](std::size_t i) { return p[(first + i) * stride + offset]; };
         for (std::size_t i = 2; i < n; ++i) {
           if (!(std::max({corner(0), corner(i - 1), corner(i)}) < static_cast<double>(part.points.size()))) {
-            xml_.problem(faces, ErrorCode::range, "a face names a vertex that there is not.", "Export the mesh again.");
+            xml_.problem(faces, ErrorCode::range, "A face refers to a vertex that does not exist.", "Export the mesh again.");
             return;
           }
           part.triangles.push_back({static_cast<int>(corner(0)), static_cast<int>(corner(i - 1)), static_cast<int>(corner(i))});
@@ -92,7 +92,7 @@ class ColladaReader {
     }
   }
 
-  Placement own(pugi::xml_node node) {
+  Placement local_placement(pugi::xml_node node) {
     Placement all;
     for (const pugi::xml_node child : node.children()) {
       const std::string_view kind = child.name();
@@ -112,14 +112,14 @@ class ColladaReader {
     return all;
   }
 
-  /// The node and all below it, without recursion.
+  /// Adds the geometries of the node and its descendants; no recursion, so that deep files cannot exhaust the stack. True if any was added.
   bool place(pugi::xml_node top) {
     bool placed = false;
     std::vector<std::pair<pugi::xml_node, Placement>> todo = {{top, {}}};
     while (!todo.empty()) {
       const auto [node, above] = todo.back();
       todo.pop_back();
-      const Placement here = above * own(node);
+      const Placement here = above * local_placement(node);
       for (const pugi::xml_node instance : node.children("instance_geometry"))
         if (const auto it = geometries_.find(without_hash(instance.attribute("url").value())); it != geometries_.end()) {
           add(it->second, here);
@@ -131,7 +131,7 @@ class ColladaReader {
   }
 
   void add(const Part& part, const Placement& where) {
-    if (out_.points.size() + part.points.size() > most_points || out_.triangles.size() + part.triangles.size() > most_points) return;
+    if (out_.points.size() + part.points.size() > max_points || out_.triangles.size() + part.triangles.size() > max_points) return;
     const int first = static_cast<int>(out_.points.size());
     for (const Vec3& p : part.points) out_.points.push_back((where.A * p + where.b) * unit_);
     const bool mirrored = where.A.determinant() < 0;

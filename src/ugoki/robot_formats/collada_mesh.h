@@ -1,5 +1,5 @@
 #pragma once
-// The vertices and triangles of a COLLADA mesh; internal to robot_formats.
+// Vertices and triangles of a COLLADA mesh. Internal to robot_formats.
 
 #include <string>
 #include <string_view>
@@ -8,9 +8,9 @@
 
 namespace ugoki::robot_formats {
 
-/// Positions [m] and faces (<triangles>, <polylist>, <polygons>) of every geometry that the scene's nodes place, in the scene's
-/// own axes (as the viewers of robot descriptions take them); without a scene those of every geometry. Skins and library
-/// nodes are not followed.
+/// Vertices [m] and faces (<triangles>, <polylist>, <polygons>) of every geometry that a node of the visual scene instantiates, in the axes
+/// of the scene (<up_axis> is ignored, as viewers of robot descriptions do). If no node instantiates a geometry, all geometries are used.
+/// Skins and <library_nodes> are ignored.
 [[nodiscard]] Result<MeshFile> collada_mesh(std::string_view text, const std::string& file_name);
 
 }  // namespace ugoki::robot_formats

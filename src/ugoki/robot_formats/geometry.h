@@ -1,5 +1,5 @@
 #pragma once
-// The geometry of a collision or visual element as Ugoki's shapes, common to URDF and SDF; internal to robot_formats.
+// Converts the geometry of a <collision> or <visual> element to an Ugoki shape; common to URDF and SDF. Internal to robot_formats.
 
 #include <optional>
 #include <string>
@@ -11,25 +11,25 @@ namespace ugoki::robot_formats {
 
 enum class Primitive { box, sphere, cylinder, capsule, ellipsoid };
 
-/// Sizes [m] that the element gives; which of them count depends on the primitive.
+/// Sizes [m] of a primitive; the primitive decides which of them are used.
 struct PrimitiveSize {
   Vec3 sides = {};    ///< box
   double radius = 0;  ///< sphere, cylinder, capsule
-  double length = 0;  ///< cylinder, capsule (its straight part)
+  double length = 0;  ///< cylinder, capsule (without its hemispheres)
   Vec3 radii = {};    ///< ellipsoid
 };
 
-/// Where an element stands and what it is for.
+/// Element that defines a shape, and where and how the shape is used.
 struct ShapeUse {
-  pugi::xml_node node;
+  pugi::xml_node node;  ///< <collision> or <visual>, for problems and notes
   bool collides = true;
-  Pose X_BS;
+  Pose X_BS;  ///< shape in the link frame
 };
 
-/// Nothing, with a note, where a size is zero.
+/// The primitive as a shape. std::nullopt, with a note, if a size is zero.
 [[nodiscard]] std::optional<Shape> primitive_shape(XmlFields& xml, Primitive kind, const PrimitiveSize& size, const ShapeUse& use);
 
-/// The mesh as the options want it; nothing, with a note or a problem, where it cannot be had.
+/// The mesh as a shape, in the form that `options.meshes` asks for. std::nullopt, with a note or a problem, if the mesh cannot be read.
 [[nodiscard]] std::optional<Shape> mesh_shape(XmlFields& xml, const std::string& uri, const Vec3& scale, const ShapeUse& use,
                                               const RobotOptions& options, Assets& assets);
 

@@ -7,11 +7,11 @@
 
 namespace ugoki::robot_formats {
 
-std::optional<double> make_possible(Inertia& inertia) {
+std::optional<double> make_physical(Inertia& inertia) {
   const Sym3 I = inertia.about_centre();
   const double half_trace = 0.5 * (I.xx + I.yy + I.zz);
   const SymmetricEigen P = symmetric_eigen({half_trace - I.xx, half_trace - I.yy, half_trace - I.zz, -I.xy, -I.xz, -I.yz});
-  // Stricter than Mechanism::make, whose slack is 1e-9 of the moments about the origin.
+  // Stricter than Mechanism::make, which tolerates 1e-9 of the moments about the origin: a repaired inertia always passes its test.
   const double slack = 1e-10 * std::max({std::fabs(inertia.I.xx), std::fabs(inertia.I.yy), std::fabs(inertia.I.zz)});
   if (P.values.x >= -slack && P.values.y >= -slack && P.values.z >= -slack) return std::nullopt;
 
@@ -21,10 +21,10 @@ std::optional<double> make_possible(Inertia& inertia) {
   const Sym3 nearest{trace - Q.xx, trace - Q.yy, trace - Q.zz, -Q.xy, -Q.xz, -Q.yz};
   const Sym3 d = nearest - I;
   const double change = std::max({std::fabs(d.xx), std::fabs(d.yy), std::fabs(d.zz), std::fabs(d.xy), std::fabs(d.xz), std::fabs(d.yz)});
-  const double greatest =
+  const double largest_moment =
       std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), std::fabs(I.xy), std::fabs(I.xz), std::fabs(I.yz), 1e-300});
   inertia = Inertia::from_centre(inertia.mass, inertia.centre(), nearest);
-  return change / greatest;
+  return change / largest_moment;
 }
 
 }  // namespace ugoki::robot_formats

@@ -1,5 +1,5 @@
 #pragma once
-// Moments of inertia that no body can have; internal to robot_formats.
+// Replaces physically impossible moments of inertia. Internal to robot_formats.
 
 #include <optional>
 
@@ -7,10 +7,10 @@
 
 namespace ugoki::robot_formats {
 
-/// Where no body has these moments about the centre of mass (one is negative, or above the sum of the other two), moves them
-/// to the nearest that a body has: the second moments of mass P = tr(I)/2 1 - I lose their negative eigenvalues, which
-/// is the nearest positive semidefinite matrix (Higham 1988). Mass and centre stay. All numbers finite.
-/// @return greatest change of a moment, as a share of the greatest moment; nothing where the inertia is possible
-std::optional<double> make_possible(Inertia& inertia);
+/// Replaces moments of inertia about the centre of mass that no body can have (one is negative or greater than the sum of the other two)
+/// by the nearest possible ones. Method: the negative eigenvalues of the second moments of mass P = tr(I)/2 1 - I become zero, which gives
+/// the nearest positive semidefinite matrix (Higham 1988). Mass and centre of mass are unchanged. All inputs must be finite.
+/// @return the maximum change of a moment divided by the largest moment; std::nullopt if the inertia was already possible
+std::optional<double> make_physical(Inertia& inertia);
 
 }  // namespace ugoki::robot_formats

@@ -9,12 +9,12 @@ namespace {
 
 using formats::in_quotes;
 
-constexpr std::size_t max_yaml = std::size_t{4} << 20;
+constexpr std::size_t max_yaml = std::size_t{4} << 20;  // bytes
 constexpr std::size_t max_entries = 100'000;
 
 int line_of(const YAML::Node& node) { return std::max(0, node.Mark().line) + 1; }
 
-/// May throw what yaml-cpp throws.
+/// Parses the loops file. Its methods may throw YAML::Exception; read_loops_yaml catches it.
 class LoopsYamlReader {
  public:
   explicit LoopsYamlReader(const std::string& file_name) : problems_(file_name) {}
@@ -22,19 +22,19 @@ class LoopsYamlReader {
   Result<LoopsYaml> read(const std::string& text) {
     const YAML::Node root = YAML::Load(text);
     if (!root.IsMap()) {
-      problems_.add(ErrorCode::structure, line_of(root), "the file is no list of keys with values.",
+      problems_.add(ErrorCode::structure, line_of(root), "The file is not a map of keys to values.",
                     "Write closed_loop: [[a, b]] and type: [6d].");
       return fail(problems_.take());
     }
     for (const auto& entry : root) read_key(entry.first, entry.second);
     if (types_.size() != out_.closures.size())
-      problems_.add(
-          ErrorCode::structure, 1,
-          "closed_loop has " + std::to_string(out_.closures.size()) + " pairs, but type has " + std::to_string(types_.size()) + " entries.",
-          "Give one type for each pair.");
+      problems_.add(ErrorCode::structure, 1,
+                    "'closed_loop' has " + std::to_string(out_.closures.size()) + " pairs, but 'type' has " +
+                        std::to_string(types_.size()) + " entries.",
+                    "Give one type for each pair.");
     if (joint_types_.size() != out_.joints.size())
       problems_.add(ErrorCode::structure, 1,
-                    "joint_name has " + std::to_string(out_.joints.size()) + " entries, but joint_type has " +
+                    "'joint_name' has " + std::to_string(out_.joints.size()) + " entries, but 'joint_type' has " +
                         std::to_string(joint_types_.size()) + ".",
                     "Give one type for each joint.");
     if (!problems_.empty()) return fail(problems_.take());
@@ -52,7 +52,7 @@ class LoopsYamlReader {
         if (pair.IsSequence() && pair.size() == 2)
           out_.closures.push_back({scalar(pair[0]), scalar(pair[1]), LoopType::weld, line_of(pair)});
         else
-          problems_.add(ErrorCode::structure, line_of(pair), "a loop is no pair of frames.", "Write [frame_a, frame_b].");
+          problems_.add(ErrorCode::structure, line_of(pair), "A loop must be a pair of frames.", "Write [frame_a, frame_b].");
       });
     } else if (name == "type") {
       each(value, [this](const YAML::Node& type) { types_.push_back(loop_type(type)); });
@@ -70,8 +70,9 @@ class LoopsYamlReader {
   template <class F>
   void each(const YAML::Node& list, F&& use) {
     if (!list.IsSequence() || list.size() > max_entries) {
-      problems_.add(ErrorCode::structure, line_of(list), list.IsSequence() ? "the list is too long." : "a list is missing here.",
-                    "Write [a, b, ...], with at most 100,000 entries.");
+      problems_.add(ErrorCode::structure, line_of(list),
+                    list.IsSequence() ? "The list has more than 100,000 entries." : "A list is missing here.",
+                    "Write [a, b, ...] with at most 100,000 entries.");
       return;
     }
     for (const auto& item : list) use(item);
@@ -79,7 +80,7 @@ class LoopsYamlReader {
 
   std::string scalar(const YAML::Node& node) {
     if (node.IsScalar() && !node.Scalar().empty()) return formats::utf8(node.Scalar());
-    problems_.add(ErrorCode::syntax, line_of(node), "a name is missing here.", "Write a name.");
+    problems_.add(ErrorCode::syntax, line_of(node), "A name is missing here.", "Write a name.");
     return {};
   }
 
@@ -89,7 +90,7 @@ class LoopsYamlReader {
     if (name == "3d" || name == "3D") return LoopType::ball;
     const std::optional<LoopType> type = loop_type_named(name);
     if (type && *type != LoopType::gear && *type != LoopType::distance) return *type;
-    problems_.add(ErrorCode::unsupported, line_of(node), in_quotes(name) + " is no type of a loop.",
+    problems_.add(ErrorCode::unsupported, line_of(node), in_quotes(name) + " is not a loop type.",
                   "Use 6d, 3d, weld, ball, revolute, prismatic, cylindrical, planar or universal.");
     return LoopType::weld;
   }
@@ -104,8 +105,8 @@ class LoopsYamlReader {
       joint.axis = axis(type[7]);
       joint.axis2 = axis(type[8]);
     } else {
-      problems_.add(ErrorCode::unsupported, joint.line, in_quotes(type) + " is no joint type.",
-                    "Use SPHERICAL or UJOINT_XY (or other axes).");
+      problems_.add(ErrorCode::unsupported, joint.line, in_quotes(type) + " is not a joint type.",
+                    "Use SPHERICAL, or UJOINT_ followed by two different axes (UJOINT_XY).");
     }
   }
 
@@ -119,21 +120,22 @@ class LoopsYamlReader {
 
 Result<LoopsYaml> read_loops_yaml(const SideFile& file) {
   formats::Problems problems(file.name);
-  if (file.text.size() > max_yaml) return fail(ErrorCode::range, file.name, "the loops file has more than 4 MB.", "Give a smaller one.");
+  if (file.text.size() > max_yaml) return fail(ErrorCode::range, file.name, "The loops file has more than 4 MB.", "Give a smaller file.");
   if (!formats::plain_text(file.text, "YAML", problems)) return fail(problems.take());
   try {
     return LoopsYamlReader(file.name).read(file.text);
   } catch (const YAML::Exception& e) {
     return fail(ErrorCode::syntax, file.name + ":" + std::to_string(std::max(0, e.mark.line) + 1),
-                "the text is no YAML here (" + e.msg + ").", "Check brackets, quotes and indentation.");
+                "The text is not valid YAML (" + e.msg + ").", "Check brackets, quotes and indentation.");
   }
 }
 
 Error apply_loops(const LoopsYaml& yaml, const SideFile& file, const std::function<std::optional<LoopEnd>(std::string_view)>& find_frame,
                   const std::function<std::optional<int>(std::string_view)>& find_joint, RobotDraft& draft) {
   formats::Problems problems(file.name);
-  const auto unknown = [&](int line, const std::string& what, const std::string& name) {
-    problems.add(ErrorCode::unknown, line, "the description has no " + what + " " + in_quotes(name) + ".", "Name one that it has.");
+  const auto unknown = [&](int line, const std::string& kind, const std::string& name) {
+    problems.add(ErrorCode::unknown, line, "The description has no " + kind + " " + in_quotes(name) + ".",
+                 "Use a name from the description.");
   };
   for (const LoopsYaml::JointChange& change : yaml.joints) {
     const std::optional<int> link = find_joint(change.joint);
@@ -145,7 +147,7 @@ Error apply_loops(const LoopsYaml& yaml, const SideFile& file, const std::functi
     joint.type = change.type;
     joint.axis = change.axis;
     joint.axis2 = change.axis2;
-    for (int i = 1; i < joint.nv(); ++i) joint.freedoms[static_cast<std::size_t>(i)] = joint.freedoms[0];
+    for (int i = 1; i < joint.nv(); ++i) joint.dofs[static_cast<std::size_t>(i)] = joint.dofs[0];
   }
   for (const LoopsYaml::Closure& closure : yaml.closures) {
     const std::optional<LoopEnd> a = find_frame(closure.a), b = find_frame(closure.b);

@@ -1,10 +1,10 @@
 #pragma once
-// The YAML file that names the loops of a description which itself can only write a tree (as in example-parallel-robots):
+// YAML file that defines the closed loops of a description that can only store a tree (format of example-parallel-robots):
 //
-//   closed_loop: [[frame_a, frame_b], ...]   links, joints (their links) or frames of the description
-//   type: [6d, 3d, revolute, ...]            6d: weld, 3d: ball, or a loop type of loop.h; its axis is the frames' z
-//   name_mot: [joint, ...]                   driven joints
-//   joint_name: [joint, ...]                 joints whose type is another than the description says
+//   closed_loop: [[frame_a, frame_b], ...]   names of links, joints (meaning their child links) or frames of the description
+//   type: [6d, 3d, revolute, ...]            6d: weld, 3d: ball, or a loop type of loop.h; the axis of the loop is z of the frames
+//   name_mot: [joint, ...]                   actuated joints
+//   joint_name: [joint, ...]                 joints whose type differs from the type in the description
 //   joint_type: [SPHERICAL, UJOINT_XY, ...]
 
 #include <functional>
@@ -17,6 +17,7 @@
 
 namespace ugoki::robot_formats {
 
+/// Contents of the loops file. `line` is the line of the entry in this file, for error messages.
 struct LoopsYaml {
   struct Closure {
     std::string a, b;
@@ -35,22 +36,23 @@ struct LoopsYaml {
   };
   std::vector<Closure> closures;
   std::vector<JointChange> joints;
-  std::vector<Driven> driven;
+  std::vector<Driven> driven;  ///< actuated joints
   std::vector<std::string> notes;
 };
 
-/// At most 4 MB, 100,000 loops. Unknown keys are noted.
+/// Parses the loops file. Errors: more than 4 MB, more than 100,000 entries in a list, syntax. Unknown keys give a note.
 [[nodiscard]] Result<LoopsYaml> read_loops_yaml(const SideFile& file);
 
-/// A frame of the description.
+/// Location of a loop end: a frame in a link.
 struct LoopEnd {
   int link = -1;  ///< index in the draft; -1: the world
-  Pose X;         ///< in the draft's link
+  Pose X;         ///< pose of the frame in the draft's link
 };
 
-/// Puts what the YAML file names into the draft.
-/// @param find_frame, find_joint by the description's names; nothing: unknown. find_joint gives the link of a tree joint
-/// @return the names that are unknown or do not fit; empty: all done
+/// Adds the loops, joint types and actuated joints of the YAML file to the draft.
+/// @param find_frame, find_joint look up a name of the description; std::nullopt: unknown. find_joint returns the child link of a tree
+/// joint
+/// @return problems with unknown names; empty: no problem
 [[nodiscard]] Error apply_loops(const LoopsYaml& yaml, const SideFile& file,
                                 const std::function<std::optional<LoopEnd>(std::string_view)>& find_frame,
                                 const std::function<std::optional<int>(std::string_view)>& find_joint, RobotDraft& draft);

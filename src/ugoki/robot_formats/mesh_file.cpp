@@ -15,9 +15,9 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double farthest = 1e6;
-constexpr double thinnest = 1e-4;  // m, half a side
-constexpr std::size_t most_points = 100'000'000;
+constexpr double max_coordinate = 1e6;    // unit of the file
+constexpr double min_half_extent = 1e-4;  // m: flat meshes get a thickness, because a box of zero volume cannot collide
+constexpr std::size_t max_points = 100'000'000;
 
 bool ends_with(std::string_view name, std::string_view ending) {
   return name.size() >= ending.size() && formats::equal_ignoring_case(name.substr(name.size() - ending.size()), ending);
@@ -29,7 +29,7 @@ std::uint32_t u32(const char* p) {
   return out;
 }
 
-/// Every three points are a triangle.
+/// Makes a triangle of every three consecutive points.
 void join_in_threes(MeshFile& mesh) {
   for (int i = 0; i + 2 < static_cast<int>(mesh.points.size()); i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
 }
@@ -46,7 +46,7 @@ MeshFile binary_stl(std::string_view bytes, std::size_t triangles) {
   return out;
 }
 
-/// The three numbers that come next on the line; the fault goes into `error`.
+/// The next three numbers on the line; std::nullopt with a problem in `error` if one is missing or invalid.
 std::optional<Vec3> point_on_line(formats::Scanner& scan, const std::string& file_name, Error& error) {
   Vec3 v;
   for (int i = 0; i < 3; ++i) {
@@ -86,7 +86,7 @@ Result<MeshFile> obj(std::string_view text, const std::string& file_name) {
       const std::optional<Vec3> p = point_on_line(scan, file_name, error);
       if (!p) return fail(std::move(error));
       out.points.push_back(*p);
-    } else if (kind == "f") {  // a fan of triangles; "7/2/3" is point 7, -1 the last one
+    } else if (kind == "f") {  // becomes a fan of triangles; "7/2/3" means point 7, -1 the last point
       std::array<int, 3> fan{};
       int corner = 0;
       for (std::string_view token = scan.word_on_line(); !token.empty(); token = scan.word_on_line(), ++corner) {
@@ -95,7 +95,7 @@ Result<MeshFile> obj(std::string_view text, const std::string& file_name) {
         const long index = !given ? -1 : *given < 0 ? count + *given : *given - 1;
         if (index < 0 || index >= count)
           return fail(ErrorCode::range, file_name + ":" + std::to_string(scan.line()),
-                      formats::in_quotes(token) + " names no vertex before it.", "Export the mesh again.");
+                      formats::in_quotes(token) + " does not refer to a preceding vertex.", "Export the mesh again.");
         if (corner >= 2) out.triangles.push_back({fan[0], fan[1], static_cast<int>(index)});
         fan[corner == 0 ? 0 : 1] = static_cast<int>(index);
       }
@@ -111,11 +111,11 @@ Result<MeshFile> read_kind(std::string_view bytes, const std::string& file_name)
     const std::size_t triangles = bytes.size() >= 84 ? u32(bytes.data() + 80) : 0;
     if (triangles > 0 && (bytes.size() - 84) / 50 >= triangles) return binary_stl(bytes, triangles);
     if (bytes.starts_with("solid")) return ascii_stl(bytes, file_name);
-    return fail(ErrorCode::truncated, file_name, "the STL file ends before its last triangle.", "Export the mesh again.");
+    return fail(ErrorCode::truncated, file_name, "The STL file ends before its last triangle.", "Export the mesh again.");
   }
   if (ends_with(file_name, ".obj")) return obj(bytes, file_name);
   if (ends_with(file_name, ".dae")) return collada_mesh(bytes, file_name);
-  return fail(ErrorCode::unsupported, file_name, "meshes of this kind are not read.", "Give an STL, OBJ or DAE file.");
+  return fail(ErrorCode::unsupported, file_name, "Mesh files of this type cannot be read.", "Give an STL, OBJ or DAE file.");
 }
 
 /// The box around the points whose sides are parallel to the columns of R.
@@ -129,7 +129,7 @@ Shape box_along(const std::vector<Vec3>& points, const Mat3& R) {
     }
   }
   Vec3 half = (high - low) * 0.5;
-  for (int i = 0; i < 3; ++i) half[i] = std::max(half[i], thinnest);
+  for (int i = 0; i < 3; ++i) half[i] = std::max(half[i], min_half_extent);
   return Shape::box(half, {R, R * ((low + high) * 0.5)});
 }
 
@@ -147,21 +147,23 @@ Mat3 principal_axes(const std::vector<Vec3>& points) {
 }  // namespace
 
 Result<MeshFile> read_mesh(std::string_view bytes, std::string_view file_name) {
-  const std::string place(file_name);
-  Result<MeshFile> mesh = read_kind(bytes, place);
+  const std::string location(file_name);
+  Result<MeshFile> mesh = read_kind(bytes, location);
   if (!mesh) return mesh;
-  if (mesh->points.empty()) return fail(ErrorCode::structure, place, "the mesh has no vertex.", "Export the mesh again.");
-  if (mesh->points.size() > most_points) return fail(ErrorCode::range, place, "the mesh has more than 100 million vertices.", "Reduce it.");
+  if (mesh->points.empty()) return fail(ErrorCode::structure, location, "The mesh has no vertex.", "Export the mesh again.");
+  if (mesh->points.size() > max_points)
+    return fail(ErrorCode::range, location, "The mesh has more than 100 million vertices.", "Reduce the mesh.");
   for (const Vec3& p : mesh->points)
-    if (!(std::fabs(p.x) <= farthest && std::fabs(p.y) <= farthest && std::fabs(p.z) <= farthest))
-      return fail(ErrorCode::range, place, "a vertex of the mesh is not finite or farther away than 1e6.", "Export the mesh again.");
+    if (!(std::fabs(p.x) <= max_coordinate && std::fabs(p.y) <= max_coordinate && std::fabs(p.z) <= max_coordinate))
+      return fail(ErrorCode::range, location, "A coordinate of a vertex is not finite or greater than 1e6.", "Export the mesh again.");
   return mesh;
 }
 
 Shape box_around(const std::vector<Vec3>& points) {
-  const Shape straight = box_along(points, Mat3::identity());
-  const Shape turned = box_along(points, principal_axes(points));
-  return volume(turned) < 0.9 * volume(straight) ? turned : straight;
+  const Shape aligned = box_along(points, Mat3::identity());
+  const Shape rotated = box_along(points, principal_axes(points));
+  // The rotated box must be clearly smaller (10 %): otherwise the simpler axis-aligned box is used.
+  return volume(rotated) < 0.9 * volume(aligned) ? rotated : aligned;
 }
 
 }  // namespace ugoki::robot_formats

@@ -1,5 +1,5 @@
 #pragma once
-// Mesh files that a description names: their vertices and triangles, and a box around them; internal to robot_formats.
+// Reads the vertices and triangles of a mesh file, and fits a box around them. Internal to robot_formats.
 
 #include <array>
 #include <string_view>
@@ -10,18 +10,18 @@
 
 namespace ugoki::robot_formats {
 
-/// Lengths in units of the file; m for COLLADA, which tells its unit.
+/// Vertices and triangles of a mesh file. Lengths are in the unit of the file, or in m for COLLADA, which states its unit.
 struct MeshFile {
   std::vector<Vec3> points;
-  std::vector<std::array<int, 3>> triangles;  ///< indices of points, counter-clockwise seen from outside
+  std::vector<std::array<int, 3>> triangles;  ///< indices into points, counter-clockwise as seen from outside
 };
 
-/// STL (binary, ASCII), OBJ or COLLADA, by the ending of the name. Refuses what is broken, has no vertex, or one that is not
-/// finite or beyond 1e6. Memory: a fixed multiple of the file's.
+/// Reads an STL (binary or ASCII), OBJ or COLLADA file; the file name extension selects the format. Errors: a damaged file, no vertex, more
+/// than 100 million vertices, a coordinate that is not finite or greater than 1e6. Memory: a constant multiple of the file size.
 [[nodiscard]] Result<MeshFile> read_mesh(std::string_view bytes, std::string_view file_name);
 
-/// The box around the points along the frame's axes or along the points' principal axes, whichever is smaller; no side
-/// is thinner than 0.2 mm. In the points' frame. At least one point.
+/// The smaller of two boxes around the points: parallel to the frame's axes, or parallel to the principal axes of the points. Each side is
+/// at least 0.2 mm. The box's pose is given in the points' frame. Needs at least one point.
 [[nodiscard]] Shape box_around(const std::vector<Vec3>& points);
 
 }  // namespace ugoki::robot_formats

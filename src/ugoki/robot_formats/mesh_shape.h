@@ -1,5 +1,5 @@
 #pragma once
-// The mesh of a description as a shape: its surface, its convex hull, or the box around it. Internal to robot_formats.
+// Converts the mesh of a description to a shape: its exact surface, its convex hull, or the box around it. Internal to robot_formats.
 
 #include <string>
 
@@ -8,19 +8,20 @@
 
 namespace ugoki::robot_formats {
 
+/// Shape made from a mesh.
 struct MeshShape {
   Shape shape;                     ///< in the mesh's frame
-  std::vector<std::string> notes;  ///< sentences on what was mended or could not be had
-  GeometryFindings found;          ///< exact: what was mended
+  std::vector<std::string> notes;  ///< sentences for the user: what was repaired or approximated
+  GeometryFindings found;          ///< exact surfaces only: defects found in the mesh
 };
 
-/// A mesh whose points all lie in a plane or on a line has no hull that encloses something: it becomes a thin box, with a note.
-/// Errors (at `place`): as make_geometry and make_hull_geometry have them.
-/// @param how exact, hull or box
-/// @param collides false: only to be seen, so nothing is prepared for collision
-[[nodiscard]] Result<MeshShape> shape_of_mesh(const MeshFile& mesh, Meshes how, bool collides, const std::string& place);
+/// Makes the shape. If all points lie in a plane or on a line, the convex hull has no volume; the result is then a thin box, with a note.
+/// Errors (at `location`): those of make_geometry and make_hull_geometry.
+/// @param how exact, hull or box; a mesh without triangles gives its hull instead of its exact surface
+/// @param collides false: for display only, so nothing is prepared for collision detection
+[[nodiscard]] Result<MeshShape> shape_of_mesh(const MeshFile& mesh, Meshes how, bool collides, const std::string& location);
 
-/// "A mesh that collides is taken as its convex hull."
-[[nodiscard]] std::string how_taken(const Shape& shape, bool collides);
+/// A note for the user about the form in which a mesh is used, for example "A collision mesh is replaced by its convex hull."
+[[nodiscard]] std::string describe_mesh_use(const Shape& shape, bool collides);
 
 }  // namespace ugoki::robot_formats

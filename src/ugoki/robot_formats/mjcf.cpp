@@ -5,14 +5,14 @@
 namespace ugoki::robot_formats {
 namespace {
 
-/// "link foot" or "loop knee" of the mechanism as the line of the file that it comes from.
-std::string place_in_file(const std::string& place, const std::vector<std::string>& link_names, const std::vector<std::string>& loop_names,
-                          const MjcfBuild& build, const MjcfElement& root) {
-  const auto line = [&](const MjcfElement& e) { return e.file->place(e.node) + ", " + place; };
+/// Converts a location in the mechanism ("link foot", "loop knee") to the location in the file: "m.xml:12, link foot".
+std::string location_in_file(const std::string& location, const std::vector<std::string>& link_names,
+                             const std::vector<std::string>& loop_names, const MjcfBuild& build, const MjcfElement& root) {
+  const auto line = [&](const MjcfElement& e) { return e.file->location(e.node) + ", " + location; };
   for (std::size_t i = 0; i < link_names.size(); ++i)
-    if (place == "link " + link_names[i]) return line(build.link_elements[i]);
+    if (location == "link " + link_names[i]) return line(build.link_elements[i]);
   for (std::size_t i = 0; i < loop_names.size(); ++i)
-    if (place == "loop " + loop_names[i]) return line(build.loop_elements[i]);
+    if (location == "loop " + loop_names[i]) return line(build.loop_elements[i]);
   return line(root);
 }
 
@@ -34,7 +34,7 @@ Result<RobotModel> read_mjcf(std::string_view text, std::string_view file_name, 
     read_mjcf_keyframes(build);
   }
   if (build.tree.bodies.size() == 1 && !files.failed())
-    root.problem(ErrorCode::structure, "the model has no body.", "Check that it is whole.");
+    root.problem(ErrorCode::structure, "The model has no body.", "Check that the file is complete.");
   if (files.failed()) return fail(files.take_problems());
   note_mjcf_left_out(build);
 
@@ -43,7 +43,7 @@ Result<RobotModel> read_mjcf(std::string_view text, std::string_view file_name, 
   for (const LoopSpec& l : build.spec.loops) loop_names.push_back(l.name);
   Result<MechanismPtr> mechanism = Mechanism::make(std::move(build.spec));
   if (!mechanism) {
-    for (Problem& p : mechanism.error().problems) p.place = place_in_file(p.place, link_names, loop_names, build, root);
+    for (Problem& p : mechanism.error().problems) p.location = location_in_file(p.location, link_names, loop_names, build, root);
     if (mechanism.error().problems.size() > 20) mechanism.error().problems.resize(20);
     return fail(std::move(mechanism.error()));
   }

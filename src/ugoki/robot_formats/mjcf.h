@@ -1,5 +1,5 @@
 #pragma once
-// MuJoCo's XML (MJCF) as mechanisms. What is read and what is left out: docs/formats.md.
+// Reads MuJoCo's XML format (MJCF) as a mechanism. docs/formats.md lists which elements are read and which are left out.
 
 #include <string_view>
 
@@ -7,12 +7,12 @@
 
 namespace ugoki::robot_formats {
 
-/// Reads a model with all that it includes and attaches. Every body becomes a link of its name; several joints of one body
-/// become a chain of links without mass, "body:joint". Every joint's coordinate is 0, and every floating base at its
-/// joint's frame, at the position of the file: q = MuJoCo's qpos - ref, and MuJoCo's free joint is X_PJ times ours.
-/// Equalities become loops, drives the efforts of their joints, keyframes positions.
-/// @param file_name names the model and stands in the place of every problem; other files are relative to its folder
-/// Errors: at most twenty problems, each with file:line and a remedy. O(text + bodies log bodies).
+/// Reads a model with all files that it includes or attaches. Every body becomes a link of the same name. If a body has several joints,
+/// they become a chain of massless links named "body:joint". Coordinates are shifted: q = 0 is the pose written in the file, so for hinges
+/// and slides q = MuJoCo's qpos - ref. A floating base is at its joint frame at q = 0: MuJoCo's free-joint pose = X_PJ * our joint pose.
+/// Equalities become loops, actuators become effort limits of their joints, keyframes become named positions.
+/// @param file_name names the model and appears in the location of every problem; other files are relative to its folder
+/// Errors: at most 20 problems, each with file:line and a remedy. O(text + bodies log bodies).
 [[nodiscard]] Result<RobotModel> read_mjcf(std::string_view text, std::string_view file_name, const RobotOptions& options = {});
 
 }  // namespace ugoki::robot_formats

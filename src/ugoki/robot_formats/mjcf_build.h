@@ -1,5 +1,5 @@
 #pragma once
-// From the bodies of an MJCF model to the parts of a mechanism. Internal to robot_formats.
+// Converts the bodies of an MJCF model to links, joints and loops of a mechanism. Internal to robot_formats.
 
 #include <cstddef>
 #include <set>
@@ -11,58 +11,60 @@
 
 namespace ugoki::robot_formats {
 
-/// What the readers of the sections add to.
+/// State shared by the functions that convert the sections of the file; each adds its part.
 struct MjcfBuild {
   MjcfTree tree;
   const RobotOptions& options;
   MechanismSpec spec = {};
-  std::vector<MjcfElement> link_elements = {};  ///< beside spec.links: where each stands in the file
-  std::vector<MjcfElement> loop_elements = {};  ///< beside spec.loops
-  std::vector<Pose> X_BF = {};                  ///< beside spec.links: RobotModel::X_BF
+  std::vector<MjcfElement> link_elements = {};  ///< [spec.links] element that defines the link, for error locations
+  std::vector<MjcfElement> loop_elements = {};  ///< [spec.loops] element that defines the loop
+  std::vector<Pose> X_BF = {};                  ///< [spec.links] see RobotModel::X_BF
   std::vector<JointName> joints = {};
-  std::vector<std::string> driven = {};
+  std::vector<std::string> driven = {};  ///< links whose joints have an actuator
   std::vector<NamedPosition> positions = {};
   std::vector<MeshRead> meshes = {};
 
   [[nodiscard]] LinkSpec& link_of(const MjcfJoint& joint) { return spec.links[static_cast<std::size_t>(joint.link)]; }
-  [[nodiscard]] Freedom& freedom_of(const MjcfJoint& joint) { return link_of(joint).joint.freedoms[0]; }
-  [[nodiscard]] MjcfJoint& joint_at(const MjcfTree::JointPlace& place) { return tree.bodies[place.body].joints[place.joint]; }
-  /// What `name` means in the part, or null, or -1 (no body; "" is the world).
+  [[nodiscard]] Dof& dof_of(const MjcfJoint& joint) { return link_of(joint).joint.dofs[0]; }
+  [[nodiscard]] MjcfJoint& joint_at(const MjcfTree::JointIndex& location) { return tree.bodies[location.body].joints[location.joint]; }
+  /// The object that `name` refers to in the part. Unknown names give null or, for bodies, -1. The body "" is the world (0).
   [[nodiscard]] MjcfJoint* find_joint(const MjcfPart& part, const std::string& name);
   [[nodiscard]] const MjcfSite* find_site(const MjcfPart& part, const std::string& name) const;
   [[nodiscard]] int find_body(const MjcfPart& part, const std::string& name) const;
 
-  /// A name by which an element means another one. kind: "body", "joint" or "site"
+  /// A name by which one element refers to another. kind: "body", "joint" or "site"
   struct Reference {
     const char* kind;
     std::string name;
   };
-  /// The parts for which an element of `part` holds: the part itself; or, where it names what a <replicate> copied, every copy;
-  /// or none where a name means nothing, which is a problem (in an attached model, of which a piece may be missing, a note).
-  [[nodiscard]] std::vector<MjcfPart> parts_of(const MjcfElement& e, const MjcfPart& part, const std::vector<Reference>& names);
+  /// The parts in which an element of `part` has to be evaluated: `part` itself; or one part for each copy, if a name refers to an object
+  /// that a <replicate> copied. Empty if a name is unknown: that is a problem, or a note in an attached model, of which the named body may
+  /// not have been attached.
+  [[nodiscard]] std::vector<MjcfPart> matching_parts(const MjcfElement& e, const MjcfPart& part, const std::vector<Reference>& names);
 };
 
-/// Geoms that a primitive and a mesh describe become the primitive of the mesh's moments of inertia.
+/// Replaces each geom that is a primitive fitted to a mesh by the primitive with the mesh's moments of inertia, as MuJoCo does.
 void fit_mjcf_geoms(MjcfBody& body);
 
-/// Mass properties in the body's frame: of its <inertial>, or of its geoms. kg, m.
+/// Mass, centre of mass and inertia in the body's frame, from its <inertial> or from its geoms. kg, m, kg m^2.
 [[nodiscard]] Inertia mjcf_inertia(MjcfBody& body, const RobotOptions& options);
 
-/// The geom as a shape in the body's frame; nothing, with a note, where it is left out.
+/// The geom as a shape in the body's frame; std::nullopt, with a note, if it is left out.
 [[nodiscard]] std::optional<Shape> mjcf_shape(MjcfBody& body, const MjcfGeom& geom, MjcfBuild& build);
 
-/// Links of all bodies: a chain of links without mass for several joints of one body, a link "world" for the world's shapes.
+/// Makes the links of all bodies: a chain of massless links for several joints of one body, and a link "world" for the world's shapes.
 void make_mjcf_links(MjcfBuild& build);
 
-/// springdamper of joints: as in MuJoCo, spring and damper that give the freedom's inertia at the position of the file this time
-/// constant and damping ratio; both replace stiffness and damping. O(nv^3) where there are any.
+/// Evaluates springdamper of joints as MuJoCo does: the spring and the damper are chosen to give the DOF, with its inertia at the pose of
+/// the file, this time constant and damping ratio. They replace stiffness and damping. O(nv^3) if any joint has springdamper.
 void set_mjcf_springs(MjcfBuild& build);
 
-/// <equality>: loops, and joints held fast.
+/// <equality>: loops, and joints that are locked.
 void read_mjcf_loops(MjcfBuild& build);
 
-/// <actuator>: efforts and driven joints; <tendon>, <contact>, <deformable>, <option> ...: notes.
+/// <actuator>: effort limits and driven joints.
 void read_mjcf_drives(MjcfBuild& build);
+/// Adds notes about <tendon>, <contact>, <deformable>, <option> and other elements that a mechanism cannot store.
 void note_mjcf_left_out(const MjcfBuild& build);
 
 /// <keyframe>: named positions.

@@ -5,9 +5,9 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr std::size_t max_files = 200;
+constexpr std::size_t max_files = 200;  // included and attached files of one model; bounds the recursion over includes
 
-/// Kinds that share one set of defaults: every drive, every spatial or fixed tendon, every equality.
+/// Element names that share one set of defaults: all actuators, both kinds of tendon, all equalities.
 std::string_view family_of(std::string_view kind) {
   for (const std::string_view k : {"motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor"})
     if (kind == k) return "general";
@@ -25,15 +25,15 @@ XmlFields* MjcfFiles::parse(std::string_view text, const std::string& file_name)
   XmlFields* const file = files_.back().get();
   text_ += text.size();
   if (files_.size() > max_files || text_ > max_text) {
-    file->problem(1, ErrorCode::range, "the model is spread over more than " + std::to_string(max_files) + " files or 256 MB of text.",
-                  "Put it into fewer files.");
+    file->problem(1, ErrorCode::range, "The model has more than " + std::to_string(max_files) + " files or more than 256 MB of text.",
+                  "Use fewer or smaller files.");
     return nullptr;
   }
   return file->parse(text) ? file : nullptr;
 }
 
 Result<std::string> MjcfFiles::read(const std::string& path) const {
-  if (!read_) return fail(ErrorCode::io, path, "no file beside the description is read.", "Read the description from a folder.");
+  if (!read_) return fail(ErrorCode::io, path, "Files next to the description cannot be read here.", "Read the description from a folder.");
   return read_(path);
 }
 
@@ -49,7 +49,7 @@ Error MjcfFiles::take_problems() {
   for (const auto& file : files_)
     for (Problem& p : file->take_problems().problems) {
       const bool known = std::ranges::any_of(
-          out.problems, [&](const Problem& o) { return o.place == p.place && o.message == p.message && o.code == p.code; });
+          out.problems, [&](const Problem& o) { return o.location == p.location && o.message == p.message && o.code == p.code; });
       if (!known && out.problems.size() < 20) out.problems.push_back(std::move(p));
     }
   return out;
@@ -68,17 +68,17 @@ bool MjcfDocument::load(std::string_view text, const std::string& file_name, con
   root_ = {file->root(), file};
   paths_.push_back(file_name);
   if (root_.kind() != "mujoco") {
-    root_.problem(ErrorCode::syntax, "the outermost element is " + root_.title() + ", not <mujoco>.",
-                  "Give the file that begins with <mujoco>.");
+    root_.problem(ErrorCode::syntax, "The outermost element is " + root_.title() + ", not <mujoco>.",
+                  "Give an MJCF file, whose outermost element is <mujoco>.");
     return false;
   }
   return load_includes(root_, folder, files);
 }
 
 bool MjcfDocument::load_includes(const MjcfElement& from, const std::string& folder, MjcfFiles& files) {
-  // Walked without recursion over levels; files nest at most as deep as there are files.
+  // Iterates over the levels of one file; the recursion over included files is bounded by max_files.
   std::vector<pugi::xml_node> open = {from.node};
-  bool whole = true;
+  bool complete = true;
   while (!open.empty()) {
     const pugi::xml_node node = open.back();
     open.pop_back();
@@ -92,21 +92,21 @@ bool MjcfDocument::load_includes(const MjcfElement& from, const std::string& fol
       const MjcfElement include{child, from.file};
       const std::string path = folder + from.file->required_text(include.attribute("file"));
       if (path == folder) {
-        whole = false;
+        complete = false;
         continue;
       }
       if (std::ranges::find(paths_, path) != paths_.end()) {
-        include.problem(ErrorCode::duplicate, formats::path_in_quotes(path) + " is included a second time, or includes itself.",
-                        "Include every file once.");
-        whole = false;
+        include.problem(ErrorCode::duplicate, formats::path_in_quotes(path) + " is included more than once, or includes itself.",
+                        "Include each file only once.");
+        complete = false;
         continue;
       }
       const Result<std::string> text = files.read(path);
       if (!text) {
         include.problem(ErrorCode::io,
-                        "the included file " + formats::path_in_quotes(path) + " cannot be read: " + text.error().problems[0].message,
-                        "Put it beside the model.");
-        whole = false;
+                        "The included file " + formats::path_in_quotes(path) + " cannot be read: " + text.error().problems[0].message,
+                        "Copy it to the folder of the model.");
+        complete = false;
         continue;
       }
       paths_.push_back(path);
@@ -114,11 +114,11 @@ bool MjcfDocument::load_includes(const MjcfElement& from, const std::string& fol
       if (!file) return false;
       const MjcfElement root{file->root(), file};
       included_.emplace(child.internal_object(), root);
-      whole = load_includes(root, folder, files) && whole;
+      complete = load_includes(root, folder, files) && complete;
     }
     open.insert(open.end(), below.rbegin(), below.rend());
   }
-  return whole;
+  return complete;
 }
 
 void MjcfDocument::append_children(const MjcfElement& parent, std::vector<MjcfElement>& out) const {
@@ -181,7 +181,8 @@ int MjcfAttributes::keyword(const char* name, std::initializer_list<std::string_
   if (it != words.end()) return static_cast<int>(it - words.begin());
   std::string all;
   for (const std::string_view w : words) all += (all.empty() ? "" : ", ") + std::string(w);
-  e->file->problem(field, ErrorCode::unknown, ": " + formats::in_quotes(field.text) + " is no choice here.", "Write one of: " + all + ".");
+  e->file->problem(field, ErrorCode::unknown, ": " + formats::in_quotes(field.text) + " is not an allowed value.",
+                   "Write one of: " + all + ".");
   return fallback;
 }
 
@@ -194,7 +195,7 @@ bool MjcfAttributes::range(const char* name, std::span<double, 2> out) const {
   first.text = field.text.substr(0, gap);
   second.text = gap == std::string_view::npos ? std::string_view() : field.text.substr(field.text.find_first_not_of(" \t\r\n", gap));
   if (first.text.empty() || second.text.empty() || second.text.find_first_of(" \t\r\n") != std::string_view::npos) {
-    e->file->problem(field, ErrorCode::syntax, " is not two numbers.", "Give a lower and an upper bound.");
+    e->file->problem(field, ErrorCode::syntax, " does not have exactly two numbers.", "Give a lower and an upper bound.");
     return false;
   }
   out[0] = e->file->limit(first, out[0]);
@@ -203,14 +204,14 @@ bool MjcfAttributes::range(const char* name, std::span<double, 2> out) const {
 }
 
 std::size_t MjcfAttributes::overlay(const char* name, std::span<double> out, Bounds bounds) const {
-  std::size_t most = 0;
+  std::size_t count = 0;
   for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
     if (!level->has(name)) continue;
     const std::vector<double> values = level->file->list(level->attribute(name), 1, out.size(), bounds);
     std::copy(values.begin(), values.end(), out.begin());
-    most = std::max(most, values.size());
+    count = std::max(count, values.size());
   }
-  return most;
+  return count;
 }
 
 void MjcfDefaults::read(const MjcfDocument& document) {
@@ -222,16 +223,16 @@ void MjcfDefaults::read_class(const MjcfDocument& document, const MjcfElement& e
   std::string name = element.text("class");
   if (depth == 0) {
     if (!name.empty() && name != "main")
-      element.problem(ErrorCode::structure, "the outermost default class is named " + formats::in_quotes(name) + ".",
-                      "Name it main, or give it no name.");
+      element.problem(ErrorCode::structure, "The outermost default class is named " + formats::in_quotes(name) + ".",
+                      "Name it main, or remove its class attribute.");
     name = "main";
   } else if (name.empty()) {
-    return element.problem(ErrorCode::syntax, "a default class has no name.", "Add class=\"...\".");
+    return element.problem(ErrorCode::syntax, "A nested default class has no name.", "Add class=\"...\".");
   } else if (!classes_.emplace(name, Class{parent, {}}).second) {
-    return element.problem(ErrorCode::duplicate, "two default classes are named " + formats::in_quotes(name) + ".", "Rename one of them.");
+    return element.problem(ErrorCode::duplicate, "Two default classes are named " + formats::in_quotes(name) + ".", "Rename one of them.");
   }
   if (depth > static_cast<int>(formats::max_depth))
-    return element.problem(ErrorCode::range, "default classes are nested too deeply.", "Nest at most 1000 levels.");
+    return element.problem(ErrorCode::range, "Default classes are nested deeper than 1000 levels.", "Nest at most 1000 levels.");
   for (const MjcfElement& child : document.children(element)) {
     if (child.kind() == "default")
       read_class(document, child, name, depth + 1);
@@ -245,7 +246,7 @@ MjcfAttributes MjcfDefaults::attributes(const MjcfElement& element, const std::s
   std::string name = element.has("class") ? element.text("class") : childclass;
   if (name.empty()) name = "main";
   if (!knows(name)) {
-    element.problem(ErrorCode::unknown, "no default class is named " + formats::in_quotes(name) + ".",
+    element.problem(ErrorCode::unknown, "No default class is named " + formats::in_quotes(name) + ".",
                     "Correct the name, or add the class.");
     name = "main";
   }

@@ -1,5 +1,5 @@
 #pragma once
-// MJCF files as trees of elements: includes in their place, default classes under the attributes. Internal to robot_formats.
+// MJCF files as trees of XML elements: includes are spliced in, default classes supply missing attributes. Internal to robot_formats.
 
 #include <map>
 #include <memory>
@@ -15,7 +15,7 @@
 
 namespace ugoki::robot_formats {
 
-/// An element and the file in which it stands.
+/// An XML element together with the file that contains it.
 struct MjcfElement {
   pugi::xml_node node = {};
   XmlFields* file = nullptr;
@@ -30,18 +30,18 @@ struct MjcfElement {
   void note(const std::string& sentence) const { file->note(node, sentence); }
 };
 
-/// Every file that one reading opened: their problems and notes, and the bounds on their number and size.
+/// All files opened while reading one model: their problems and notes, and limits on their number and total size.
 class MjcfFiles {
  public:
   explicit MjcfFiles(const AssetReader& read) : read_(read) {}
 
-  /// A parsed file, or null with a problem in it.
+  /// Parses a file. Null, with a problem recorded, if that fails. The result is owned by this object.
   [[nodiscard]] XmlFields* parse(std::string_view text, const std::string& file_name);
-  /// The bytes of another file; the Error tells why not.
+  /// The bytes of another file, or the Error of the reader function.
   [[nodiscard]] Result<std::string> read(const std::string& path) const;
   [[nodiscard]] bool failed() const;
   [[nodiscard]] bool full() const;
-  /// At most twenty, each once.
+  /// At most 20 problems, without duplicates.
   [[nodiscard]] Error take_problems();
   [[nodiscard]] std::vector<std::string> take_notes();
 
@@ -51,15 +51,15 @@ class MjcfFiles {
   std::size_t text_ = 0;
 };
 
-/// One model: a file and those that it includes, each once.
+/// One model: its file and all files that it includes. Each file may be included once.
 class MjcfDocument {
  public:
-  /// @param folder of the model's file, "" or with a slash at its end; includes are relative to it
+  /// @param folder folder of the model's file, "" or ending with a slash; includes are relative to it
   [[nodiscard]] bool load(std::string_view text, const std::string& file_name, const std::string& folder, MjcfFiles& files);
   [[nodiscard]] MjcfElement root() const { return root_; }
-  /// Child elements; those of an included file stand in the place of its <include>.
+  /// Child elements. An <include> is replaced by the children of the included file's root.
   [[nodiscard]] std::vector<MjcfElement> children(const MjcfElement& parent) const;
-  /// Children of the root of one kind ("worldbody"), in order; MJCF allows several.
+  /// Children of the root with this element name ("worldbody"), in file order; MJCF allows several.
   [[nodiscard]] std::vector<MjcfElement> sections(std::string_view kind) const;
 
  private:
@@ -67,11 +67,12 @@ class MjcfDocument {
   void append_children(const MjcfElement& parent, std::vector<MjcfElement>& out) const;
 
   MjcfElement root_;
-  std::map<const pugi::xml_node_struct*, MjcfElement> included_;  ///< <include> -> root of the file
-  std::vector<std::string> paths_;                                ///< included so far
+  std::map<const pugi::xml_node_struct*, MjcfElement> included_;  ///< <include> -> root of the included file
+  std::vector<std::string> paths_;                                ///< paths of the files read so far
 };
 
-/// The attributes of an element over those of its default class, that class's parent, and so on; nearest first.
+/// The attributes of an element, completed by those of its default class, the parent of this class, and so on. The first level that has an
+/// attribute wins.
 class MjcfAttributes {
  public:
   explicit MjcfAttributes(MjcfElement own) : levels_{own} {}
@@ -85,13 +86,14 @@ class MjcfAttributes {
   [[nodiscard]] int integer(const char* name, int fallback, int low, int high) const;
   [[nodiscard]] bool flag(const char* name, bool fallback) const;
   [[nodiscard]] Vec3 vec3(const char* name, const Vec3& fallback) const;
-  /// Place of the attribute's word among `words`; `fallback` where it is absent or, with a problem, none of them.
+  /// Index of the attribute's value in `words`; `fallback` if the attribute is absent or, with a problem, has another value.
   [[nodiscard]] int keyword(const char* name, std::initializer_list<std::string_view> words, int fallback) const;
-  /// Two numbers, infinite from +-1e9 on. False (out unchanged) where absent or wrong.
+  /// Reads two numbers; values of magnitude 1e9 or more mean infinite. False, with `out` unchanged, if absent or (with a problem) invalid.
   bool range(const char* name, std::span<double, 2> out) const;
   bool numbers(const char* name, std::span<double> out, Bounds bounds = {}) const;
-  /// Attributes that may give fewer numbers than there are: each level overwrites as many as it gives.
-  /// @return how many of `out` were given by some level
+  /// Reads an attribute that may have fewer numbers than `out`: each level, starting with the most general class, overwrites as many
+  /// numbers as it has.
+  /// @return the maximum number of values that a level has; the rest of `out` is unchanged
   std::size_t overlay(const char* name, std::span<double> out, Bounds bounds = {}) const;
 
  private:
@@ -99,19 +101,19 @@ class MjcfAttributes {
   std::vector<MjcfElement> levels_;
 };
 
-/// Default classes of one model.
+/// The default classes of one model.
 class MjcfDefaults {
  public:
   void read(const MjcfDocument& document);
   [[nodiscard]] bool knows(const std::string& class_name) const { return classes_.contains(class_name); }
-  /// The element with its class: its own `class`, otherwise `childclass`, otherwise "main".
-  /// @param family of the defaults, where the element's kind does not tell (<joint> in <equality>)
+  /// The attributes of an element with its default class: its own `class`, else `childclass`, else "main".
+  /// @param family which set of defaults to use, if the element name does not determine it (<joint> inside <equality>)
   [[nodiscard]] MjcfAttributes attributes(const MjcfElement& element, const std::string& childclass, std::string_view family = {}) const;
 
  private:
   struct Class {
     std::string parent;
-    std::map<std::string, std::vector<MjcfElement>, std::less<>> elements;  ///< by family; the last one is nearest
+    std::map<std::string, std::vector<MjcfElement>, std::less<>> elements;  ///< by family; the last one has priority
   };
   void read_class(const MjcfDocument& document, const MjcfElement& element, const std::string& parent, int depth);
   std::map<std::string, Class, std::less<>> classes_;

@@ -1,4 +1,4 @@
-// <actuator> and <keyframe> of MJCF, and notes on what has no place in a mechanism.
+// <actuator> and <keyframe> of MJCF, and notes about elements that a mechanism cannot store.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,8 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-bool is_fed_back(const MjcfAttributes& a) {
+/// Whether the actuator's force depends on the state (position, velocity), so that ctrlrange does not bound the force.
+bool has_feedback(const MjcfAttributes& a) {
   const auto feeds_back = [](std::string_view kind) {
     return kind == "position" || kind == "velocity" || kind == "intvelocity" || kind == "damper" || kind == "cylinder" || kind == "dcmotor";
   };
@@ -21,23 +22,25 @@ bool is_fed_back(const MjcfAttributes& a) {
   return std::ranges::any_of(a.levels(), [&](const MjcfElement& e) { return feeds_back(e.kind()); });
 }
 
-double greatest(const MjcfAttributes& a, const char* range) {
+/// Largest magnitude of the two bounds; infinite if the attribute is absent.
+double max_magnitude(const MjcfAttributes& a, const char* range) {
   double v[2] = {0, 0};
   return a.range(range, v) ? std::max(std::fabs(v[0]), std::fabs(v[1])) : infinite;
 }
 
-/// Greatest force of a drive before its gear; infinite if nothing bounds it.
-double greatest_force(const MjcfCompiler& c, const MjcfAttributes& a) {
-  if (mjcf_limited(c, a, "forcelimited", "forcerange")) return greatest(a, "forcerange");
-  if (is_fed_back(a) || a.own().kind() == "muscle" || !mjcf_limited(c, a, "ctrllimited", "ctrlrange")) return infinite;
+/// Maximum force of an actuator before its gear, N or N m; infinite if it is not bounded.
+double max_force(const MjcfCompiler& c, const MjcfAttributes& a) {
+  if (mjcf_limited(c, a, "forcelimited", "forcerange")) return max_magnitude(a, "forcerange");
+  if (has_feedback(a) || a.own().kind() == "muscle" || !mjcf_limited(c, a, "ctrllimited", "ctrlrange")) return infinite;
   double gain[10] = {1, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   if (a.own().kind() == "general") {
     if (a.has("gaintype") && a.text("gaintype") != "fixed") return infinite;
     (void)a.overlay("gainprm", gain);
   }
-  return std::fabs(gain[0]) * greatest(a, "ctrlrange");
+  return std::fabs(gain[0]) * max_magnitude(a, "ctrlrange");
 }
 
+/// Reads <actuator>: which joints are driven, and the sum of the force limits of their actuators.
 class DriveReader {
  public:
   explicit DriveReader(MjcfBuild& build) : build_(build), efforts_(build.spec.links.size(), 0.0), driven_(build.spec.links.size(), false) {}
@@ -51,7 +54,7 @@ class DriveReader {
       build_.driven.push_back(build_.spec.links[i].name);
       Joint& joint = build_.spec.links[i].joint;
       for (int k = 0; k < joint.nv(); ++k) {
-        Freedom& f = joint.freedoms[static_cast<std::size_t>(k)];
+        Dof& f = joint.dofs[static_cast<std::size_t>(k)];
         f.effort = std::min(f.effort, efforts_[i]);
       }
     }
@@ -61,16 +64,16 @@ class DriveReader {
   void read(const MjcfElement& e, const MjcfPart& part) {
     const MjcfAttributes a = part.source->defaults().attributes(e, {});
     const char* const by = a.has("joint") ? "joint" : "jointinparent";
-    if (!a.has(by)) return e.note("A drive on something else than a joint is left out (<" + std::string(e.kind().substr(0, 40)) + ">).");
+    if (!a.has(by)) return e.note("An actuator that does not act on a joint is left out (<" + std::string(e.kind().substr(0, 40)) + ">).");
     if (e.kind() == "muscle" || e.kind() == "plugin")
-      e.note("What a muscle or plugin drive can give is left out; its joint counts as driven.");
+      e.note("The force limit of a muscle or plugin actuator is left out; its joint counts as driven.");
     double gear[6] = {1, 0, 0, 0, 0, 0};
     (void)a.overlay("gear", gear);
-    for (const MjcfPart& copy : build_.parts_of(e, part, {{"joint", a.text(by)}}))
-      add(*build_.find_joint(copy, a.text(by)), std::fabs(gear[0]) * greatest_force(part.source->compiler(), a));
+    for (const MjcfPart& copy : build_.matching_parts(e, part, {{"joint", a.text(by)}}))
+      add(*build_.find_joint(copy, a.text(by)), std::fabs(gear[0]) * max_force(part.source->compiler(), a));
   }
 
-  /// Not a number (a gear of 0 on a drive without bound) is no bound either.
+  /// Adds the effort limit of one actuator. 0 * infinity (gear 0, unbounded actuator) is NaN and counts as unbounded.
   void add(const MjcfJoint& joint, double effort) {
     const auto link = static_cast<std::size_t>(joint.link);
     const bool scalar = joint.type == MjcfJointType::hinge || joint.type == MjcfJointType::slide;
@@ -81,7 +84,7 @@ class DriveReader {
   }
 
   MjcfBuild& build_;
-  std::vector<double> efforts_;  ///< [links] sum over the drives of the link's joint
+  std::vector<double> efforts_;  ///< [links] sum of the limits of all actuators of the link's joint, N or N m
   std::vector<bool> driven_;
 };
 
@@ -89,9 +92,9 @@ void note_options(const MjcfElement& e, const MjcfDocument& document) {
   const MjcfAttributes a(e);
   if (a.has("gravity")) {
     const Vec3 g = a.vec3("gravity", {});
-    e.note("Gravity of the model: " + to_text(g.x) + " " + to_text(g.y) + " " + to_text(g.z) + " m/s^2.");
+    e.note("The model specifies gravity: " + to_text(g.x) + " " + to_text(g.y) + " " + to_text(g.z) + " m/s^2.");
   }
-  if (a.has("timestep")) e.note("Time step of the model: " + to_text(a.number("timestep", 0)) + " s.");
+  if (a.has("timestep")) e.note("The model specifies a time step of " + to_text(a.number("timestep", 0)) + " s.");
   if (a.number("density", 0) > 0 || a.number("viscosity", 0) > 0) e.note("The fluid around the model (density, viscosity) is left out.");
   for (const MjcfElement& flag : document.children(e))
     if (flag.kind() == "flag" && flag.text("gravity") == "disable") flag.note("The model switches gravity off.");
@@ -110,7 +113,7 @@ void note_mjcf_left_out(const MjcfBuild& build) {
       if (kind == "extension" || kind == "deformable") section.note("<" + std::string(kind) + "> is left out.");
       if (kind != "contact" && kind != "tendon") continue;
       for (const MjcfElement& e : document.children(section)) {
-        if (e.kind() == "exclude" || e.kind() == "pair") e.note("Which bodies collide (<exclude>, <pair>) is left out.");
+        if (e.kind() == "exclude" || e.kind() == "pair") e.note("Rules which bodies collide (<exclude>, <pair>) are left out.");
         if (e.kind() == "spatial") e.note("A spatial tendon is left out, with its limits and springs.");
         if (e.kind() == "fixed") e.note("A fixed tendon is left out, with its limits and springs.");
       }
@@ -126,8 +129,8 @@ void read_mjcf_keyframes(MjcfBuild& build) {
   for (const MjcfElement& section : part.source->document().sections("keyframe"))
     for (const MjcfElement& e : part.source->document().children(section)) {
       if (!e.has("qpos")) continue;
-      if (build.tree.parts_left_out || build.options.base != Base::by_file) {
-        e.note("Keyframes are left out, because they belong to other joints than those that were taken.");
+      if (build.tree.deformables_left_out || build.options.base != Base::by_file) {
+        e.note("Keyframes are left out, because the file's joints differ from those of the mechanism.");
         return;
       }
       const std::vector<double> theirs = e.file->list(e.attribute("qpos"), wanted, wanted);

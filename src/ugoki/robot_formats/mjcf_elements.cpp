@@ -14,24 +14,25 @@ void read_joint_range(const MjcfSource& source, const MjcfAttributes& a, MjcfJoi
   const double lower = turns ? source.compiler().radians(range[0]) : range[0];
   const double upper = turns ? source.compiler().radians(range[1]) : range[1];
   if (joint.type == MjcfJointType::ball) {
-    if (lower != 0) a.own().problem(ErrorCode::range, "its range does not begin with 0.", "Give 0 and the greatest turn.");
-    joint.freedom.lower = -upper;
-    joint.freedom.upper = upper;
-    a.own().note("A ball joint's greatest turn holds for each component of the rotation vector, not for its length.");
+    if (lower != 0) a.own().problem(ErrorCode::range, "The range of a ball joint does not begin with 0.", "Give 0 and the maximum angle.");
+    joint.dof.lower = -upper;
+    joint.dof.upper = upper;
+    a.own().note("The maximum angle of a ball joint limits each component of the rotation vector, not its length.");
   } else {
-    joint.freedom.lower = lower - joint.ref;
-    joint.freedom.upper = upper - joint.ref;
+    joint.dof.lower = lower - joint.ref;
+    joint.dof.upper = upper - joint.ref;
   }
-  if (!(joint.freedom.lower < joint.freedom.upper))
-    a.own().problem(ErrorCode::range, "its range " + formats::in_quotes(a.text("range")) + " is empty.", "Give the lower bound first.");
+  if (!(joint.dof.lower < joint.dof.upper))
+    a.own().problem(ErrorCode::range, "The joint range " + formats::in_quotes(a.text("range")) + " is empty.",
+                    "Give the lower bound first.");
 }
 
 double first_number(const MjcfAttributes& a, const char* name, Bounds bounds = not_negative) {
   double v[5] = {};
-  (void)a.overlay(name, v, bounds);  // newer files give polynomials: the linear term comes first
+  (void)a.overlay(name, v, bounds);  // MuJoCo 3 allows polynomials; the first coefficient is the linear term
   for (const double higher : std::span(v).subspan(1))
     if (higher != 0) {
-      a.own().note("Higher terms of '" + std::string(name) + "' are left out.");
+      a.own().note("Nonlinear terms of '" + std::string(name) + "' are left out.");
       break;
     }
   return v[0];
@@ -56,7 +57,7 @@ MjcfJoint read_mjcf_joint(const MjcfSource& source, const MjcfAttributes& a, con
                : static_cast<MjcfJointType>(a.keyword("type", {"free", "ball", "slide", "hinge"}, static_cast<int>(j.type)));
   if (j.type == MjcfJointType::slide || j.type == MjcfJointType::hinge) {
     const Vec3 axis = a.vec3("axis", {0, 0, 1});
-    if (norm(axis) < 1e-14) j.element.problem(ErrorCode::structure, "its axis has no direction.", "Give an axis that is not zero.");
+    if (norm(axis) < 1e-14) j.element.problem(ErrorCode::structure, "The joint axis has zero length.", "Give an axis that is not zero.");
     j.axis = X_BF.R * normalized(axis);
     j.ref = a.number("ref", 0);
     if (j.type == MjcfJointType::hinge) j.ref = source.compiler().radians(j.ref);
@@ -64,7 +65,7 @@ MjcfJoint read_mjcf_joint(const MjcfSource& source, const MjcfAttributes& a, con
   if (j.type != MjcfJointType::free) j.pos = X_BF * a.vec3("pos", {});
   if (j.element.kind() == "freejoint") return j;
 
-  Freedom& f = j.freedom;
+  Dof& f = j.dof;
   f.damping = first_number(a, "damping");
   f.stiffness = first_number(a, "stiffness");
   f.armature = a.number("armature", 0, not_negative);
@@ -91,14 +92,14 @@ Pose read_mjcf_placement(const MjcfSource& source, const MjcfAttributes& a, Mjcf
   if (!a.numbers("fromto", ends)) return source.pose(a);
   const bool round = type == MjcfGeomType::capsule || type == MjcfGeomType::cylinder;
   if (!round && type != MjcfGeomType::box && type != MjcfGeomType::ellipsoid) {
-    a.own().problem(ErrorCode::structure, "fromto is given for a shape that has no two ends.",
+    a.own().problem(ErrorCode::structure, "'fromto' is given for a shape that does not have two ends.",
                     "Make it a capsule, cylinder, box or ellipsoid, or give pos and size.");
     return {};
   }
   const Vec3 from{ends[0], ends[1], ends[2]}, to{ends[3], ends[4], ends[5]};
   const double half = 0.5 * norm(from - to);
   if (half < 1e-14) {
-    a.own().problem(ErrorCode::structure, "the two points of fromto are one.", "Give two points, or make it a sphere.");
+    a.own().problem(ErrorCode::structure, "The two points of 'fromto' are equal.", "Give two points, or make it a sphere.");
     return {};
   }
   size = round ? Vec3{size.x, half, 0} : Vec3{size.x, size.x, half};
@@ -120,7 +121,8 @@ MjcfGeom read_mjcf_geom(const MjcfSource& source, const MjcfAttributes& a, const
   const int needed = g.mesh.empty() ? sizes_of[static_cast<int>(g.type)] : 0;
   for (int i = 0; i < needed; ++i)
     if (!(g.size[i] > 0)) {
-      g.element.problem(ErrorCode::range, g.element.title() + " needs " + std::to_string(needed) + " sizes above zero.",
+      g.element.problem(ErrorCode::range,
+                        g.element.title() + " needs " + std::to_string(needed) + (needed == 1 ? " size above zero." : " sizes above zero."),
                         "Give size=\"...\".");
       break;
     }

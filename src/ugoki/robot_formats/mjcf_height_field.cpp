@@ -11,7 +11,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr int most_points_along = 100'000;
+constexpr int max_points_along = 100'000;  // rows or columns
 
 std::uint32_t u32(const char* p) {
   std::uint32_t out = 0;
@@ -19,13 +19,13 @@ std::uint32_t u32(const char* p) {
   return out;
 }
 
-/// MuJoCo's own format: rows, columns (32 bits), then one float a point. False: the file is something else.
+/// Reads MuJoCo's own binary format: rows, columns (32 bits each), then one float per point. False if the bytes have another format.
 bool read_own_format(const std::string& bytes, HeightField& out) {
   if (bytes.size() < 8) return false;
   const std::uint32_t rows = u32(bytes.data()), columns = u32(bytes.data() + 4);
-  if (rows < 2 || columns < 2 || rows > most_points_along || columns > most_points_along) return false;
+  if (rows < 2 || columns < 2 || rows > max_points_along || columns > max_points_along) return false;
   const std::size_t count = std::size_t{rows} * columns;
-  if (count > most_heights || bytes.size() != 8 + 4 * count) return false;
+  if (count > max_heights || bytes.size() != 8 + 4 * count) return false;
   out.rows = static_cast<int>(rows);
   out.columns = static_cast<int>(columns);
   for (std::size_t i = 0; i < count; ++i) out.heights.push_back(std::bit_cast<float>(u32(bytes.data() + 8 + 4 * i)));
@@ -46,7 +46,8 @@ void MjcfSource::load_height_field(MjcfHeightField& asset) const {
   const MjcfAttributes a(asset.element);
   double size[4] = {0, 0, 0, 0};
   if (!a.numbers("size", size, not_negative) || !(size[0] > 0 && size[1] > 0 && size[2] > 0 && size[3] > 0)) {
-    asset.element.problem(ErrorCode::range, asset.element.title() + " needs four sizes above zero.", "Give size=\"x y height base\".");
+    asset.element.problem(ErrorCode::range, asset.element.title() + " needs four sizes greater than zero.",
+                          "Give size=\"x y height base\".");
     return;
   }
   HeightField field;
@@ -57,20 +58,21 @@ void MjcfSource::load_height_field(MjcfHeightField& asset) const {
     const std::string path = mesh_path(a.text("file"));
     const Result<std::string> bytes = files_->read(path);
     if (!bytes || !read_own_format(*bytes, field)) {
-      asset.absent = !bytes ? "A height field is left out because its file is not there."
-                            : "A height field is left out because its file is a picture, or not MuJoCo's own format.";
+      asset.absent = !bytes
+                         ? "A height field is left out because its file was not found."
+                         : "A height field is left out because its file is an image or damaged; only MuJoCo's binary format can be read.";
       return;
     }
   } else {
-    field.rows = a.integer("nrow", 0, 0, most_points_along);
-    field.columns = a.integer("ncol", 0, 0, most_points_along);
+    field.rows = a.integer("nrow", 0, 0, max_points_along);
+    field.columns = a.integer("ncol", 0, 0, max_points_along);
     const std::size_t count = static_cast<std::size_t>(field.rows) * static_cast<std::size_t>(field.columns);
-    if (a.has("elevation") && count <= most_heights) {  // written as one looks at it: the row with the greatest y first
-      const std::vector<double> listed = asset.element.file->list(asset.element.attribute("elevation"), 0, most_heights);
+    if (a.has("elevation") && count <= max_heights) {  // as seen from above: the first row has the maximum y
+      const std::vector<double> listed = asset.element.file->list(asset.element.attribute("elevation"), 0, max_heights);
       for (std::size_t r = static_cast<std::size_t>(field.rows); r-- > 0 && listed.size() == count;)
         for (std::size_t c = 0; c < static_cast<std::size_t>(field.columns); ++c)
           field.heights.push_back(listed[r * static_cast<std::size_t>(field.columns) + c]);
-    } else if (count <= most_heights) {  // a program fills it in later
+    } else if (count <= max_heights) {  // MuJoCo lets the program set the heights after loading
       field.heights.assign(count, 0.0);
     }
   }

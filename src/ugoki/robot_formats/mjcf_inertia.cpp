@@ -10,9 +10,9 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double least_volume = 1e-15;  // m^3
+constexpr double min_volume = 1e-15;  // m^3; smaller bodies count as empty, because dividing by their volume would lose all digits
 
-/// At density 1, about the shape's centre, in its axes.
+/// Inertia at density 1 kg/m^3, about the centre and along the axes of the shape.
 Inertia unit_inertia(MjcfGeomType type, const Vec3& s) {
   switch (type) {
     case MjcfGeomType::sphere: return solid_inertia(Shape::sphere(s.x), 1);
@@ -24,52 +24,54 @@ Inertia unit_inertia(MjcfGeomType type, const Vec3& s) {
   }
 }
 
-/// The mesh of a geom; null where it has no points, with a problem now or (a mesh that is not there) with the others of its kind.
+/// The mesh of a geom. Null if it has no points: a mesh name that is unknown is a problem; a mesh file that was not found is stored in
+/// body.missing_mass and reported later, once for all bodies.
 MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom) {
   MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
   if (!mesh) {
-    geom.element.problem(ErrorCode::unknown, "no mesh is named " + formats::in_quotes(geom.mesh) + ".",
+    geom.element.problem(ErrorCode::unknown, "No mesh is named " + formats::in_quotes(geom.mesh) + ".",
                          "Correct the name, or add the mesh.");
     return nullptr;
   }
   if (mesh->absent.empty()) return mesh;
-  body.without_mass = &geom;
+  body.missing_mass = &geom;
   return nullptr;
 }
 
-/// Nothing, with a problem, where it cannot be computed.
+/// Inertia of one geom in the body's frame; std::nullopt, with a problem, if it cannot be computed.
 std::optional<Inertia> geom_inertia(MjcfBody& body, const MjcfGeom& geom, const RobotOptions& options) {
   if (geom.mass.value_or(geom.density) == 0 || geom.type == MjcfGeomType::plane) return Inertia{};
   if (geom.type == MjcfGeomType::hfield || geom.type == MjcfGeomType::sdf || geom.shell) {
     geom.element.problem(ErrorCode::unsupported,
-                         "the mass of the body " + formats::in_quotes(body.name) + " comes from a shape whose inertia is not computed.",
-                         "Give the body an <inertial>, or the shape mass=\"0\".");
+                         "The mass of the body " + formats::in_quotes(body.name) + " comes from a shape whose inertia cannot be computed.",
+                         "Add an <inertial> to the body, or mass=\"0\" to the shape.");
     return std::nullopt;
   }
   Inertia unit;
   if (geom.type == MjcfGeomType::mesh) {
     if (options.meshes == Meshes::none) {
-      geom.element.note("Meshes are left out; their mass is missing.");
+      geom.element.note("Meshes are left out, and their mass with them.");
       return Inertia{};
     }
     const MjcfMeshAsset* const mesh = mesh_for_inertia(body, geom);
     if (!mesh) return std::nullopt;
     unit = mesh_inertia(mesh->points, mesh->triangles, mesh->kind);
-    if (unit.mass < least_volume && geom.density > 0) {
-      geom.element.problem(ErrorCode::structure, "its mesh " + formats::in_quotes(geom.mesh) + " encloses no volume, or is inside out.",
-                           "Repair the mesh, or give the body an <inertial>.");
+    if (unit.mass < min_volume && geom.density > 0) {
+      geom.element.problem(ErrorCode::structure,
+                           "The mesh " + formats::in_quotes(geom.mesh) + " encloses no volume, or its triangles face inwards.",
+                           "Repair the mesh, or add an <inertial> to the body.");
       return std::nullopt;
     }
   } else {
     unit = unit_inertia(geom.type, geom.size);
   }
-  if (unit.mass < least_volume && geom.mass) return Inertia{};
+  if (unit.mass < min_volume && geom.mass) return Inertia{};
   const double density = geom.mass ? *geom.mass / unit.mass : geom.density;
-  const Inertia filled{unit.mass * density, unit.h * density, unit.I * density};
-  return filled.in_parent(geom.X_BG);
+  const Inertia at_density{unit.mass * density, unit.h * density, unit.I * density};
+  return at_density.in_parent(geom.X_BG);
 }
 
-/// A primitive that is given by a mesh: that of the same inertia as the mesh's box of inertia.
+/// Fits a primitive to its mesh, as MuJoCo does: the primitive is derived from the inertia box, the box with the mesh's moments of inertia.
 void fit_to_mesh(MjcfBody& body, MjcfGeom& geom) {
   if (geom.mesh.empty() || geom.type == MjcfGeomType::mesh || geom.type == MjcfGeomType::sdf) return;
   const MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
@@ -77,9 +79,9 @@ void fit_to_mesh(MjcfBody& body, MjcfGeom& geom) {
   geom.type = MjcfGeomType::mesh;
   if (!mesh || !mesh->absent.empty()) return;
   const Inertia unit = mesh_inertia(mesh->points, mesh->triangles, mesh->kind);
-  if (unit.mass < least_volume) return;
+  if (unit.mass < min_volume) return;
   SymmetricEigen e = symmetric_eigen(unit.about_centre());
-  // The longest side along z: there the moment is least.
+  // z becomes the longest side of the inertia box: the side along the axis with the smallest moment.
   const int z = e.values.x <= e.values.y && e.values.x <= e.values.z ? 0 : e.values.y <= e.values.z ? 1 : 2;
   const int x = (z + 1) % 3, y = (z + 2) % 3;
   const Vec3 I{e.values[x], e.values[y], e.values[z]};
@@ -105,37 +107,37 @@ Inertia explicit_inertia(const MjcfBody& body) {
   const double mass = a.number("mass", 0, not_negative);
   double full[6], diagonal[3] = {0, 0, 0};
   if (a.has("fullinertia") && a.has("diaginertia"))
-    body.inertial.problem(ErrorCode::structure, "its inertia is given twice.", "Keep diaginertia or fullinertia.");
+    body.inertial.problem(ErrorCode::structure, "The inertia is given twice.", "Keep diaginertia or fullinertia.");
   const Vec3 centre = a.vec3("pos", {});
   if (a.numbers("fullinertia", full)) return Inertia::from_centre(mass, centre, {full[0], full[1], full[2], full[3], full[4], full[5]});
   (void)a.numbers("diaginertia", diagonal);
   return Inertia::from_centre(mass, centre, rotated(Sym3{diagonal[0], diagonal[1], diagonal[2], 0, 0, 0}, body.source->orientation(a)));
 }
 
-/// boundmass, boundinertia, balanceinertia, and what no body can have.
+/// Applies boundmass, boundinertia and balanceinertia, then repairs or refuses physically impossible moments.
 void correct(Inertia& inertia, const MjcfBody& body, const RobotOptions& options) {
   const MjcfCompiler& c = body.source->compiler();
-  const MjcfElement& where = body.inertial ? body.inertial : body.element;
-  if (c.least_mass > inertia.mass || c.least_inertia > 0 || c.balance_inertia) {
-    const double mass = std::max(inertia.mass, c.least_mass);
+  const MjcfElement& source = body.inertial ? body.inertial : body.element;
+  if (c.min_mass > inertia.mass || c.min_inertia > 0 || c.balance_inertia) {
+    const double mass = std::max(inertia.mass, c.min_mass);
     SymmetricEigen e = symmetric_eigen(inertia.about_centre());
     Vec3& I = e.values;
-    for (int i = 0; i < 3; ++i) I[i] = std::max(I[i], c.least_inertia);
+    for (int i = 0; i < 3; ++i) I[i] = std::max(I[i], c.min_inertia);
     if (c.balance_inertia && (I.x + I.y < I.z || I.x + I.z < I.y || I.y + I.z < I.x)) {
       const double mean = (I.x + I.y + I.z) / 3;
       I = {mean, mean, mean};
-      where.note("Moments of inertia that no body can have became their mean (balanceinertia).");
+      source.note("Physically impossible moments of inertia were replaced by their mean (balanceinertia).");
     }
     inertia = Inertia::from_centre(mass, inertia.centre(), symmetric_part(e.V * Mat3::diagonal(I.x, I.y, I.z) * e.V.transposed()));
   }
-  if (!make_possible(inertia)) return;
+  if (!make_physical(inertia)) return;
   if (options.inertias == Inertias::strict)
-    where.problem(ErrorCode::structure,
-                  "no body has the moments of inertia of " + formats::in_quotes(body.name) +
-                      " (they must be positive, and none above the sum of the other two).",
-                  "Correct them, set balanceinertia, or allow that the nearest possible are taken.");
+    source.problem(ErrorCode::structure,
+                   "The moments of inertia of the body " + formats::in_quotes(body.name) +
+                       " are not physically possible (each must be positive and at most the sum of the other two).",
+                   "Correct them, set balanceinertia, or allow the reader to repair them.");
   else
-    where.note("Moments of inertia that no body can have became the nearest possible.");
+    source.note("Physically impossible moments of inertia were replaced by the nearest possible ones.");
 }
 
 }  // namespace
@@ -154,7 +156,7 @@ Inertia mjcf_inertia(MjcfBody& body, const RobotOptions& options) {
     for (const MjcfGeom& geom : body.geoms) {
       if (geom.group < c.inertia_groups[0] || geom.group > c.inertia_groups[1]) continue;
       const std::optional<Inertia> of_geom = geom_inertia(body, geom, options);
-      if (!of_geom) return inertia;  // one problem a body is enough
+      if (!of_geom) return inertia;  // one problem for each body is enough
       inertia += *of_geom;
     }
   }

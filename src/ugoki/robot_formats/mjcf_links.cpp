@@ -11,22 +11,23 @@ namespace {
 
 std::optional<Shape> mesh_shape(MjcfBody& body, const MjcfGeom& geom, bool collides, MjcfBuild& build) {
   const RobotOptions& options = build.options;
-  if (!collides) return std::nullopt;  // looks only
+  if (!collides) return std::nullopt;  // for display only: not read
   if (options.meshes == Meshes::none) {
-    geom.element.note("Meshes that collide are left out.");
+    geom.element.note("Collision meshes are left out.");
     return std::nullopt;
   }
   MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
   if (!mesh) {
-    geom.element.problem(ErrorCode::unknown, "no mesh is named " + formats::in_quotes(geom.mesh) + ".",
+    geom.element.problem(ErrorCode::unknown, "No mesh is named " + formats::in_quotes(geom.mesh) + ".",
                          "Correct the name, or add the mesh.");
     return std::nullopt;
   }
   if (!mesh->absent.empty()) {
     if (options.require_meshes)
-      geom.element.problem(ErrorCode::io, mesh->absent + ".", "Put it there, or let meshes be left out.");
+      geom.element.problem(ErrorCode::io, "A collision mesh is missing: " + mesh->absent + ".",
+                           "Copy the file to that path, or read without meshes.");
     else
-      geom.element.note("A shape is left out because its mesh file is not there.");
+      geom.element.note("A shape is left out because its mesh file was not found.");
     return std::nullopt;
   }
   if (!mesh->shape) {
@@ -34,7 +35,7 @@ std::optional<Shape> mesh_shape(MjcfBody& body, const MjcfGeom& geom, bool colli
     if (!made) {
       const Problem& why = made.error().problems[0];
       if (options.require_meshes)
-        geom.element.problem(why.code, "its mesh cannot be used: " + why.message, why.remedy);
+        geom.element.problem(why.code, "The mesh cannot be used: " + why.message, why.remedy);
       else
         geom.element.note("A shape is left out because its mesh cannot be used: " + why.message);
       return std::nullopt;
@@ -45,21 +46,22 @@ std::optional<Shape> mesh_shape(MjcfBody& body, const MjcfGeom& geom, bool colli
     build.meshes.push_back(
         {mesh->element.title(), mesh->points.size(), mesh->triangles.size(), geometry ? geometry->hash : 0, made->found});
   }
-  geom.element.note(how_taken(*mesh->shape, true));
+  geom.element.note(describe_mesh_use(*mesh->shape, true));
   Shape shape = *mesh->shape;
   shape.X_BS = geom.X_BG * shape.X_BS;
   return shape;
 }
 
-/// The ground z = 0 belongs to the scene; any other plane becomes a thick plate below it.
+/// The shape of a plane. The ground z = 0 of the world is left out, because the scene has its own ground; any other plane becomes a box
+/// below it.
 std::optional<Shape> plane_shape(const MjcfBody& body, const MjcfGeom& geom) {
-  constexpr double endless = 50, thick = 0.5;  // m: half of the sides of a plane without end, and of the plate's height
+  constexpr double endless = 50, thick = 0.5;  // m: half side of an unbounded plane, and half thickness of the box
   const Pose X_WG = body.X_WB * geom.X_BG;
   if (body.parent < 0 && X_WG.R.zz > 1 - 1e-12 && std::fabs(X_WG.p.z) < 1e-9) {
-    geom.element.note("A plane is left out: the ground belongs to the scene.");
+    geom.element.note("The ground plane z = 0 is left out: the scene has its own ground.");
     return std::nullopt;
   }
-  geom.element.note("A plane other than the ground z = 0 is taken as a plate 1 m thick below it, at most 100 m wide.");
+  geom.element.note("A plane other than the ground z = 0 is approximated by a plate below it, 1 m thick and at most 100 m wide.");
   const auto side = [&](double half) { return half > 0 && half < endless ? half : endless; };
   return Shape::box({side(geom.size.x), side(geom.size.y), thick}, geom.X_BG * Pose{Mat3::identity(), {0, 0, -thick}});
 }
@@ -67,7 +69,7 @@ std::optional<Shape> plane_shape(const MjcfBody& body, const MjcfGeom& geom) {
 std::optional<Shape> field_shape(MjcfBody& body, const MjcfGeom& geom) {
   const MjcfHeightField* const asset = body.source->height_field(geom.height_field);
   if (!asset) {
-    geom.element.problem(ErrorCode::unknown, "no height field is named " + formats::in_quotes(geom.height_field) + ".",
+    geom.element.problem(ErrorCode::unknown, "No height field is named " + formats::in_quotes(geom.height_field) + ".",
                          "Correct the name, or add the height field.");
     return std::nullopt;
   }
@@ -78,12 +80,12 @@ std::optional<Shape> field_shape(MjcfBody& body, const MjcfGeom& geom) {
   return Shape::height_field(asset->field, geom.X_BG);
 }
 
-/// How a geom lies, without what its surface is like.
+/// The geom's shape and pose, without friction, visibility and collision flags.
 std::optional<Shape> outline(MjcfBody& body, const MjcfGeom& geom, bool collides, MjcfBuild& build) {
   switch (geom.type) {
     case MjcfGeomType::plane: return plane_shape(body, geom);
     case MjcfGeomType::hfield: return field_shape(body, geom);
-    case MjcfGeomType::sdf: geom.element.note("A signed distance field is left out."); return std::nullopt;
+    case MjcfGeomType::sdf: geom.element.note("A shape given by a signed distance field is left out."); return std::nullopt;
     case MjcfGeomType::mesh: return mesh_shape(body, geom, collides, build);
     case MjcfGeomType::sphere: return Shape::sphere(geom.size.x, geom.X_BG);
     case MjcfGeomType::box: return Shape::box(geom.size, geom.X_BG);
@@ -101,6 +103,7 @@ std::optional<Shape> outline(MjcfBody& body, const MjcfGeom& geom, bool collides
   return std::nullopt;
 }
 
+/// Makes the links, joints and shapes of all bodies.
 class LinkMaker {
  public:
   explicit LinkMaker(MjcfBuild& build) : build_(build), tree_(build.tree) {}
@@ -118,17 +121,17 @@ class LinkMaker {
   }
 
  private:
-  /// One problem for all bodies whose masses would come from meshes that are not there.
+  /// Reports one problem for all bodies whose mass should come from a mesh file that was not found.
   void refuse_absent_masses() {
-    const auto lacks = [](const MjcfBody& b) { return b.without_mass != nullptr; };
+    const auto lacks = [](const MjcfBody& b) { return b.missing_mass != nullptr; };
     const auto first = std::ranges::find_if(tree_.bodies, lacks);
     if (first == tree_.bodies.end()) return;
     const auto others = std::ranges::count_if(tree_.bodies, lacks) - 1;
     const std::string whose = formats::in_quotes(first->name) + (others > 0 ? " and of " + std::to_string(others) + " more" : "");
-    first->without_mass->element.problem(
+    first->missing_mass->element.problem(
         ErrorCode::io,
-        "the mass of the body " + whose + " comes from a mesh, but " + first->source->mesh(first->without_mass->mesh)->absent + ".",
-        "Put the file there, give the body an <inertial>, or leave meshes out: they then weigh nothing.");
+        "The mass of the body " + whose + " comes from a mesh, but " + first->source->mesh(first->missing_mass->mesh)->absent + ".",
+        "Copy the file to that path, add an <inertial>, or read without meshes (their mass is then zero).");
   }
 
   void add(LinkSpec link, const MjcfElement& element, const Pose& X_BF) {
@@ -145,7 +148,7 @@ class LinkMaker {
       }
   }
 
-  /// Shapes of the world become those of a link that is fixed to it.
+  /// Shapes of the world body become shapes of a link "world", which is fixed to the world.
   void make_world() {
     LinkSpec link;
     link.name = "world";
@@ -153,7 +156,8 @@ class LinkMaker {
     if (!link.shapes.empty()) add(std::move(link), tree_.bodies[0].geoms[0].element, {});
   }
 
-  /// The options may take free joints away, or give them to bodies that the file fixes and that carry movable ones.
+  /// Applies the option `base`: `fixed` removes free joints; `floating` adds a free joint to each body that the file fixes to the world and
+  /// that carries movable bodies.
   void decide_bases() {
     if (build_.options.base == Base::by_file) return;
     std::vector<char> movable(tree_.bodies.size(), 0);
@@ -171,7 +175,7 @@ class LinkMaker {
     }
   }
 
-  std::string invented_name(const MjcfBody& body, const MjcfJoint& joint, std::size_t number) {
+  std::string generated_name(const MjcfBody& body, const MjcfJoint& joint, std::size_t number) {
     std::string name = body.name + ":" + (joint.name.empty() ? std::to_string(number) : joint.name);
     while (!names_.insert(name).second) name += "_";
     return name;
@@ -188,15 +192,15 @@ class LinkMaker {
       case MjcfJointType::hinge: joint.type = JointType::revolute; break;
     }
     if (joint.type == JointType::floating || joint.type == JointType::spherical) joint.axis = {0, 0, 1};
-    for (int i = 0; i < joint.nv(); ++i) joint.freedoms[static_cast<std::size_t>(i)] = from.freedom;
+    for (int i = 0; i < joint.nv(); ++i) joint.dofs[static_cast<std::size_t>(i)] = from.dof;
     return joint;
   }
 
   void make_body(MjcfBody& body) {
     const MjcfBody& above = tree_.bodies[static_cast<std::size_t>(body.parent)];
     std::string parent = above.link < 0 ? std::string() : build_.spec.links[static_cast<std::size_t>(above.link)].name;
-    Pose X_LB = above.X_LB * body.X_PB;  // the body in the link below which the next joint hangs, all joints at zero
-    Vec3 at;                             // where in the body the frame of that joint lies
+    Pose X_LB = above.X_LB * body.X_PB;  // the body in the parent link of the next joint, all joints at zero
+    Vec3 at;                             // origin of the next joint's frame in the body
     LinkSpec link;
     MjcfElement element = body.element;
     link.joint.X_PJ = X_LB;
@@ -207,7 +211,7 @@ class LinkMaker {
       joint.link = static_cast<int>(build_.spec.links.size());
       X_LB = {Mat3::identity(), -at};
       const bool last = k + 1 == body.joints.size();
-      link.name = last ? body.name : invented_name(body, joint, k + 1);
+      link.name = last ? body.name : generated_name(body, joint, k + 1);
       link.parent = parent;
       if (!joint.name.empty()) build_.joints.push_back({joint.name, link.name});
       element = joint.element;
@@ -217,7 +221,7 @@ class LinkMaker {
       link = {};
     }
     if (body.joints.empty()) X_LB = {};
-    if (body.mocap) body.element.note("A body that a program moves (mocap) stands still.");
+    if (body.mocap) body.element.note("A body that MuJoCo lets a program move (mocap) is fixed here.");
     link.name = body.name;
     link.parent = parent;
     body.X_LB = X_LB;
@@ -248,7 +252,7 @@ std::optional<Shape> mjcf_shape(MjcfBody& body, const MjcfGeom& geom, MjcfBuild&
   std::optional<Shape> shape = outline(body, geom, collides, build);
   if (!shape) return shape;
   if (collides && !(geom.contype == 1 && geom.conaffinity == 1))
-    geom.element.note("Which pairs of shapes collide (contype, conaffinity) is left out; the shape collides with all.");
+    geom.element.note("Collision filters (contype, conaffinity) are left out; the shape collides with all others.");
   shape->friction = geom.friction;
   shape->collides = collides;
   shape->visible = !geom.transparent && (collides || geom.group <= 2);

@@ -9,11 +9,12 @@ namespace ugoki::robot_formats {
 namespace {
 
 /// A frame in a body.
-struct Place {
+struct BodyFrame {
   int body = 0;
   Pose X_BJ;
 };
 
+/// Reads <equality>: loops between bodies, gears between joints, locked joints.
 class LoopReader {
  public:
   explicit LoopReader(MjcfBuild& build) : build_(build) {}
@@ -48,11 +49,11 @@ class LoopReader {
 
   void read_bodies(const MjcfElement& e, const MjcfPart& part, const MjcfAttributes& a, bool weld) {
     const bool sites = e.has("site1") || e.has("site2");
-    if (!is_whole(e, sites, weld)) return;
+    if (!has_valid_ends(e, sites, weld)) return;
     const char* const kind = sites ? "site" : "body";
     for (const MjcfPart& copy :
-         build_.parts_of(e, part, {{kind, e.text(sites ? "site1" : "body1")}, {kind, e.text(sites ? "site2" : "body2")}})) {
-      Place A, B;
+         build_.matching_parts(e, part, {{kind, e.text(sites ? "site1" : "body1")}, {kind, e.text(sites ? "site2" : "body2")}})) {
+      BodyFrame A, B;
       if (sites)
         find_sites(e, copy, A, B);
       else
@@ -61,13 +62,13 @@ class LoopReader {
     }
   }
 
-  void join(const MjcfElement& e, const MjcfPart& part, const MjcfAttributes& a, bool weld, const Place& A, const Place& B) {
+  void join(const MjcfElement& e, const MjcfPart& part, const MjcfAttributes& a, bool weld, const BodyFrame& A, const BodyFrame& B) {
     LoopSpec loop;
     loop.type = weld ? LoopType::weld : LoopType::ball;
     const double torque = weld ? a.number("torquescale", 1, not_negative) : 1;
     if (torque == 0) {
       loop.type = LoopType::ball;
-      e.note("A weld without torques (torquescale 0) is taken as a ball.");
+      e.note("A weld without torques (torquescale 0) is approximated by a ball joint.");
     } else if (torque != 1) {
       e.note("The softness of a weld (torquescale) is left out.");
     }
@@ -76,7 +77,8 @@ class LoopReader {
     loop.X_AJ = body(A.body).X_LB * A.X_BJ;
     loop.X_BJ = body(B.body).X_LB * B.X_BJ;
     if (loop.link_a == loop.link_b)
-      return e.problem(ErrorCode::structure, e.title() + " joins a body with itself.", "Name two bodies, or one and the world.");
+      return e.problem(ErrorCode::structure, e.title() + " connects a body to itself.",
+                       "Name two different bodies, or one body and the world.");
     add(std::move(loop), e, part, a);
   }
 
@@ -85,8 +87,8 @@ class LoopReader {
     return link < 0 ? std::string() : build_.spec.links[static_cast<std::size_t>(link)].name;
   }
 
-  /// Whether it names two sites, or bodies and what belongs to them.
-  [[nodiscard]] static bool is_whole(const MjcfElement& e, bool sites, bool weld) {
+  /// Whether the element names two sites, or body1 and (for connect) an anchor; a problem if not.
+  [[nodiscard]] static bool has_valid_ends(const MjcfElement& e, bool sites, bool weld) {
     if (sites) {
       for (const char* name : {"body1", "body2", "anchor", "relpose"})
         if (e.has(name)) {
@@ -97,19 +99,19 @@ class LoopReader {
     }
     if (e.has("body1") && (weld || e.has("anchor"))) return true;
     e.problem(ErrorCode::syntax, e.title() + " names neither " + (weld ? "body1" : "body1 and anchor") + " nor two sites.",
-              "Add what it joins.");
+              "Add the missing attributes.");
     return false;
   }
 
-  void find_sites(const MjcfElement& e, const MjcfPart& part, Place& A, Place& B) const {
+  void find_sites(const MjcfElement& e, const MjcfPart& part, BodyFrame& A, BodyFrame& B) const {
     const MjcfSite a = *build_.find_site(part, e.text("site1")), b = *build_.find_site(part, e.text("site2"));
     A = {a.body, a.X_BS};
     B = {b.body, b.X_BS};
   }
 
-  /// connect: the anchor in body 1, and where it lies in body 2 at the position of the file. weld: body 2's pose in body 1,
-  /// as it is there or as relpose says; the anchor in body 2 and, without relpose, where that lies in body 1.
-  void find_bodies(const MjcfElement& e, const MjcfPart& part, bool weld, Place& A, Place& B) const {
+  /// Frames of an equality between bodies. connect: `anchor` is in body 1; the frame in body 2 is where the anchor is at the pose of the
+  /// file. weld: `anchor` is in body 2; the frame in body 1 follows from relpose or, without relpose, from the pose of the file.
+  void find_bodies(const MjcfElement& e, const MjcfPart& part, bool weld, BodyFrame& A, BodyFrame& B) const {
     A.body = build_.find_body(part, e.text("body1"));
     B.body = build_.find_body(part, e.text("body2"));
     const Pose X_12 = body(A.body).X_WB.inverse() * body(B.body).X_WB;
@@ -132,7 +134,7 @@ class LoopReader {
   void read_joints(const MjcfElement& e, const MjcfPart& part, const MjcfAttributes& a) {
     std::vector<MjcfBuild::Reference> names = {{"joint", e.text("joint1")}};
     if (e.has("joint2")) names.push_back({"joint", e.text("joint2")});
-    for (const MjcfPart& copy : build_.parts_of(e, part, names)) {
+    for (const MjcfPart& copy : build_.matching_parts(e, part, names)) {
       MjcfJoint* const second = e.has("joint2") ? build_.find_joint(copy, e.text("joint2")) : nullptr;
       couple(e, copy, a, *build_.find_joint(copy, e.text("joint1")), second, polynomial(e));
     }
@@ -152,12 +154,12 @@ class LoopReader {
       if (j && j->type != MjcfJointType::hinge && j->type != MjcfJointType::slide)
         return e.problem(ErrorCode::structure, e.title() + " couples a joint that is neither a hinge nor a slide.",
                          "Couple hinges and slides.");
-    if (second == &first) return e.problem(ErrorCode::structure, e.title() + " couples a joint with itself.", "Name two joints.");
+    if (second == &first) return e.problem(ErrorCode::structure, e.title() + " couples a joint with itself.", "Name two different joints.");
     if (!second) {
-      if (!a.flag("active", true)) return e.note("A joint that may be held fast, but is not at the start, is left free.");
-      Freedom& f = build_.freedom_of(first);
+      if (!a.flag("active", true)) return e.note("An equality that would lock a joint, but is inactive at the start, is left out.");
+      Dof& f = build_.dof_of(first);
       f.lower = f.upper = c[0];
-      e.note("A joint that an equality holds fast has its limits there.");
+      e.note("A joint that an equality locks has both limits at the locked position.");
       return;
     }
     LoopSpec loop;
@@ -168,14 +170,14 @@ class LoopReader {
     add(std::move(loop), e, part, a);
   }
 
-  /// A fixed tendon of one or two joints that is held at its length couples them as a gear does.
+  /// An equality for a <fixed> tendon (a linear combination of joint coordinates) of one or two joints couples them like a gear.
   void read_tendons(const MjcfElement& e, const MjcfPart& part, const MjcfAttributes& a) {
     std::vector<MjcfElement> members;
     for (const MjcfElement& section : part.source->document().sections("tendon"))
       for (const MjcfElement& t : part.source->document().children(section))
         if (t.kind() == "fixed" && t.text("name") == e.text("tendon1")) members = part.source->document().children(t);
     if (e.has("tendon2") || members.empty() || members.size() > 2)
-      return e.note("An equality of tendons is left out, unless it holds a fixed tendon of one or two joints.");
+      return e.note("An equality of tendons is left out, unless it is for one fixed tendon of one or two joints.");
     double factors[2] = {1, 0};
     std::vector<MjcfBuild::Reference> names;
     for (std::size_t i = 0; i < members.size(); ++i) {
@@ -183,8 +185,8 @@ class LoopReader {
       factors[i] = members[i].file->number(members[i].attribute("coef"), 0);
     }
     if (!(std::fabs(factors[0]) > 1e-9))
-      return e.problem(ErrorCode::range, "the tendon's first coefficient is zero.", "Leave that joint out.");
-    for (const MjcfPart& copy : build_.parts_of(members[0], part, names))
+      return e.problem(ErrorCode::range, "The first coefficient of the tendon is zero.", "Remove that joint from the tendon.");
+    for (const MjcfPart& copy : build_.matching_parts(members[0], part, names))
       couple(e, copy, a, *build_.find_joint(copy, names[0].name), names.size() > 1 ? build_.find_joint(copy, names[1].name) : nullptr,
              {polynomial(e)[0] / factors[0], -factors[1] / factors[0], 0, 0, 0});
   }
@@ -195,6 +197,7 @@ class LoopReader {
 }  // namespace
 
 namespace {
+/// Finds a name with the prefix and suffix of a part. In a copy of a <replicate> a name may also refer to an object outside of it.
 template <class Map>
 auto find_in(const Map& map, const MjcfPart& part, const std::string& name) {
   const auto it = map.find(part.prefix + name + part.suffix);
@@ -219,8 +222,8 @@ int MjcfBuild::find_body(const MjcfPart& part, const std::string& name) const {
   return it == tree.body_named.end() ? -1 : static_cast<int>(it->second);
 }
 
-std::vector<MjcfPart> MjcfBuild::parts_of(const MjcfElement& e, const MjcfPart& part, const std::vector<Reference>& names) {
-  const auto missing = [&](const MjcfPart& in) {
+std::vector<MjcfPart> MjcfBuild::matching_parts(const MjcfElement& e, const MjcfPart& part, const std::vector<Reference>& names) {
+  const auto missing = [&](const MjcfPart& in) {  // first reference that cannot be resolved in this part
     return std::ranges::find_if(names, [&](const Reference& r) {
       const std::string_view kind = r.kind;
       return kind == "joint" ? !find_joint(in, r.name) : kind == "site" ? !find_site(in, r.name) : find_body(in, r.name) < 0;
@@ -237,11 +240,11 @@ std::vector<MjcfPart> MjcfBuild::parts_of(const MjcfElement& e, const MjcfPart& 
       if (missing(copy) == names.end()) out.push_back(std::move(copy));
     }
   if (!out.empty()) return out;
-  const std::string what = "no " + std::string(first->kind) + " is named " + formats::in_quotes(first->name) + ".";
+  const std::string reason = "no " + std::string(first->kind) + " is named " + formats::in_quotes(first->name) + ".";
   if (part.attached)
-    e.note("<" + std::string(e.kind()) + "> of an attached model is left out: " + what);
+    e.note("<" + std::string(e.kind()) + "> of an attached model is left out: " + reason);
   else
-    e.problem(ErrorCode::unknown, e.title() + ": " + what, "Correct the name.");
+    e.problem(ErrorCode::unknown, e.title() + ": " + reason, "Correct the name.");
   return out;
 }
 

@@ -8,7 +8,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr std::size_t most_hull_points = 20'000;
+constexpr std::size_t max_hull_points = 20'000;  // the hull costs O(points * triangles)
 
 std::string folder_of(const std::string& path) {
   const std::size_t slash = path.find_last_of('/');
@@ -24,11 +24,11 @@ Mat3 z_turned_to(const Vec3& direction) {
   return rotation_about(axis / s, atan2(s, direction.z));
 }
 
-bool MjcfSource::load(std::string_view text, const std::string& path, MjcfFiles& files, std::vector<std::string> above) {
+bool MjcfSource::load(std::string_view text, const std::string& path, MjcfFiles& files, std::vector<std::string> ancestors) {
   files_ = &files;
   folder_ = folder_of(path);
-  above_ = std::move(above);
-  above_.push_back(path);
+  ancestors_ = std::move(ancestors);
+  ancestors_.push_back(path);
   if (!document_.load(text, path, folder_, files)) return false;
   read_compiler();
   defaults_.read(document_);
@@ -46,10 +46,11 @@ void MjcfSource::read_compiler() {
       if (order.size() == 3 && order.find_first_not_of("xyzXYZ") == std::string::npos)
         c.eulerseq = order;
       else
-        e.problem(ErrorCode::syntax, "eulerseq is not three letters of x, y, z, X, Y, Z.", "Write for example eulerseq=\"xyz\".");
+        e.problem(ErrorCode::syntax, "'eulerseq' is " + formats::in_quotes(order) + ", not three of the letters x, y, z, X, Y, Z.",
+                  "Write for example eulerseq=\"xyz\".");
     }
     if (a.keyword("coordinate", {"local", "global"}, 0) == 1)
-      e.problem(ErrorCode::unsupported, "the model is in global coordinates, which MuJoCo itself gave up.",
+      e.problem(ErrorCode::unsupported, "The model uses global coordinates, which MuJoCo no longer supports.",
                 "Load and save it with MuJoCo 2.3.3 or older.");
     c.autolimits = a.flag("autolimits", c.autolimits);
     c.strip_path = a.flag("strippath", c.strip_path);
@@ -59,8 +60,8 @@ void MjcfSource::read_compiler() {
         a.keyword("inertiafromgeom", {"auto", "true", "false"}, static_cast<int>(c.inertia_from_geoms)));
     double groups[2];
     if (a.numbers("inertiagrouprange", groups, {0, 5})) c.inertia_groups = {static_cast<int>(groups[0]), static_cast<int>(groups[1])};
-    c.least_mass = a.number("boundmass", c.least_mass, not_negative);
-    c.least_inertia = a.number("boundinertia", c.least_inertia, not_negative);
+    c.min_mass = a.number("boundmass", c.min_mass, not_negative);
+    c.min_inertia = a.number("boundinertia", c.min_inertia, not_negative);
     c.balance_inertia = a.flag("balanceinertia", c.balance_inertia);
     c.total_mass = std::max(0.0, a.number("settotalmass", c.total_mass));
   }
@@ -75,24 +76,25 @@ void MjcfSource::read_assets() {
         MjcfMeshAsset mesh;
         mesh.element = e;
         if (!meshes_.emplace(name, std::move(mesh)).second)
-          e.problem(ErrorCode::duplicate, "two meshes are named " + formats::in_quotes(name) + ".", "Rename one of them.");
+          e.problem(ErrorCode::duplicate, "Two meshes are named " + formats::in_quotes(name) + ".", "Rename one of them.");
       } else if (e.kind() == "hfield") {
         if (!height_fields_.emplace(name, MjcfHeightField{e, false, {}, {}}).second)
-          e.problem(ErrorCode::duplicate, "two height fields are named " + formats::in_quotes(name) + ".", "Rename one of them.");
+          e.problem(ErrorCode::duplicate, "Two height fields are named " + formats::in_quotes(name) + ".", "Rename one of them.");
       } else if (e.kind() == "model") {
         const std::string path = folder_ + file;
-        if (std::ranges::find(above_, path) != above_.end()) {
-          e.problem(ErrorCode::structure, "the model " + formats::path_in_quotes(path) + " contains itself.", "Remove the circle.");
+        if (std::ranges::find(ancestors_, path) != ancestors_.end()) {
+          e.problem(ErrorCode::structure, "The model " + formats::path_in_quotes(path) + " contains itself.",
+                    "Remove one of its <model> assets.");
           continue;
         }
         const Result<std::string> text = files_->read(path);
         if (!text) {
-          e.problem(ErrorCode::io, "the model " + formats::path_in_quotes(path) + " cannot be read: " + text.error().problems[0].message,
-                    "Put it where the description says.");
+          e.problem(ErrorCode::io, "The model " + formats::path_in_quotes(path) + " cannot be read: " + text.error().problems[0].message,
+                    "Copy it to that path.");
           continue;
         }
         auto source = std::make_unique<MjcfSource>();
-        if (!source->load(*text, path, *files_, above_)) continue;
+        if (!source->load(*text, path, *files_, ancestors_)) continue;
         const std::string own = source->document().root().text("model");
         models_.emplace(e.has("name") ? name : own.empty() ? name : own, std::move(source));
       }
@@ -128,14 +130,14 @@ void MjcfSource::load_mesh(MjcfMeshAsset& mesh) const {
     const std::string path = mesh_path(a.text("file"));
     const Result<std::string> bytes = files_->read(path);
     if (!bytes) {
-      mesh.absent = "the mesh file " + formats::path_in_quotes(path) + " is not there";
+      mesh.absent = "the mesh file " + formats::path_in_quotes(path) + " was not found";
       return;
     }
     Result<MeshFile> content = read_mesh(*bytes, path);
     if (!content) {
       const Problem& why = content.error().problems[0];
-      mesh.element.problem(why.code, "its file " + formats::path_in_quotes(path) + " is no mesh: " + why.message, why.remedy);
-      mesh.absent = "the mesh file " + formats::path_in_quotes(path) + " is broken";
+      mesh.element.problem(why.code, "The file " + formats::path_in_quotes(path) + " is not a mesh: " + why.message, why.remedy);
+      mesh.absent = "the mesh file " + formats::path_in_quotes(path) + " is damaged";
       return;
     }
     mesh.points = std::move(content->points);
@@ -149,11 +151,11 @@ void MjcfSource::load_mesh(MjcfMeshAsset& mesh) const {
       if (std::max({f[i], f[i + 1], f[i + 2]}) < static_cast<double>(mesh.points.size()))
         mesh.triangles.push_back({static_cast<int>(f[i]), static_cast<int>(f[i + 1]), static_cast<int>(f[i + 2])});
       else
-        e.problem(ErrorCode::range, "a face names a vertex that there is not.", "Number the vertices from 0.");
+        e.problem(ErrorCode::range, "A face refers to a vertex that does not exist.", "Number the vertices from 0.");
     }
   }
   if (mesh.points.empty()) {
-    mesh.absent = "the mesh " + mesh.element.title() + " has no vertices that are read";
+    mesh.absent = "the mesh " + mesh.element.title() + " has no vertices";
     return;
   }
   double q[4] = {1, 0, 0, 0};
@@ -167,9 +169,9 @@ void MjcfSource::load_mesh(MjcfMeshAsset& mesh) const {
   if (scale.x * scale.y * scale.z < 0)
     for (MeshTriangle& t : mesh.triangles) std::swap(t[1], t[2]);
   if (mesh.triangles.empty() || mesh.kind == MeshInertia::convex) {
-    if (mesh.points.size() > most_hull_points) {
-      mesh.element.problem(ErrorCode::unsupported, "its convex hull is wanted, of more than 20,000 vertices.",
-                           "Give a smaller mesh, or one with faces.");
+    if (mesh.points.size() > max_hull_points) {
+      mesh.element.problem(ErrorCode::unsupported, "The convex hull of the mesh is needed, but it has more than 20,000 vertices.",
+                           "Use a smaller mesh, or a mesh with faces.");
       return;
     }
     mesh.triangles = convex_hull(mesh.points);
@@ -180,12 +182,12 @@ Mat3 MjcfSource::from_euler_angles(const Vec3& angles) const {
   Mat3 R = Mat3::identity();
   for (int i = 0; i < 3; ++i) {
     const char letter = compiler_.eulerseq[static_cast<std::size_t>(i)];
-    const bool stays = letter < 'a';
-    const int axis = stays ? letter - 'X' : letter - 'x';
+    const bool fixed_axis = letter < 'a';
+    const int axis = fixed_axis ? letter - 'X' : letter - 'x';
     Vec3 e;
     e[axis] = 1;
     const Mat3 turn = rotation_about(e, compiler_.radians(angles[i]));
-    R = stays ? turn * R : R * turn;
+    R = fixed_axis ? turn * R : R * turn;
   }
   return R;
 }
@@ -194,13 +196,14 @@ Mat3 MjcfSource::orientation(const MjcfAttributes& a) const {
   int own = 0;
   for (const char* name : {"quat", "axisangle", "xyaxes", "zaxis", "euler"}) own += a.own().has(name) ? 1 : 0;
   if (own > 1)
-    a.own().problem(ErrorCode::structure, "its orientation is given in more than one way.",
+    a.own().problem(ErrorCode::structure, "The orientation is given more than once.",
                     "Keep one of quat, axisangle, xyaxes, zaxis and euler.");
   const auto without_direction = [](const MjcfElement& e, const char* name) {
-    e.problem(ErrorCode::structure, std::string(name) + " has no direction.", "Give vectors that are not zero and not parallel.");
+    e.problem(ErrorCode::structure, "'" + std::string(name) + "' does not define a direction.",
+              "Give vectors that are not zero and not parallel.");
     return Mat3::identity();
   };
-  // As in MuJoCo, what stands for quat wins over quat, also where only a default class has it.
+  // As in MuJoCo, axisangle, xyaxes, zaxis and euler override quat, even if they are only set in a default class.
   for (const MjcfElement& e : a.levels()) {
     double v[6];
     if (e.has("axisangle")) {

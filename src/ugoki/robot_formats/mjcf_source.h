@@ -1,5 +1,5 @@
 #pragma once
-// One MJCF model as a source of bodies: its compiler settings, default classes and assets. Internal to robot_formats.
+// One MJCF model: its compiler settings, default classes and assets. Internal to robot_formats.
 
 #include <array>
 #include <memory>
@@ -10,65 +10,68 @@
 
 namespace ugoki::robot_formats {
 
+/// Settings of <compiler>.
 struct MjcfCompiler {
   enum class FromGeoms { where_needed, always, never };
   bool degrees = true;
-  std::string eulerseq = "xyz";  ///< lower case: axes that turn along; upper case: axes that stay
+  std::string eulerseq = "xyz";  ///< lower case: intrinsic rotations (moving axes); upper case: extrinsic (fixed axes)
   bool autolimits = true;
-  std::string mesh_folder;
-  bool strip_path = false;
+  std::string mesh_folder;  ///< meshdir or assetdir
+  bool strip_path = false;  ///< use only the file name of a mesh path
   FromGeoms inertia_from_geoms = FromGeoms::where_needed;
-  std::array<int, 2> inertia_groups = {0, 5};
-  double least_mass = 0, least_inertia = 0;
+  std::array<int, 2> inertia_groups = {0, 5};  ///< geom groups that contribute to mass, first and last
+  double min_mass = 0, min_inertia = 0;        ///< kg, kg m^2: boundmass, boundinertia
   bool balance_inertia = false;
-  double total_mass = 0;  ///< kg; 0: as it comes
+  double total_mass = 0;  ///< kg; 0: masses are not rescaled
 
+  /// Converts an angle from the unit of the file to radians.
   [[nodiscard]] double radians(double angle) const { return degrees ? angle * (pi / 180.0) : angle; }
 };
 
-/// A mesh asset. Its points are those of the file after refpos, refquat and scale.
+/// A mesh asset. Its points are the points of the file after refpos, refquat and scale were applied.
 struct MjcfMeshAsset {
   MjcfElement element;
   bool tried = false;        ///< load() was called
-  std::string absent;        ///< why there are no points; empty if there are
+  std::string absent;        ///< reason why there are no points (without a final full stop); empty if the mesh was read
   std::vector<Vec3> points;  ///< m
   std::vector<MeshTriangle> triangles;
   MeshInertia kind = MeshInertia::legacy;
-  std::optional<Shape> shape;  ///< made from it when a geom collides
+  std::optional<Shape> shape;  ///< collision shape, made when first needed
 };
 
-/// A height field asset. MuJoCo stretches its heights from 0 to the size that the asset gives.
+/// A height field asset. As in MuJoCo, the heights are scaled to the range from 0 to the height that the asset's size gives.
 struct MjcfHeightField {
   MjcfElement element;
   bool tried = false;
-  std::string absent;  ///< a sentence: why there is no field
+  std::string absent;  ///< sentence for the user: reason why there is no field; empty if it was read
   HeightFieldPtr field;
 };
 
-/// The rotation that turns z into the unit vector `direction` the shortest way; half a turn about x where that is -z.
+/// The shortest rotation that maps z to the unit vector `direction`; half a turn about x if the direction is -z.
 [[nodiscard]] Mat3 z_turned_to(const Vec3& direction);
 
+/// Loads a model and provides its elements, defaults and assets.
 class MjcfSource {
  public:
-  /// @param path of the model's file, for messages and as the place to which other files are relative
-  /// @param above files whose models lead to this one
-  [[nodiscard]] bool load(std::string_view text, const std::string& path, MjcfFiles& files, std::vector<std::string> above = {});
+  /// @param path of the model's file, used in messages; other files are relative to its folder
+  /// @param ancestors paths of the models that attach this one, to detect a model that contains itself
+  [[nodiscard]] bool load(std::string_view text, const std::string& path, MjcfFiles& files, std::vector<std::string> ancestors = {});
 
   [[nodiscard]] const MjcfDocument& document() const { return document_; }
   [[nodiscard]] const MjcfCompiler& compiler() const { return compiler_; }
   [[nodiscard]] const MjcfDefaults& defaults() const { return defaults_; }
   /// The model asset of this name, or null.
   [[nodiscard]] MjcfSource* model(const std::string& name) const;
-  /// The mesh asset of this name with its file read, or null. A file that is there but broken is a problem of the asset.
+  /// The mesh asset of this name with its file read, or null. If the file exists but is damaged, the asset gets a problem.
   [[nodiscard]] MjcfMeshAsset* mesh(const std::string& name);
 
-  /// The same for a height field.
+  /// The height field asset of this name, read if its file exists, or null.
   [[nodiscard]] const MjcfHeightField* height_field(const std::string& name);
 
-  /// From quat, or from what may be given in its stead: axisangle, xyaxes, zaxis, euler.
+  /// Orientation of an element, from the attribute quat, axisangle, xyaxes, zaxis or euler.
   [[nodiscard]] Mat3 orientation(const MjcfAttributes& a) const;
   [[nodiscard]] Pose pose(const MjcfAttributes& a) const { return {orientation(a), a.vec3("pos", {})}; }
-  /// By `eulerseq`. @param angles in the unit of the file
+  /// Rotation by Euler angles in the order `eulerseq`. @param angles in the unit of the file
   [[nodiscard]] Mat3 from_euler_angles(const Vec3& angles) const;
 
  private:
@@ -83,7 +86,7 @@ class MjcfSource {
   MjcfDefaults defaults_;
   MjcfFiles* files_ = nullptr;
   std::string folder_;
-  std::vector<std::string> above_;
+  std::vector<std::string> ancestors_;
   std::map<std::string, MjcfMeshAsset, std::less<>> meshes_;
   std::map<std::string, MjcfHeightField, std::less<>> height_fields_;
   std::map<std::string, std::unique_ptr<MjcfSource>, std::less<>> models_;

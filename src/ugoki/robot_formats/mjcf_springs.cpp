@@ -1,4 +1,4 @@
-// springdamper of MJCF joints: spring and damper from a time constant and a damping ratio.
+// springdamper of MJCF joints: stiffness and damping from a time constant and a damping ratio.
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr int most_freedoms = 1000;  // dense
-constexpr double least = 1e-15;      // MuJoCo's mjMINVAL
+constexpr int max_dofs = 1000;       // the inertia matrix is dense and factored in O(nv^3)
+constexpr double min_value = 1e-15;  // MuJoCo's mjMINVAL: lower bound of every divisor
 
-/// The inverse inertia of each freedom, the diagonal of M^-1, at the position of the file.
+/// The diagonal of M^-1 (the inverse inertia seen by each DOF) at the pose of the file.
 class RestInertia {
  public:
   explicit RestInertia(const MechanismSpec& spec) : links_(spec.links.size()) {
@@ -19,22 +19,23 @@ class RestInertia {
     for (std::size_t i = 0; i < links_.size(); ++i) {
       const LinkSpec& from = spec.links[i];
       Link& link = links_[i];
-      link.first = freedoms_;
+      link.first = dofs_;
       link.count = from.joint.nv();
-      freedoms_ += link.count;
+      dofs_ += link.count;
       const Pose& X_PJ = from.joint.X_PJ;
       if (!from.parent.empty()) link.parent = static_cast<int>(index.find(from.parent)->second);
       link.X = link.parent < 0 ? X_PJ : links_[static_cast<std::size_t>(link.parent)].X * X_PJ;
       index.emplace(from.name, i);
     }
-    if (freedoms_ > most_freedoms) return;
+    if (dofs_ > max_dofs) return;
     for (std::size_t i = 0; i < links_.size(); ++i) add_columns(spec.links[i], links_[i]);
     fill(spec);
     factor();
   }
 
+  /// False if there are more than max_dofs DOFs or M is not positive definite.
   [[nodiscard]] bool works() const { return works_; }
-  /// Mean over the freedoms of a link's joint, 1/kg or 1/(kg m^2).
+  /// Mean of the diagonal entries over the DOFs of a link's joint, 1/kg or 1/(kg m^2).
   [[nodiscard]] double of_link(int link) const {
     const Link& l = links_[static_cast<std::size_t>(link)];
     double sum = 0;
@@ -48,10 +49,10 @@ class RestInertia {
     Pose X;
   };
 
-  double& at(int i, int j) { return M_[static_cast<std::size_t>(i * freedoms_ + j)]; }
-  [[nodiscard]] double at(int i, int j) const { return M_[static_cast<std::size_t>(i * freedoms_ + j)]; }
+  double& at(int i, int j) { return M_[static_cast<std::size_t>(i * dofs_ + j)]; }
+  [[nodiscard]] double at(int i, int j) const { return M_[static_cast<std::size_t>(i * dofs_ + j)]; }
 
-  /// Motion subspaces in world axes about the world's origin.
+  /// Appends the motion subspaces of a link's joint, in world axes about the world's origin.
   void add_columns(const LinkSpec& from, const Link& link) {
     const auto turn = [&](const Vec3& axis) {
       const Vec3 w = link.X.R * axis;
@@ -67,9 +68,9 @@ class RestInertia {
       for (const Vec3& e : axes) slide(e);
   }
 
-  /// Composite rigid bodies (Featherstone 2008, table 6.2).
+  /// Fills the inertia matrix by the composite-rigid-body algorithm (Featherstone 2008, table 6.2).
   void fill(const MechanismSpec& spec) {
-    M_.assign(static_cast<std::size_t>(freedoms_) * static_cast<std::size_t>(freedoms_), 0.0);
+    M_.assign(static_cast<std::size_t>(dofs_) * static_cast<std::size_t>(dofs_), 0.0);
     std::vector<Inertia> composite(links_.size());
     for (std::size_t i = links_.size(); i-- > 0;) {
       composite[i] += spec.links[i].inertia.in_parent(links_[i].X);
@@ -82,19 +83,19 @@ class RestInertia {
           for (int r = above.first; r < above.first + above.count; ++r)
             at(r, column) = at(column, r) = dot(S_[static_cast<std::size_t>(r)], momentum);
         }
-        at(column, column) += spec.links[i].joint.freedoms[static_cast<std::size_t>(k)].armature;
+        at(column, column) += spec.links[i].joint.dofs[static_cast<std::size_t>(k)].armature;
       }
     }
   }
 
-  /// Cholesky: M = L L^T, L in the lower half.
+  /// Cholesky factorisation M = L L^T; L replaces the lower half of M.
   void factor() {
-    for (int j = 0; j < freedoms_; ++j) {
+    for (int j = 0; j < dofs_; ++j) {
       double d = at(j, j);
       for (int k = 0; k < j; ++k) d -= at(j, k) * at(j, k);
       if (!(d > 0)) return;
       at(j, j) = std::sqrt(d);
-      for (int i = j + 1; i < freedoms_; ++i) {
+      for (int i = j + 1; i < dofs_; ++i) {
         double s = at(i, j);
         for (int k = 0; k < j; ++k) s -= at(i, k) * at(j, k);
         at(i, j) = s / at(j, j);
@@ -103,13 +104,13 @@ class RestInertia {
     works_ = true;
   }
 
-  /// |L^-1 e|^2
-  [[nodiscard]] double inverse(int freedom) const {
-    std::vector<double> y(static_cast<std::size_t>(freedoms_), 0.0);
+  /// Diagonal entry of M^-1: |L^-1 e|^2 with the unit vector e of the DOF.
+  [[nodiscard]] double inverse(int dof) const {
+    std::vector<double> y(static_cast<std::size_t>(dofs_), 0.0);
     double sum = 0;
-    for (int i = freedom; i < freedoms_; ++i) {
-      double s = i == freedom ? 1 : 0;
-      for (int k = freedom; k < i; ++k) s -= at(i, k) * y[static_cast<std::size_t>(k)];
+    for (int i = dof; i < dofs_; ++i) {
+      double s = i == dof ? 1 : 0;
+      for (int k = dof; k < i; ++k) s -= at(i, k) * y[static_cast<std::size_t>(k)];
       s /= at(i, i);
       y[static_cast<std::size_t>(i)] = s;
       sum += s * s;
@@ -118,9 +119,9 @@ class RestInertia {
   }
 
   std::vector<Link> links_;
-  std::vector<Vec6> S_;
-  std::vector<double> M_;
-  int freedoms_ = 0;
+  std::vector<Vec6> S_;    ///< [dofs] motion subspaces
+  std::vector<double> M_;  ///< [dofs x dofs] inertia matrix, then its Cholesky factor
+  int dofs_ = 0;
   bool works_ = false;
 };
 
@@ -135,16 +136,16 @@ void set_mjcf_springs(MjcfBuild& build) {
     for (const MjcfJoint& joint : body.joints) {
       if (!wanted(joint)) continue;
       if (!rest.works()) {
-        joint.element.note("springdamper is left out: the model has more than 1000 freedoms, or one without inertia.");
+        joint.element.note("springdamper is left out: the model has more than 1000 degrees of freedom, or one without inertia.");
         continue;
       }
-      const double inertia = 1 / std::max(least, rest.of_link(joint.link));
+      const double inertia = 1 / std::max(min_value, rest.of_link(joint.link));
       const double time = joint.springdamper[0], ratio = joint.springdamper[1];
       Joint& to = build.link_of(joint).joint;
       for (int k = 0; k < to.nv(); ++k) {
-        Freedom& f = to.freedoms[static_cast<std::size_t>(k)];
-        if (joint.type != MjcfJointType::free) f.stiffness = inertia / std::max(least, time * time * ratio * ratio);
-        f.damping = 2 * inertia / std::max(least, time);
+        Dof& f = to.dofs[static_cast<std::size_t>(k)];
+        if (joint.type != MjcfJointType::free) f.stiffness = inertia / std::max(min_value, time * time * ratio * ratio);
+        f.damping = 2 * inertia / std::max(min_value, time);
       }
     }
 }

@@ -7,15 +7,15 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr std::size_t most_bodies = formats::max_joints;
-constexpr long most_steps = 2'000'000;
+constexpr std::size_t max_bodies = formats::max_joints;
+constexpr long max_steps = 2'000'000;  // elements visited, copies included: nested <replicate> and <attach> can multiply without bound
 
-/// Where elements stand: in which model, under which name, in which frame of which body.
+/// The context of an element: its model, name prefix and suffix, and the frame and body that contain it.
 struct Scope {
   MjcfSource* source = nullptr;
   std::string prefix, suffix, childclass;
   std::size_t body = 0;
-  Pose X_BF;  ///< frame in the body
+  Pose X_BF;  ///< frame in which the element is written, in the body
   int depth = 0;
   bool copied = false;  ///< inside a <replicate>
 };
@@ -41,18 +41,18 @@ class TreeReader {
   }
 
  private:
-  /// False once there is no sense in going on.
+  /// Counts one visited element. False if reading should stop: too many elements or too many problems.
   bool step(const MjcfElement& at) {
-    if (steps_ == most_steps || tree_.bodies.size() > most_bodies) {
+    if (steps_ == max_steps || tree_.bodies.size() > max_bodies) {
       if (!stopped_)
-        at.problem(ErrorCode::range, "the model has more than 10,000 bodies or 2,000,000 parts, copies counted.", "Make fewer copies.");
+        at.problem(ErrorCode::range, "The model has more than 10,000 bodies or 2,000,000 elements, copies included.", "Make fewer copies.");
       stopped_ = true;
     }
     ++steps_;
     return !stopped_ && !files_.full();
   }
 
-  /// Names that people gave, so that invented ones are others.
+  /// Collects the names given in the file, so that generated names differ from them.
   void reserve_names(const MjcfSource& source, const MjcfElement& element, int depth) {
     if (depth > static_cast<int>(formats::max_depth)) return;
     for (const MjcfElement& e : source.document().children(element)) {
@@ -65,11 +65,11 @@ class TreeReader {
     if (!e.has("childclass")) return scope.childclass;
     std::string name = e.text("childclass");
     if (scope.source->defaults().knows(name)) return name;
-    e.problem(ErrorCode::unknown, "no default class is named " + formats::in_quotes(name) + ".", "Correct the name, or add the class.");
+    e.problem(ErrorCode::unknown, "No default class is named " + formats::in_quotes(name) + ".", "Correct the name, or add the class.");
     return scope.childclass;
   }
 
-  /// @param kind "body", "joint" or "site"
+  /// The name of an element with prefix and suffix; empty if it has none. @param kind "body", "joint" or "site"
   [[nodiscard]] std::string full_name(const MjcfElement& e, const Scope& scope, const char* kind) {
     std::string name = e.text("name");
     if (name.empty()) return name;
@@ -80,7 +80,7 @@ class TreeReader {
 
   void read_children(const MjcfElement& parent, const Scope& scope) {
     if (scope.depth > static_cast<int>(formats::max_depth))
-      return parent.problem(ErrorCode::range, "bodies and frames are nested deeper than 1000 levels.", "Nest fewer.");
+      return parent.problem(ErrorCode::range, "Bodies and frames are nested deeper than 1000 levels.", "Use fewer levels.");
     for (const MjcfElement& e : scope.source->document().children(parent)) {
       if (!step(e)) return;
       read_child(e, scope);
@@ -109,8 +109,8 @@ class TreeReader {
     } else if (kind == "attach") {
       read_attach(e, scope);
     } else if (kind == "composite" || kind == "flexcomp") {
-      e.note("<" + std::string(kind) + ">, a deformable thing or a net of particles, is left out.");
-      tree_.parts_left_out = true;
+      e.note("<" + std::string(kind) + ">, a deformable body or a set of particles, is left out.");
+      tree_.deformables_left_out = true;
     } else if (kind == "plugin") {
       e.note("A plugin is left out.");
     } else if (kind != "camera" && kind != "light") {
@@ -132,8 +132,8 @@ class TreeReader {
       while (tree_.body_named.contains(body.name) || given_.contains(body.name)) body.name += "_";
     }
     if (!tree_.body_named.emplace(body.name, tree_.bodies.size()).second)
-      e.problem(ErrorCode::duplicate, "two bodies are named " + formats::in_quotes(body.name) + ".", "Rename one of them.");
-    if (a.number("gravcomp", 0) != 0) e.note("Compensation of gravity (gravcomp) is left out.");
+      e.problem(ErrorCode::duplicate, "Two bodies are named " + formats::in_quotes(body.name) + ".", "Rename one of them.");
+    if (a.number("gravcomp", 0) != 0) e.note("Gravity compensation (gravcomp) is left out.");
     tree_.bodies.push_back(std::move(body));
     Scope inside = scope;
     inside.childclass = class_in(e, scope);
@@ -144,26 +144,26 @@ class TreeReader {
   }
 
   void read_joint(const MjcfElement& e, const Scope& scope) {
-    if (scope.body == 0) return e.problem(ErrorCode::structure, "the world has a joint.", "Put the joint into a body.");
+    if (scope.body == 0) return e.problem(ErrorCode::structure, "The world has a joint.", "Move the joint into a body.");
     const MjcfAttributes a = e.kind() == "freejoint" ? MjcfAttributes(e) : scope.source->defaults().attributes(e, scope.childclass);
     MjcfJoint joint = read_mjcf_joint(*scope.source, a, scope.X_BF);
     joint.name = full_name(e, scope, "joint");
     std::vector<MjcfJoint>& joints = tree_.bodies[scope.body].joints;
     const bool free = joint.type == MjcfJointType::free || (!joints.empty() && joints[0].type == MjcfJointType::free);
     if (free && tree_.bodies[scope.body].parent != 0)
-      e.problem(ErrorCode::structure, "a free joint is in a body that hangs on another.", "Put the body into <worldbody>.");
-    if (free && !joints.empty()) e.problem(ErrorCode::structure, "a free joint stands beside another joint.", "Keep the free joint alone.");
-    if (!joint.name.empty() && !tree_.joint_named.emplace(joint.name, MjcfTree::JointPlace{scope.body, joints.size()}).second)
-      e.problem(ErrorCode::duplicate, "two joints are named " + formats::in_quotes(joint.name) + ".", "Rename one of them.");
+      e.problem(ErrorCode::structure, "A free joint is in a body whose parent is another body.", "Move the body to <worldbody>.");
+    if (free && !joints.empty()) e.problem(ErrorCode::structure, "A body has a free joint and another joint.", "Keep the free joint only.");
+    if (!joint.name.empty() && !tree_.joint_named.emplace(joint.name, MjcfTree::JointIndex{scope.body, joints.size()}).second)
+      e.problem(ErrorCode::duplicate, "Two joints are named " + formats::in_quotes(joint.name) + ".", "Rename one of them.");
     joints.push_back(std::move(joint));
   }
 
   void read_inertial(const MjcfElement& e, const Scope& scope) {
     MjcfBody& body = tree_.bodies[scope.body];
     if (scope.body == 0)
-      e.problem(ErrorCode::structure, "the world has an inertia.", "Put it into a body.");
+      e.problem(ErrorCode::structure, "The world has an <inertial>.", "Move it into a body.");
     else if (body.inertial)
-      e.problem(ErrorCode::duplicate, "a body has two inertias.", "Keep one.");
+      e.problem(ErrorCode::duplicate, "A body has two <inertial> elements.", "Keep one.");
     else
       body.inertial = e;
   }
@@ -176,7 +176,7 @@ class TreeReader {
     const Pose X_BS = scope.X_BF * read_mjcf_placement(*scope.source, a, type, size);
     const std::string name = full_name(e, scope, "site");
     if (!name.empty() && !tree_.site_named.emplace(name, MjcfSite{static_cast<int>(scope.body), X_BS}).second)
-      e.problem(ErrorCode::duplicate, "two sites are named " + formats::in_quotes(name) + ".", "Rename one of them.");
+      e.problem(ErrorCode::duplicate, "Two sites are named " + formats::in_quotes(name) + ".", "Rename one of them.");
   }
 
   void read_replicate(const MjcfElement& e, const Scope& scope) {
@@ -205,7 +205,8 @@ class TreeReader {
   void read_attach(const MjcfElement& e, const Scope& scope) {
     MjcfSource* const model = scope.source->model(e.text("model"));
     if (!model)
-      return e.problem(ErrorCode::unknown, "no model is named " + formats::in_quotes(e.text("model")) + ".", "Name a <model> of <asset>.");
+      return e.problem(ErrorCode::unknown, "No model is named " + formats::in_quotes(e.text("model")) + ".",
+                       "Use the name of a <model> in <asset>.");
     Scope inside;
     inside.source = model;
     inside.prefix = scope.prefix + e.text("prefix");
@@ -221,10 +222,10 @@ class TreeReader {
     }
     for (const MjcfElement& section : model->document().sections("worldbody"))
       if (attach_body(section, body, inside)) return;
-    e.problem(ErrorCode::unknown, "the model has no body named " + formats::in_quotes(body) + ".", "Name one of its bodies.");
+    e.problem(ErrorCode::unknown, "The model has no body named " + formats::in_quotes(body) + ".", "Use the name of one of its bodies.");
   }
 
-  /// Reads the body `name` under `parent`, with the class that it has there.
+  /// Reads the body `name` below `parent`, with the childclass that is in force there. False if there is no such body.
   bool attach_body(const MjcfElement& parent, const std::string& name, Scope scope) {
     if (++scope.depth > static_cast<int>(formats::max_depth) || !step(parent)) return false;
     for (const MjcfElement& e : scope.source->document().children(parent)) {

@@ -1,5 +1,5 @@
 #pragma once
-// The bodies of an MJCF model after frames, copies (replicate) and attached models are resolved. Internal to robot_formats.
+// The bodies of an MJCF model after frames, <replicate> and <attach> were expanded. Internal to robot_formats.
 
 #include <array>
 #include <cstddef>
@@ -16,76 +16,82 @@ namespace ugoki::robot_formats {
 enum class MjcfJointType { free, ball, slide, hinge };
 enum class MjcfGeomType { plane, hfield, sphere, capsule, ellipsoid, cylinder, box, mesh, sdf };
 
+/// A joint of a body.
 struct MjcfJoint {
   MjcfElement element;
-  std::string name;  ///< whole, with prefix and suffix; may be empty
+  std::string name;  ///< with prefix and suffix; may be empty
   MjcfJointType type = MjcfJointType::hinge;
-  Vec3 pos, axis;                               ///< in the body's frame; axis unit
-  double ref = 0;                               ///< the coordinate that MuJoCo gives the position of the file; ours is 0 there
+  Vec3 pos, axis;                               ///< in the body's frame; pos in m, axis a unit vector
+  double ref = 0;                               ///< MuJoCo's coordinate at the pose of the file, m or rad; ours is 0 there
   std::array<double, 2> springdamper = {0, 0};  ///< time constant [s], damping ratio; 0: not given
-  Freedom freedom;                              ///< of each of its freedoms, about our zero
-  int link = -1;                                ///< index in the spec's links; set when these are made
+  Dof dof;                                      ///< properties of each of the joint's DOFs, with limits and rest position relative to q = 0
+  int link = -1;                                ///< index in MechanismSpec::links; set by make_mjcf_links
 };
 
+/// A geom (shape with mass) of a body.
 struct MjcfGeom {
   MjcfElement element;
   MjcfGeomType type = MjcfGeomType::sphere;
-  Pose X_BG;                   ///< in the body's frame
-  Vec3 size;                   ///< m, as MuJoCo counts them: half lengths, radii
-  std::optional<double> mass;  ///< kg; wins over density
+  Pose X_BG;                   ///< geom in the body's frame
+  Vec3 size;                   ///< m, in MuJoCo's convention: half lengths and radii
+  std::optional<double> mass;  ///< kg; overrides density
   double density = 1000;       ///< kg/m^3
-  bool shell = false;
+  bool shell = false;          ///< shellinertia: mass on the surface
   int group = 0;
   int contype = 1, conaffinity = 1;
   double friction = 1;
   bool transparent = false;
-  std::string mesh, height_field;  ///< names of assets
+  std::string mesh, height_field;  ///< names of assets; empty: none
 };
 
+/// A site: a named frame in a body.
 struct MjcfSite {
-  int body = 0;
+  int body = 0;  ///< index in MjcfTree::bodies
   Pose X_BS;
 };
 
+/// A body with its joints and geoms.
 struct MjcfBody {
   MjcfElement element;
   MjcfSource* source = nullptr;
-  std::string name;  ///< whole, unique, never empty
-  int parent = -1;   ///< -1: this is the world
-  Pose X_PB;         ///< in the parent body's frame at the position of the file
-  Pose X_WB;         ///< in the world at the position of the file
-  bool mocap = false;
-  MjcfElement inertial;  ///< may be none
+  std::string name;      ///< with prefix and suffix; unique, never empty
+  int parent = -1;       ///< index in MjcfTree::bodies; -1: this is the world
+  Pose X_PB;             ///< in the parent body's frame, at the pose of the file
+  Pose X_WB;             ///< in the world, at the pose of the file
+  bool mocap = false;    ///< moved by a program, not by physics
+  MjcfElement inertial;  ///< <inertial>; empty if absent
   std::vector<MjcfJoint> joints;
   std::vector<MjcfGeom> geoms;
-  const MjcfGeom* without_mass = nullptr;  ///< a geom whose mesh is not there, though the body's mass would come from it
-  int link = -1;  ///< index in the spec's links of the link that carries its mass and shapes; set when these are made
-  Pose X_LB;      ///< in that link's frame
+  const MjcfGeom* missing_mass = nullptr;  ///< a geom that should give the body mass, but whose mesh file was not found; null: none
+  int link = -1;  ///< index in MechanismSpec::links of the link with the body's mass and shapes; set by make_mjcf_links
+  Pose X_LB;      ///< body frame in the frame of `link`
 };
 
-/// A model whose bodies are in the tree, under names with a prefix and a suffix; the first one is the file itself.
+/// A model whose bodies are in the tree, under names with a prefix and a suffix. The first part is the main file.
 struct MjcfPart {
   MjcfSource* source = nullptr;
   std::string prefix, suffix;
-  bool attached = false;  ///< a model of another file, of which only a piece may have been taken
-  bool copied = false;    ///< one copy of a <replicate>: names without the suffix are meant where none with it is
+  bool attached = false;  ///< a model of another file, perhaps only one of its bodies
+  bool copied = false;    ///< one copy of a <replicate>: a name is searched first with the suffix, then without
 };
 
+/// All bodies of a model, and indices of its named objects.
 struct MjcfTree {
-  struct JointPlace {
+  /// Index of a joint: body, and joint of this body.
+  struct JointIndex {
     std::size_t body, joint;
   };
   std::vector<MjcfBody> bodies;  ///< parents first; [0] is the world
   std::vector<MjcfPart> parts;
   std::map<std::string, std::size_t, std::less<>> body_named;
-  std::map<std::string, JointPlace, std::less<>> joint_named;
+  std::map<std::string, JointIndex, std::less<>> joint_named;
   std::map<std::string, MjcfSite, std::less<>> site_named;
-  /// "joint knee" of a <replicate>: the suffixes that its copies have.
+  /// "joint knee" for a joint `knee` inside a <replicate>: the suffixes of its copies.
   std::map<std::string, std::vector<std::string>, std::less<>> copies;
-  bool parts_left_out = false;  ///< deformable things, whose coordinates the model's keyframes contain
+  bool deformables_left_out = false;  ///< the model has deformable bodies, whose coordinates are part of its keyframes
 };
 
-/// Problems and notes go to the files of the elements.
+/// Reads all bodies of the model. Problems and notes are recorded in the files of the elements.
 [[nodiscard]] MjcfTree read_mjcf_tree(MjcfSource& source, const MjcfFiles& files);
 
 }  // namespace ugoki::robot_formats

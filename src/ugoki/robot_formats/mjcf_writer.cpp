@@ -1,4 +1,4 @@
-// Mechanisms as MuJoCo's XML.
+// Writes mechanisms as MJCF, MuJoCo's XML format.
 
 #include <cmath>
 #include <set>
@@ -25,7 +25,7 @@ class MjcfWriter {
       if (m_.link(i).parent >= 0) continue;
       if (is_world(m_.link(i))) {
         for (const Shape& s : m_.link(i).shapes) write_geom(m_.link(i), s);
-        for (int c = m_.link(i).child; c >= 0; c = m_.link(c).brother) write_tree(c);
+        for (int c = m_.link(i).child; c >= 0; c = m_.link(c).sibling) write_tree(c);
       } else {
         write_tree(i);
       }
@@ -41,12 +41,12 @@ class MjcfWriter {
   }
 
  private:
-  /// What readers make of the shapes of the world itself.
+  /// Whether the link is the one that read_mjcf makes for the shapes of the world body.
   static bool is_world(const Link& l) {
     return l.name == "world" && l.parent < 0 && l.joint.type == JointType::fixed && l.joint.X_PJ.p == Vec3{} &&
            l.joint.X_PJ.R == Mat3::identity();
   }
-  /// "world" is taken by the world.
+  /// Name of the link's body. MJCF reserves "world", so another link of this name is written as "world link".
   static std::string body_name(const Link& l) { return l.name == "world" && !is_world(l) ? "world link" : l.name; }
 
   static std::string placement(const Pose& X) {
@@ -75,10 +75,10 @@ class MjcfWriter {
     xml_.end();
   }
 
-  /// The link and what hangs on it; no recursion, so that a long chain cannot exhaust the stack.
+  /// Writes the link and its descendants; no recursion, so that a long chain cannot exhaust the stack.
   void write_tree(int root) {
     struct Visit {
-      int next;  ///< child to go on with; -1: none left
+      int next;  ///< next child to write; -1: none left
     };
     std::vector<Visit> stack;
     open(root);
@@ -90,7 +90,7 @@ class MjcfWriter {
         stack.pop_back();
         continue;
       }
-      stack.back().next = m_.link(child).brother;
+      stack.back().next = m_.link(child).sibling;
       open(child);
       stack.push_back({m_.link(child).child});
     }
@@ -106,13 +106,13 @@ class MjcfWriter {
       xml_.element("inertial",
                    attribute("pos", l.inertia.centre()) + attribute("mass", l.inertia.mass) + attribute("fullinertia", moments));
     } else if (l.joint.nv() > 0) {
-      notes_.add("MuJoCo refuses moving bodies without mass; % has none.", l.name);
+      notes_.add("MuJoCo refuses moving bodies without mass; % has no mass.", l.name);
     }
     write_joints(l);
     for (const Shape& s : l.shapes) write_geom(l, s);
   }
 
-  static std::string properties(const Freedom& f) {
+  static std::string properties(const Dof& f) {
     std::string out;
     if (f.stiffness != 0) out += attribute("stiffness", f.stiffness) + attribute("springref", f.rest);
     if (f.damping != 0) out += attribute("damping", f.damping);
@@ -120,8 +120,8 @@ class MjcfWriter {
     if (f.friction != 0) out += attribute("frictionloss", f.friction);
     return out;
   }
-  static std::string range(const Freedom& f) {
-    if ((!std::isfinite(f.lower) && !std::isfinite(f.upper)) || f.lower == f.upper) return {};  // held fast: by an equality
+  static std::string range(const Dof& f) {
+    if ((!std::isfinite(f.lower) && !std::isfinite(f.upper)) || f.lower == f.upper) return {};  // equal limits: locked by an equality
     return attribute("limited", "true") +
            attribute("range", std::string_view(to_text(std::max(f.lower, -no_limit)) + ' ' + to_text(std::min(f.upper, no_limit))));
   }
@@ -134,18 +134,22 @@ class MjcfWriter {
                  l.name);
     for (std::size_t k = 0; k < parts.size(); ++k) {
       const bool follows = j.type == JointType::helical && k == 1;
-      const Freedom f = follows ? Freedom{} : j.freedoms[static_cast<std::size_t>(parts[k].freedom)];
+      const Dof f = follows ? Dof{} : j.dofs[static_cast<std::size_t>(parts[k].dof)];
       xml_.element("joint", attribute("name", joint_name(l, static_cast<int>(k))) + attribute("type", parts[k].slides ? "slide" : "hinge") +
                                 attribute("axis", parts[k].axis) + range(f) + properties(f));
     }
     if (j.type != JointType::spherical && j.type != JointType::floating) return;
-    // One set of properties for all freedoms.
-    Freedom f = j.freedoms[0];
+    // MJCF has one set of properties for all DOFs of a ball or free joint.
+    Dof f = j.dofs[0];
     for (int k = 0; k < j.nv(); ++k) {
-      const Freedom& one = j.freedoms[static_cast<std::size_t>(k)];
+      const Dof& one = j.dofs[static_cast<std::size_t>(k)];
       if (one.damping != f.damping || one.stiffness != f.stiffness || one.armature != f.armature || one.friction != f.friction)
-        notes_.add("The freedoms of % have springs, damping or rotors of their own; those of the first are written.", l.name);
-      if (one.rest != 0) notes_.add("Springs of balls are relaxed in the neutral position (%).", l.name);
+        notes_.add(
+            "The degrees of freedom of % have different stiffness, damping, armature or friction; the values of the first one are written.",
+            l.name);
+      if (one.rest != 0)
+        notes_.add("MJCF cannot store the rest position of springs of ball and free joints (%); they are relaxed in the neutral position.",
+                   l.name);
     }
     f.rest = 0;
     if (j.type == JointType::floating && l.parent < 0) {
@@ -164,50 +168,52 @@ class MjcfWriter {
         xml_.element("joint", attribute("name", l.name + names[k]) + attribute("type", "slide") + attribute("axis", axis));
       }
     }
-    double most = 0;
+    double maximum = 0;
     bool limited = false, even = true;
     for (std::size_t k = 0; k < 3 && j.type == JointType::spherical; ++k) {
-      const Freedom& one = j.freedoms[k];
+      const Dof& one = j.dofs[k];
       limited = limited || std::isfinite(one.lower) || std::isfinite(one.upper);
-      even = even && one.lower == -one.upper && one.upper == j.freedoms[0].upper;
-      most = std::max(most, std::max(-one.lower, one.upper));
+      even = even && one.lower == -one.upper && one.upper == j.dofs[0].upper;
+      maximum = std::max(maximum, std::max(-one.lower, one.upper));
     }
-    if (limited && !even) notes_.add("A ball's limits are one angle for all directions; those of % are left out.", l.name);
-    xml_.element("joint", attribute("name", l.name) + attribute("type", "ball") + properties(f) +
-                              (limited && even ? attribute("limited", "true") + attribute("range", std::string_view("0 " + to_text(most)))
-                                               : std::string()));
+    if (limited && !even)
+      notes_.add("A ball joint of MJCF has one maximum angle for all directions; the limits of % are left out.", l.name);
+    xml_.element("joint",
+                 attribute("name", l.name) + attribute("type", "ball") + properties(f) +
+                     (limited && even ? attribute("limited", "true") + attribute("range", std::string_view("0 " + to_text(maximum)))
+                                      : std::string()));
   }
 
-  /// Of the k-th simple joint.
+  /// Name of the k-th simple joint of a link.
   static std::string joint_name(const Link& l, int k) {
     const std::size_t count = simple_joints(l.joint).size();
     return count > 1 ? l.name + " " + std::to_string(k + 1) : l.name;
   }
-  /// Of a freedom of a joint that is made of simple ones.
-  static std::string name_of_freedom(const Link& l, int freedom) {
+  /// Name of the simple joint that carries a DOF; empty if there is none.
+  static std::string name_of_dof(const Link& l, int dof) {
     const std::vector<SimpleJoint> parts = simple_joints(l.joint);
     for (std::size_t k = 0; k < parts.size(); ++k)
-      if (parts[k].freedom == freedom) return joint_name(l, static_cast<int>(k));
+      if (parts[k].dof == dof) return joint_name(l, static_cast<int>(k));
     return {};
   }
 
   void write_geom(const Link& l, const Shape& s) {
-    std::string what;
+    std::string attributes;
     switch (s.type) {
-      case ShapeType::sphere: what = attribute("type", "sphere") + attribute("size", s.radius); break;
+      case ShapeType::sphere: attributes = attribute("type", "sphere") + attribute("size", s.radius); break;
       case ShapeType::capsule:
       case ShapeType::cylinder:
-        what = attribute("type", s.type == ShapeType::capsule ? "capsule" : "cylinder") +
-               attribute("size", std::string_view(to_text(s.radius) + ' ' + to_text(s.half_length)));
+        attributes = attribute("type", s.type == ShapeType::capsule ? "capsule" : "cylinder") +
+                     attribute("size", std::string_view(to_text(s.radius) + ' ' + to_text(s.half_length)));
         break;
-      case ShapeType::box: what = attribute("type", "box") + attribute("size", s.half_extents); break;
-      case ShapeType::ellipsoid: what = attribute("type", "ellipsoid") + attribute("size", s.half_extents); break;
-      case ShapeType::mesh: what = attribute("type", "mesh") + attribute("mesh", meshes_.find(s.geometry.get())->second); break;
-      case ShapeType::height_field: notes_.add("Height fields (%) are not written.", l.name); return;
+      case ShapeType::box: attributes = attribute("type", "box") + attribute("size", s.half_extents); break;
+      case ShapeType::ellipsoid: attributes = attribute("type", "ellipsoid") + attribute("size", s.half_extents); break;
+      case ShapeType::mesh: attributes = attribute("type", "mesh") + attribute("mesh", meshes_.find(s.geometry.get())->second); break;
+      case ShapeType::height_field: notes_.add("MJCF height fields are not written; those of % are left out.", l.name); return;
     }
-    if (s.restitution != 0) notes_.add("Restitution has no place in MJCF (%).", l.name);
-    if (!s.visible) what += attribute("rgba", "0.5 0.5 0.5 0");
-    xml_.element("geom", what + placement(s.X_BS) +
+    if (s.restitution != 0) notes_.add("MJCF cannot store restitution; that of % is left out.", l.name);
+    if (!s.visible) attributes += attribute("rgba", "0.5 0.5 0.5 0");
+    xml_.element("geom", attributes + placement(s.X_BS) +
                              (s.collides ? attribute("friction", std::string_view(to_text(s.friction) + " 0.005 0.0001"))
                                          : attribute("contype", "0") + attribute("conaffinity", "0")));
   }
@@ -217,7 +223,7 @@ class MjcfWriter {
     for (const Link& l : m_.links()) {
       const std::vector<SimpleJoint> parts = simple_joints(l.joint);
       for (std::size_t k = 0; k < parts.size(); ++k) {
-        const double effort = l.joint.freedoms[static_cast<std::size_t>(parts[k].freedom)].effort;
+        const double effort = l.joint.dofs[static_cast<std::size_t>(parts[k].dof)].effort;
         if (!std::isfinite(effort) || (l.joint.type == JointType::helical && k == 1)) continue;
         if (!any) xml_.begin("actuator");
         any = true;
@@ -227,13 +233,11 @@ class MjcfWriter {
       }
       if (parts.empty())
         for (int k = 0; k < l.joint.nv(); ++k)
-          if (std::isfinite(l.joint.freedoms[static_cast<std::size_t>(k)].effort))
-            notes_.add("Bounds of the effort of balls are not written (%).", l.name);
+          if (std::isfinite(l.joint.dofs[static_cast<std::size_t>(k)].effort))
+            notes_.add("Effort limits of ball and free joints (%) are left out.", l.name);
     }
     if (any) xml_.end();
   }
-
-  // --- equalities
 
   void write_equalities() {
     std::vector<std::pair<const char*, std::string>> rows;
@@ -245,7 +249,7 @@ class MjcfWriter {
       const int a = m_.find_link(loop.link_a), b = m_.find_link(loop.link_b);
       switch (loop.type) {
         case LoopType::weld: {
-          // Body 2's pose in body 1. Body 1 may not be the world everywhere, so that is body 2.
+          // relpose is the pose of body 2 in body 1. Not every MuJoCo accepts the world as body 1, so the world becomes body 2.
           const bool swap = a < 0;
           const Pose relative = swap ? loop.X_BJ * loop.X_AJ.inverse() : loop.X_AJ * loop.X_BJ.inverse();
           const Quat r = to_quat(relative.R);
@@ -259,10 +263,11 @@ class MjcfWriter {
           const Pose X_WA = (a < 0 ? Pose{} : X[static_cast<std::size_t>(a)]) * loop.X_AJ,
                      X_WB = (b < 0 ? Pose{} : X[static_cast<std::size_t>(b)]) * loop.X_BJ;
           const bool revolute = loop.type == LoopType::revolute;
-          // Where the anchor lies in body 2 is told by the neutral position.
+          // MuJoCo computes the anchor in body 2 from the initial pose, which has to close the loop.
           if (norm(X_WA.p - X_WB.p) > 1e-9 || (revolute && norm(cross(X_WA.R * loop.axis, X_WB.R * loop.axis)) > 1e-9)) {
             notes_.add(
-                "The loop % is not closed in the neutral position, from which MuJoCo takes where it is in the second body; it is left out.",
+                "The loop % is not closed in the neutral position, from which MuJoCo computes its anchor in the second body; it is left "
+                "out.",
                 loop.name);
             break;
           }
@@ -270,7 +275,7 @@ class MjcfWriter {
           const Pose& J = swap ? loop.X_BJ : loop.X_AJ;
           rows.emplace_back("connect", head + bodies(swap ? b : a, swap ? a : b) + attribute("anchor", J.p));
           if (!revolute) break;
-          notes_.add("The revolute loop % is held at two points of its axis, 0.1 m apart.", loop.name);
+          notes_.add("The revolute loop % is written as two <connect> elements at points of its axis, 0.1 m apart.", loop.name);
           rows.emplace_back("connect", attribute("name", loop.name + " axis") + (loop.closed ? "" : attribute("active", "false")) +
                                            bodies(swap ? b : a, swap ? a : b) + attribute("anchor", J.p + J.R * loop.axis * 0.1));
           break;
@@ -278,21 +283,20 @@ class MjcfWriter {
         case LoopType::gear: {
           std::string c;
           for (const double x : loop.polynomial) c += (c.empty() ? "" : " ") + to_text(x);
-          rows.emplace_back("joint", head + attribute("joint1", name_of_freedom(m_.link(a), loop.freedom_a)) +
-                                         attribute("joint2", name_of_freedom(m_.link(b), loop.freedom_b)) + attribute("polycoef", c));
+          rows.emplace_back("joint", head + attribute("joint1", name_of_dof(m_.link(a), loop.dof_a)) +
+                                         attribute("joint2", name_of_dof(m_.link(b), loop.dof_b)) + attribute("polycoef", c));
           break;
         }
-        default:
-          notes_.add("Loops of type " + std::string(name_of(loop.type)) + " have no equality in MJCF and are left out (%).", loop.name);
+        default: notes_.add("MJCF has no equality for loops of type " + std::string(name_of(loop.type)) + "; % is left out.", loop.name);
       }
     }
     for (const Link& l : m_.links()) {
       const std::vector<SimpleJoint> parts = simple_joints(l.joint);
       for (std::size_t k = 0; k < parts.size(); ++k) {
-        const Freedom& f = l.joint.freedoms[static_cast<std::size_t>(parts[k].freedom)];
+        const Dof& f = l.joint.dofs[static_cast<std::size_t>(parts[k].dof)];
         if (f.lower != f.upper || (l.joint.type == JointType::helical && k == 1)) continue;
         const std::string joint = joint_name(l, static_cast<int>(k));
-        notes_.add("Joints without play between their limits (%) are held fast by an equality.", l.name);
+        notes_.add("Joints with equal lower and upper limits (%) are locked by an equality.", l.name);
         rows.emplace_back("joint", attribute("name", joint + " held") + attribute("joint1", joint) +
                                        attribute("polycoef", std::string_view(to_text(f.lower) + " 0 0 0 0")));
       }

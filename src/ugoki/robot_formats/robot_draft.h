@@ -1,5 +1,5 @@
 #pragma once
-// A mechanism on its way from a description to a RobotModel: what all readers do at the end; internal to robot_formats.
+// A mechanism under construction: what all readers share after their file is parsed. Internal to robot_formats.
 
 #include <map>
 #include <string>
@@ -11,31 +11,32 @@
 
 namespace ugoki::robot_formats {
 
-/// What the description tells about one link beside its LinkSpec.
+/// Data of one link in addition to its LinkSpec.
 struct DraftLink {
-  pugi::xml_node node = {};
-  std::string joint = {};  ///< name of its joint in the file; empty: none
-  bool base_open = false;  ///< nothing joins it to the world: the options decide
-  Pose X_BF = {};          ///< RobotModel::X_BF
+  pugi::xml_node node = {};  ///< element of the link, for error locations
+  std::string joint = {};    ///< name of its joint in the file; empty: none
+  bool base_open = false;    ///< the file does not join it to the world: options.base decides
+  Pose X_BF = {};            ///< see RobotModel::X_BF
 };
 
+/// Collects links and loops, then completes and checks them and makes the mechanism.
 class RobotDraft {
  public:
   RobotDraft(XmlFields& xml, const RobotOptions& options) : xml_(xml), options_(options) {}
 
   MechanismSpec spec;
-  std::vector<DraftLink> links;  ///< beside spec.links
+  std::vector<DraftLink> links;  ///< [spec.links]
   std::vector<JointName> loop_joints;
   std::vector<std::string> driven;
 
-  /// Index of the new link; -1 with a problem where its name is taken.
+  /// Adds a link. Returns its index, or -1, with a problem, if a link of this name exists.
   int add_link(LinkSpec link, DraftLink draft);
-  /// -1: none.
+  /// Index of the link; -1: none.
   [[nodiscard]] int find_link(std::string_view name) const;
   [[nodiscard]] LinkSpec& link(int i) { return spec.links[static_cast<std::size_t>(i)]; }
   [[nodiscard]] DraftLink& draft(int i) { return links[static_cast<std::size_t>(i)]; }
 
-  /// Decides open bases, repairs inertias, gives weightless joints an inertia (or refuses both), and makes the mechanism.
+  /// Fixes or floats the bases, repairs inertias, gives massless joints an armature (or refuses both) and makes the mechanism.
   /// Problems name the line of their link.
   [[nodiscard]] Result<RobotModel> finish();
 
@@ -43,7 +44,7 @@ class RobotDraft {
   [[nodiscard]] std::vector<int> parents_first();
   void repair_inertias();
   void decide_bases(const std::vector<int>& order);
-  void weigh_joints(const std::vector<int>& order);
+  void add_armature_to_massless_joints(const std::vector<int>& order);
 
   XmlFields& xml_;
   const RobotOptions& options_;
@@ -51,7 +52,7 @@ class RobotDraft {
   std::vector<int> parents_;
 };
 
-/// "a, b, c and 9 more"
+/// The names as one phrase: "a, b, c, d and 9 more".
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 
 }  // namespace ugoki::robot_formats

@@ -1,5 +1,5 @@
 #pragma once
-// Any of the module's formats, told apart by what the file says.
+// Reads a file of any format of this module; the root element selects the format.
 
 #include <optional>
 #include <string_view>
@@ -10,10 +10,11 @@ namespace ugoki::robot_formats {
 
 enum class RobotFormat { urdf, sdf, mjcf };
 
-/// By the outermost element: <robot>, <sdf>, <mujoco>. O(what stands before it)
+/// The format, from the name of the root element: <robot>, <sdf>, <mujoco>. std::nullopt for any other. O(length of the text before it)
 [[nodiscard]] std::optional<RobotFormat> robot_format_of(std::string_view text);
 
-/// @param file_name stands in the place of every problem; files that the description names are looked for near it
+/// Reads URDF, SDF or MJCF.
+/// @param file_name appears in the location of every problem; files that the description refers to are searched relative to it
 [[nodiscard]] Result<RobotModel> read_robot_file(std::string_view text, std::string_view file_name, const RobotOptions& options = {});
 
 }  // namespace ugoki::robot_formats

@@ -1,5 +1,5 @@
 #pragma once
-// What every reader of this module gives, and the choices that their callers have.
+// Result type and options of all readers of this module.
 
 #include <cstdint>
 #include <functional>
@@ -13,13 +13,13 @@
 
 namespace ugoki::robot_formats {
 
-/// A joint or a loop of the file, by the name that it has there.
+/// A joint or loop of the file, and the link or loop that it became.
 struct JointName {
-  std::string joint;
-  std::string link;  ///< the link that it carries; for a loop the loop's name
+  std::string joint;  ///< name in the file
+  std::string link;   ///< the link that the joint carries; for a loop, the loop's name
 };
 
-/// A position of all joints that the file names (MJCF: keyframes).
+/// Named coordinates of all joints (MJCF: a keyframe).
 struct NamedPosition {
   std::string name;
   std::vector<double> q;  ///< [nq]
@@ -28,33 +28,34 @@ struct NamedPosition {
 /// A mesh file that became a shape.
 struct MeshRead {
   std::string file;
-  std::size_t points = 0, triangles = 0;  ///< in the file
-  std::uint64_t geometry = 0;             ///< hash of the geometry that it became; 0: a box
-  GeometryFindings found;                 ///< exact surfaces: what was mended
+  std::size_t points = 0, triangles = 0;  ///< counts in the file
+  std::uint64_t geometry = 0;             ///< hash of the geometry made from it; 0: it was replaced by a box
+  GeometryFindings found;                 ///< exact surfaces only: defects found in the mesh
 };
 
+/// A mechanism read from a file.
 struct RobotModel {
   MechanismPtr mechanism;
-  std::vector<JointName> joints;  ///< tree joints in the order of the mechanism's links, without invented ones
-  std::vector<Pose> X_BF;  ///< for each link of the mechanism: the file's frame of the link in the mechanism's (which lies at the joint)
-  std::vector<std::string> driven;  ///< links whose joints the file calls driven; empty if it does not tell
+  std::vector<JointName> joints;    ///< tree joints in the order of the mechanism's links (without generated ones), then loops
+  std::vector<Pose> X_BF;           ///< [links] the link frame of the file in the link frame of the mechanism, whose origin is at the joint
+  std::vector<std::string> driven;  ///< links whose joints the file declares as actuated; empty if it declares none
   std::vector<NamedPosition> positions;
-  std::vector<MeshRead> meshes;    ///< each file (and scale) once
-  std::vector<std::string> notes;  ///< sentences for people: what was approximated, repaired, left out
+  std::vector<MeshRead> meshes;    ///< each combination of file and scale once
+  std::vector<std::string> notes;  ///< sentences for the user: what was approximated, repaired or left out
 };
 
-/// How the base of the tree is joined to the world where the file leaves it open.
+/// How the base of the tree is connected to the world, if the file does not specify it. by_file: each format's convention.
 enum class Base { by_file, fixed, floating };
-/// Meshes: taken as their surface, their convex hull or the box around them, or left out. Where a body's mass comes from a mesh
-/// (MJCF) a missing one is an error, unless meshes are left out: then it weighs nothing.
+/// How meshes are used: as exact surface, convex hull or bounding box, or not at all. If a body's mass comes from a mesh (MJCF), a
+/// missing mesh file is an error; with `none` the mesh contributes no mass.
 enum class Meshes { exact, hull, box, none };
-/// Inertia that no body can have: moved to the nearest possible one with a note, or refused.
+/// Treatment of physically impossible inertia: replaced by the nearest possible one, with a note, or refused.
 enum class Inertias { repair, strict };
 
-/// The bytes of a file that a description names, or an Error (code io: not there).
+/// Returns the bytes of a file that a description refers to, or an Error (code io: not found).
 using AssetReader = std::function<Result<std::string>(const std::string& path)>;
 
-/// A text that stands beside the description.
+/// A text file that belongs to a description.
 struct SideFile {
   std::string name, text;
 };
@@ -62,10 +63,10 @@ struct SideFile {
 struct RobotOptions {
   Base base = Base::by_file;
   Meshes meshes = Meshes::hull;
-  bool require_meshes = false;  ///< a mesh that collides and is absent or cannot be used is an error, not a note
+  bool require_meshes = false;  ///< a collision mesh that is missing or cannot be used is an error, not a note
   Inertias inertias = Inertias::repair;
-  std::optional<SideFile> loops = {};  ///< URDF, SDF: YAML that names loops (loops_yaml.h)
-  AssetReader read_asset = {};         ///< absent: no file beside the description is read
+  std::optional<SideFile> loops = {};  ///< URDF, SDF: YAML file that defines the loops (loops_yaml.h)
+  AssetReader read_asset = {};         ///< empty: no other file is read
 };
 
 }  // namespace ugoki::robot_formats

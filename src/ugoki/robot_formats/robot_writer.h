@@ -1,5 +1,5 @@
 #pragma once
-// Mechanisms as URDF and MJCF.
+// Writes mechanisms as URDF and MJCF.
 
 #include <string>
 #include <string_view>
@@ -10,24 +10,24 @@
 
 namespace ugoki::robot_formats {
 
-/// A description and what belongs beside it.
+/// A description and its side files.
 struct RobotText {
   std::string text;
-  std::vector<SideFile> files;     ///< meshes (OBJ), and the YAML file that names the loops of a URDF
-  std::vector<std::string> notes;  ///< sentences: what the format cannot hold, or holds in other joints
+  std::vector<SideFile> files;     ///< meshes (OBJ), and the YAML file that defines the loops of a URDF
+  std::vector<std::string> notes;  ///< sentences for the user: what the format cannot store, or stores in another form
 };
 
-/// URDF, with `stem`.yaml naming its loops (loops_yaml.h) where it has any. Link frames, masses, inertias, axes, limits, damping, friction
-/// and effort are kept to the bit or, as angles of rotations, to rounding. Read back (read_urdf) it has the same links and, for loops,
-/// links without mass at their frames; cylindrical, helical and universal joints become two joints with a link without mass between.
-/// Springs, rotors' inertia, friction and restitution of surfaces, ellipsoids, height fields, distances and gears that are not linear have
-/// no place in it; each is told.
-/// @param stem of the names of files beside
+/// Writes URDF, and `stem`.yaml with the loops (loops_yaml.h) if there are any. Link frames, masses, inertias, axes, limits, damping,
+/// friction and effort limits keep their bits; rotations, which URDF stores as angles, are kept to rounding. read_urdf() restores the same
+/// links, and additional massless links at the frames of loops. Cylindrical, helical and universal joints become two joints with a massless
+/// link between. URDF cannot store springs, armature, friction and restitution of surfaces, ellipsoids, height fields, distance loops and
+/// nonlinear gears; each of these gives a note.
+/// @param stem base name of the side files
 [[nodiscard]] RobotText write_urdf(const Mechanism& mechanism, std::string_view stem);
 
-/// MJCF for MuJoCo 2.2 and later: bodies at the links' frames, meshes inside, motors for joints whose effort is bounded, equalities for
-/// welds, balls, revolute loops (two points on the axis) and gears. Cylindrical, helical, planar and universal joints become several joints
-/// of one body. Other loops, height fields, restitution and what else it cannot hold is told.
+/// Writes MJCF for MuJoCo 2.2 and later: bodies at the link frames, meshes as inline vertices, motors for joints with an effort limit,
+/// equalities for welds, ball loops, revolute loops (two points on the axis) and gears. Cylindrical, helical, planar and universal joints
+/// become several joints of one body. Other loops, height fields, restitution and all else that MJCF cannot store give a note.
 [[nodiscard]] RobotText write_mjcf(const Mechanism& mechanism);
 
 }  // namespace ugoki::robot_formats

@@ -17,7 +17,7 @@ namespace {
 
 using formats::in_quotes;
 
-constexpr int max_nesting = 50;
+constexpr int max_nesting = 50;  // models in models; bounds the recursion of collect()
 
 class SdfReader {
  public:
@@ -51,16 +51,17 @@ class SdfReader {
   }
 
  private:
-  /// A joint as a way from a link that is in the tree to one that is not.
-  struct Way {
-    int freedoms, depth, joint;
-    bool operator>(const Way& o) const { return std::tie(freedoms, depth, joint) > std::tie(o.freedoms, o.depth, o.joint); }
+  /// A joint by which the tree can grow: from a link in the tree to one that may not be in it. Ordered by DOFs, depth, position in the
+  /// file.
+  struct Candidate {
+    int dofs, depth, joint;
+    bool operator>(const Candidate& o) const { return std::tie(dofs, depth, joint) > std::tie(o.dofs, o.depth, o.joint); }
   };
 
   pugi::xml_node find_model() {
     const pugi::xml_node sdf = xml_.root();
     if (std::string_view(sdf.name()) != "sdf") {
-      xml_.problem(sdf, ErrorCode::syntax, "the outermost element is <" + std::string(sdf.name()) + ">, not <sdf>.", "Give an SDF file.");
+      xml_.problem(sdf, ErrorCode::syntax, "The outermost element is <" + std::string(sdf.name()) + ">, not <sdf>.", "Give an SDF file.");
       return {};
     }
     const XmlField version = xml_.attribute(sdf, "version");
@@ -68,28 +69,29 @@ class SdfReader {
     const std::optional<long> major = parse_long(version.text.substr(0, dot));
     const std::optional<long> minor = dot == std::string_view::npos ? std::optional<long>(0) : parse_long(version.text.substr(dot + 1));
     if (!major || !minor || *major != 1 || *minor < 4 || *minor > 99) {
-      xml_.problem(version, ErrorCode::unsupported, ": " + in_quotes(version.text) + " is no version that can be read.",
-                   "Give 1.4 to 1.9.");
+      xml_.problem(version, ErrorCode::unsupported, ": " + in_quotes(version.text) + " is not a version that can be read.",
+                   "Use SDF 1.4 to 1.9.");
       return {};
     }
     version_ = static_cast<int>(100 + *minor);
-    if (version_ > 109) xml_.note("Versions above 1.9 may have words that are not read.");
+    if (version_ > 109) xml_.note("Elements that were added after SDF 1.9 are not read.");
     std::vector<pugi::xml_node> models;
     for (const pugi::xml_node parent : {sdf, sdf.child("world")})
       for (const pugi::xml_node model : parent.children("model")) models.push_back(model);
     if (models.empty()) {
-      xml_.problem(sdf, ErrorCode::structure, "the file has no <model>.", "Give a file with one; <include> is not followed.");
+      xml_.problem(sdf, ErrorCode::structure, "The file has no <model>.",
+                   "Use a file that contains the model; <include> is not supported.");
       return {};
     }
-    const auto moves =
+    const auto movable =
         std::find_if(models.begin(), models.end(), [this](pugi::xml_node m) { return !xml_.flag(xml_.element(m, "static"), false); });
-    const pugi::xml_node chosen = moves == models.end() ? models.front() : *moves;
+    const pugi::xml_node chosen = movable == models.end() ? models.front() : *movable;
     for (const pugi::xml_node model : models)
-      if (model != chosen) xml_.note(model, "Only " + xml_.title(chosen) + " is read, not the other models of the file.");
+      if (model != chosen) xml_.note(model, "Only " + xml_.title(chosen) + " is read; the other models of the file are left out.");
     return chosen;
   }
 
-  /// The link that carries the model's own frame: as it says, or its first; empty where it has none.
+  /// Name of the link that carries the model's own frame: its canonical_link, or its first link; empty if it has none.
   std::string canonical_link(pugi::xml_node model) {
     if (const XmlField named = xml_.attribute(model, "canonical_link"); !named.text.empty()) return xml_.text(named);
     if (const pugi::xml_node link = model.child("link")) return xml_.text(xml_.attribute(link, "name"));
@@ -97,28 +99,28 @@ class SdfReader {
     return {};
   }
 
-  /// All that has a frame, of the model and its nested models.
+  /// Adds the frames of all links, joints, frames and nested models of the model.
   void collect(pugi::xml_node model, const std::string& scope, int depth) {
     if (depth > max_nesting) {
-      xml_.problem(model, ErrorCode::range, "models are nested deeper than 50 levels.", "Nest fewer.");
+      xml_.problem(model, ErrorCode::range, "Models are nested deeper than 50 levels.", "Use fewer levels.");
       return;
     }
     for (const pugi::xml_node node : model.children()) {
       const std::string_view kind = node.name();
       if (xml_.full()) return;
       if (kind == "include") {
-        xml_.problem(node, ErrorCode::unsupported, "<include> is not followed.", "Write the model into this file.");
+        xml_.problem(node, ErrorCode::unsupported, "<include> is not supported.", "Copy the included model into this file.");
         continue;
       }
       if (kind == "drake:joint") {
-        xml_.problem(node, ErrorCode::unsupported, "<drake:joint> is not read.", "Use a <joint>.");
+        xml_.problem(node, ErrorCode::unsupported, "<drake:joint> is not supported.", "Use a <joint>.");
         continue;
       }
       if (kind != "link" && kind != "joint" && kind != "frame" && kind != "model") continue;
       const std::string name = xml_.required_text(xml_.attribute(node, "name"));
       if (name.empty()) continue;
       if (name == "world" || name.starts_with("__") || name.find("::") != std::string::npos) {
-        xml_.problem(node, ErrorCode::structure, "the name " + in_quotes(name) + " is reserved.", "Rename it.");
+        xml_.problem(node, ErrorCode::structure, "The name " + in_quotes(name) + " is reserved.", "Use another name.");
         continue;
       }
       SdfFrame frame{.name = scope + name, .scope = scope, .node = node, .X = frames_->pose(node)};
@@ -135,7 +137,7 @@ class SdfReader {
         frame.relative_to = frames_->relative_to(node, frame.attached_to);
       } else {
         if (!xml_.attribute(node, "placement_frame").text.empty())
-          xml_.problem(node, ErrorCode::unsupported, "placement_frame is not read.", "Place the model's own frame.");
+          xml_.problem(node, ErrorCode::unsupported, "'placement_frame' is not supported.", "Give the pose of the model's own frame.");
         frame.kind = SdfFrameKind::model;
         frame.relative_to = frames_->relative_to(node, "__model__");
         if (const std::string link = canonical_link(node); !link.empty()) frame.attached_to = name + "::" + link;
@@ -145,6 +147,7 @@ class SdfReader {
     }
   }
 
+  /// Reads links, joints and closures, once all frames are resolved.
   void read_parts() {
     const int count = frames_->count();
     draft_of_.assign(static_cast<std::size_t>(count), -1);
@@ -166,6 +169,7 @@ class SdfReader {
     }
   }
 
+  /// "hand" of "arm::hand".
   static std::string last_part(const std::string& name) {
     const std::size_t at = name.rfind("::");
     return at == std::string::npos ? name : name.substr(at + 2);
@@ -174,12 +178,12 @@ class SdfReader {
   [[nodiscard]] int draft_count() const { return static_cast<int>(draft_.links.size()); }
   [[nodiscard]] int draft_link(int frame) const { return frame < 0 ? -1 : draft_of_[static_cast<std::size_t>(frame)]; }
 
-  /// Grows the tree from the world, then from the first link of each part that nothing joins to it: always along the joint with
-  /// the fewest freedoms, of these nearest to the base, of these first in the file (Prim's algorithm: fewest freedoms in all).
-  /// The joints that are left over close loops. Screws come first, as no loop can be one.
+  /// Builds the spanning tree from the world, then from the first link of each part that is not connected to it. The tree always grows
+  /// along the candidate joint with the fewest DOFs, then the smallest depth, then the first in the file (Prim's algorithm: minimum total
+  /// number of DOFs). The remaining joints close loops. Screw joints have priority, because no loop type can replace them.
   void build_tree(bool is_static) {
     const auto n = static_cast<std::size_t>(draft_count());
-    std::vector<std::vector<int>> at_link(n + 1);  // joints at each link; the last: the world
+    std::vector<std::vector<int>> at_link(n + 1);  // indices of the joints at each link; the last entry is the world
     const auto slot = [n](int link) { return link < 0 ? n : static_cast<std::size_t>(link); };
     for (int j = 0; j < static_cast<int>(graph_.joints.size()); ++j) {
       const SdfJoint& joint = graph_.joints[static_cast<std::size_t>(j)];
@@ -188,27 +192,27 @@ class SdfReader {
     }
     in_tree_.assign(graph_.joints.size(), false);
     std::vector<int> depth(n + 1, -1);
-    std::priority_queue<Way, std::vector<Way>, std::greater<>> ways;
+    std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> candidates;
     const auto reach = [&](int link, int at_depth) {
       depth[slot(link)] = at_depth;
       for (const int j : at_link[slot(link)]) {
         const Joint& motion = graph_.joints[static_cast<std::size_t>(j)].motion;
-        ways.push({motion.type == JointType::helical ? 0 : motion.nv(), at_depth, j});
+        candidates.push({motion.type == JointType::helical ? 0 : motion.nv(), at_depth, j});
       }
     };
     const auto grow = [&] {
-      while (!ways.empty()) {
-        const Way way = ways.top();
-        ways.pop();
-        const SdfJoint& joint = graph_.joints[static_cast<std::size_t>(way.joint)];
+      while (!candidates.empty()) {
+        const Candidate next = candidates.top();
+        candidates.pop();
+        const SdfJoint& joint = graph_.joints[static_cast<std::size_t>(next.joint)];
         const int parent = draft_link(joint.parent), child = draft_link(joint.child);
         const bool to_child = depth[slot(child)] < 0, to_parent = depth[slot(parent)] < 0;
         if (!to_child && !to_parent) continue;
-        hang(joint, to_child);
-        in_tree_[static_cast<std::size_t>(way.joint)] = true;
+        add_tree_joint(joint, to_child);
+        in_tree_[static_cast<std::size_t>(next.joint)] = true;
         if (joint.motion.type == JointType::revolute)
-          turning_[{std::min(joint.parent, joint.child), std::max(joint.parent, joint.child)}] = static_cast<std::size_t>(way.joint);
-        reach(to_child ? child : parent, way.depth + 1);
+          turning_[{std::min(joint.parent, joint.child), std::max(joint.parent, joint.child)}] = static_cast<std::size_t>(next.joint);
+        reach(to_child ? child : parent, next.depth + 1);
       }
     };
     reach(-1, 0);
@@ -223,9 +227,9 @@ class SdfReader {
     }
   }
 
-  /// Hangs the joint's child on its parent, or, where the child is in the tree already, the parent on the child. The new link's
-  /// frame in the mechanism is the joint's.
-  void hang(const SdfJoint& joint, bool to_child) {
+  /// Adds one end of a joint to the tree: the child link below the parent link or, if the child is already in the tree, the parent link
+  /// below the child link (reversed joint). The frame of the added link in the mechanism is the joint's frame.
+  void add_tree_joint(const SdfJoint& joint, bool to_child) {
     const int above = draft_link(to_child ? joint.parent : joint.child), below = draft_link(to_child ? joint.child : joint.parent);
     LinkSpec& link = draft_.link(below);
     link.joint = to_child ? joint.motion : reversed(joint.motion);
@@ -237,7 +241,7 @@ class SdfReader {
     draft_.draft(below).X_BF = (to_child ? joint.X_CJ : joint.X_PJ).inverse();
     draft_.draft(below).joint = joint.name;
     link_of_joint_[joint.name] = below;
-    if (!to_child) xml_.note(joint.node, "Joints are followed from child to parent where the tree needs it.");
+    if (!to_child) xml_.note(joint.node, "Some joints are reversed (from child to parent), because the tree grows from the base.");
   }
 
   void read_link(int i) {
@@ -251,11 +255,12 @@ class SdfReader {
   void add_loop(pugi::xml_node node, const std::string& name, LoopSpec loop) {
     loop.name = name;
     if (!loop_names_.insert(name).second)
-      xml_.problem(node, ErrorCode::duplicate, "two closures have the name " + in_quotes(name) + ".", "Rename one of them.");
+      xml_.problem(node, ErrorCode::duplicate, "Two loop closures are named " + in_quotes(name) + ".", "Rename one of them.");
     draft_.loop_joints.push_back({name, name});
     draft_.spec.loops.push_back(std::move(loop));
   }
 
+  /// A loop between two frames given in the link frames of the file.
   LoopSpec between(LoopType type, int a, const Pose& X_AJ, int b, const Pose& X_BJ) {
     const int links[2] = {draft_link(a), draft_link(b)};
     LoopSpec loop{.type = type, .X_AJ = X_AJ, .X_BJ = X_BJ};
@@ -276,22 +281,24 @@ class SdfReader {
       const SdfJoint& joint = graph_.joints[j];
       const std::optional<LoopType> type = loop_type_of(joint.motion);
       if (!type) {
-        xml_.problem(joint.node, ErrorCode::unsupported, xml_.title(joint.node) + " closes a loop, which a joint of this type cannot.",
-                     "Let the loop have a fixed, revolute, prismatic or ball joint, or a universal one with axes at right angles.");
+        xml_.problem(joint.node, ErrorCode::unsupported,
+                     xml_.title(joint.node) + " closes a loop, but this joint type is not supported there.",
+                     "Close the loop with a fixed, revolute, prismatic or ball joint, or a universal joint with perpendicular axes.");
         continue;
       }
       LoopSpec loop = between(*type, joint.parent, joint.X_PJ, joint.child, joint.X_CJ);
       loop.axis = joint.motion.axis;
       loop.axis2 = joint.motion.axis2;
       add_loop(joint.node, joint.name, std::move(loop));
-      xml_.note(joint.node, "Joints that close a loop hold it, without their limits, damping and friction.");
+      xml_.note(joint.node, "Limits, damping and friction of joints that close a loop are left out.");
     }
     for (const SdfClosure& c : graph_.closures) add_loop(c.node, c.name, between(c.type, c.a, c.X_AJ, c.b, c.X_BJ));
     for (const SdfGearbox& gear : graph_.gearboxes) make_gear(gear);
     for (const SdfMimic& mimic : graph_.mimics) make_mimic(mimic);
   }
 
-  /// The tree joint between the link and the reference, and the sense in which it turns about `axis_W`; link -1: none.
+  /// The link carried by the revolute tree joint between `link` and `reference`, and the sign of its rotation about `axis_W`. Link -1:
+  /// none.
   std::pair<int, double> turning(int link, int reference, const Vec3& axis_W) {
     const auto it = turning_.find({std::min(link, reference), std::max(link, reference)});
     if (it == turning_.end()) return {-1, 1};
@@ -305,11 +312,12 @@ class SdfReader {
     const auto [a, sense_a] = turning(gear.child, gear.reference, gear.axis2_W);
     const auto [b, sense_b] = turning(gear.parent, gear.reference, gear.axis_W);
     if (a < 0 || b < 0) {
-      xml_.problem(gear.node, ErrorCode::structure, xml_.title(gear.node) + ": its two links do not both turn against its reference body.",
-                   "Join both to the reference body by revolute joints.");
+      xml_.problem(gear.node, ErrorCode::structure,
+                   xml_.title(gear.node) + ": both links must be connected to the reference body by revolute joints.",
+                   "Add the missing revolute joints, or correct <gearbox_reference_body>.");
       return;
     }
-    // The format's definition: angle of the child = -ratio * angle of the parent.
+    // Definition in SDFormat: angle of the child = -ratio * angle of the parent.
     add_loop(gear.node, gear.name,
              {.type = LoopType::gear,
               .link_a = draft_.link(a).name,
@@ -323,7 +331,7 @@ class SdfReader {
         draft_.link(b->second).joint.nv() != 1) {
       xml_.problem(mimic.node, ErrorCode::structure,
                    in_quotes(mimic.follower) + " mimics " + in_quotes(mimic.leader) +
-                       ", but both must be different joints of one freedom that close no loop.",
+                       ", but they are not two different joints with one degree of freedom each that close no loop.",
                    "Correct or remove <mimic>.");
       return;
     }
@@ -334,7 +342,7 @@ class SdfReader {
               .polynomial = {mimic.offset - mimic.multiplier * mimic.reference, mimic.multiplier, 0, 0, 0}});
   }
 
-  /// @return what is wrong in the loops file
+  /// Applies the loops file. Returns its problems.
   Error read_yaml(const SideFile& file) {
     const Result<LoopsYaml> yaml = read_loops_yaml(file);
     if (!yaml) return yaml.error();
@@ -361,11 +369,11 @@ class SdfReader {
   int version_ = 109;
   SdfFrames* frames_ = nullptr;
   SdfJoints graph_;
-  std::vector<bool> in_tree_;                              ///< beside graph_.joints
-  std::vector<int> draft_of_;                              ///< for each frame; -1: no link
-  std::vector<int> frame_of_;                              ///< for each draft link
-  std::map<std::string, int, std::less<>> link_of_joint_;  ///< tree joints
-  std::map<std::pair<int, int>, std::size_t> turning_;     ///< revolute tree joints by the frames of their links
+  std::vector<bool> in_tree_;                              ///< [graph_.joints] whether the joint is part of the tree
+  std::vector<int> draft_of_;                              ///< [frames] index of the draft link; -1: the frame is not a link
+  std::vector<int> frame_of_;                              ///< [draft links] index of the frame
+  std::map<std::string, int, std::less<>> link_of_joint_;  ///< draft link that each tree joint carries
+  std::map<std::pair<int, int>, std::size_t> turning_;  ///< revolute tree joints, by the frame indices of their two links (smaller first)
   std::set<std::string> loop_names_;
 };
 

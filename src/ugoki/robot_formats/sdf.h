@@ -1,5 +1,5 @@
 #pragma once
-// SDFormat 1.4 to 1.9: links, joints and frames of a model (sdformat.org/spec). What is read, and how, is in docs/formats.md.
+// Reads SDFormat 1.4 to 1.9: links, joints and frames of a model (sdformat.org/spec). docs/formats.md lists what is read.
 
 #include <string_view>
 
@@ -7,8 +7,9 @@
 
 namespace ugoki::robot_formats {
 
-/// The first model that is not static, nested models included. Joints that close a loop become the mechanism's loops.
-/// @param file_name stands in the place of every problem; files that the description names are looked for near it
+/// Reads the first model that is not static (or the first model, if all are static), with its nested models. Joints that close a loop
+/// become loops of the mechanism.
+/// @param file_name appears in the location of every problem; files that the description refers to are searched relative to it
 [[nodiscard]] Result<RobotModel> read_sdf(std::string_view text, std::string_view file_name, const RobotOptions& options = {});
 
 }  // namespace ugoki::robot_formats

@@ -7,7 +7,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double largest_angle = 1e6;
+constexpr double max_angle = 1e6;  // unit of the file; greater values lose the digits that make an angle meaningful
 
 }  // namespace
 
@@ -26,17 +26,17 @@ Pose SdfFrames::pose(pugi::xml_node node) {
     if (!xml_.numbers(field, v)) return X;
     const Quat q{v[6], v[3], v[4], v[5]};
     if (!(norm(q.vec()) + std::fabs(q.w) > 1e-6))
-      xml_.problem(element, ErrorCode::structure, "the quaternion of <pose> is zero.", "Correct it.");
+      xml_.problem(element, ErrorCode::structure, "The quaternion of <pose> is zero.", "Give a unit quaternion x y z w.");
     return {to_matrix(normalized(q)), {v[0], v[1], v[2]}};
   }
   std::array<double, 6> v;
   if (!xml_.numbers(field, v)) return X;
   const double unit = xml_.flag(xml_.attribute(element, "degrees"), false) ? pi / 180 : 1;
   X.p = {v[0], v[1], v[2]};
-  if (std::fabs(v[3]) <= largest_angle && std::fabs(v[4]) <= largest_angle && std::fabs(v[5]) <= largest_angle)
+  if (std::fabs(v[3]) <= max_angle && std::fabs(v[4]) <= max_angle && std::fabs(v[5]) <= max_angle)
     X.R = from_euler({v[5] * unit, v[4] * unit, v[3] * unit}, "ZYX");
   else
-    xml_.problem(element, ErrorCode::range, "an angle of <pose> is above 1e6.", "Correct it.");
+    xml_.problem(element, ErrorCode::range, "An angle of <pose> is greater than 1e6.", "Correct the angle.");
   return X;
 }
 
@@ -48,7 +48,7 @@ std::string SdfFrames::relative_to(pugi::xml_node node, std::string_view otherwi
 
 void SdfFrames::add(SdfFrame frame) {
   if (!index_.emplace(frame.name, count()).second) {
-    xml_.problem(frame.node, ErrorCode::duplicate, "two parts of the model have the name " + formats::in_quotes(frame.name) + ".",
+    xml_.problem(frame.node, ErrorCode::duplicate, "Two elements of the model are named " + formats::in_quotes(frame.name) + ".",
                  "Rename one of them.");
     return;
   }
@@ -78,9 +78,10 @@ int SdfFrames::target(int from, const std::string& name, const char* purpose) {
 
 void SdfFrames::resolve() {
   const auto n = frames_.size();
-  // Follows what `next` names until something known; then back, with `settle`. Each frame once.
+  // Follows the references given by `next` up to a frame that is already settled, then returns along the path and calls `settle` for each
+  // frame. Each frame is settled once. A reference back to the current path is a cycle.
   const auto follow = [&](const std::function<int(int)>& next, const std::function<void(int, int)>& settle) {
-    std::vector<char> state(n, 0);  // 1: on the path, 2: known
+    std::vector<char> state(n, 0);  // 1: on the current path, 2: settled
     for (std::size_t first = 0; first < n && !xml_.full(); ++first) {
       std::vector<int> path;
       int at = static_cast<int>(first);
@@ -90,9 +91,10 @@ void SdfFrames::resolve() {
         at = next(at);
       }
       if (at >= 0 && state[static_cast<std::size_t>(at)] == 1)
-        xml_.problem(frames_[static_cast<std::size_t>(at)].node, ErrorCode::structure,
-                     xml_.title(frames_[static_cast<std::size_t>(at)].node) + " is placed relative to itself, through others.",
-                     "Break the circle of relative_to and attached_to.");
+        xml_.problem(
+            frames_[static_cast<std::size_t>(at)].node, ErrorCode::structure,
+            xml_.title(frames_[static_cast<std::size_t>(at)].node) + " is placed relative to itself, directly or through other frames.",
+            "Remove the cycle of relative_to and attached_to.");
       for (auto it = path.rbegin(); it != path.rend(); at = *it++) {
         if (at >= 0 && state[static_cast<std::size_t>(at)] == 2) settle(*it, at);
         state[static_cast<std::size_t>(*it)] = 2;

@@ -1,5 +1,5 @@
 #pragma once
-// The frames of an SDF model: links, joints, frames and nested models place one another by name; internal to robot_formats.
+// The frames of an SDF model: links, joints, frames and nested models are placed relative to each other by name. Internal to robot_formats.
 
 #include <map>
 #include <string>
@@ -12,42 +12,45 @@ namespace ugoki::robot_formats {
 
 enum class SdfFrameKind { world, model, link, joint, frame };
 
+/// A named frame with its pose.
 struct SdfFrame {
-  std::string name = {};   ///< from the read model on: "arm::hand"
-  std::string scope = {};  ///< of the model in which it stands, with "::" at its end: "arm::"
+  std::string name = {};   ///< relative to the model that is read: "arm::hand"
+  std::string scope = {};  ///< scope of the model that contains it, ending with "::": "arm::"; empty for the outermost model
   SdfFrameKind kind = SdfFrameKind::frame;
   pugi::xml_node node = {};
-  std::string relative_to = {};  ///< name in its scope of the frame in which X is given
-  std::string attached_to = {};  ///< name in its scope of the frame that carries it; empty for links and the world
-  Pose X = {};
-  Pose X_W = {};  ///< resolved: in the world, all joints at zero
-  int link = -1;  ///< resolved: frame index of the link that carries it; -1: the world
+  std::string relative_to = {};  ///< name, in its scope, of the frame in which X is given
+  std::string attached_to = {};  ///< name, in its scope, of the frame that carries it; empty for links and the world
+  Pose X = {};                   ///< pose relative to `relative_to`
+  Pose X_W = {};                 ///< pose in the world with all joints at zero; set by resolve()
+  int link = -1;                 ///< frame index of the link that carries it, -1: the world; set by resolve()
 };
 
+/// All frames of a model. Index 0 is the world.
 class SdfFrames {
  public:
   SdfFrames(XmlFields& xml, int version);
 
-  /// `<pose>` of the node: x y z roll pitch yaw, or a quaternion where its rotation_format says so.
+  /// `<pose>` of the node: x y z [m] and roll pitch yaw [rad, or deg with degrees="true"], or a quaternion with
+  /// rotation_format="quat_xyzw".
   [[nodiscard]] Pose pose(pugi::xml_node node);
-  /// The frame that its `<pose>` names, `otherwise` if none.
+  /// Name of the frame relative to which the `<pose>` of the node is given; `otherwise` if it names none.
   [[nodiscard]] std::string relative_to(pugi::xml_node node, std::string_view otherwise);
 
-  /// A problem where the name is taken.
+  /// Adds a frame; a problem if the name is already used.
   void add(SdfFrame frame);
-  /// Places all frames. Problems: unknown names, circles.
+  /// Computes X_W and `link` of all frames. Problems: unknown names, cycles.
   void resolve();
 
-  /// Index of the frame that `name` means in a scope; -1: none.
+  /// Index of the frame that `name` refers to in a scope; -1: none.
   [[nodiscard]] int find(std::string_view scope, std::string_view name) const;
   [[nodiscard]] const SdfFrame& at(int i) const { return frames_[static_cast<std::size_t>(i)]; }
   [[nodiscard]] int count() const { return static_cast<int>(frames_.size()); }
 
-  /// Pose of what stands in `owner`, whose node has a `<pose>`, in the owner's own frame.
+  /// Pose of an element with a `<pose>`, which belongs to the frame `owner`, in the frame `owner`.
   [[nodiscard]] Pose pose_in(int owner, pugi::xml_node node);
 
  private:
-  /// Index of the frame to which `name` leads; -1 with a problem.
+  /// Index of the frame called `name` in the scope of frame `from`; -1, with a problem.
   int target(int from, const std::string& name, const char* purpose);
 
   XmlFields& xml_;

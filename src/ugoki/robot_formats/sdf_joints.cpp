@@ -10,6 +10,7 @@ namespace {
 
 using formats::in_quotes;
 
+/// Equality up to rounding: 1e-9 m and about 1e-6 rad.
 bool same(const Pose& a, const Pose& b) {
   const Pose d = a.inverse() * b;
   return norm(d.p) < 1e-9 && d.R.trace() > 3 - 1e-12;
@@ -27,7 +28,7 @@ class SdfJointReader {
     if (parent < 0 || child < 0) return;
     const int parent_link = frames_.at(parent).link, child_link = frames_.at(child).link;
     if (parent_link == child_link) {
-      xml_.problem(node_, ErrorCode::structure, xml_.title(node_) + " joins a link with itself.", "Name two links.");
+      xml_.problem(node_, ErrorCode::structure, xml_.title(node_) + " connects a link to itself.", "Name two different links.");
       return;
     }
     if (xml_.attribute(node_, "type").text == "gearbox") return read_gearbox(parent_link, child_link);
@@ -41,7 +42,7 @@ class SdfJointReader {
  private:
   Pose in_link(int link, const Pose& X_W) const { return link < 0 ? X_W : frames_.at(link).X_W.inverse() * X_W; }
 
-  /// The frame that `<parent>` or `<child>` names; -1 with a problem.
+  /// Index of the frame that `<parent>` or `<child>` refers to; -1, with a problem.
   int end(const char* which) {
     const std::string name = xml_.required_text(xml_.element(node_, which));
     const int i = name.empty() ? -1 : frames_.find(self_.scope, name);
@@ -50,16 +51,18 @@ class SdfJointReader {
     return i;
   }
 
-  /// Where the joint lies on its parent, in the world. A joint sits where its child has it, the links placed as the file places
-  /// them. Where the child link has no pose of its own, a frame that the joint names as its parent is meant as the place.
+  /// The joint frame on the side of the parent, in the world. Normally this is the joint's own frame: the file places the links so that
+  /// both sides coincide. If the child link has no <pose> and the joint names a <frame> as its parent, that frame is meant as the joint's
+  /// place.
   Pose parent_side(int parent, int child_link) {
     const SdfFrame& named = frames_.at(parent);
     const bool explicit_frame = named.kind == SdfFrameKind::frame;
     if (!explicit_frame || same(named.X_W, self_.X_W) || (child_link >= 0 && frames_.at(child_link).node.child("pose"))) return self_.X_W;
-    xml_.note(node_, "Links without poses are placed by the frames that their joints name.");
+    xml_.note(node_, "Links without a <pose> are placed at the parent frames of their joints.");
     return named.X_W;
   }
 
+  /// Type, axes, pitch and DOF properties of the joint.
   Joint motion() {
     static const std::map<std::string_view, JointType> types = {{"fixed", JointType::fixed},         {"revolute", JointType::revolute},
                                                                 {"continuous", JointType::revolute}, {"prismatic", JointType::prismatic},
@@ -69,7 +72,7 @@ class SdfJointReader {
     const XmlField type = xml_.attribute(node_, "type");
     const auto it = types.find(type.text);
     if (it == types.end()) {
-      xml_.problem(type, ErrorCode::unsupported, ": " + in_quotes(type.text) + " is no joint type.",
+      xml_.problem(type, ErrorCode::unsupported, ": " + in_quotes(type.text) + " is not a joint type.",
                    "Use fixed, revolute, continuous, prismatic, ball, universal, revolute2, screw or gearbox.");
       return joint;
     }
@@ -79,15 +82,14 @@ class SdfJointReader {
     if (joint.type == JointType::universal) joint.axis2 = direction(axis2);
     if (joint.type == JointType::helical) joint.pitch = pitch();
     for (int i = 0; i < joint.nv(); ++i)
-      joint.freedoms[static_cast<std::size_t>(i)] =
-          freedom(i == 1 && joint.type == JointType::universal ? axis2 : axis, type.text != "continuous");
+      joint.dofs[static_cast<std::size_t>(i)] = dof(i == 1 && joint.type == JointType::universal ? axis2 : axis, type.text != "continuous");
     return joint;
   }
 
-  /// `<xyz>` of the axis in the joint's frame.
+  /// `<xyz>` of an axis, in the joint's frame, unit length.
   Vec3 direction(pugi::xml_node axis) {
     if (!axis) {
-      xml_.problem(node_, ErrorCode::syntax, xml_.title(node_) + " lacks an axis.", "Add <axis> with <xyz>.");
+      xml_.problem(node_, ErrorCode::syntax, xml_.title(node_) + " has no axis.", "Add <axis> with <xyz>.");
       return {0, 0, 1};
     }
     const pugi::xml_node xyz = axis.child("xyz");
@@ -97,33 +99,36 @@ class SdfJointReader {
     if (in.empty()) return a;
     const int frame = frames_.find(self_.scope, in);
     if (frame < 0) {
-      xml_.problem(xyz, ErrorCode::unknown, "the frame " + in_quotes(in) + " of the axis does not exist.", "Name a link, joint or frame.");
+      xml_.problem(xyz, ErrorCode::unknown, "The frame " + in_quotes(in) + " of the axis does not exist.",
+                   "Name a link, joint or frame of this model.");
       return a;
     }
     return transpose_times(self_.X_W.R, frames_.at(frame).X_W.R * a);
   }
 
-  /// m/rad. The old element gives radians per metre with the other sign, as Gazebo and libsdformat have it.
+  /// Pitch of a screw joint, m/rad. The old element <thread_pitch> is in rad/m with the opposite sign, as Gazebo and libsdformat implement
+  /// it.
   double pitch() {
     if (const XmlField turn = xml_.element(node_, "screw_thread_pitch"); turn.present) return xml_.number(turn, 0) / (2 * pi);
     const double old = xml_.number(xml_.element(node_, "thread_pitch"), 1);
     if (std::fabs(old) >= 1e-9) return -1 / old;
-    xml_.problem(node_, ErrorCode::range, xml_.title(node_) + " has no pitch.", "Give <screw_thread_pitch> in metres per turn.");
+    xml_.problem(node_, ErrorCode::range, xml_.title(node_) + " has a thread pitch of zero.",
+                 "Give <screw_thread_pitch> in metres per turn.");
     return 0;
   }
 
-  Freedom freedom(pugi::xml_node axis, bool limited) {
-    Freedom f;
+  Dof dof(pugi::xml_node axis, bool limited) {
+    Dof f;
     const pugi::xml_node limit = axis.child("limit"), dynamics = axis.child("dynamics");
     if (limited) {
       f.lower = xml_.limit(xml_.element(limit, "lower"), f.lower);
       f.upper = xml_.limit(xml_.element(limit, "upper"), f.upper);
       if (f.lower > f.upper)
-        xml_.problem(limit, ErrorCode::range, "the lower limit of " + xml_.title(node_) + " is above the upper one.",
-                     "Swap or correct them.");
+        xml_.problem(limit, ErrorCode::range, "The lower limit of " + xml_.title(node_) + " is greater than the upper limit.",
+                     "Swap or correct the limits.");
     }
     if (const double effort = xml_.limit(xml_.element(limit, "effort"), -1); effort >= 0) f.effort = effort;  // negative: unlimited
-    if (limit.child("velocity")) xml_.note("Greatest velocities of joints are not used.");
+    if (limit.child("velocity")) xml_.note("Maximum velocities of joints are not used.");
     f.damping = xml_.number(xml_.element(dynamics, "damping"), 0, not_negative);
     f.friction = xml_.number(xml_.element(dynamics, "friction"), 0, not_negative);
     f.stiffness = xml_.number(xml_.element(dynamics, "spring_stiffness"), 0, not_negative);
@@ -137,7 +142,8 @@ class SdfJointReader {
     const int i = frames_.find(self_.scope, reference);
     if (i < 0) {
       if (!reference.empty())
-        xml_.problem(node_, ErrorCode::unknown, "the link " + in_quotes(reference) + " does not exist.", "Name a link.");
+        xml_.problem(node_, ErrorCode::unknown, "The reference link " + in_quotes(reference) + " does not exist.",
+                     "Name a link of this model.");
       return;
     }
     gear.reference = frames_.at(i).link;
@@ -162,7 +168,7 @@ class SdfJointReader {
   SdfJoints& out_;
 };
 
-/// The frame that the child element names; -1 with a problem.
+/// Index of the frame that the child element refers to; -1, with a problem.
 int named_frame(XmlFields& xml, const SdfFrames& frames, std::string_view scope, pugi::xml_node node, const char* element) {
   const std::string name = xml.required_text(xml.element(node, element));
   const int i = name.empty() ? -1 : frames.find(scope, name);
@@ -171,7 +177,7 @@ int named_frame(XmlFields& xml, const SdfFrames& frames, std::string_view scope,
   return i;
 }
 
-/// Which freedoms a bushing leaves: those along which it is not stiff.
+/// The loop type with the DOFs along which the bushing has no stiffness; std::nullopt for combinations that no loop type has.
 std::optional<LoopType> bushing_type(XmlFields& xml, pugi::xml_node node) {
   const Vec3 force = xml.vec3(xml.element(node, "drake:bushing_force_stiffness"), {}, not_negative);
   const Vec3 torque = xml.vec3(xml.element(node, "drake:bushing_torque_stiffness"), {}, not_negative);
@@ -194,11 +200,11 @@ bool read_sdf_closure(XmlFields& xml, const SdfFrames& frames, std::string_view 
   std::optional<LoopType> type = weld ? LoopType::weld : LoopType::ball;
   if (bushing) type = bushing_type(xml, node);
   if (!type) {
-    xml.problem(node, ErrorCode::unsupported, "a bushing that is stiff along some axes only is no closure that is known.",
-                "Use a joint, or make it stiff against all but turning about z.");
+    xml.problem(node, ErrorCode::unsupported, "A bushing with this combination of stiff axes is not supported.",
+                "Use a joint, or make the bushing stiff in all directions, or in all but rotation about z, or in translation only.");
     return true;
   }
-  if (bushing) xml.note(node, "A bushing is taken as the closure that it stands for, without give.");
+  if (bushing) xml.note(node, "A bushing is replaced by a rigid loop closure, without its compliance.");
   const char* names[2] = {weld   ? "parent"
                           : ball ? "drake:ball_constraint_body_A"
                                  : "drake:bushing_frameA",
@@ -217,7 +223,7 @@ bool read_sdf_closure(XmlFields& xml, const SdfFrames& frames, std::string_view 
     closure.X_BJ.p = closure.X_BJ * xml.vec3(xml.element(node, "drake:ball_constraint_p_BQ"), {});
   }
   if (closure.a == closure.b) {
-    xml.problem(node, ErrorCode::structure, "a closure joins a link with itself.", "Name frames of two links.");
+    xml.problem(node, ErrorCode::structure, "A closure connects a link to itself.", "Name frames of two different links.");
     return true;
   }
   if (closure.name.empty()) closure.name = std::string(kind.substr(6)) + " " + std::to_string(out.closures.size() + 1);
@@ -231,7 +237,7 @@ Joint reversed(const Joint& joint) {
   if (joint.type == JointType::universal) {
     out.axis = -joint.axis2;
     out.axis2 = -joint.axis;
-    std::swap(out.freedoms[0], out.freedoms[1]);
+    std::swap(out.dofs[0], out.dofs[1]);
   }
   return out;
 }

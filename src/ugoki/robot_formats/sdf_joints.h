@@ -1,5 +1,5 @@
 #pragma once
-// The joints of an SDF model, as they stand in the file: a graph, not a tree; internal to robot_formats.
+// The joints of an SDF model as the file defines them: a graph, not yet a tree. Internal to robot_formats.
 
 #include <array>
 #include <optional>
@@ -12,40 +12,41 @@
 
 namespace ugoki::robot_formats {
 
-/// A joint between the links (frame indices; -1: the world) `parent` and `child`.
+/// A joint between two links. `parent` and `child` are frame indices; -1: the world.
 struct SdfJoint {
   pugi::xml_node node;
   std::string name;
   int parent = -1, child = -1;
-  Pose X_PJ, X_CJ;  ///< where it lies in the parent link, in the child link (the file's frames of the links)
-  Joint motion;     ///< its X_PJ is not used
+  Pose X_PJ, X_CJ;  ///< pose of the joint frame in the frame of the parent link and in that of the child link, as in the file
+  Joint motion;     ///< type, axes, DOF properties; its X_PJ is not used
 };
 
-/// `<joint type="gearbox">`: couples the angles of two links against a third.
+/// `<joint type="gearbox">`: couples the angles of two links relative to a third link.
 struct SdfGearbox {
   pugi::xml_node node;
   std::string name, scope;
-  int parent = -1, child = -1, reference = -1;  ///< links
-  Vec3 axis_W, axis2_W;
-  double ratio = 1;
+  int parent = -1, child = -1, reference = -1;  ///< frame indices of links
+  Vec3 axis_W, axis2_W;                         ///< axes of the parent and of the child, in world axes
+  double ratio = 1;                             ///< angle of the child = -ratio * angle of the parent
 };
 
-/// A `<mimic>` of an axis: follower = multiplier (leader - reference) + offset.
+/// A `<mimic>` of an axis: q_follower = multiplier (q_leader - reference) + offset.
 struct SdfMimic {
   pugi::xml_node node;
-  std::string follower, leader;  ///< names of joints
-  double multiplier = 1, reference = 0, offset = 0;
+  std::string follower, leader;                      ///< names of joints
+  double multiplier = 1, reference = 0, offset = 0;  ///< reference, offset: m or rad
 };
 
-/// A closure that is no joint: `drake:weld_constraint`, `drake:ball_constraint`, `drake:linear_bushing_rpy`.
+/// A loop closure that is not a joint: `drake:weld_constraint`, `drake:ball_constraint`, `drake:linear_bushing_rpy`.
 struct SdfClosure {
   pugi::xml_node node;
   std::string name;
   LoopType type = LoopType::weld;
-  int a = -1, b = -1;  ///< links
-  Pose X_AJ, X_BJ;
+  int a = -1, b = -1;  ///< frame indices of links; -1: the world
+  Pose X_AJ, X_BJ;     ///< poses of the closure's two frames: X_AJ in the frame of link a, X_BJ in that of link b, as in the file
 };
 
+/// All joints and closures of a model.
 struct SdfJoints {
   std::vector<SdfJoint> joints;
   std::vector<SdfGearbox> gearboxes;
@@ -53,16 +54,16 @@ struct SdfJoints {
   std::vector<SdfClosure> closures;
 };
 
-/// Reads the joint `node`, whose frame has the index `frame`.
+/// Reads the joint whose frame has the index `frame`, and adds it to `out`.
 void read_sdf_joint(XmlFields& xml, SdfFrames& frames, int version, int frame, SdfJoints& out);
 
-/// Reads the element if it is one of Drake's closures. @return whether it is
+/// Reads the element if it is one of Drake's closures. Returns whether it is one.
 bool read_sdf_closure(XmlFields& xml, const SdfFrames& frames, std::string_view scope, pugi::xml_node node, SdfJoints& out);
 
-/// The same joint seen from its child: same coordinates, or their mirror image where a ball or universal joint has several.
+/// The same joint with parent and child exchanged. The coordinates are unchanged; the two coordinates of a universal joint are exchanged.
 [[nodiscard]] Joint reversed(const Joint& joint);
 
-/// The loop type whose condition leaves the joint's freedoms; nothing for those that no loop has.
+/// The loop type that leaves the same DOFs as the joint; std::nullopt if there is none.
 [[nodiscard]] std::optional<LoopType> loop_type_of(const Joint& joint);
 
 }  // namespace ugoki::robot_formats

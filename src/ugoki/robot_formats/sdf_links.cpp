@@ -3,12 +3,13 @@
 namespace ugoki::robot_formats {
 namespace {
 
-/// The number in the child element, which must be there.
+/// The number [m] in a required child element.
 double size(XmlFields& xml, pugi::xml_node node, const char* name) {
   (void)xml.required_text(xml.element(node, name));
   return xml.number(xml.element(node, name), 0, not_negative);
 }
 
+/// The three numbers [m] in a required child element.
 Vec3 sizes(XmlFields& xml, pugi::xml_node node, const char* name) {
   (void)xml.required_text(xml.element(node, name));
   return xml.vec3(xml.element(node, name), {}, not_negative);
@@ -26,12 +27,12 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
   return mesh_shape(xml, uri, xml.vec3(xml.element(node, "scale"), {1, 1, 1}, {-1e6, 1e6}), use, options, assets);
 }
 
-/// One `<collision>` or `<visual>`.
+/// The shape of one `<collision>` or `<visual>`; std::nullopt, with a note, if it has no geometry that can be read.
 std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const ShapeUse& use, const RobotOptions& options, Assets& assets) {
   for (const pugi::xml_node geometry : node.child("geometry").children())
     for (const std::string_view known : {"box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh"})
       if (known == geometry.name()) return read_geometry(xml, geometry, use, options, assets);
-  xml.note(node, "A <" + std::string(node.name()) + "> without box, sphere, cylinder, capsule, ellipsoid or mesh is passed over.");
+  xml.note(node, "A <" + std::string(node.name()) + "> without box, sphere, cylinder, capsule, ellipsoid or mesh is left out.");
   return std::nullopt;
 }
 
@@ -49,9 +50,10 @@ Inertia read_sdf_inertia(XmlFields& xml, SdfFrames& frames, int link) {
                   {"pose", "inertial", "collision", "visual", "gravity", "enable_wind", "self_collide", "kinematic", "must_be_base_link"});
   const pugi::xml_node inertial = node.child("inertial");
   if (const pugi::xml_node second = inertial.next_sibling("inertial"))
-    xml.problem(second, ErrorCode::duplicate, "the link has two <inertial>.", "Remove one of them.");
+    xml.problem(second, ErrorCode::duplicate, "The link has two <inertial> elements.", "Remove one of them.");
   if (!inertial.child("mass") || !inertial.child("inertia"))
-    xml.note(node, "What a link does not tell of its inertia is 1 kg and 1 kg m^2, as the format says.");
+    xml.note(node,
+             "A link does not specify its full inertia; missing values are assumed to be the defaults of SDFormat, 1 kg and 1 kg m^2.");
   const double mass = xml.number(xml.element(inertial, "mass"), 1, not_negative);
   const pugi::xml_node moments = inertial.child("inertia");
   const auto moment = [&](const char* name, double otherwise) { return xml.number(xml.element(moments, name), otherwise); };

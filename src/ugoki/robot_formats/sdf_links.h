@@ -1,5 +1,5 @@
 #pragma once
-// Inertia and shapes of an SDF link; internal to robot_formats.
+// Reads inertia and shapes of an SDF link. Internal to robot_formats.
 
 #include <optional>
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace ugoki::robot_formats {
 
-/// In the file's frame of the link. @param link index of its frame
+/// Inertia in the link frame of the file. @param link frame index of the link
 [[nodiscard]] Inertia read_sdf_inertia(XmlFields& xml, SdfFrames& frames, int link);
 
-/// The shapes of its `<collision>` elements, to collide and to be seen; a link that has none gets those of its `<visual>`
-/// elements, to be seen only. In the mechanism's frame of the link, in which X_BF is the file's.
+/// The shapes of the link's `<collision>` elements, for collision and display. A link without any gets the shapes of its `<visual>`
+/// elements, for display only. In the link frame of the mechanism; X_BF is the file's link frame in it. @param link frame index of the link
 [[nodiscard]] std::vector<Shape> read_sdf_shapes(XmlFields& xml, SdfFrames& frames, int link, const Pose& X_BF, const RobotOptions& options,
                                                  Assets& assets);
 

@@ -1,16 +1,16 @@
 #pragma once
-// Eigenvalues and eigenvectors of symmetric 3 x 3 matrices; internal to robot_formats.
+// Eigenvalues and eigenvectors of symmetric 3 x 3 matrices. Internal to robot_formats.
 
 #include "ugoki/spatial/spatial.h"
 
 namespace ugoki::robot_formats {
 
-/// S = V diag(values) V^T, V a rotation whose columns are the eigenvectors.
+/// Eigendecomposition S = V diag(values) V^T. V is a rotation whose columns are the eigenvectors; the values are not sorted.
 struct SymmetricEigen {
   Vec3 values;
   Mat3 V;
 };
-/// Jacobi's method (Golub, Van Loan, Matrix Computations, 8.5). Finite in, finite out; at most 30 sweeps.
+/// Computes it by Jacobi's method (Golub, Van Loan, Matrix Computations, 8.5), with at most 30 sweeps. Finite input gives finite output.
 [[nodiscard]] SymmetricEigen symmetric_eigen(const Sym3& s);
 
 }  // namespace ugoki::robot_formats

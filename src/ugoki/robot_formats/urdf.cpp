@@ -12,11 +12,11 @@ namespace {
 
 using formats::in_quotes;
 
-/// A `<joint>` whose names were found.
+/// A `<joint>` whose links exist.
 struct UrdfJoint {
   pugi::xml_node node;
   std::string name;
-  int child = -1;
+  int child = -1;  ///< index of the draft link
 };
 
 class UrdfReader {
@@ -27,12 +27,13 @@ class UrdfReader {
   Result<RobotModel> read() {
     const pugi::xml_node robot = xml_.root();
     if (std::string_view(robot.name()) != "robot") {
-      xml_.problem(robot, ErrorCode::syntax, "the outermost element is <" + std::string(robot.name()) + ">, not <robot>.",
+      xml_.problem(robot, ErrorCode::syntax, "The outermost element is <" + std::string(robot.name()) + ">, not <robot>.",
                    "Give a URDF file; a xacro file must be expanded first.");
       return fail(xml_.take_problems());
     }
     if (const pugi::xml_node macro = robot.find_node([](pugi::xml_node n) { return std::string_view(n.name()).starts_with("xacro:"); })) {
-      xml_.problem(macro, ErrorCode::unsupported, "it is a xacro file (here <" + std::string(macro.name()) + ">) that is not yet expanded.",
+      xml_.problem(macro, ErrorCode::unsupported,
+                   "The file contains xacro macros (here <" + std::string(macro.name()) + ">) that are not yet expanded.",
                    "Expand it: xacro FILE.xacro > FILE.urdf.");
       return fail(xml_.take_problems());
     }
@@ -68,9 +69,9 @@ class UrdfReader {
     const pugi::xml_node inertial = link.child("inertial");
     if (!inertial) return {};
     if (const pugi::xml_node second = inertial.next_sibling("inertial"))
-      xml_.problem(second, ErrorCode::duplicate, "the link has two <inertial>.", "Remove one of them.");
+      xml_.problem(second, ErrorCode::duplicate, "The link has two <inertial> elements.", "Remove one of them.");
     if (!inertial.child("mass"))
-      xml_.problem(inertial, ErrorCode::syntax, "the <mass> of an <inertial> is missing.", "Add <mass value=\"...\"/> in kg.");
+      xml_.problem(inertial, ErrorCode::syntax, "The <mass> of an <inertial> is missing.", "Add <mass value=\"...\"/> in kg.");
     else
       (void)xml_.required_text(xml_.attribute(inertial.child("mass"), "value"));
     const double mass = xml_.number(xml_.attribute(inertial.child("mass"), "value"), 0, not_negative);
@@ -81,18 +82,18 @@ class UrdfReader {
     return Inertia::from_centre(mass, X.p, rotated(I, X.R));
   }
 
-  /// The link that the child element `end` of the joint names; -1 with a problem.
+  /// Index of the link that the child element `end` of the joint refers to; -1, with a problem.
   int end_of(pugi::xml_node joint, const char* end) {
     const XmlField field = xml_.attribute(joint.child(end), "link");
     const std::string name = xml_.text(field);
     if (name.empty()) {
-      xml_.problem(joint, ErrorCode::syntax, xml_.title(joint) + " has no <" + end + " link=...>.", "Add it.");
+      xml_.problem(joint, ErrorCode::syntax, xml_.title(joint) + " has no <" + end + " link=...>.", "Add the element.");
       return -1;
     }
     const int link = draft_.find_link(name);
     if (link < 0)
       xml_.problem(xml_.line(field), ErrorCode::unknown,
-                   "the " + std::string(end) + " link " + in_quotes(name) + " of " + xml_.title(joint) + " does not exist.",
+                   "The " + std::string(end) + " link " + in_quotes(name) + " of " + xml_.title(joint) + " does not exist.",
                    "Name an existing link.");
     return link;
   }
@@ -104,15 +105,15 @@ class UrdfReader {
     const int parent = end_of(node, "parent"), child = end_of(node, "child");
     if (name.empty() || parent < 0 || child < 0) return;
     if (const auto [it, is_new] = joint_index_.emplace(name, joints_.size()); !is_new) {
-      xml_.problem(node, ErrorCode::duplicate, "two joints have the name " + in_quotes(name) + ".", "Rename one of them.");
+      xml_.problem(node, ErrorCode::duplicate, "Two joints are named " + in_quotes(name) + ".", "Rename one of them.");
       return;
     }
     DraftLink& draft = draft_.draft(child);
     LinkSpec& link = draft_.link(child);
     if (!draft.joint.empty()) {
       xml_.problem(node, ErrorCode::structure,
-                   "the link " + in_quotes(link.name) + " is already the child of the joint " + in_quotes(draft.joint) + ".",
-                   "Take out one of the two joints and name it as a loop, in a YAML file beside this one.");
+                   "The link " + in_quotes(link.name) + " is already the child of the joint " + in_quotes(draft.joint) + ".",
+                   "Remove one of the two joints and define it as a loop in a YAML file with the same base name.");
       return;
     }
     draft.joint = name;
@@ -121,6 +122,7 @@ class UrdfReader {
     joints_.push_back({node, name, child});
   }
 
+  /// Type, axis and DOF properties of a joint.
   Joint read_motion(pugi::xml_node node) {
     static const std::map<std::string_view, JointType> types = {{"fixed", JointType::fixed},         {"revolute", JointType::revolute},
                                                                 {"continuous", JointType::revolute}, {"prismatic", JointType::prismatic},
@@ -131,7 +133,7 @@ class UrdfReader {
     const XmlField type = xml_.attribute(node, "type");
     const auto it = types.find(type.text);
     if (it == types.end()) {
-      xml_.problem(type, ErrorCode::unsupported, ": " + in_quotes(type.text) + " is no joint type.",
+      xml_.problem(type, ErrorCode::unsupported, ": " + in_quotes(type.text) + " is not a joint type.",
                    "Use fixed, revolute, continuous, prismatic, planar, floating or spherical.");
       return joint;
     }
@@ -139,41 +141,43 @@ class UrdfReader {
     const bool uses_axis = joint.type == JointType::revolute || joint.type == JointType::prismatic || joint.type == JointType::planar;
     if (uses_axis) joint.axis = xml_.direction(xml_.attribute(node.child("axis"), "xyz"), {1, 0, 0});
     const pugi::xml_node limit = node.child("limit"), dynamics = node.child("dynamics");
-    Freedom f;
+    Dof f;
     f.damping = xml_.number(xml_.attribute(dynamics, "damping"), 0, not_negative);
     f.friction = xml_.number(xml_.attribute(dynamics, "friction"), 0, not_negative);
     f.effort = xml_.limit(xml_.attribute(limit, "effort"), f.effort);
     if (!(f.effort >= 0))
-      xml_.problem(xml_.attribute(limit, "effort"), ErrorCode::range, " is negative.", "Give the greatest torque or force.");
-    if (limit.attribute("velocity")) xml_.note("Greatest velocities of joints are not used.");
+      xml_.problem(xml_.attribute(limit, "effort"), ErrorCode::range, " is negative.", "Give the maximum torque or force.");
+    if (limit.attribute("velocity")) xml_.note("Maximum velocities of joints are not used.");
     if (type.text == "revolute" || type.text == "prismatic") read_range(node, limit, f);
-    for (int i = 0; i < joint.nv(); ++i) joint.freedoms[static_cast<std::size_t>(i)] = f;
+    for (int i = 0; i < joint.nv(); ++i) joint.dofs[static_cast<std::size_t>(i)] = f;
     return joint;
   }
 
-  void read_range(pugi::xml_node joint, pugi::xml_node limit, Freedom& f) {
+  void read_range(pugi::xml_node joint, pugi::xml_node limit, Dof& f) {
     const XmlField lower = xml_.attribute(limit, "lower"), upper = xml_.attribute(limit, "upper");
     if (!lower.present && !upper.present) {
-      xml_.note(joint, limit ? "A <limit> without lower and upper does not limit the joint." : "A joint without <limit> is not limited.");
+      xml_.note(joint, limit ? "A <limit> without lower and upper does not limit the position of the joint."
+                             : "A joint without <limit> has no position limits.");
       return;
     }
     f.lower = xml_.limit(lower, 0);
     f.upper = xml_.limit(upper, 0);
     if (f.lower > f.upper)
-      xml_.problem(limit, ErrorCode::range, "the lower limit of " + xml_.title(joint) + " is above the upper one.",
-                   "Swap or correct them.");
+      xml_.problem(limit, ErrorCode::range, "The lower limit of " + xml_.title(joint) + " is greater than the upper limit.",
+                   "Swap or correct the limits.");
   }
 
-  /// Every link that hangs on nothing is a base; a URDF has one.
+  /// Marks the link without a parent joint as the base; a problem if there are several, because a URDF has one base.
   void find_base() {
     int base = -1;
     for (int i = 0; i < static_cast<int>(draft_.links.size()); ++i) {
       if (!draft_.link(i).parent.empty()) continue;
       draft_.draft(i).base_open = true;
       if (base >= 0)
-        xml_.problem(draft_.draft(i).node, ErrorCode::structure,
-                     "the links " + in_quotes(draft_.link(base).name) + " and " + in_quotes(draft_.link(i).name) + " both hang on nothing.",
-                     "Join them with a joint; a URDF has one base.");
+        xml_.problem(
+            draft_.draft(i).node, ErrorCode::structure,
+            "The links " + in_quotes(draft_.link(base).name) + " and " + in_quotes(draft_.link(i).name) + " both have no parent joint.",
+            "Connect them by a joint: a URDF has one base.");
       if (base < 0) base = i;
     }
   }
@@ -186,16 +190,17 @@ class UrdfReader {
     const double factor = xml_.number(xml_.attribute(mimic, "multiplier"), 1), offset = xml_.number(xml_.attribute(mimic, "offset"), 0);
     if (it == joint_index_.end()) {
       if (!of.empty())
-        xml_.problem(mimic, ErrorCode::unknown, "the joint " + in_quotes(of) + " that " + in_quotes(joint.name) + " mimics does not exist.",
+        xml_.problem(mimic, ErrorCode::unknown, "The joint " + in_quotes(of) + " that " + in_quotes(joint.name) + " mimics does not exist.",
                      "Name an existing joint.");
       return;
     }
     const LinkSpec& a = draft_.link(joint.child);
     const LinkSpec& b = draft_.link(joints_[it->second].child);
     if (a.joint.nv() != 1 || b.joint.nv() != 1 || a.name == b.name) {
-      xml_.problem(mimic, ErrorCode::structure,
-                   in_quotes(joint.name) + " mimics " + in_quotes(of) + ", but both must be different joints of one freedom.",
-                   "Correct or remove <mimic>.");
+      xml_.problem(
+          mimic, ErrorCode::structure,
+          in_quotes(joint.name) + " mimics " + in_quotes(of) + ", but they are not two different joints with one degree of freedom each.",
+          "Correct or remove <mimic>.");
       return;
     }
     draft_.spec.loops.push_back({.name = "mimic " + joint.name,
@@ -210,8 +215,7 @@ class UrdfReader {
     link.shapes = read_urdf_shapes(xml_, draft_.draft(i).node, options_, assets_);
   }
 
-  /// Ugoki's planar joint lies in the joint frame's x-y plane: where the axis is another than z, a link without mass lies
-  /// between, whose z is the axis.
+  /// Ugoki's planar joint moves in the x-y plane of the joint frame. If the axis is not z, a massless link is inserted whose z is the axis.
   void split_planar_joints() {
     const int count = static_cast<int>(draft_.links.size());
     for (int i = 0; i < count; ++i) {
@@ -232,7 +236,7 @@ class UrdfReader {
     }
   }
 
-  /// @return what is wrong in the loops file
+  /// Applies the loops file. Returns its problems.
   Error read_loops(const SideFile& file) {
     const Result<LoopsYaml> yaml = read_loops_yaml(file);
     if (!yaml) return yaml.error();

@@ -1,5 +1,5 @@
 #pragma once
-// URDF: links and joints of a robot (wiki.ros.org/urdf/XML). What is read, and how, is in docs/formats.md.
+// Reads URDF: links and joints of a robot (wiki.ros.org/urdf/XML). docs/formats.md lists what is read.
 
 #include <string_view>
 
@@ -7,7 +7,8 @@
 
 namespace ugoki::robot_formats {
 
-/// @param file_name stands in the place of every problem; files that the description names are looked for near it
+/// Reads a robot.
+/// @param file_name appears in the location of every problem; files that the description refers to are searched relative to it
 [[nodiscard]] Result<RobotModel> read_urdf(std::string_view text, std::string_view file_name, const RobotOptions& options = {});
 
 }  // namespace ugoki::robot_formats

@@ -3,7 +3,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-/// The attribute, which must be there.
+/// The number [m] in a required attribute.
 double size(XmlFields& xml, pugi::xml_node node, const char* name) {
   (void)xml.required_text(xml.attribute(node, name));
   return xml.number(xml.attribute(node, name), 0, not_negative);
@@ -16,7 +16,7 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
     return primitive_shape(xml, Primitive::box, {.sides = xml.vec3(xml.attribute(node, "size"), {}, not_negative)}, use);
   }
   if (kind == "sphere") return primitive_shape(xml, Primitive::sphere, {.radius = size(xml, node, "radius")}, use);
-  if (kind == "cylinder" || kind == "capsule")  // capsules are not in the specification, but in use
+  if (kind == "cylinder" || kind == "capsule")  // not in the specification of URDF, but widely used
     return primitive_shape(xml, kind == "capsule" ? Primitive::capsule : Primitive::cylinder,
                            {.radius = size(xml, node, "radius"), .length = size(xml, node, "length")}, use);
   const std::string uri = xml.required_text(xml.attribute(node, "filename"));
@@ -24,13 +24,13 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
   return mesh_shape(xml, uri, scale, use, options, assets);
 }
 
-/// One `<collision>` or `<visual>`.
+/// The shape of one `<collision>` or `<visual>`; std::nullopt, with a note, if it has no geometry that can be read.
 std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const RobotOptions& options, Assets& assets) {
   const ShapeUse use{node, std::string_view(node.name()) == "collision", urdf_origin(xml, node)};
   for (const pugi::xml_node geometry : node.child("geometry").children())
     for (const std::string_view known : {"box", "sphere", "cylinder", "capsule", "mesh"})
       if (known == geometry.name()) return read_geometry(xml, geometry, use, options, assets);
-  xml.note(node, "A <" + std::string(node.name()) + "> without box, sphere, cylinder, capsule or mesh is passed over.");
+  xml.note(node, "A <" + std::string(node.name()) + "> without box, sphere, cylinder, capsule or mesh is left out.");
   return std::nullopt;
 }
 

@@ -1,4 +1,4 @@
-// Mechanisms as URDF, with the YAML file that names their loops.
+// Writes mechanisms as URDF, with a YAML file for their loops.
 
 #include <cmath>
 #include <set>
@@ -31,7 +31,7 @@ class UrdfWriter {
     return std::move(out_);
   }
 
-  /// The base as readers have it.
+  /// Whether the link is the world itself, as readers name and fix it.
   static bool is_world(const Link& l) {
     return l.name == "world" && l.parent < 0 && l.joint.type == JointType::fixed && is_identity(l.joint.X_PJ);
   }
@@ -43,15 +43,16 @@ class UrdfWriter {
   }
   static bool is_identity(const Pose& X) { return X.p == Vec3{} && X.R == Mat3::identity(); }
 
-  std::string own_name(std::string name) {
+  std::string unique_name(std::string name) {
     const std::string wanted = name;
     for (int n = 2; !names_.insert(name).second; ++n) name = wanted + "_" + std::to_string(n);
     return name;
   }
 
+  /// A link without inertia and shapes.
   void write_massless(const std::string& name) { xml_.element("link", attribute("name", name)); }
 
-  /// A URDF has one base. A single floating one at the world's origin is the base itself; otherwise a link "world" is.
+  /// A URDF has one base. If the only base is floating at the world's origin, it is this base; otherwise a link "world" is.
   void write_bases() {
     std::vector<const Link*> bases;
     for (const Link& l : m_.links())
@@ -82,8 +83,8 @@ class UrdfWriter {
     for (const Shape& s : l.shapes) {
       if (s.collides) write_shape(l, s, "collision");
       if (s.visible) write_shape(l, s, "visual");
-      if (s.friction != Shape{}.friction) notes_.add("Friction of surfaces has no place in a URDF (%).", l.name);
-      if (s.restitution != 0) notes_.add("Restitution has no place in a URDF (%).", l.name);
+      if (s.friction != Shape{}.friction) notes_.add("URDF cannot store surface friction; that of % is left out.", l.name);
+      if (s.restitution != 0) notes_.add("URDF cannot store restitution; that of % is left out.", l.name);
     }
     xml_.end();
   }
@@ -98,7 +99,7 @@ class UrdfWriter {
       case ShapeType::capsule:
       case ShapeType::cylinder:
         kind = s.type == ShapeType::capsule ? "capsule" : "cylinder";
-        if (kind == "capsule") notes_.add("Capsules (%) are in use, but not in the specification of URDF.", l.name);
+        if (kind == "capsule") notes_.add("Capsules (%) are widely used in URDF, but are not in its specification.", l.name);
         size = attribute("radius", s.radius) + attribute("length", 2 * s.half_length);
         break;
       case ShapeType::box:
@@ -109,8 +110,8 @@ class UrdfWriter {
         kind = "mesh";
         size = attribute("filename", mesh_file(*s.geometry));
         break;
-      case ShapeType::ellipsoid: notes_.add("Ellipsoids (%) have no place in a URDF and are left out.", l.name); return;
-      case ShapeType::height_field: notes_.add("Height fields (%) have no place in a URDF and are left out.", l.name); return;
+      case ShapeType::ellipsoid: notes_.add("URDF cannot store ellipsoids; those of % are left out.", l.name); return;
+      case ShapeType::height_field: notes_.add("URDF cannot store height fields; those of % are left out.", l.name); return;
     }
     xml_.begin(use);
     xml_.element("origin", origin(s.X_BS));
@@ -120,7 +121,7 @@ class UrdfWriter {
     xml_.end();
   }
 
-  /// Name of the file beside that holds the mesh; each mesh once.
+  /// Name of the side file with the mesh, which is written when the mesh is first used.
   std::string mesh_file(const Geometry& mesh) {
     const auto [it, is_new] = meshes_.emplace(&mesh, stem_ + "_mesh" + std::to_string(meshes_.size() + 1) + ".obj");
     if (is_new) {
@@ -133,62 +134,66 @@ class UrdfWriter {
     return it->second;
   }
 
-  /// The joint that carries `l`; joints of several freedoms as a chain with links without mass between.
+  /// Writes the joint that carries `l`. Joints of several DOFs become a chain of joints with massless links between.
   void write_joint(const Link& l, const std::string& parent) {
     const Joint& j = l.joint;
     const std::vector<SimpleJoint> parts = j.type == JointType::planar ? std::vector<SimpleJoint>{} : simple_joints(j);
     if (parts.size() > 1)
-      notes_.add("The " + std::string(name_of(j.type)) + " joint of % became two joints with a link without mass between.", l.name);
+      notes_.add("The " + std::string(name_of(j.type)) + " joint of % became two joints with a massless link between.", l.name);
     if (parts.empty()) {
       const char* type = j.type == JointType::fixed      ? "fixed"
                          : j.type == JointType::floating ? "floating"
                          : j.type == JointType::planar   ? "planar"
                                                          : "spherical";
-      if (j.type == JointType::spherical) notes_.add("Spherical joints (%) are in use, but not in the specification of URDF.", l.name);
-      for (int k = 0; k < j.nv(); ++k) told_freedom(l, j.freedoms[static_cast<std::size_t>(k)], true);
-      one_joint(l.name, type, parent, l.name, j.X_PJ, {0, 0, 1}, j.nv() > 0 ? &j.freedoms[0] : nullptr, {});
+      if (j.type == JointType::spherical)
+        notes_.add("Spherical joints (%) are widely used in URDF, but are not in its specification.", l.name);
+      for (int k = 0; k < j.nv(); ++k) note_lost_properties(l, j.dofs[static_cast<std::size_t>(k)], true);
+      one_joint(l.name, type, parent, l.name, j.X_PJ, {0, 0, 1}, j.nv() > 0 ? &j.dofs[0] : nullptr, {});
       return;
     }
     std::string above = parent;
     Pose X = j.X_PJ;
     for (std::size_t k = 0; k < parts.size(); ++k) {
       const bool last = k + 1 == parts.size();
-      const Freedom& f = j.freedoms[static_cast<std::size_t>(parts[k].freedom)];
+      const Dof& f = j.dofs[static_cast<std::size_t>(parts[k].dof)];
       const bool follows = j.type == JointType::helical && k == 1;
-      told_freedom(l, f, false);
-      const std::string below = last ? l.name : own_name(l.name + "_" + std::to_string(k + 1));
+      note_lost_properties(l, f, false);
+      const std::string below = last ? l.name : unique_name(l.name + "_" + std::to_string(k + 1));
       if (!last) write_massless(below);
-      const Freedom none;
+      const Dof none;
       const bool limited = std::isfinite(f.lower) || std::isfinite(f.upper);
       const char* type = parts[k].slides ? "prismatic" : limited && !follows ? "revolute" : "continuous";
       one_joint(last ? l.name : below, type, above, below, X, parts[k].axis, follows ? &none : &f,
                 follows ? attribute("joint", joint_name(above)) + attribute("multiplier", j.pitch)
-                        : mimic_of(l.name, static_cast<int>(parts[k].freedom)));
+                        : mimic_of(l.name, static_cast<int>(parts[k].dof)));
       above = below;
       X = {};
     }
   }
 
-  void told_freedom(const Link& l, const Freedom& f, bool no_limits) {
-    if (f.stiffness != 0 || f.rest != 0) notes_.add("Springs of joints have no place in a URDF (%).", l.name);
-    if (f.armature != 0) notes_.add("Inertia of rotors (armature) has no place in a URDF (%).", l.name);
+  /// Notes the properties of a DOF that URDF cannot store.
+  /// @param no_limits the joint has several DOFs, for which URDF has neither limits nor individual properties
+  void note_lost_properties(const Link& l, const Dof& f, bool no_limits) {
+    if (f.stiffness != 0 || f.rest != 0) notes_.add("URDF cannot store joint springs; those of % are left out.", l.name);
+    if (f.armature != 0) notes_.add("URDF cannot store rotor inertia (armature); that of % is left out.", l.name);
     if (no_limits && (std::isfinite(f.lower) || std::isfinite(f.upper)))
-      notes_.add("Limits of joints with several freedoms have no place in a URDF (%).", l.name);
-    if (no_limits && f != l.joint.freedoms[0])
-      notes_.add("The freedoms of % have damping, friction or effort of their own; those of the first are written.", l.name);
+      notes_.add("URDF cannot store limits of joints with several degrees of freedom; those of % are left out.", l.name);
+    if (no_limits && f != l.joint.dofs[0])
+      notes_.add("The degrees of freedom of % have different damping, friction or effort limits; the values of the first one are written.",
+                 l.name);
   }
 
   [[nodiscard]] static std::string joint_name(const std::string& child) { return child + "_joint"; }
 
-  /// A gear whose first freedom is this one, as mimic; empty: none.
-  [[nodiscard]] std::string mimic_of(const std::string& link, int freedom) const {
+  /// Attributes of <mimic> for the gear whose follower is this DOF; empty if there is none.
+  [[nodiscard]] std::string mimic_of(const std::string& link, int dof) const {
     for (const LoopSpec& loop : m_.spec().loops)
-      if (loop.type == LoopType::gear && loop.link_a == link && loop.freedom_a == freedom && is_mimic(loop))
+      if (loop.type == LoopType::gear && loop.link_a == link && loop.dof_a == dof && is_mimic(loop))
         return attribute("joint", joint_name(loop.link_b)) + attribute("multiplier", loop.polynomial[1]) +
                attribute("offset", loop.polynomial[0]);
     return {};
   }
-  /// Linear, between joints of one freedom; only the first of a joint.
+  /// Whether a gear can be written as <mimic>: linear, closed, between joints of one DOF, and the first gear of its follower.
   [[nodiscard]] bool is_mimic(const LoopSpec& loop) const {
     const auto simple = [&](const std::string& name) {
       const JointType type = m_.link(m_.find_link(name)).joint.type;
@@ -202,7 +207,7 @@ class UrdfWriter {
   }
 
   void one_joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child, const Pose& X,
-                 const Vec3& axis, const Freedom* f, const std::string& mimic) {
+                 const Vec3& axis, const Dof* f, const std::string& mimic) {
     xml_.begin("joint", attribute("name", joint_name(name)) + attribute("type", type));
     xml_.element("origin", origin(X));
     xml_.element("parent", attribute("link", parent));
@@ -219,11 +224,9 @@ class UrdfWriter {
     xml_.end();
   }
 
-  // --- loops
-
-  /// A link without mass at X in `link`, with z along `axis` there (and y along `axis2`, where that is given).
+  /// Adds a massless link at X in `link` whose z is along `axis`. If `axis2` is given, its y is along `axis2` instead. Returns its name.
   std::string frame_at(const std::string& wanted, const std::string& link, const Pose& X, const Vec3& axis, const Vec3* axis2) {
-    const std::string name = own_name(wanted);
+    const std::string name = unique_name(wanted);
     Mat3 R = to_matrix(rotation_between({0, 0, 1}, axis));
     if (axis2) R = to_matrix(rotation_between({0, 1, 0}, *axis2));
     write_massless(name);
@@ -242,21 +245,22 @@ class UrdfWriter {
     for (const LoopSpec& loop : all_loops(m_)) {
       if (loop.type == LoopType::gear) {
         if (!is_mimic(loop))
-          notes_.add("Gears that are not linear, not the first of their joint, open, or of joints with several freedoms are left out (%).",
-                     loop.name);
+          notes_.add(
+              "URDF can only store linear, closed gears between joints with one degree of freedom, one for each joint; % is left out.",
+              loop.name);
         continue;
       }
       if (loop.type == LoopType::distance) {
-        notes_.add("Distances (%) have no place in the loops file and are left out.", loop.name);
+        notes_.add("The loops file cannot store distance loops; % is left out.", loop.name);
         continue;
       }
       if (!loop.closed) {
-        notes_.add("Loops that are open at the start (%) are left out: the loops file knows closed ones only.", loop.name);
+        notes_.add("The loops file cannot store loops that are open at the start; % is left out.", loop.name);
         continue;
       }
       if (loop.link_a.empty() || loop.link_b.empty()) {
         if (!names_.contains("world")) {
-          notes_.add("Loops to the world (%) are left out: the base is no link called world.", loop.name);
+          notes_.add("The loop % to the world is left out, because the base is not a link named world.", loop.name);
           continue;
         }
       }
@@ -284,7 +288,7 @@ class UrdfWriter {
 RobotText write_urdf(const Mechanism& mechanism, std::string_view stem) {
   const int at = mechanism.find_link("world");
   if (at < 0 || UrdfWriter::is_world(mechanism.link(at))) return UrdfWriter(mechanism, stem).write();
-  // "world" is the base to readers: a link of that name that is none gets another one.
+  // Readers take a link named "world" as the base, so another link of this name is renamed.
   MechanismSpec spec = mechanism.spec();
   std::string name = "world link";
   while (mechanism.find_link(name) >= 0) name += "_";
@@ -303,7 +307,7 @@ RobotText write_urdf(const Mechanism& mechanism, std::string_view stem) {
   const Result<MechanismPtr> renamed = Mechanism::make(std::move(spec));
   if (!renamed) return {.text = {}, .files = {}, .notes = {renamed.error().text()}};
   RobotText out = UrdfWriter(**renamed, stem).write();
-  out.notes.push_back("The link world is called '" + name + "': 'world' means the base.");
+  out.notes.push_back("The link 'world' is renamed to '" + name + "', because URDF readers take 'world' as the base.");
   return out;
 }
 

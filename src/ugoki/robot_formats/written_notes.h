@@ -1,5 +1,5 @@
 #pragma once
-// What a writer could not write, by kind; internal to robot_formats.
+// Helpers of the writers: notes about what a format cannot store, and joints split into simple joints. Internal to robot_formats.
 
 #include <map>
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace ugoki::robot_formats {
 
-/// Names that share one sentence.
+/// Collects notes. Notes with the same sentence become one, which lists all names.
 class WrittenNotes {
  public:
-  /// @param sentence with "%" where the names go
+  /// @param sentence in which "%" is replaced by the names
   void add(const std::string& sentence, const std::string& name) {
     std::vector<std::string>& names = names_[sentence];
     if (names.empty() || names.back() != name) names.push_back(name);
@@ -32,20 +32,20 @@ class WrittenNotes {
   std::map<std::string, std::vector<std::string>> names_;
 };
 
-/// A joint of one freedom about (along) an axis; what joints of several freedoms are made of.
+/// A joint of one DOF that rotates about, or slides along, an axis. Joints of several DOFs are written as chains of simple joints.
 struct SimpleJoint {
   bool slides = false;
-  Vec3 axis;
-  int freedom = 0;  ///< of the joint
+  Vec3 axis;    ///< unit, in the joint frame
+  int dof = 0;  ///< index of the DOF in the original joint
 };
-/// Cylindrical, helical (two, of which the second follows the first), planar and universal joints, outermost first; revolute and prismatic
-/// ones themselves; nothing for others.
+/// The simple joints of a revolute, prismatic, cylindrical, planar, universal or helical joint, outermost first; empty for other types. A
+/// helical joint gives two, both for DOF 0: the translation follows the rotation.
 [[nodiscard]] std::vector<SimpleJoint> simple_joints(const Joint& joint);
 
-/// All loops, those of the virtual links included, as people write them.
+/// All loops of the mechanism; virtual links (see the paper) become weld loops with their real links.
 [[nodiscard]] std::vector<LoopSpec> all_loops(const Mechanism& mechanism);
 
-/// Limits from here on are none to the readers.
+/// Position limits of this magnitude (m, rad) or greater are written as this value, which the readers take as "no limit".
 inline constexpr double no_limit = 1e10;
 
 }  // namespace ugoki::robot_formats

@@ -11,7 +11,7 @@ namespace ugoki::robot_formats {
 namespace {
 
 constexpr std::string_view blanks = " \t\r\n";
-constexpr std::size_t lines_in_a_note = 4;
+constexpr std::size_t lines_in_a_note = 4;  // line numbers shown in a note
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(blanks);
@@ -19,7 +19,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
 }
 
-/// The next token of `rest`, which loses it; empty at the end.
+/// Removes and returns the first token of `rest`; empty at the end.
 std::string_view next_token(std::string_view& rest) {
   rest = trimmed(rest);
   const std::string_view token = rest.substr(0, rest.find_first_of(blanks));
@@ -31,7 +31,7 @@ std::string remedy_of(pugi::xml_parse_status status) {
   switch (status) {
     case pugi::status_end_element_mismatch: return "Close every element in the order in which they were opened.";
     case pugi::status_bad_attribute: return "Write attributes as name=\"value\".";
-    default: return "Check that the file is whole and is XML.";
+    default: return "Check that the file is complete and is XML.";
   }
 }
 
@@ -41,7 +41,7 @@ XmlFields::XmlFields(std::string_view file_name, std::string_view format) : file
 
 bool XmlFields::parse(std::string_view text) {
   if (text.size() > max_text) {
-    problem(1, ErrorCode::range, "the file has more than " + std::to_string(max_text >> 20) + " MB of text.", "Give a smaller file.");
+    problem(1, ErrorCode::range, "The file has more than " + std::to_string(max_text >> 20) + " MB of text.", "Give a smaller file.");
     return false;
   }
   const std::optional<std::string_view> plain = formats::plain_text(text, format_, problems_);
@@ -55,23 +55,24 @@ bool XmlFields::parse(std::string_view text) {
   const pugi::xml_parse_result result = document_.load_buffer_inplace(buffer_.data(), buffer_.size(), flags, pugi::encoding_utf8);
   if (!result) {
     if (result.status == pugi::status_no_document_element)
-      problem(1, ErrorCode::syntax, "the file holds no element.", "Check that it is " + format_ + " and whole.");
+      problem(1, ErrorCode::syntax, "The file has no XML element.", "Check that the file is " + format_ + " and is complete.");
     else
       problem(line_at(buffer_.data() + std::min(static_cast<std::size_t>(result.offset), buffer_.size())), ErrorCode::syntax,
-              "the text is no XML here (" + std::string(result.description()) + ").", remedy_of(result.status));
+              "The text is not valid XML (" + std::string(result.description()) + ").", remedy_of(result.status));
     return false;
   }
   return check_tree();
 }
 
-/// What pugixml lets pass: several outermost elements, own entities, double attributes, any depth.
+/// Reports XML that pugixml accepts but this module refuses: several outermost elements, user-defined entities, duplicate attributes, deep
+/// nesting.
 bool XmlFields::check_tree() {
   int outermost = 0;
   for (const pugi::xml_node node : document_.children()) {
     if (node.type() == pugi::node_doctype && std::string_view(node.value()).find("<!ENTITY") != std::string_view::npos)
-      problem(1, ErrorCode::unsupported, "the file defines entities of its own.", "Write their text where they are used.");
+      problem(1, ErrorCode::unsupported, "The file defines its own XML entities.", "Replace each entity by its text.");
     if (node.type() == pugi::node_element && ++outermost == 2)
-      problem(node, ErrorCode::syntax, "a second outermost element begins.", "Put everything into one.");
+      problem(node, ErrorCode::syntax, "There is a second outermost element.", "Put all elements into one.");
   }
   std::array<std::string_view, max_attributes> names;
   int level = 1;
@@ -79,19 +80,20 @@ bool XmlFields::check_tree() {
     std::size_t count = 0;
     for (const pugi::xml_attribute a : node.attributes()) {
       if (count == names.size()) {
-        problem(node, ErrorCode::range, "an element has more than " + std::to_string(max_attributes) + " attributes.", "Remove some.");
+        problem(node, ErrorCode::range, "An element has more than " + std::to_string(max_attributes) + " attributes.",
+                "Remove some of them.");
         return false;
       }
       const std::string_view name = a.name();
       if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count), name) !=
           names.begin() + static_cast<std::ptrdiff_t>(count))
-        problem(line(a), ErrorCode::duplicate, "the attribute " + formats::in_quotes(name) + " stands twice in one element.",
+        problem(line(a), ErrorCode::duplicate, "The attribute " + formats::in_quotes(name) + " appears twice in one element.",
                 "Remove one of them.");
       names[count++] = name;
     }
     if (node.first_child()) {
       if (++level > max_levels) {
-        problem(node, ErrorCode::range, "elements are nested deeper than " + std::to_string(max_levels) + " levels.", "Nest fewer.");
+        problem(node, ErrorCode::range, "Elements are nested deeper than " + std::to_string(max_levels) + " levels.", "Use fewer levels.");
         return false;
       }
       node = node.first_child();
@@ -109,7 +111,7 @@ bool XmlFields::check_tree() {
 
 int XmlFields::line_at(const char* in_buffer) const {
   const auto at = reinterpret_cast<std::uintptr_t>(in_buffer), begin = reinterpret_cast<std::uintptr_t>(buffer_.data());
-  if (at < begin || at > begin + buffer_.size()) return 1;  // an empty name lies outside
+  if (at < begin || at > begin + buffer_.size()) return 1;  // an empty name does not point into the buffer
   const auto after = std::upper_bound(line_starts_.begin(), line_starts_.end(), static_cast<std::size_t>(at - begin));
   return static_cast<int>(after - line_starts_.begin());
 }
@@ -117,7 +119,7 @@ int XmlFields::line_at(const char* in_buffer) const {
 int XmlFields::line(pugi::xml_node node) const { return line_at(node.type() == pugi::node_element ? node.name() : node.value()); }
 int XmlFields::line(pugi::xml_attribute attribute) const { return line_at(attribute.name()); }
 
-std::string XmlFields::place(pugi::xml_node node) const { return file_ + ":" + std::to_string(line(node)); }
+std::string XmlFields::location(pugi::xml_node node) const { return file_ + ":" + std::to_string(line(node)); }
 
 std::string XmlFields::title(pugi::xml_node node) const {
   std::string out = "<" + std::string(std::string_view(node.name()).substr(0, 40)) + ">";
@@ -133,7 +135,7 @@ void XmlFields::problem(pugi::xml_node node, ErrorCode code, std::string message
 }
 
 void XmlFields::problem(const XmlField& field, ErrorCode code, const std::string& message, std::string remedy) {
-  problem(line(field), code, what(field) + message, std::move(remedy));
+  problem(line(field), code, describe(field) + message, std::move(remedy));
 }
 
 void XmlFields::note(pugi::xml_node node, std::string sentence) {
@@ -184,7 +186,7 @@ int XmlFields::line(const XmlField& field) const {
   return line(child ? child : field.node);
 }
 
-std::string XmlFields::what(const XmlField& field) const {
+std::string XmlFields::describe(const XmlField& field) const {
   if (!*field.name) return title(field.node);
   const bool is_attribute = field.attribute || !field.node.child(field.name);
   return (is_attribute ? "'" + std::string(field.name) + "'" : "<" + std::string(field.name) + ">") + " of " + title(field.node);
@@ -193,7 +195,7 @@ std::string XmlFields::what(const XmlField& field) const {
 std::string XmlFields::text(const XmlField& field) const { return formats::utf8(field.text); }
 
 std::string XmlFields::required_text(const XmlField& field) {
-  if (field.text.empty()) problem(field, ErrorCode::syntax, field.present ? " is empty." : " is missing.", "Add it.");
+  if (field.text.empty()) problem(field, ErrorCode::syntax, field.present ? " is empty." : " is missing.", "Add a value.");
   return text(field);
 }
 
@@ -233,8 +235,8 @@ int XmlFields::integer(const XmlField& field, int fallback, int low, int high) {
   const std::optional<long> value = parse_long(field.text);
   if (value && *value >= low && *value <= high) return static_cast<int>(*value);
   problem(field, value ? ErrorCode::range : ErrorCode::syntax,
-          ": " + formats::in_quotes(field.text) + (value ? " is out of range." : " is not a whole number."),
-          "Give a whole number between " + std::to_string(low) + " and " + std::to_string(high) + ".");
+          ": " + formats::in_quotes(field.text) + (value ? " is out of range." : " is not an integer."),
+          "Give an integer between " + std::to_string(low) + " and " + std::to_string(high) + ".");
   return fallback;
 }
 
@@ -246,21 +248,21 @@ bool XmlFields::flag(const XmlField& field, bool fallback) {
   return fallback;
 }
 
-std::vector<double> XmlFields::list(const XmlField& field, std::size_t least, std::size_t most, Bounds bounds) {
+std::vector<double> XmlFields::list(const XmlField& field, std::size_t minimum, std::size_t maximum, Bounds bounds) {
   std::vector<double> out;
   if (!field.present) return out;
   std::string_view rest = field.text;
   std::size_t count = 0;
-  for (std::string_view token = next_token(rest); !token.empty() && count <= most; token = next_token(rest), ++count) {
-    if (count == most) continue;
+  for (std::string_view token = next_token(rest); !token.empty() && count <= maximum; token = next_token(rest), ++count) {
+    if (count == maximum) continue;
     const std::optional<double> value = one_number(field, token, bounds);
     if (!value) return {};
     out.push_back(*value);
   }
-  if (count >= least && count <= most) return out;
-  const std::string wanted = least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
-  problem(field, ErrorCode::syntax, std::string(count > most ? " has more than " : " has fewer than ") + wanted + " numbers.",
-          "Give " + wanted + " numbers, separated by blanks.");
+  if (count >= minimum && count <= maximum) return out;
+  const std::string wanted = minimum == maximum ? std::to_string(minimum) : std::to_string(minimum) + " to " + std::to_string(maximum);
+  problem(field, ErrorCode::syntax, std::string(count > maximum ? " has more than " : " has fewer than ") + wanted + " numbers.",
+          "Give " + wanted + " numbers, separated by spaces.");
   return {};
 }
 
@@ -280,7 +282,7 @@ Vec3 XmlFields::direction(const XmlField& field, const Vec3& fallback) {
   const Vec3 v = vec3(field, fallback);
   const double length = norm(v);
   if (length >= 1e-9) return v / length;
-  problem(field, ErrorCode::structure, " has no direction.", "Give a vector that is not zero.");
+  problem(field, ErrorCode::structure, " has zero length.", "Give a vector that is not zero.");
   return fallback;
 }
 

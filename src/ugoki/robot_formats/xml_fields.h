@@ -1,9 +1,9 @@
 #pragma once
-// Reading of XML elements and attributes with the line that each stands on; internal to robot_formats.
+// Reads XML elements and attributes, and reports problems with line numbers. Internal to robot_formats.
 //
-// Hostile input: no entities of its own, no other files, at most `max_text` bytes, `max_levels` levels and
-// `max_attributes` attributes an element; a name twice in one element is refused. Numbers are finite. All problems
-// go into one bounded list; a field that is wrong keeps its default, so that reading goes on and finds more.
+// Safe for hostile input: no user-defined entities, no external files, at most `max_text` bytes, `max_levels` levels and `max_attributes`
+// attributes in an element. Duplicate attributes are refused. Numbers must be finite. All problems are collected in one bounded list; an
+// invalid field gives its default value, so that reading continues and finds more problems.
 
 #include <cstddef>
 #include <initializer_list>
@@ -22,86 +22,88 @@
 
 namespace ugoki::robot_formats {
 
-inline constexpr std::size_t max_text = std::size_t{1} << 28;
+inline constexpr std::size_t max_text = std::size_t{1} << 28;  // bytes, 256 MB
 inline constexpr int max_levels = 2'000;
 inline constexpr int max_attributes = 200;
 
-/// The text of an attribute or of an element. Where it stands and what it is called is worked out only for a problem.
+/// The text of an attribute or element. Line and name are only computed when a problem is reported.
 struct XmlField {
-  std::string_view text = {};  ///< without blanks at its ends
+  std::string_view text = {};  ///< without leading and trailing white space
   bool present = false;
-  pugi::xml_node node = {};            ///< the element that has it
-  pugi::xml_attribute attribute = {};  ///< where it is one
-  const char* name = "";               ///< of the attribute or of the element inside `node`; empty: the node's own text
+  pugi::xml_node node = {};            ///< the element that has the attribute or contains the child element
+  pugi::xml_attribute attribute = {};  ///< empty if the field is an element
+  const char* name = "";               ///< name of the attribute or child element; empty: the text of `node` itself
 };
 
-/// Bounds of a number, both allowed.
+/// Range of a number; both bounds are allowed.
 struct Bounds {
   double low = -formats::max_magnitude, high = formats::max_magnitude;
 };
 inline constexpr Bounds not_negative{0, formats::max_magnitude};
 
+/// An XML file, its problems and its notes. Not copyable, because names and texts are views into the parsed buffer.
 class XmlFields {
  public:
-  /// @param format for messages: "URDF"
+  /// @param format name of the format in messages: "URDF"
   XmlFields(std::string_view file_name, std::string_view format);
 
-  /// Takes a copy of the text. False: the problems tell why. Once an object.
+  /// Copies and parses the text. False if it is refused; see take_problems(). May be called once.
   [[nodiscard]] bool parse(std::string_view text);
-  /// The one outermost element.
+  /// The outermost element.
   [[nodiscard]] pugi::xml_node root() const { return document_.document_element(); }
 
   [[nodiscard]] int line(pugi::xml_node node) const;
   [[nodiscard]] int line(pugi::xml_attribute attribute) const;
   [[nodiscard]] int line(const XmlField& field) const;
   /// "arm.urdf:17"
-  [[nodiscard]] std::string place(pugi::xml_node node) const;
-  /// "<joint> 'left_knee'": its element and, if it has one, its name.
+  [[nodiscard]] std::string location(pugi::xml_node node) const;
+  /// Element and name, for messages: "<joint> 'left_knee'", or "<joint>" if it has no name.
   [[nodiscard]] std::string title(pugi::xml_node node) const;
 
-  /// "'mass' of <inertial>": for messages.
-  [[nodiscard]] std::string what(const XmlField& field) const;
+  /// Description of a field, for messages: "'mass' of <inertial>".
+  [[nodiscard]] std::string describe(const XmlField& field) const;
 
   void problem(int line, ErrorCode code, std::string message, std::string remedy);
   void problem(pugi::xml_node node, ErrorCode code, std::string message, std::string remedy);
-  /// The message begins with what the field is: "'mass' of <inertial>" + message.
+  /// The message is describe(field) + `message`, so `message` begins with a blank or colon.
   void problem(const XmlField& field, ErrorCode code, const std::string& message, std::string remedy);
-  /// So many problems that looking for more is of no use.
+  /// The list of problems is full, so further reading is useless.
   [[nodiscard]] bool full() const { return problems_.full(); }
   [[nodiscard]] bool failed() const { return !problems_.empty(); }
   [[nodiscard]] Error take_problems() { return problems_.take(); }
 
-  /// A sentence for people. Equal sentences become one, with the lines on which they hold.
+  /// Adds a sentence for the user. Equal sentences become one note with all line numbers.
   void note(pugi::xml_node node, std::string sentence);
   void note(std::string sentence);
-  /// "sentence (a.urdf:12, 40, 66 and 9 more)", in the order in which each was first made.
+  /// The notes in the order of their first occurrence: "sentence (a.urdf:12, 40, 66 and 9 more)".
   [[nodiscard]] std::vector<std::string> take_notes();
-  /// Notes the children whose element is none of `known`, once for each element name.
+  /// Adds a note for each kind of child element that is not in `known`.
   void note_unread(pugi::xml_node node, std::initializer_list<std::string_view> known);
 
   [[nodiscard]] XmlField attribute(pugi::xml_node node, const char* name) const;
-  /// The text inside the first child element `name`.
+  /// The text of the first child element called `name`.
   [[nodiscard]] XmlField element(pugi::xml_node node, const char* name) const;
-  /// The text inside the node itself.
+  /// The text of the node itself.
   [[nodiscard]] XmlField content(pugi::xml_node node) const;
 
-  /// Valid UTF-8; empty where the field is absent.
+  /// The text as valid UTF-8; empty if the field is absent.
   [[nodiscard]] std::string text(const XmlField& field) const;
-  /// The same, and a problem where it is absent or empty.
+  /// As text(), with a problem if the field is absent or empty.
   [[nodiscard]] std::string required_text(const XmlField& field);
-  /// `fallback` where the field is absent; a problem (and `fallback`) where it is no number within the bounds.
+  /// The number; `fallback` if the field is absent or, with a problem, is not a number within the bounds.
   [[nodiscard]] double number(const XmlField& field, double fallback, Bounds bounds = {});
-  /// A limit: any finite number or inf; from +-1e9 on it is none, that is +-infinity.
+  /// A joint limit: any finite number, inf or -inf; magnitudes of 1e9 or more become +-infinity. `fallback` as for number().
   [[nodiscard]] double limit(const XmlField& field, double fallback);
+  /// A whole number from low to high; `fallback` as for number().
   [[nodiscard]] int integer(const XmlField& field, int fallback, int low, int high);
-  /// true, false, 1, 0.
+  /// One of true, false, 1, 0; `fallback` as for number().
   [[nodiscard]] bool flag(const XmlField& field, bool fallback);
-  /// Exactly out.size() numbers. False (out unchanged) where the field is absent or, with a problem, wrong.
+  /// Reads exactly out.size() numbers. False, with `out` unchanged, if the field is absent or, with a problem, invalid.
   bool numbers(const XmlField& field, std::span<double> out, Bounds bounds = {});
-  /// At most `most` numbers; empty where absent or, with a problem, wrong.
-  [[nodiscard]] std::vector<double> list(const XmlField& field, std::size_t least, std::size_t most, Bounds bounds = {});
+  /// Reads from `minimum` to `maximum` numbers. Empty if the field is absent or, with a problem, invalid.
+  [[nodiscard]] std::vector<double> list(const XmlField& field, std::size_t minimum, std::size_t maximum, Bounds bounds = {});
   [[nodiscard]] Vec3 vec3(const XmlField& field, const Vec3& fallback, Bounds bounds = {});
-  /// Made unit; a problem where it has no direction.
+  /// A vector scaled to unit length; `fallback`, with a problem, if its length is below 1e-9.
   [[nodiscard]] Vec3 direction(const XmlField& field, const Vec3& fallback);
 
  private:
@@ -111,12 +113,12 @@ class XmlFields {
 
   struct Note {
     std::string sentence;
-    std::vector<int> lines;  ///< the first few
-    std::size_t count = 0;
+    std::vector<int> lines;  ///< lines of the first few occurrences
+    std::size_t count = 0;   ///< number of occurrences
   };
   std::string file_, format_;
-  std::string buffer_;                    ///< parsed in place: every name and text points into it
-  std::vector<std::size_t> line_starts_;  ///< offsets in the text as it was
+  std::string buffer_;                    ///< parsed in place; all names and texts are views into it
+  std::vector<std::size_t> line_starts_;  ///< offsets of the lines in the original text
   pugi::xml_document document_;
   formats::Problems problems_;
   std::vector<Note> notes_;

@@ -1,5 +1,5 @@
 #pragma once
-// XML as text; internal to robot_formats.
+// Writes XML as text. Internal to robot_formats.
 
 #include <string>
 #include <string_view>
@@ -9,13 +9,13 @@
 
 namespace ugoki::robot_formats {
 
-/// An XML text that grows element by element.
+/// An XML document that is written element by element.
 class XmlText {
  public:
-  /// <name a="..." ...> ; attributes as text with a leading blank (see attribute()). Closed by end().
+  /// Opens an element: <name a="..." ...>. The attributes are text that begins with a space; see attribute(). Close it by end().
   void begin(std::string_view name, const std::string& attributes = {});
   void end();
-  /// <name .../>
+  /// Writes an element without content: <name .../>
   void element(std::string_view name, const std::string& attributes = {});
   [[nodiscard]] std::string take() { return std::move(text_); }
 
@@ -25,13 +25,13 @@ class XmlText {
   std::vector<std::string> open_;
 };
 
-/// ` name="value"`, escaped.
+/// An attribute with a leading space: ` name="value"`. The value is escaped; numbers are written so that they read back with the same bits.
 [[nodiscard]] std::string attribute(std::string_view name, std::string_view value);
 [[nodiscard]] std::string attribute(std::string_view name, double value);
 [[nodiscard]] std::string attribute(std::string_view name, const Vec3& value);
 [[nodiscard]] std::string attribute(std::string_view name, const Quat& value);
 
-/// The shortest texts that give back the same bits, separated by blanks.
+/// The components as the shortest texts that read back with the same bits, separated by spaces.
 [[nodiscard]] std::string numbers(const Vec3& v);
 
 }  // namespace ugoki::robot_formats

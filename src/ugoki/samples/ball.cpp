@@ -9,7 +9,7 @@ MechanismPtr make_ball() {
   link.name = "Ball";
   link.label = "ball";
   link.joint.type = JointType::floating;
-  for (std::size_t k = 0; k < 3; ++k) link.joint.freedoms[k].damping = 0.0015;  // N m s/rad: grass slows it down
+  for (std::size_t k = 0; k < 3; ++k) link.joint.dofs[k].damping = 0.0015;  // N m s/rad: rolling resistance of grass
   Shape shape = Shape::sphere(radius);
   shape.friction = 0.7;
   shape.restitution = 0.7;

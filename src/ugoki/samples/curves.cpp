@@ -26,8 +26,8 @@ double fraction(double x) { return x - std::floor(x); }
 
 LimbPosture reach(const Vec3& root, const Vec3& end, double upper, double lower, const Vec3& side, int bend) {
   const Vec3 line = end - root;
-  const double whole = norm(line);
-  const double d = std::clamp(whole, std::fabs(upper - lower) * 1.001, (upper + lower) * 0.99999);
+  const double distance = norm(line);
+  const double d = std::clamp(distance, std::fabs(upper - lower) * 1.001, (upper + lower) * 0.99999);
   const Vec3 down = normalized(line, {0, 0, -1});
   const Vec3 y = normalized(side - down * dot(side, down));
   const Mat3 R = Mat3::columns(cross(y, -down), y, -down);
@@ -36,7 +36,7 @@ LimbPosture reach(const Vec3& root, const Vec3& end, double upper, double lower,
   LimbPosture out;
   out.R_upper = R * rotation_about({0, 1, 0}, -bend * tilt);
   out.flexion = bend * (pi - inner);
-  out.reach = whole / (upper + lower);
+  out.reach = distance / (upper + lower);
   return out;
 }
 

@@ -1,6 +1,6 @@
-// A shepherd dog: skeleton, masses and shapes. Dimensions follow the breed standard (FCI 166: 60 to 65 cm at the withers, body
-// longer than high by a tenth, chest almost half of the height deep). Masses are those of its shapes at even density, except
-// for head and feet, whose shares are given; together 32 kg. docs/design/samples.md compares them with published canine data.
+// A shepherd dog: skeleton, masses and shapes. Dimensions follow the breed standard (FCI 166: 60 to 65 cm at the withers, body a tenth
+// longer than high, depth of the chest almost half the height). Masses follow from the shapes at uniform density, except for the head
+// and feet, which have given shares of the total of 32 kg. docs/design/samples.md compares them with published canine data.
 
 #include <algorithm>
 #include <string_view>
@@ -14,8 +14,9 @@ namespace {
 
 constexpr double dog_mass = 32;
 
-/// Shares of the body's mass that are not left to the shapes. Fore foot: 0.72 % (Jones, Raschke, Riches 2018, PLoS ONE 13,
-/// German shepherds), here carpus and paw; hind foot alike with its longer metatarsus; the head with its bone.
+/// Given shares of the body mass, for links whose density differs from the mean. Fore foot (carpus and paw): 0.72 % (Jones, Raschke,
+/// Riches 2018, PLoS ONE 13, German shepherds). Hind foot: the same paw, and more for the longer metatarsus. Head: more because of its
+/// bone.
 constexpr struct {
   const char* label;
   double share;
@@ -27,18 +28,19 @@ double share_of(std::string_view label) {
   return 0;
 }
 
-/// One link of the standing dog, in world coordinates of the standing position.
+/// One link of the dog. Positions are in the world, in the standing position.
 struct Part {
   const char* name;
   const char* parent;
   const char* label;
   JointType joint;
-  Vec3 at;                    ///< m, joint
-  std::vector<Shape> shapes;  ///< relative to the joint
+  Vec3 at;                    ///< m, position of the joint
+  std::vector<Shape> shapes;  ///< in the link's frame
   double damping, stiffness, effort;
-  Vec3 lower, upper;  ///< degrees
+  Vec3 lower, upper;  ///< degrees, joint limits
 };
 
+/// Makes a shape visible only, without collision.
 Shape seen(Shape s) {
   s.collides = false;
   return s;
@@ -122,7 +124,7 @@ std::vector<Part> make_parts() {
                50,
                {-35, -50, -50},
                {35, 50, 50}});
-  // The tail hangs in a slight sabre curve.
+  // The tail hangs down in a slight curve, as the breed standard describes ("sabre").
   Vec3 at = root + Vec3{-0.125, 0, -0.012}, step{-0.062, 0, -0.058};
   const char* tail[] = {"Tail", "Tail1", "Tail2", "Tail3"};
   for (int i = 0; i < 4; ++i) {
@@ -250,7 +252,7 @@ std::vector<Part> make_parts() {
                  {-110, 0, 0},
                  {80, 0, 0}});
     for (std::size_t i : {p.size() - 5, p.size() - 1}) {
-      // The pads: two toes and the ball, all on the ground.
+      // The paw: two colliding toe capsules with their undersides on the ground; two more capsules for display.
       const double z = -p[i].at.z, r = 0.017, b = 0.019;
       p[i].shapes = {bar(r, {0.004, 0.014 * s, z + r}, {0.044, 0.015 * s, z + r}),
                      bar(r, {0.004, -0.014 * s, z + r}, {0.044, -0.015 * s, z + r}), seen(bar(b, {0, 0, 0}, {0.026, 0, z + b + 0.003})),
@@ -278,7 +280,7 @@ MechanismPtr make_dog() {
     const auto parent = std::find_if(parts.begin(), parts.end(), [&](const Part& q) { return l.parent == q.name; });
     l.joint.X_PJ.p = parent == parts.end() ? part.at : part.at - parent->at;
     for (int k = 0; k < l.joint.nv() && part.joint != JointType::floating; ++k) {
-      Freedom& f = l.joint.freedoms[static_cast<std::size_t>(k)];
+      Dof& f = l.joint.dofs[static_cast<std::size_t>(k)];
       f.damping = part.damping;
       f.stiffness = part.stiffness;
       f.effort = part.effort;

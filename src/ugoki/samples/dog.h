@@ -1,11 +1,13 @@
 #pragma once
-// Places of the dog's joints while it stands, shared by its mechanism and its motions. Metres; x forward, z up, paws on z = 0.
+// Positions of the dog's joints in the standing position, shared by its mechanism and its motions. Metres; x forward, y left, z up,
+// paws on z = 0.
 
 #include "ugoki/spatial/spatial.h"
 
 namespace ugoki::samples {
 
-/// A leg: hip, stifle, hock, knuckle; or shoulder, elbow, carpus, knuckle. y is half the track (left side).
+/// Joint positions of a left leg: hip, stifle, hock, knuckle (hind leg) or shoulder, elbow, carpus, knuckle (fore leg). y is half the
+/// track width.
 struct DogLimb {
   Vec3 root, middle, end, knuckle;
 };

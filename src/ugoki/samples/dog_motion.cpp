@@ -1,6 +1,6 @@
-// The dog's trot and stand. The trot is the two-beat gait: diagonal legs together, feet locked to the ground by inverse
-// kinematics. Timing as Maes et al. (2008, J. exp. Biol. 211, 138-149) report for slow trots of dogs of this size: some 1.7 strides a
-// second, each foot on the ground for about half of the time.
+// The dog's trot and stand. The trot is a gait of two beats: diagonal legs move in phase, and inverse kinematics locks standing feet to
+// the ground. Timing follows Maes et al. (2008, J. exp. Biol. 211, 138-149) for slow trots of dogs of this size: about 1.7 strides per
+// second, each foot on the ground for about half of the stride.
 
 #include <algorithm>
 
@@ -18,11 +18,12 @@ Mat3 about_x(double angle) { return rotation_about({1, 0, 0}, angle); }
 Mat3 about_y(double angle) { return rotation_about({0, 1, 0}, angle); }
 Mat3 about_z(double angle) { return rotation_about({0, 0, 1}, angle); }
 
-/// Turn about y of a rotation that is nearly about y.
+/// Angle [rad] about y of a rotation whose axis is nearly y.
 double pitch_of(const Mat3& R) { return atan2(R.xz, R.zz); }
-double angle_in_plane(const Vec3& v) { return atan2(v.x, -v.z); }  // of a bone in x-z against straight down, positive forwards
+double angle_in_plane(const Vec3& v) { return atan2(v.x, -v.z); }  // angle [rad] from -z to a bone in the x-z plane, positive forwards
 
-/// One leg's target: knuckle (world), pitch of metapodium and paw against their standing positions (about y; positive: toes down).
+/// Target of one leg: position of the knuckle (world, m), and pitch of metapodium and paw relative to the standing position (rad, about
+/// y; positive: toes down).
 struct Step {
   Vec3 knuckle;
   double metapodium = 0, paw = 0;
@@ -56,7 +57,7 @@ class Poser {
     }
   }
   void set_root(const Pose& X) {
-    const Vec3 p = X.p - dog_root;  // the root's joint frame stands at the standing place
+    const Vec3 p = X.p - dog_root;  // q is relative to the neutral position, in which the root is at dog_root
     const Quat r = to_quat(X.R);
     const double q[7] = {p.x, p.y, p.z, r.w, r.x, r.y, r.z};
     std::copy(q, q + 7, q_.begin());
@@ -72,7 +73,7 @@ class Poser {
     leg(dog_hind, left ? "LeftThigh" : "RightThigh", left ? "LeftShank" : "RightShank", left ? "LeftHock" : "RightHock",
         left ? "LeftHindPaw" : "RightHindPaw", "Pelvis", s, 1);
   }
-  /// Places a fore leg whose scapula is turned by `scapula` (about y).
+  /// Sets the joints of a fore leg. @param side +1 left, -1 right @param scapula rad, rotation of the scapula about y
   void fore_leg(int side, const Step& s, double scapula) {
     const bool left = side > 0;
     set(left ? "LeftScapula" : "RightScapula", about_y(scapula));
@@ -94,15 +95,16 @@ class Poser {
     const Link& first = find(upper);
     const Vec3 root = X_parent * first.joint.X_PJ.p;
     const double stand1 = angle_in_plane(limb.middle - limb.root), stand2 = angle_in_plane(limb.end - limb.middle);
-    // The hinges below the root joint share its plane, which is nearly upright; where that plane is, the root tells.
+    // The hinges of the leg move in one nearly vertical plane. The rotation of the leg's root joint determines the plane, so the target of
+    // the metapodium and the leg are solved alternately; five iterations converge.
     Mat3 R3 = about_y(s.metapodium);
     LimbPosture p;
     double fold = 0;
     for (int i = 0; i < 5; ++i) {
-      // reach() works on bones that hang straight down; ours stand at an angle.
+      // reach() assumes bones that point straight down at rest; stand1 and stand2 account for the standing angles.
       p = reach(root, s.knuckle - R3 * (limb.knuckle - limb.end), l1, l2, {0, 1, 0}, bend);
       const Mat3 R2 = p.R_upper * about_y(p.flexion + stand2);
-      fold = s.metapodium - pitch_of(R2);  // (may be out of reach until the plane is found)
+      fold = s.metapodium - pitch_of(R2);  // the target may be out of reach before the plane has converged
       R3 = R2 * about_y(fold);
     }
     const Mat3 R1 = p.R_upper * about_y(stand1);
@@ -110,7 +112,7 @@ class Poser {
     set(lower, about_y(p.flexion + stand2 - stand1));
     set(metapodium, about_y(fold));
     set(paw, about_y(s.paw - s.metapodium));
-    UGOKI_CHECK(p.reach < 1);  // the steps above are made so that legs are long enough
+    UGOKI_CHECK(p.reach < 1);  // the trajectories below keep the targets within the leg length
   }
 
   const Mechanism& dog_;
@@ -132,22 +134,24 @@ void add(Motion& m, const std::vector<double>& q) {
   ++m.frames;
 }
 
-// ---- trot. Time in strides: left fore and right hind touch down at 0.
+// ---- Trot. Phase in strides: left fore and right hind foot touch down at 0.
 
 constexpr double rate = 120;
 constexpr int stride_frames = 71;  // 0.592 s
 constexpr double speed = 1.35, stride = speed * stride_frames / rate;
-constexpr double duty = 0.52;
+constexpr double duty = 0.52;  // share of the stride in which a foot is on the ground
 
-/// Path of a knuckle, relative to its standing place, and the turns of metapodium and paw. @param u phase of this leg in [0, 1)
-/// @param forward m: by how much the stance is shifted forwards of its middle
+/// Trajectory of one leg: position of the knuckle and pitches of metapodium and paw.
+/// @param u phase of this leg in [0, 1)  @param forward m, forward shift of the stance relative to the standing position
+/// @param lift m, height of the knuckle in mid-swing  @param swing_fold degrees, extra flexion of the metapodium in swing
+/// @param push degrees, pitch of the metapodium at lift-off
 Step trot_step(double u, const DogLimb& limb, double forward, double lift, double swing_fold, double push) {
   Step s;
   const double half = 0.5 * duty * stride;
   if (u < duty) {
     const double t = u / duty;
-    s.knuckle = {half + forward, 0, 0};  // stands still: the caller moves the body
-    // The metapodium leans forward over the standing paw, more towards the end.
+    s.knuckle = {half + forward, 0, 0};  // constant on the ground; the caller moves the body
+    // The metapodium pitches forward over the standing paw during the stance.
     s.metapodium = (-12 + (12 + push) * smooth_step(t)) * degree;
     s.paw = 0;
     s.knuckle += limb.knuckle;
@@ -169,7 +173,7 @@ Motion make_dog_trot(const Mechanism& dog) {
     const double u = fraction(static_cast<double>(f) / stride_frames), w = 2 * pi * u;
     const double x = stride * u;
     Poser p(dog);
-    // Lowest in the middle of each diagonal's stance, a quarter of a stride after touch-down.
+    // The trunk is lowest in the middle of each diagonal's stance, half of `duty` after touch-down.
     const double bounce = -0.009 * cos(2 * w - pi * 2 * duty);
     p.set_root({about_z(1.2 * degree * sin(w)) * about_x(1.5 * degree * cos(w)) * about_y(0.7 * degree * cos(2 * w)),
                 dog_root + Vec3{x, 0.004 * sin(w), -0.024 + bounce}});
@@ -183,13 +187,13 @@ Motion make_dog_trot(const Mechanism& dog) {
       p.set(tail[i], about_y((i == 0 ? 22 : 9) * degree + 2.5 * degree * cos(2 * w - 0.7 * i)) * about_z(5 * degree * sin(w - 0.8 * i)));
     for (const int side : {1, -1}) {
       const double fore = side > 0 ? u : u + 0.5, hind = side > 0 ? u + 0.5 : u;
-      // Both are counted in strides since the world's start, so that a standing paw stays where it is.
+      // `own` counts strides from the start of the motion, so that the position of a standing paw is constant in the world.
       const auto placed = [&](double own, const DogLimb& limb, double shift, double lift, double fold, double push) {
-        const double begun = std::floor(own);
-        Step s = trot_step(own - begun, limb, shift, lift, fold, push);
-        // The stance that begins at phase 0 begins while the body is at stride * (time of touch-down).
-        s.knuckle.x += x - stride * (own - begun);
-        s.knuckle.y *= side * 0.93;  // trotting dogs track closer than they stand
+        const double completed = std::floor(own);
+        Step s = trot_step(own - completed, limb, shift, lift, fold, push);
+        // At touch-down (phase 0 of this leg) the body was at x - stride * (own - completed).
+        s.knuckle.x += x - stride * (own - completed);
+        s.knuckle.y *= side * 0.93;  // dogs place their feet closer to the midline when trotting than when standing
         return s;
       };
       p.fore_leg(side, placed(fore, dog_fore, 0.030, 0.080, 58, 40), (-14 * cos(2 * pi * (fore + 0.02)) - 2) * degree);

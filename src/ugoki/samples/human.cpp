@@ -1,5 +1,5 @@
-// A human walking and standing. The walk: feet that roll over heel, sole and ball without sliding, a pelvis that rises and
-// falls and turns as published, legs by inverse kinematics, arms against legs.
+// A human walking and standing. In the walk the feet roll over heel, sole and ball without sliding, the pelvis moves along published
+// curves, inverse kinematics sets the legs, and the arms swing opposite to the legs.
 // Sources: proportions Drillis and Contini (1966, in Winter 2009, fig. 4.1); timing, foot and pelvis curves Winter (1991),
 // Perry (1992), Whittle (2007); arms Murray, Sepic and Barnard (1967). docs/design/samples.md compares the joint angles.
 
@@ -16,7 +16,7 @@ constexpr double thigh = 0.245 * height, shank = 0.246 * height;
 constexpr double ankle_height = 0.039 * height, ball_height = 0.019 * height;
 constexpr double ball_forward = 0.075 * height, toe_length = 0.040 * height;
 constexpr double heel_back = 0.036 * height, heel_radius = 0.04,
-                 edge_forward = ball_forward + 0.012;  // the sole as the body module shapes it
+                 edge_forward = ball_forward + 0.012;  // same shape of the sole as in the body module
 constexpr double hip_half_width = 0.050 * height, hip_drop = 0.022 * height;
 constexpr double rate = 120;
 
@@ -56,7 +56,7 @@ Skeleton make_skeleton() {
     j.parent = parent;
     j.offset = offset;
     j.end_sites = ends;
-    j.freedoms = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
+    j.dofs = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
     s.joints.push_back(j);
   };
   const double hip_height = 0.530 * height, shoulder_height = 0.818 * height, top = height;
@@ -89,7 +89,7 @@ Mat3 about_x(double angle) { return rotation_about({1, 0, 0}, angle); }
 Mat3 about_y(double angle) { return rotation_about({0, 1, 0}, angle); }
 Mat3 about_z(double angle) { return rotation_about({0, 0, 1}, angle); }
 
-/// Posture of one moment.
+/// Posture at one moment: pose of the hips in the world, rotations of the other joints relative to their parents.
 struct Posture {
   Pose hips;
   Mat3 local[joint_count];
@@ -98,13 +98,13 @@ struct Posture {
   Posture() { std::fill(std::begin(local), std::end(local), Mat3::identity()); }
 };
 
-/// Where a foot is: ankle in the walking plane of the foot, turn about y (positive: toes down), turn of the toes against it.
+/// Pose of a foot: ankle position (m), pitch about y (rad, positive: toes down), pitch of the toes relative to the foot (rad).
 struct FootPose {
   Vec3 ankle;
   double pitch = 0, toes = 0;
 };
 
-/// Sets a leg so that the ankle is at foot.ankle with the foot's heading and pitch.
+/// Sets the joints of a leg so that the ankle is at foot.ankle with the given pitch and heading [rad]. @param side +1 left, -1 right
 void place_leg(Posture& p, int side, const FootPose& foot, double heading) {
   const int first = side > 0 ? thigh_l : thigh_r;
   const Vec3 hip = p.hips * Vec3{0, hip_half_width * side, -hip_drop};
@@ -117,7 +117,7 @@ void place_leg(Posture& p, int side, const FootPose& foot, double heading) {
   p.local[first + 3] = about_y(foot.toes);
 }
 
-/// Turns the chest to R_chest and the head to R_head (world), shared out over the joints between.
+/// Sets the spine and neck joints so that the chest has the rotation R_chest and the head R_head (world). Each joint takes an equal share.
 void place_trunk(Posture& p, const Mat3& R_chest, const Mat3& R_head) {
   const Vec3 bend = log_map(to_quat(p.hips.R.transposed() * R_chest));
   for (const int j : {spine, spine1, chest}) p.local[j] = to_matrix(exp_map(bend * (1.0 / 3)));
@@ -125,7 +125,8 @@ void place_trunk(Posture& p, const Mat3& R_chest, const Mat3& R_head) {
   for (const int j : {neck, head}) p.local[j] = to_matrix(exp_map(nod * 0.5));
 }
 
-/// Arm from the T position: hanging, swung forward by `swing`, spread by `spread`, elbow bent by `flexion`, all rad.
+/// Sets the joints of an arm, whose rest is the T position: hanging, swung forward by `swing`, spread by `spread`, elbow bent by
+/// `flexion`, all in rad.
 void place_arm(Posture& p, int side, double swing, double spread, double flexion) {
   const int first = side > 0 ? arm_l : arm_r;
   p.local[first] = about_y(-swing) * about_x(-side * (pi / 2 - spread)) * about_y(-0.2);
@@ -154,20 +155,20 @@ class Recorder {
   MeasuredMotion m_;
 };
 
-// ---- walking. Time in strides: the left heel strikes at 0, the right one at 0.5.
+// ---- Walk. Phase in strides: the left heel strikes at 0, the right heel at 0.5.
 
 constexpr int stride_frames = 124;  // 1.033 s: 116 steps a minute
 constexpr double stride_time = stride_frames / rate, speed = 1.35, stride = speed * stride_time;
 constexpr double flat_from = 0.08, flat_to = 0.30, lift = 0.61;  // foot flat, heel off, toe off (Perry 1992)
 constexpr double strike_pitch = -17 * degree, lift_pitch = 57 * degree;
-constexpr double strike_speed = 1.0, strike_brake = 20;  // m/s, m/s^2: of the heel at heel strike
-constexpr double swing_lift = 0.085;                     // m
-constexpr double toe_bend = 1.15;                        // turn of the toes against the pitch of the foot
-constexpr double over_ankle = 0.22;                      // when the pelvis passes over the ankle
-constexpr double half_track = 0.052;                     // m, ankles from the middle
+constexpr double strike_speed = 1.0, strike_brake = 20;  // m/s, m/s^2: forward speed and deceleration of the heel at heel strike
+constexpr double swing_lift = 0.085;                     // m, extra height of the ankle in swing
+constexpr double toe_bend = 1.15;                        // angle of the toes relative to the foot, per pitch of the foot
+constexpr double over_ankle = 0.22;                      // phase at which the pelvis is above the ankle
+constexpr double half_track = 0.052;                     // m, distance of the ankles from the midline
 constexpr double toe_out = 6 * degree;
 
-/// Pitch of the foot and its derivatives per stride, while it stands.
+/// Pitch [rad] of a standing foot at phase u.
 double stance_pitch(double u) {
   if (u < flat_from) return strike_pitch * (1 - smooth_step(u / flat_from));
   if (u < flat_to) return 0;
@@ -175,8 +176,8 @@ double stance_pitch(double u) {
   return lift_pitch * s * s * s * (1.6 - 0.6 * s);
 }
 
-/// Ankle of a foot that points to `heading`, from the place on the ground under it while it stands flat, without sliding:
-/// rolling on the round heel, flat, turning about the sole's front edge under the ball.
+/// Ankle position [m] of a standing foot with the given heading at phase u, relative to the point on the ground under the ankle of the
+/// flat foot. The foot does not slide: it rolls on the round heel, is flat, then rotates about the front edge of the sole under the ball.
 Vec3 stance_ankle(double u, double heading) {
   const double a = stance_pitch(u);
   const Mat3 R = about_y(a);
@@ -186,7 +187,7 @@ Vec3 stance_ankle(double u, double heading) {
 }
 
 template <class F>
-Jet jet_of(F f, double u, double h, double scale) {  // one-sided differences into the stance, per unit of the swing
+Jet jet_of(F f, double u, double h, double scale) {  // one-sided differences (h < 0: into the stance), scaled to derivatives per swing
   const double x0 = f(u), x1 = f(u + h), x2 = f(u + 2 * h);
   return {x0, (-3 * x0 + 4 * x1 - x2) / (2 * h) * scale, (x0 - 2 * x1 + x2) / (h * h) * scale * scale};
 }
@@ -203,14 +204,14 @@ FootPose walking_foot(double u, double heading) {
   const double h = -1e-3;
   const auto between = [&](auto f, const Jet& end) { return quintic(jet_of(f, lift - 1e-9, h, span), end, s); };
   const Vec3 landing = stance_ankle(0, heading);
-  // The foot swings back to the level quickly, so that the toes clear the ground, then rises for the heel strike.
+  // The foot returns quickly to a horizontal position so that the toes clear the ground, then pitches up for the heel strike.
   constexpr double level = 0.55;
-  const Jet passing{7 * degree, -95 * degree, 0};  // where, and how fast per swing
+  const Jet passing{7 * degree, -95 * degree, 0};  // pitch and its rate per swing at s = level
   Jet leaving = jet_of([](double w) { return stance_pitch(w); }, lift - 1e-9, h, span * level);
   leaving.a = 0;
   foot.pitch = s < level ? quintic(leaving, {passing.x, passing.v * level, 0}, s / level)
                          : quintic({passing.x, passing.v * (1 - level), 0}, {strike_pitch, 0, 0}, (s - level) / (1 - level));
-  // The heel still moves forward a little when it strikes, and brakes until then.
+  // At heel strike the heel still moves forward at strike_speed while it decelerates.
   foot.ankle.x = between([&](double w) { return stance_ankle(w, heading).x; },
                          {landing.x + stride, strike_speed * stride_time * span, -strike_brake * stride_time * span * stride_time * span});
   foot.ankle.y = between([&](double w) { return stance_ankle(w, heading).y; }, {landing.y, 0, 0});
@@ -237,21 +238,21 @@ Posture walking_posture(double u, double pelvis_height) {
   const Mat3 R_head = about_z(0.8 * degree * cos(w)) * about_y((1.5 + 0.8 * cos(2 * w + 0.6)) * degree);
   place_trunk(p, R_chest, R_head);
   for (const int side : {1, -1}) {
-    const double forward = -side * cos(w - 0.15);  // 1 when the arm is farthest forward: the other leg's heel strike
+    const double forward = -side * cos(w - 0.15);  // 1 when the arm is farthest forward, at the heel strike of the opposite leg
     place_arm(p, side, (-4 + 18 * forward) * degree, 7 * degree, (23 + 11 * forward) * degree);
   }
   return p;
 }
 
-/// The greatest height of the pelvis at which no leg is stretched beyond `most` of its length.
-double find_pelvis_height(double most) {
+/// Maximum height [m] of the pelvis at which no leg is stretched beyond the fraction `max_reach` of its length.
+double find_pelvis_height(double max_reach) {
   double low = 0.7, high = 1.1;
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (low + high);
     double worst = 0;
     for (int f = 0; f < stride_frames; ++f)
       worst = std::max(worst, walking_posture(static_cast<double>(f) / stride_frames, middle).worst_reach);
-    (worst > most ? high : low) = middle;
+    (worst > max_reach ? high : low) = middle;
   }
   return low;
 }
@@ -283,7 +284,7 @@ MeasuredMotion make_human_stand() {
       foot.ankle = {0, side * 0.105, ankle_height};
       place_leg(p, side, foot, side * 9 * degree);
     }
-    const double breath = sin(w);  // fifteen breaths a minute
+    const double breath = sin(w);  // 15 breaths per minute: one per motion of 4 s
     place_trunk(p, about_y((2.5 + 0.6 * breath) * degree), about_z(2.5 * degree * sin(w + 0.7)) * about_y((2 + 0.5 * sin(2 * w)) * degree));
     for (const int side : {1, -1})
       place_arm(p, side, (1 + 0.7 * breath) * degree, (8 + 0.4 * breath) * degree, (16 + 0.8 * breath) * degree);

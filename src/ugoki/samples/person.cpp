@@ -1,4 +1,4 @@
-// A person of any height who can do what people do: the project's human, grown.
+// A person of any height: the project's human with all joints movable, scaled by growth curves.
 
 #include "ugoki/base/check.h"
 #include "ugoki/body/body.h"
@@ -8,9 +8,9 @@
 namespace ugoki::samples {
 namespace {
 
-constexpr double adult_height = 1.6;  // m: below, proportions are those of a child of this height
+constexpr double adult_height = 1.6;  // m: below this height, proportions are those of a child
 
-/// Age at which the median height of growing people is this [years].
+/// Age [years] at which the median height of boys equals `height` [m].
 double age_of(double height) {
   double low = 2, high = 20;
   for (int i = 0; i < 40; ++i) {
@@ -32,11 +32,11 @@ Result<MechanismPtr> make_person(double height) {
   for (LinkSpec& link : spec.links) {
     const bool knee = link.label.starts_with("shank"), elbow = link.label.starts_with("forearm");
     if (!knee && !elbow) continue;
-    // From the T position a forearm bends forward, a shank backward.
+    // Hinge axes for the T position: positive angles bend a forearm forward and a shank backward.
     link.joint.type = JointType::revolute;
     link.joint.axis = knee ? Vec3{0, 1, 0} : Vec3{0, 0, link.label.ends_with("left") ? -1.0 : 1.0};
-    link.joint.freedoms[0].lower = knee ? -0.05 : 0;
-    link.joint.freedoms[0].upper = 2.6;
+    link.joint.dofs[0].lower = knee ? -0.05 : 0;
+    link.joint.dofs[0].upper = 2.6;
   }
   Result<MechanismPtr> adult = Mechanism::make(std::move(spec));
   UGOKI_CHECK(adult.has_value());

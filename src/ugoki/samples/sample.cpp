@@ -5,8 +5,8 @@
 namespace ugoki::samples {
 namespace {
 
-// The ball lies ahead; at 2.5 s it is kicked so that half a second later, at the top of its flight, it meets the chest of the
-// human, who walks at 1.35 m/s. (At the top it does not matter much if the human is a hand's breadth early or late.)
+// The ball rests ahead of the human. At 2.5 s it is thrown so that half a second later, at the top of its flight, it hits the chest of
+// the human, who walks at 1.35 m/s. At the top the height changes little, so a human 0.1 m early or late is still hit at the chest.
 constexpr const char* document = R"({
   "version": 1,
   "name": "park",
@@ -19,19 +19,19 @@ constexpr const char* document = R"({
     {
       "id": "human", "name": "Human", "mechanism": "human", "color": "#e6e6ea",
       "place": {"x": 0, "y": 0, "z": 0, "heading": 0},
-      "control": {"mode": "track", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "let_go"},
+      "control": {"mode": "track", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "release"},
       "track": [{"id": "k1", "motion": "human-walk", "start": 0, "length": 20, "offset": 0, "speed": 1, "blend": 0, "loop": true}]
     },
     {
       "id": "dog", "name": "Dog", "mechanism": "dog", "color": "#c9a57b",
       "place": {"x": 0.2, "y": -1.2, "z": 0, "heading": 0},
-      "control": {"mode": "track", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "let_go"},
+      "control": {"mode": "track", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "release"},
       "track": [{"id": "k2", "motion": "dog-trot", "start": 0, "length": 20, "offset": 0, "speed": 1, "blend": 0, "loop": true}]
     },
     {
       "id": "ball", "name": "Ball", "mechanism": "ball", "color": "#ff8a3d",
       "place": {"x": 6.6, "y": 0.7, "z": 0.11, "heading": 0},
-      "control": {"mode": "passive", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "let_go"},
+      "control": {"mode": "passive", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "release"},
       "track": []
     }
   ],
@@ -56,18 +56,18 @@ Sample make_sample() {
   options.mass = 70;
   const auto human = body::make_body(walk, options);
   UGOKI_CHECK(human.has_value());
-  const auto adopt = [&](const char* id, Motion motion) {
+  const auto add_motion = [&](const char* id, Motion motion) {
     motion.cyclic = true;
     out.resources.motions[id] = std::make_shared<const Motion>(std::move(motion));
   };
   out.resources.mechanisms["human"] = human->mechanism;
-  adopt("human-walk", body::to_motion(*human, walk));
-  adopt("human-stand", body::to_motion(*human, make_human_stand()));
+  add_motion("human-walk", body::to_motion(*human, walk));
+  add_motion("human-stand", body::to_motion(*human, make_human_stand()));
 
   const MechanismPtr dog = make_dog();
   out.resources.mechanisms["dog"] = dog;
-  adopt("dog-trot", make_dog_trot(*dog));
-  adopt("dog-stand", make_dog_stand(*dog));
+  add_motion("dog-trot", make_dog_trot(*dog));
+  add_motion("dog-stand", make_dog_stand(*dog));
 
   out.resources.mechanisms["ball"] = make_ball();
   return out;

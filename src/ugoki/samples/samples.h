@@ -1,5 +1,5 @@
 #pragma once
-// Sample content of the project's own making: a human, a dog, a ball, their motions, and a first scenario of 20 s.
+// Sample content made by the project: a human, a dog, a ball, their motions, and a first scenario of 20 s.
 
 #include <string>
 
@@ -8,34 +8,35 @@
 
 namespace ugoki::samples {
 
-/// A scenario document (docs/scenario.md) with the mechanisms and motions that it names; names for people are
+/// A scenario document (docs/scenario.md) with the mechanisms and motions to which it refers. Their display names are
 /// Mechanism::name() and Motion::name.
 struct Sample {
   std::string document;          ///< JSON text
   content::Resources resources;  ///< "human", "dog", "ball"; "human-walk", "human-stand", "dog-trot", "dog-stand"
 };
 
-/// A human walks across the park, a dog trots beside; somebody throws a light ball at the human's chest, which bounces
-/// off; the human sways and walks on. The same bits on every machine.
+/// Scenario: a human walks across a park and a dog trots beside the human. A light ball flies at the human's chest and bounces off;
+/// the human sways and keeps walking. The result has the same bits on every machine.
 [[nodiscard]] Sample make_sample();
 
-/// The human's skeleton (1.75 m, T position, proportions of Drillis and Contini) walking at 1.35 m/s; one stride, cyclic.
+/// One stride of the human walking at 1.35 m/s, cyclic. Skeleton: 1.75 m, rest in the T position, proportions of Drillis and Contini.
 [[nodiscard]] MeasuredMotion make_human_walk();
-/// The same human standing at ease; 4 s, cyclic.
+/// The human of make_human_walk() standing at ease; 4 s, cyclic.
 [[nodiscard]] MeasuredMotion make_human_stand();
 
-/// A person of this height [m], all joints free to move within human ranges, knees and elbows hinges; in the T position. Below 1.6 m
-/// proportions and mass are those of a child whose median height this is. Errors: a height that no growth reaches.
+/// A person of this height [m], neutral in the T position. All joints move within human ranges; knees and elbows are hinges.
+/// Below 1.6 m, proportions and mass are those of a child at the age whose median height this is.
+/// Errors: those of grow(), for example a height out of its range.
 [[nodiscard]] Result<MechanismPtr> make_person(double height);
 
-/// A shepherd dog, 0.62 m at the withers, 32 kg. In the neutral position it stands, paws on z = 0, below its root's x, y.
+/// A shepherd dog, 0.62 m at the withers, 32 kg. In the neutral position the dog stands with its paws on z = 0 and its root at x = y = 0.
 [[nodiscard]] MechanismPtr make_dog();
-/// The dog trotting at 1.35 m/s, diagonal legs together; one stride, cyclic.
+/// One stride of the dog trotting at 1.35 m/s with diagonal legs in phase; cyclic.
 [[nodiscard]] Motion make_dog_trot(const Mechanism& dog);
 /// The dog standing; 4 s, cyclic.
 [[nodiscard]] Motion make_dog_stand(const Mechanism& dog);
 
-/// A light ball: radius 0.11 m, 0.35 kg; its origin is its centre.
+/// A light ball: radius 0.11 m, 0.35 kg; the origin of its frame is the centre.
 [[nodiscard]] MechanismPtr make_ball();
 
 }  // namespace ugoki::samples

@@ -18,7 +18,7 @@ using Names = std::initializer_list<std::string_view>;
 
 bool one_of(std::string_view name, Names names) { return std::ranges::find(names, name) != names.end(); }
 
-/// Leaves only children of these names (and the text, if `text`).
+/// Removes all child elements with other names (and the texts, unless `text`).
 void keep_children(xml_node node, Names names, bool text = false) {
   for (xml_node child = node.first_child(); child;) {
     const xml_node next = child.next_sibling();
@@ -28,13 +28,15 @@ void keep_children(xml_node node, Names names, bool text = false) {
   }
 }
 
+/// Sets an attribute, which is added if it does not exist.
 void set(xml_node node, const char* attribute, const std::string& value) {
   pugi::xml_attribute a = node.attribute(attribute);
   if (!a) a = node.append_attribute(attribute);
   a.set_value(value.c_str());
 }
 
-/// A source with its array and accessor under `parent`.
+/// Adds a source with an array and an accessor under `parent`.
+/// @param words number of words in `text`; @param count, stride, size of the accessor's values
 void add_source(xml_node parent, const std::string& id, const char* array, std::size_t words, const std::string& text, std::size_t count,
                 std::size_t stride, std::size_t size) {
   xml_node source = parent.append_child("source");
@@ -54,6 +56,7 @@ void add_source(xml_node parent, const std::string& id, const char* array, std::
   }
 }
 
+/// Adds an <input> that refers to a source.
 void add_input(xml_node parent, const char* semantic, const std::string& source, int offset = -1) {
   xml_node input = parent.append_child("input");
   set(input, "semantic", semantic);
@@ -61,13 +64,14 @@ void add_input(xml_node parent, const char* semantic, const std::string& source,
   if (offset >= 0) set(input, "offset", std::to_string(offset));
 }
 
+/// The <input> of `node` with this semantic; empty if there is none.
 xml_node input_of(xml_node node, std::string_view semantic) {
   for (const xml_node input : node.children("input"))
     if (input.attribute("semantic").value() == semantic) return input;
   return {};
 }
 
-/// How many numbers a transformation has; 0: it is none.
+/// The number of values of a transformation element; 0: the element is not a transformation.
 std::size_t numbers_of(std::string_view name) {
   if (name == "translate" || name == "scale") return 3;
   if (name == "rotate") return 4;
@@ -76,11 +80,12 @@ std::size_t numbers_of(std::string_view name) {
   return name == "matrix" ? 16 : 0;
 }
 
-/// "node/transformation.ANGLE", "node/transformation(3)(0)": what a channel moves.
+/// The target of a channel: "node/transformation.ANGLE" or "node/transformation(3)(0)".
 struct Target {
   std::string node, transformation;
-  std::size_t first = 0;  ///< number of the transformation where the values begin
+  std::size_t first = 0;  ///< index in the transformation of the first animated value
 };
+/// Parses the target of a channel; std::nullopt if it has another form.
 std::optional<Target> target_of(std::string_view text) {
   const std::size_t slash = text.find('/'), dot = text.find('.'), bracket = text.find('(');
   constexpr auto none = std::string_view::npos;
@@ -102,9 +107,10 @@ std::optional<Target> target_of(std::string_view text) {
   return out;
 }
 
+/// Cleans and checks the libraries of the document, one after the other.
 class Core {
  public:
-  explicit Core(std::string_view place) : document_(place) {}
+  explicit Core(std::string_view location) : document_(location) {}
 
   Result<std::string> make(std::span<const std::byte> bytes) {
     if (Result<void> done = document_.load(reinterpret_cast<const char*>(bytes.data()), bytes.size()); !done)
@@ -132,7 +138,7 @@ class Core {
     }
   }
 
-  /// A mesh with faces becomes one triangle: that it is there is all that counts.
+  /// Replaces each mesh with faces by one triangle: only its existence matters.
   Result<void> clean_geometries() {
     for (const xml_node library : document_.root().children("library_geometries")) {
       keep_children(library, {"geometry"});
@@ -165,6 +171,7 @@ class Core {
     return false;
   }
 
+  /// Replaces each skin by a list of its weighted joints, and removes all other controllers.
   Result<void> clean_controllers() {
     std::map<std::string, std::string, std::less<>> morphs;
     for (const xml_node library : document_.root().children("library_controllers"))
@@ -184,9 +191,9 @@ class Core {
         const xml_node skin = controller.child("skin");
         std::vector<std::string> joints;
         if (skin && std::string_view(controller.name()) == "controller") {
-          Result<std::vector<std::string>> told = joints_of(skin);
-          if (!told) return fail(std::move(told.error()));
-          joints = std::move(*told);
+          Result<std::vector<std::string>> joint_names = joints_of(skin);
+          if (!joint_names) return fail(std::move(joint_names.error()));
+          joints = std::move(*joint_names);
           const std::string geometry = geometry_of(std::string(local_id(skin, "source")));
           geometry_instead_.emplace(old, geometry);
           if (geometry.empty()) joints.clear();
@@ -199,17 +206,17 @@ class Core {
     return {};
   }
 
-  /// The joints with a weight somewhere.
+  /// The names of the joints that have a positive weight for some vertex.
   Result<std::vector<std::string>> joints_of(xml_node skin) {
     const xml_node weighted = skin.child("vertex_weights");
     const xml_node names_in = input_of(weighted, "JOINT"), weights_in = input_of(weighted, "WEIGHT");
     if (!weighted || !names_in || !weights_in)
-      return document_.refuse(skin, ErrorCode::structure, "It has no vertex weights with inputs JOINT and WEIGHT.");
+      return document_.refuse(skin, ErrorCode::structure, "The skin has no vertex weights with inputs JOINT and WEIGHT.");
     const Result<ColladaValues> names = document_.values_of(names_in), weights = document_.values_of(weights_in);
     if (!names) return fail(names.error());
     if (!weights) return fail(weights.error());
     if (!names->text || weights->text)
-      return document_.refuse(weighted, ErrorCode::structure, "Its joints are no names, or its weights no numbers.");
+      return document_.refuse(weighted, ErrorCode::structure, "The joints of the skin must be names, and its weights numbers.");
     std::size_t columns = 1;
     for (const xml_node input : weighted.children("input")) {
       const Result<std::size_t> offset = document_.count_of(input, "offset", 0);
@@ -223,20 +230,20 @@ class Core {
     for (const std::string_view word : words_in(weighted.child("vcount"))) {
       const std::optional<long> n = parse_long(word);
       if (!n || *n < 0 || *n > 1'000'000)
-        return document_.refuse(weighted.child("vcount"), ErrorCode::syntax, formats::in_quotes(word) + " is no count.");
+        return document_.refuse(weighted.child("vcount"), ErrorCode::syntax, formats::in_quotes(word) + " is not a valid count.");
       pairs += static_cast<std::size_t>(*n);
     }
     if (columns > 16 || pairs * columns > table.size())
-      return document_.refuse(weighted, ErrorCode::truncated, "Its <v> is shorter than its <vcount> tells.");
+      return document_.refuse(weighted, ErrorCode::truncated, "The <v> of the skin is shorter than its <vcount> requires.");
     std::set<std::size_t> used;
     for (std::size_t i = 0; i < pairs; ++i) {
       const std::optional<long> joint = parse_long(table[i * columns + name_column]),
                                 weight = parse_long(table[i * columns + weight_column]);
-      if (joint == -1) continue;  // hangs on no joint
+      if (joint == -1) continue;  // bound to no joint
       if (!joint || !weight || *joint < 0 || *weight < 0 || static_cast<std::size_t>(*joint) >= names->count ||
           static_cast<std::size_t>(*weight) >= weights->count)
         return document_.refuse(weighted.child("v"), ErrorCode::range,
-                                "Pair " + std::to_string(i + 1) + " names a joint or a weight that is not there.");
+                                "Pair " + std::to_string(i + 1) + " of <v> refers to a joint or a weight that does not exist.");
       const Result<double> x = document_.number(weights_in, weights->word(static_cast<std::size_t>(*weight), 0));
       if (!x) return fail(x.error());
       if (*x > 0) used.insert(static_cast<std::size_t>(*joint));
@@ -275,6 +282,7 @@ class Core {
     weights.append_child("v").text().set(pairs.c_str());
   }
 
+  /// Cleans the visual scenes and library nodes, and checks the references of <scene>.
   Result<void> clean_scenes() {
     const xml_node root = document_.root();
     for (xml_node library : root.children("library_visual_scenes")) {
@@ -293,12 +301,12 @@ class Core {
         if (!named_.contains(local_id(instance, "url")))
           return document_.refuse(
               instance, ErrorCode::structure,
-              "It refers to the scene " + formats::in_quotes(instance.attribute("url").value()) + ", which is not there.");
+              "The element refers to the scene " + formats::in_quotes(instance.attribute("url").value()) + ", which does not exist.");
     }
     return {};
   }
 
-  /// A node or a scene, and all below it: no deeper than the document, which was measured.
+  /// Cleans a node or scene and all its descendants. The recursion is bounded, because load() has limited the depth of the document.
   Result<void> clean_node(xml_node node) {
     keep_children(node, {"node", "translate", "rotate", "scale", "matrix", "skew", "lookat", "instance_node", "instance_geometry",
                          "instance_controller"});
@@ -307,13 +315,13 @@ class Core {
     if (name != id) named_.emplace(name, node);
     for (xml_node child = node.first_child(); child;) {
       const xml_node next = child.next_sibling();
-      const std::string_view what = child.name();
-      if (what == "node") {
+      const std::string_view kind = child.name();
+      if (kind == "node") {
         if (Result<void> done = clean_node(child); !done) return done;
-      } else if (const std::size_t count = numbers_of(what); count > 0) {
+      } else if (const std::size_t count = numbers_of(kind); count > 0) {
         if (Result<void> done = check_transformation(child, count); !done) return done;
-        moved_.insert({id, child.attribute("sid").value()});
-      } else if (what != "instance_node" && !instance_shape(child)) {
+        transformations_.insert({id, child.attribute("sid").value()});
+      } else if (kind != "instance_node" && !instance_shape(child)) {
         node.remove_child(child);
       }
       child = next;
@@ -325,13 +333,13 @@ class Core {
     const std::vector<std::string_view> words = words_in(node);
     if (words.size() < count)
       return document_.refuse(node, ErrorCode::truncated,
-                              "It has " + std::to_string(words.size()) + " of " + std::to_string(count) + " numbers.");
+                              "The transformation has " + std::to_string(words.size()) + " of " + std::to_string(count) + " numbers.");
     for (std::size_t i = 0; i < count; ++i)
       if (const Result<double> x = document_.number(node, words[i]); !x) return fail(x.error());
     return {};
   }
 
-  /// Leads to the skin or geometry of before; false where there is none.
+  /// Redirects an instance to the replaced skin or geometry; false if there is none.
   bool instance_shape(xml_node instance) {
     const std::string_view old = local_id(instance, "url");
     instance.remove_children();
@@ -346,7 +354,7 @@ class Core {
     return !id.empty();
   }
 
-  /// Nodes that stand for other nodes: no circle, and not too many in all.
+  /// Checks <instance_node>: no cycle, and not too many nodes in total.
   Result<void> check_instances() {
     std::vector<std::pair<xml_node, std::size_t>> open;  // with their depth
     for (const xml_node library : document_.root().children("library_visual_scenes"))
@@ -356,19 +364,19 @@ class Core {
       const auto [node, depth] = open.back();
       open.pop_back();
       if (depth > formats::max_depth)
-        return document_.refuse(node, ErrorCode::structure, "It stands below itself, by <instance_node>, or too deep.");
+        return document_.refuse(node, ErrorCode::structure, "The node is its own ancestor through <instance_node>, or nested too deeply.");
       if (count > 20 * formats::max_joints)
-        return document_.refuse(node, ErrorCode::range, "With all <instance_node> there are too many nodes.");
+        return document_.refuse(node, ErrorCode::range, "With all <instance_node> elements expanded there are too many nodes.");
       for (const xml_node child : node.children()) {
-        const std::string_view what = child.name();
-        if (what == "node") open.emplace_back(child, depth + 1);
-        if (what != "instance_node") continue;
+        const std::string_view kind = child.name();
+        if (kind == "node") open.emplace_back(child, depth + 1);
+        if (kind != "instance_node") continue;
         const auto [first, last] = named_.equal_range(local_id(child, "url"));
         const auto found = std::distance(first, last);
         if (found > 1)
           return document_.refuse(
               child, ErrorCode::structure,
-              "It refers to " + formats::in_quotes(child.attribute("url").value()) + ", and several nodes are called so.");
+              "The element refers to " + formats::in_quotes(child.attribute("url").value()) + ", but several nodes have this name.");
         if (found == 1)
           open.emplace_back(first->second, depth + 1);
         else
@@ -385,11 +393,11 @@ class Core {
       for (const xml_node animation : library.children("animation"))
         if (Result<void> done = clean_animation(animation); !done) return done;
     }
-    for (const xml_node node : old_) node.parent().remove_child(node);
+    for (const xml_node node : replaced_) node.parent().remove_child(node);
     return {};
   }
 
-  /// Its channels that move a node, each with a sampler and sources of its own; and the animations inside it.
+  /// Keeps the channels that animate a node, each with its own sampler and sources, and cleans nested animations.
   Result<void> clean_animation(xml_node animation) {
     struct Channel {
       std::string target;
@@ -398,7 +406,7 @@ class Core {
     std::vector<Channel> channels;
     for (const xml_node channel : animation.children("channel")) {
       const std::optional<Target> target = target_of(channel.attribute("target").value());
-      if (!target || !moved_.contains({target->node, target->transformation})) continue;
+      if (!target || !transformations_.contains({target->node, target->transformation})) continue;
       const xml_node sampler = animation.find_child_by_attribute("sampler", "id", std::string(local_id(channel, "source")).c_str());
       if (!sampler) continue;
       Result<ColladaValues> times = document_.values_of(input_of(sampler, "INPUT")),
@@ -409,22 +417,25 @@ class Core {
       if (Result<void> done = check_keys(channel, *target, *times, *values); !done) return done;
       channels.push_back({channel.attribute("target").value(), std::move(*times), std::move(*values)});
     }
-    // What stood there goes when all channels are written: others may use its sources.
+    // The original elements are removed after all channels are written, because other channels may use their sources.
     for (const xml_node child : animation.children())
-      if (std::string_view(child.name()) != "animation") old_.push_back(child);
+      if (std::string_view(child.name()) != "animation") replaced_.push_back(child);
     for (const Channel& c : channels) write_channel(animation, c.target, c.times, c.values);
     for (const xml_node child : animation.children("animation"))
       if (Result<void> done = clean_animation(child); !done) return done;
     return {};
   }
 
+  /// Checks the times and values of a channel.
   Result<void> check_keys(xml_node channel, const Target& target, const ColladaValues& times, const ColladaValues& values) {
-    if (times.text || values.text) return document_.refuse(channel, ErrorCode::structure, "Its times or values are names, not numbers.");
+    if (times.text || values.text)
+      return document_.refuse(channel, ErrorCode::structure, "The times or values of the channel are names, not numbers.");
     if (times.count != values.count)
-      return document_.refuse(channel, ErrorCode::structure,
-                              "It has " + std::to_string(times.count) + " times, but " + std::to_string(values.count) + " values.");
+      return document_.refuse(
+          channel, ErrorCode::structure,
+          "The channel has " + std::to_string(times.count) + " times, but " + std::to_string(values.count) + " values.");
     if (target.first + values.size > 16)
-      return document_.refuse(channel, ErrorCode::range, "Its values have more numbers than what they move.");
+      return document_.refuse(channel, ErrorCode::range, "The values of the channel have more components than their target.");
     float before = 0, angle_before = 0;
     double turns = 0;
     for (std::size_t k = 0; k < times.count; ++k) {
@@ -433,14 +444,15 @@ class Core {
       for (std::size_t i = 0; i < values.size; ++i)
         if (const Result<double> x = document_.number(channel, values.word(k, i)); !x) return fail(x.error());
       const auto t = static_cast<float>(*time), angle = static_cast<float>(*document_.number(channel, values.word(k, 0)));
-      if (k > 0 && t < before) return document_.refuse(channel, ErrorCode::structure, "Its times do not go up.");
+      if (k > 0 && t < before) return document_.refuse(channel, ErrorCode::structure, "The times of the channel decrease.");
       if (k > 0 && t > before && target.first == 3) {
-        // Between keys more than half a turn apart others are put, a quarter of a turn each: times must have room for them.
+        // assimp inserts keys every quarter turn between keys that are more than half a turn apart. In single precision these times
+        // must remain distinct.
         const double quarters = std::fabs(static_cast<double>(angle) - static_cast<double>(angle_before)) / 90;
         const double room = 8 * static_cast<double>(std::numeric_limits<float>::epsilon()) * std::max(std::fabs(before), std::fabs(t));
         turns += quarters;
         if (turns > 1e6 || (quarters > 1.9 && (static_cast<double>(t) - static_cast<double>(before)) < quarters * (room + 1e-30)))
-          return document_.refuse(channel, ErrorCode::range, "It turns through too many turns in too short a time.");
+          return document_.refuse(channel, ErrorCode::range, "The channel makes too many turns in too short a time.");
       }
       before = t;
       angle_before = angle;
@@ -469,16 +481,16 @@ class Core {
 
   ColladaDocument document_;
   int made_ = 0;
-  std::map<std::string, std::string, std::less<>> geometries_;        ///< new ids of old ones
-  std::map<std::string, std::string, std::less<>> skins_;             ///< likewise
-  std::map<std::string, std::string, std::less<>> geometry_instead_;  ///< of controllers without joints; may be empty
+  std::map<std::string, std::string, std::less<>> geometries_;        ///< new id of each original id
+  std::map<std::string, std::string, std::less<>> skins_;             ///< new id of each original id
+  std::map<std::string, std::string, std::less<>> geometry_instead_;  ///< geometry of controllers without joints; may be empty
   std::multimap<std::string, xml_node, std::less<>> named_;           ///< nodes and scenes by id and by name
-  std::set<std::pair<std::string, std::string>> moved_;               ///< transformations: id of the node, sid
-  std::vector<xml_node> old_;                                         ///< what stood in animations before
+  std::set<std::pair<std::string, std::string>> transformations_;     ///< all transformations: id of the node, sid
+  std::vector<xml_node> replaced_;                                    ///< original contents of the animations
 };
 
 }  // namespace
 
-Result<std::string> collada_core(std::span<const std::byte> bytes, std::string_view place) { return Core(place).make(bytes); }
+Result<std::string> collada_core(std::span<const std::byte> bytes, std::string_view location) { return Core(location).make(bytes); }
 
 }  // namespace ugoki::scene_formats

@@ -1,5 +1,6 @@
 #pragma once
-// What a COLLADA file tells of nodes, skins' joints and animations, checked before assimp sees it. Internal to scene_formats.
+// Reduces a COLLADA document to its nodes, joints of skins and animations, and checks them before assimp reads them. Internal to
+// scene_formats.
 
 #include <cstddef>
 #include <span>
@@ -10,11 +11,11 @@
 
 namespace ugoki::scene_formats {
 
-/// A document of the same nodes, transformations and animation channels, in which every reference, count and number is right. Whatever the
-/// skeleton does not need is left out (materials, cameras, the shape of meshes: each mesh becomes one triangle, each skin the list of the
-/// joints that it hangs on), so that faults there do no harm. Errors: what the nodes, skins or channels refer to is missing, too short,
-/// no number, or goes round in a circle.
-/// @param place of the problems: the file's name
-[[nodiscard]] Result<std::string> collada_core(std::span<const std::byte> bytes, std::string_view place);
+/// Returns a COLLADA document with the same nodes, transformations and animation channels, in which every reference, count and number has
+/// been checked. Everything that the skeleton does not need is removed, so that defects there do no harm: materials, cameras, mesh data
+/// (each mesh becomes one triangle, each skin a list of its weighted joints). Errors: nodes, skins or channels refer to data that are
+/// missing, too short or not numbers, or <instance_node> elements form a cycle.
+/// @param location of the problems: the file's name
+[[nodiscard]] Result<std::string> collada_core(std::span<const std::byte> bytes, std::string_view location);
 
 }  // namespace ugoki::scene_formats

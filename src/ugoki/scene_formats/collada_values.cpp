@@ -35,10 +35,10 @@ Result<void> ColladaDocument::load(const char* bytes, std::size_t size) {
   if (!parsed)
     return fail(
         ErrorCode::syntax,
-        place_ + ", line " +
+        location_ + ", line " +
             std::to_string(1 + std::count(text_.begin(), text_.begin() + std::min<std::ptrdiff_t>(parsed.offset, std::ssize(text_)), '\n')),
-        "It cannot be read as COLLADA: " + std::string(parsed.description()) + ".", remedy);
-  if (!root()) return fail(ErrorCode::syntax, place_, "It cannot be read as COLLADA: there is no <COLLADA> in it.", remedy);
+        "The file cannot be read as COLLADA: " + std::string(parsed.description()) + ".", remedy);
+  if (!root()) return fail(ErrorCode::syntax, location_, "The file cannot be read as COLLADA: it has no <COLLADA> element.", remedy);
   struct Walker final : pugi::xml_tree_walker {
     ColladaDocument* all = nullptr;
     bool for_each(pugi::xml_node& node) override {
@@ -50,20 +50,21 @@ Result<void> ColladaDocument::load(const char* bytes, std::size_t size) {
   } walker;
   walker.all = this;
   if (!document_.traverse(walker))
-    return fail(ErrorCode::range, place_, "Its elements lie more than " + std::to_string(formats::max_depth) + " deep.", remedy);
+    return fail(ErrorCode::range, location_, "The elements are nested deeper than " + std::to_string(formats::max_depth) + " levels.",
+                remedy);
   return {};
 }
 
 std::unexpected<Error> ColladaDocument::refuse(pugi::xml_node node, ErrorCode code, std::string message) const {
   const std::ptrdiff_t at = std::clamp<std::ptrdiff_t>(node.offset_debug(), 0, std::ssize(text_));
-  std::string place =
-      place_ + ", line " + std::to_string(1 + std::count(text_.begin(), text_.begin() + at, '\n')) + ", <" + node.name() + ">";
-  return fail(code, std::move(place), std::move(message), remedy);
+  std::string location =
+      location_ + ", line " + std::to_string(1 + std::count(text_.begin(), text_.begin() + at, '\n')) + ", <" + node.name() + ">";
+  return fail(code, std::move(location), std::move(message), remedy);
 }
 
 Result<double> ColladaDocument::number(pugi::xml_node node, std::string_view word) const {
   const std::optional<double> x = formats::measured_number(word);
-  if (!x) return refuse(node, ErrorCode::syntax, formats::in_quotes(word) + " is no number that can be used.");
+  if (!x) return refuse(node, ErrorCode::syntax, formats::in_quotes(word) + " is not a valid number.");
   return *x;
 }
 
@@ -72,7 +73,9 @@ Result<std::size_t> ColladaDocument::count_of(pugi::xml_node node, const char* a
   if (text.empty()) return missing;
   const std::optional<long> x = parse_long(text);
   if (!x || *x < 0 || *x > 1'000'000'000)
-    return refuse(node, ErrorCode::range, std::string("Its ") + attribute + " is " + formats::in_quotes(text) + ", which cannot be.");
+    return refuse(
+        node, ErrorCode::range,
+        "The attribute '" + std::string(attribute) + "' is " + formats::in_quotes(text) + ", not an integer from 0 to 1000000000.");
   return static_cast<std::size_t>(*x);
 }
 
@@ -80,22 +83,22 @@ Result<ColladaValues> ColladaDocument::values_of(pugi::xml_node input) const {
   const auto source = sources_.find(local_id(input, "source"));
   if (source == sources_.end())
     return refuse(input, ErrorCode::structure,
-                  "It refers to the source " + formats::in_quotes(input.attribute("source").value()) + ", which is not there.");
+                  "The <input> refers to the source " + formats::in_quotes(input.attribute("source").value()) + ", which does not exist.");
   const pugi::xml_node accessor = source->second.child("technique_common").child("accessor");
   const auto array = arrays_.find(local_id(accessor, "source"));
   if (!accessor || array == arrays_.end())
-    return refuse(source->second, ErrorCode::structure, "Its accessor refers to no array of numbers or names.");
+    return refuse(source->second, ErrorCode::structure, "The accessor of the source does not refer to an array of numbers or names.");
   ColladaValues out;
   out.text = std::string_view(array->second.name()) != "float_array";
   out.words = words_in(array->second);
-  const Result<std::size_t> told = count_of(array->second, "count", out.words.size()), count = count_of(accessor, "count", 0),
+  const Result<std::size_t> declared = count_of(array->second, "count", out.words.size()), count = count_of(accessor, "count", 0),
                             offset = count_of(accessor, "offset", 0), stride = count_of(accessor, "stride", 1);
-  for (const Result<std::size_t>* x : {&told, &count, &offset, &stride})
+  for (const Result<std::size_t>* x : {&declared, &count, &offset, &stride})
     if (!*x) return fail(x->error());
-  if (*told > out.words.size())
+  if (*declared > out.words.size())
     return refuse(array->second, ErrorCode::truncated,
-                  "It tells of " + std::to_string(*told) + " values, but there are " + std::to_string(out.words.size()) + ".");
-  out.words.resize(*told);
+                  "The array declares " + std::to_string(*declared) + " values, but has " + std::to_string(out.words.size()) + ".");
+  out.words.resize(*declared);
   out.count = *count;
   out.offset = *offset;
   out.stride = *stride;
@@ -106,7 +109,7 @@ Result<ColladaValues> ColladaDocument::values_of(pugi::xml_node input) const {
   if (out.count > 0 && out.offset + (out.count - 1) * out.stride + out.size > out.words.size())
     return refuse(
         accessor, ErrorCode::truncated,
-        "Its " + std::to_string(out.count) + " values do not lie within the " + std::to_string(out.words.size()) + " of the array.");
+        "The " + std::to_string(out.count) + " values of the accessor exceed its array of " + std::to_string(out.words.size()) + " words.");
   return out;
 }
 

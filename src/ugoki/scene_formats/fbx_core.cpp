@@ -20,20 +20,22 @@ bool one_of(std::string_view name, const Range& names) {
 }
 bool one_of(std::string_view name, Names names) { return std::ranges::find(names, name) != names.end(); }
 
-constexpr double most = 1e30;                                   ///< of a number: what comes out is looked at again
-constexpr std::int64_t most_time = 46'186'158'000 * 1'000'000;  ///< [1/46186158000 s]
-constexpr std::size_t deepest = 400;                            ///< models in models: assimp goes down by recursion
+constexpr double max_number = 1e30;  // magnitude of a number of the file; values after assimp's calculations are checked again
+constexpr std::int64_t max_time = 46'186'158'000 * 1'000'000;  // one million seconds, in FBX time units of 1/46186158000 s
+constexpr std::size_t max_depth = 400;                         // models in models; bounds the recursion in assimp
 
 enum class Kind : std::uint8_t { model, attribute, mesh, skin, cluster, stack, layer, curve_node, curve };
 
+/// An object of the file that the skeleton needs.
 struct Object {
   Kind kind;
   const FbxRecord* record;
-  std::vector<std::int64_t> times;  ///< of a curve, going up
-  std::vector<float> values;        ///< likewise
-  bool kept = true;
+  std::vector<std::int64_t> times;  ///< [keys] of a curve, strictly increasing, 1/46186158000 s
+  std::vector<float> values;        ///< [keys] of a curve
+  bool kept = true;                 ///< false: the object is not written
 };
 
+/// The kind of an object; std::nullopt if the skeleton does not need it.
 std::optional<Kind> kind_of(const FbxRecord& r) {
   const std::string_view tag = r.text(2);
   if (r.name == "Model" && !one_of(tag, {"IKEffector", "FKEffector"})) return Kind::model;
@@ -48,7 +50,7 @@ std::optional<Kind> kind_of(const FbxRecord& r) {
   return std::nullopt;
 }
 
-/// Which connections assimp follows.
+/// Whether assimp uses a connection between objects of these kinds.
 bool may_connect(Kind from, Kind to, bool property) {
   constexpr std::pair<Kind, Kind> plain[] = {{Kind::model, Kind::model}, {Kind::attribute, Kind::model}, {Kind::mesh, Kind::model},
                                              {Kind::skin, Kind::mesh},   {Kind::cluster, Kind::skin},    {Kind::model, Kind::cluster},
@@ -58,15 +60,16 @@ bool may_connect(Kind from, Kind to, bool property) {
   return property ? std::ranges::find(to_property, pair) != std::end(to_property) : std::ranges::find(plain, pair) != std::end(plain);
 }
 
+/// Selects, checks and writes the objects.
 class Core {
  public:
-  explicit Core(std::string_view place) : place_(place), file_(place) {}
+  explicit Core(std::string_view location) : location_(location), file_(location) {}
 
   Result<std::string> make(std::string_view bytes) {
     if (Result<void> done = file_.load(bytes); !done) return fail(std::move(done.error()));
     if (file_.version() < 7100)
-      return fail(ErrorCode::unsupported, place_,
-                  "It cannot be read as FBX: its version is " + std::to_string(file_.version()) + ", not 7100 or later.",
+      return fail(ErrorCode::unsupported, location_,
+                  "The file cannot be read as FBX: its version is " + std::to_string(file_.version()) + ", but 7100 or later is needed.",
                   "Export it again as FBX 2011 or later, or as glTF or BVH.");
     for (const auto step : {&Core::collect_objects, &Core::collect_connections, &Core::check_tree, &Core::check_turns})
       if (Result<void> done = (this->*step)(); !done) return fail(std::move(done.error()));
@@ -82,17 +85,17 @@ class Core {
 
   Result<void> collect_objects() {
     const FbxRecord* objects = file_.root().child("Objects");
-    if (!objects) return fail(ErrorCode::structure, place_, "It cannot be read as FBX: there are no objects in it.", "Export it again.");
+    if (!objects) return fail(ErrorCode::structure, location_, "The file cannot be read as FBX: it has no objects.", "Export it again.");
     for (const FbxRecord& r : objects->children) {
       const std::optional<Kind> kind = kind_of(r);
       if (!kind) continue;
       if (r.values.size() < 3 || r.values[0].kind != FbxValue::Kind::number || r.values[0].whole == 0)
-        return file_.refuse(r, ErrorCode::structure, "It has no number, name and class.");
+        return file_.refuse(r, ErrorCode::structure, "The object has no valid id, name and class.");
       Object object{*kind, &r, {}, {}};
       if (*kind == Kind::curve)
         if (Result<void> done = read_curve(object); !done) return done;
       if (*kind == Kind::cluster) object.kept = has_weights(r);
-      objects_.insert_or_assign(r.values[0].whole, std::move(object));  // the last one holds
+      objects_.insert_or_assign(r.values[0].whole, std::move(object));  // if several objects have the same id, the last is used
     }
     return {};
   }
@@ -106,19 +109,20 @@ class Core {
 
   Result<void> read_curve(Object& curve) {
     const FbxRecord *times = curve.record->child("KeyTime"), *values = curve.record->child("KeyValueFloat");
-    if (!times || !values) return file_.refuse(*curve.record, ErrorCode::structure, "It has no KeyTime or no KeyValueFloat.");
+    if (!times || !values) return file_.refuse(*curve.record, ErrorCode::structure, "The curve has no KeyTime or no KeyValueFloat.");
     const Result<std::vector<std::int64_t>> t = file_.integers(*times);
-    const Result<std::vector<double>> x = file_.numbers(*values, most);
+    const Result<std::vector<double>> x = file_.numbers(*values, max_number);
     if (!t) return fail(t.error());
     if (!x) return fail(x.error());
     if (t->size() != x->size())
       return file_.refuse(*curve.record, ErrorCode::structure,
-                          "It has " + std::to_string(t->size()) + " times, but " + std::to_string(x->size()) + " values.");
+                          "The curve has " + std::to_string(t->size()) + " times, but " + std::to_string(x->size()) + " values.");
     for (std::size_t i = 0; i < t->size(); ++i) {
       const std::int64_t time = (*t)[i];
-      if (time < -most_time || time > most_time) return file_.refuse(*times, ErrorCode::range, "A time is beyond a million seconds.");
-      if (!curve.times.empty() && time < curve.times.back()) return file_.refuse(*times, ErrorCode::structure, "Its times do not go up.");
-      if (!curve.times.empty() && time == curve.times.back()) {  // the later of two keys holds
+      if (time < -max_time || time > max_time)
+        return file_.refuse(*times, ErrorCode::range, "The magnitude of a key time exceeds one million seconds.");
+      if (!curve.times.empty() && time < curve.times.back()) return file_.refuse(*times, ErrorCode::structure, "The key times decrease.");
+      if (!curve.times.empty() && time == curve.times.back()) {  // if two keys have the same time, the later is used
         curve.values.back() = static_cast<float>((*x)[i]);
         continue;
       }
@@ -149,22 +153,23 @@ class Core {
     return {};
   }
 
-  /// Models in models: no circle, and not too many in all.
+  /// Checks the hierarchy of models: no cycle, and not too many nodes.
   Result<void> check_tree() {
     std::vector<std::pair<std::int64_t, std::size_t>> open = {{0, 0}};  // with their depth
     for (std::size_t count = 0; !open.empty(); ++count) {
       const auto [id, depth] = open.back();
       open.pop_back();
-      if (depth > deepest) return file_.refuse(*objects_.at(id).record, ErrorCode::structure, "It stands below itself, or too deep.");
+      if (depth > max_depth)
+        return file_.refuse(*objects_.at(id).record, ErrorCode::structure, "The model is its own ancestor, or nested too deeply.");
       if (count > 20 * formats::max_joints)
-        return fail(ErrorCode::range, place_, "It has more than " + std::to_string(20 * formats::max_joints) + " nodes.",
+        return fail(ErrorCode::range, location_, "The file has more than " + std::to_string(20 * formats::max_joints) + " nodes.",
                     "Export the skeleton only.");
       for (auto [it, end] = below_.equal_range(id); it != end; ++it) open.emplace_back(it->second, depth + 1);
     }
     return {};
   }
 
-  /// Turns between keys are cut into pieces: not too many.
+  /// Checks rotation curves: assimp splits rotations between keys into small pieces, so their total angle must be bounded.
   Result<void> check_turns() {
     std::set<std::int64_t> turning;
     for (const Connection& c : connections_)
@@ -176,7 +181,7 @@ class Core {
       for (std::size_t i = 1; i < curve.values.size(); ++i)
         turns += std::fabs(static_cast<double>(curve.values[i]) - static_cast<double>(curve.values[i - 1])) / 360;
       if (turns > 1e5 || std::ranges::any_of(curve.values, [](float x) { return std::fabs(x) > 1e7F; }))
-        return file_.refuse(*curve.record, ErrorCode::range, "It turns through more than 100,000 turns.");
+        return file_.refuse(*curve.record, ErrorCode::range, "The rotation curve makes more than 100,000 turns.");
     }
     return {};
   }
@@ -191,7 +196,7 @@ class Core {
     write_definitions();
     out_.begin("Objects");
     out_.scope();
-    // In the order of the file: nodes and animations come out in it.
+    // In the order of the file, because nodes and animations of the result keep this order.
     for (const FbxRecord& r : file_.root().child("Objects")->children) {
       const auto it = kind_of(r) ? objects_.find(r.values[0].whole) : objects_.end();
       if (it != objects_.end() && it->second.record == &r && it->second.kept) write_object(it->first, it->second);
@@ -224,7 +229,7 @@ class Core {
       "RotationOffset",  "RotationPivot",        "ScalingOffset",     "ScalingPivot",     "RotationOrder",
       "InheritType",     "GeometricTranslation", "GeometricRotation", "GeometricScaling", "RotationActive"};
 
-  /// What models have that do not say otherwise.
+  /// Writes the default properties of models (PropertyTemplate).
   void write_definitions() {
     const FbxRecord* definitions = file_.root().child("Definitions");
     if (!definitions) return;
@@ -271,7 +276,7 @@ class Core {
     out_.array(type, numbers);
     out_.end();
   }
-  /// That a mesh is there is all that counts.
+  /// Writes one triangle: only the existence of the mesh matters.
   void write_triangle() {
     write_array("Vertices", 'd', std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0});
     write_array("PolygonVertexIndex", 'i', std::vector<std::int32_t>{0, 1, -3});
@@ -284,7 +289,7 @@ class Core {
     write_array("TransformLink", 'd', identity);
   }
 
-  /// Those of these names that have the numbers that their type tells.
+  /// Writes the properties with these names whose values fit their type.
   template <class Range>
   void write_properties(const FbxRecord& record, const Range& names) {
     out_.begin("Properties70");
@@ -302,10 +307,10 @@ class Core {
     const std::size_t count = vector ? 3 : 1;
     if ((!vector && !real && !whole && !time) || p.values.size() < 4 + count) return;
     for (std::size_t i = 4; i < 4 + count; ++i)
-      if (p.values[i].kind != FbxValue::Kind::number || !(std::fabs(p.values[i].number) <= most)) return;
+      if (p.values[i].kind != FbxValue::Kind::number || !(std::fabs(p.values[i].number) <= max_number)) return;
     const FbxValue& first = p.values[4];
-    const std::int64_t largest = time ? most_time : 1'000'000;
-    if ((whole || time) && (first.whole < -largest || first.whole > largest)) return;
+    const std::int64_t max_integer = time ? max_time : 1'000'000;
+    if ((whole || time) && (first.whole < -max_integer || first.whole > max_integer)) return;
     if (name.ends_with("Axis") && (first.whole < 0 || first.whole > 2)) return;
     if (name == "TimeMode" && (first.whole < 0 || first.whole > 14)) return;
     if (name == "CustomFrameRate" && !(first.number > 0 && first.number <= 1e6)) return;
@@ -322,18 +327,18 @@ class Core {
     out_.end();
   }
 
-  std::string place_;
+  std::string location_;
   FbxFile file_;
   std::map<std::int64_t, Object> objects_;
   std::vector<Connection> connections_;
-  std::multimap<std::int64_t, std::int64_t> below_;  ///< models in models
+  std::multimap<std::int64_t, std::int64_t> below_;  ///< parent and child models
   FbxWriter out_;
 };
 
 }  // namespace
 
-Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view place) {
-  return Core(place).make({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view location) {
+  return Core(location).make({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace ugoki::scene_formats

@@ -1,5 +1,5 @@
 #pragma once
-// What an FBX file tells of nodes, skins' joints and animations, checked before assimp sees it. Internal to scene_formats.
+// Reduces an FBX file to its nodes, joints of skins and animations, and checks them before assimp reads them. Internal to scene_formats.
 
 #include <cstddef>
 #include <span>
@@ -10,11 +10,11 @@
 
 namespace ugoki::scene_formats {
 
-/// A binary FBX 7.4 file of the same models, skins and animation curves, in which every connection, count and number is right. Whatever the
-/// skeleton does not need is left out (materials, cameras, poses, blend shapes, the shape of meshes: each becomes one triangle, which hangs
-/// on all joints of its skin), so that faults there do no harm. Errors: records that do not lie within each other, curves cut off or with
-/// times that go back, models that stand below themselves.
-/// @param place of the problems: the file's name
-[[nodiscard]] Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view place);
+/// Returns a binary FBX 7.4 file with the same models, skins and animation curves, in which every connection, count and number has been
+/// checked. Everything that the skeleton does not need is removed, so that defects there do no harm: materials, cameras, poses, blend
+/// shapes, mesh data (each mesh becomes one triangle, which is bound to all joints of its skin). Errors: records that exceed their parent
+/// record, truncated curves, key times that decrease, models that are their own ancestors.
+/// @param location of the problems: the file's name
+[[nodiscard]] Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view location);
 
 }  // namespace ugoki::scene_formats

@@ -15,9 +15,10 @@ namespace {
 
 constexpr std::string_view binary_start{"Kaydara FBX Binary  \0", 21};
 constexpr const char* remedy = "Export it again, in another version of the format or as glTF or BVH.";
-constexpr int deepest = 64;
-constexpr std::size_t most_values = 50'000'000;
+constexpr int max_depth = 64;                   // records in records; bounds the recursion
+constexpr std::size_t max_values = 50'000'000;  // values of an ASCII file, to bound memory
 
+/// Size in bytes of an array element of this type.
 std::size_t size_of(char type) { return type == 'd' || type == 'l' ? 8 : type == 'b' || type == 'c' ? 1 : 4; }
 
 template <class T>
@@ -30,7 +31,7 @@ T number_at(std::string_view bytes, std::size_t at) {
 FbxValue whole_number(std::int64_t x) { return {.kind = FbxValue::Kind::number, .number = static_cast<double>(x), .whole = x}; }
 FbxValue real_number(double x) { return {.kind = FbxValue::Kind::number, .number = x, .whole = std::fabs(x) < 9e15 ? std::llrint(x) : 0}; }
 
-/// What was expected, where reading stopped.
+/// Position and message of a syntax error.
 struct Broken {
   std::size_t at;
   std::string message;
@@ -40,17 +41,17 @@ class BinaryReader {
  public:
   BinaryReader(std::string_view bytes, bool wide) : bytes_(bytes), wide_(wide) {}
 
-  /// Records from `at` to an empty one, or to `end`. False: see broken.
+  /// Reads records from `at` to an empty record or to `end`. False on error; see `broken`.
   bool records(std::size_t at, std::size_t end, int depth, std::vector<FbxRecord>& out) {
-    if (depth > deepest) return stop(at, "Its records lie too deep in each other.");
+    if (depth > max_depth) return stop(at, "The records are nested too deeply.");
     const std::size_t head = wide_ ? 25 : 13;
     while (at < end) {
-      if (end - at < head) return stop(at, "A record is cut off.");
+      if (end - at < head) return stop(at, "The header of a record is truncated.");
       const std::size_t record_end = size_at(at), count = size_at(at + head / 3), length = size_at(at + 2 * (head / 3));
       const std::size_t name = static_cast<unsigned char>(bytes_[at + head - 1]), first = at + head;
       if (record_end == 0) return true;
       if (record_end > end || record_end < first || name > record_end - first || length > record_end - first - name)
-        return stop(at, "A record does not lie within the one around it.");
+        return stop(at, "A record exceeds its parent record.");
       FbxRecord record;
       record.name = bytes_.substr(first, name);
       record.at = at;
@@ -74,7 +75,7 @@ class BinaryReader {
   bool values(std::size_t at, std::size_t length, std::size_t count, std::vector<FbxValue>& out) {
     const std::size_t end = at + length;
     for (std::size_t i = 0; i < count; ++i) {
-      if (at >= end) return stop(at, "A record has fewer properties than it tells.");
+      if (at >= end) return stop(at, "A record has fewer properties than its header declares.");
       const char type = bytes_[at++];
       const std::size_t left = end - at;
       std::size_t used = 0;
@@ -94,13 +95,13 @@ class BinaryReader {
         case 'i':
         case 'b':
         case 'c': used = left < 12 ? left + 1 : 12 + std::size_t{number_at<std::uint32_t>(bytes_, at + 8)}; break;
-        default: return stop(at - 1, "A property is of no known type.");
+        default: return stop(at - 1, "A property has an unknown type.");
       }
       if (used > left) return stop(at, "A property is longer than its record.");
       out.push_back(value(type, at, used));
       at += used;
     }
-    return at == end || stop(at, "A record has more properties than it tells.");
+    return at == end || stop(at, "A record has more properties than its header declares.");
   }
   [[nodiscard]] FbxValue value(char type, std::size_t at, std::size_t used) const {
     switch (type) {
@@ -123,27 +124,27 @@ class BinaryReader {
   }
 
   std::string_view bytes_;
-  bool wide_;  ///< sizes of 64 bits
+  bool wide_;  ///< sizes have 64 bits (version 7500 and later)
 };
 
 class TextReader {
  public:
   explicit TextReader(std::string_view bytes) : bytes_(bytes) {}
 
-  /// Records up to '}' or, outermost, to the end.
+  /// Reads records up to '}' or, at depth 0, to the end of the file. False on error; see `broken`.
   bool records(int depth, std::vector<FbxRecord>& out) {
-    if (depth > deepest) return stop("Its records lie too deep in each other.");
+    if (depth > max_depth) return stop("The records are nested too deeply.");
     for (skip(); at_ < bytes_.size() && bytes_[at_] != '}'; skip()) {
       FbxRecord record;
       record.at = at_;
       record.name = word(":");
       skip();
-      if (record.name.empty() || at_ >= bytes_.size() || bytes_[at_] != ':') return stop("A name with a colon is missing.");
+      if (record.name.empty() || at_ >= bytes_.size() || bytes_[at_] != ':') return stop("A record name followed by a colon is missing.");
       ++at_;
       if (!rest(record, depth)) return false;
       out.push_back(std::move(record));
     }
-    return (depth == 0) == (at_ >= bytes_.size()) || stop(depth == 0 ? "A } has no {." : "A } is missing.");
+    return (depth == 0) == (at_ >= bytes_.size()) || stop(depth == 0 ? "A '}' has no matching '{'." : "A '}' is missing.");
   }
   Broken broken{0, ""};
 
@@ -167,9 +168,9 @@ class TextReader {
     while (at_ < bytes_.size() && !std::string_view(" \t\r\n,{};").contains(bytes_[at_]) && !ends.contains(bytes_[at_])) ++at_;
     return bytes_.substr(begin, at_ - begin);
   }
-  /// Values and children.
+  /// Reads the values and child records of a record, after its name and colon.
   bool rest(FbxRecord& record, int depth) {
-    // A value stands on the name's line; after a comma on any.
+    // The first value is on the line of the name; after a comma, the next value may be on any line.
     while (at_ < bytes_.size() && (bytes_[at_] == ' ' || bytes_[at_] == '\t' || bytes_[at_] == '\r')) ++at_;
     if (at_ < bytes_.size() && !std::string_view("\n{};").contains(bytes_[at_])) {
       for (bool more = true; more;) {
@@ -177,7 +178,7 @@ class TextReader {
         FbxValue value;
         if (!read(value)) return false;
         record.values.push_back(value);
-        if (++count_ > most_values) return stop("It holds too many values.");
+        if (++count_ > max_values) return stop("The file has more than 50 million values.");
         const std::size_t end = at_;
         skip();
         more = at_ < bytes_.size() && bytes_[at_] == ',';
@@ -208,7 +209,7 @@ class TextReader {
     if (value.text.empty()) return stop("A value is missing.");
     if (value.text[0] == '*') {
       const auto [end, error] = std::from_chars(value.text.data() + 1, value.text.data() + value.text.size(), value.count);
-      if (error != std::errc{} || end != value.text.data() + value.text.size()) return stop("The length of an array is no number.");
+      if (error != std::errc{} || end != value.text.data() + value.text.size()) return stop("The length of an array is not a number.");
       value.kind = FbxValue::Kind::array;
       value.type = 'a';
       value.text = {};
@@ -222,10 +223,10 @@ class TextReader {
     }
     return true;
   }
-  /// { a: 1,2,3 }
+  /// Stores the text of an array "{ a: 1,2,3 }".
   bool numbers(FbxValue& array) {
     const std::size_t end = bytes_.find('}', at_);
-    if (end == std::string_view::npos) return stop("A } is missing.");
+    if (end == std::string_view::npos) return stop("A '}' is missing.");
     const std::size_t colon = bytes_.find(':', at_);
     array.text = colon < end ? bytes_.substr(colon + 1, end - colon - 1) : std::string_view();
     at_ = end + 1;
@@ -255,11 +256,11 @@ Result<void> FbxFile::load(std::string_view bytes) {
 }
 
 Result<void> FbxFile::read_binary() {
-  if (bytes_.size() < 27) return fail(ErrorCode::truncated, place_, "It ends within its header.", remedy);
+  if (bytes_.size() < 27) return fail(ErrorCode::truncated, location_, "The file ends within its header.", remedy);
   binary_version_ = number_at<std::uint32_t>(bytes_, 23);
   BinaryReader reader(bytes_, binary_version_ >= 7500);
   if (reader.records(27, bytes_.size(), 0, root_.children)) return {};
-  return fail(ErrorCode::syntax, place_ + ", byte " + std::to_string(reader.broken.at), std::move(reader.broken.message), remedy);
+  return fail(ErrorCode::syntax, location_ + ", byte " + std::to_string(reader.broken.at), std::move(reader.broken.message), remedy);
 }
 
 Result<void> FbxFile::read_text() {
@@ -267,7 +268,7 @@ Result<void> FbxFile::read_text() {
   if (reader.records(0, root_.children)) return {};
   FbxRecord here;
   here.at = reader.broken.at;
-  return refuse(here, ErrorCode::syntax, "It cannot be read as FBX: " + std::move(reader.broken.message));
+  return refuse(here, ErrorCode::syntax, "The file cannot be read as FBX: " + std::move(reader.broken.message));
 }
 
 std::int64_t FbxFile::version() const {
@@ -279,26 +280,27 @@ std::int64_t FbxFile::version() const {
 
 std::unexpected<Error> FbxFile::refuse(const FbxRecord& record, ErrorCode code, std::string message) const {
   const auto at = static_cast<std::ptrdiff_t>(std::min(record.at, bytes_.size()));
-  std::string place = place_ + (binary_ ? ", byte " + std::to_string(at)
-                                        : ", line " + std::to_string(1 + std::count(bytes_.begin(), bytes_.begin() + at, '\n')));
-  if (!record.name.empty()) place += ", " + formats::in_quotes(record.name);
-  return fail(code, std::move(place), std::move(message), remedy);
+  std::string location = location_ + (binary_ ? ", byte " + std::to_string(at)
+                                              : ", line " + std::to_string(1 + std::count(bytes_.begin(), bytes_.begin() + at, '\n')));
+  if (!record.name.empty()) location += ", " + formats::in_quotes(record.name);
+  return fail(code, std::move(location), std::move(message), remedy);
 }
 
 Result<std::string> FbxFile::unpacked(const FbxRecord& record, const FbxValue& array) const {
   const std::size_t size = size_of(array.type) * array.count;
   if (!array.packed) {
-    if (array.text.size() != size) return refuse(record, ErrorCode::truncated, "Its array has not as many bytes as its length tells.");
+    if (array.text.size() != size) return refuse(record, ErrorCode::truncated, "The size of the array does not match its declared length.");
     return std::string(array.text);
   }
-  // No stream of zlib gives more than 1032 bytes for one.
-  if (size / 1032 > array.text.size()) return refuse(record, ErrorCode::truncated, "Its packed array is too short for its length.");
+  // The compression factor of zlib is at most 1032.
+  if (size / 1032 > array.text.size())
+    return refuse(record, ErrorCode::truncated, "The compressed array is too short for its declared length.");
   std::string out(size, '\0');
   uLongf got = size;
   if (uncompress(reinterpret_cast<Bytef*>(out.data()), &got, reinterpret_cast<const Bytef*>(array.text.data()), array.text.size()) !=
           Z_OK ||
       got != size)
-    return refuse(record, ErrorCode::syntax, "Its packed array cannot be unpacked.");
+    return refuse(record, ErrorCode::syntax, "The compressed array cannot be decompressed.");
   return out;
 }
 
@@ -330,37 +332,38 @@ Result<std::vector<T>> FbxFile::array(const FbxRecord& record) const {
     out.push_back(n ? static_cast<T>(*n) : static_cast<T>(*x));
     return true;
   };
-  if (v.kind != FbxValue::Kind::array) {  // 7.0 and before: numbers without a length
+  if (v.kind != FbxValue::Kind::array) {  // FBX 7.0 and earlier: numbers without a length
     for (const FbxValue& x : record.values)
       if (x.kind != FbxValue::Kind::number || !add(x.text.empty() ? to_text(x.number) : std::string(x.text)))
-        return refuse(record, ErrorCode::syntax, formats::in_quotes(x.text) + " is no number.");
+        return refuse(record, ErrorCode::syntax, formats::in_quotes(x.text) + " is not a valid number.");
     return out;
   }
   constexpr std::string_view between = " \t\r\n,";
   for (std::size_t at = v.text.find_first_not_of(between); at != std::string_view::npos;) {
     const std::size_t end = std::min(v.text.find_first_of(between, at), v.text.size());
     if (!add(v.text.substr(at, end - at)))
-      return refuse(record, ErrorCode::syntax, formats::in_quotes(v.text.substr(at, end - at)) + " is no number.");
+      return refuse(record, ErrorCode::syntax, formats::in_quotes(v.text.substr(at, end - at)) + " is not a valid number.");
     at = v.text.find_first_not_of(between, end);
   }
   if (out.size() != v.count)
     return refuse(record, ErrorCode::truncated,
-                  "It tells of " + std::to_string(v.count) + " numbers, but there are " + std::to_string(out.size()) + ".");
+                  "The array declares " + std::to_string(v.count) + " numbers, but has " + std::to_string(out.size()) + ".");
   return out;
 }
 
-Result<std::vector<double>> FbxFile::numbers(const FbxRecord& record, double most) const {
+Result<std::vector<double>> FbxFile::numbers(const FbxRecord& record, double maximum) const {
   Result<std::vector<double>> out = array<double>(record);
   if (!out) return out;
   for (const double x : *out)
-    if (!(std::fabs(x) <= most)) return refuse(record, ErrorCode::range, "A number is not finite or beyond " + to_text(most) + ".");
+    if (!(std::fabs(x) <= maximum))
+      return refuse(record, ErrorCode::range, "A number is not finite or its magnitude exceeds " + to_text(maximum) + ".");
   return out;
 }
 
 Result<std::vector<std::int64_t>> FbxFile::integers(const FbxRecord& record) const {
-  // NaN is no whole number, and no exporter writes times as such.
+  // Floating-point times are refused: NaN cannot be converted to an integer, and no exporter writes them.
   if (!record.values.empty() && (record.values[0].type == 'd' || record.values[0].type == 'f'))
-    return refuse(record, ErrorCode::syntax, "Its numbers should be whole.");
+    return refuse(record, ErrorCode::syntax, "The numbers of the array must be integers.");
   return array<std::int64_t>(record);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The records of an FBX file, binary or ASCII, as they stand: checked to lie within each other. Internal to scene_formats.
+// The records of an FBX file, binary or ASCII, as a tree; checks that each record is inside its parent. Internal to scene_formats.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,54 +11,58 @@
 
 namespace ugoki::scene_formats {
 
-/// A property of a record. Texts are views into the file.
+/// A property of a record. Texts are views into the bytes of the file.
 struct FbxValue {
   enum class Kind : std::uint8_t { number, text, array };
   Kind kind = Kind::text;
   double number = 0;
-  std::int64_t whole = 0;      ///< of a whole number, exactly
-  std::string_view text = {};  ///< of an array: its bytes, or numbers with commas between
-  char type = 0;               ///< of an array: 'd', 'f', 'l', 'i', 'b', or 'a' where it is written as text
-  std::uint32_t count = 0;
-  bool packed = false;  ///< by zlib
+  std::int64_t whole = 0;      ///< exact value of an integer
+  std::string_view text = {};  ///< for an array: its bytes, or its numbers separated by commas
+  char type = 0;               ///< element type of an array: 'd', 'f', 'l', 'i', 'b'; 'a': ASCII text
+  std::uint32_t count = 0;     ///< number of elements of an array
+  bool packed = false;         ///< the bytes are compressed by zlib
 };
 
+/// A record (node) of an FBX file with its properties and child records.
 struct FbxRecord {
   std::string_view name;
-  std::size_t at = 0;  ///< byte in the file
+  std::size_t at = 0;  ///< byte offset in the file
   std::vector<FbxValue> values;
   std::vector<FbxRecord> children;
+  /// The first child of this name, or null.
   [[nodiscard]] const FbxRecord* child(std::string_view wanted) const;
-  /// Text number `i`; empty: there is none.
+  /// The property `i` as text; empty if it does not exist or is not a text.
   [[nodiscard]] std::string_view text(std::size_t i) const;
 };
 
+/// A parsed FBX file. Keeps views into the bytes passed to load(), which must outlive it.
 class FbxFile {
  public:
-  explicit FbxFile(std::string_view place) : place_(place) {}
-  /// Reads all records; refuses what is no FBX, cut off, nested too deeply, or longer than the file.
+  explicit FbxFile(std::string_view location) : location_(location) {}
+  /// Reads all records. Errors: not FBX, truncated, nested too deeply, a record that exceeds its parent.
   [[nodiscard]] Result<void> load(std::string_view bytes);
   [[nodiscard]] const FbxRecord& root() const { return root_; }
-  /// 7400; 0: the file does not tell.
+  /// For example 7400; 0 if the file does not state its version.
   [[nodiscard]] std::int64_t version() const;
-  /// A problem at this record.
+  /// An Error at this record.
   [[nodiscard]] std::unexpected<Error> refuse(const FbxRecord& record, ErrorCode code, std::string message) const;
-  /// The numbers of a record that holds an array, each finite and at most `most`.
-  [[nodiscard]] Result<std::vector<double>> numbers(const FbxRecord& record, double most) const;
+  /// The elements of a record's array. An Error unless each is finite and its magnitude at most `maximum`.
+  [[nodiscard]] Result<std::vector<double>> numbers(const FbxRecord& record, double maximum) const;
+  /// The elements of a record's array of integers.
   [[nodiscard]] Result<std::vector<std::int64_t>> integers(const FbxRecord& record) const;
 
  private:
   [[nodiscard]] Result<void> read_binary();
   [[nodiscard]] Result<void> read_text();
-  /// The array's bytes as they are without zlib.
+  /// The bytes of the array, decompressed if necessary.
   [[nodiscard]] Result<std::string> unpacked(const FbxRecord& record, const FbxValue& array) const;
   template <class T>
   [[nodiscard]] Result<std::vector<T>> array(const FbxRecord& record) const;
 
-  std::string place_;
+  std::string location_;
   std::string_view bytes_;
   bool binary_ = false;
-  std::uint32_t binary_version_ = 0;
+  std::uint32_t binary_version_ = 0;  ///< from the header of a binary file
   FbxRecord root_;
 };
 

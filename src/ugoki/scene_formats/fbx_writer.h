@@ -1,5 +1,5 @@
 #pragma once
-// Writes the records of a binary FBX file. Internal to scene_formats.
+// Writes a binary FBX 7.4 file record by record. Internal to scene_formats.
 
 #include <cstdint>
 #include <cstring>
@@ -9,7 +9,7 @@
 
 namespace ugoki::scene_formats {
 
-/// begin(), properties, further records between begin() and end(), end().
+/// For each record call begin(), the properties, begin() ... end() of its child records, and end(). take() returns the finished file.
 class FbxWriter {
  public:
   FbxWriter() {
@@ -29,13 +29,13 @@ class FbxWriter {
   void end() {
     Open& record = open_.back();
     if (record.closed)
-      out_.append(13, '\0');  // behind the last record inside
+      out_.append(13, '\0');  // empty record: end of the child records
     else
       close_properties();
     patch(record.at, static_cast<std::uint32_t>(out_.size()));
     open_.pop_back();
   }
-  /// A record that holds others, perhaps none: these begin here.
+  /// Ends the properties of the open record; child records follow, even if there are none.
   void scope() {
     if (!open_.back().closed) close_properties();
   }
@@ -59,6 +59,7 @@ class FbxWriter {
   }
 
  private:
+  /// A record that is not finished yet: offsets of its header and of its properties, number of properties.
   struct Open {
     std::size_t at = 0, properties = 0;
     std::uint32_t count = 0;

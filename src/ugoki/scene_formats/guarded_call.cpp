@@ -23,7 +23,7 @@ namespace {
 
 constexpr int exit_done = 0, exit_no_memory = 77, exit_exception = 78;
 
-/// Bytes of address space of this process.
+/// Size of the address space of this process, bytes.
 std::size_t own_size() {
   std::size_t pages = 0;
   if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
@@ -33,11 +33,12 @@ std::size_t own_size() {
   return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-void set_limit(int what, rlim_t value) {
+void set_limit(int resource, rlim_t value) {
   rlimit limit{value, value};
-  (void)setrlimit(what, &limit);
+  (void)setrlimit(resource, &limit);
 }
 
+/// Writes all bytes; false on error.
 bool write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(file, bytes.data(), bytes.size());
@@ -48,7 +49,7 @@ bool write_all(int file, std::string_view bytes) {
   return true;
 }
 
-/// Never returns to the copy of the caller.
+/// The child process: runs the call, writes the answer and exits. Never returns into the copied stack of the caller.
 [[noreturn]] void run_child(const std::function<std::string()>& call, int out, const GuardLimits& limits, std::size_t size) {
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTERM, SIGINT, SIGPIPE, SIGALRM}) (void)signal(number, SIG_DFL);
@@ -66,20 +67,23 @@ bool write_all(int file, std::string_view bytes) {
   }
 }
 
-struct Ended {
-  bool in_time = true, whole = true;
-  int status = 0;
+/// How the child process ended.
+struct Outcome {
+  bool in_time = true;       ///< within the time limit
+  bool within_limit = true;  ///< the answer did not exceed its maximum size
+  int status = 0;            ///< from waitpid()
 };
 
-Ended collect(pid_t child, int in, const GuardLimits& limits, std::string& answer) {
+/// Reads the child's answer until it ends or exceeds a limit; in the latter case the child is killed.
+Outcome collect(pid_t child, int in, const GuardLimits& limits, std::string& answer) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limits.seconds));
-  Ended ended;
+  Outcome outcome;
   std::string buffer(1 << 16, '\0');
   while (true) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     if (left <= 0) {
-      ended.in_time = false;
+      outcome.in_time = false;
       break;
     }
     pollfd wait{in, POLLIN, 0};
@@ -91,24 +95,24 @@ Ended collect(pid_t child, int in, const GuardLimits& limits, std::string& answe
     if (n <= 0) break;
     answer.append(buffer, 0, static_cast<std::size_t>(n));
     if (answer.size() > limits.answer) {
-      ended.whole = false;
+      outcome.within_limit = false;
       break;
     }
   }
-  if (!ended.in_time || !ended.whole) (void)kill(child, SIGKILL);
-  while (waitpid(child, &ended.status, 0) < 0 && errno == EINTR) {
+  if (!outcome.in_time || !outcome.within_limit) (void)kill(child, SIGKILL);
+  while (waitpid(child, &outcome.status, 0) < 0 && errno == EINTR) {
   }
-  return ended;
+  return outcome;
 }
 
 }  // namespace
 
-Result<std::string> call_guarded(const std::function<std::string()>& call, std::string_view place, const GuardLimits& limits) {
-  const std::string at(place);
+Result<std::string> call_guarded(const std::function<std::string()>& call, std::string_view location, const GuardLimits& limits) {
+  const std::string at(location);
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
     return fail(ErrorCode::io, at,
-                "No pipe could be made to read the file in a process of its own (" + std::string(std::strerror(errno)) + ").",
+                "No pipe could be created to read the file in a child process (" + std::string(std::strerror(errno)) + ").",
                 "Close other programs and try again.");
   const std::size_t size = own_size();
   const pid_t child = ::fork();
@@ -116,7 +120,8 @@ Result<std::string> call_guarded(const std::function<std::string()>& call, std::
     const std::string why = std::strerror(errno);
     ::close(ends[0]);
     ::close(ends[1]);
-    return fail(ErrorCode::io, at, "No process could be started to read the file (" + why + ").", "Close other programs and try again.");
+    return fail(ErrorCode::io, at, "No child process could be started to read the file (" + why + ").",
+                "Close other programs and try again.");
   }
   if (child == 0) {
     ::close(ends[0]);
@@ -124,17 +129,20 @@ Result<std::string> call_guarded(const std::function<std::string()>& call, std::
   }
   ::close(ends[1]);
   std::string answer;
-  const Ended ended = collect(child, ends[0], limits, answer);
+  const Outcome outcome = collect(child, ends[0], limits, answer);
   ::close(ends[0]);
-  if (!ended.in_time || (WIFSIGNALED(ended.status) && WTERMSIG(ended.status) == SIGXCPU))
-    return fail(ErrorCode::io, at, "Reading it took longer than " + std::to_string(std::lround(limits.seconds)) + " s and was stopped.",
-                "Export less at once, or another format (glTF, BVH).");
-  if (!ended.whole) return fail(ErrorCode::range, at, "It holds more motion than can be read at once.", "Export less at once.");
-  if (WIFEXITED(ended.status) && WEXITSTATUS(ended.status) == exit_done) return answer;
-  if (WIFEXITED(ended.status) && WEXITSTATUS(ended.status) == exit_no_memory)
-    return fail(ErrorCode::range, at, "Reading it wants more than 4 GB of memory; it is damaged or holds far more than a skeleton.",
+  if (!outcome.in_time || (WIFSIGNALED(outcome.status) && WTERMSIG(outcome.status) == SIGXCPU))
+    return fail(ErrorCode::io, at,
+                "Reading the file took longer than " + std::to_string(std::lround(limits.seconds)) + " s and was stopped.",
+                "Export a shorter motion, or use another format (glTF, BVH).");
+  if (!outcome.within_limit)
+    return fail(ErrorCode::range, at, "The file has more motion than can be read at once.", "Export a shorter motion.");
+  if (WIFEXITED(outcome.status) && WEXITSTATUS(outcome.status) == exit_done) return answer;
+  if (WIFEXITED(outcome.status) && WEXITSTATUS(outcome.status) == exit_no_memory)
+    return fail(ErrorCode::range, at,
+                "Reading the file needs more memory than the limit of 4 GB; it is damaged or has much more than a skeleton.",
                 "Export it again, with the skeleton and its motion only.");
-  return fail(ErrorCode::syntax, at, "The library that reads this format broke down on it: the file is damaged or of an unusual kind.",
+  return fail(ErrorCode::syntax, at, "The library that reads this format crashed: the file is damaged or uses unusual features.",
               "Export it again, in another version of the format or as glTF or BVH.");
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A function in a process of its own; internal to scene_formats.
+// Runs a function in a child process with limits on time, memory and answer size. Internal to scene_formats.
 
 #include <cstddef>
 #include <functional>
@@ -10,15 +10,16 @@
 
 namespace ugoki::scene_formats {
 
+/// Limits of a guarded call.
 struct GuardLimits {
-  double seconds = 120;                       ///< by the clock
-  std::size_t memory = std::size_t{4} << 30;  ///< bytes of address space beyond what this process has
-  std::size_t answer = std::size_t{2} << 30;  ///< bytes
+  double seconds = 120;                       ///< wall-clock time
+  std::size_t memory = std::size_t{4} << 30;  ///< bytes of address space in addition to that of the calling process
+  std::size_t answer = std::size_t{2} << 30;  ///< maximum size of the answer, bytes
 };
 
-/// Runs `call` in a child process (a copy of this one) and gives what it returned. An Error (code io, at `place`) where the child crashed,
-/// took longer, wanted more memory, or answered more. The call must not need other threads, and must not write to files.
-[[nodiscard]] Result<std::string> call_guarded(const std::function<std::string()>& call, std::string_view place,
+/// Runs `call` in a child process (a fork of this one) and returns its result. An Error (at `location`) if the child crashes or exceeds the
+/// time, memory or answer limit. The call must not depend on other threads and must not write to files. POSIX only.
+[[nodiscard]] Result<std::string> call_guarded(const std::function<std::string()>& call, std::string_view location,
                                                const GuardLimits& limits = {});
 
 }  // namespace ugoki::scene_formats

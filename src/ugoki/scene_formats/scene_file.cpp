@@ -1,4 +1,4 @@
-// The guarded reading: what the child process answers, and what is made of it.
+// Guarded reading: the child process serialises its result as an answer; the calling process parses the answer.
 
 #include "ugoki/scene_formats/scene_file.h"
 
@@ -12,13 +12,14 @@
 namespace ugoki::scene_formats {
 namespace {
 
+/// Appends a text with its length.
 void put(std::string& out, std::string_view text) {
   const std::uint64_t size = text.size();
   out.append(reinterpret_cast<const char*>(&size), sizeof size);
   out += text;
 }
 
-/// Takes a text off the front; false where there is none.
+/// Removes a text from the front of `in`; false if there is none.
 bool take(std::string_view& in, std::string_view& text) {
   std::uint64_t size = 0;
   if (in.size() < sizeof size) return false;
@@ -42,7 +43,7 @@ bool take_number(std::string_view& in, T& x) {
   return true;
 }
 
-/// In the child.
+/// Runs in the child process: reads the file and serialises the motions and notes, or the problems.
 std::string answer_of(std::span<const std::byte> bytes, std::string_view file_name, const SceneOptions& options) {
   formats::ReadNotes notes;
   const Result<std::vector<MeasuredMotion>> motions = read_scene_unguarded(bytes, file_name, options, notes);
@@ -52,7 +53,7 @@ std::string answer_of(std::span<const std::byte> bytes, std::string_view file_na
     put_number(out, std::uint64_t{motions.error().problems.size()});
     for (const Problem& p : motions.error().problems) {
       put_number(out, static_cast<std::uint64_t>(p.code));
-      for (const std::string* text : {&p.place, &p.message, &p.remedy}) put(out, *text);
+      for (const std::string* text : {&p.location, &p.message, &p.remedy}) put(out, *text);
     }
     return out;
   }
@@ -69,9 +70,9 @@ std::string answer_of(std::span<const std::byte> bytes, std::string_view file_na
   return out;
 }
 
-/// False where the answer is none of answer_of's.
-bool understand(std::string_view in, const std::string& place, Error& error, std::vector<MeasuredMotion>& motions,
-                formats::ReadNotes& notes) {
+/// Parses an answer of answer_of(). False if it is damaged, which can happen if the child's memory was corrupted.
+bool parse_answer(std::string_view in, const std::string& location, Error& error, std::vector<MeasuredMotion>& motions,
+                  formats::ReadNotes& notes) {
   std::uint64_t count = 0, flags = 0, remarks = 0;
   std::string_view text;
   if (!take_number(in, count)) return false;
@@ -97,7 +98,7 @@ bool understand(std::string_view in, const std::string& place, Error& error, std
   }
   for (std::uint64_t i = 0; i < count; ++i) {
     if (!take(in, text)) return false;
-    Result<MeasuredMotion> motion = formats::read_measured_motion({reinterpret_cast<const std::byte*>(text.data()), text.size()}, place);
+    Result<MeasuredMotion> motion = formats::read_measured_motion({reinterpret_cast<const std::byte*>(text.data()), text.size()}, location);
     if (!motion) return false;
     motions.push_back(std::move(*motion));
   }
@@ -113,12 +114,12 @@ Result<std::vector<MeasuredMotion>> read_scene(std::span<const std::byte> bytes,
   if (!answer) return fail(answer.error());
   Error error;
   std::vector<MeasuredMotion> motions;
-  formats::ReadNotes told;
-  if (!understand(*answer, std::string(file_name), error, motions, told))
-    return fail(ErrorCode::syntax, std::string(file_name), "The library that reads this format gave no whole answer: the file is damaged.",
-                "Export it again.");
+  formats::ReadNotes read_notes;
+  if (!parse_answer(*answer, std::string(file_name), error, motions, read_notes))
+    return fail(ErrorCode::syntax, std::string(file_name),
+                "The library that reads this format returned an incomplete answer: the file is damaged.", "Export it again.");
   if (!error.empty()) return fail(std::move(error));
-  if (notes) *notes = std::move(told);
+  if (notes) *notes = std::move(read_notes);
   return motions;
 }
 

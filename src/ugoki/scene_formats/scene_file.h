@@ -1,5 +1,5 @@
 #pragma once
-// FBX and COLLADA files: skeletons and their animations. What is read is described in docs/formats.md.
+// Reads skeletons and their animations from FBX and COLLADA files. docs/formats.md lists what is read.
 
 #include <cstddef>
 #include <span>
@@ -12,21 +12,23 @@
 
 namespace ugoki::scene_formats {
 
+/// Options of read_scene().
 struct SceneOptions {
-  double rate = 0;             ///< frames a second to sample the animations at; 0: that of the densest keys
-  double metres_per_unit = 0;  ///< 0: as the file says
-  double seconds = 120;        ///< that reading may take
+  double rate = 0;             ///< sampling rate of the animations, Hz; 0: the rate of the channel with the densest keys
+  double metres_per_unit = 0;  ///< m; 0: as the file specifies
+  double seconds = 120;        ///< maximum time for reading, s
 };
 
-/// Reads all animations of a file from memory: one measured motion for each, on the skeleton of all skins' bones and the nodes between and
-/// above them (files without skins: all nodes that move and those that hang on them). A file without animations gives one frame at rest.
-/// Units and the axis that points up are those of the file. Another process reads; when it crashes, hangs, or wants more than
-/// 4 GB, that is an Error like any other.
-/// @param file_name its ending (.fbx, .dae) says which format; stands in the place of every problem
+/// Reads all animations of a file from memory: one measured motion for each. The skeleton consists of the bones of all skins and the nodes
+/// between and above them; in a file without skins, of all animated nodes and their descendants without meshes. A file without animations
+/// gives one frame in the rest pose. Unit and up axis are those of the file. The file is parsed in a child process: if this crashes,
+/// exceeds the time limit, or needs more than 4 GB, the result is an Error.
+/// @param file_name its extension (.fbx, .dae) selects the format; it appears in the location of every problem
+/// @param notes receives unit, axis and remarks; may be null
 [[nodiscard]] Result<std::vector<MeasuredMotion>> read_scene(std::span<const std::byte> bytes, std::string_view file_name,
                                                              const SceneOptions& options = {}, formats::ReadNotes* notes = nullptr);
 
-/// The same in this process, without any guard: for the child process and for tests that look for crashes on purpose.
+/// As read_scene(), but in this process, without protection: used by the child process, and by tests that search for crashes.
 [[nodiscard]] Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::byte> bytes, std::string_view file_name,
                                                                        const SceneOptions& options, formats::ReadNotes& notes);
 

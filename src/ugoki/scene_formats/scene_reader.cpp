@@ -1,4 +1,4 @@
-// What assimp makes of a file, as measured motions.
+// Converts the scene that assimp read to measured motions.
 
 #include <assimp/config.h>
 #include <assimp/scene.h>
@@ -21,7 +21,7 @@
 namespace ugoki::scene_formats {
 namespace {
 
-/// x -> M x + p, M with scales.
+/// Affine map x -> M x + p. M may contain scales.
 struct Affine {
   Mat3 M = Mat3::identity();
   Vec3 p;
@@ -37,7 +37,7 @@ Affine affine_of(const aiMatrix4x4& m) {
   return {{d(m.a1), d(m.a2), d(m.a3), d(m.b1), d(m.b2), d(m.b3), d(m.c1), d(m.c2), d(m.c3)}, {d(m.a4), d(m.b4), d(m.c4)}};
 }
 
-/// The rotation nearest to M (polar decomposition by Newton's iteration); nothing where M is singular or turns inside out.
+/// The rotation closest to M (polar decomposition by Newton's iteration); std::nullopt if M is singular or a reflection.
 std::optional<Mat3> nearest_rotation(Mat3 M) {
   for (int i = 0; i < 60; ++i) {
     const double det = M.determinant();
@@ -51,24 +51,26 @@ std::optional<Mat3> nearest_rotation(Mat3 M) {
   return M;
 }
 
+/// A node of assimp's scene.
 struct Node {
   const aiNode* node;
-  int parent;      ///< of nodes
-  int joint = -1;  ///< of the skeleton
-  bool bone = false, animated = false, keep = false;
-  Affine rest;  ///< in the world
+  int parent;                                         ///< index in nodes_; -1: the root
+  int joint = -1;                                     ///< index of the skeleton joint; -1: none
+  bool bone = false, animated = false, keep = false;  ///< keep: the node becomes a joint
+  Affine rest;                                        ///< in the file's world, in the rest pose
 };
 
-/// World of the file to ours.
+/// Conversion from the file's world to ours (z up, metres).
 struct Frame {
   Mat3 R = Mat3::identity();
   double metres = 1;
   [[nodiscard]] Vec3 position(const Vec3& p) const { return R * p * metres; }
 };
 
+/// Chooses the joints and samples the animations of a scene.
 class SceneReader {
  public:
-  /// @param collada_up 0 x, 1 y, 2 z: what a COLLADA file says
+  /// @param collada_up up axis of a COLLADA file: 0 x, 1 y, 2 z
   SceneReader(const aiScene& scene, std::string_view file_name, const SceneOptions& options, formats::ReadNotes& notes, int collada_up)
       : scene_(scene), file_name_(file_name), options_(options), notes_(notes), collada_up_(collada_up) {}
 
@@ -76,8 +78,8 @@ class SceneReader {
     if (!collect_nodes()) return fail(std::move(error_));
     choose_joints();
     if (joints_.empty())
-      return fail(ErrorCode::structure, std::string(file_name_), "It holds no skeleton: no skin with bones and no node that moves.",
-                  "Export the skeleton with its motion.");
+      return fail(ErrorCode::structure, std::string(file_name_),
+                  "The file has no skeleton: neither a skin with bones nor an animated node.", "Export the skeleton with its motion.");
     find_axes();
     make_skeleton();
     std::vector<MeasuredMotion> out;
@@ -94,7 +96,7 @@ class SceneReader {
       rest.frames = 1;
       rest.rate = 30;
       add_frame(rest, rest_locals_);
-      notes_.remarks.push_back("The file has no animations; it gives one frame at rest.");
+      notes_.remarks.push_back("The file has no animations; the result is one frame in the rest pose.");
       out.push_back(std::move(rest));
     }
     return out;
@@ -106,9 +108,9 @@ class SceneReader {
     return false;
   }
 
-  /// Parents first; no recursion, so that no depth exhausts the stack.
+  /// Fills nodes_, parents before children; no recursion, so that no depth exhausts the stack.
   bool collect_nodes() {
-    if (!scene_.mRootNode) return refuse(ErrorCode::structure, "It has no nodes.", "Export it again.");
+    if (!scene_.mRootNode) return refuse(ErrorCode::structure, "The file has no nodes.", "Export it again.");
     std::map<std::string, bool, std::less<>> bones;
     for (unsigned m = 0; m < scene_.mNumMeshes; ++m)
       for (unsigned b = 0; b < scene_.mMeshes[m]->mNumBones; ++b) bones[scene_.mMeshes[m]->mBones[b]->mName.C_Str()] = true;
@@ -124,7 +126,7 @@ class SceneReader {
       index_.emplace(node->mName.C_Str(), static_cast<int>(i));
       for (unsigned c = 0; c < node->mNumChildren; ++c) {
         if (nodes_.size() > 20 * formats::max_joints)
-          return refuse(ErrorCode::range, "It has more than " + std::to_string(20 * formats::max_joints) + " nodes.",
+          return refuse(ErrorCode::range, "The file has more than " + std::to_string(20 * formats::max_joints) + " nodes.",
                         "Export the skeleton only.");
         nodes_.push_back({node->mChildren[c], static_cast<int>(i), -1, false, false, false,
                           nodes_[i].rest * affine_of(node->mChildren[c]->mTransformation)});
@@ -132,12 +134,13 @@ class SceneReader {
     }
     for (const Node& n : nodes_)
       if (!is_finite(n.rest.p) || !is_finite(n.rest.M.row(0)) || !is_finite(n.rest.M.row(1)) || !is_finite(n.rest.M.row(2)))
-        return refuse(ErrorCode::range, "A number of the node " + formats::in_quotes(n.node->mName.C_Str()) + " is not finite.",
+        return refuse(ErrorCode::range, "The transformation of the node " + formats::in_quotes(n.node->mName.C_Str()) + " is not finite.",
                       "Export it again.");
     return true;
   }
 
-  /// Bones, what lies between them, and what above them moves; without bones what moves, with all that hangs on it.
+  /// Selects the nodes that become joints. With skins: the bones, the nodes between them, and animated nodes above them. Without skins: the
+  /// animated nodes and their descendants without meshes.
   void choose_joints() {
     const bool skinned = std::any_of(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.bone; });
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -145,7 +148,7 @@ class SceneReader {
       const bool on_chosen = n.parent >= 0 && nodes_[static_cast<std::size_t>(n.parent)].keep;
       n.keep = skinned ? n.bone : (n.animated || (on_chosen && n.node->mNumMeshes == 0));
     }
-    for (std::size_t i = nodes_.size(); i-- > 1;) {  // above what is kept: what moves or is a bone, and what lies between
+    for (std::size_t i = nodes_.size(); i-- > 1;) {  // the highest animated or kept ancestor, and all nodes up to it
       if (!nodes_[i].keep) continue;
       std::size_t top = i;
       for (int k = nodes_[i].parent; k >= 0; k = nodes_[static_cast<std::size_t>(k)].parent)
@@ -165,18 +168,19 @@ class SceneReader {
     }
   }
 
+  /// A number in assimp's metadata of the file, whatever its type there.
   [[nodiscard]] std::optional<double> number(const char* key) const {
     if (!scene_.mMetaData) return std::nullopt;
     int whole = 0;
     float single = 0;
-    double twice = 0;
-    if (scene_.mMetaData->Get(key, twice)) return twice;
+    double real = 0;
+    if (scene_.mMetaData->Get(key, real)) return real;
     if (scene_.mMetaData->Get(key, single)) return static_cast<double>(single);
     if (scene_.mMetaData->Get(key, whole)) return whole;
     return std::nullopt;
   }
 
-  /// FBX says which axis points up and how many centimetres a unit is; COLLADA's unit is applied by assimp (metres).
+  /// Determines up axis and unit. FBX states the up axis and the unit in centimetres; for COLLADA assimp has already converted to metres.
   void find_axes() {
     const bool fbx = number("UnitScaleFactor").has_value() || number("UpAxis").has_value();
     const int up = fbx ? static_cast<int>(number("UpAxis").value_or(1)) : collada_up_;
@@ -203,8 +207,8 @@ class SceneReader {
       const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
       if (extent > 0 && (extent * metres > 20 || extent * metres < 0.01)) {
         const formats::UnitGuess guess = formats::guess_unit(extent);
-        notes_.remarks.push_back("By its unit the skeleton would be " + to_fixed(extent * metres, 3) + " m large; the unit is taken as " +
-                                 to_text(guess.metres) + " m.");
+        notes_.remarks.push_back("With the unit of the file the skeleton would be " + to_fixed(extent * metres, 3) +
+                                 " m large; the unit is assumed to be " + to_text(guess.metres) + " m.");
         notes_.unit_guessed = true;
         metres = guess.metres;
       }
@@ -227,13 +231,13 @@ class SceneReader {
       joint.parent = parent_joint(i);
       const Vec3 here = frame_.position(n.rest.p);
       joint.offset = joint.parent < 0 ? here : here - frame_.position(nodes_[joints_[static_cast<std::size_t>(joint.parent)]].rest.p);
-      joint.freedoms = {{{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
+      joint.dofs = {{{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
       skeleton_.joints.push_back(std::move(joint));
     }
     for (const Node& n : nodes_) rest_locals_.push_back(affine_of(n.node->mTransformation));
   }
 
-  /// The nearest node above that is a joint.
+  /// Index of the joint of the closest ancestor that is a joint; -1: none.
   [[nodiscard]] int parent_joint(std::size_t node) const {
     for (int k = nodes_[node].parent; k >= 0; k = nodes_[static_cast<std::size_t>(k)].parent)
       if (nodes_[static_cast<std::size_t>(k)].joint >= 0) return nodes_[static_cast<std::size_t>(k)].joint;
@@ -248,7 +252,7 @@ class SceneReader {
     return m;
   }
 
-  /// @param locals [nodes]
+  /// Appends one frame to the motion. @param locals [nodes] transformation of each node relative to its parent
   void add_frame(MeasuredMotion& motion, const std::vector<Affine>& locals) {
     world_.resize(nodes_.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i)
@@ -257,7 +261,7 @@ class SceneReader {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       const std::size_t i = joints_[j];
       const int parent = skeleton_.joints[j].parent;
-      // How the joint's frame, parallel to the world's at rest, is turned now.
+      // G: rotation of the joint since the rest pose. Joint frames are parallel to the world's axes in the rest pose.
       std::optional<Mat3> G;
       if (std::fabs(nodes_[i].rest.M.determinant()) > 1e-18)
         G = nearest_rotation(frame_.R * (world_[i].M * inverse(nodes_[i].rest.M)) * frame_.R.transposed());
@@ -278,7 +282,7 @@ class SceneReader {
     }
   }
 
-  /// Value of keys at time t [ticks], straight between them.
+  /// Value of the keys at time t [ticks], linearly interpolated. `cursor` is the index of the last key used; t must not decrease.
   template <class Key, class Value, class Mix>
   static Value at(const Key* keys, unsigned count, double t, unsigned& cursor, Value (*value)(const Key&), Mix mix) {
     while (cursor + 1 < count && keys[cursor + 1].mTime <= t) ++cursor;
@@ -287,18 +291,20 @@ class SceneReader {
     return mix(value(keys[cursor]), value(keys[cursor + 1]), s);
   }
 
+  /// Last key used in each of a channel's tracks.
   struct Cursor {
     unsigned position = 0, rotation = 0, scale = 0;
   };
   static Vec3 vector_of(const aiVectorKey& k) { return vec_of(k.mValue); }
   static Quat rotation_of(const aiQuatKey& k) { return quat_of(k.mValue); }
 
+  /// Transformation of a node at time t; tracks without keys use the rest pose.
   Affine local_of(const aiNodeAnim& channel, double t, Cursor& cursor, const Affine& rest) const {
-    const auto line = [](const Vec3& a, const Vec3& b, double s) { return a + (b - a) * s; };
+    const auto linear = [](const Vec3& a, const Vec3& b, double s) { return a + (b - a) * s; };
     Vec3 p = rest.p, scale{norm(rest.M.column(0)), norm(rest.M.column(1)), norm(rest.M.column(2))};
     Mat3 R = Mat3::identity();
-    if (channel.mNumPositionKeys > 0) p = at(channel.mPositionKeys, channel.mNumPositionKeys, t, cursor.position, vector_of, line);
-    if (channel.mNumScalingKeys > 0) scale = at(channel.mScalingKeys, channel.mNumScalingKeys, t, cursor.scale, vector_of, line);
+    if (channel.mNumPositionKeys > 0) p = at(channel.mPositionKeys, channel.mNumPositionKeys, t, cursor.position, vector_of, linear);
+    if (channel.mNumScalingKeys > 0) scale = at(channel.mScalingKeys, channel.mNumScalingKeys, t, cursor.scale, vector_of, linear);
     if (channel.mNumRotationKeys > 0)
       R = to_matrix(at(channel.mRotationKeys, channel.mNumRotationKeys, t, cursor.rotation, rotation_of,
                        [](const Quat& a, const Quat& b, double s) { return slerp(a, b, s); }));
@@ -307,13 +313,13 @@ class SceneReader {
     return {R * Mat3::diagonal(scale.x, scale.y, scale.z), p};
   }
 
-  /// False: there is nothing to sample, or a problem.
+  /// Samples one animation. False if it has no keys or, with error_ set, cannot be used.
   bool sample(const aiAnimation& animation, unsigned number, MeasuredMotion& motion) {
     const double ticks = animation.mTicksPerSecond > 0 && std::isfinite(animation.mTicksPerSecond) ? animation.mTicksPerSecond : 25;
     double first = INFINITY, last = -INFINITY, closest = INFINITY;
     std::vector<double> gaps;
     std::vector<const aiNodeAnim*> channel_of(nodes_.size(), nullptr);
-    const auto look = [&](const auto* keys, unsigned count) {
+    const auto scan_keys = [&](const auto* keys, unsigned count) {
       for (unsigned k = 0; k < count; ++k) {
         const double t = keys[k].mTime;
         if (!std::isfinite(t) || std::fabs(t) > 1e12) return false;
@@ -322,7 +328,7 @@ class SceneReader {
         first = std::min(first, t);
         last = std::max(last, t);
       }
-      // The median, because exporters split some keys by rounding.
+      // The median gap, because rounding in exporters can split one key into two at almost equal times.
       if (!gaps.empty()) {
         std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
         closest = std::min(closest, gaps[gaps.size() / 2]);
@@ -334,9 +340,10 @@ class SceneReader {
       const aiNodeAnim& channel = *animation.mChannels[c];
       const auto it = index_.find(std::string_view(channel.mNodeName.C_Str()));
       if (it == index_.end()) continue;
-      if (!look(channel.mPositionKeys, channel.mNumPositionKeys) || !look(channel.mRotationKeys, channel.mNumRotationKeys) ||
-          !look(channel.mScalingKeys, channel.mNumScalingKeys))
-        return refuse(ErrorCode::structure, "The times of the keys of " + formats::in_quotes(channel.mNodeName.C_Str()) + " do not go up.",
+      if (!scan_keys(channel.mPositionKeys, channel.mNumPositionKeys) || !scan_keys(channel.mRotationKeys, channel.mNumRotationKeys) ||
+          !scan_keys(channel.mScalingKeys, channel.mNumScalingKeys))
+        return refuse(ErrorCode::structure,
+                      "The key times of " + formats::in_quotes(channel.mNodeName.C_Str()) + " decrease or are not finite.",
                       "Export it again.");
       channel_of[static_cast<std::size_t>(it->second)] = &channel;
     }
@@ -352,7 +359,7 @@ class SceneReader {
     if (!(frames * static_cast<double>(joints_.size()) <= 2e7))
       return refuse(ErrorCode::range,
                     "An animation of " + to_fixed(span, 1) + " s at " + to_fixed(rate, 1) +
-                        " frames a second has more than 20 million poses of joints.",
+                        " frames per second has more than 20 million joint poses.",
                     "Sample it at a lower rate (--rate).");
     const std::string own = formats::utf8(animation.mName.C_Str());
     motion = empty_motion(scene_.mNumAnimations == 1 || own.empty()
@@ -375,14 +382,15 @@ class SceneReader {
     }
     for (const Vec3& p : motion.translations)
       if (!is_finite(p) || norm(p) > formats::max_magnitude)
-        return refuse(ErrorCode::range, "A position is not finite or beyond 1e9 m.", "Export it again.");
+        return refuse(ErrorCode::range, "A position is not finite or more than 1e9 m from the origin.", "Export it again.");
     if (flat_ > 0)
       notes_.remarks.push_back("Some joints are scaled to nothing or mirrored in " + std::to_string(flat_) +
-                               " places; there they turn with their parents.");
+                               " joint poses; these poses use the rotation of their parents.");
     notes_.frame_time = 1 / rate;
     return true;
   }
 
+  /// Whether the position keys of a channel differ.
   static bool moves(const aiNodeAnim* channel) {
     if (!channel || channel->mNumPositionKeys < 2) return false;
     for (unsigned k = 1; k < channel->mNumPositionKeys; ++k) {
@@ -404,34 +412,35 @@ class SceneReader {
   Frame frame_;
   Skeleton skeleton_;
   std::vector<Affine> rest_locals_;  ///< [nodes]
-  std::vector<Affine> world_;        ///< [nodes] of the frame at hand
-  long flat_ = 0;
+  std::vector<Affine> world_;        ///< [nodes] of the current frame
+  long flat_ = 0;                    ///< number of joint poses whose transformation has no rotation (zero scale or mirrored)
 };
 
 }  // namespace
 
 Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::byte> bytes, std::string_view file_name,
                                                          const SceneOptions& options, formats::ReadNotes& notes) {
-  const std::string place(file_name);
+  const std::string location(file_name);
   const std::size_t dot = file_name.rfind('.');
   const std::string_view ending = dot == std::string_view::npos ? std::string_view() : file_name.substr(dot + 1);
   const bool fbx = formats::equal_ignoring_case(ending, "fbx"), dae = formats::equal_ignoring_case(ending, "dae");
-  if (!fbx && !dae) return fail(ErrorCode::unsupported, place, "It is neither FBX nor COLLADA.", "Give a .fbx or .dae file.");
-  if (bytes.empty()) return fail(ErrorCode::truncated, place, "The file is empty.", "Export it again.");
+  if (!fbx && !dae) return fail(ErrorCode::unsupported, location, "The file is neither FBX nor COLLADA.", "Give a .fbx or .dae file.");
+  if (bytes.empty()) return fail(ErrorCode::truncated, location, "The file is empty.", "Export it again.");
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // we turn it ourselves, as other files that have Z up
-  const Result<std::string> core = fbx ? fbx_core(bytes, place) : collada_core(bytes, place);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // find_axes() converts the up axis, as for all formats
+  const Result<std::string> core = fbx ? fbx_core(bytes, location) : collada_core(bytes, location);
   if (!core) return fail(core.error());
   const aiScene* scene = importer.ReadFileFromMemory(core->data(), core->size(), 0, fbx ? "fbx" : "dae");
   if (!scene)
-    return fail(ErrorCode::syntax, place,
-                "It cannot be read as " + std::string(fbx ? "FBX" : "COLLADA") + ": " + formats::utf8(importer.GetErrorString()) + ".",
-                "Export it again, in another version of the format or as glTF or BVH.");
+    return fail(
+        ErrorCode::syntax, location,
+        "The file cannot be read as " + std::string(fbx ? "FBX" : "COLLADA") + ": " + formats::utf8(importer.GetErrorString()) + ".",
+        "Export it again, in another version of the format or as glTF or BVH.");
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::size_t at = dae ? text.find("<up_axis>") : std::string_view::npos;
   const std::string_view axis = at == std::string_view::npos ? std::string_view("Y_UP") : text.substr(at + 9, 20);

@@ -8,8 +8,8 @@
 namespace ugoki {
 namespace {
 
-// pi/2 in parts, so that n * part is exact: 33 bits each for |n| < 2^20; and for |n| < 2^26 parts on the grids of 2^-26
-// and 2^-53, and one of 27 bits.
+// pi/2 split into a sum of parts, so that each product n * part is exact except the last. For |n| < 2^20: parts a and b of 33 bits.
+// For |n| < 2^26: parts far_a and far_b on the grids 2^-26 and 2^-53, and far_c of 27 bits.
 constexpr double pio2_a = 0x1.921fb544p+0;
 constexpr double pio2_b = 0x1.0b4611a6p-34;
 constexpr double pio2_c = 0x1.3198a2e037073p-69;
@@ -18,8 +18,8 @@ constexpr double pio2_far_b = 0x1.10b4600000000p-30;
 constexpr double pio2_far_c = 0x1.1a62630000000p-54;
 constexpr double pio2_far_d = 0x1.8a2e03707344ap-81;
 
-// Sine and cosine of x + tail on |x| <= pi/4, the tail below a unit of x's last place: minimax polynomials of (sin x / x - 1) / x^2 and
-// (cos x - 1 + x^2/2) / x^4 in x^2 by Remez's exchange; their errors are below 2^-57 of the result.
+// Sine and cosine of x + tail for |x| <= pi/4, where |tail| is below one unit in the last place of x. Minimax polynomials in x^2 of
+// (sin x / x - 1) / x^2 and (cos x - 1 + x^2/2) / x^4, found by the Remez exchange; their relative errors are below 2^-57.
 double sin_kernel(double x, double tail) {
   const double z = x * x;
   double s = 0x1.5d932f161657ap-33;
@@ -42,7 +42,7 @@ double cos_kernel(double x, double tail) {
   return 1.0 - (0.5 * z - (z * z * c - x * tail));
 }
 
-// atan on |x| <= 1/8 by its series; the first term left out is below 2^-58 of the result.
+// atan for |x| <= 1/8 by its power series; the first omitted term is below 2^-58 of the result.
 double atan_kernel(double x) {
   const double z = x * x;
   double s = 1.0 / 17.0;
@@ -56,7 +56,7 @@ double atan_kernel(double x) {
   return x + x * (z * s);
 }
 
-// atan(i / 8) for i = 0 ... 8, correctly rounded, and what the rounding took away.
+// atan(i / 8) for i = 0 ... 8: correctly rounded values, and in atan_rest their rounding errors (exact minus rounded).
 constexpr double atan_table[9] = {0.0,
                                   0x1.fd5ba9aac2f6ep-4,
                                   0x1.f5b75f92c80ddp-3,
@@ -76,14 +76,14 @@ constexpr double atan_rest[9] = {0.0,
                                  -0x1.8c34d25aadef6p-56,
                                  0x1.1a62633145c07p-55};
 
-/// A number in two parts, the second below the last place of the first.
+/// A value as an unevaluated sum head + tail, where |tail| is below one unit in the last place of head.
 struct Split {
   double head, tail;
 };
 constexpr Split half_turn{pi, 0x1.1a62633145c07p-53};
 constexpr Split quarter_turn{pi / 2, 0x1.1a62633145c07p-54};
 
-// atan of t in [0, 1]: around the nearest multiple of 1/8, but around 0 below 1/8.
+// atan of t in [0, 1], expanded about the nearest multiple c of 1/8: atan t = atan c + atan((t - c) / (1 + t c)); about 0 below 1/8.
 Split atan_unit(double t) {
   const int i = t < 0.125 ? 0 : static_cast<int>(t * 8.0 + 0.5);
   const double c = i * 0.125;
@@ -92,7 +92,7 @@ Split atan_unit(double t) {
   return {head, rest - (head - atan_table[i])};
 }
 
-Split minus(const Split& a, const Split& b) {  // a.head > b.head
+Split minus(const Split& a, const Split& b) {  // requires a.head > b.head
   const double head = a.head - b.head;
   return {head, ((a.head - head) - b.head) + (a.tail - b.tail)};
 }
@@ -104,8 +104,9 @@ SinCos sin_cos(double x) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, nan};
   }
-  // x - n pi/2 as r + tail; all products but the last are exact.
-  constexpr double magic = 0x1.8p52;  // added and taken away it rounds to an integer, whose bits are then the last of the sum
+  // Argument reduction: x - n pi/2 = r + tail; all products except the last are exact.
+  // Adding and subtracting 1.5 * 2^52 rounds to an integer n; the low bits of the sum are those of n.
+  constexpr double magic = 0x1.8p52;
   const double shifted = x * (2.0 / pi) + magic;
   const double n = shifted - magic;
   double head, small, smaller;
@@ -171,7 +172,7 @@ double exp(double x) {
   if (std::isnan(x)) return x;
   if (x > 709.782712893384) return std::numeric_limits<double>::infinity();
   if (x < -745.2) return 0.0;
-  constexpr double ln2_a = 0x1.62e42feep-1;  // 33 bits
+  constexpr double ln2_a = 0x1.62e42feep-1;  // ln 2 = ln2_a + ln2_b; ln2_a has 33 bits, so that n * ln2_a is exact
   constexpr double ln2_b = 0x1.a39ef35793c76p-33;
   const double n = std::floor(x * 1.44269504088896340736 + 0.5);
   const double r = (x - n * ln2_a) - n * ln2_b;

@@ -1,7 +1,7 @@
 #pragma once
-// Elementary functions that give the same bits on every compiler, optimisation level and machine (WebAssembly included):
-// only +, -, *, / and sqrt of IEEE 754 doubles, no fused multiply-add. Errors are below 2 units in the last place (tan,
-// asin and acos: below 3) in the ranges stated; NaN in gives NaN out.
+// Elementary functions that give the same bits on every compiler, optimisation level and machine (including WebAssembly). They use
+// only +, -, *, / and sqrt of IEEE 754 doubles and no fused multiply-add. Errors are below 2 units in the last place (tan, asin and
+// acos: below 3) in the stated ranges. A NaN argument gives NaN.
 
 namespace ugoki {
 
@@ -10,18 +10,18 @@ inline constexpr double pi = 3.14159265358979323846;
 struct SinCos {
   double sin, cos;
 };
-/// Both at once; |x| below 1e8 rad (above that the angle itself is not known to the last digits, and NaN comes back).
+/// Sine and cosine of x [rad]. Returns NaN unless |x| < 1e8: the argument reduction is exact only below that limit.
 [[nodiscard]] SinCos sin_cos(double x);
 [[nodiscard]] double sin(double x);
 [[nodiscard]] double cos(double x);
 [[nodiscard]] double tan(double x);
-/// Angle of the point (x, y) in (-pi, pi]; atan2(0, 0) = 0.
+/// Angle [rad] of the point (x, y), in (-pi, pi]; atan2(0, 0) = 0.
 [[nodiscard]] double atan2(double y, double x);
 [[nodiscard]] double atan(double x);
-/// Arguments are clamped to [-1, 1].
+/// asin and acos clamp their argument to [-1, 1].
 [[nodiscard]] double asin(double x);
 [[nodiscard]] double acos(double x);
-/// Overflows to infinity above 709.78, gives 0 below -745.
+/// Infinity above 709.78, 0 below -745.2.
 [[nodiscard]] double exp(double x);
 /// NaN below 0, -infinity at 0.
 [[nodiscard]] double log(double x);

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers of N lanes as they lie in memory, for code that is compiled once for all widths of registers. See lanes.h.
+// Memory layout of the values of N SIMD lanes, for code that is compiled once for all register widths. See lanes.h.
 
 namespace ugoki {
 

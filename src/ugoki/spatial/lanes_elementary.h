@@ -1,5 +1,5 @@
 #pragma once
-// Sine and cosine in lanes. In double the bits of every lane are those of sin_cos() in elementary.h.
+// Sine and cosine in SIMD lanes. For double, every lane has the same bits as sin_cos() in elementary.h.
 
 #include "ugoki/spatial/lanes.h"
 
@@ -14,11 +14,13 @@ struct LaneSinCos {
 template <class T>
 using LaneBits = std::conditional_t<sizeof(typename T::Real) == 8, std::int64_t, std::int32_t>;
 
-/// Added and taken away it rounds to an integer, whose bits are then the last of the sum; |x| < 2^51 (double), 2^22 (float).
+/// Rounding constant: x + rounding - rounding is x rounded to an integer n, and the low bits of x + rounding are those of n.
+/// Valid for |x| < 2^51 (double) or 2^22 (float).
 template <class T>
 constexpr typename T::Real rounding = sizeof(typename T::Real) == 8 ? typename T::Real(0x1.8p52) : typename T::Real(0x1.8p23);
 
-/// sin and cos of r + n pi/2 from those of r: swapped and negated by the two lowest bits of n. @param shifted n + rounding
+/// Sine and cosine of r + n pi/2 from s = sin(r), c = cos(r): swaps and negates them by the two lowest bits of n.
+/// @param shifted n + rounding
 template <class T>
 LaneSinCos<T> turn_by_quarters(T shifted, T s, T c) {
   using Real = typename T::Real;
@@ -38,7 +40,7 @@ LaneSinCos<T> turn_by_quarters(T shifted, T s, T c) {
   }
 }
 
-/// Of doubles. The steps are those of sin_cos() in elementary.cpp, one for one.
+/// Sine and cosine of doubles [rad]. Performs exactly the operations of sin_cos() in elementary.cpp, in the same order.
 template <int N>
 LaneSinCos<Lanes<double, N>> lane_sin_cos(Lanes<double, N> x) {
   using T = Lanes<double, N>;
@@ -80,7 +82,7 @@ LaneSinCos<Lanes<double, N>> lane_sin_cos(Lanes<double, N> x) {
   return {select(outside, nan, out.sin), select(outside, nan, out.cos)};
 }
 
-/// Of floats: errors below 2 units in the last place of 1 for |x| < 10^4 rad; NaN from 10^5 on.
+/// Sine and cosine of floats [rad]. Absolute error below 1.2e-7 (one unit in the last place of 1) for |x| < 10^4; NaN from 10^5 on.
 template <int N>
 LaneSinCos<Lanes<float, N>> lane_sin_cos(Lanes<float, N> x) {
   using T = Lanes<float, N>;

@@ -1,5 +1,5 @@
 #pragma once
-// Unit quaternions and rotation matrices. q_AB, R_AB turn coordinates in B into coordinates in A.
+// Unit quaternions and rotation matrices. q_AB and R_AB map coordinates in B to coordinates in A.
 
 #include "ugoki/spatial/elementary.h"
 #include "ugoki/spatial/vec3.h"
@@ -33,10 +33,10 @@ inline Mat3 to_matrix(const Quat& q) {
           2 * (yz - wx),     2 * (xz - wy), 2 * (yz + wx), 1 - 2 * (xx + yy)};
 }
 
-/// The rotation turns v.
+/// Rotates v by q.
 inline Vec3 rotate(const Quat& q, const Vec3& v) { return to_matrix(q) * v; }
 
-/// Nearest quaternion of a rotation matrix, w >= 0 (Shepperd's choice of the largest component).
+/// Quaternion of a rotation matrix, with w >= 0 (Shepperd's method: computed from the largest component).
 [[nodiscard]] Quat to_quat(const Mat3& R);
 
 /// Rotation by `angle` [rad] about the unit vector `axis`.
@@ -46,24 +46,25 @@ inline Quat axis_angle(const Vec3& axis, double angle) {
 }
 inline Mat3 rotation_about(const Vec3& axis, double angle) { return to_matrix(axis_angle(axis, angle)); }
 
-/// Exponential map: rotation by |r| [rad] about r.
+/// Exponential map: rotation by |r| [rad] about the direction of r.
 [[nodiscard]] Quat exp_map(const Vec3& r);
 /// Inverse of exp_map: rotation vector with length in [0, pi].
 [[nodiscard]] Vec3 log_map(const Quat& q);
 
-/// Shortest great arc from a (t = 0) to b (t = 1).
+/// Spherical linear interpolation along the shorter great arc from a (t = 0) to b (t = 1).
 [[nodiscard]] Quat slerp(const Quat& a, const Quat& b, double t);
 
 /// Shortest rotation that turns unit vector `from` into unit vector `to`.
 [[nodiscard]] Quat rotation_between(const Vec3& from, const Vec3& to);
 
-/// Angles [rad] about the axes named by `order` (for example "ZXY"), so that
-/// R = R_order[0](a0) R_order[1](a1) R_order[2](a2); a1 in [-pi/2, pi/2]. At the gimbal pole a2 = 0.
+/// Euler angles [rad] about the axes named by `order` (for example "ZXY"), so that
+/// R = R_order[0](a0) R_order[1](a1) R_order[2](a2); a1 in [-pi/2, pi/2]. At gimbal lock a2 = 0.
 /// @param order three different letters of X, Y, Z
 [[nodiscard]] Vec3 to_euler(const Mat3& R, const char* order);
+/// Inverse of to_euler: R_order[0](angles.x) R_order[1](angles.y) R_order[2](angles.z).
 [[nodiscard]] Mat3 from_euler(const Vec3& angles, const char* order);
 
-/// Any unit vector at a right angle to the unit vector `n`.
+/// Returns some unit vector perpendicular to the unit vector `n`.
 [[nodiscard]] Vec3 any_perpendicular(const Vec3& n);
 
 }  // namespace ugoki

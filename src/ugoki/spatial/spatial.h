@@ -1,5 +1,5 @@
 #pragma once
-// 6-D vectors (angular part first), rigid-body inertias with 10 numbers, and poses.
+// 6-D vectors (angular part first), rigid-body inertias with 10 scalars, and poses.
 // Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 2 and appendix A.
 
 #include "ugoki/spatial/rotation.h"
@@ -7,7 +7,7 @@
 
 namespace ugoki {
 
-/// Spatial vector. As a motion: w = angular velocity [rad/s], v = velocity of the point at the frame's origin [m/s].
+/// Spatial vector. As a motion: w = angular velocity [rad/s], v = velocity of the body point at the frame's origin [m/s].
 /// As a force (wrench): w = moment about the frame's origin [N m], v = force [N].
 template <class T>
 struct Vec6T {
@@ -32,7 +32,7 @@ template <class T>
 constexpr Vec6T<T> cross_motion(const Vec6T<T>& a, const Vec6T<T>& m) {
   return {cross(a.w, m.w), cross(a.w, m.v) + cross(a.v, m.w)};
 }
-/// The same for a force: a x* f.
+/// Rate of change of the force f in a frame that moves with velocity a: a x* f.
 template <class T>
 constexpr Vec6T<T> cross_force(const Vec6T<T>& a, const Vec6T<T>& f) {
   return {cross(a.w, f.w) + cross(a.v, f.v), cross(a.w, f.v)};
@@ -48,19 +48,19 @@ struct PoseT {
   constexpr Vec3T<T> operator*(const Vec3T<T>& q) const { return R * q + p; }
   constexpr PoseT inverse() const { return {R.transposed(), -transpose_times(R, p)}; }
 
-  /// Motion given in B (about B's origin) -> in A (about A's origin).
+  /// Converts a motion from B (about B's origin) to A (about A's origin).
   constexpr Vec6T<T> motion_to_parent(const Vec6T<T>& m) const {
     const Vec3T<T> w = R * m.w;
     return {w, R * m.v + cross(p, w)};
   }
-  /// Motion given in A -> in B.
+  /// Converts a motion from A to B.
   constexpr Vec6T<T> motion_to_child(const Vec6T<T>& m) const { return {transpose_times(R, m.w), transpose_times(R, m.v - cross(p, m.w))}; }
-  /// Force given in B -> in A.
+  /// Converts a force from B to A.
   constexpr Vec6T<T> force_to_parent(const Vec6T<T>& f) const {
     const Vec3T<T> g = R * f.v;
     return {R * f.w + cross(p, g), g};
   }
-  /// Force given in A -> in B.
+  /// Converts a force from A to B.
   constexpr Vec6T<T> force_to_child(const Vec6T<T>& f) const { return {transpose_times(R, f.w - cross(p, f.v)), transpose_times(R, f.v)}; }
 };
 using Pose = PoseT<double>;
@@ -85,13 +85,13 @@ struct Sym3T {
 };
 using Sym3 = Sym3T<double>;
 
-/// The symmetric part of a matrix that is symmetric up to rounding.
+/// Symmetric part (m + m^T) / 2 of a matrix that is symmetric except for rounding.
 template <class T>
 constexpr Sym3T<T> symmetric_part(const Mat3T<T>& m) {
   const T half = T(0.5);
   return {m.xx, m.yy, m.zz, half * (m.xy + m.yx), half * (m.xz + m.zx), half * (m.yz + m.zy)};
 }
-/// |c|^2 1 - c c^T: the inertia of a unit mass at c about the origin.
+/// Rotational inertia about the origin of a unit point mass at c: |c|^2 1 - c c^T.
 template <class T>
 constexpr Sym3T<T> point_inertia(const Vec3T<T>& c) {
   return {c.y * c.y + c.z * c.z, c.x * c.x + c.z * c.z, c.x * c.x + c.y * c.y, -c.x * c.y, -c.x * c.z, -c.y * c.z};
@@ -114,7 +114,7 @@ struct InertiaT {
   static constexpr InertiaT from_centre(T mass, const Vec3T<T>& centre, const Sym3T<T>& about_centre) {
     return {mass, centre * mass, about_centre + point_inertia(centre) * mass};
   }
-  /// Inertia times motion: the momentum [N m s; N s] of the body moving with m.
+  /// Inertia times motion: the momentum [N m s; N s] of the body that moves with m.
   friend constexpr Vec6T<T> operator*(const InertiaT& i, const Vec6T<T>& m) {
     return {i.I * m.w + cross(i.h, m.v), m.v * i.mass - cross(i.h, m.w)};
   }
@@ -124,10 +124,10 @@ struct InertiaT {
 
   constexpr Vec3T<T> centre() const { return mass > T(0) ? h / mass : Vec3T<T>{}; }
   constexpr Sym3T<T> about_centre() const { return mass > T(0) ? I - point_inertia(h) * (T(1) / mass) : I; }
-  /// The same body's inertia in A, this being given in B, X = pose of B in A.
+  /// Converts the inertia from frame B to frame A. @param X pose of B in A
   constexpr InertiaT in_parent(const PoseT<T>& X) const {
     const Vec3T<T> hr = X.R * h;
-    // about the new origin: R I R^T + (2 p.h - ...) terms of the parallel-axis theorem for a first moment
+    // Parallel-axis theorem with the first moment hr in A's axes: R I R^T + m (|p|^2 1 - p p^T) + 2 p.hr 1 - p hr^T - hr p^T.
     const Vec3T<T>& p = X.p;
     const T ph = dot(p, hr);
     Sym3T<T> i = rotated(I, X.R) + point_inertia(p) * mass;

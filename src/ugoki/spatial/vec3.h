@@ -1,5 +1,5 @@
 #pragma once
-// Vectors and matrices of three dimensions. T: double, float, or a SIMD lane type with the same operators.
+// 3-D vectors and 3 x 3 matrices. T: double, float, or a SIMD lane type with the same operators.
 
 #include <cmath>
 
@@ -37,14 +37,14 @@ T norm(const Vec3T<T>& a) {
   using std::sqrt;
   return sqrt(dot(a, a));
 }
-/// Unit vector along `a`; `fallback` where `a` is too short to have a direction.
+/// Unit vector along `a`; `fallback` if |a| <= 1e-300.
 inline Vec3T<double> normalized(const Vec3T<double>& a, const Vec3T<double>& fallback = {0, 0, 1}) {
   const double n = norm(a);
   return n > 1e-300 ? a / n : fallback;
 }
 inline bool is_finite(const Vec3T<double>& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-/// 3 x 3 matrix, row by row.
+/// 3 x 3 matrix, row-major.
 template <class T>
 struct Mat3T {
   T xx{}, xy{}, xz{};
@@ -72,7 +72,7 @@ struct Mat3T {
   friend constexpr Vec3T<T> operator*(const Mat3T& m, const Vec3T<T>& v) {
     return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.yx * v.x + m.yy * v.y + m.yz * v.z, m.zx * v.x + m.zy * v.y + m.zz * v.z};
   }
-  /// m^T v without forming the transpose.
+  /// m^T v, without forming the transpose.
   friend constexpr Vec3T<T> transpose_times(const Mat3T& m, const Vec3T<T>& v) {
     return {m.xx * v.x + m.yx * v.y + m.zx * v.z, m.xy * v.x + m.yy * v.y + m.zy * v.z, m.xz * v.x + m.yz * v.y + m.zz * v.z};
   }
@@ -92,7 +92,7 @@ struct Mat3T {
 using Vec3 = Vec3T<double>;
 using Mat3 = Mat3T<double>;
 
-/// Inverse of a well-conditioned matrix (adjugate over determinant).
+/// Inverse of a well-conditioned matrix (adjugate divided by determinant). No check for singular matrices.
 inline Mat3 inverse(const Mat3& m) {
   const Vec3 a = m.row(0), b = m.row(1), c = m.row(2);
   const Vec3 bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);

@@ -1,7 +1,7 @@
 #pragma once
 // A connection to the database that holds a library, SQLite or PostgreSQL. Internal to store.
 //
-// The statements are the same for both, with parameters ?1, ?2 ...; what their dialects spell differently is taken from `Dialect`.
+// The SQL statements are the same for both, with parameters ?1, ?2 ...; `Dialect` contains the parts of statements that differ.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace ugoki::store {
 
-/// A parameter. Texts and bytes are views: they must live until the statement has run.
+/// Value of a statement's parameter. Texts and bytes are views: the memory must stay valid until the statement has run.
 struct Value {
   enum class Type : std::uint8_t { null, integer, text, bytes };
   Type type = Type::null;
@@ -33,7 +33,7 @@ struct Value {
   Value(std::span<const std::byte> v) : type(Type::bytes), bytes(v) {}
 };
 
-/// The answer to a statement, complete.
+/// All rows that a statement returned.
 class Rows {
  public:
   explicit Rows(int columns = 0) : columns_(static_cast<std::size_t>(columns)) {}
@@ -53,21 +53,22 @@ class Rows {
   std::vector<Cell> cells_;
 };
 
-/// What the two languages spell differently.
+/// The parts of statements that differ between SQLite and PostgreSQL, and factors that tune searching (library_search.cpp).
 struct Dialect {
   bool postgres = false;
-  std::string now;    ///< expression: UTC now, "2026-03-01T12:00:00.123Z"
-  std::string instr;  ///< function: where the second text stands in the first, 0 if nowhere
-  std::string match;  ///< SELECT of the entries (as `no`) whose words match the next parameter, which replaces {query}
-  /// Condition of `match` where three words or more must stand in a row, again with {query}: the index of PostgreSQL only knows pairs.
-  std::string in_a_row;
-  std::string hits;    ///< FROM of the result `hit` of that: no, id and what is sorted by, as columns of `e`
-  int sorts = 1;       ///< so many times `few` entries are sorted faster than others are read in order
-  double walks = 0;    ///< such a part of `few` is read in order before what fits is sorted after all
-  std::string update;  ///< suffix of a SELECT that locks the rows it finds
+  std::string now;    ///< expression: current UTC time, "2026-03-01T12:00:00.123Z"
+  std::string instr;  ///< function: position of the second text in the first, counted from 1; 0 if not found
+  std::string match;  ///< SELECT of the entries (column `no`) whose words match a query; {query} is replaced by a parameter
+  /// Condition added to `match` for phrases of three or more words, with {query} as in `match`. Empty for SQLite. The index of PostgreSQL
+  /// stores only pairs of adjacent words, so longer phrases are checked in the rows.
+  std::string phrase_condition;
+  std::string hit_source;    ///< FROM clause: the result of `match`, named `hit`, as `e` with the columns no, id and the sort keys
+  int sort_factor = 1;       ///< up to LibraryBody::sort_limit * sort_factor matches, sorting is faster than scanning in order
+  double scan_fraction = 0;  ///< LibraryBody::sort_limit * scan_fraction rows are scanned in order before the search sorts instead
+  std::string lock_suffix;   ///< suffix of a SELECT that locks the selected rows
 };
 
-/// Used by one thread at a time.
+/// A database connection. Used by one thread at a time.
 class Connection {
  public:
   Connection() = default;
@@ -76,39 +77,39 @@ class Connection {
   virtual ~Connection() = default;
 
   [[nodiscard]] virtual const Dialect& dialect() const = 0;
-  /// The file, or the server without any password.
-  [[nodiscard]] virtual const std::string& place() const = 0;
+  /// Path of the file, or address of the server without the password.
+  [[nodiscard]] virtual const std::string& location() const = 0;
   [[nodiscard]] virtual Result<Rows> query(std::string_view sql, std::span<const Value> parameters) = 0;
   [[nodiscard]] Result<Rows> query(std::string_view sql, std::initializer_list<Value> parameters = {}) {
     return query(sql, std::span<const Value>(parameters.begin(), parameters.size()));
   }
-  /// The first column of the first row as bytes; nothing where there is no row.
+  /// The first column of the first row as bytes; empty optional if there is no row.
   [[nodiscard]] virtual Result<std::optional<std::vector<std::byte>>> bytes(std::string_view sql, std::span<const Value> parameters) = 0;
-  /// Statements without parameters and answer, separated by semicolons.
+  /// Runs statements without parameters and without result, separated by semicolons.
   [[nodiscard]] virtual Result<void> script(const std::string& sql) = 0;
 
   enum class Access : std::uint8_t { read, write };
-  /// Reading sees one state of the database from the first statement to the end.
+  /// Begins a transaction. A read transaction sees the same state of the database from its first statement to its end.
   [[nodiscard]] virtual Result<void> begin(Access access) = 0;
   [[nodiscard]] virtual Result<void> commit() = 0;
   virtual void rollback() = 0;
-  /// True if the last error came from another's work at the same time, or from a connection lost before the end: doing the transaction
-  /// again is right.
+  /// True if the last error was caused by a concurrent transaction. The whole transaction should then be repeated.
   [[nodiscard]] virtual bool should_retry() const = 0;
-  /// Everything that the database itself can say about its health. @param problems gets what is wrong
+  /// Runs the database's own integrity checks. @param problems receives the problems found
   [[nodiscard]] virtual Result<void> check(Error& problems) = 0;
-  /// After many changes: brings up to date what the database knows about the tables, so that it searches well.
+  /// Updates the statistics that the query planner uses. Call after many changes.
   [[nodiscard]] virtual Result<void> tidy() = 0;
 };
 
-/// @param database of a library, checked and brought up to date
+/// @param database of a library; checked with check_library()
 [[nodiscard]] std::unique_ptr<Connection> sqlite_connection(Database database);
 
 /// True for "postgresql://..." and "postgres://...".
-[[nodiscard]] bool is_postgres(std::string_view place);
-/// The address without password, for people.
-[[nodiscard]] std::string without_password(std::string_view place);
-/// @param address "postgresql://user:password@host:port/database"; what it leaves out comes from libpq's environment and files
+[[nodiscard]] bool is_postgres(std::string_view location);
+/// The address without its password, for display.
+[[nodiscard]] std::string without_password(std::string_view location);
+/// Connects to a server. @param address "postgresql://user:password@host:port/database"; libpq takes missing parts from its environment
+/// variables and files (PGPASSWORD, ~/.pgpass)
 [[nodiscard]] Result<std::unique_ptr<Connection>> postgres_connection(const std::string& address, bool read_only);
 
 }  // namespace ugoki::store

@@ -1,5 +1,5 @@
 #pragma once
-// Entries from elsewhere, before they are taken over. Internal to store.
+// Checks of entries from another library before they are copied. Internal to store.
 
 #include <span>
 #include <vector>
@@ -8,12 +8,13 @@
 
 namespace ugoki::store {
 
-/// A problem unless entry and versions are as this module makes them, so that a file of anybody's making cannot break the library that
-/// takes them over. @param versions oldest first; the last is the newest. @param place of the library that they come from
+/// Checks that an entry and its versions obey all rules of this module, so that a hostile file cannot damage the library that receives
+/// them. @param from library that they come from @param versions oldest first; the last is the newest
 [[nodiscard]] Result<void> check_copied(const LibraryBody& from, const EntryRow& entry, const std::vector<VersionRow>& versions);
-/// The same for the data of a version: its size, and the id that is made from them.
+/// Checks the data of a version: its size, and the content id, which is made from the data.
 [[nodiscard]] Result<void> check_copied_data(const LibraryBody& from, const EntryRow& entry, const VersionRow& version,
                                              std::span<const std::byte> data);
+/// Checks the size and the format of a thumbnail.
 [[nodiscard]] Result<void> check_copied_thumbnail(const LibraryBody& from, const EntryRow& entry, std::span<const std::byte> picture);
 
 }  // namespace ugoki::store

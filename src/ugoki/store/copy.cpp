@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Every text below a JSON value.
+/// Appends all strings inside a JSON value, at any depth, to `out`.
 void collect_texts(const json::Json& value, std::vector<std::string>& out) {
   if (value.is_string())
     out.push_back(value.get<std::string>());
@@ -25,12 +25,13 @@ void collect_texts(const json::Json& value, std::vector<std::string>& out) {
     for (const json::Json& inner : value) collect_texts(inner, out);
 }
 
-/// "m-" and 16 hexadecimal digits, of any kind.
+/// True if `text` has the form of an entry id: letter of a kind, '-', 16 hexadecimal digits.
 bool looks_like_id(const std::string& text) {
   return text.size() == 18 && text[1] == '-' && std::string_view("mndcs").contains(text[0]) &&
          text.find_first_not_of("0123456789abcdef", 2) == std::string::npos;
 }
 
+/// One copy operation from library `from` to library `to`.
 class Copy {
  public:
   Copy(const Library& from, Library& to, const CopyOptions& options) : from_(body_of(from)), to_(body_of(to)), options_(options) {}
@@ -41,13 +42,14 @@ class Copy {
     const std::size_t all = options_.entries.empty() ? static_cast<std::size_t>(count->integer(0, 0)) : options_.entries.size();
     std::int64_t no = 0;
     for (std::size_t done = 0; done < all || options_.entries.empty();) {
-      if (options_.stop && options_.stop()) return fail(ErrorCode::cancelled, to_.place(), "Stopped.", "Do it again to go on from here.");
+      if (options_.stop && options_.stop())
+        return fail(ErrorCode::cancelled, to_.location(), "The copy was stopped.", "Run it again to continue from here.");
       Result<std::vector<EntryRow>> some = options_.entries.empty() ? next_entries(no) : named_entries(done);
       if (!some) return fail(std::move(some.error()));
       if (some->empty()) break;
       const CopyReport before = report_;
       const Result<bool> copied = to_.in_transaction([&]() -> Result<bool> {
-        report_ = before;  // where it is done a second time
+        report_ = before;  // the transaction may be repeated after a conflict
         for (const EntryRow& entry : *some)
           if (Result<void> one = copy_entry(entry); !one) return fail(std::move(one.error()));
         return true;
@@ -62,7 +64,7 @@ class Copy {
   }
 
  private:
-  static constexpr std::size_t at_once = 200;
+  static constexpr std::size_t at_once = 200;  // entries per transaction
 
   Result<std::vector<EntryRow>> next_entries(std::int64_t no) const { return read_entries(*from_.connection, "e.no > ?1", no, at_once); }
   Result<std::vector<EntryRow>> named_entries(std::size_t done) const {
@@ -91,7 +93,7 @@ class Copy {
     return put_new(entry.thumbnail, *bytes);
   }
 
-  /// The data of these versions, each checked even where they are there already.
+  /// Copies the data of these versions. Data that the target already contains are checked as well.
   Result<void> copy_data(const EntryRow& entry, std::span<const VersionRow> versions) {
     for (const VersionRow& v : versions) {
       const Result<std::vector<std::byte>> bytes = read_blob(*from_.connection, v.data, "entry " + entry.id + " '" + v.name + "'");
@@ -118,20 +120,21 @@ class Copy {
     const Result<std::vector<EntryRow>> known = read_entries(*to_.connection, "e.id = ?1", entry.id);
     if (!known) return fail(known.error());
     if (known->empty()) {
-      // The row of an entry names its blobs, so these come first.
+      // The row of an entry refers to its blobs, so these are inserted first.
       if (Result<void> done = copy_thumbnail(entry); !done) return done;
       if (Result<void> done = copy_data(entry, *versions); !done) return done;
       const Result<std::int64_t> no = insert_entry(*to_.connection, entry);
       if (!no) return fail(no.error());
       if (*no == 0)
-        return fail(ErrorCode::conflict, to_.place(entry.id), "Somebody puts in the same entry at this moment.", "Do it again.");
+        return fail(ErrorCode::conflict, to_.location(entry.id), "Another program is adding the same entry.", "Run the copy again.");
       ++report_.added;
       return add_versions(*no, *versions);
     }
     return merge(entry, *versions, known->front());
   }
 
-  /// The entry is there: goes on from where it stands, if what stands there is a part of the history here.
+  /// Merges an entry that the target already contains. If the target's newest version is in the source's history, the newer versions are
+  /// added; otherwise the entry was changed in both libraries. @param here versions in the source @param there entry in the target
   Result<void> merge(const EntryRow& entry, const std::vector<VersionRow>& here, const EntryRow& there) {
     if (Result<void> done = copy_thumbnail(entry); !done) return done;
     if (Result<void> done = merge_tags(entry, there); !done) return done;
@@ -160,7 +163,7 @@ class Copy {
     }
     VersionRow next = here.back();
     next.version = known->back().version + 1;
-    // What was saved on top once already is not saved again.
+    // An earlier copy may already have added this version to the target.
     for (const VersionRow& v : *known)
       if (VersionRow same = v; same.version = next.version, same == next) {
         ++report_.equal;
@@ -195,7 +198,7 @@ class Copy {
          thumbnail.empty() ? Value() : Value(thumbnail), there.newest.version});
     if (!set) return fail(set.error());
     if (set->empty())
-      return fail(ErrorCode::conflict, to_.place(there.id), "Somebody saves the same entry at this moment.", "Do it again.");
+      return fail(ErrorCode::conflict, to_.location(there.id), "Another program is saving the same entry.", "Run the copy again.");
     return refresh_words(*to_.connection, there.no);
   }
 
@@ -204,7 +207,7 @@ class Copy {
   CopyReport report_;
 };
 
-/// Removes a file that was not finished.
+/// Removes a temporary file, with its companion files, at the end of the scope.
 struct Unfinished {
   std::string path;
   ~Unfinished() {
@@ -213,7 +216,7 @@ struct Unfinished {
   }
 };
 
-/// The file and its name reach the disk.
+/// Flushes a file, or the entries of a folder, to the disk. @param flags for open() @return false on failure
 bool sync(const std::string& path, int flags) {
   const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
   if (fd < 0) return false;
@@ -235,7 +238,7 @@ Result<std::vector<std::string>> with_references(const Library& library, const s
     const Result<LibraryEntry> entry = library.get(id);
     if (!entry) {
       if (std::ranges::find(ids, id) == ids.end() && entry.error().problems.front().code == ErrorCode::unknown)
-        continue;  // named, but not there
+        continue;  // refers to an entry that the library does not contain
       return fail(entry.error());
     }
     if (!seen.insert(entry->id).second) continue;
@@ -262,7 +265,7 @@ Result<CopyReport> export_set(const Library& from, const std::vector<std::string
   const std::string folder = fs::path(path).parent_path().string();
   std::error_code ignored;
   if (!folder.empty() && !fs::is_directory(folder, ignored))
-    return fail(ErrorCode::io, path, "There is no folder " + folder + ".", "Make it first, or choose another place.");
+    return fail(ErrorCode::io, path, "The folder " + folder + " does not exist.", "Create it first, or choose another folder.");
   const Unfinished temporary{path + ".part-" + std::to_string(::getpid())};
   CopyReport report;
   {

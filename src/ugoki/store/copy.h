@@ -1,5 +1,5 @@
 #pragma once
-// Entries from one library into another: migration between SQLite and PostgreSQL, export and import of sets.
+// Copies entries from one library to another: migration between SQLite and PostgreSQL, export and import of sets.
 
 #include <functional>
 #include <string>
@@ -10,34 +10,35 @@
 namespace ugoki::store {
 
 struct CopyOptions {
-  std::vector<std::string> entries;  ///< ids; empty: everything, with the trash
-  bool latest_only = false;          ///< without older versions
-  /// What happens to an entry that was changed on both sides. False: it stays as it is there, and is named. True: the newest version
-  /// of here is saved there on top of what is there.
+  std::vector<std::string> entries;  ///< ids; empty: all entries, including the trash
+  bool latest_only = false;          ///< copy only the newest version of each entry
+  /// For an entry that was changed in both libraries. False: the target's entry is unchanged and listed in CopyReport::differing.
+  /// True: the source's newest version is added to the target as its newest version.
   bool save_differing = false;
-  std::function<void(double)> progress;  ///< gets 0 ... 1
-  std::function<bool()> stop;            ///< true: ends in order after what is being written
+  std::function<void(double)> progress;  ///< called with 0 ... 1; may be empty
+  std::function<bool()> stop;            ///< true: stop after the current transaction; may be empty
 };
 
 struct CopyReport {
-  std::size_t added = 0;                ///< entries that were not there
-  std::size_t continued = 0;            ///< entries that got newer versions
-  std::size_t equal = 0;                ///< entries that were there already (as new or newer)
-  std::size_t saved = 0;                ///< differing entries whose newest version was saved on top
-  std::vector<std::string> differing;   ///< entries changed on both sides, left as they were: "n-... 'walk': ..."
-  std::size_t versions = 0, blobs = 0;  ///< written
+  std::size_t added = 0;                ///< entries that the target did not contain
+  std::size_t continued = 0;            ///< entries to which newer versions were added
+  std::size_t equal = 0;                ///< entries that the target already contained, with the same or newer versions
+  std::size_t saved = 0;                ///< differing entries whose newest version was added to the target (save_differing)
+  std::vector<std::string> differing;   ///< entries changed in both libraries and not copied: "n-... 'walk': ..."
+  std::size_t versions = 0, blobs = 0;  ///< count written
 };
 
-/// Copies entries with their versions, tags, thumbnails and data. Every entry arrives wholly or not at all; doing it again goes on where
-/// it was stopped, and changes nothing where nothing is new. Tags are added, never taken away.
+/// Copies entries with their versions, tags, thumbnails and data. Each entry is copied completely or not at all. A repeated copy continues
+/// where the previous one stopped, and changes nothing if nothing is new. Tags are added, never removed.
 [[nodiscard]] Result<CopyReport> copy_entries(const Library& from, Library& to, const CopyOptions& options = {});
 
-/// Writes a set into one file, which is a library of its own; a file of this name is replaced, in one step.
-/// @param ids of entries; those that they name in their summaries (a motion's mechanism) go with them; sets bring what they list
+/// Writes entries into one file, which is itself a library. An existing file of this name is replaced atomically.
+/// @param ids of entries; the entries that they refer to are included (see with_references())
 [[nodiscard]] Result<CopyReport> export_set(const Library& from, const std::vector<std::string>& ids, const std::string& path,
                                             const CopyOptions& options = {});
 
-/// The entries with all that they need, each once: what their summaries and sets name.
+/// Ids of the entries and of all entries that they refer to, directly or indirectly, each once. An entry refers to the ids in its summary
+/// (a motion to its mechanism); a set also refers to the ids in its list.
 [[nodiscard]] Result<std::vector<std::string>> with_references(const Library& library, const std::vector<std::string>& ids);
 
 }  // namespace ugoki::store

@@ -44,15 +44,16 @@ Result<std::unique_ptr<LibraryBody>> body_on(std::unique_ptr<Connection> connect
 Result<std::unique_ptr<LibraryBody>> open_file(const std::string& path) {
   std::error_code ignored;
   const fs::path file(path);
-  if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);  // opening says it, if this failed
+  if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);  // a failure is reported by Database::open()
   if (fs::exists(file, ignored) && fs::file_size(file, ignored) > 0) {
-    Result<Database> look = Database::open(path, OpenMode::read_only);  // a refused file must not be written to
+    Result<Database> look = Database::open(path, OpenMode::read_only);  // a file that is refused must not be changed
     if (!look) return fail(std::move(look.error()));
     if (Result<void> good = check_library(*look); !good) return fail(std::move(good.error()));
   }
   Result<Database> database = Database::open(path, OpenMode::create);
   if (!database) return fail(std::move(database.error()));
-  // Others may write for a while; the cache holds what a search over a hundred thousand entries reads.
+  // busy_timeout [ms]: another program may write for several seconds. cache_size [-KiB]: 128 MiB hold the pages that a search over
+  // 100,000 entries reads.
   for (const char* pragma : {"PRAGMA busy_timeout = 10000", "PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL",
                              "PRAGMA foreign_keys = ON", "PRAGMA cache_size = -131072"})
     if (Result<void> done = database->run(pragma); !done) return fail(std::move(done.error()));
@@ -68,8 +69,9 @@ Result<std::unique_ptr<LibraryBody>> open_file_read_only(const std::string& path
   const Result<std::int64_t> version = database->integer("PRAGMA user_version");
   if (!version) return fail(version.error());
   if (*version < library_version) {
-    if (*version == 0) return fail(ErrorCode::unknown, path, "The file holds no library yet.", "Put something in with `ugoki import`.");
-    database = fail(Error());  // an older library is brought up to date by whoever may write to it
+    if (*version == 0)
+      return fail(ErrorCode::unknown, path, "The file does not contain a library yet.", "Add entries with `ugoki import`.");
+    database = fail(Error());  // closes the file; opening it for writing upgrades the older library
     return open_file(path);
   }
   for (const char* pragma : {"PRAGMA busy_timeout = 10000", "PRAGMA cache_size = -131072"})
@@ -100,7 +102,7 @@ std::string_view name_of(EntryKind kind) {
 Result<EntryKind> entry_kind_named(std::string_view name) {
   for (const EntryKind kind : entry_kinds)
     if (name_of(kind) == name) return kind;
-  return fail(ErrorCode::unknown, "kind", "There is no kind of entry '" + std::string(name) + "'.",
+  return fail(ErrorCode::unknown, "kind", "There is no entry kind '" + std::string(name) + "'.",
               "Use mechanism, motion, measured, circuit or set.");
 }
 
@@ -129,17 +131,17 @@ std::string entry_id(EntryKind kind, std::span<const std::byte> data) {
 }
 
 std::string Library::default_path() {
-  const std::string place = environment("UGOKI_LIBRARY");
-  return place.empty() ? default_file() : place;
+  const std::string location = environment("UGOKI_LIBRARY");
+  return location.empty() ? default_file() : location;
 }
 
-bool Library::exists(const std::string& place) {
+bool Library::exists(const std::string& location) {
   std::error_code ignored;
-  return is_postgres(place) || fs::exists(place, ignored);
+  return is_postgres(location) || fs::exists(location, ignored);
 }
 
-std::string Library::folder_of(const std::string& place) {
-  return fs::path(is_postgres(place) ? default_file() : place).parent_path().string();
+std::string Library::folder_of(const std::string& location) {
+  return fs::path(is_postgres(location) ? default_file() : location).parent_path().string();
 }
 
 Library::Library(std::unique_ptr<LibraryBody> body) : body_(std::move(body)) {}
@@ -149,14 +151,14 @@ Library::~Library() = default;
 
 LibraryBody& body_of(const Library& library) { return *library.body_; }
 
-Result<Library> Library::open(const std::string& place) {
-  Result<std::unique_ptr<LibraryBody>> body = is_postgres(place) ? open_server(place, false) : open_file(place);
+Result<Library> Library::open(const std::string& location) {
+  Result<std::unique_ptr<LibraryBody>> body = is_postgres(location) ? open_server(location, false) : open_file(location);
   if (!body) return fail(std::move(body.error()));
   return Library(std::move(*body));
 }
 
-Result<Library> Library::open_read_only(const std::string& place) {
-  Result<std::unique_ptr<LibraryBody>> body = is_postgres(place) ? open_server(place, true) : open_file_read_only(place);
+Result<Library> Library::open_read_only(const std::string& location) {
+  Result<std::unique_ptr<LibraryBody>> body = is_postgres(location) ? open_server(location, true) : open_file_read_only(location);
   if (!body) return fail(std::move(body.error()));
   return Library(std::move(*body));
 }
@@ -165,6 +167,6 @@ void Library::set_author(std::string author) {
   if (std::string clean = clean_text(author); !clean.empty()) body_->author = std::move(clean);
 }
 const std::string& Library::author() const { return body_->author; }
-const std::string& Library::path() const { return body_->place(); }
+const std::string& Library::path() const { return body_->location(); }
 
 }  // namespace ugoki::store

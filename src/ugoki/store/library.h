@@ -16,41 +16,43 @@
 
 namespace ugoki::store {
 
-/// `set`: a list of other entries; its data are a JSON array of their ids.
+/// Kind of an entry. measured: data of a motion capture system. set: a list of other entries; its data are a JSON array of their ids.
 enum class EntryKind : std::uint8_t { mechanism, motion, measured, circuit, set };
 inline constexpr EntryKind entry_kinds[] = {EntryKind::mechanism, EntryKind::motion, EntryKind::measured, EntryKind::circuit,
                                             EntryKind::set};
+/// Name of a kind: "mechanism", "motion", "measured", "circuit" or "set".
 [[nodiscard]] std::string_view name_of(EntryKind kind);
-/// The kind of this name; a problem otherwise.
+/// The kind with this name; error `unknown` if there is none.
 [[nodiscard]] Result<EntryKind> entry_kind_named(std::string_view name);
 
-/// One entry without its data, as its newest version has it.
+/// One entry in its newest version, without its data.
 struct LibraryEntry {
-  std::string id;  ///< through all its versions: made from the first data that it had. "m-...", "n-...", "d-...", "c-...", "s-..."
+  /// Same for all versions; made from the data of the first version: "m-...", "n-...", "d-...", "c-..." or "s-..." by kind
+  std::string id;
   EntryKind kind = EntryKind::motion;
   std::string name;
-  std::string summary = "{}";     ///< JSON object: what lists show (frames, mass, source ...)
+  std::string summary = "{}";     ///< JSON object with properties for display in lists (frames, mass, source ...)
   std::vector<std::string> tags;  ///< sorted
   std::string created;            ///< UTC, "2026-03-01T12:00:00.123Z"
   std::size_t size = 0;           ///< bytes of the data
   int version = 1;
-  std::string content;  ///< id of exactly the data of this version
+  std::string content;  ///< content id: hash of the data of this version (see entry_id())
   std::string note;     ///< free text
-  std::string author;   ///< who saved this version
+  std::string author;   ///< name of the person who saved this version
   std::string changed;  ///< UTC, when this version was saved
-  std::string removed;  ///< UTC, when it was thrown into the trash; empty: it was not
+  std::string removed;  ///< UTC, when the entry was moved to the trash; empty: it is not in the trash
   std::string removed_by;
-  bool thumbnail = false;
+  bool thumbnail = false;  ///< true if the entry has a thumbnail
 };
 
-/// One version of an entry. Versions are never changed.
+/// One version of an entry. Versions are immutable. `saved`: UTC.
 struct LibraryVersion {
   int version = 1;
   std::string name, summary, note, content, author, saved;
   std::size_t size = 0;
 };
 
-/// What is put in.
+/// A new entry for Library::put().
 struct LibraryItem {
   EntryKind kind = EntryKind::motion;
   std::string name = {};
@@ -60,130 +62,138 @@ struct LibraryItem {
   std::string note = {};
 };
 
-/// A new version of an entry: what is absent stays as it was.
+/// A new version of an entry for Library::save(). Absent fields keep their value.
 struct LibrarySave {
   std::string id = {};
-  int base = 0;  ///< the version that was changed
+  int base = 0;  ///< version on which the change is based; must be the newest
   std::optional<std::string> name = {}, summary = {}, note = {};
   std::optional<std::vector<std::byte>> data = {};
 };
 
 enum class LibraryOrder : std::uint8_t {
-  relevance,  ///< names that begin with the text, names that hold it, the others; each by name. Without text: by name
+  relevance,  ///< first names that begin with the text, then names that contain it, then the others; each group by name. No text: by name
   name,
-  newest,  ///< last saved first
+  newest,  ///< by the time of the last save, newest first
   oldest,
-  longest,  ///< by the summary's "duration"
+  longest,  ///< by the summary's "duration", longest first
   shortest,
 };
+/// The order with this name ("relevance", "name", "newest" ...); error `range` if there is none.
 [[nodiscard]] Result<LibraryOrder> library_order_named(std::string_view name);
 
 struct LibraryQuery {
-  std::string text = {};  ///< words (or their beginnings) of name, tags, note, kind or summary; all must be found. "in quotes": in a row
-  std::vector<std::string> kinds = {};  ///< names of kinds; empty: all
-  std::vector<std::string> tags = {};   ///< all of them
-  std::size_t limit = 10'000;
+  /// Words, or beginnings of words, of name, tags, note, kind or summary; an entry must contain all of them. Words in double quotes must
+  /// be adjacent.
+  std::string text = {};
+  std::vector<std::string> kinds = {};  ///< names of kinds; empty: all kinds
+  std::vector<std::string> tags = {};   ///< an entry must have all of these tags
+  std::size_t limit = 10'000;           ///< maximum count of entries on the page
   LibraryOrder order = LibraryOrder::name;
-  std::string after = {};  ///< `next` of the page before, with otherwise the same query
-  bool removed = false;    ///< the trash instead
+  std::string after = {};  ///< `next` of the previous page, with otherwise the same query; empty: first page
+  bool removed = false;    ///< true: search the trash instead
 };
 
 struct LibraryPage {
   std::vector<LibraryEntry> entries;
-  std::string next;  ///< empty: nothing follows
-  std::size_t total =
-      0;  ///< entries that fit: at most counted_at_most where words or tags are asked for; without them told with the first page only
-  bool total_exact = true;
+  std::string next;  ///< value for LibraryQuery::after of the next page; empty: this is the last page
+  /// Count of matching entries. With text or tags: at most max_counted. Without text and tags: only on the first page, otherwise 0.
+  std::size_t total = 0;
+  bool total_exact = true;  ///< false: more than `total` entries may match
 };
-inline constexpr std::size_t counted_at_most = 10'000;
+inline constexpr std::size_t max_counted = 10'000;
 
-/// What `check` found out.
+/// Result of Library::check().
 struct LibraryCheck {
-  std::size_t entries = 0, versions = 0, blobs = 0;
-  std::uint64_t bytes = 0;
-  Error problems;  ///< empty: all is well
+  std::size_t entries = 0, versions = 0, blobs = 0;  ///< counts
+  std::uint64_t bytes = 0;                           ///< total size of the blobs
+  Error problems;                                    ///< empty: no problem found
 };
 
 struct LibraryBody;
 
-/// One connection, used by one thread at a time. Several programs and people may use the same library at once.
+/// One connection to a library; used by one thread at a time. Several programs and users may use the same library at the same time.
 class Library {
  public:
-  /// Opens what `place` names, a file or "postgresql://user:password@host:port/database": makes it if it does not exist, brings an
-  /// older version up to date. What is no library, is damaged, or is of a newer version is refused and left as it is.
-  [[nodiscard]] static Result<Library> open(const std::string& place);
-  /// Opens an existing library without ever writing to it.
-  [[nodiscard]] static Result<Library> open_read_only(const std::string& place);
+  /// Opens the library at `location`: a file path or "postgresql://user:password@host:port/database". Creates the library if it does not
+  /// exist, and upgrades an older version. A file that is not a library, is damaged, or has a newer version is refused and not changed.
+  [[nodiscard]] static Result<Library> open(const std::string& location);
+  /// Opens an existing library read-only. Exception: a SQLite file of an older version is upgraded.
+  [[nodiscard]] static Result<Library> open_read_only(const std::string& location);
 
-  /// $UGOKI_LIBRARY, or else ~/.local/share/ugoki/library.db ($XDG_DATA_HOME honoured).
+  /// Location of the default library: $UGOKI_LIBRARY, or else $XDG_DATA_HOME/ugoki/library.db, or else
+  /// ~/.local/share/ugoki/library.db.
   [[nodiscard]] static std::string default_path();
-  /// False for a file that does not exist; a server is always worth asking.
-  [[nodiscard]] static bool exists(const std::string& place);
-  /// Folder for files that go with a library: the file's own, or the one of the default library where it is on a server.
-  [[nodiscard]] static std::string folder_of(const std::string& place);
+  /// False if `location` is a file that does not exist. Always true for a server, which is not contacted.
+  [[nodiscard]] static bool exists(const std::string& location);
+  /// Folder for files that belong to a library: the folder of the library file, or for a server the folder of the default library file.
+  [[nodiscard]] static std::string folder_of(const std::string& location);
 
   Library(Library&&) noexcept;
   Library& operator=(Library&&) noexcept;
   ~Library();
 
-  /// The name that stands at what is saved: $UGOKI_AUTHOR, or else the user's name on this computer.
+  /// Sets the author's name, which is stored with every saved version. Default: $UGOKI_AUTHOR, or else the user's login name.
   void set_author(std::string author);
   [[nodiscard]] const std::string& author() const;
-  /// The file, or the server's address without password.
+  /// Path of the file, or address of the server without the password.
   [[nodiscard]] const std::string& path() const;
 
-  /// Text is searched for without regard to case and diacritics.
+  /// One page of the entries that match the query. The text search ignores case and diacritics.
   [[nodiscard]] Result<LibraryPage> find(const LibraryQuery& query = {}) const;
-  /// Tags of entries that are not in the trash, with how many have each; the most frequent first.
+  /// Tags of entries that are not in the trash, each with the count of its entries; the most frequent first.
   /// @param kinds names; empty: all
   [[nodiscard]] Result<std::vector<std::pair<std::string, std::size_t>>> tags(std::span<const std::string> kinds = {},
                                                                               std::size_t limit = 1000) const;
-  /// How many entries of a kind there are, without the trash.
+  /// Count of the entries of a kind, without the trash.
   [[nodiscard]] Result<std::size_t> count(EntryKind kind) const;
-  /// @param id of an entry or of a version's data; a problem where there is none, or only one in the trash
+  /// The entry with this id, not in the trash. @param id of an entry, or content id of any of its versions
   [[nodiscard]] Result<LibraryEntry> get(std::string_view id) const;
+  /// The entry with this id in the trash. @param id as in get()
   [[nodiscard]] Result<LibraryEntry> get_removed(std::string_view id) const;
-  /// The entry that `text` names: its id, its name, or the beginning of its id. A problem if there is none or several.
+  /// The entry whose id or name is `text`, or whose id begins with `text` (at least 4 characters). Error `unknown` if there is none,
+  /// `duplicate` if there are several. @param kind name of a kind; empty: all kinds @param removed true: search the trash instead
   [[nodiscard]] Result<LibraryEntry> resolve(std::string_view text, std::string_view kind = {}, bool removed = false) const;
-  /// Newest first; also of an entry in the trash.
+  /// All versions of an entry, newest first; also of an entry in the trash.
   [[nodiscard]] Result<std::vector<LibraryVersion>> history(std::string_view id) const;
 
-  /// The data of the newest version (or of another), checked against their hash.
+  /// The data of a version, checked against their hash. @param version 0: the newest
   [[nodiscard]] Result<std::vector<std::byte>> data(std::string_view id, int version = 0) const;
-  /// Exactly these data, whatever happened to their entry since; the trash is looked through as well.
-  /// @param content id of a version's data
+  /// The data with this content id, even if they belong to an old version or to an entry in the trash.
   [[nodiscard]] Result<std::vector<std::byte>> content(std::string_view content) const;
-  /// PNG or WebP; empty: there is none.
+  /// The thumbnail, PNG or WebP; empty if the entry has none.
   [[nodiscard]] Result<std::vector<std::byte>> thumbnail(std::string_view id) const;
 
-  /// Puts in all items or none. Data that the library has already stay as they are (and come back from the trash); new tags are added to
-  /// them.
+  /// Adds all items or, after an error, none. If the library already contains the data of an item, the existing entry is kept, restored
+  /// from the trash if necessary, and gets the item's tags in addition to its own.
   /// @return ids in the order of the items
   [[nodiscard]] Result<std::vector<std::string>> put(std::span<const LibraryItem> items);
-  /// Makes a new version. Error `conflict`: somebody saved another version since `base`; nothing is changed then.
+  /// Adds a new version. Error `conflict`: `base` is not the newest version because another version was saved; nothing is changed then.
   [[nodiscard]] Result<LibraryEntry> save(const LibrarySave& save);
-  /// Saves what version `version` was as the newest one.
+  /// Adds a new version with the name, summary, note and data of version `version`. @param base newest version, as in LibrarySave
   [[nodiscard]] Result<LibraryEntry> restore(std::string_view id, int base, int version);
-  /// A new entry with the same data, tags and thumbnail; its history begins anew.
+  /// Adds a new entry with the same data, tags and thumbnail, and a new history.
   [[nodiscard]] Result<LibraryEntry> duplicate(std::string_view id, std::string_view name);
-  /// A new version with another name, of whatever is the newest now.
+  /// Adds a new version with another name, based on the newest version.
   [[nodiscard]] Result<void> rename(std::string_view id, std::string_view name);
+  /// Removes the tags `remove`, then adds the tags `add`. Tags are not part of the versions.
   [[nodiscard]] Result<void> set_tags(std::string_view id, std::span<const std::string> add, std::span<const std::string> remove);
-  /// @param picture PNG or WebP of at most most_thumbnail bytes; empty: takes it away. A save of other data takes it away as well.
+  /// Sets the entry's thumbnail. If a new version with different data is saved later, the thumbnail is removed.
+  /// @param picture PNG or WebP of at most max_thumbnail bytes; empty: removes the thumbnail
   [[nodiscard]] Result<void> set_thumbnail(std::string_view id, std::span<const std::byte> picture);
-  static constexpr std::size_t most_thumbnail = 256 << 10;
+  static constexpr std::size_t max_thumbnail = 256 << 10;  ///< bytes
 
-  /// Into the trash, where it keeps everything but is not found.
+  /// Moves an entry to the trash. It keeps its data and versions, but searches do not find it.
   [[nodiscard]] Result<void> remove(std::string_view id);
+  /// Moves an entry out of the trash.
   [[nodiscard]] Result<void> undelete(std::string_view id);
-  /// Takes out of the trash for ever what was removed before `before` (UTC, YYYY-MM-DD or YYYY-MM-DDThh:mm...; empty: everything).
-  /// @return how many. Errors: what is no day or time, before anything is removed
+  /// Permanently deletes the entries that were moved to the trash before `before` (UTC, YYYY-MM-DD or YYYY-MM-DDThh:mm...; empty: all).
+  /// @return count of deleted entries. Error `syntax`: `before` is not a valid date or time; nothing is deleted then
   [[nodiscard]] Result<std::size_t> empty_trash(std::string_view before = {});
-  /// Removes data that no version and no thumbnail uses. @return how many bytes
+  /// Deletes data that no version and no thumbnail refers to. @return bytes deleted
   [[nodiscard]] Result<std::uint64_t> collect_garbage();
-  /// Reads everything: structure, references, every blob against its hash, the index of the search against the entries.
-  /// @param repair makes the index of the search anew
-  /// @param progress gets 0 ... 1; may be empty
+  /// Checks the whole library: database structure, references, hashes of all blobs, and that the search index contains all entries.
+  /// @param repair rebuild the search index first
+  /// @param progress called with 0 ... 1; may be empty
   [[nodiscard]] Result<LibraryCheck> check(bool repair, const std::function<void(double)>& progress = {}) const;
 
  private:
@@ -192,7 +202,7 @@ class Library {
   std::unique_ptr<LibraryBody> body_;
 };
 
-/// The id of these data: the kind's letter and 16 hexadecimal digits.
+/// Content id of data: letter of the kind, '-' and 16 hexadecimal digits (Hash64 of the data).
 [[nodiscard]] std::string entry_id(EntryKind kind, std::span<const std::byte> data);
 
 }  // namespace ugoki::store

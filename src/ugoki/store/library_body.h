@@ -1,5 +1,5 @@
 #pragma once
-// What a Library holds, for the files that make up its parts. Internal to store.
+// The private members of Library, shared by the files that implement it. Internal to store.
 
 #include "ugoki/store/connection.h"
 #include "ugoki/store/library.h"
@@ -10,17 +10,21 @@ namespace ugoki::store {
 struct LibraryBody {
   std::unique_ptr<Connection> connection;
   std::string author;
-  std::size_t few = counted_at_most;  ///< so many entries are found by the index and sorted; for more, find() reads in order
+  /// Count of matches up to which find() sorts the matches of the search index; see library_search.cpp. Tests set a small value.
+  std::size_t sort_limit = max_counted;
 
-  [[nodiscard]] const std::string& place() const { return connection->place(); }
-  [[nodiscard]] std::string place(std::string_view id) const { return place() + ", entry " + std::string(id); }
+  /// Location of the library, or of one of its entries, for messages.
+  [[nodiscard]] const std::string& location() const { return connection->location(); }
+  [[nodiscard]] std::string location(std::string_view id) const { return location() + ", entry " + std::string(id); }
+  /// Current UTC time of the database.
   [[nodiscard]] Result<std::string> now() const {
     const Result<Rows> rows = connection->query("SELECT " + connection->dialect().now);
     if (!rows) return fail(rows.error());
     return rows->text(0, 0);
   }
 
-  /// Runs `work`, which returns a Result, wholly or not at all; again where another's work at the same time was in the way.
+  /// Runs `work`, which returns a Result, in one write transaction: committed if it succeeds, rolled back if it fails. Repeats the
+  /// transaction, at most 8 times in total, after a conflict with a concurrent transaction.
   template <class Work>
   auto in_transaction(Work work) const -> decltype(work()) {
     constexpr int attempts = 8;
@@ -43,13 +47,15 @@ struct LibraryBody {
 [[nodiscard]] LibraryBody& body_of(const Library& library);
 [[nodiscard]] Result<LibraryEntry> public_entry(const EntryRow& row);
 
+/// Which entries are meant: not in the trash, in the trash, or both.
 enum class Trash : std::uint8_t { no, yes, both };
-/// The entry of this id, or the one with a version of this content.
+/// The entry with this id, or else one with a version of this content id. @param trash whether the entry may, or must, be in the trash
 [[nodiscard]] Result<EntryRow> find_entry(const LibraryBody& body, std::string_view id, Trash trash);
+/// The error that the library has no entry `id`.
 [[nodiscard]] std::unexpected<Error> no_entry(const LibraryBody& body, std::string_view id);
-/// A problem unless the summary is a JSON object and the name is not empty.
+/// Checks that the summary is a JSON object and that the name is not empty.
 [[nodiscard]] Result<void> check_item(const LibraryBody& body, std::string_view id, const std::string& name, const std::string& summary);
-/// Whether a browser shows it: PNG, or WebP in its RIFF container.
+/// True if the bytes begin like a PNG file or a WebP file (in a RIFF container). The rest of the file is not checked.
 [[nodiscard]] bool is_picture(std::span<const std::byte> bytes);
 
 }  // namespace ugoki::store

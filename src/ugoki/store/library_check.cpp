@@ -1,4 +1,4 @@
-// The trash, data that nothing uses, and the check of everything.
+// Emptying the trash, deletion of unused data, and the check of a library.
 
 #include "ugoki/base/sha256.h"
 #include "ugoki/store/library_body.h"
@@ -10,10 +10,10 @@ constexpr const char* unused_blob =
     "NOT EXISTS (SELECT 1 FROM version v WHERE v.data = b.hash) AND NOT EXISTS (SELECT 1 FROM entry e WHERE e.data = b.hash) AND "
     "NOT EXISTS (SELECT 1 FROM entry e WHERE e.thumbnail = b.hash)";
 
-/// Rules that the statements of this module keep; each finds what breaks it.
+/// A consistency rule of the tables.
 struct Rule {
-  const char* find;  ///< SELECT id ...
-  const char* sentence;
+  const char* find;      ///< SELECT that returns the id, content id or tag of each row that violates the rule
+  const char* sentence;  ///< message; {} is replaced by the selected text
 };
 constexpr Rule rules[] = {
     {"SELECT e.id FROM entry e WHERE NOT EXISTS (SELECT 1 FROM version v WHERE v.entry = e.no AND v.version = e.version AND v.data = "
@@ -27,7 +27,7 @@ constexpr Rule rules[] = {
      "The data {} of an old version are missing."},
     {"SELECT v.content FROM version v WHERE NOT EXISTS (SELECT 1 FROM entry e WHERE e.no = v.entry)",
      "The version with the data {} has no entry."},
-    {"SELECT t.tag FROM tag t WHERE NOT EXISTS (SELECT 1 FROM entry e WHERE e.no = t.entry)", "The tag '{}' stands at no entry."},
+    {"SELECT t.tag FROM tag t WHERE NOT EXISTS (SELECT 1 FROM entry e WHERE e.no = t.entry)", "The tag '{}' belongs to no entry."},
 };
 
 Result<void> check_rules(Connection& connection, Error& problems) {
@@ -37,14 +37,14 @@ Result<void> check_rules(Connection& connection, Error& problems) {
     for (std::size_t r = 0; r < broken->size(); ++r) {
       std::string sentence = rule.sentence;
       sentence.replace(sentence.find("{}"), 2, broken->text(r, 0));
-      problems.add(ErrorCode::structure, connection.place(), sentence,
-                   "Restore the library from a copy, or remove the entry and import it again.");
+      problems.add(ErrorCode::structure, connection.location(), sentence,
+                   "Restore the library from a backup, or remove the entry and import it again.");
     }
   }
   return {};
 }
 
-/// Reads every blob, a few at a time.
+/// Checks the size and the hash of every blob. Lists their names in chunks of 500 rows.
 Result<void> check_blobs(Connection& connection, LibraryCheck& out, const std::function<void(double)>& progress) {
   std::string after;
   for (std::size_t done = 0;;) {
@@ -57,12 +57,12 @@ Result<void> check_blobs(Connection& connection, LibraryCheck& out, const std::f
       const Result<std::optional<std::vector<std::byte>>> bytes =
           connection.bytes("SELECT b.bytes FROM blob b WHERE b.hash = ?1", {&name, 1});
       if (bytes && *bytes && sha256(**bytes) == after && static_cast<std::int64_t>((*bytes)->size()) == names->integer(r, 1)) continue;
-      if (bytes && !*bytes) continue;  // removed by somebody meanwhile
+      if (bytes && !*bytes) continue;  // another program has deleted it since the names were listed
       const Result<Rows> users =
           connection.query("SELECT DISTINCT e.id FROM entry e JOIN version v ON v.entry = e.no WHERE v.data = ?1 LIMIT 5", {after});
       std::string ids;
       for (std::size_t u = 0; users && u < users->size(); ++u) ids += (u ? ", " : "") + users->text(u, 0);
-      out.problems.add(ErrorCode::syntax, connection.place(),
+      out.problems.add(ErrorCode::syntax, connection.location(),
                        "The data " + after.substr(0, 16) + " of " + (ids.empty() ? "no entry" : ids) + " are damaged.",
                        "Restore an older version of the entry, or remove it and import it again.");
     }
@@ -70,6 +70,7 @@ Result<void> check_blobs(Connection& connection, LibraryCheck& out, const std::f
   }
 }
 
+/// Rebuilds the search words of all entries, 500 entries per transaction.
 Result<void> repair_words(const LibraryBody& body) {
   std::int64_t no = 0;
   for (;;) {
@@ -90,11 +91,7 @@ Result<void> repair_words(const LibraryBody& body) {
   }
 }
 
-}  // namespace
-
-namespace {
-
-/// The beginning of a time as entries have it: at least the day, perhaps more of it.
+/// True if `text` is a date, or a date and a prefix of a time, in the form in which entries store times.
 bool is_day_or_time(std::string_view text) {
   constexpr std::string_view pattern = "dddd-dd-ddTdd:dd:dd.ddd";
   if (text.ends_with('Z')) text.remove_suffix(1);
@@ -109,7 +106,7 @@ bool is_day_or_time(std::string_view text) {
 
 Result<std::size_t> Library::empty_trash(std::string_view before) {
   if (!before.empty() && !is_day_or_time(before))
-    return fail(ErrorCode::syntax, std::string(before), "This is no day or time, so nothing was removed.",
+    return fail(ErrorCode::syntax, path(), "'" + std::string(before) + "' is not a valid date or time; nothing was removed.",
                 "Write it as 2026-01-31 or 2026-01-31T18:00 (UTC).");
   return body_->in_transaction([&]() -> Result<std::size_t> {
     const std::string until = before.empty() ? "9999" : std::string(before);
@@ -147,16 +144,17 @@ Result<LibraryCheck> Library::check(bool repair, const std::function<void(double
   out.bytes = static_cast<std::uint64_t>(counts->integer(0, 3));
   if (Result<void> done = check_rules(connection, out.problems); !done) return fail(std::move(done.error()));
   if (Result<void> done = check_blobs(connection, out, progress); !done) return fail(std::move(done.error()));
-  const char* unfound =
+  const char* not_indexed =
       connection.dialect().postgres
           ? "SELECT e.id FROM entry e WHERE e.removed IS NULL AND NOT EXISTS (SELECT 1 FROM entry_order o JOIN entry_text t ON "
             "t.entry = o.entry WHERE o.entry = e.no AND (o.id, o.name_key, o.changed, o.duration_ms) = "
             "(e.id, e.name_key, e.changed, e.duration_ms)) LIMIT 20"
           : "SELECT e.id FROM entry e WHERE e.removed IS NULL AND NOT EXISTS (SELECT 1 FROM entry_text t WHERE t.rowid = e.no) LIMIT 20";
-  const Result<Rows> rows = connection.query(unfound);
+  const Result<Rows> rows = connection.query(not_indexed);
   if (!rows) return fail(rows.error());
   for (std::size_t r = 0; r < rows->size(); ++r)
-    out.problems.add(ErrorCode::structure, path(), "The search cannot find entry " + rows->text(r, 0) + ".",
+    out.problems.add(ErrorCode::structure, path(),
+                     "Entry " + rows->text(r, 0) + " is missing from the search index, or its index row is outdated.",
                      "Run `ugoki db check --repair`.");
   return out;
 }

@@ -1,4 +1,4 @@
-// What a library tells about its entries, except for searching.
+// Reading entries, versions, data and tags of a library. Searching is in library_search.cpp.
 
 #include "ugoki/json/json.h"
 #include "ugoki/store/library_body.h"
@@ -7,6 +7,7 @@
 namespace ugoki::store {
 namespace {
 
+/// SQL condition on `entry e`, to be appended to a WHERE clause.
 const char* condition_of(Trash trash) {
   switch (trash) {
     case Trash::no: return " AND e.removed IS NULL";
@@ -19,15 +20,16 @@ const char* condition_of(Trash trash) {
 }  // namespace
 
 std::unexpected<Error> no_entry(const LibraryBody& body, std::string_view id) {
-  return fail(ErrorCode::unknown, body.place(), "The library has no entry '" + std::string(id) + "'.",
+  return fail(ErrorCode::unknown, body.location(), "The library has no entry '" + std::string(id) + "'.",
               "List the entries with `ugoki db list`.");
 }
 
 Result<void> check_item(const LibraryBody& body, std::string_view id, const std::string& name, const std::string& summary) {
-  if (name.empty()) return fail(ErrorCode::structure, body.place(id), "An entry of the library needs a name.", "Give it one.");
+  if (name.empty()) return fail(ErrorCode::structure, body.location(id), "An entry of the library needs a name.", "Give the entry a name.");
   const Result<json::Json> parsed = json::parse_json(summary, "summary");
   if (!parsed || !parsed->is_object())
-    return fail(ErrorCode::syntax, body.place(id), "The summary of '" + name + "' is no JSON object.", "Give an object, for example {}.");
+    return fail(ErrorCode::syntax, body.location(id), "The summary of '" + name + "' is not a JSON object.",
+                "Give an object, for example {}.");
   return {};
 }
 
@@ -62,11 +64,11 @@ Result<EntryRow> find_entry(const LibraryBody& body, std::string_view id, Trash 
   if (found->empty()) return no_entry(body, id);
   EntryRow& entry = found->front();
   if (trash == Trash::no && !entry.removed.empty())
-    return fail(ErrorCode::unknown, body.place(id), "'" + entry.newest.name + "' is in the trash since " + entry.removed + ".",
-                "Take it back with `ugoki db undelete " + entry.id + "`.");
+    return fail(ErrorCode::unknown, body.location(id), "'" + entry.newest.name + "' has been in the trash since " + entry.removed + ".",
+                "Restore it with `ugoki db undelete " + entry.id + "`.");
   if (trash == Trash::yes && entry.removed.empty())
-    return fail(ErrorCode::unknown, body.place(id), "'" + entry.newest.name + "' is not in the trash.",
-                "Look with `ugoki db list --removed`.");
+    return fail(ErrorCode::unknown, body.location(id), "'" + entry.newest.name + "' is not in the trash.",
+                "List the trash with `ugoki db list --removed`.");
   return std::move(entry);
 }
 
@@ -90,22 +92,22 @@ Result<LibraryEntry> Library::resolve(std::string_view given, std::string_view k
     if (kind.empty() || name_of(k) == kind) kinds += (kinds.empty() ? "'" : ",'") + std::string(name_of(k)) + "'";
   if (kinds.empty()) return fail(entry_kind_named(kind).error());
   const std::string of_kind = " AND e.kind IN (" + kinds + ")" + trash;
-  constexpr std::size_t most = 100;
+  constexpr std::size_t max_candidates = 100;  // entries whose id begins with the text; a message lists only 8
   Result<std::vector<EntryRow>> found = read_entries(*body_->connection, "e.id = ?1" + of_kind, text);
   if (found && found->empty()) {
     found = read_entries(*body_->connection, "e.name_key = ?1" + of_kind, key, 10'000);
     if (found) std::erase_if(*found, [&](const EntryRow& e) { return e.newest.name != text; });
   }
   if (found && found->empty() && text.size() >= 4)
-    found =
-        read_entries(*body_->connection, "e.id >= ?1 AND substr(e.id, 1, " + std::to_string(text.size()) + ") = ?1" + of_kind, text, most);
+    found = read_entries(*body_->connection, "e.id >= ?1 AND substr(e.id, 1, " + std::to_string(text.size()) + ") = ?1" + of_kind, text,
+                         max_candidates);
   if (!found) return fail(std::move(found.error()));
   if (found->empty()) return no_entry(*body_, text);
   if (found->size() == 1) return public_entry(found->front());
   std::string ids;
   for (std::size_t i = 0; i < found->size() && i < 8; ++i) ids += (i ? ", " : "") + (*found)[i].id + " (" + (*found)[i].kind + ")";
   if (found->size() > 8) ids += " ...";
-  return fail(ErrorCode::duplicate, path(), "'" + text + "' names " + std::to_string(found->size()) + " entries: " + ids + ".",
+  return fail(ErrorCode::duplicate, path(), "'" + text + "' matches " + std::to_string(found->size()) + " entries: " + ids + ".",
               "Give the id of one of them.");
 }
 
@@ -124,15 +126,16 @@ Result<std::vector<LibraryVersion>> Library::history(std::string_view id) const 
 Result<std::vector<std::byte>> Library::data(std::string_view id, int version) const {
   const Result<EntryRow> entry = find_entry(*body_, id, Trash::no);
   if (!entry) return fail(entry.error());
-  const std::string what = "entry " + entry->id + " '" + entry->newest.name + "'";
-  if (version == 0 || version == entry->newest.version) return read_blob(*body_->connection, entry->newest.data, what);
+  const std::string description = "entry " + entry->id + " '" + entry->newest.name + "'";
+  if (version == 0 || version == entry->newest.version) return read_blob(*body_->connection, entry->newest.data, description);
   const Result<Rows> row =
       body_->connection->query("SELECT v.data FROM version v WHERE v.entry = ?1 AND v.version = ?2", {entry->no, std::int64_t{version}});
   if (!row) return fail(row.error());
   if (row->empty())
-    return fail(ErrorCode::unknown, body_->place(entry->id), "'" + entry->newest.name + "' has no version " + std::to_string(version) + ".",
+    return fail(ErrorCode::unknown, body_->location(entry->id),
+                "'" + entry->newest.name + "' has no version " + std::to_string(version) + ".",
                 "List its versions with `ugoki db history " + entry->id + "`.");
-  return read_blob(*body_->connection, row->text(0, 0), what + ", version " + std::to_string(version));
+  return read_blob(*body_->connection, row->text(0, 0), description + ", version " + std::to_string(version));
 }
 
 Result<std::vector<std::byte>> Library::content(std::string_view content) const {
@@ -140,8 +143,8 @@ Result<std::vector<std::byte>> Library::content(std::string_view content) const 
       body_->connection->query("SELECT v.data FROM version v WHERE v.content = ?1 ORDER BY v.entry, v.version LIMIT 1", {content});
   if (!row) return fail(row.error());
   if (!row->empty()) return read_blob(*body_->connection, row->text(0, 0), "content " + std::string(content));
-  return fail(ErrorCode::unknown, path(), "The library has no data '" + std::string(content) + "'.",
-              "Import the file that they come from again.");
+  return fail(ErrorCode::unknown, path(), "The library has no data with the content id '" + std::string(content) + "'.",
+              "Import the original file again.");
 }
 
 Result<std::vector<std::byte>> Library::thumbnail(std::string_view id) const {

@@ -13,6 +13,7 @@ namespace {
 
 using json::Json;
 
+/// Appends all strings inside a JSON value, at any depth, to `out`, each followed by a blank.
 void add_texts(const Json& value, std::string& out) {
   if (value.is_string())
     out += value.get<std::string>() + " ";
@@ -20,11 +21,13 @@ void add_texts(const Json& value, std::string& out) {
     for (const Json& inner : value) add_texts(inner, out);
 }
 
+/// The summary as a JSON object; an empty object if it is invalid.
 Json summary_of(const std::string& summary) {
   Result<Json> parsed = json::parse_json(summary, "summary");
   return parsed && parsed->is_object() ? std::move(*parsed) : Json::object();
 }
 
+/// The summary's "duration" [s] in ms; 0 if it is absent, negative or not below 1e12 s.
 std::int64_t duration_ms(const std::string& summary) {
   const Json json = summary_of(summary);
   const auto found = json.find("duration");
@@ -45,11 +48,13 @@ SearchText search_text(const EntryRow& entry) {
   return text;
 }
 
+/// The result of a statement that returns no rows.
 Result<void> without_rows(Result<Rows> answer) {
   if (!answer) return fail(std::move(answer.error()));
   return {};
 }
 
+/// Inserts the rows of an entry into the search index.
 Result<void> insert_words(Connection& connection, std::int64_t no, const SearchText& text) {
   if (!connection.dialect().postgres)
     return without_rows(connection.query("INSERT INTO entry_text (rowid, name, other, marks) VALUES (?1, ?2, ?3, ?4)",
@@ -63,7 +68,7 @@ Result<void> insert_words(Connection& connection, std::int64_t no, const SearchT
                        {no}));
 }
 
-/// Empty texts of columns that may be null.
+/// The text, or SQL NULL if it is empty.
 Value or_null(const std::string& text) { return text.empty() ? Value() : Value(text); }
 
 }  // namespace
@@ -95,7 +100,7 @@ VersionRow version_of(const Rows& rows, std::size_t r, std::size_t c) {
 }
 
 Result<void> read_tags(Connection& connection, std::vector<EntryRow>& entries) {
-  constexpr std::size_t at_once = 500;
+  constexpr std::size_t at_once = 500;  // entries per statement
   for (std::size_t from = 0; from < entries.size(); from += at_once) {
     std::map<std::int64_t, EntryRow*> by_no;
     std::string numbers;
@@ -103,7 +108,7 @@ Result<void> read_tags(Connection& connection, std::vector<EntryRow>& entries) {
       by_no.emplace(entries[i].no, &entries[i]);
       numbers += (numbers.empty() ? "" : ",") + std::to_string(entries[i].no);
     }
-    // The numbers as one text keep the statement the same for any count.
+    // All numbers are passed in one text parameter, so the prepared statement is the same for any count.
     const Result<Rows> tags =
         connection.dialect().postgres
             ? connection.query("SELECT entry, tag FROM tag WHERE entry = ANY (string_to_array(?1, ',')::bigint[]) ORDER BY entry, tag",
@@ -138,9 +143,10 @@ Result<std::vector<EntryRow>> read_entries(Connection& connection, std::string_v
 }
 
 Result<void> put_blob(Connection& connection, const std::string& hash, std::span<const std::byte> bytes) {
-  constexpr std::size_t most = std::size_t{512} << 20;
-  if (bytes.size() > most)
-    return fail(ErrorCode::range, connection.place(), "The data of an entry are larger than 512 MB.", "Cut them into parts.");
+  constexpr std::size_t max_size = std::size_t{512} << 20;  // bytes; SQLite and PostgreSQL limit a value to about 1 GB
+  if (bytes.size() > max_size)
+    return fail(ErrorCode::range, connection.location(), "The data of an entry are larger than 512 MB.",
+                "Split them into several entries.");
   return without_rows(connection.query("INSERT INTO blob (hash, size, bytes) VALUES (?1, ?2, ?3) ON CONFLICT DO NOTHING",
                                        {hash, static_cast<std::int64_t>(bytes.size()), bytes}));
 }
@@ -151,14 +157,14 @@ Result<bool> has_blob(Connection& connection, const std::string& hash) {
   return !rows->empty();
 }
 
-Result<std::vector<std::byte>> read_blob(Connection& connection, const std::string& hash, const std::string& what) {
+Result<std::vector<std::byte>> read_blob(Connection& connection, const std::string& hash, const std::string& description) {
   const Value name(hash);
   Result<std::optional<std::vector<std::byte>>> bytes = connection.bytes("SELECT bytes FROM blob WHERE hash = ?1", {&name, 1});
   if (!bytes) return fail(std::move(bytes.error()));
   if (!*bytes || sha256(**bytes) != hash)
-    return fail(ErrorCode::syntax, connection.place() + ", " + what,
-                "Its data " + std::string(*bytes ? "are damaged" : "are missing") + " (" + hash.substr(0, 16) + ").",
-                "Restore an older version of it, or remove the entry and import it again.");
+    return fail(ErrorCode::syntax, connection.location() + ", " + description,
+                "The data " + std::string(*bytes ? "are damaged" : "are missing") + " (" + hash.substr(0, 16) + ").",
+                "Restore an older version of the entry, or remove the entry and import it again.");
   return std::move(**bytes);
 }
 

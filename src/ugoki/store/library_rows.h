@@ -1,6 +1,6 @@
 #pragma once
-// Rows of a library and the statements that write them, for saving, importing, copying and migrating alike. Internal to store.
-// Everything here runs inside a transaction of the caller.
+// Rows of a library and the statements that read and write them; used by saving, importing, copying and migrating. Internal to store.
+// The caller must have begun a transaction for all functions that write.
 
 #include <string>
 #include <string_view>
@@ -14,57 +14,61 @@ namespace ugoki::store {
 struct VersionRow {
   std::int64_t version = 1;
   std::string name, summary = "{}", note;
-  std::string content;  ///< id of the data
-  std::string data;     ///< SHA-256 of the data
-  std::int64_t size = 0;
+  std::string content;    ///< content id of the data (entry_id())
+  std::string data;       ///< SHA-256 of the data: key of the blob
+  std::int64_t size = 0;  ///< bytes
   std::string author;
   std::string saved;  ///< UTC
 
   bool operator==(const VersionRow&) const = default;
 };
 
+/// One entry with its newest version.
 struct EntryRow {
-  std::int64_t no = 0;  ///< in its own database
+  std::int64_t no = 0;  ///< primary key, local to one database
   std::string id, kind;
   VersionRow newest;
-  std::string created, changed;
-  std::string removed, removed_by;  ///< empty: not in the trash
-  std::string thumbnail;            ///< SHA-256; empty: none
+  std::string created, changed;     ///< UTC
+  std::string removed, removed_by;  ///< UTC time and name; empty: not in the trash
+  std::string thumbnail;            ///< SHA-256 of the picture: key of the blob; empty: none
   std::vector<std::string> tags;    ///< sorted
 };
 
-/// Columns of `entry e` that entry_of() reads.
+/// Columns of `entry e` in the order in which entry_of() reads them.
 inline constexpr const char* entry_columns =
     "e.no, e.id, e.kind, e.version, e.name, e.summary, e.note, e.content, e.data, e.size, e.author, e.created, e.changed, e.removed, "
     "e.removed_by, e.thumbnail";
 inline constexpr std::size_t entry_column_count = 16;
+/// The entry in row `row`, without its tags.
 [[nodiscard]] EntryRow entry_of(const Rows& rows, std::size_t row);
-/// Columns of `version v` that version_of() reads.
+/// Columns of `version v` in the order in which version_of() reads them.
 inline constexpr const char* version_columns = "v.version, v.name, v.summary, v.note, v.content, v.data, v.size, v.author, v.saved";
 [[nodiscard]] VersionRow version_of(const Rows& rows, std::size_t row, std::size_t first_column = 0);
 
-/// Fills in the tags of all these entries with one statement.
+/// Reads the tags of all these entries, with one statement per 500 entries.
 [[nodiscard]] Result<void> read_tags(Connection& connection, std::vector<EntryRow>& entries);
-/// Oldest first.
+/// The versions of entry `no`, oldest first.
 [[nodiscard]] Result<std::vector<VersionRow>> read_versions(Connection& connection, std::int64_t no);
 
-/// @param condition of `entry e`, with parameter ?1. Nothing where no entry fits
+/// The entries that fulfil a condition, with their tags, sorted by `no`; empty if there is none.
+/// @param condition SQL condition on `entry e`, with parameter ?1 @param limit maximum count of entries
 [[nodiscard]] Result<std::vector<EntryRow>> read_entries(Connection& connection, std::string_view condition, const Value& parameter,
                                                          std::size_t limit = 10);
 
+/// Stores bytes under their hash. Has no effect if they are already stored. Error `range`: larger than 512 MB.
 [[nodiscard]] Result<void> put_blob(Connection& connection, const std::string& hash, std::span<const std::byte> bytes);
 [[nodiscard]] Result<bool> has_blob(Connection& connection, const std::string& hash);
-/// The bytes, checked against their name. @param what "entry n-..., version 3", for the problem
-[[nodiscard]] Result<std::vector<std::byte>> read_blob(Connection& connection, const std::string& hash, const std::string& what);
+/// The bytes, checked against their hash. @param description of the data for error messages: "entry n-..., version 3"
+[[nodiscard]] Result<std::vector<std::byte>> read_blob(Connection& connection, const std::string& hash, const std::string& description);
 
-/// A new entry with its tags and words, without its versions. @return its number, or 0 if there is one of this id already
+/// Inserts an entry with its tags and search words, without its versions. @return its `no`, or 0 if an entry has the same id already
 [[nodiscard]] Result<std::int64_t> insert_entry(Connection& connection, const EntryRow& entry);
 [[nodiscard]] Result<void> insert_version(Connection& connection, std::int64_t no, const VersionRow& version);
 [[nodiscard]] Result<void> insert_tag(Connection& connection, std::int64_t no, const std::string& tag);
-/// Makes the words of an entry anew from what stands in its row and its tags. Entries in the trash are not found by words.
+/// Rebuilds the search words of an entry from its row and its tags. An entry in the trash has no rows in the search index.
 [[nodiscard]] Result<void> refresh_words(Connection& connection, std::int64_t no);
 
-/// All texts among the values of a summary, with blanks between.
+/// All strings among the values of a summary (JSON), each followed by a blank.
 [[nodiscard]] std::string texts_of(const std::string& summary);
 
 }  // namespace ugoki::store

@@ -10,7 +10,7 @@
 namespace ugoki::store {
 namespace {
 
-/// One schema for both databases; what they spell differently stands in braces. docs/design/databases.md explains it.
+/// The schema of both databases. Words in braces differ between the databases; see spelled(). docs/design/databases.md explains the tables.
 constexpr const char* tables = R"(
 CREATE TABLE blob (
   hash  {text} PRIMARY KEY NOT NULL,   -- SHA-256 of the bytes
@@ -22,12 +22,12 @@ CREATE TABLE entry (
   id          {text} NOT NULL UNIQUE,
   kind        {text} NOT NULL,
   name        {text} NOT NULL CHECK (length(name) > 0),
-  name_key    {text} NOT NULL,         -- its words, folded: the order of lists
+  name_key    {text} NOT NULL,         -- folded words of the name; sort key of lists
   summary     {text} NOT NULL,         -- JSON object
   note        {text} NOT NULL,
-  words       {text} NOT NULL,         -- everything that is searched for
-  duration_ms {integer} NOT NULL,      -- 0: takes no time
-  version     {integer} NOT NULL,      -- the newest; what stands here is equal to its row in `version`
+  words       {text} NOT NULL,         -- all words that a search can find
+  duration_ms {integer} NOT NULL,      -- 0: no duration
+  version     {integer} NOT NULL,      -- number of the newest version; its columns are copied here from table `version`
   content     {text} NOT NULL,
   data        {text} NOT NULL REFERENCES blob (hash),
   size        {integer} NOT NULL,
@@ -35,10 +35,10 @@ CREATE TABLE entry (
   thumbnail   {text} REFERENCES blob (hash),
   created     {text} NOT NULL,
   changed     {text} NOT NULL,
-  removed     {text},                  -- when it went into the trash
+  removed     {text},                  -- when the entry was moved to the trash; null: not in the trash
   removed_by  {text}
 ){strict};
-CREATE INDEX entry_by_kind ON entry (kind, removed) WHERE removed IS NULL;  -- counting needs no row
+CREATE INDEX entry_by_kind ON entry (kind, removed) WHERE removed IS NULL;  -- covers counting
 CREATE INDEX entry_by_name ON entry (kind, name_key, id) WHERE removed IS NULL;
 CREATE INDEX entry_by_change ON entry (kind, changed, id) WHERE removed IS NULL;
 CREATE INDEX entry_by_duration ON entry (kind, duration_ms, id) WHERE removed IS NULL;
@@ -51,7 +51,7 @@ CREATE TABLE version (
   name    {text} NOT NULL,
   summary {text} NOT NULL,
   note    {text} NOT NULL,
-  content {text} NOT NULL,             -- id of the data: the kind's letter and their hash
+  content {text} NOT NULL,             -- content id: letter of the kind and hash of the data
   data    {text} NOT NULL REFERENCES blob (hash),
   size    {integer} NOT NULL,
   author  {text} NOT NULL,
@@ -63,7 +63,7 @@ CREATE INDEX version_by_data ON version (data);
 CREATE TABLE tag (
   entry {integer} NOT NULL REFERENCES entry (no) ON DELETE CASCADE,
   tag   {text} NOT NULL CHECK (length(tag) > 0),
-  kind  {text} NOT NULL,               -- of the entry, for counting; empty: it is in the trash
+  kind  {text} NOT NULL,               -- kind of the entry, for counting; empty: the entry is in the trash
   PRIMARY KEY (entry, tag)
 ){strict};
 CREATE INDEX tag_by_kind ON tag (kind, tag);
@@ -75,7 +75,7 @@ CREATE TABLE entry_text (
   entry bigint PRIMARY KEY REFERENCES entry (no) ON DELETE CASCADE,
   terms tsvector NOT NULL
 );
-CREATE TABLE entry_order (              -- what is sorted by: a search reads the row of all that fit, so these are small
+CREATE TABLE entry_order (              -- sort keys; a search reads the rows of all matches, so the rows are small
   entry       bigint PRIMARY KEY REFERENCES entry (no) ON DELETE CASCADE,
   duration_ms bigint NOT NULL,
   id          {text} NOT NULL,
@@ -83,15 +83,17 @@ CREATE TABLE entry_order (              -- what is sorted by: a search reads the
   changed     {text} NOT NULL
 );
 )";
-/// The index of words leads to the small rows. It may call the function immutable because words are never changed in place: refresh_words()
-/// makes both rows anew, the words first.
+/// The index maps words to the small rows of entry_order. The function may be declared IMMUTABLE although it reads a table, because words
+/// are never updated in place: refresh_words() deletes and inserts both rows, entry_text first. fastupdate is off because otherwise every
+/// search would also read the list of pending index entries.
 constexpr const char* postgres_index = R"(
 CREATE FUNCTION ugoki.terms_of(no bigint) RETURNS tsvector LANGUAGE sql IMMUTABLE AS
   'SELECT terms FROM ugoki.entry_text WHERE entry = no';
-CREATE INDEX entry_order_terms ON entry_order USING gin (terms_of(entry)) WITH (fastupdate = off);  -- every search would read the list of what is new
+CREATE INDEX entry_order_terms ON entry_order USING gin (terms_of(entry)) WITH (fastupdate = off);
 )";
 constexpr const char* postgres_version = "CREATE TABLE library (version bigint NOT NULL); INSERT INTO library VALUES (4);";
-/// Version 2 had nothing but the words in entry_text, version 3 what is sorted by beside them; neither had pairs of words (words.h).
+/// Upgrade to version 4. In version 2, entry_text had only the words; in version 3 also the sort keys. Neither had pairs of words
+/// (words.h).
 constexpr const char* postgres_before_4 =
     "CREATE TEMP TABLE old_text ON COMMIT DROP AS SELECT entry, terms FROM entry_text; DROP TABLE entry_text;";
 constexpr const char* postgres_after_3 = R"(
@@ -109,9 +111,10 @@ INSERT INTO entry_order (entry, duration_ms, id, name_key, changed)
 UPDATE library SET version = 4;
 )";
 
+/// The schema `text` with the words in braces replaced for one of the databases.
 std::string spelled(std::string text, bool postgres) {
   const std::pair<std::string_view, std::string_view> words[] = {
-      {"{text}", postgres ? "text COLLATE \"C\"" : "TEXT"},  // in the order of the bytes, as SQLite has it
+      {"{text}", postgres ? "text COLLATE \"C\"" : "TEXT"},  // byte order, as in SQLite
       {"{integer}", postgres ? "bigint" : "INTEGER"},
       {"{bytes}", postgres ? "bytea" : "BLOB"},
       {"{serial}", postgres ? "bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY" : "INTEGER PRIMARY KEY"},
@@ -123,22 +126,23 @@ std::string spelled(std::string text, bool postgres) {
   return text;
 }
 
-std::unexpected<Error> newer(const std::string& place, std::int64_t version, std::int64_t known) {
-  return fail(
-      ErrorCode::unsupported, place,
-      "The library was made by a newer Ugoki (version " + std::to_string(version) + "; this program knows " + std::to_string(known) + ").",
-      "Use a newer Ugoki, or choose another library with --library.");
+std::unexpected<Error> newer(const std::string& location, std::int64_t version, std::int64_t known) {
+  return fail(ErrorCode::unsupported, location,
+              "The library was made by a newer Ugoki (version " + std::to_string(version) + "; this program reads up to version " +
+                  std::to_string(known) + ").",
+              "Use a newer Ugoki, or choose another library with --library.");
 }
 
-/// Number that a pragma tells.
+/// Integer value of a pragma.
 Result<std::int64_t> pragma(Connection& connection, const char* name) {
   const Result<Rows> rows = connection.query(std::string("PRAGMA ") + name);
   if (!rows) return fail(rows.error());
   return rows->empty() ? 0 : rows->integer(0, 0);
 }
 
-/// Version 1 knew no versions, no trash and no blobs: its tables go aside, and each entry becomes the first version of one here.
-Result<void> take_over_version_1(Connection& connection) {
+/// Upgrades a library of schema version 1, which had no versions, no trash and no blobs. Renames the old tables, copies each entry as the
+/// first version of a new entry, and drops the old tables.
+Result<void> upgrade_version_1(Connection& connection) {
   if (Result<void> done =
           connection.script("ALTER TABLE entry RENAME TO old_entry; ALTER TABLE tag RENAME TO old_tag;"
                             "ALTER TABLE data RENAME TO old_data; DROP INDEX entry_by_name; DROP TABLE IF EXISTS entry_text");
@@ -168,7 +172,7 @@ Result<void> take_over_version_1(Connection& connection) {
       if (entry.newest.name.empty()) entry.newest.name = id;
       entry.newest.summary = rows->text(r, 3);
       entry.newest.content = id;
-      // Data that were damaged before get a name that does not fit them, so that they are never handed out.
+      // Data that are already damaged get a hash that does not match them, so that reading them fails.
       const Result<EntryKind> kind = entry_kind_named(entry.kind);
       entry.newest.data = kind && entry_id(*kind, bytes) == id ? sha256(bytes) : sha256("damaged " + id);
       entry.newest.size = static_cast<std::int64_t>(bytes.size());
@@ -197,8 +201,8 @@ Result<void> check_library(Database& database) {
                 "Choose another file with --library or $UGOKI_LIBRARY.");
   if (*version > library_version) return newer(database.path(), *version, library_version);
   if (*version < 1)
-    return fail(ErrorCode::syntax, database.path(), "The library has an impossible version.",
-                "Restore it from a copy; it was left as it is.");
+    return fail(ErrorCode::syntax, database.path(), "The library has the invalid version " + std::to_string(*version) + ".",
+                "Restore it from a backup; the file was not changed.");
   return {};
 }
 
@@ -208,11 +212,11 @@ Result<void> migrate_library(Connection& connection) {
   if (*version == library_version) return {};
   if (Result<void> begun = connection.begin(Connection::Access::write); !begun) return begun;
   const auto work = [&]() -> Result<void> {
-    version = pragma(connection, "user_version");  // another program may have been faster
+    version = pragma(connection, "user_version");  // another program may have upgraded it in the meantime
     if (!version) return fail(std::move(version.error()));
     if (*version == library_version) return {};
-    if (*version > library_version) return newer(connection.place(), *version, library_version);
-    Result<void> done = *version == 1 ? take_over_version_1(connection) : connection.script(spelled(tables, false) + sqlite_text);
+    if (*version > library_version) return newer(connection.location(), *version, library_version);
+    Result<void> done = *version == 1 ? upgrade_version_1(connection) : connection.script(spelled(tables, false) + sqlite_text);
     if (!done) return done;
     return connection.script("PRAGMA application_id = " + std::to_string(library_application_id) +
                              "; PRAGMA user_version = " + std::to_string(library_version));
@@ -235,17 +239,18 @@ Result<void> prepare_postgres(Connection& connection, bool read_only) {
   };
   Result<std::int64_t> known = version();
   if (!known) return fail(std::move(known.error()));
-  if (*known > server_version) return newer(connection.place(), *known, server_version);
+  if (*known > server_version) return newer(connection.location(), *known, server_version);
   if (*known == server_version) return {};
   if (read_only && *known >= 2)
-    return fail(ErrorCode::unsupported, connection.place(), "This library was made by an older Ugoki and may only be read here.",
-                "Open it once for writing, which brings it up to date: `ugoki db check` does.");
+    return fail(ErrorCode::unsupported, connection.location(),
+                "This library was made by an older Ugoki and cannot be upgraded, because it is opened read-only.",
+                "Open it once for writing to upgrade it, for example with `ugoki db check`.");
   if (read_only)
-    return fail(ErrorCode::unknown, connection.place(), "This database holds no library of Ugoki yet.",
-                "Put something in with `ugoki import`, or copy a library there with `ugoki db copy`.");
+    return fail(ErrorCode::unknown, connection.location(), "This database does not contain a library of Ugoki yet.",
+                "Add entries with `ugoki import`, or copy a library to it with `ugoki db copy`.");
   if (Result<void> begun = connection.begin(Connection::Access::write); !begun) return begun;
   const auto work = [&]() -> Result<void> {
-    // Whoever else opens the empty database now waits here, and then finds the tables.
+    // Another program that opens the database at the same time waits for this lock, and then finds the new tables.
     if (const Result<Rows> lock = connection.query("SELECT pg_advisory_xact_lock(1431786316)::text"); !lock) return fail(lock.error());
     known = version();
     if (!known) return fail(std::move(known.error()));

@@ -1,12 +1,12 @@
-// Searching and browsing.
+// Searching and browsing a library.
 //
-// Two ways, the same on both databases, chosen so that no search reads all rows of a large library:
-// - few fit: the index of words (which knows kinds and tags as well) gives the entries, these are sorted;
-// - many fit, or nothing is asked for: the entries are read in the order asked for, from the place where the page begins, and each is
-//   looked at; a page is soon full because many fit. The words of an entry stand in one text, so that "has these words in a row" is
-//   "contains this text", which means exactly what the index of words means. Where those that fit stand far from where the page begins,
-//   that would take long: after some rows it is given up, and what fits is sorted after all.
-// How many are few depends on how fast a database sorts what its index found (Dialect).
+// Two methods, the same on both databases, chosen so that no search reads all rows of a large library:
+// - Few matches: the search index (which contains words, kinds and tags) returns the matching entries, and these are sorted.
+// - Many matches, or no search text: the rows are scanned in the requested order from the position where the page begins, and each row is
+//   tested. A page fills soon because many rows match. The words of an entry are stored in one text, so "contains these adjacent words" is
+//   a substring test with the same result as the index. If the matches are far from the start of the page, the scan would take long; it
+//   then stops after a limited count of rows, and the matches of the index are sorted instead.
+// The limit between few and many depends on how fast the database sorts the matches of its index (Dialect::sort_factor).
 
 #include <algorithm>
 #include <array>
@@ -19,19 +19,22 @@
 namespace ugoki::store {
 namespace {
 
-/// Relevance comes in three parts, one after the other: names that begin with the text, names that hold it, the others.
+/// The order by relevance has three parts, one after the other: 0: names that begin with the text, 1: other names that contain the text,
+/// 2: all other entries.
 constexpr int relevance_parts = 3;
 
-/// How many fit: at most `few`, more, or so many that reading in order finds a page at once. Later pages need not count again.
-enum class Crowd : std::uint8_t { few, many, most };
+/// Size class of the result: few: at most LibraryBody::sort_limit; many: more; scan: more than sort_limit(), so scanning finds a page
+/// faster than sorting. Stored in the position, so that later pages need not count again.
+enum class ResultSize : std::uint8_t { few, many, scan };
 
-/// A place in the order: entries behind it follow.
+/// Position in the sorted result, encoded in LibraryPage::next. The next page begins with the entry after it.
 struct Position {
   int part = 0;
-  std::string key, id;
-  Crowd crowd = Crowd::few;
+  std::string key, id;  ///< sort key and id of the last entry of the page
+  ResultSize size = ResultSize::few;
 };
 
+/// The sort key of an order.
 struct Column {
   const char* name;
   bool descending, number;
@@ -48,25 +51,27 @@ Column column_of(LibraryOrder order) {
   return {"e.name_key", false, false};
 }
 
+/// The position as text for LibraryPage::next.
 std::string text_of(const Position& position, LibraryOrder order) {
   const std::string text = std::to_string(static_cast<int>(order)) + "," + std::to_string(position.part) + "," +
-                           std::to_string(static_cast<int>(position.crowd)) + "," + position.id + "," + position.key;
+                           std::to_string(static_cast<int>(position.size)) + "," + position.id + "," + position.key;
   return to_base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
+/// The position from LibraryQuery::after, which comes from outside and is checked. Inverse of text_of().
 Result<Position> position_of(const std::string& text, LibraryOrder order) {
-  const auto wrong = [] {
-    return fail(ErrorCode::range, "after", "This is no place in this list.",
-                "Give `next` of the page before, and otherwise the same query.");
+  const auto invalid = [] {
+    return fail(ErrorCode::range, "after", "The value is not a position in this list.",
+                "Give the value `next` of the previous page, with otherwise the same query.");
   };
   const std::optional<std::vector<std::uint8_t>> bytes = from_base64(text);
-  if (!bytes) return wrong();
+  if (!bytes) return invalid();
   const std::string_view all(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   std::array<std::string_view, 5> fields;
   std::size_t at = 0;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::size_t end = i + 1 < fields.size() ? all.find(',', at) : all.size();
-    if (end == std::string_view::npos) return wrong();
+    if (end == std::string_view::npos) return invalid();
     fields[i] = all.substr(at, end - at);
     at = end + 1;
   }
@@ -76,15 +81,15 @@ Result<Position> position_of(const std::string& text, LibraryOrder order) {
   const bool digits = !fields[4].empty() && fields[4].size() < 18 && fields[4].find_first_not_of("0123456789") == std::string_view::npos;
   if (fields[0] != std::to_string(static_cast<int>(order)) || part < 0 || part >= relevance_parts || (number && !digits) ||
       fields[2].size() != 1 || fields[2][0] < '0' || fields[2][0] > '2' || clean_text(all) != all)
-    return wrong();
-  return Position{part, std::string(fields[4]), std::string(fields[3]), static_cast<Crowd>(fields[2][0] - '0')};
+    return invalid();
+  return Position{part, std::string(fields[4]), std::string(fields[3]), static_cast<ResultSize>(fields[2][0] - '0')};
 }
 
-/// A statement that grows, with the values of its parameters.
+/// A statement under construction, with the values of its parameters. parameter() adds a value and returns its placeholder.
 struct Sql {
   std::string text;
   std::vector<Value> values;
-  std::vector<std::unique_ptr<std::string>> owned;
+  std::vector<std::unique_ptr<std::string>> owned;  ///< texts to which `values` refers
 
   std::string parameter(const Value& value) {
     values.push_back(value);
@@ -96,6 +101,7 @@ struct Sql {
   }
 };
 
+/// One query on a library.
 class Search {
  public:
   Search(const LibraryBody& body, const LibraryQuery& query) : body_(body), query_(query), phrases_(search_phrases(query.text)) {
@@ -120,23 +126,23 @@ class Search {
     by_index_ = filtered && !query_.removed;
     if (!filtered && !after)
       if (Result<void> counted = count_all(out); !counted) return fail(std::move(counted.error()));
-    Crowd crowd = after ? after->crowd : Crowd::few;
-    if (by_index_ && crowd == Crowd::few) {
+    ResultSize size = after ? after->size : ResultSize::few;
+    if (by_index_ && size == ResultSize::few) {
       const Result<std::size_t> total = count_matches(Among::all);
       if (!total) return fail(total.error());
-      out.total = std::min(*total, body_.few);
-      crowd = *total > sorted_at_most() ? Crowd::most : *total > body_.few ? Crowd::many : Crowd::few;
+      out.total = std::min(*total, body_.sort_limit);
+      size = *total > sort_limit() ? ResultSize::scan : *total > body_.sort_limit ? ResultSize::many : ResultSize::few;
     }
-    if (filtered && (query_.removed || crowd != Crowd::few)) {
-      out.total = body_.few;
+    if (filtered && (query_.removed || size != ResultSize::few)) {
+      out.total = body_.sort_limit;
       out.total_exact = false;
     }
-    Result<std::vector<Hit>> hits = by_index_ && crowd != Crowd::most ? sorted(after, Among::all) : walk(after);
+    Result<std::vector<Hit>> hits = by_index_ && size != ResultSize::scan ? sort_matches(after, Among::all) : scan(after);
     if (!hits) return fail(std::move(hits.error()));
     if (hits->size() > query_.limit) {
       hits->resize(query_.limit);
       Position last = hits->back().position;
-      last.crowd = crowd;
+      last.size = size;
       out.next = text_of(last, query_.order);
     }
     std::vector<EntryRow> rows;
@@ -151,7 +157,8 @@ class Search {
   }
 
  private:
-  enum class Among : std::uint8_t { all, named, unnamed };  ///< all that fit, those with the text in their name, the others
+  /// Subset of the matches: all; those with the search text in their name; the others.
+  enum class Among : std::uint8_t { all, in_name, not_in_name };
   struct Hit {
     Position position;
     EntryRow row;
@@ -159,34 +166,35 @@ class Search {
   [[nodiscard]] Connection& connection() const { return *body_.connection; }
   [[nodiscard]] const Dialect& dialect() const { return connection().dialect(); }
 
-  /// The entries that fit, by the index of words, as `hit`.
+  /// SELECT of the matching entries from the search index.
   [[nodiscard]] std::string match(Sql& sql, Among among) const {
-    const bool in_name = among == Among::named;
+    const bool in_name = among == Among::in_name;
     const std::vector<std::string>& kinds = query_.kinds;
     const auto with = [&](std::string text, std::string query) {
       return text.replace(text.find("{query}"), 7, sql.parameter(std::move(query)));
     };
     if (!dialect().postgres) return with(dialect().match, phrases_.fts5(in_name, tags_, kinds));
-    const std::string others = among == Among::unnamed ? " & !(" + phrases_.tsquery(true, {}, {}, false) + ")" : "";
-    std::string out = with(dialect().match, phrases_.tsquery(in_name, tags_, kinds, false) + others);
-    if (phrases_.any_longer_than_pairs()) out += with(dialect().in_a_row, phrases_.tsquery(in_name, {}, {}, true));
+    const std::string exclude_names = among == Among::not_in_name ? " & !(" + phrases_.tsquery(true, {}, {}, false) + ")" : "";
+    std::string out = with(dialect().match, phrases_.tsquery(in_name, tags_, kinds, false) + exclude_names);
+    if (phrases_.any_longer_than_pairs()) out += with(dialect().phrase_condition, phrases_.tsquery(in_name, {}, {}, true));
     return out;
   }
-  /// More than so many are read in order. What the index does not know for sure is dearer.
-  [[nodiscard]] std::size_t sorted_at_most() const {
-    return body_.few * static_cast<std::size_t>(phrases_.any_longer_than_pairs() ? 1 : dialect().sorts);
+  /// Count of matches up to which they are sorted; more matches are scanned. Lower for phrases that PostgreSQL must check in the rows
+  /// (Dialect::phrase_condition).
+  [[nodiscard]] std::size_t sort_limit() const {
+    return body_.sort_limit * static_cast<std::size_t>(phrases_.any_longer_than_pairs() ? 1 : dialect().sort_factor);
   }
-  /// How many they are, at most one more than are sorted.
+  /// Count of the matches, at most sort_limit() + 1.
   Result<std::size_t> count_matches(Among among) const {
     Sql sql;
     const std::string select = match(sql, among);
     const Result<Rows> rows = connection().query(
-        "SELECT count(*) FROM (SELECT 1 FROM (" + select + ") x LIMIT " + std::to_string(sorted_at_most() + 1) + ") y", sql.values);
+        "SELECT count(*) FROM (SELECT 1 FROM (" + select + ") x LIMIT " + std::to_string(sort_limit() + 1) + ") y", sql.values);
     if (!rows) return fail(rows.error());
     return static_cast<std::size_t>(rows->integer(0, 0));
   }
 
-  /// What an entry must fulfil, said of its own row.
+  /// SQL condition on `entry e` that tests whether its row matches the query. @param part of the order by relevance
   std::string conditions(Sql& sql, int part) const {
     std::string out = "1 = 1";
     for (std::size_t i = 0; i < phrases_.phrases.size(); ++i)
@@ -198,30 +206,36 @@ class Search {
     return out;
   }
 
+  /// SQL condition: the name begins with the search text. U+10FFFF is greater than any character of a name.
   std::string begins(Sql& sql) const {
     return "(e.name_key >= " + sql.parameter(Value(phrases_.key)) + " AND e.name_key < " +
            sql.parameter(phrases_.key + "\xf4\x8f\xbf\xbf") + ")";
   }
+  /// SQL condition: the name contains all phrases of the search text.
   std::string in_name(Sql& sql) const {
     std::string out;
     for (std::size_t i = 0; i < phrases_.phrases.size(); ++i)
       out += (i ? " AND " : "(") + dialect().instr + "(' ' || e.name_key, " + sql.parameter(phrases_.in_words(i)) + ") > 0";
     return out + ")";
   }
-  /// Behind `place` in the order, within one part.
-  std::string behind(Sql& sql, const Position& place) const { return compared(sql, column_of(query_.order).descending ? "<" : ">", place); }
-  std::string until(Sql& sql, const Position& place) const {
-    return compared(sql, column_of(query_.order).descending ? ">=" : "<=", place);
+  /// SQL condition: the entry is after `position` in the order, within one part.
+  std::string after_position(Sql& sql, const Position& position) const {
+    return compared(sql, column_of(query_.order).descending ? "<" : ">", position);
   }
-  std::string compared(Sql& sql, const char* how, const Position& place) const {
-    const Column column = column_of(query_.order);
-    const std::string key = column.number ? place.key : sql.parameter(Value(place.key));  // a number was checked to be digits
-    return std::string("(") + column.name + ", e.id) " + how + " (" + key + ", " + sql.parameter(Value(place.id)) + ")";
+  /// SQL condition: the entry is at or before `position` in the order, within one part.
+  std::string up_to_position(Sql& sql, const Position& position) const {
+    return compared(sql, column_of(query_.order).descending ? ">=" : "<=", position);
   }
-  std::string in_order() const {
+  std::string compared(Sql& sql, const char* comparison, const Position& position) const {
     const Column column = column_of(query_.order);
-    const std::string way = column.descending ? " DESC" : "";
-    return std::string(column.name) + way + ", e.id" + way;
+    const std::string key = column.number ? position.key : sql.parameter(Value(position.key));  // a numeric key contains only digits
+    return std::string("(") + column.name + ", e.id) " + comparison + " (" + key + ", " + sql.parameter(Value(position.id)) + ")";
+  }
+  /// The columns of ORDER BY, without parts.
+  std::string order_columns() const {
+    const Column column = column_of(query_.order);
+    const std::string direction = column.descending ? " DESC" : "";
+    return std::string(column.name) + direction + ", e.id" + direction;
   }
 
   static Hit hit_of(const Rows& rows, std::size_t r, int part) {
@@ -231,27 +245,27 @@ class Search {
     return hit;
   }
 
-  /// What the index of words gives, sorted. Only what is compared is sorted; the rows of the page are fetched afterwards.
-  /// @param among all: all parts; otherwise only part 1 (the text is in the name, which does not begin with it), or only part 2
-  /// @return a page, and one more if there is
-  Result<std::vector<Hit>> sorted(const std::optional<Position>& after, Among among) const {
+  /// Sorts the matches of the search index. Sorts only the sort keys; the rows of the page are read afterwards.
+  /// @param among all: all parts; in_name: only part 1 (the name contains but does not begin with the text); not_in_name: only part 2
+  /// @return the entries of a page, and one more if another page follows
+  Result<std::vector<Hit>> sort_matches(const std::optional<Position>& after, Among among) const {
     Sql sql;
-    const bool names = among == Among::named;
+    const bool names = among == Among::in_name;
     sql.text = "WITH hit AS " + std::string(dialect().postgres ? "NOT " : "") + "MATERIALIZED (" + match(sql, among) + ") ";
-    std::string part = names ? "1" : among == Among::unnamed ? "2" : "0";
+    std::string part = names ? "1" : among == Among::not_in_name ? "2" : "0";
     if (by_relevance_ && among == Among::all) part = "CASE WHEN " + begins(sql) + " THEN 0 WHEN " + in_name(sql) + " THEN 1 ELSE 2 END";
     const Column column = column_of(query_.order);
-    const std::string narrow = "SELECT e.no, e.id, " + std::string(column.name) + " AS key, " + part + " AS part FROM " + dialect().hits +
-                               (names ? " WHERE NOT " + begins(sql) : "");
-    std::string place;
+    const std::string narrow = "SELECT e.no, e.id, " + std::string(column.name) + " AS key, " + part + " AS part FROM " +
+                               dialect().hit_source + (names ? " WHERE NOT " + begins(sql) : "");
+    std::string where;
     if (after) {
-      // The parts are compared first: each is a list of its own.
+      // The part is the first sort key.
       const std::string here = std::to_string(after->part), key = column.number ? after->key : sql.parameter(Value(after->key));
-      place = " WHERE s.part > " + here + " OR (s.part = " + here + " AND (s.key, s.id) " + (column.descending ? "<" : ">") + " (" + key +
+      where = " WHERE s.part > " + here + " OR (s.part = " + here + " AND (s.key, s.id) " + (column.descending ? "<" : ">") + " (" + key +
               ", " + sql.parameter(Value(after->id)) + "))";
     }
-    const std::string way = column.descending ? " DESC" : "", order = " ORDER BY s.part, s.key" + way + ", s.id" + way;
-    sql.text += ", page AS MATERIALIZED (SELECT * FROM (" + narrow + ") s" + place + order + " LIMIT " + std::to_string(query_.limit + 1) +
+    const std::string direction = column.descending ? " DESC" : "", order = " ORDER BY s.part, s.key" + direction + ", s.id" + direction;
+    sql.text += ", page AS MATERIALIZED (SELECT * FROM (" + narrow + ") s" + where + order + " LIMIT " + std::to_string(query_.limit + 1) +
                 ") SELECT " + entry_columns + ", s.key, s.part FROM page s LEFT JOIN entry e ON e.no = s.no" + order;
     const Result<Rows> rows = connection().query(sql.text, sql.values);
     if (!rows) return fail(rows.error());
@@ -261,25 +275,26 @@ class Search {
     return out;
   }
 
-  /// Many fit: part by part and kind by kind, each in the order of its index; the kinds are merged.
-  Result<std::vector<Hit>> walk(const std::optional<Position>& after) const {
+  /// Many matches: scans the rows in order, part by part. Within a part, each kind is scanned in the order of its table index, and the
+  /// results of the kinds are merged. @return as sort_matches()
+  Result<std::vector<Hit>> scan(const std::optional<Position>& after) const {
     std::vector<Hit> all;
     for (int part = after ? after->part : 0; part < (by_relevance_ ? relevance_parts : 1) && all.size() <= query_.limit; ++part) {
       const std::optional<Position> from = after && part == after->part ? after : std::nullopt;
-      Result<std::size_t> by_name = sorted_at_most() + 1;
-      if (part == 1) by_name = count_matches(Among::named);  // many fit, but perhaps few by their name alone
-      if (!by_name) return fail(std::move(by_name.error()));
+      Result<std::size_t> name_matches = sort_limit() + 1;
+      if (part == 1) name_matches = count_matches(Among::in_name);  // there may be few matches in names among many matches
+      if (!name_matches) return fail(std::move(name_matches.error()));
       Result<std::vector<Hit>> hits;
-      if (*by_name <= sorted_at_most()) {
-        hits = sorted(from, Among::named);
+      if (*name_matches <= sort_limit()) {
+        hits = sort_matches(from, Among::in_name);
         if (!hits) return hits;
       } else {
-        const Result<bool> done = walk_kinds(part, from, query_.limit + 1 - all.size(), *hits);
+        const Result<bool> done = scan_kinds(part, from, query_.limit + 1 - all.size(), *hits);
         if (!done) return fail(done.error());
-        // The index of PostgreSQL knows what is in no name, unless three words must stand in a row.
-        const bool rest = by_relevance_ && part == 2 && dialect().postgres && !phrases_.any_longer_than_pairs();
-        if (!*done && !rest) return sorted(after, Among::all);
-        if (!*done) hits = sorted(from, Among::unnamed);
+        // On PostgreSQL, the index can exclude matches in names, unless a phrase has three or more words.
+        const bool can_sort_part = by_relevance_ && part == 2 && dialect().postgres && !phrases_.any_longer_than_pairs();
+        if (!*done && !can_sort_part) return sort_matches(after, Among::all);
+        if (!*done) hits = sort_matches(from, Among::not_in_name);
         if (!hits) return hits;
       }
       const std::size_t room = std::min(hits->size(), query_.limit + 1 - all.size());
@@ -288,10 +303,10 @@ class Search {
     return all;
   }
 
-  /// One part. False: given up, because those that fit are too far apart.
-  Result<bool> walk_kinds(int part, const std::optional<Position>& after, std::size_t limit, std::vector<Hit>& hits) const {
+  /// Scans one part. False: stopped at the limit of rows, because the matches are too far apart.
+  Result<bool> scan_kinds(int part, const std::optional<Position>& after, std::size_t limit, std::vector<Hit>& hits) const {
     for (const std::string& kind : kinds_) {
-      Result<bool> done = walk_kind(kind, part, after, limit, hits);
+      Result<bool> done = scan_kind(kind, part, after, limit, hits);
       if (!done || !*done) return done;
     }
     const Column column = column_of(query_.order);
@@ -305,23 +320,24 @@ class Search {
     return true;
   }
 
-  Result<bool> walk_kind(const std::string& kind, int part, const std::optional<Position>& after, std::size_t limit,
+  /// Scans the entries of one kind in one part. False: stopped at the limit of rows.
+  Result<bool> scan_kind(const std::string& kind, int part, const std::optional<Position>& after, std::size_t limit,
                          std::vector<Hit>& hits) const {
     Sql sql;
-    const std::string key = column_of(query_.order).name, order = " ORDER BY " + in_order();
+    const std::string key = column_of(query_.order).name, order = " ORDER BY " + order_columns();
     std::string rows_of =
         " FROM entry e WHERE e.kind = " + sql.parameter(Value(kind)) + " AND e.removed IS " + (query_.removed ? "NOT NULL" : "NULL");
     if (by_relevance_ && part == 0) rows_of += " AND " + begins(sql);
-    if (after) rows_of += " AND " + behind(sql, *after);
-    std::optional<Position> end;  // that far it is looked; the index alone tells where that is
+    if (after) rows_of += " AND " + after_position(sql, *after);
+    std::optional<Position> end;  // last row to scan; found with the table index alone, without reading rows
     if (by_index_) {
-      const auto most = static_cast<std::size_t>(static_cast<double>(body_.few) * dialect().walks) + 2 * (limit + 1);
+      const auto max_rows = static_cast<std::size_t>(static_cast<double>(body_.sort_limit) * dialect().scan_fraction) + 2 * (limit + 1);
       const Result<Rows> row =
-          connection().query("SELECT " + key + ", e.id" + rows_of + order + " LIMIT 1 OFFSET " + std::to_string(most), sql.values);
+          connection().query("SELECT " + key + ", e.id" + rows_of + order + " LIMIT 1 OFFSET " + std::to_string(max_rows), sql.values);
       if (!row) return fail(row.error());
       if (!row->empty()) end = Position{.part = part, .key = row->text(0, 0), .id = row->text(0, 1)};
     }
-    if (end) rows_of += " AND " + until(sql, *end);
+    if (end) rows_of += " AND " + up_to_position(sql, *end);
     sql.text = "SELECT " + std::string(entry_columns) + ", " + key + " AS key" + rows_of + " AND " + conditions(sql, part) + order +
                " LIMIT " + std::to_string(limit);
     const Result<Rows> rows = connection().query(sql.text, sql.values);
@@ -330,7 +346,7 @@ class Search {
     return !end || rows->size() == limit;
   }
 
-  /// Browsing: how many entries of the kinds there are.
+  /// Without text and tags: counts the entries of the requested kinds.
   Result<void> count_all(LibraryPage& out) const {
     for (const std::string& kind : kinds_) {
       const Result<Rows> rows = connection().query(
@@ -346,7 +362,7 @@ class Search {
   SearchPhrases phrases_;
   std::vector<std::string> kinds_, tags_;
   bool by_relevance_ = false;
-  bool by_index_ = false;  ///< the index of words tells what fits
+  bool by_index_ = false;  ///< the search index can find the matches: there is text or a tag, and the trash is not searched
 };
 
 }  // namespace

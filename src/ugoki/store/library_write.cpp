@@ -1,4 +1,4 @@
-// What changes a library.
+// Functions that change a library, except for emptying the trash.
 
 #include <algorithm>
 #include <random>
@@ -10,37 +10,40 @@
 namespace ugoki::store {
 namespace {
 
+/// clean_text() without blanks, tabs and line ends at both ends.
 std::string trimmed(std::string_view text) {
   std::string out = clean_text(text);
   const std::size_t from = out.find_first_not_of(" \t\n"), to = out.find_last_not_of(" \t\n");
   return from == std::string::npos ? "" : out.substr(from, to - from + 1);
 }
 
-/// On PostgreSQL: nobody else changes the entry until this transaction ends. (SQLite has one writer at a time.)
+/// On PostgreSQL: locks the entry's row until the end of the transaction. SQLite allows only one writer, so no lock is needed.
 Result<void> lock(const LibraryBody& body, std::int64_t no) {
   if (!body.connection->dialect().postgres) return {};
-  const Result<Rows> rows = body.connection->query("SELECT e.no FROM entry e WHERE e.no = ?1" + body.connection->dialect().update, {no});
+  const Result<Rows> rows =
+      body.connection->query("SELECT e.no FROM entry e WHERE e.no = ?1" + body.connection->dialect().lock_suffix, {no});
   if (!rows) return fail(rows.error());
   return {};
 }
 
-/// The entry, locked.
-Result<EntryRow> take_entry(const LibraryBody& body, std::string_view id, Trash trash) {
+/// Finds the entry as find_entry(), and locks it.
+Result<EntryRow> lock_entry(const LibraryBody& body, std::string_view id, Trash trash) {
   Result<EntryRow> entry = find_entry(body, id, trash);
   if (!entry) return entry;
   if (Result<void> locked = lock(body, entry->no); !locked) return fail(std::move(locked.error()));
-  return body.connection->dialect().postgres ? find_entry(body, id, trash) : std::move(entry);  // as it is now that it is ours
+  // On PostgreSQL the entry may have changed before it was locked, so it is read again.
+  return body.connection->dialect().postgres ? find_entry(body, id, trash) : std::move(entry);
 }
 
 std::unexpected<Error> saved_by_another(const LibraryBody& body, const EntryRow& entry, int base) {
   const VersionRow& v = entry.newest;
-  return fail(ErrorCode::conflict, body.place(entry.id),
+  return fail(ErrorCode::conflict, body.location(entry.id),
               "'" + v.name + "' was saved by " + (v.author.empty() ? "somebody" : v.author) + " on " + v.saved + " (version " +
                   std::to_string(v.version) + ") after you had opened version " + std::to_string(base) + "; your change was not saved.",
-              "Look at version " + std::to_string(v.version) + ", then save again on top of it; both stay in the history.");
+              "Open version " + std::to_string(v.version) + ", apply your change and save again; both versions stay in the history.");
 }
 
-/// Puts `next` on top of `entry`, whose newest version must still be the one before.
+/// Adds `next` as the newest version of `entry`. Error `conflict` unless the newest version in the database is `next.version` - 1.
 Result<void> add_version(const LibraryBody& body, const EntryRow& entry, const VersionRow& next) {
   Connection& connection = *body.connection;
   const Result<Rows> updated = connection.query(
@@ -58,6 +61,7 @@ Result<void> add_version(const LibraryBody& body, const EntryRow& entry, const V
   return refresh_words(connection, entry.no);
 }
 
+/// Adds one item; see Library::put(). @return its id
 Result<std::string> put_item(const LibraryBody& body, const LibraryItem& item, const std::string& now) {
   Connection& connection = *body.connection;
   EntryRow entry;
@@ -85,14 +89,14 @@ Result<std::string> put_item(const LibraryBody& body, const LibraryItem& item, c
     if (Result<void> done = insert_version(connection, *no, entry.newest); !done) return fail(std::move(done.error()));
     return entry.id;
   }
-  const Result<EntryRow> known = take_entry(body, entry.id, Trash::both);
+  const Result<EntryRow> known = lock_entry(body, entry.id, Trash::both);
   if (!known) return fail(known.error());
   const Result<Rows> same =
       connection.query("SELECT v.version FROM version v WHERE v.entry = ?1 AND v.data = ?2", {known->no, entry.newest.data});
   if (!same) return fail(same.error());
   if (same->empty())
-    return fail(ErrorCode::conflict, body.place(entry.id), "Other data have the same id.",
-                "Change what you put in a little and try again.");
+    return fail(ErrorCode::conflict, body.location(entry.id), "Different data have the same id (hash collision).",
+                "Change the data slightly and try again.");
   for (const std::string& tag : entry.tags)
     if (Result<void> done = insert_tag(connection, known->no, tag); !done) return fail(std::move(done.error()));
   if (!known->removed.empty()) {
@@ -126,7 +130,7 @@ Result<std::vector<std::string>> Library::put(std::span<const LibraryItem> items
 
 Result<LibraryEntry> Library::save(const LibrarySave& save) {
   return body_->in_transaction([&]() -> Result<LibraryEntry> {
-    const Result<EntryRow> entry = take_entry(*body_, save.id, Trash::no);
+    const Result<EntryRow> entry = lock_entry(*body_, save.id, Trash::no);
     if (!entry) return fail(entry.error());
     if (save.base != entry->newest.version) return saved_by_another(*body_, *entry, save.base);
     const Result<EntryKind> kind = entry_kind_named(entry->kind);
@@ -158,7 +162,7 @@ Result<LibraryEntry> Library::restore(std::string_view id, int base, int version
   Result<std::vector<LibraryVersion>> versions = history(id);
   if (!versions) return fail(std::move(versions.error()));
   const auto old = std::ranges::find(*versions, version, &LibraryVersion::version);
-  Result<std::vector<std::byte>> bytes = data(id, version);  // a problem where there is no such version
+  Result<std::vector<std::byte>> bytes = data(id, version);  // an error if the version does not exist
   if (!bytes) return fail(std::move(bytes.error()));
   return save({std::string(id), base, old->name, old->summary, old->note, std::move(*bytes)});
 }
@@ -173,13 +177,13 @@ Result<void> Library::rename(std::string_view id, std::string_view name) {
 
 Result<LibraryEntry> Library::duplicate(std::string_view id, std::string_view name) {
   return body_->in_transaction([&]() -> Result<LibraryEntry> {
-    Result<EntryRow> entry = take_entry(*body_, id, Trash::no);
+    Result<EntryRow> entry = lock_entry(*body_, id, Trash::no);
     if (!entry) return fail(entry.error());
     const Result<std::string> now = body_->now();
     if (!now) return fail(now.error());
-    std::random_device chance;
+    std::random_device random;
     std::string digits;
-    while (digits.size() < 16) digits += "0123456789abcdef"[chance() % 16];
+    while (digits.size() < 16) digits += "0123456789abcdef"[random() % 16];
     entry->id = entry->id.substr(0, 2) + digits;
     entry->created = entry->changed = entry->newest.saved = *now;
     entry->newest.version = 1;
@@ -188,7 +192,7 @@ Result<LibraryEntry> Library::duplicate(std::string_view id, std::string_view na
     if (Result<void> good = check_item(*body_, id, entry->newest.name, entry->newest.summary); !good) return fail(std::move(good.error()));
     const Result<std::int64_t> no = insert_entry(*body_->connection, *entry);
     if (!no) return fail(no.error());
-    if (*no == 0) return fail(ErrorCode::conflict, body_->place(entry->id), "The id is taken.", "Try again.");
+    if (*no == 0) return fail(ErrorCode::conflict, body_->location(entry->id), "The random id is already in use.", "Try again.");
     if (Result<void> done = insert_version(*body_->connection, *no, entry->newest); !done) return fail(std::move(done.error()));
     return public_entry(*entry);
   });
@@ -196,12 +200,12 @@ Result<LibraryEntry> Library::duplicate(std::string_view id, std::string_view na
 
 Result<void> Library::set_tags(std::string_view id, std::span<const std::string> add, std::span<const std::string> remove) {
   return body_->in_transaction([&]() -> Result<void> {
-    const Result<EntryRow> entry = take_entry(*body_, id, Trash::no);
+    const Result<EntryRow> entry = lock_entry(*body_, id, Trash::no);
     if (!entry) return fail(entry.error());
     for (const bool adding : {false, true}) {
       for (const std::string& tag : adding ? add : remove) {
         const std::string clean = trimmed(tag);
-        if (clean.empty()) return fail(ErrorCode::structure, path(), "A tag cannot be empty.", "Give a word.");
+        if (clean.empty()) return fail(ErrorCode::structure, path(), "A tag cannot be empty.", "Give a tag of at least one character.");
         if (adding) {
           if (Result<void> done = insert_tag(*body_->connection, entry->no, clean); !done) return done;
         } else if (const Result<Rows> gone = body_->connection->query("DELETE FROM tag WHERE entry = ?1 AND tag = ?2", {entry->no, clean});
@@ -215,13 +219,13 @@ Result<void> Library::set_tags(std::string_view id, std::span<const std::string>
 }
 
 Result<void> Library::set_thumbnail(std::string_view id, std::span<const std::byte> picture) {
-  if (picture.size() > most_thumbnail)
-    return fail(ErrorCode::range, body_->place(id), "The picture is larger than " + std::to_string(most_thumbnail >> 10) + " KB.",
-                "Make it smaller.");
+  if (picture.size() > max_thumbnail)
+    return fail(ErrorCode::range, body_->location(id), "The picture is larger than " + std::to_string(max_thumbnail >> 10) + " KB.",
+                "Reduce its resolution or quality.");
   if (!picture.empty() && !is_picture(picture))
-    return fail(ErrorCode::unsupported, body_->place(id), "The picture is neither PNG nor WebP.", "Give a PNG or WebP.");
+    return fail(ErrorCode::unsupported, body_->location(id), "The picture is neither PNG nor WebP.", "Give a PNG or WebP.");
   return body_->in_transaction([&]() -> Result<void> {
-    const Result<EntryRow> entry = take_entry(*body_, id, Trash::no);
+    const Result<EntryRow> entry = lock_entry(*body_, id, Trash::no);
     if (!entry) return fail(entry.error());
     const std::string hash = picture.empty() ? "" : sha256(picture);
     if (!picture.empty())
@@ -235,7 +239,7 @@ Result<void> Library::set_thumbnail(std::string_view id, std::span<const std::by
 
 Result<void> Library::remove(std::string_view id) {
   return body_->in_transaction([&]() -> Result<void> {
-    const Result<EntryRow> entry = take_entry(*body_, id, Trash::no);
+    const Result<EntryRow> entry = lock_entry(*body_, id, Trash::no);
     if (!entry) return fail(entry.error());
     const Result<Rows> gone = body_->connection->query(
         "UPDATE entry SET removed = " + body_->connection->dialect().now + ", removed_by = ?2 WHERE no = ?1", {entry->no, body_->author});
@@ -246,7 +250,7 @@ Result<void> Library::remove(std::string_view id) {
 
 Result<void> Library::undelete(std::string_view id) {
   return body_->in_transaction([&]() -> Result<void> {
-    const Result<EntryRow> entry = take_entry(*body_, id, Trash::yes);
+    const Result<EntryRow> entry = lock_entry(*body_, id, Trash::yes);
     if (!entry) return fail(entry.error());
     const Result<Rows> back = body_->connection->query("UPDATE entry SET removed = NULL, removed_by = NULL WHERE no = ?1", {entry->no});
     if (!back) return fail(back.error());

@@ -16,22 +16,24 @@ const Dialect postgres_dialect = {
     .postgres = true,
     .now = R"(to_char(clock_timestamp() AT TIME ZONE 'UTC', 'YYYY-MM-DD"T"HH24:MI:SS.MS"Z"'))",
     .instr = "strpos",
-    // A query that the planner does not see leaves it nothing but the index: without it, each row's words would be fetched.
+    // The subquery hides the value of {query} from the planner. Otherwise the planner may choose a scan that reads the words of every row.
     .match =
         "SELECT o.entry AS no, o.id, o.name_key, o.changed, o.duration_ms FROM entry_order o WHERE terms_of(o.entry) @@ "
         "(SELECT {query}::text::tsquery)",
-    .in_a_row = " AND EXISTS (SELECT 1 FROM entry_text t WHERE t.entry = o.entry AND t.terms @@ (SELECT {query}::text::tsquery))",
-    .hits = "hit e",
-    .sorts = 3,
-    .walks = 1.0 / 16,
-    .update = " FOR UPDATE",
+    .phrase_condition = " AND EXISTS (SELECT 1 FROM entry_text t WHERE t.entry = o.entry AND t.terms @@ (SELECT {query}::text::tsquery))",
+    .hit_source = "hit e",
+    .sort_factor = 3,
+    .scan_fraction = 1.0 / 16,
+    .lock_suffix = " FOR UPDATE",
 };
 
-/// What every connection is set to. Names of tables without schema mean ours; a save that was acknowledged is on the server's disk.
+/// Settings of every connection. search_path: unqualified table names refer to the schema `ugoki`. synchronous_commit: an acknowledged
+/// change is on the server's disk.
 constexpr const char* session_settings =
     "SET search_path = ugoki; SET synchronous_commit = on; SET lock_timeout = '10s'; SET jit = off; SET client_min_messages = warning; "
     "SET standard_conforming_strings = on; SET plan_cache_mode = force_custom_plan; SET idle_in_transaction_session_timeout = '10min'";
 
+// Deleters for libpq objects.
 struct ResultEnd {
   void operator()(PGresult* r) const { PQclear(r); }
 };
@@ -44,13 +46,13 @@ struct OptionsEnd {
   void operator()(PQconninfoOption* o) const { PQconninfoFree(o); }
 };
 
-/// The parts of an address that nobody should see: what libpq itself calls secret, and all that may be a password where the address is
-/// written wrongly (between the user's name and the last '@').
+/// The secret parts of an address: the options that libpq marks as secret, and, in case the address is malformed, every text between the
+/// user's name and the last '@' that may be part of a password.
 std::vector<std::string> secrets_of(const std::string& address) {
   std::vector<std::string> secrets;
-  char* wrong = nullptr;
-  const std::unique_ptr<PQconninfoOption, OptionsEnd> options(PQconninfoParse(address.c_str(), &wrong));
-  PQfreemem(wrong);
+  char* message = nullptr;
+  const std::unique_ptr<PQconninfoOption, OptionsEnd> options(PQconninfoParse(address.c_str(), &message));
+  PQfreemem(message);
   for (const PQconninfoOption* o = options.get(); o != nullptr && o->keyword != nullptr; ++o)
     if (o->val != nullptr && o->val[0] != '\0' && o->dispchar[0] == '*') secrets.emplace_back(o->val);
   const std::size_t begin = address.find("://"), end = address.rfind('@');
@@ -67,24 +69,24 @@ std::vector<std::string> secrets_of(const std::string& address) {
 class PostgresConnection final : public Connection {
  public:
   PostgresConnection(std::string address, bool read_only)
-      : address_(std::move(address)), place_(without_password(address_)), secrets_(secrets_of(address_)), read_only_(read_only) {}
+      : address_(std::move(address)), location_(without_password(address_)), secrets_(secrets_of(address_)), read_only_(read_only) {}
 
   const Dialect& dialect() const override { return postgres_dialect; }
-  const std::string& place() const override { return place_; }
+  const std::string& location() const override { return location_; }
   bool should_retry() const override { return retry_; }
 
   Result<void> connect() {
     prepared_.clear();
-    // What stands in the address overrides what stands before it here.
+    // Options in the address (dbname) override the options before it in this list.
     const char* const keys[] = {"connect_timeout",  "keepalives_idle",  "keepalives_interval",
                                 "keepalives_count", "tcp_user_timeout", "application_name",
                                 "client_encoding",  "dbname",           nullptr};
     const char* const values[] = {"10", "10", "5", "3", "30000", "ugoki", "UTF8", address_.c_str(), nullptr};
     handle_.reset(PQconnectdbParams(keys, values, 1));
     if (!handle_ || PQstatus(handle_.get()) != CONNECTION_OK)
-      return fail(ErrorCode::io, place_,
+      return fail(ErrorCode::io, location_,
                   "The database server cannot be reached" + detail(handle_ ? PQerrorMessage(handle_.get()) : "") + ".",
-                  "Check the address, that the server runs, and the user's name and password (also in ~/.pgpass or PGPASSWORD).");
+                  "Check the address, that the server runs, and the user name and password (also in ~/.pgpass or PGPASSWORD).");
     PQsetNoticeProcessor(handle_.get(), [](void*, const char*) {}, nullptr);
     if (Result<void> set = run(session_settings); !set) return set;
     if (read_only_) return run("SET default_transaction_read_only = on");
@@ -116,10 +118,10 @@ class PostgresConnection final : public Connection {
 
   Result<void> begin(Access access) override {
     retry_ = false;
-    if (Result<void> alive = wake(); !alive) return alive;
+    if (Result<void> alive = reconnect_if_lost(); !alive) return alive;
     Result<void> begun =
         run(access == Access::write ? "BEGIN ISOLATION LEVEL READ COMMITTED" : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");
-    if (!begun && lost() && !open_) {  // the server was started anew since the last statement: nothing of ours is lost
+    if (!begun && lost() && !open_) {  // the server restarted since the last statement; no transaction was open, so nothing is lost
       if (Result<void> again = connect(); !again) return again;
       begun = run(access == Access::write ? "BEGIN ISOLATION LEVEL READ COMMITTED" : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");
     }
@@ -138,7 +140,7 @@ class PostgresConnection final : public Connection {
     open_ = false;
     if (!done && lost()) {
       retry_ = false;
-      return settle(transaction);
+      return resolve_commit(transaction);
     }
     return done;
   }
@@ -157,8 +159,8 @@ class PostgresConnection final : public Connection {
         query("SELECT name, setting FROM pg_settings WHERE name IN ('fsync', 'full_page_writes') AND setting = 'off'");
     if (!settings) return fail(settings.error());
     for (std::size_t i = 0; i < settings->size(); ++i)
-      problems.add(ErrorCode::unsupported, place_,
-                   "The server runs with " + settings->text(i, 0) + " = off: a power cut can lose what was saved.",
+      problems.add(ErrorCode::unsupported, location_,
+                   "The server runs with " + settings->text(i, 0) + " = off: a power cut can destroy saved data.",
                    "Ask the server's administrator to set it to on.");
     return {};
   }
@@ -166,11 +168,12 @@ class PostgresConnection final : public Connection {
   Result<void> tidy() override { return run("VACUUM (ANALYZE, SKIP_LOCKED) entry, version, tag, entry_text, entry_order"); }
 
  private:
+  /// True if there is no working connection, as far as libpq knows.
   [[nodiscard]] bool lost() const { return !handle_ || PQstatus(handle_.get()) != CONNECTION_OK; }
-  /// Connects again where the connection was found broken before this.
-  Result<void> wake() { return lost() ? connect() : Result<void>{}; }
+  /// Connects again if the connection is known to be lost.
+  Result<void> reconnect_if_lost() { return lost() ? connect() : Result<void>{}; }
 
-  /// libpq's words in brackets, unless a secret might be among them.
+  /// libpq's message in brackets, for messages; empty if the message contains a secret.
   [[nodiscard]] std::string detail(std::string text) const {
     while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
     std::ranges::replace(text, '\n', ' ');
@@ -180,9 +183,10 @@ class PostgresConnection final : public Connection {
     return text.empty() ? "" : " (" + text + ")";
   }
 
-  /// After the connection was lost while a commit was on its way: asks the server whether it arrived.
-  Result<void> settle(const std::string& transaction) {
-    if (transaction.empty()) return {};  // it had changed nothing
+  /// The connection was lost during a COMMIT: reconnects and asks the server whether the transaction was committed.
+  /// @param transaction id of the transaction; empty if it changed nothing
+  Result<void> resolve_commit(const std::string& transaction) {
+    if (transaction.empty()) return {};
     for (int attempt = 0; attempt < 20; ++attempt) {
       std::this_thread::sleep_for(std::chrono::milliseconds(attempt < 5 ? 100 : 500));
       if (!connect()) continue;
@@ -191,36 +195,42 @@ class PostgresConnection final : public Connection {
       if (!status) continue;
       if (status->text(0, 0) == "committed") return {};
       if (status->text(0, 0) == "aborted")
-        return fail(ErrorCode::io, place_, "The connection to the database server was lost; nothing of this was saved.", "Do it again.");
+        return fail(ErrorCode::io, location_, "The connection to the database server was lost; this change was not saved.", "Try again.");
     }
-    return fail(ErrorCode::io, place_, "The connection to the database server was lost while it was saving, and it does not answer.",
-                "When the server runs again, look whether the entry has the new version before you save again.");
+    return fail(ErrorCode::io, location_, "The connection to the database server was lost while saving, and the server does not answer.",
+                "When the server runs again, check whether the entry has the new version before you save again.");
   }
 
+  /// The error of a failed statement, by its SQLSTATE code. Sets retry_ after a conflict with a concurrent transaction.
   std::unexpected<Error> problem_of(const PGresult* answer) {
     const char* field = answer != nullptr ? PQresultErrorField(answer, PG_DIAG_SQLSTATE) : nullptr;
     const std::string state = field != nullptr ? field : "";
     const char* primary = answer != nullptr ? PQresultErrorField(answer, PG_DIAG_MESSAGE_PRIMARY) : nullptr;
-    const std::string words = detail(primary != nullptr ? primary : PQerrorMessage(handle_.get()));
+    const std::string details = detail(primary != nullptr ? primary : PQerrorMessage(handle_.get()));
     if (lost() || state.starts_with("57P") || state.starts_with("08"))
-      return fail(ErrorCode::io, place_, "The connection to the database server was lost" + words + "; what was not finished is not saved.",
-                  "Do it again when the server runs.");
+      return fail(ErrorCode::io, location_,
+                  "The connection to the database server was lost" + details + "; an unfinished change was not saved.",
+                  "Try again when the server runs.");
     if (state == "40001" || state == "40P01" || state == "23503" || state == "23505") {
       retry_ = true;
-      return fail(ErrorCode::conflict, place_, "Others changed the same entries at the same time" + words + ".", "Try again.");
+      return fail(ErrorCode::conflict, location_, "Another program changed the same entries at the same time" + details + ".",
+                  "Try again.");
     }
     if (state == "55P03")
-      return fail(ErrorCode::conflict, place_, "The database is locked by another program.", "Wait until it has finished, then try again.");
-    if (state == "25006") return fail(ErrorCode::io, place_, "The database may only be read here.", "Open it for writing.");
+      return fail(ErrorCode::conflict, location_, "The database is locked by another program.",
+                  "Wait until it has finished, then try again.");
+    if (state == "25006") return fail(ErrorCode::io, location_, "The database is opened read-only.", "Open it for writing.");
     if (state.starts_with("42501"))
-      return fail(ErrorCode::io, place_, "The database user may not do this" + words + ".",
+      return fail(ErrorCode::io, location_, "The database user does not have the permission" + details + ".",
                   "Ask the database's administrator for the right to create and use the schema ugoki.");
     if (state.starts_with("53"))
-      return fail(ErrorCode::io, place_, "The database server has no more room" + words + ".", "Free space on the server and try again.");
-    return fail(ErrorCode::io, place_, "The database failed" + words + ".", "Try again, or ask the server's administrator.");
+      return fail(ErrorCode::io, location_, "The database server is out of disk space, memory or connections" + details + ".",
+                  "Free resources on the server and try again.");
+    return fail(ErrorCode::io, location_, "The database reported an error" + details + ".",
+                "Try again, or ask the server's administrator.");
   }
 
-  /// Statements without parameters.
+  /// Runs statements without parameters.
   Result<void> run(const char* sql) {
     const Answer answer(PQexec(handle_.get(), sql));
     const ExecStatusType status = PQresultStatus(answer.get());
@@ -228,24 +238,26 @@ class PostgresConnection final : public Connection {
     return problem_of(answer.get());
   }
 
+  /// Runs one statement, after reconnecting if necessary. @param format of the result columns: 0: text, 1: binary
   Result<Answer> execute(std::string_view sql, std::span<const Value> parameters, int format) {
     retry_ = false;
     if (!open_) {
-      if (Result<void> alive = wake(); !alive) return fail(std::move(alive.error()));
+      if (Result<void> alive = reconnect_if_lost(); !alive) return fail(std::move(alive.error()));
     }
     Result<Answer> answer = send(sql, parameters, format);
-    if (!answer && lost() && !open_) {  // as in begin(): a statement alone can be said again
+    if (!answer && lost() && !open_) {  // as in begin(): outside a transaction the statement can be repeated
       if (Result<void> again = connect(); !again) return fail(std::move(again.error()));
       answer = send(sql, parameters, format);
     }
     return answer;
   }
 
+  /// Sends one statement as a prepared statement. Prepared statements are cached.
   Result<Answer> send(std::string_view sql, std::span<const Value> parameters, int format) {
-    constexpr std::size_t most_prepared = 200;
+    constexpr std::size_t max_prepared = 200;  // the cache is cleared when it is full
     auto known = prepared_.find(sql);
     if (known == prepared_.end()) {
-      if (prepared_.size() >= most_prepared) {
+      if (prepared_.size() >= max_prepared) {
         if (Result<void> gone = run("DEALLOCATE ALL"); !gone) return fail(std::move(gone.error()));
         prepared_.clear();
       }
@@ -278,22 +290,22 @@ class PostgresConnection final : public Connection {
     return answer;
   }
 
-  std::string address_, place_;
+  std::string address_, location_;
   std::vector<std::string> secrets_;
   bool read_only_, open_ = false, retry_ = false;
   Handle handle_;
-  std::map<std::string, std::string, std::less<>> prepared_;  ///< names of statements
+  std::map<std::string, std::string, std::less<>> prepared_;  ///< names of prepared statements, by their SQL
 };
 
 }  // namespace
 
-bool is_postgres(std::string_view place) { return place.starts_with("postgresql://") || place.starts_with("postgres://"); }
+bool is_postgres(std::string_view location) { return location.starts_with("postgresql://") || location.starts_with("postgres://"); }
 
-std::string without_password(std::string_view place) {
-  if (!is_postgres(place)) return std::string(place);
-  std::string out(place);
+std::string without_password(std::string_view location) {
+  if (!is_postgres(location)) return std::string(location);
+  std::string out(location);
   const std::size_t begin = out.find("://") + 3, end = out.rfind('@');
-  if (end != std::string::npos && out.find('?') < end) return out.substr(0, begin) + "***";  // who knows where the password ends
+  if (end != std::string::npos && out.find('?') < end) return out.substr(0, begin) + "***";  // the end of the password is unclear
   if (end != std::string::npos && end > begin) {
     const std::size_t colon = out.find(':', begin);
     if (colon < end) out.replace(colon, end - colon, "");

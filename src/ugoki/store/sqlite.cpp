@@ -11,30 +11,34 @@
 namespace ugoki::store {
 namespace {
 
-constexpr int busy_timeout_ms = 2000;
+constexpr int busy_timeout_ms = 2000;  // time for which SQLite retries while another connection holds a lock
 
-/// What SQLite's code means for the person who owns the file.
-Problem problem_of(int code, const char* message, const std::string& path, std::string_view doing) {
-  const std::string did = doing.empty() ? std::string("The database") : std::string(doing) + ": the database";
+/// The problem for a SQLite error code, with a message for users. @param action as in Database::last_error()
+Problem problem_of(int code, const char* message, const std::string& path, std::string_view action) {
+  const std::string subject = action.empty() ? std::string("The database") : std::string(action) + ": the database";
   switch (code & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return {ErrorCode::conflict, path, did + " is locked by another program.",
+      return {ErrorCode::conflict, path, subject + " is locked by another program.",
               "Close the other program or wait until it has finished, then try again."};
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return {ErrorCode::syntax, path, did + " is damaged or is not a database (" + message + ").",
-              "Restore it from a copy; it was left as it is."};
+      return {ErrorCode::syntax, path, subject + " is damaged or is not a database (" + message + ").",
+              "Restore it from a backup; the file was not changed."};
     case SQLITE_FULL:
-      return {ErrorCode::io, path, did + " cannot grow: the disk is full.", "Free some space and try again; nothing was half written."};
-    case SQLITE_READONLY: return {ErrorCode::io, path, did + " cannot be written.", "Check the permissions of the file and of its folder."};
+      return {ErrorCode::io, path, subject + " cannot grow: the disk is full.", "Free some space and try again; nothing was changed."};
+    case SQLITE_READONLY:
+      return {ErrorCode::io, path, subject + " cannot be written.", "Check the permissions of the file and of its folder."};
     case SQLITE_CANTOPEN:
-      return {ErrorCode::io, path, did + " cannot be opened.", "Check that the folder exists and that you may read and write it."};
+      return {ErrorCode::io, path, subject + " cannot be opened.", "Check that the folder exists and that you may read and write it."};
     case SQLITE_PERM:
-    case SQLITE_AUTH: return {ErrorCode::io, path, did + " may not be accessed.", "Check the permissions of the file and of its folder."};
-    case SQLITE_NOMEM: return {ErrorCode::io, path, did + " needs more memory than there is.", "Close other programs and try again."};
-    case SQLITE_TOOBIG: return {ErrorCode::range, path, did + " cannot hold an entry of this size.", "Entries may have up to 1 GB."};
-    default: return {ErrorCode::io, path, did + " failed: " + message + ".", "Check the disk and the file's permissions, then try again."};
+    case SQLITE_AUTH:
+      return {ErrorCode::io, path, subject + " may not be accessed.", "Check the permissions of the file and of its folder."};
+    case SQLITE_NOMEM:
+      return {ErrorCode::io, path, subject + " needs more memory than is available.", "Close other programs and try again."};
+    case SQLITE_TOOBIG: return {ErrorCode::range, path, subject + " cannot store an entry of this size.", "Entries may have up to 1 GB."};
+    default:
+      return {ErrorCode::io, path, subject + " failed: " + message + ".", "Check the disk and the file's permissions, then try again."};
   }
 }
 
@@ -54,10 +58,11 @@ Result<Database> Database::open(const std::string& path, OpenMode mode) {
   Database database(handle, path);
   sqlite3_busy_timeout(handle, busy_timeout_ms);
   sqlite3_limit(handle, SQLITE_LIMIT_ATTACHED, 2);
-  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);       // no writing around the file's structure
-  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);  // a hostile file's views run no functions of ours
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);       // forbids SQL that can corrupt the file
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);  // views of a hostile file cannot call functions
   if (mode != OpenMode::read_only) return database;
-  // Reading needs the -shm file beside the database; where it cannot be made, nobody can be writing either.
+  // Reading in write-ahead-log mode needs a -shm file next to the database. If that file cannot be created, no other program can be
+  // writing, so the file is opened as immutable.
   if (const auto tables = database.integer("SELECT count(*) FROM sqlite_schema"); !tables) {
     const int failed = sqlite3_errcode(handle) & 0xff;
     if (failed != SQLITE_CANTOPEN && failed != SQLITE_READONLY) return fail(tables.error());
@@ -91,8 +96,8 @@ Database& Database::operator=(Database&& other) noexcept {
 }
 Database::~Database() { sqlite3_close_v2(handle_); }
 
-Error Database::last_error(std::string_view doing) const {
-  return problem_of(sqlite3_extended_errcode(handle_), sqlite3_errmsg(handle_), path_, doing);
+Error Database::last_error(std::string_view action) const {
+  return problem_of(sqlite3_extended_errcode(handle_), sqlite3_errmsg(handle_), path_, action);
 }
 
 Result<void> Database::run(const std::string& sql) {
@@ -126,7 +131,8 @@ Result<void> Database::check_structure() {
   const Result<std::string> answer = text("PRAGMA quick_check(1)");
   if (!answer) return fail(answer.error());
   if (*answer != "ok")
-    return fail(ErrorCode::syntax, path_, "The database is damaged (" + *answer + ").", "Restore it from a copy; it was left as it is.");
+    return fail(ErrorCode::syntax, path_, "The database is damaged (" + *answer + ").",
+                "Restore it from a backup; the file was not changed.");
   return {};
 }
 
@@ -143,7 +149,7 @@ Statement& Statement::bind(int index, std::int64_t value) {
   return *this;
 }
 Statement& Statement::bind(int index, std::string_view value) {
-  // A text too large for SQLite leaves the parameter null, which the table's NOT NULL refuses with a message.
+  // If the text is too large for SQLite, the parameter stays null, and the NOT NULL constraint of the column reports an error.
   sqlite3_bind_text64(handle_, index, value.data() ? value.data() : "", value.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
   return *this;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// SQLite with Result instead of error codes. One Database is one connection, used by one thread at a time.
+// Wrapper of SQLite that returns Result instead of error codes.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,15 +18,16 @@ namespace ugoki::store {
 class Statement;
 
 enum class OpenMode {
-  read_only,   ///< never writes, not even to repair
-  read_write,  ///< the file must exist
-  create,      ///< made if it does not exist
+  read_only,   ///< never writes
+  read_write,  ///< reads and writes; the file must exist
+  create,      ///< reads and writes; the file is created if it does not exist
 };
 
+/// A connection to a SQLite file. Used by one thread at a time.
 class Database {
  public:
-  /// Opens a file; ":memory:" is a database that dies with the connection. A file in write-ahead-log mode whose folder
-  /// cannot be written is read as it is.
+  /// Opens a file; ":memory:" is a database that exists as long as the connection. Read-only, a file in write-ahead-log mode can be opened
+  /// even if its folder is not writable.
   [[nodiscard]] static Result<Database> open(const std::string& path, OpenMode mode);
   Database(Database&& other) noexcept;
   Database& operator=(Database&& other) noexcept;
@@ -34,17 +35,18 @@ class Database {
   Database& operator=(const Database&) = delete;
   ~Database();
 
-  /// Runs statements that return no rows, or whose rows do not matter.
+  /// Runs statements, separated by semicolons, and ignores the rows they return.
   [[nodiscard]] Result<void> run(const std::string& sql);
   [[nodiscard]] Result<Statement> prepare(std::string_view sql);
-  /// First column of the first row, 0 if there is none: for pragmas and counts.
+  /// First column of the first row, 0 if there is no row: for pragmas and counts.
   [[nodiscard]] Result<std::int64_t> integer(const std::string& sql);
+  /// First column of the first row, an empty text if there is no row.
   [[nodiscard]] Result<std::string> text(const std::string& sql);
-  /// Says what is broken in the file's structure (`quick_check`), or nothing.
+  /// Checks the structure of the file (PRAGMA quick_check). Error `syntax` if it is damaged.
   [[nodiscard]] Result<void> check_structure();
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// SQLite's last code and message on this connection as a problem that people understand.
-  [[nodiscard]] Error last_error(std::string_view doing) const;
+  /// The last error of this connection with a message for users. @param action that failed, to begin the message; may be empty
+  [[nodiscard]] Error last_error(std::string_view action) const;
 
  private:
   friend class Statement;
@@ -53,7 +55,7 @@ class Database {
   std::string path_;
 };
 
-/// A prepared statement with numbered parameters (?1 ...). Must not outlive its database.
+/// A prepared statement with numbered parameters ?1, ?2 ... Must not outlive its database.
 class Statement {
  public:
   Statement(Statement&& other) noexcept;
@@ -62,16 +64,18 @@ class Statement {
   Statement& operator=(const Statement&) = delete;
   ~Statement();
 
+  // Each sets parameter `index`, counted from 1. Texts and bytes are copied.
   Statement& bind(int index, std::int64_t value);
   Statement& bind(int index, std::string_view value);
   Statement& bind_blob(int index, std::span<const std::byte> value);
   Statement& bind_null(int index);
-  /// True: there is a row; false: finished.
+  /// Advances to the next row. True: there is a row; false: the statement has finished.
   [[nodiscard]] Result<bool> step();
-  /// Runs to the end, and can then be bound and run again.
+  /// Runs to the end and resets the statement, so that it can be bound and run again.
   [[nodiscard]] Result<void> run();
-  /// Back to the beginning, so that it can be bound and stepped again.
+  /// Resets the statement, so that it can be bound and stepped again.
   void reset();
+  // Values of the current row; `column` counts from 0.
   [[nodiscard]] std::int64_t integer(int column) const;
   [[nodiscard]] std::string text(int column) const;
   [[nodiscard]] std::vector<std::byte> blob(int column) const;
@@ -85,10 +89,10 @@ class Statement {
   sqlite3_stmt* handle_ = nullptr;
 };
 
-/// Everything between construction and commit() happens wholly or not at all.
+/// A write transaction. The destructor rolls it back unless commit() succeeded.
 class Transaction {
  public:
-  /// Takes the write lock at once (BEGIN IMMEDIATE).
+  /// Begins a transaction and acquires the write lock at once (BEGIN IMMEDIATE).
   [[nodiscard]] static Result<Transaction> begin(Database& database);
   Transaction(Transaction&& other) noexcept : database_(other.database_) { other.database_ = nullptr; }
   Transaction& operator=(Transaction&&) = delete;

@@ -12,11 +12,11 @@ const Dialect sqlite_dialect = {
     .now = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')",
     .instr = "instr",
     .match = "SELECT rowid AS no FROM entry_text WHERE entry_text MATCH {query}",
-    .in_a_row = "",
-    .hits = "hit h CROSS JOIN entry e ON e.no = h.no",
-    .sorts = 1,
-    .walks = 1.0 / 8,
-    .update = "",
+    .phrase_condition = "",
+    .hit_source = "hit h CROSS JOIN entry e ON e.no = h.no",
+    .sort_factor = 1,
+    .scan_fraction = 1.0 / 8,
+    .lock_suffix = "",
 };
 
 class SqliteConnection final : public Connection {
@@ -25,7 +25,7 @@ class SqliteConnection final : public Connection {
   ~SqliteConnection() override { rollback(); }
 
   const Dialect& dialect() const override { return sqlite_dialect; }
-  const std::string& place() const override { return database_.path(); }
+  const std::string& location() const override { return database_.path(); }
   bool should_retry() const override { return false; }
 
   using Connection::query;
@@ -79,29 +79,29 @@ class SqliteConnection final : public Connection {
     if (!found) return fail(std::move(found.error()));
     for (std::size_t i = 0; i < found->size(); ++i)
       if (found->text(i, 0) != "ok")
-        problems.add(ErrorCode::syntax, place(), "The file is damaged: " + found->text(i, 0) + ".",
-                     "Copy what can be read with `ugoki db copy`, or restore the file from a copy.");
-    // A full-text index that does not fit its content is found by FTS5 itself.
+        problems.add(ErrorCode::syntax, location(), "The file is damaged: " + found->text(i, 0) + ".",
+                     "Copy the readable entries with `ugoki db copy`, or restore the file from a backup.");
+    // The FTS5 command 'integrity-check' finds a damaged full-text index.
     if (Result<void> text = database_.run("INSERT INTO entry_text (entry_text) VALUES ('integrity-check')");
-        !text && text.error().problems.front().code == ErrorCode::syntax)  // not where the file may only be read
-      problems.add(ErrorCode::syntax, place(), "The index of the full-text search is damaged.",
-                   "Make it anew with `ugoki db check --repair`.");
+        !text && text.error().problems.front().code == ErrorCode::syntax)  // other errors: the file is opened read-only
+      problems.add(ErrorCode::syntax, location(), "The index of the full-text search is damaged.",
+                   "Rebuild it with `ugoki db check --repair`.");
     return {};
   }
   Result<void> tidy() override { return database_.run("PRAGMA optimize"); }
 
  private:
-  /// The prepared statement, bound; kept for the next time.
+  /// The prepared statement with its parameters bound. Prepared statements are cached.
   Result<Statement*> bound(std::string_view sql, std::span<const Value> parameters) {
-    constexpr std::size_t most_kept = 200;
-    auto kept = statements_.find(sql);
-    if (kept == statements_.end()) {
+    constexpr std::size_t max_cached = 200;  // the cache is cleared when it is full
+    auto cached = statements_.find(sql);
+    if (cached == statements_.end()) {
       Result<Statement> prepared = database_.prepare(sql);
       if (!prepared) return fail(std::move(prepared.error()));
-      if (statements_.size() >= most_kept) statements_.clear();
-      kept = statements_.emplace(std::string(sql), std::move(*prepared)).first;
+      if (statements_.size() >= max_cached) statements_.clear();
+      cached = statements_.emplace(std::string(sql), std::move(*prepared)).first;
     }
-    Statement& statement = kept->second;
+    Statement& statement = cached->second;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const Value& v = parameters[i];
       const int at = static_cast<int>(i + 1);
@@ -116,8 +116,8 @@ class SqliteConnection final : public Connection {
   }
 
   Database database_;
-  std::map<std::string, Statement, std::less<>> statements_;
-  bool open_ = false;  ///< a transaction is
+  std::map<std::string, Statement, std::less<>> statements_;  ///< by their SQL
+  bool open_ = false;                                         ///< a transaction is open
 };
 
 }  // namespace

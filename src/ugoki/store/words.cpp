@@ -9,13 +9,13 @@
 namespace ugoki::store {
 namespace {
 
-// Private use: no words of any text.
-constexpr std::string_view field_mark = "\xee\x80\x80";   // U+E000
-constexpr std::string_view filter_mark = "\xee\x80\x81";  // U+E001
+// Private-use characters, which words_of() never returns.
+constexpr std::string_view field_separator = "\xee\x80\x80";  // U+E000: between two fields in SearchText::other
+constexpr std::string_view mark_prefix = "\xee\x80\x81";      // U+E001: first character of every mark
 
 using Codepoint = utf8proc_int32_t;
 
-/// The next code point of `text` from `at`, which moves behind it; -1 where there is no UTF-8 (one byte is passed).
+/// The code point of `text` at byte `at`; advances `at` to the next one. Returns -1 and advances one byte if the bytes are not UTF-8.
 Codepoint next_codepoint(std::string_view text, std::size_t& at) {
   Codepoint c = -1;
   const auto* p = reinterpret_cast<const utf8proc_uint8_t*>(text.data() + at);
@@ -30,6 +30,7 @@ void append(std::string& out, Codepoint c) {
   out.append(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(n));
 }
 
+/// True for letters, digits and marks.
 bool is_word(Codepoint c) {
   switch (utf8proc_category(c)) {
     case UTF8PROC_CATEGORY_LU:
@@ -47,13 +48,13 @@ bool is_word(Codepoint c) {
   }
 }
 
-/// Written without blanks between words.
+/// True for Chinese characters and Japanese kana: text without blanks between words, so each character is a word.
 bool is_character_word(Codepoint c) {
   return (c >= 0x3005 && c <= 0x3007) || (c >= 0x3041 && c <= 0x30ff) || (c >= 0x31f0 && c <= 0x31ff) || (c >= 0x3400 && c <= 0x4dbf) ||
          (c >= 0x4e00 && c <= 0x9fff) || (c >= 0xf900 && c <= 0xfaff) || (c >= 0x20000 && c <= 0x3ffff);
 }
 
-/// The one form of a text. Combining accents (U+0300 ... U+036F) go; others, such as the voicing marks of kana, stay.
+/// The folded text. Combining accents (U+0300 ... U+036F) are removed; other marks, such as the voicing marks of kana, are kept.
 std::vector<Codepoint> folded(std::string_view text) {
   const std::string clean = clean_text(text);
   const auto* bytes = reinterpret_cast<const utf8proc_uint8_t*>(clean.data());
@@ -70,13 +71,14 @@ std::vector<Codepoint> folded(std::string_view text) {
   return out;
 }
 
+/// The words, each with the text `before` in front of it.
 std::string joined(const std::vector<std::string>& words, std::string_view before) {
   std::string out;
   for (const std::string& word : words) out.append(before).append(word);
   return out;
 }
 
-/// 'word' of PostgreSQL's text search.
+/// The word as a quoted lexeme of PostgreSQL's text search.
 std::string quoted(std::string_view word) {
   std::string out = "'";
   for (const char c : word) {
@@ -108,14 +110,14 @@ std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words;
   std::string word;
   const auto end_word = [&] {
-    if (!word.empty() && words.size() < most_words) words.push_back(word);
+    if (!word.empty() && words.size() < max_words) words.push_back(word);
     word.clear();
   };
   for (const Codepoint c : folded(text)) {
     const bool alone = is_character_word(c);
     if (alone || !is_word(c)) end_word();
     if (!is_word(c)) continue;
-    if (word.size() + 4 <= longest_word) append(word, c);
+    if (word.size() + 4 <= max_word_size) append(word, c);
     if (alone) end_word();
   }
   end_word();
@@ -129,24 +131,24 @@ std::string name_key(std::string_view name) {
 
 void SearchText::add_other(std::string_view text) {
   const std::vector<std::string> words = words_of(text);
-  if (words.empty() || other.size() >= most_words) return;
-  if (!other.empty()) other.emplace_back(field_mark);
-  other.insert(other.end(), words.begin(), words.begin() + static_cast<std::ptrdiff_t>(std::min(words.size(), most_words - other.size())));
+  if (words.empty() || other.size() >= max_words) return;
+  if (!other.empty()) other.emplace_back(field_separator);
+  other.insert(other.end(), words.begin(), words.begin() + static_cast<std::ptrdiff_t>(std::min(words.size(), max_words - other.size())));
 }
 
-std::string SearchText::all() const { return joined(name, " ") + " " + std::string(field_mark) + joined(other, " "); }
+std::string SearchText::all() const { return joined(name, " ") + " " + std::string(field_separator) + joined(other, " "); }
 std::string SearchText::name_words() const { return joined(name, " "); }
 std::string SearchText::other_words() const { return joined(other, " "); }
 
 std::string SearchText::mark_words() const { return joined(marks, " "); }
 
-std::string kind_mark(std::string_view kind) { return std::string(filter_mark) + "k" + std::string(kind); }
-std::string tag_mark(std::string_view tag) { return std::string(filter_mark) + "t" + sha256(tag).substr(0, 24); }
+std::string kind_mark(std::string_view kind) { return std::string(mark_prefix) + "k" + std::string(kind); }
+std::string tag_mark(std::string_view tag) { return std::string(mark_prefix) + "t" + sha256(tag).substr(0, 24); }
 
-std::string name_mark(std::string_view word) { return std::string(filter_mark) + "n" + std::string(word); }
+std::string name_mark(std::string_view word) { return std::string(mark_prefix) + "n" + std::string(word); }
 
 std::string pair_mark(bool of_name, std::string_view first, std::string_view second) {
-  return std::string(filter_mark) + (of_name ? "q" : "p") + std::string(first) + " " + std::string(second);
+  return std::string(mark_prefix) + (of_name ? "q" : "p") + std::string(first) + " " + std::string(second);
 }
 
 std::string SearchText::tsvector() const {
@@ -154,14 +156,14 @@ std::string SearchText::tsvector() const {
   std::size_t position = 0;
   const auto add = [&](const std::vector<std::string>& words) {
     for (const std::string& word : words) out += quoted(word) + ":" + std::to_string(++position) + " ";
-    ++position;  // no phrase from one part into the next
+    ++position;  // a gap, so that no phrase matches across two lists
   };
   add(name);
   add(other);
   add(marks);
   const auto add_pairs = [&](const std::vector<std::string>& words, bool of_name) {
     for (std::size_t i = 1; i < words.size(); ++i)
-      if (words[i - 1] != field_mark && words[i] != field_mark) out += quoted(pair_mark(of_name, words[i - 1], words[i])) + " ";
+      if (words[i - 1] != field_separator && words[i] != field_separator) out += quoted(pair_mark(of_name, words[i - 1], words[i])) + " ";
   };
   add_pairs(name, false);
   add_pairs(other, false);
@@ -187,14 +189,14 @@ std::string SearchPhrases::fts5(bool in_name, const std::vector<std::string>& ta
 }
 
 std::string SearchPhrases::tsquery(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds,
-                                   bool in_a_row) const {
+                                   bool exact_phrases) const {
   std::string all;
   for (const std::vector<std::string>& phrase : phrases) {
     all += all.empty() ? "(" : " & (";
-    const bool by_pairs = !in_a_row && phrase.size() > 1;
+    const bool by_pairs = !exact_phrases && phrase.size() > 1;
     for (std::size_t i = by_pairs ? 1 : 0; i < phrase.size(); ++i) {
       const std::string mark = by_pairs ? pair_mark(in_name, phrase[i - 1], phrase[i]) : in_name ? name_mark(phrase[i]) : phrase[i];
-      all += quoted(mark) + (i + 1 == phrase.size() ? ":*)" : in_a_row ? " <-> " : " & ");
+      all += quoted(mark) + (i + 1 == phrase.size() ? ":*)" : exact_phrases ? " <-> " : " & ");
     }
   }
   for (const std::string& tag : tags) all += (all.empty() ? "" : " & ") + quoted(tag_mark(tag));
@@ -210,9 +212,9 @@ bool SearchPhrases::any_longer_than_pairs() const {
 
 SearchPhrases search_phrases(std::string_view text) {
   SearchPhrases out;
-  constexpr std::size_t most_phrases = 16;
+  constexpr std::size_t max_phrases = 16;
   bool any = false;
-  for (std::size_t at = 0; at < text.size() && out.phrases.size() < most_phrases;) {
+  for (std::size_t at = 0; at < text.size() && out.phrases.size() < max_phrases;) {
     const std::size_t begin = text.find_first_not_of(" \t\r\n", at);
     if (begin == std::string_view::npos) break;
     any = true;

@@ -1,9 +1,12 @@
 #pragma once
-// What full-text search sees: both databases are given the same words, so they find the same entries. Internal to store.
+// Words for full-text search. Both databases index the same words, so they find the same entries. Internal to store.
 //
-// Texts are brought to one form (compatibility form, no case, no diacritics above or below letters) and cut into words at all that is no
-// letter, digit or mark. Chinese and Japanese, which put no blanks between words, are cut into characters; a word of the search is found as
-// the characters in a row. So `02_01` are the words 02 and 01 in a row, "Läufer" and "LAUFER" are equal, and 歩行 is found in 二足歩行.
+// Texts are folded (Unicode compatibility form, case-folded, without combining accents U+0300 ... U+036F) and split into words at every
+// character that is not a letter, digit or mark. Chinese and Japanese text has no blanks between words, so each character is a word, and a
+// search word is a phrase of adjacent characters. Examples: `02_01` is the phrase of the words 02 and 01; "Läufer" equals "LAUFER"; 歩行 is
+// found in 二足歩行.
+//
+// Mark: an additional index term that no text can contain, because it begins with a private-use character.
 
 #include <string>
 #include <string_view>
@@ -11,23 +14,25 @@
 
 namespace ugoki::store {
 
-/// The text as valid UTF-8 without control characters: what is no UTF-8 becomes U+FFFD, line ends and tabs stay.
+/// The text as valid UTF-8 without control characters, except line feeds and tabs. Invalid bytes become U+FFFD.
 [[nodiscard]] std::string clean_text(std::string_view text);
 
-/// The words of a text in its one form, at most `most_words`; longer words than `longest_word` bytes are cut.
+/// The folded words of a text: at most the first max_words words, each truncated to max_word_size bytes.
 [[nodiscard]] std::vector<std::string> words_of(std::string_view text);
-inline constexpr std::size_t most_words = 2000;
-inline constexpr std::size_t longest_word = 120;
+inline constexpr std::size_t max_words = 2000;
+inline constexpr std::size_t max_word_size = 120;  ///< bytes of UTF-8
 
-/// The words of a name with blanks between: the order of lists, and what "begins with" means.
+/// The folded words of a name, separated by blanks. Lists are sorted by this key, and "the name begins with" is tested on it.
 [[nodiscard]] std::string name_key(std::string_view name);
 
-/// All words of an entry: those of the name first, a mark that is no word between two fields, so that nothing is found across them.
+/// All words of an entry. A separator between two fields prevents phrases from matching across fields.
 struct SearchText {
-  std::vector<std::string> name, other;
-  std::vector<std::string> marks;  ///< of the kind, the tags and the name's words, see below: only in the index
+  std::vector<std::string> name;   ///< words of the name
+  std::vector<std::string> other;  ///< words of the other fields, with a separator between two fields
+  std::vector<std::string> marks;  ///< marks of the kind, the tags and the words of the name; only in the index
+  /// Appends the words of another field.
   void add_other(std::string_view text);
-  /// " walk slow <mark> cmu ...": each word after a blank.
+  /// All words with a blank before each, for substring tests: " walk slow <separator> cmu ...".
   [[nodiscard]] std::string all() const;
   [[nodiscard]] std::string name_words() const;   ///< for the column `name` of FTS5
   [[nodiscard]] std::string other_words() const;  ///< for the column `other` of FTS5
@@ -36,32 +41,35 @@ struct SearchText {
   [[nodiscard]] std::string tsvector() const;
 };
 
-/// Words that no text can hold: they stand for a kind, for exactly this tag, so that the index alone can tell what fits a whole query.
+/// Index term (mark) for a kind. With the marks for kinds and tags, one query of the index can test text, kind and tags.
 [[nodiscard]] std::string kind_mark(std::string_view kind);
+/// Index term (mark) for exactly this tag; contains the hash of the tag.
 [[nodiscard]] std::string tag_mark(std::string_view tag);
-/// A word of a name: searching names alone then costs what their words cost, not what all texts cost.
+/// Index term (mark) for a word of a name. With these marks, a search in names reads only the index entries of names.
 [[nodiscard]] std::string name_mark(std::string_view word);
 
-/// Two words in a row, somewhere or in the name. PostgreSQL's index knows no places; with these it knows what stands in a row.
+/// Index term (mark) for two adjacent words. Used for PostgreSQL, whose index stores no word positions.
+/// @param of_name true: the words are adjacent in the name; false: in any field
 [[nodiscard]] std::string pair_mark(bool of_name, std::string_view first, std::string_view second);
 
-/// What somebody looks for: all of the phrases; each is words in a row, of which the last may go on.
+/// A parsed search text. An entry must contain all phrases. A phrase is a list of adjacent words; the last may be the beginning of a word.
 struct SearchPhrases {
-  bool nothing = false;  ///< there is a text, but no word in it: nothing can be found
+  bool nothing = false;  ///< the text is not blank but contains no word: no entry matches
   std::vector<std::vector<std::string>> phrases;
-  std::string key;  ///< all words with blanks between, for "the name begins with"
+  std::string key;  ///< all words, separated by blanks, for the test "the name begins with"
 
   [[nodiscard]] bool empty() const { return phrases.empty(); }
-  /// The phrase as it stands in SearchText::all(): " 02 01".
+  /// The phrase in the form of SearchText::all(): " 02 01".
   [[nodiscard]] std::string in_words(std::size_t phrase) const;
-  /// As a query of the index: all of the phrases, of the name only if `in_name`, all of `tags`, one of `kinds` (none: any).
+  /// Query for SQLite's FTS5 index: all phrases, all `tags`, and one of `kinds` (empty: any). @param in_name search only the words of names
   [[nodiscard]] std::string fts5(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds) const;
-  /// @param in_a_row the words of a phrase stand in a row; otherwise each two that follow each other do, somewhere
+  /// Query for PostgreSQL, with the parameters of fts5(). @param exact_phrases true: the words of a phrase must be adjacent (needs the
+  /// positions in the row); false: only each pair of consecutive words must be adjacent (the index can test this)
   [[nodiscard]] std::string tsquery(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds,
-                                    bool in_a_row) const;
-  [[nodiscard]] bool any_longer_than_pairs() const;  ///< a phrase of three words or more
+                                    bool exact_phrases) const;
+  [[nodiscard]] bool any_longer_than_pairs() const;  ///< a phrase has three or more words
 };
-/// Words of `text` are separated by blanks; "..." holds several together.
+/// Parses a search text. Blanks separate phrases; double quotes enclose a phrase of several words. At most 16 phrases are used.
 [[nodiscard]] SearchPhrases search_phrases(std::string_view text);
 
 }  // namespace ugoki::store

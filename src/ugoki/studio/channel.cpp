@@ -14,7 +14,7 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::uint32_t max_text = 64u << 20;
+constexpr std::uint32_t max_text = 64u << 20;  // bytes; stops receive() from allocating a huge buffer for a corrupt length
 
 class Fd {
  public:
@@ -65,21 +65,21 @@ bool receive_all(int fd, char* data, std::size_t size) {
   return true;
 }
 
-/// The four bytes of the text's size, with a file descriptor if `carried` >= 0.
-bool send_head(int fd, std::uint32_t size, int carried) {
+/// Sends the four bytes of the text's size; attaches the file descriptor `attached` if it is >= 0 (SCM_RIGHTS).
+bool send_head(int fd, std::uint32_t size, int attached) {
   iovec part{&size, sizeof size};
   msghdr message{};
   message.msg_iov = &part;
   message.msg_iovlen = 1;
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))] = {};
-  if (carried >= 0) {
+  if (attached >= 0) {
     message.msg_control = control;
     message.msg_controllen = sizeof control;
     cmsghdr* head = CMSG_FIRSTHDR(&message);
     head->cmsg_level = SOL_SOCKET;
     head->cmsg_type = SCM_RIGHTS;
     head->cmsg_len = CMSG_LEN(sizeof(int));
-    std::memcpy(CMSG_DATA(head), &carried, sizeof carried);
+    std::memcpy(CMSG_DATA(head), &attached, sizeof attached);
   }
   while (true) {
     const ssize_t n = ::sendmsg(fd, &message, MSG_NOSIGNAL);
@@ -89,7 +89,7 @@ bool send_head(int fd, std::uint32_t size, int carried) {
   }
 }
 
-bool receive_head(int fd, std::uint32_t& size, Fd& carried) {
+bool receive_head(int fd, std::uint32_t& size, Fd& attached) {
   iovec part{&size, sizeof size};
   msghdr message{};
   message.msg_iov = &part;
@@ -104,9 +104,9 @@ bool receive_head(int fd, std::uint32_t& size, Fd& carried) {
   if (n <= 0) return false;
   for (cmsghdr* head = CMSG_FIRSTHDR(&message); head != nullptr; head = CMSG_NXTHDR(&message, head)) {
     if (head->cmsg_level != SOL_SOCKET || head->cmsg_type != SCM_RIGHTS) continue;
-    int got = -1;
-    std::memcpy(&got, CMSG_DATA(head), sizeof got);
-    carried.reset(got);
+    int descriptor = -1;
+    std::memcpy(&descriptor, CMSG_DATA(head), sizeof descriptor);
+    attached.reset(descriptor);
   }
   return receive_all(fd, reinterpret_cast<char*>(&size) + n, sizeof size - static_cast<std::size_t>(n));
 }
@@ -142,7 +142,8 @@ Channel::~Channel() {
 Result<std::pair<Channel, Channel>> Channel::make_pair() {
   int fds[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, fds) != 0) {
-    return fail(ErrorCode::io, "interpreter", std::string("No socket can be made: ") + std::strerror(errno) + ".", "Close some programs.");
+    return fail(ErrorCode::io, "interpreter", std::string("A socket cannot be created: ") + std::strerror(errno) + ".",
+                "Close some programs and try again.");
   }
   return std::pair<Channel, Channel>(Channel(fds[0]), Channel(fds[1]));
 }
@@ -164,12 +165,12 @@ bool Channel::send(std::string_view text, std::span<const std::byte> block) {
 
 std::optional<ChannelMessage> Channel::receive() {
   std::uint32_t size = 0;
-  Fd carried;
-  if (fd_ < 0 || !receive_head(fd_, size, carried) || size > max_text) return std::nullopt;
+  Fd attached;
+  if (fd_ < 0 || !receive_head(fd_, size, attached) || size > max_text) return std::nullopt;
   ChannelMessage message;
   message.text.resize(size);
   if (!receive_all(fd_, message.text.data(), size)) return std::nullopt;
-  if (carried.get() >= 0 && !read_block(carried.get(), message.block)) return std::nullopt;
+  if (attached.get() >= 0 && !read_block(attached.get(), message.block)) return std::nullopt;
   return message;
 }
 

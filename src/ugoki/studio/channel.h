@@ -1,5 +1,5 @@
 #pragma once
-// Messages between the studio and its interpreter over a socket pair: a text, and with it perhaps a block of memory.
+// Messages between the studio and its interpreter over a socket pair. A message is a text with an optional block of bytes.
 
 #include <chrono>
 #include <cstddef>
@@ -16,30 +16,31 @@ namespace ugoki::studio {
 
 struct ChannelMessage {
   std::string text;
-  std::vector<std::byte> block;  ///< empty: none came with it
+  std::vector<std::byte> block;  ///< empty if the message has no block
 };
 
 class Channel {
  public:
   Channel() = default;
-  explicit Channel(int fd) : fd_(fd) {}  ///< takes the socket
+  explicit Channel(int fd) : fd_(fd) {}  ///< takes ownership of the socket
   Channel(Channel&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   Channel& operator=(Channel&& other) noexcept;
   Channel(const Channel&) = delete;
   Channel& operator=(const Channel&) = delete;
   ~Channel();
 
-  /// Both ends.
+  /// Both ends of a new connection.
   [[nodiscard]] static Result<std::pair<Channel, Channel>> make_pair();
 
   [[nodiscard]] int fd() const { return fd_; }
-  /// A send that the other end does not take within `time` fails from now on.
+  /// Sets the send timeout: a later send() fails if the other end does not read the message within `time`.
   void set_send_limit(std::chrono::milliseconds time);
-  /// False if the other end is gone or takes nothing. The block goes through shared memory, whatever its size.
+  /// Sends a message. Returns false if the other end is closed, if it does not read in time, or if `text` exceeds 64 MiB.
+  /// A block of any size is passed as a memory file (memfd), not through the socket.
   bool send(std::string_view text, std::span<const std::byte> block = {});
-  /// Waits for the next message; none when the other end is gone.
+  /// Waits for the next message. Returns nothing if the other end is closed or the message cannot be read.
   [[nodiscard]] std::optional<ChannelMessage> receive();
-  /// Ends both directions; a receive() that waits returns.
+  /// Shuts down both directions; a waiting receive() returns.
   void shut();
 
  private:

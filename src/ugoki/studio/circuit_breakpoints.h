@@ -1,5 +1,5 @@
 #pragma once
-// Breakpoints in the circuit that runs: kept while circuits come and go.
+// Breakpoints in the running circuit. The conditions are kept when the circuit is replaced.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,39 +13,40 @@ namespace ugoki::studio {
 class CircuitBreakpoints {
  public:
   struct Hit {
-    std::string condition;  ///< as it was set
-    std::string pin;
-    std::size_t component = 0;
-    double value = 0;
-    std::uint64_t tick = 0;  ///< that met it, from 0
+    std::string condition;      ///< the condition as the user wrote it
+    std::string pin;            ///< output of the flat circuit
+    std::size_t component = 0;  ///< index of the component in the pin's value
+    double value = 0;           ///< value of this component after the tick
+    std::uint64_t tick = 0;     ///< tick that met the condition, from 0
   };
 
-  /// Replaces all. @param conditions as circuit::read_breakpoint takes them
+  /// Replaces all breakpoints. @param conditions texts in the syntax of circuit::read_breakpoint
   void set(std::vector<std::string> conditions);
-  /// Another circuit runs from now on; null: none. It must outlive this, or the next attach.
+  /// Sets the circuit that is watched; null: none. The circuit must live until the next attach() or the end of this object.
   void attach(circuit::Interpreter* circuit);
-  /// The circuit is at its beginning again: what is true there has not become so.
-  void begin() { place(); }
-  /// True if the circuit has an output that one of them looks at.
-  [[nodiscard]] bool active() const { return !placed_.empty(); }
-  /// True if the last tick met one of them.
+  /// Call when the circuit was set back to its first tick. Installs the breakpoints again, so that a condition that is already true
+  /// at the first tick is not a hit: only a change from false to true is.
+  void rearm() { install(); }
+  /// True if at least one breakpoint refers to an output of the current circuit.
+  [[nodiscard]] bool active() const { return !installed_.empty(); }
+  /// True if the last tick met a breakpoint.
   [[nodiscard]] bool met() const { return active() && circuit_->breakpoint_hit() >= 0; }
-  /// What the last tick met; only where met().
+  /// The breakpoint that the last tick met. Requires met().
   [[nodiscard]] Hit hit() const;
-  /// Sentences about those that cannot be met in this circuit, each told once.
+  /// Sentences about breakpoints that do not fit the current circuit. Each sentence is returned once.
   [[nodiscard]] std::vector<std::string> take_problems();
 
  private:
-  struct Placed {
+  struct Installed {
     std::string condition;
-    circuit::Breakpoint what;
+    circuit::Breakpoint breakpoint;
   };
-  void place();
+  void install();
 
   circuit::Interpreter* circuit_ = nullptr;
   std::vector<std::string> conditions_;
-  std::vector<Placed> placed_;
-  std::vector<std::string> problems_, told_;
+  std::vector<Installed> installed_;
+  std::vector<std::string> problems_, reported_;
 };
 
 }  // namespace ugoki::studio

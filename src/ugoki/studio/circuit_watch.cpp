@@ -11,11 +11,11 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::size_t shown_numbers = 8;      // of a payload, beside its pin
-constexpr std::size_t curve_components = 16;  // of a probe
-constexpr std::size_t most_rows = 2000;       // between two reports
-constexpr double rows_a_second = 500;
-constexpr std::uint32_t timed_one_in = 4;  // ticks, so that looking at the clock does not dwarf small LSIs
+constexpr std::size_t max_shown_values = 8;       // components of a pin that the page shows next to it
+constexpr std::size_t max_curve_components = 16;  // components of a probe that are drawn
+constexpr std::size_t max_rows = 2000;            // samples between two reports; later ones are dropped until the next report
+constexpr double rows_a_second = 500;             // of simulated time; bounds the size of a report
+constexpr std::uint32_t timing_interval = 4;  // each fourth tick is timed: reading the clock in every tick would cost more than small LSIs
 
 void add_number(std::string& out, double value) {
   if (!std::isfinite(value)) {
@@ -65,9 +65,9 @@ void CircuitWatch::resolve() {
   for (const std::string& name : request_.probes) {
     const Result<circuit::PinView> view = circuit_->find_output(name);
     if (!view || !circuit::pin_type(view->type).numeric) continue;
-    probes_.push_back({{name, *view}, std::min(view->numbers().size(), curve_components), {}});
+    probes_.push_back({{name, *view}, std::min(view->numbers().size(), max_curve_components), {}});
   }
-  circuit_->set_timing(request_.timing ? &circuit::Interpreter::processor_clock : nullptr, timed_one_in);
+  circuit_->set_timing(request_.timing ? &circuit::Interpreter::processor_clock : nullptr, timing_interval);
   counted_from_ = circuit::Interpreter::processor_clock();
   timed_from_ = circuit_->timed_ticks();
   seconds_from_ = 0;
@@ -76,12 +76,12 @@ void CircuitWatch::resolve() {
 
 void CircuitWatch::sample() {
   const std::uint64_t ticks = circuit_->ticks();
-  if (ticks % stride_ != 0 || times_.size() >= most_rows) return;
+  if (ticks % stride_ != 0 || times_.size() >= max_rows) return;
   if (ticks > 0) stride_ = std::max(1u, static_cast<std::uint32_t>(static_cast<double>(ticks) / circuit_->time() / rows_a_second + 0.5));
   times_.push_back(circuit_->time());
   for (Curve& curve : probes_) {
     const std::span<const double> numbers = curve.pin.view.numbers().first(curve.components);
-    curve.numbers.insert(curve.numbers.end(), numbers.begin(), numbers.end());
+    curve.samples.insert(curve.samples.end(), numbers.begin(), numbers.end());
   }
 }
 
@@ -94,7 +94,7 @@ std::string CircuitWatch::report(double seconds) {
     out += "[" + quoted(pin.name) + "," + std::to_string(pin.view.count) + ",";
     if (circuit::pin_type(pin.view.type).numeric) {
       const std::span<const double> numbers = pin.view.numbers();
-      add_list(out, numbers.first(std::min(numbers.size(), shown_numbers)), [&](double x) { add_number(out, x); });
+      add_list(out, numbers.first(std::min(numbers.size(), max_shown_values)), [&](double x) { add_number(out, x); });
     } else {
       std::uint64_t records = 0;
       std::memcpy(&records, pin.view.bytes.data(), sizeof records);
@@ -104,7 +104,8 @@ std::string CircuitWatch::report(double seconds) {
   });
   const std::uint64_t timed = circuit_->timed_ticks(), counted = circuit::Interpreter::processor_clock();
   if (request_.timing && seconds_from_ > 0 && timed > timed_from_ && counted > counted_from_) {
-    // the counter's pace is measured against the clock; an LSI counts by what it took since the last report
+    // The cycle counter has an unknown frequency: it is measured here against the clock.
+    // The reported time of an LSI is its mean time per timed tick since the last report.
     const double us_a_count = 1e6 * (seconds - seconds_from_) / static_cast<double>(counted - counted_from_);
     const std::vector<circuit::Timing> now = circuit_->timings();
     double all = 0;
@@ -139,14 +140,14 @@ std::string CircuitWatch::report(double seconds) {
         out += c ? ",[" : "[";
         for (std::size_t row = 0; row < times_.size(); ++row) {
           if (row) out += ',';
-          add_number(out, curve.numbers[row * curve.components + c]);
+          add_number(out, curve.samples[row * curve.components + c]);
         }
         out += "]";
       }
       out += "]]";
     });
     times_.clear();
-    for (Curve& curve : probes_) curve.numbers.clear();
+    for (Curve& curve : probes_) curve.samples.clear();
   }
   return out + "}";
 }

@@ -1,6 +1,6 @@
 #pragma once
-// What a page looks at while a circuit runs: values of outputs, curves of probes, the time of each LSI. Reported as events at most
-// fifteen times a second; costs a few copies a step for probes and nothing for values.
+// Values of the running circuit for the pages: current values of outputs, curves of probes, execution time of each LSI.
+// Reported as `values` events at most 15 times a second. Probes cost a few copies per step; values cost nothing between reports.
 
 #include <cstdint>
 #include <span>
@@ -13,32 +13,32 @@ namespace ugoki::studio {
 
 struct WatchRequest {
   std::vector<std::string> pins;    ///< outputs of the flat circuit: "arm/elbow.out"
-  std::vector<std::string> probes;  ///< outputs of which every step counts
-  bool timing = false;
-  bool nearest = false;  ///< frames with the nearest points of all characters
+  std::vector<std::string> probes;  ///< outputs that are sampled over time and drawn as curves
+  bool timing = false;              ///< report the time that each LSI takes
+  bool closest = false;             ///< append the closest points of all characters to frames
 };
 
 class CircuitWatch {
  public:
-  /// s between reports.
+  /// Minimum time between two reports, s.
   static constexpr double period = 1.0 / 15;
 
-  /// Replaces what is watched. Outputs that the circuit does not have are left out.
+  /// Replaces the set of watched outputs. Outputs that the circuit does not have are ignored.
   void set(WatchRequest request);
-  /// Another circuit runs from now on; null: none. It must outlive this, or the next attach.
+  /// Sets the circuit that is watched; null: none. The circuit must live until the next attach() or the end of this object.
   void attach(circuit::Interpreter* circuit);
-  /// A step was done.
+  /// Call after each step: samples the probes.
   void stepped() {
     dirty_ = true;
     if (!probes_.empty()) sample();
   }
-  /// The circuit's values are others: it was restored, or set back.
+  /// Call when the circuit's values changed without a step: it was restored or reset.
   void changed() { dirty_ = true; }
 
   [[nodiscard]] bool active() const { return circuit_ != nullptr && (request_.timing || !pins_.empty() || !probes_.empty()); }
-  /// True if there is something to report.
+  /// True if watched values changed since the last report.
   [[nodiscard]] bool dirty() const { return dirty_ && active(); }
-  /// The event `values` (docs/studio-protocol.md). @param seconds the time now, from any start
+  /// The event `values` (docs/studio-protocol.md) as JSON. Clears the sampled rows. @param seconds clock time, s, from any origin
   [[nodiscard]] std::string report(double seconds);
 
  private:
@@ -49,7 +49,7 @@ class CircuitWatch {
   struct Curve {
     Pin pin;
     std::size_t components = 0;
-    std::vector<double> numbers;  ///< [rows x components]
+    std::vector<double> samples;  ///< [rows x components]
   };
 
   void resolve();
@@ -59,12 +59,13 @@ class CircuitWatch {
   circuit::Interpreter* circuit_ = nullptr;
   std::vector<Pin> pins_;
   std::vector<Curve> probes_;
-  std::vector<double> times_;  ///< s, of the rows of all curves
-  std::uint32_t stride_ = 1;   ///< steps between two rows
+  std::vector<double> times_;  ///< simulated time of each row, s; shared by all curves
+  std::uint32_t stride_ = 1;   ///< ticks between two rows
   bool dirty_ = false;
-  std::uint64_t counted_from_ = 0, timed_from_ = 0;  ///< processor's counter and timed ticks at the last report
-  double seconds_from_ = 0;
-  std::vector<circuit::Timing> before_;
+  std::uint64_t counted_from_ = 0;       ///< processor's cycle counter at the last report
+  std::uint64_t timed_from_ = 0;         ///< number of timed ticks at the last report
+  double seconds_from_ = 0;              ///< clock time of the last report, s; 0: no report yet
+  std::vector<circuit::Timing> before_;  ///< times of the LSIs at the last report
 };
 
 }  // namespace ugoki::studio

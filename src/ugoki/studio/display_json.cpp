@@ -18,7 +18,7 @@ std::string packed(const std::vector<T>& values) {
   return to_base64({reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)});
 }
 
-/// Vertices as 32-bit floats x y z, triangles as 32-bit indices, packed.
+/// Vertices as 32-bit floats x y z and triangles as 32-bit indices, both in Base64.
 Json surface_json(const Geometry& g) {
   std::vector<float> points;
   for (const Vec3& p : g.vertices)
@@ -39,10 +39,10 @@ std::vector<Pose> poses_at(const Mechanism& mechanism, std::span<const double> q
 }
 std::vector<Pose> neutral_poses(const Mechanism& mechanism) { return poses_at(mechanism, mechanism.neutral()); }
 
-constexpr int most_preview_frames = 480;
+constexpr int max_preview_frames = 480;
 
-/// Of a preview: every so many frames.
-int preview_stride(int frames) { return std::max(1, (frames + most_preview_frames - 1) / most_preview_frames); }
+/// Distance between two frames of a preview, in frames of the motion.
+int preview_stride(int frames) { return std::max(1, (frames + max_preview_frames - 1) / max_preview_frames); }
 
 void add_number(std::vector<float>& out, double x) { out.push_back(static_cast<float>(x)); }
 
@@ -124,13 +124,13 @@ std::string mechanism_json(std::string_view id, const Mechanism& mechanism, std:
                      {"label", link.label},
                      {"parent", link.parent},
                      {"joint", ugoki::name_of(link.joint.type)},
-                     {"freedoms", link.joint.nv()},
+                     {"dofs", link.joint.nv()},
                      {"shapes", std::move(shapes)},
                      {"neutral", pose_json(X[static_cast<std::size_t>(i)])}});
   }
   return Json{{"id", id},
               {"name", mechanism.name()},
-              {"freedoms", mechanism.nv()},
+              {"dofs", mechanism.nv()},
               {"mass", mechanism.mass()},
               {"height", shown_height(mechanism)},
               {"surfaces", std::move(surfaces)},
@@ -142,7 +142,7 @@ std::vector<double> thumbnail_curve(const Motion& motion, const Mechanism& mecha
   if (motion.frames < 2 || motion.nq != mechanism.nq()) return {};
   const int root = mechanism.link_count() > 0 ? mechanism.link(0).joint.nq() : 0;
   int best = -1;
-  double most = 1e-6;
+  double max_variance = 1e-6;  // m^2 or rad^2; a coordinate that varies less does not move visibly
   for (int i = root < motion.nq ? root : 0; i < motion.nq; ++i) {
     double sum = 0, squares = 0;
     for (int f = 0; f < motion.frames; ++f) {
@@ -151,8 +151,8 @@ std::vector<double> thumbnail_curve(const Motion& motion, const Mechanism& mecha
       squares += q * q;
     }
     const double variance = squares / motion.frames - sum / motion.frames * (sum / motion.frames);
-    if (variance > most) {
-      most = variance;
+    if (variance > max_variance) {
+      max_variance = variance;
       best = i;
     }
   }

@@ -12,25 +12,25 @@
 
 namespace ugoki::studio {
 
-/// Links with shapes for display: the answer of GET /api/mechanism/ID.
-/// @param q [nq] the position that is shown as neutral; empty: the neutral one
+/// JSON of a mechanism's links with their visible shapes: the answer of GET /api/mechanism/ID.
+/// @param q [nq] position that the poses in "neutral" show; empty: the mechanism's neutral position
 [[nodiscard]] std::string mechanism_json(std::string_view id, const Mechanism& mechanism, std::span<const double> q = {});
 
-/// Poses of all links for a moving preview: the answer of GET /api/motion/ID. At most 480 of its frames, evenly spread.
-/// The motion must fit the mechanism (check_motion).
+/// JSON of the poses of all links for an animated preview: the answer of GET /api/motion/ID. Contains at most 480 frames, evenly
+/// spaced. The motion must fit the mechanism (check_motion).
 [[nodiscard]] std::string motion_json(std::string_view id, const Motion& motion, const Mechanism& mechanism);
 
-/// Places of markers for a preview, frames as in motion_json; NaN where a marker was not seen.
+/// JSON of the marker positions for a preview, at the same frames as motion_json; NaN where a marker was not seen.
 [[nodiscard]] std::string markers_json(const MarkerMotion& markers);
 
-/// x, y, z, qw, qx, qy, qz
+/// The pose as [x, y, z, qw, qx, qy, qz], m and unit quaternion.
 [[nodiscard]] std::vector<double> pose_json(const Pose& X);
 
-/// From the lowest to the highest point of the visible shapes in the neutral position, m; 0 without shapes.
+/// Height of the visible shapes in the neutral position, from the lowest to the highest point, m; 0 without shapes.
 [[nodiscard]] double shown_height(const Mechanism& mechanism);
 
-/// At most 48 numbers between 0 and 1: the coordinate that moves most, over the motion's time. The root's travel does not
-/// count where anything else moves. Empty if nothing does.
+/// Small curve for a motion's list entry: at most 48 values from 0 to 1 of the coordinate with the largest variance, evenly spaced in
+/// time. Root coordinates are used only if the mechanism has no others. Empty if nothing moves or the motion does not fit.
 [[nodiscard]] std::vector<double> thumbnail_curve(const Motion& motion, const Mechanism& mechanism);
 
 }  // namespace ugoki::studio

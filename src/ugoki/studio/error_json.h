@@ -1,5 +1,5 @@
 #pragma once
-// Errors as the page reads them.
+// Errors in the JSON form that the page reads.
 
 #include <string>
 
@@ -7,13 +7,13 @@
 
 namespace ugoki::studio {
 
-/// {"problems": [{"code", "place", "message", "remedy"}]}
+/// {"problems": [{"code", "location", "message", "remedy"}]}
 [[nodiscard]] std::string error_json(const Error& error);
 
-/// {"error": {"problems": [...]}}: the body of a refused HTTP request.
+/// {"error": {"problems": [...]}}: the body of the reply to a rejected HTTP request.
 [[nodiscard]] std::string error_body(const Error& error);
 
-/// HTTP status that fits an error: 404 unknown, 409 conflict, 500 io, otherwise 400.
+/// HTTP status for the error's first problem: 404 unknown, 409 conflict, 500 io, otherwise 400; 500 for an error without problems.
 [[nodiscard]] int http_status_of(const Error& error);
 
 }  // namespace ugoki::studio

@@ -10,6 +10,7 @@
 namespace ugoki::studio {
 namespace {
 
+// byte offsets in the header, and sizes of the parts [bytes]
 constexpr std::size_t time_at = 8, number_at = 16, flags_at = 20, characters_at = 24;
 constexpr std::size_t head_size = 64, character_size = 56, link_size = 28;
 
@@ -29,7 +30,7 @@ T get(std::span<const std::byte> frame, std::size_t at) {
 
 }  // namespace
 
-void set_frame_marks(std::span<std::byte> frame, double time, std::uint32_t number, std::uint32_t flags) {
+void set_frame_header(std::span<std::byte> frame, double time, std::uint32_t number, std::uint32_t flags) {
   put(frame, time_at, time);
   put(frame, number_at, number);
   put(frame, flags_at, (get<std::uint32_t>(frame, flags_at) & content::frame_grab) | flags);
@@ -50,7 +51,8 @@ void blend_poses(std::span<std::byte> frame, std::span<const std::byte> next, do
       float a[7], b[7];
       std::memcpy(a, frame.data() + at, sizeof a);
       std::memcpy(b, next.data() + at, sizeof b);
-      // The nearer of the two quaternions of b's rotation; between neighbouring frames a straight line is the great arc.
+      // q and -q are the same rotation: use the sign of b that is closer to a. Normalised linear interpolation replaces slerp: the
+      // rotation between neighbouring frames is small.
       const float sign = a[3] * b[3] + a[4] * b[4] + a[5] * b[5] + a[6] * b[6] < 0 ? -1.0f : 1.0f;
       float squares = 0;
       for (int i = 0; i < 7; ++i) {

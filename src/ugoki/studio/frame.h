@@ -1,6 +1,6 @@
 #pragma once
-// The head of binary display frames (docs/studio-protocol.md, written by content::encode_frame): what the interpreter knows
-// and the player does not.
+// Access to binary display frames (docs/studio-protocol.md). content::encode_frame writes them; the interpreter adds the header
+// fields that the player does not know: time, frame number and flags.
 
 #include <cstddef>
 #include <cstdint>
@@ -8,11 +8,12 @@
 
 namespace ugoki::studio {
 
-/// Sets the head's time, frame number and flags; "grab active" is kept.
-void set_frame_marks(std::span<std::byte> frame, double time, std::uint32_t number, std::uint32_t flags);
-/// Moves the links' poses in `frame` towards those in `next` (both of the same cast): s = 0 leaves them, s = 1 takes them over.
-/// Does nothing where the two do not have the same form.
+/// Sets the header's time [s], frame number and flags; the flag "grab active" is kept.
+void set_frame_header(std::span<std::byte> frame, double time, std::uint32_t number, std::uint32_t flags);
+/// Interpolates the links' poses in `frame` towards `next`: s = 0 keeps them, s = 1 copies those of `next`.
+/// Both frames must have the same characters and links; interpolation stops at the first difference.
 void blend_poses(std::span<std::byte> frame, std::span<const std::byte> next, double s);
+/// The frame's time, s.
 [[nodiscard]] double frame_time(std::span<const std::byte> frame);
 
 }  // namespace ugoki::studio

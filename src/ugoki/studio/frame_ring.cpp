@@ -9,7 +9,7 @@
 
 namespace ugoki::studio {
 
-// Slot n % slot_count holds frame n. Its sequence is 2 n + 1 while frame n is being written and 2 n + 2 when it is there.
+// Slot n % slot_count contains frame n. Its sequence is 2 n + 1 while frame n is being written and 2 n + 2 when it is complete.
 struct FrameRing::Slot {
   std::atomic<std::uint64_t> sequence;
   std::atomic<std::uint64_t> size;
@@ -24,18 +24,18 @@ struct FrameRing::Shared {
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
 namespace {
-std::unexpected<Error> failed(const char* what) {
-  return fail(ErrorCode::io, "shared memory", std::string("The memory for frames cannot be ") + what + ": " + std::strerror(errno) + ".",
-              "Free some memory and start the studio again.");
+std::unexpected<Error> failed(const char* action) {
+  return fail(ErrorCode::io, "shared memory", std::string("The memory for frames cannot be ") + action + ": " + std::strerror(errno) + ".",
+              "Free some memory and restart the studio.");
 }
 }  // namespace
 
 Result<FrameRing> FrameRing::make() {
   const int fd = memfd_create("ugoki-frames", MFD_CLOEXEC);
-  if (fd < 0) return failed("made");
+  if (fd < 0) return failed("created");
   if (ftruncate(fd, sizeof(Shared)) != 0) {
     close(fd);
-    return failed("sized");
+    return failed("resized");
   }
   return attach(fd);
 }
@@ -46,7 +46,7 @@ Result<FrameRing> FrameRing::attach(int fd) {
     close(fd);
     return failed("mapped");
   }
-  return FrameRing(fd, static_cast<Shared*>(memory));  // zeros are the right start
+  return FrameRing(fd, static_cast<Shared*>(memory));  // new memory is zero, which means: no frame written
 }
 
 FrameRing::FrameRing(FrameRing&& other) noexcept
@@ -78,13 +78,13 @@ std::optional<std::vector<std::byte>> FrameRing::read() {
   while (true) {
     const std::uint64_t written = shared_->written.load(std::memory_order_acquire);
     if (next_ >= written) return std::nullopt;
-    // The writer may be in the slot after the newest: one slot less than the ring holds is safe to begin with.
+    // The writer may be overwriting the slot after the newest frame, so at most slot_count - 1 frames can still be read.
     if (written - next_ >= slot_count) next_ = written - slot_count + 1;
     const std::uint64_t n = next_++;
     const Slot& slot = shared_->slots[n % slot_count];
     if (slot.sequence.load(std::memory_order_acquire) != 2 * n + 2) continue;
     const std::uint64_t size = slot.size.load(std::memory_order_relaxed);
-    if (size > slot_bytes) continue;  // the other process broke its promise; its frames are no reason to break here
+    if (size > slot_bytes) continue;  // the size is corrupt; the other process must not be able to crash this one
     std::vector<std::byte> frame(size);
     for (std::size_t at = 0; at < size; at += 8) {
       const std::uint64_t word = slot.words[at / 8].load(std::memory_order_relaxed);

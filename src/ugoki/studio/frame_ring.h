@@ -1,6 +1,6 @@
 #pragma once
-// Display frames from one writing process to one reading process through shared memory. The writer never waits; a reader
-// that comes too late misses frames, and never sees a torn one (a sequence lock on each slot).
+// Ring buffer in shared memory that passes display frames from one writing process to one reading process. The writer never waits.
+// A slow reader misses frames, but never sees a half-written one: each slot has a sequence lock.
 
 #include <atomic>
 #include <cstddef>
@@ -16,11 +16,11 @@ namespace ugoki::studio {
 class FrameRing {
  public:
   static constexpr std::size_t slot_count = 16;
-  static constexpr std::size_t slot_bytes = std::size_t{1} << 20;  ///< greatest frame; untouched pages cost nothing
+  static constexpr std::size_t slot_bytes = std::size_t{1} << 20;  ///< maximum frame size; memory pages that are never written cost nothing
 
-  /// New shared memory; fd() is handed to the other process.
+  /// Creates the shared memory; fd() is passed to the other process.
   [[nodiscard]] static Result<FrameRing> make();
-  /// The same memory in the other process. Takes `fd`.
+  /// Maps the memory in the other process. Takes ownership of `fd`, also on failure.
   [[nodiscard]] static Result<FrameRing> attach(int fd);
   FrameRing(FrameRing&& other) noexcept;
   FrameRing(const FrameRing&) = delete;
@@ -29,9 +29,9 @@ class FrameRing {
   ~FrameRing();
 
   [[nodiscard]] int fd() const { return fd_; }
-  /// False if the frame is larger than a slot. One writer.
+  /// Writes a frame. Returns false if it is larger than a slot. To be called by one writer only.
   bool write(std::span<const std::byte> frame);
-  /// The next frame that was not read yet, or none. One reader.
+  /// The next unread frame, or nothing. To be called by one reader only.
   [[nodiscard]] std::optional<std::vector<std::byte>> read();
 
  private:
@@ -40,7 +40,7 @@ class FrameRing {
   FrameRing(int fd, Shared* shared) : fd_(fd), shared_(shared) {}
   int fd_ = -1;
   Shared* shared_ = nullptr;
-  std::uint64_t next_ = 0;  ///< reader's: number of the next frame
+  std::uint64_t next_ = 0;  ///< reader's state: index of the next frame to read
 };
 
 }  // namespace ugoki::studio

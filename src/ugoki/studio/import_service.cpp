@@ -15,8 +15,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t most_stages = 64;
-constexpr std::size_t most_bytes = std::size_t{768} << 20;  // of all stages and companions
+constexpr std::size_t max_stages = 64;
+constexpr std::size_t max_bytes = std::size_t{768} << 20;  // size of all stages and companions together
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -47,37 +47,37 @@ Json report_json(const intake::ConversionReport& r) {
   return {{"read", r.read}, {"guessed", r.guessed}, {"changed", r.changed}, {"left_out", r.left_out}, {"check", r.check}};
 }
 
-/// Entries that will be made, as people call them; measured data go with their motion.
-Json entries_json(const intake::Intake& taken) {
+/// Entries that storing will create. Measured data are not listed: they belong to their motion.
+Json entries_json(const intake::Intake& intake_result) {
   Json entries = Json::array();
-  for (const store::LibraryItem& item : taken.items)
+  for (const store::LibraryItem& item : intake_result.items)
     if (item.kind != store::EntryKind::measured)
       entries.push_back({{"kind", store::name_of(item.kind)}, {"name", item.name}, {"bytes", item.data.size()}});
   return entries;
 }
 
-/// What is shown of a stage: settings as used, report, figure and motion.
-std::string stage_json(std::string_view id, const std::string& file, const intake::Intake& taken) {
+/// JSON of a stage: the settings used, the conversion report, the mechanism and the motion.
+std::string stage_json(std::string_view id, const std::string& file, const intake::Intake& intake_result) {
   const intake::FileKind kind = intake::file_kind(file).value_or(intake::FileKind::bvh);
-  const bool moves = taken.motion.has_value();
+  const bool moves = intake_result.motion.has_value();
   Json j = {{"stage", id},
             {"file", file},
             {"format", name_of(kind)},
             {"settings",
-             {{"unit", taken.metres_per_unit},
-              {"unit_guessed", taken.unit_guessed},
-              {"up", intake::name_of(taken.axes.up)},
-              {"forward", intake::name_of(taken.axes.forward)},
-              {"rate", moves ? taken.motion->rate : 0.0},
-              {"rate_told", kind != intake::FileKind::amc}}},
-            {"can", {{"unit", moves}, {"axes", taken.mechanism != nullptr}, {"rate", moves}}},
-            {"entries", entries_json(taken)},
-            {"report", report_json(taken.conversion)}};
-  if (taken.mechanism) j["mechanism"] = Json::parse(mechanism_json(id, *taken.mechanism));
-  if (moves) j["motion"] = Json::parse(motion_json(id, *taken.motion, *taken.mechanism));
-  if (taken.markers && moves) j["markers"] = Json::parse(markers_json(*taken.markers));
-  if (taken.markers && taken.body && taken.measured) {
-    const Pose X = body::calc_floor_pose(*taken.body, *taken.measured);
+             {{"unit", intake_result.metres_per_unit},
+              {"unit_guessed", intake_result.unit_guessed},
+              {"up", intake::name_of(intake_result.axes.up)},
+              {"forward", intake::name_of(intake_result.axes.forward)},
+              {"rate", moves ? intake_result.motion->rate : 0.0},
+              {"rate_specified", kind != intake::FileKind::amc}}},
+            {"can", {{"unit", moves}, {"axes", intake_result.mechanism != nullptr}, {"rate", moves}}},
+            {"entries", entries_json(intake_result)},
+            {"report", report_json(intake_result.conversion)}};
+  if (intake_result.mechanism) j["mechanism"] = Json::parse(mechanism_json(id, *intake_result.mechanism));
+  if (moves) j["motion"] = Json::parse(motion_json(id, *intake_result.motion, *intake_result.mechanism));
+  if (intake_result.markers && moves) j["markers"] = Json::parse(markers_json(*intake_result.markers));
+  if (intake_result.markers && intake_result.body && intake_result.measured) {
+    const Pose X = body::calc_floor_pose(*intake_result.body, *intake_result.measured);
     j["markers"]["pose"] = pose_json(X);
   }
   return text_of(j);
@@ -89,8 +89,8 @@ Result<const formats::Asf*> ImportService::skeleton_for(const std::string& file)
   const auto named = skeletons_.find(plain_name(intake::skeleton_name_for(file)));
   const auto sent = named != skeletons_.end() ? named : skeletons_.find(last_skeleton_);
   if (sent != skeletons_.end()) return &sent->second;
-  return fail(ErrorCode::structure, file, "An AMC file has no skeleton of its own.",
-              "Choose " + intake::skeleton_name_for(file) + " and this file together.");
+  return fail(ErrorCode::structure, file, "An AMC file contains no skeleton.",
+              "Choose " + intake::skeleton_name_for(file) + " together with this file.");
 }
 
 Result<std::string> ImportService::companion(std::string_view file_name, std::string bytes) {
@@ -98,7 +98,7 @@ Result<std::string> ImportService::companion(std::string_view file_name, std::st
   if (name.ends_with(".asf")) {
     Result<formats::Asf> skeleton = formats::read_asf(bytes, file_name);
     if (!skeleton) return fail(std::move(skeleton.error()));
-    if (skeletons_.size() >= most_stages) skeletons_.clear();
+    if (skeletons_.size() >= max_stages) skeletons_.clear();
     last_skeleton_ = name;
     skeletons_.insert_or_assign(name, std::move(*skeleton));
     return "{}";
@@ -116,17 +116,18 @@ Result<intake::Intake> ImportService::read(const std::string& file, const std::s
   if (!settings.up.empty() || !settings.forward.empty()) {
     const auto up = intake::file_axis_named(settings.up), forward = intake::file_axis_named(settings.forward);
     if (!up || !forward)
-      return fail(ErrorCode::range, "up", "The axes must be x, -x, y, -y, z or -z, both up and forward.", "Choose them from the lists.");
+      return fail(ErrorCode::range, "up", "The axes must be x, -x, y, -y, z or -z, both up and forward.",
+                  "Choose both axes from the lists.");
     options.axes = intake::Orientation{*up, *forward};
   }
-  const auto beside = [this](std::string_view path) -> Result<std::string> {
+  const auto read_companion = [this](std::string_view path) -> Result<std::string> {
     const auto found = companions_.find(plain_name(path));
     if (found != companions_.end()) return found->second;
-    return fail(ErrorCode::io, std::string(path), "This file was not sent.", "Choose it together with the file that names it.");
+    return fail(ErrorCode::io, std::string(path), "This file is missing.", "Choose it together with the file that refers to it.");
   };
-  options.robot.read_asset = beside;
-  options.files = [beside](std::string_view uri) -> Result<std::vector<std::byte>> {
-    Result<std::string> found = beside(uri);
+  options.robot.read_asset = read_companion;
+  options.files = [read_companion](std::string_view uri) -> Result<std::vector<std::byte>> {
+    Result<std::string> found = read_companion(uri);
     if (!found) return fail(std::move(found.error()));
     const auto* p = reinterpret_cast<const std::byte*>(found->data());
     return std::vector<std::byte>(p, p + found->size());
@@ -142,41 +143,41 @@ Result<intake::Intake> ImportService::read(const std::string& file, const std::s
 
 Result<std::string> ImportService::stage(std::string_view file_name, std::string bytes, const ImportSettings& settings) {
   const std::string file(file_name.substr(file_name.find_last_of("/\\") + 1));
-  Result<intake::Intake> taken = read(file, bytes, settings);
-  if (!taken) return fail(std::move(taken.error()));
+  Result<intake::Intake> intake_result = read(file, bytes, settings);
+  if (!intake_result) return fail(std::move(intake_result.error()));
   make_room(bytes.size());
   const std::uint64_t number = next_++;
   const std::string id = "i" + std::to_string(number);
-  const Stage& made = stages_.insert_or_assign(id, Stage{number, file, std::move(bytes), std::move(*taken)}).first->second;
+  const Stage& made = stages_.insert_or_assign(id, Stage{number, file, std::move(bytes), std::move(*intake_result)}).first->second;
   return stage_json(id, made.file, made.intake);
 }
 
-Result<std::string> ImportService::stage_again(std::string_view id, const ImportSettings& settings) {
+Result<std::string> ImportService::restage(std::string_view id, const ImportSettings& settings) {
   const Result<Stage*> found = find(id);
   if (!found) return fail(found.error());
   Stage& stage = **found;
-  Result<intake::Intake> taken = read(stage.file, stage.bytes, settings);
-  if (!taken) return fail(std::move(taken.error()));
-  stage.intake = std::move(*taken);
+  Result<intake::Intake> intake_result = read(stage.file, stage.bytes, settings);
+  if (!intake_result) return fail(std::move(intake_result.error()));
+  stage.intake = std::move(*intake_result);
   return stage_json(id, stage.file, stage.intake);
 }
 
 Result<std::string> ImportService::store(std::string_view id, std::string_view name, const std::vector<std::string>& tags) {
   const Result<Stage*> found = find(id);
   if (!found) return fail(found.error());
-  intake::Intake& taken = (*found)->intake;
-  const std::string shown = taken.items.front().name;
-  for (store::LibraryItem& item : taken.items) {
+  intake::Intake& intake_result = (*found)->intake;
+  const std::string shown = intake_result.items.front().name;
+  for (store::LibraryItem& item : intake_result.items) {
     if (!name.empty() && item.name == shown) item.name = std::string(name);
     item.tags.insert(item.tags.end(), tags.begin(), tags.end());
   }
   Result<store::Library> library = store::Library::open(path_);
   if (!library) return fail(std::move(library.error()));
-  const Result<std::vector<std::string>> ids = intake::put(*library, taken);
+  const Result<std::vector<std::string>> ids = intake::put(*library, intake_result);
   if (!ids) return fail(ids.error());
   Json entries = Json::array();
   for (std::size_t i = 0; i < ids->size(); ++i) {
-    const store::LibraryItem& item = taken.items[i];
+    const store::LibraryItem& item = intake_result.items[i];
     if (item.kind != store::EntryKind::measured)
       entries.push_back({{"id", (*ids)[i]}, {"kind", store::name_of(item.kind)}, {"name", item.name}});
   }
@@ -187,26 +188,26 @@ Result<std::string> ImportService::store(std::string_view id, std::string_view n
 Result<ImportService::Stage*> ImportService::find(std::string_view id) {
   const auto found = stages_.find(id);
   if (found != stages_.end()) return &found->second;
-  return fail(ErrorCode::unknown, std::string(id), "This import is not waiting any more.", "Import the file again.");
+  return fail(ErrorCode::unknown, std::string(id), "This import has ended or was dropped to free memory.", "Import the file again.");
 }
 
 void ImportService::make_room(std::size_t bytes) {
-  std::size_t held = bytes;
-  for (const auto& [id, stage] : stages_) held += stage.bytes.size();
-  for (const auto& [name, data] : companions_) held += data.size();
-  if (held > most_bytes) companions_.clear();
-  while (!stages_.empty() && (stages_.size() >= most_stages || held > most_bytes)) {
+  std::size_t total = bytes;
+  for (const auto& [id, stage] : stages_) total += stage.bytes.size();
+  for (const auto& [name, data] : companions_) total += data.size();
+  if (total > max_bytes) companions_.clear();
+  while (!stages_.empty() && (stages_.size() >= max_stages || total > max_bytes)) {
     const auto oldest = std::ranges::min_element(stages_, {}, [](const auto& s) { return s.second.number; });
-    held -= std::min(held, oldest->second.bytes.size());
+    total -= std::min(total, oldest->second.bytes.size());
     stages_.erase(oldest);
   }
 }
 
-Result<std::string> reference_figure_json(double height) {
+Result<std::string> reference_character_json(double height) {
   MeasuredMotion stand = samples::make_human_stand();
   body::BodyOptions options;
   options.height = height;
-  intake::scale(stand, height / 1.75);  // the sample's height
+  intake::scale(stand, height / 1.75);  // height of the sample human, m
   Result<body::Body> body = body::make_body(stand, options);
   if (!body) return fail(std::move(body.error()));
   const Motion motion = body::to_motion(*body, stand);

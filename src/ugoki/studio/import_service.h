@@ -1,5 +1,5 @@
 #pragma once
-// Imports in two steps: a file is read and shown first, and stored when somebody has looked at it.
+// Imports in two steps: a file is read and shown to the user (a stage), then stored in the library when the user confirms.
 
 #include <cstdint>
 #include <map>
@@ -13,39 +13,41 @@
 
 namespace ugoki::studio {
 
-/// How the user takes a file; empty texts and zeros: as the reader does.
+/// The user's settings for reading a file. An empty text or zero means: use what the file's reader specifies or guesses.
 struct ImportSettings {
   double unit = 0;          ///< m per unit of length of the file
-  std::string up, forward;  ///< "x", "-x" ... of the file's space; both or none
-  double rate = 0;          ///< frames a second
+  std::string up, forward;  ///< axes of the file's space: "x", "-x", "y" ...; both or none
+  double rate = 0;          ///< frame rate, 1/s
 };
 
-/// Has a connection of its own to the library; one thread at a time.
+/// Opens its own connection to the library. To be used by one thread at a time.
 class ImportService {
  public:
   explicit ImportService(std::string library_path) : path_(std::move(library_path)) {}
 
-  /// Takes a file that others need: a skeleton (ASF), a mesh, a buffer of a .gltf. @return "{}"
+  /// Keeps a file that other files refer to: a skeleton (ASF), a mesh or a buffer of a .gltf. @return "{}"
   [[nodiscard]] Result<std::string> companion(std::string_view file_name, std::string bytes);
-  /// Reads a file. Nothing is stored. @return what docs/studio-protocol.md says of /api/import/stage
+  /// Reads a file and keeps it as a stage; the library is not changed. @return the answer of /api/import/stage (docs/studio-protocol.md)
   [[nodiscard]] Result<std::string> stage(std::string_view file_name, std::string bytes, const ImportSettings& settings);
-  /// Reads it again with other settings; the stage keeps what it was where that fails.
-  [[nodiscard]] Result<std::string> stage_again(std::string_view id, const ImportSettings& settings);
-  /// Puts all entries of a stage into the library, or none, and ends the stage.
-  /// @param name of the entries; empty: as shown @return {"entries": [{"id", "kind", "name"}]}
+  /// Reads a stage's file again with other settings. On failure the stage is unchanged.
+  [[nodiscard]] Result<std::string> restage(std::string_view id, const ImportSettings& settings);
+  /// Stores all entries of a stage in the library and removes the stage. On failure nothing is stored.
+  /// @param name new name of all entries that have the same name as the first entry; empty: the names of the stage are kept
+  /// @return {"entries": [{"id", "kind", "name"}]}
   [[nodiscard]] Result<std::string> store(std::string_view id, std::string_view name, const std::vector<std::string>& tags);
-  /// Ends a stage; one that is not there is no error.
+  /// Removes a stage; does nothing if it does not exist.
   void drop(std::string_view id) { stages_.erase(std::string(id)); }
 
  private:
   struct Stage {
-    std::uint64_t number = 0;
+    std::uint64_t number = 0;  ///< order of creation; the oldest stage is dropped first
     std::string file, bytes;
     intake::Intake intake;
   };
   [[nodiscard]] Result<intake::Intake> read(const std::string& file, const std::string& bytes, const ImportSettings& settings) const;
   [[nodiscard]] Result<const formats::Asf*> skeleton_for(const std::string& file) const;
   [[nodiscard]] Result<Stage*> find(std::string_view id);
+  /// Drops companions and the oldest stages until `bytes` more fit into the limits.
   void make_room(std::size_t bytes);
 
   std::string path_;
@@ -53,11 +55,11 @@ class ImportService {
   std::map<std::string, Stage, std::less<>> stages_;
   std::map<std::string, formats::Asf, std::less<>> skeletons_;  ///< by file name in lower case
   std::string last_skeleton_;
-  std::map<std::string, std::string, std::less<>> companions_;  ///< bytes by file name in lower case, without folders
+  std::map<std::string, std::string, std::less<>> companions_;  ///< files' bytes by file name in lower case, without folders
 };
 
-/// A human of `height` [m] who stands at ease on the origin and looks along X, as GET /api/mechanism/ID would answer: the
-/// measure beside what is imported.
-[[nodiscard]] Result<std::string> reference_figure_json(double height);
+/// A relaxed standing human of `height` [m] at the origin, facing +X, in the form of mechanism_json. The page shows it next to an
+/// imported mechanism so that the user can check the scale.
+[[nodiscard]] Result<std::string> reference_character_json(double height);
 
 }  // namespace ugoki::studio

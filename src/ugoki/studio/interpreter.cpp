@@ -17,18 +17,18 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double display_rate = 60;      // ticks a second
-constexpr double slice_seconds = 0.004;  // of work before calls are looked at again
-constexpr double greatest_lag = 0.25;    // s behind the clock before the clock is let go
-constexpr double cheap_seconds = 3;      // to simulate again after an edit
-constexpr double transport_period = 0.5, summary_period = 0.25;
-constexpr double slowest = 0.05, fastest = 8;
+constexpr double display_rate = 60;      // display ticks a second
+constexpr double slice_seconds = 0.004;  // maximum time in one call of work(), s: a quarter of a display tick, so requests wait little
+constexpr double max_lag = 0.25;         // s behind the clock; beyond it playing slows down instead of catching up
+constexpr double cheap_seconds = 3;      // maximum time to recompute the simulation after an edit, s; beyond it, start at 0
+constexpr double transport_period = 0.5, summary_period = 0.25;  // s between reports
+constexpr double min_speed = 0.05, max_speed = 8;
 
-Error told(ErrorCode code, std::string place, std::string message, std::string remedy) {
-  return {code, std::move(place), std::move(message), std::move(remedy)};
+Error make_error(ErrorCode code, std::string location, std::string message, std::string remedy) {
+  return {code, std::move(location), std::move(message), std::move(remedy)};
 }
 
-/// True if simulating `seconds` is fast enough to do it unasked.
+/// True if simulating `seconds` of content takes at most cheap_seconds, so that it is done without asking the user.
 bool is_cheap_to(double seconds, double realtime_factor) { return seconds <= cheap_seconds * realtime_factor; }
 
 }  // namespace
@@ -50,13 +50,13 @@ std::uint64_t Interpreter::head_digest() const {
 }
 
 double Interpreter::realtime_factor() const {
-  constexpr double unknown = 10;  // until something was measured
+  constexpr double unknown = 10;  // times real time, until steps have been measured
   return computed_seconds_ > 0 && simulation_ ? computed_steps_ * simulation_->step_size() / computed_seconds_ : unknown;
 }
 
 Result<void> Interpreter::require_content() const {
   if (simulation_) return {};
-  return fail(told(ErrorCode::structure, "transport", "There is no content that runs.", "Mend what the log names, then play again."));
+  return fail(make_error(ErrorCode::structure, "transport", "No content is loaded.", "Fix the errors listed in the log, then play again."));
 }
 
 Result<void> Interpreter::load(std::span<const std::byte> executable) {
@@ -67,10 +67,10 @@ Result<void> Interpreter::load(std::span<const std::byte> executable) {
   const double pace = realtime_factor();
   const bool was_playing = playing_;
 
-  look_at(nullptr);
+  attach_circuit(nullptr);
   simulation_ = std::move(*opened);
-  look_at(simulation_->circuit());
-  nearest_.reset();
+  attach_circuit(simulation_->circuit());
+  closest_pairs_.reset();
   begin_recording();
   for (const LiveInput& input : inputs) recording_->add_input(input);
   shown_ = std::clamp(shown_, 0.0, simulation_->duration());
@@ -83,7 +83,8 @@ Result<void> Interpreter::load(std::span<const std::byte> executable) {
   } else {
     playing_ = false;
     show_head();
-    sink_.message(Json{{"event", "log"}, {"level", "info"}, {"text", "The content was changed; its simulation begins again at 0."}}.dump());
+    sink_.message(
+        Json{{"event", "log"}, {"level", "info"}, {"text", "The content was changed. Its simulation starts again at 0 s."}}.dump());
   }
   anchor();
   report_transport();
@@ -105,7 +106,7 @@ Result<void> Interpreter::set_mode(PlayMode mode) {
   } else if (!blown_up_ && is_cheap_to(shown_ - head_time(), realtime_factor())) {
     set_goal(Goal::seek, step_at(shown_));
   } else {
-    show_head();  // physics goes on where it was left
+    show_head();  // simulation continues at the head
   }
   report_transport();
   return {};
@@ -114,21 +115,21 @@ Result<void> Interpreter::set_mode(PlayMode mode) {
 Result<void> Interpreter::play(std::optional<double> speed) {
   if (Result<void> r = require_content(); !r) return r;
   if (speed) {
-    if (!(*speed >= slowest && *speed <= fastest)) {
-      return fail(told(ErrorCode::range, "speed", "The speed must lie between 0.05 and 8.", "1 is real time."));
+    if (!(*speed >= min_speed && *speed <= max_speed)) {
+      return fail(make_error(ErrorCode::range, "speed", "The speed must be from 0.05 to 8.", "1 is real time."));
     }
     speed_ = *speed;
   }
   if (blown_up_ && shown_ >= head_time()) {
-    return fail(
-        told(ErrorCode::structure, "transport", "The simulation cannot go on from here: " + status_, "Restart it, or change the content."));
+    return fail(make_error(ErrorCode::structure, "transport", "The simulation cannot continue: " + status_,
+                           "Restart the simulation, or change the content."));
   }
   if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) {
     shown_ = 0;
     mode_ == PlayMode::edit ? show_edit(0) : show_recorded(0);
   }
   if (mode_ == PlayMode::simulate && !playing_ && goal_ == Goal::none && breakpoints_.active())
-    if (Result<void> r = compute_again(); !r) return r;
+    if (Result<void> r = rewind_to_shown(); !r) return r;
   if (goal_ == Goal::tick) goal_ = Goal::none;
   playing_ = true;
   status_ = "playing";
@@ -164,7 +165,8 @@ Result<void> Interpreter::step_frames(int frames) {
 
 Result<void> Interpreter::seek(double time) {
   if (Result<void> r = require_content(); !r) return r;
-  if (!std::isfinite(time)) return fail(told(ErrorCode::range, "time", "The time to go to must be a number.", "Give it in seconds."));
+  if (!std::isfinite(time))
+    return fail(make_error(ErrorCode::range, "time", "The time to seek must be a finite number.", "Give the time in seconds."));
   const double to = std::clamp(time, 0.0, simulation_->duration());
   goal_ = Goal::none;
   status_ = playing_ ? "playing" : "paused";
@@ -189,9 +191,9 @@ Result<void> Interpreter::restart() {
   recording_->truncate(0);
   if (Result<void> r = simulation_->restore(recording_->checkpoint_before(0).state); !r) return r;
   watch_.changed();
-  breakpoints_.begin();
+  breakpoints_.rearm();
   next_input_ = 0;
-  again_until_ = 0;
+  replay_until_ = 0;
   held_.mouse.wheel = 0;
   blown_up_ = false;
   shown_ = 0;
@@ -205,15 +207,16 @@ Result<void> Interpreter::restart() {
 
 std::vector<std::string> Interpreter::change_library() {
   if (!simulation_) return {"The installed LSIs changed."};
-  look_at(nullptr);  // what it looks at is in the circuit that goes
-  Result<std::vector<std::string>> told = simulation_->change_library();
-  look_at(simulation_->circuit());
-  if (!told) return {"The installed LSIs changed and no longer fit the content, which goes on with the old ones. " + told.error().text()};
-  if (blown_up_) {  // what stopped it may be mended: it can go on from the last good state
+  attach_circuit(nullptr);  // the watched outputs belong to the circuit that is replaced
+  Result<std::vector<std::string>> kept = simulation_->change_library();
+  attach_circuit(simulation_->circuit());
+  if (!kept)
+    return {"The installed LSIs changed and no longer fit the content. The content continues with the old ones. " + kept.error().text()};
+  if (blown_up_) {  // the change may have fixed the failed LSI: allow to continue from the last good state
     blown_up_ = false;
     status_ = playing_ ? "playing" : "ready";
   }
-  // Checkpoints of an old layout cannot be gone back to: there is a new first state, and the one that stands.
+  // Old checkpoints have the state layout of the old LSIs. Replace them by the new initial state and the state at the head.
   std::vector<std::byte> first, head;
   simulation_->save(head);
   simulation_->reset();
@@ -222,8 +225,8 @@ std::vector<std::string> Interpreter::change_library() {
   recording_->replace_checkpoints(std::move(first), simulation_->step_count(), std::move(head));
   report_transport();
   report_devices();
-  std::vector<std::string> sentences = {"The installed LSIs changed; the content goes on with the new ones."};
-  sentences.insert(sentences.end(), told->begin(), told->end());
+  std::vector<std::string> sentences = {"The installed LSIs changed. The content continues with the new ones."};
+  sentences.insert(sentences.end(), kept->begin(), kept->end());
   return sentences;
 }
 
@@ -232,7 +235,7 @@ void Interpreter::begin_recording() {
   blown_up_ = false;
   goal_ = Goal::none;
   next_input_ = 0;
-  again_until_ = 0;
+  replay_until_ = 0;
   record_head();
 }
 
@@ -240,12 +243,12 @@ Result<void> Interpreter::truncate(std::int64_t step) {
   const Recording::Checkpoint& checkpoint = recording_->checkpoint_before(step);
   if (Result<void> r = simulation_->restore(checkpoint.state); !r) return r;
   watch_.changed();
-  if (checkpoint.step == 0) breakpoints_.begin();
+  if (checkpoint.step == 0) breakpoints_.rearm();
   next_input_ = recording_->first_input(checkpoint.step);
   recording_->truncate(step);
   blown_up_ = false;
   while (simulation_->step_count() < step) {
-    if (!advance_head()) return fail(told(ErrorCode::structure, "transport", status_, "Restart the simulation."));
+    if (!advance_head()) return fail(make_error(ErrorCode::structure, "transport", status_, "Restart the simulation."));
   }
   return {};
 }
@@ -257,10 +260,10 @@ bool Interpreter::advance_head() {
     return false;
   }
   watch_.stepped();
-  if (playing_ && goal_ != Goal::seek) tell_touches();
+  if (playing_ && goal_ != Goal::seek) report_touches();
   record_head();
   if (recording_->full()) {
-    stop(told(ErrorCode::range, "recording", "The recording is full (1 GB).", "Restart the simulation."));
+    stop(make_error(ErrorCode::range, "recording", "The recording is full (1 GiB).", "Restart the simulation."));
     return false;
   }
   return true;
@@ -274,7 +277,7 @@ void Interpreter::record_head() {
   const auto characters = static_cast<int>(simulation_->cast().size());
   std::vector<std::uint8_t> feet;
   for (int c = 0; c < characters; ++c) feet.push_back(simulation_->feet_on_ground(c));
-  set_frame_marks(frame_, time_of(step), 0, 0);
+  set_frame_header(frame_, time_of(step), 0, 0);
   recording_->add_frame(frame_, feet);
 }
 
@@ -291,20 +294,20 @@ bool Interpreter::work_on_goal() {
   bool good = true;
   if (goal_ == Goal::tick) {
     apply_due_inputs();
-    good = first < again_until_ || hold().has_value();
+    good = first < replay_until_ || record_held_devices().has_value();
   }
-  met_ = false;
-  while (good && !met_ && simulation_->step_count() < goal_step_ && now - begin < slice_seconds) {
+  breakpoint_met_ = false;
+  while (good && !breakpoint_met_ && simulation_->step_count() < goal_step_ && now - begin < slice_seconds) {
     good = advance_head();
-    met_ = good && goal_ == Goal::tick && breakpoints_.met();
+    breakpoint_met_ = good && goal_ == Goal::tick && breakpoints_.met();
     now = seconds_();
   }
-  // A running mean of the pace over about the last second of computing.
+  // Exponential average of the pace, over about the last second of computing.
   const double fade = computed_seconds_ > 1 ? 0.98 : 1;
   computed_seconds_ = computed_seconds_ * fade + (now - begin);
   computed_steps_ = computed_steps_ * fade + static_cast<double>(simulation_->step_count() - first);
   summary_due_ = true;
-  return !good || met_ || simulation_->step_count() >= goal_step_;
+  return !good || breakpoint_met_ || simulation_->step_count() >= goal_step_;
 }
 
 double Interpreter::work() {
@@ -337,17 +340,17 @@ double Interpreter::work() {
       report_in_time();
       return due - now;
     }
-    if (now - due > greatest_lag) anchor();  // the content is slower than the clock: time goes on from here
+    if (now - due > max_lag) anchor();  // computing is slower than the clock: continue from the shown time
     tick();
   }
   if (goal_ == Goal::tick && work_on_goal()) {
     goal_ = Goal::none;
-    if (met_) {
+    if (breakpoint_met_) {
       playing_ = false;
       status_ = "paused";
     }
     show_head();
-    if (met_) {
+    if (breakpoint_met_) {
       report_transport();
       report_breakpoint();
       report_summary();
@@ -384,7 +387,7 @@ void Interpreter::show_edit(double time) {
 }
 
 void Interpreter::show_recorded(double time) {
-  // Beyond the last kept frame there is only the head itself.
+  // After the last recorded frame only the state at the head can be shown.
   if (step_at(time) > recording_->step_of_frame(recording_->frame_count() - 1) && step_at(time) == simulation_->step_count())
     return show_head();
   if (!playing_) {
@@ -393,12 +396,12 @@ void Interpreter::show_recorded(double time) {
     shown_ = frame_time(frame_);
     return send(frame_, shown_, false);
   }
-  // Between two kept frames in slow motion and at other rates than the recording's.
-  const double place = std::clamp(time * recording_->rate(), 0.0, static_cast<double>(recording_->frame_count() - 1));
-  const auto before = static_cast<std::size_t>(place);
+  // Slow motion and other speeds need times between two recorded frames: interpolate them.
+  const double position = std::clamp(time * recording_->rate(), 0.0, static_cast<double>(recording_->frame_count() - 1));
+  const auto before = static_cast<std::size_t>(position);
   const std::span<const std::byte> kept = recording_->frame(before);
   frame_.assign(kept.begin(), kept.end());
-  if (before + 1 < recording_->frame_count()) blend_poses(frame_, recording_->frame(before + 1), place - static_cast<double>(before));
+  if (before + 1 < recording_->frame_count()) blend_poses(frame_, recording_->frame(before + 1), position - static_cast<double>(before));
   shown_ = time;
   send(frame_, time, false);
 }
@@ -412,15 +415,15 @@ void Interpreter::show_head() {
 void Interpreter::send(std::span<std::byte> bytes, double time, bool live) {
   std::uint32_t flags = playing_ ? content::frame_playing : 0u;
   if (mode_ == PlayMode::simulate) flags |= content::frame_simulate | (live ? content::frame_live : 0u);
-  set_frame_marks(bytes, time, static_cast<std::uint32_t>(time * simulation_->frame_rate() + 0.5), flags);
-  if (show_nearest_ && !nearest_) nearest_ = std::make_unique<NearestPairs>(simulation_->mechanisms());
-  sink_.frame(show_nearest_ ? nearest_->added_to(bytes) : bytes);
+  set_frame_header(bytes, time, static_cast<std::uint32_t>(time * simulation_->frame_rate() + 0.5), flags);
+  if (show_closest_ && !closest_pairs_) closest_pairs_ = std::make_unique<ClosestPairs>(simulation_->mechanisms());
+  sink_.frame(show_closest_ ? closest_pairs_->append_to(bytes) : bytes);
 }
 
-void Interpreter::tell_touches() {
-  constexpr int most = 40;  // between two reports: a heap that falls does not drown the log
+void Interpreter::report_touches() {
+  constexpr int max_touches = 40;  // between two summaries, so that a falling heap does not flood the log
   for (const std::string& touch : simulation_->touches()) {
-    if (++touches_told_ > most) return;
+    if (++touches_reported_ > max_touches) return;
     sink_.message(Json{{"event", "log"}, {"level", "info"}, {"text", touch}}.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
 }
@@ -428,13 +431,13 @@ void Interpreter::tell_touches() {
 void Interpreter::anchor() {
   anchor_seconds_ = seconds_();
   anchor_time_ = shown_;
-  ticks_ = 1;
+  ticks_ = 1;  // the next tick shows the frame after this one
 }
 
 void Interpreter::finish_play() {
   playing_ = false;
   if (blown_up_ && mode_ == PlayMode::simulate)
-    report_stop();  // it is told again: nothing else says why nothing comes after this
+    report_stop();  // repeated, so that the user sees why the recording ends here
   else
     status_ = "end";
   report_transport();
@@ -472,16 +475,16 @@ void Interpreter::report_transport() {
   sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-/// What the circuit reads of keyboard, mouse and gamepads, where that is news.
+/// Sends the event `devices` (what the circuit reads of keyboard, mouse and gamepads) if it changed.
 void Interpreter::report_devices() {
   circuit::DeviceUse use = simulation_->devices() ? simulation_->devices()->use() : circuit::DeviceUse{};
-  if (told_devices_ == use) return;
+  if (reported_devices_ == use) return;
   sink_.message(R"({"event":"devices",)" + circuit::write_device_use(use).substr(1));
-  told_devices_ = std::move(use);
+  reported_devices_ = std::move(use);
 }
 
 void Interpreter::report_summary() {
-  touches_told_ = 0;
+  touches_reported_ = 0;
   summary_reported_ = seconds_();
   summary_due_ = false;
   const std::vector<CastMember>& cast = simulation_->cast();
@@ -502,8 +505,8 @@ void Interpreter::report_summary() {
 }
 
 void Interpreter::watch(WatchRequest request) {
-  const bool other = request.nearest != show_nearest_;
-  show_nearest_ = request.nearest;
+  const bool other = request.closest != show_closest_;
+  show_closest_ = request.closest;
   watch_.set(std::move(request));
   if (!other || !simulation_ || playing_) return;
   if (mode_ == PlayMode::edit)

@@ -1,9 +1,12 @@
 #pragma once
-// Plays a simulation: transport, recording, seeking, live inputs. Knows no processes, sockets or clocks; it is told the time.
+// Plays a simulation: transport, recording, seeking, live inputs. Independent of processes, sockets and clocks: the caller supplies the
+// clock.
 //
-// Simulate mode keeps one simulation at the head of the recording. What is shown may lie behind the head (scrubbing shows
-// recorded frames); playing goes through the recording and on at the head. A live input behind the head makes a new future:
-// the state is restored from the checkpoint before, stepped to what is shown, and the recording after it is dropped.
+// Two modes: edit mode shows the poses of the tracks without physics; simulate mode computes the physics.
+//
+// In simulate mode one simulation is at the head (the end of the recording). The shown time may be before the head, for example while
+// the user scrubs through recorded frames. Playing shows the recorded frames up to the head, then computes new steps there. A live input
+// before the head discards the recording after the shown time: the state is restored from the previous checkpoint and stepped to it.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,13 +22,13 @@
 #include "ugoki/circuit/devices.h"
 #include "ugoki/studio/circuit_breakpoints.h"
 #include "ugoki/studio/circuit_watch.h"
-#include "ugoki/studio/nearest_pairs.h"
+#include "ugoki/studio/closest_pairs.h"
 #include "ugoki/studio/recording.h"
 #include "ugoki/studio/simulation.h"
 
 namespace ugoki::studio {
 
-/// Where the interpreter's frames and messages go. Neither may wait for a reader.
+/// Receives the interpreter's frames and messages. Implementations must not wait for a reader.
 class InterpreterSink {
  public:
   virtual ~InterpreterSink() = default;
@@ -37,47 +40,52 @@ enum class PlayMode : std::uint8_t { edit, simulate };
 
 class Interpreter {
  public:
-  /// @param seconds the time now, from any start; only differences count
+  /// @param seconds returns the clock time, s; only differences are used
   Interpreter(SimulationOpener opener, InterpreterSink& sink, std::function<double()> seconds);
 
-  /// Plays other executable data from now on. The time stays; in simulate mode the content is simulated up to it again,
-  /// with the live inputs if the cast is the same, where that takes less than about three seconds. An error leaves what is.
+  /// Replaces the content by other executable data. The shown time is kept. In simulate mode the new content is simulated up to that
+  /// time if this takes less than about 3 s; otherwise its simulation starts at 0. Recorded live inputs are kept if the cast and the
+  /// step size are the same. On an error the old content stays.
   [[nodiscard]] Result<void> load(std::span<const std::byte> executable);
 
   [[nodiscard]] Result<void> set_mode(PlayMode mode);
-  [[nodiscard]] Result<void> play(std::optional<double> speed);  ///< from the start if it stands at the end
+  [[nodiscard]] Result<void> play(std::optional<double> speed);  ///< starts at 0 if the shown time is the end
   [[nodiscard]] Result<void> pause();
-  [[nodiscard]] Result<void> step_frames(int frames);  ///< display frames, forwards or back; pauses
-  /// One step of dynamics from what is shown; pauses. Where that is recorded, it is computed again with the same inputs.
+  [[nodiscard]] Result<void> step_frames(int frames);  ///< moves by display frames, forwards (> 0) or back; pauses
+  /// Computes one step of dynamics from the shown time and pauses. A recorded step is recomputed with the recorded inputs.
   [[nodiscard]] Result<void> step_tick();
   [[nodiscard]] Result<void> seek(double time);
   [[nodiscard]] Result<void> restart();
-  /// An installed library changed on disk: the content goes on with it. @return what is to be told
+  /// Continues the content with the LSIs of an installed library that changed on disk. @return sentences for the user's log
   [[nodiscard]] std::vector<std::string> change_library();
-  /// @param link index as text, or name, or label
+  /// Pulls a link by a spring to `target`. @param link index as text, name or label @param point [m] in the link's frame
+  /// @param target [m] in the world frame
   [[nodiscard]] Result<void> grab(std::string_view character, std::string_view link, const Vec3& point, const Vec3& target);
+  /// Moves the target of the current grab. @param target [m] in the world frame
   [[nodiscard]] Result<void> drag(const Vec3& target);
   [[nodiscard]] Result<void> release();
+  /// Applies a constant force [N], world frame, at a link's centre of mass for `duration` [s]. @param link index as text, name or label
   [[nodiscard]] Result<void> push(std::string_view character, std::string_view link, const Vec3& force, double duration);
-  /// Keyboard, mouse and gamepads, remembered whatever it does; they act on steps that are computed while it plays. A press that the
-  /// circuit reads acts behind the head too.
+  /// Keyboard, mouse and gamepads. Their state is kept in every mode and applied to steps that are computed while playing. While recorded
+  /// frames are shown, only pressing a key or button that the circuit reads has an effect: it discards the recording after that time.
   [[nodiscard]] Result<void> input(const circuit::DeviceChange& change);
 
-  /// What a page wants to see of the running circuit, from now on: events `values`.
+  /// Sets which values of the running circuit are reported in events `values`.
   void watch(WatchRequest request);
 
-  /// A run stops after the step that meets one of these (circuit::read_breakpoint), and the event `breakpoint` tells it. While there are
-  /// any, playing computes what is recorded again. Those whose output the circuit does not have wait for a circuit that has it.
+  /// Sets the breakpoints (syntax: circuit::read_breakpoint). Playing stops after the step that meets one and sends the event
+  /// `breakpoint`. While a breakpoint is active, playing recomputes recorded steps. A breakpoint on an output that the circuit does not
+  /// have becomes active when a circuit with this output is loaded.
   void set_breakpoints(std::vector<std::string> conditions);
 
-  /// Does some milliseconds of what is due. @return s until there is more to do; infinity: nothing until a call
+  /// Does the work that is due, for a few milliseconds. @return time until the next work, s; infinity: none until another call
   double work();
 
   [[nodiscard]] PlayMode mode() const { return mode_; }
   [[nodiscard]] bool playing() const { return playing_; }
   [[nodiscard]] double time() const { return shown_; }
   [[nodiscard]] double simulated() const;
-  [[nodiscard]] std::uint64_t head_digest() const;  ///< of the whole state at the head; for tests
+  [[nodiscard]] std::uint64_t head_digest() const;  ///< hash of the whole state at the head; for tests
 
  private:
   enum class Goal : std::uint8_t { none, tick, seek };
@@ -85,25 +93,25 @@ class Interpreter {
   [[nodiscard]] Result<void> require_content() const;
   [[nodiscard]] Result<LiveInput> link_input(std::string_view character, std::string_view link) const;
   [[nodiscard]] Result<void> live_input(LiveInput input);
-  [[nodiscard]] Result<void> hold();
+  [[nodiscard]] Result<void> record_held_devices();
   void apply(const LiveInput& input);
   void apply_due_inputs();
   [[nodiscard]] double realtime_factor() const;
-  void look_at(circuit::Interpreter* circuit);
-  void tell(const std::string& warning);
-  [[nodiscard]] Result<void> compute_again();
+  void attach_circuit(circuit::Interpreter* circuit);
+  void log_warning(const std::string& warning);
+  [[nodiscard]] Result<void> rewind_to_shown();
   void report_breakpoint();
   void begin_recording();
   [[nodiscard]] Result<void> truncate(std::int64_t step);
-  [[nodiscard]] bool advance_head();  ///< one step; false: it blew up and was stopped
+  [[nodiscard]] bool advance_head();  ///< computes one step; false: the simulation failed or the recording is full, and playing was stopped
   void record_head();
   void set_goal(Goal goal, std::int64_t step);
-  bool work_on_goal();  ///< true: reached or given up
+  bool work_on_goal();  ///< true: the goal was reached or given up
   void tick();
   void show_edit(double time);
   void show_recorded(double time);
   void show_head();
-  void tell_touches();
+  void report_touches();
   void send(std::span<std::byte> bytes, double time, bool live);
   void anchor();
   void finish_play();
@@ -113,7 +121,7 @@ class Interpreter {
   void report_summary();
   void report_devices();
   void report_in_time();
-  /// s until values are to be reported; infinity: nothing of them changed.
+  /// Reports watched values if they are due. @return time until they are due, s; infinity: none changed
   double report_values();
   [[nodiscard]] std::int64_t step_at(double time) const;
   [[nodiscard]] double time_of(std::int64_t step) const;
@@ -127,30 +135,30 @@ class Interpreter {
   std::optional<Recording> recording_;
   PlayMode mode_ = PlayMode::edit;
   bool playing_ = false;
-  bool blown_up_ = false;
+  bool blown_up_ = false;  ///< the head's next step failed, or the recording is full
   double speed_ = 1;
-  double shown_ = 0;  ///< s, what the page sees
+  double shown_ = 0;  ///< time of the frame that the pages show, s
   Goal goal_ = Goal::none;
-  std::int64_t goal_step_ = 0;
-  circuit::DeviceState held_;  ///< what the user holds in hand now
-  std::optional<circuit::DeviceUse> told_devices_;
-  std::size_t next_input_ = 0;  ///< first recorded input that the head has not seen
-  double anchor_seconds_ = 0, anchor_time_ = 0;
-  std::int64_t ticks_ = 0;       ///< display ticks since the anchor
-  double computed_seconds_ = 0;  ///< spent in the newest steps, and how many they were
-  double computed_steps_ = 0;
+  std::int64_t goal_step_ = 0;  ///< step to reach at the head
+  circuit::DeviceState held_;   ///< current state of keyboard, mouse and gamepads
+  std::optional<circuit::DeviceUse> reported_devices_;
+  std::size_t next_input_ = 0;                   ///< index of the first recorded input that is not yet applied at the head
+  double anchor_seconds_ = 0, anchor_time_ = 0;  ///< clock time and shown time at which the pace of playing was set, s
+  std::int64_t ticks_ = 0;                       ///< display ticks since the anchor
+  double computed_seconds_ = 0;                  ///< clock time spent in recent steps, s
+  double computed_steps_ = 0;                    ///< number of these steps, weighted like their time
   double transport_reported_ = -1, summary_reported_ = -1;
   bool summary_due_ = false;
   CircuitWatch watch_;
   CircuitBreakpoints breakpoints_;
-  bool met_ = false;              ///< the last work on a goal ended at a breakpoint
-  std::int64_t again_until_ = 0;  ///< step up to which the recorded inputs count, not what the user holds
-  bool show_nearest_ = false;
-  std::unique_ptr<NearestPairs> nearest_;  ///< made when first shown
-  int touches_told_ = 0;                   ///< since the last report
+  bool breakpoint_met_ = false;    ///< the last work on a goal ended at a breakpoint
+  std::int64_t replay_until_ = 0;  ///< before this step the recorded inputs are used instead of the current device state
+  bool show_closest_ = false;
+  std::unique_ptr<ClosestPairs> closest_pairs_;  ///< created when first shown
+  int touches_reported_ = 0;                     ///< since the last summary
   double values_reported_ = -1;
   std::string status_ = "ready";
-  Error stop_;  ///< why it blew up
+  Error stop_;  ///< why blown_up_ is set
   std::vector<std::byte> frame_;
 };
 

@@ -1,4 +1,4 @@
-// Breakpoints and single ticks: where a run stops, and how it goes on from there.
+// Interpreter: breakpoints and single ticks.
 
 #include <nlohmann/json.hpp>
 
@@ -8,53 +8,55 @@ namespace ugoki::studio {
 
 using Json = nlohmann::json;
 
-void Interpreter::look_at(circuit::Interpreter* circuit) {
+void Interpreter::attach_circuit(circuit::Interpreter* circuit) {
   watch_.attach(circuit);
   breakpoints_.attach(circuit);
-  for (const std::string& sentence : breakpoints_.take_problems()) tell(sentence);
+  for (const std::string& sentence : breakpoints_.take_problems()) log_warning(sentence);
 }
 
 void Interpreter::set_breakpoints(std::vector<std::string> conditions) {
   breakpoints_.set(std::move(conditions));
-  for (const std::string& sentence : breakpoints_.take_problems()) tell(sentence);
+  for (const std::string& sentence : breakpoints_.take_problems()) log_warning(sentence);
   if (!simulation_ || mode_ != PlayMode::simulate || !playing_ || goal_ != Goal::none || !breakpoints_.active()) return;
-  if (const Result<void> r = compute_again(); !r) tell(r.error().text());
+  if (const Result<void> r = rewind_to_shown(); !r) log_warning(r.error().text());
   anchor();
 }
 
-void Interpreter::tell(const std::string& warning) {
+void Interpreter::log_warning(const std::string& warning) {
   const Json event{{"event", "log"}, {"level", "warning"}, {"text", warning}};
   sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-/// Puts the head at what is shown, so that its steps are computed again, with the same inputs.
-Result<void> Interpreter::compute_again() {
+/// Moves the head back to the shown time, so that later steps are recomputed with the recorded inputs.
+Result<void> Interpreter::rewind_to_shown() {
   if (shown_ >= head_time() - 0.5 * simulation_->step_size()) return {};
   const std::int64_t step = step_at(shown_), head = simulation_->step_count();
   const std::vector<LiveInput> inputs = recording_->inputs();
   if (Result<void> r = truncate(step); !r) return r;
   for (const LiveInput& input : inputs)
     if (input.step >= step) recording_->add_input(input);
-  again_until_ = head;
+  replay_until_ = head;
   return {};
 }
 
 Result<void> Interpreter::step_tick() {
   if (Result<void> r = require_content(); !r) return r;
   if (mode_ != PlayMode::simulate)
-    return fail(ErrorCode::structure, "mode", "Single ticks are computed in Simulate only.", "Switch to Simulate.");
+    return fail(ErrorCode::structure, "mode", "Single ticks are available in Simulate mode only.", "Switch to Simulate mode.");
   if (goal_ == Goal::seek) shown_ = head_time();
   goal_ = Goal::none;
   playing_ = false;
   status_ = "paused";
   if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size())
-    return fail(ErrorCode::range, "ticks", "The content ends here.", "Go back, or make it longer.");
-  if (Result<void> r = compute_again(); !r) return r;
+    return fail(ErrorCode::range, "ticks", "The shown time is the end of the content.",
+                "Seek to an earlier time, or make the content longer.");
+  if (Result<void> r = rewind_to_shown(); !r) return r;
   if (blown_up_)
-    return fail(ErrorCode::structure, "transport", "The simulation cannot go on from here.", "Restart it, or change the content.");
+    return fail(ErrorCode::structure, "transport", "The simulation cannot continue from the shown time.",
+                "Restart the simulation, or change the content.");
   apply_due_inputs();
-  if (simulation_->step_count() >= again_until_)
-    if (Result<void> r = hold(); !r) return r;
+  if (simulation_->step_count() >= replay_until_)
+    if (Result<void> r = record_held_devices(); !r) return r;
   const bool good = advance_head();
   show_head();
   anchor();

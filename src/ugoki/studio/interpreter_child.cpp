@@ -35,25 +35,27 @@ class ChildSink final : public InterpreterSink {
 
   void frame(std::span<const std::byte> bytes) override {
     if (!ring_.write(bytes)) {
-      if (!told_) message(R"({"event":"log","level":"error","text":"The scene has too many links or contacts to be shown."})");
-      told_ = true;
+      if (!reported_)
+        message(R"({"event":"log","level":"error","text":"The scene cannot be shown: a display frame is larger than 1 MiB. )"
+                R"(Use fewer links or contacts."})");
+      reported_ = true;
       return;
     }
     const std::uint64_t one = 1;
-    // The signal never blocks: a full counter means that the reader has been called already.
+    // The write never blocks. It fails only if the counter is full; then the reader has been signalled already.
     [[maybe_unused]] const ssize_t n = ::write(child_file::signal, &one, sizeof one);
   }
   void message(std::string json) override {
-    if (!control_.send(json)) _exit(0);  // the studio is gone
+    if (!control_.send(json)) _exit(0);  // the studio closed the socket
   }
 
  private:
   Channel& control_;
   FrameRing& ring_;
-  bool told_ = false;
+  bool reported_ = false;
 };
 
-/// Messages from the studio. The thread that reads them ends the process with the studio, whatever the simulation is doing.
+/// Queue of messages from the studio. A thread reads them, and ends the process when the studio closes the socket, even if a step hangs.
 class Inbox {
  public:
   explicit Inbox(Channel& control) {
@@ -66,7 +68,7 @@ class Inbox {
       _exit(0);
     }).detach();
   }
-  /// The next message; waits for it at most `seconds`.
+  /// Removes and returns the next message; waits for it at most `seconds`.
   std::optional<ChannelMessage> take(double seconds) {
     std::unique_lock lock(mutex_);
     const auto some = [this] { return !messages_.empty(); };
@@ -83,7 +85,7 @@ class Inbox {
   std::deque<ChannelMessage> messages_;
 };
 
-/// Fields of a request; the studio has checked their types.
+// Fields of a request, or a default if missing. The studio has already checked their types.
 std::string text_of(const Json& request, const char* key) {
   const auto it = request.find(key);
   return it != request.end() && it->is_string() ? it->get<std::string>() : std::string();
@@ -107,7 +109,7 @@ std::vector<std::string> texts_of(const Json& request, const char* key) {
   return out;
 }
 
-/// The event `lsis`: what circuits may be made of.
+/// The event `lsis`: the LSI classes that circuits may use.
 std::string lsis_event() {
   const std::string text = json::to_text(circuit::library_json(*lsi_library().library()));
   return "{\"event\":\"lsis\"," + text.substr(1);
@@ -131,8 +133,8 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
     return change ? interpreter.input(*change) : fail(change.error());
   }
   if (op == "watch") {
-    interpreter.watch(
-        {texts_of(request, "pins"), texts_of(request, "probes"), request.value("timing", false), request.value("nearest", false)});
+    interpreter.watch({texts_of(request, "pins"), texts_of(request, "probes"), request.value("timing", false),
+                       request.value("closest", request.value("nearest", false))});
     return {};
   }
   if (op == "breakpoints") {
@@ -142,13 +144,13 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
   const std::string character = text_of(request, "character"), link = text_of(request, "link");
   if (op == "grab") return interpreter.grab(character, link, vec3_of(request, "point"), vec3_of(request, "target"));
   if (op == "push") return interpreter.push(character, link, vec3_of(request, "force"), number_of(request, "duration"));
-  return fail(ErrorCode::unknown, "op", "The interpreter knows no \"" + op + "\".", "This is a fault of the program; report it.");
+  return fail(ErrorCode::unknown, "op", "The interpreter has no operation \"" + op + "\".", "This is an error in Ugoki; please report it.");
 }
 
 }  // namespace
 
 int run_interpreter(SimulationOpener opener) {
-  constexpr double library_period = 0.25;  // s between looks at the installed libraries
+  constexpr double library_period = 0.25;  // s between checks for changed LSI libraries
   std::signal(SIGPIPE, SIG_IGN);
   plugin::guard_process(child_file::words);
   Result<FrameRing> ring = FrameRing::attach(child_file::frames);
@@ -156,28 +158,28 @@ int run_interpreter(SimulationOpener opener) {
     std::fprintf(stderr, "%s\n", ring.error().text().c_str());
     return 1;
   }
-  // The reading thread lives as long as the process, so what it uses must too: the process ends by _exit only.
+  // Static, because the reading thread uses them until the process ends (always by _exit).
   static Channel control(child_file::control);
   static Inbox inbox(control);
   ChildSink sink(control, *ring);
   Interpreter interpreter(opener, sink, seconds_now);
-  const auto tell = [&sink](std::string_view level, const std::string& text) {
+  const auto log = [&sink](std::string_view level, const std::string& text) {
     sink.message(Json{{"event", "log"}, {"level", level}, {"text", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
   };
-  const auto tell_library = [&] {
-    for (const std::string& problem : lsi_library().take_messages()) tell("error", problem);
+  const auto report_library = [&] {
+    for (const std::string& problem : lsi_library().take_messages()) log("error", problem);
     sink.message(lsis_event());
   };
-  tell_library();
-  double wait = 0, looked = seconds_now();
+  report_library();
+  double wait = 0, last_poll = seconds_now();
   while (true) {
-    if (seconds_now() - looked >= library_period) {
-      looked = seconds_now();
+    if (seconds_now() - last_poll >= library_period) {
+      last_poll = seconds_now();
       if (lsi_library().poll()) {
-        for (const std::string& sentence : interpreter.change_library()) tell("info", sentence);
-        tell_library();
+        for (const std::string& sentence : interpreter.change_library()) log("info", sentence);
+        report_library();
       }
-      for (const std::string& said : lsi_library().take_messages()) tell("info", said);  // by FMUs that run
+      for (const std::string& text : lsi_library().take_messages()) log("info", text);  // messages of running FMUs
     }
     while (std::optional<ChannelMessage> message = inbox.take(std::min(wait, library_period))) {
       wait = 0;

@@ -1,4 +1,5 @@
-// What a user does while it runs: pulls, pushes, keyboard, mouse and gamepads. Each is recorded with its step, and given again there.
+// Interpreter: live inputs of a user while the simulation runs (pull, push, keyboard, mouse and gamepads). Each input is recorded with
+// its step and applied again at this step when the recording is recomputed.
 
 #include <algorithm>
 
@@ -15,13 +16,13 @@ bool finite(const Vec3& v) { return is_finite(v) && norm(v) < 1e9; }
 Result<LiveInput> Interpreter::link_input(std::string_view character, std::string_view link) const {
   if (Result<void> r = require_content(); !r) return fail(std::move(r.error()));
   if (mode_ != PlayMode::simulate) {
-    return fail(ErrorCode::structure, "mode", "Bodies can be pulled and pushed in Simulate only.", "Switch to Simulate.");
+    return fail(ErrorCode::structure, "mode", "Bodies can be pulled and pushed in Simulate mode only.", "Switch to Simulate mode.");
   }
   const std::vector<CastMember>& cast = simulation_->cast();
   const auto found = std::ranges::find(cast, character, &CastMember::id);
   if (found == cast.end()) {
-    return fail(ErrorCode::unknown, "character", "No character is called \"" + std::string(character) + "\".",
-                "Name one of the scenario's characters.");
+    return fail(ErrorCode::unknown, "character", "There is no character \"" + std::string(character) + "\".",
+                "Give the id of one of the scenario's characters.");
   }
   LiveInput input;
   input.character = static_cast<int>(found - cast.begin());
@@ -38,7 +39,8 @@ Result<LiveInput> Interpreter::link_input(std::string_view character, std::strin
 Result<void> Interpreter::grab(std::string_view character, std::string_view link, const Vec3& point, const Vec3& target) {
   Result<LiveInput> input = link_input(character, link);
   if (!input) return fail(std::move(input.error()));
-  if (!finite(point) || !finite(target)) return fail(ErrorCode::range, "target", "Points must be finite.", "Give metres.");
+  if (!finite(point) || !finite(target))
+    return fail(ErrorCode::range, "target", "Points must be finite and closer than 1e9 m to the origin.", "Give metres.");
   input->type = LiveInput::Type::grab;
   input->a = point;
   input->b = target;
@@ -60,10 +62,12 @@ Result<void> Interpreter::push(std::string_view character, std::string_view link
 
 Result<void> Interpreter::drag(const Vec3& target) {
   if (Result<void> r = require_content(); !r) return r;
-  if (!finite(target)) return fail(ErrorCode::range, "target", "Points must be finite.", "Give metres.");
+  if (!finite(target))
+    return fail(ErrorCode::range, "target", "Points must be finite and closer than 1e9 m to the origin.", "Give metres.");
   const std::vector<LiveInput>& inputs = recording_->inputs();
   const auto last = std::find_if(inputs.rbegin(), inputs.rend(), [](const LiveInput& i) { return i.type != LiveInput::Type::hold; });
-  if (mode_ != PlayMode::simulate || last == inputs.rend() || last->type == LiveInput::Type::release) return {};  // the grab is over
+  if (mode_ != PlayMode::simulate || last == inputs.rend() || last->type == LiveInput::Type::release)
+    return {};  // a late drag: the grab was already released
   LiveInput input;
   input.type = LiveInput::Type::drag;
   input.a = target;
@@ -81,17 +85,17 @@ Result<void> Interpreter::release() {
 Result<void> Interpreter::input(const circuit::DeviceChange& change) {
   const circuit::DeviceState before = held_;
   circuit::apply(change, held_);
-  const bool listens = simulation_ && simulation_->devices() && mode_ == PlayMode::simulate && playing_ && goal_ != Goal::seek;
-  if (listens && simulation_->devices()->presses(before, held_)) again_until_ = 0;    // a new future
-  if (!listens || shown_ >= head_time() - 0.5 * simulation_->step_size()) return {};  // the next step that is computed takes it
+  const bool acts_now = simulation_ && simulation_->devices() && mode_ == PlayMode::simulate && playing_ && goal_ != Goal::seek;
+  if (acts_now && simulation_->devices()->presses(before, held_)) replay_until_ = 0;   // the press replaces the recorded inputs
+  if (!acts_now || shown_ >= head_time() - 0.5 * simulation_->step_size()) return {};  // the next computed step reads held_
   if (!simulation_->devices()->presses(before, held_)) return {};
   if (Result<void> r = truncate(step_at(shown_)); !r) return r;
   anchor();
-  return hold();
+  return record_held_devices();
 }
 
-/// The circuit gets what the user holds, if it has something else.
-Result<void> Interpreter::hold() {
+/// Records the current device state as a live input if it differs from the one that the circuit has.
+Result<void> Interpreter::record_held_devices() {
   if (!simulation_->devices() || simulation_->devices()->has(held_)) return {};
   LiveInput input;
   input.type = LiveInput::Type::hold;
@@ -100,7 +104,7 @@ Result<void> Interpreter::hold() {
 }
 
 Result<void> Interpreter::live_input(LiveInput input) {
-  if (goal_ == Goal::seek) {  // what was to be simulated first is not wanted any more
+  if (goal_ == Goal::seek) {  // the input ends the seek: it acts at the head, not at the time to seek
     goal_ = Goal::none;
     shown_ = head_time();
     anchor();
@@ -109,8 +113,8 @@ Result<void> Interpreter::live_input(LiveInput input) {
     if (Result<void> r = truncate(step_at(shown_)); !r) return r;
     anchor();
   }
-  recording_->truncate(simulation_->step_count() + 1);  // inputs of a future that did not come
-  again_until_ = 0;
+  recording_->truncate(simulation_->step_count() + 1);  // drops recorded inputs after the head, which were still to be replayed
+  replay_until_ = 0;
   apply_due_inputs();
   input.step = simulation_->step_count();
   recording_->add_input(input);

@@ -19,9 +19,10 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::chrono::milliseconds send_limit{3000};  // the child's inbox is read by a thread that does nothing else
+// A thread of the child does nothing but read the socket, so even a busy child reads a message within this time.
+constexpr std::chrono::milliseconds send_limit{3000};
 
-/// A copy of `fd` above the numbers that the child expects, so that none overwrites another.
+/// A copy of `fd` with a descriptor of at least 16, above those of child_file, so that dup2 in the child overwrites none of the copies.
 int raised(int fd) { return fcntl(fd, F_DUPFD_CLOEXEC, 16); }
 
 }  // namespace
@@ -35,7 +36,7 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   int words[2] = {-1, -1};
   if (::pipe2(words, O_CLOEXEC | O_NONBLOCK) != 0) {
     close(signal);
-    return fail(ErrorCode::io, program.path, "There are no more pipes.", "Close other programs.");
+    return fail(ErrorCode::io, program.path, "A pipe to the interpreter cannot be created.", "Close some programs and try again.");
   }
   const int handed[4] = {raised(ends->second.fd()), raised(ring->fd()), raised(signal), raised(words[1])};
   close(words[1]);
@@ -51,7 +52,7 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   sigset_t none;
   sigemptyset(&none);
   posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl+C on the terminal is for the studio, which then ends the child
+  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl+C in the terminal must end the studio only; the studio then ends the child
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
 
   std::vector<char*> arguments = {const_cast<char*>(program.path.c_str())};
@@ -66,7 +67,7 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
     close(signal);
     close(words[0]);
     return fail(ErrorCode::io, program.path, std::string("The interpreter cannot be started: ") + std::strerror(error) + ".",
-                "See that the program is where it was and may be run.");
+                "Check that the program still exists and is executable.");
   }
   ends->first.set_send_limit(send_limit);
   return std::unique_ptr<InterpreterProcess>(
@@ -102,7 +103,7 @@ void InterpreterProcess::listen() {
       if (errno == EINTR) continue;
       break;
     }
-    // Frames first: those that a message is about are in the ring before the message is in the socket.
+    // Read frames before the message: the child writes a frame to the ring before it sends a message about it.
     if ((files[1].revents & POLLIN) != 0 || files[0].revents != 0) {
       std::uint64_t count = 0;
       [[maybe_unused]] const ssize_t n = ::read(signal_, &count, sizeof count);
@@ -120,12 +121,12 @@ void InterpreterProcess::listen() {
 }
 
 Problem InterpreterProcess::wait_for_end() {
-  const auto told = [](std::string message) {
-    return Problem{ErrorCode::io, "interpreter", std::move(message), "The project is safe; play to start it again."};
+  const auto make_problem = [](std::string message) {
+    return Problem{ErrorCode::io, "interpreter", std::move(message), "The project is safe. Play to restart the interpreter."};
   };
   int status = 0;
   pid_t got = 0;
-  for (int i = 0; i < 100 && got == 0; ++i) {  // it ends by itself when the socket closes
+  for (int i = 0; i < 100 && got == 0; ++i) {  // the child ends when the socket is closed; wait at most 1 s (0.1 s if it hangs)
     got = waitpid(pid_, &status, WNOHANG);
     if (got == 0) std::this_thread::sleep_for(std::chrono::milliseconds(unanswering_ ? 1 : 10));
   }
@@ -134,12 +135,12 @@ Problem InterpreterProcess::wait_for_end() {
     while ((got = waitpid(pid_, &status, 0)) < 0 && errno == EINTR) {
     }
   }
-  if (unanswering_) return told("The interpreter did not answer any more and was ended.");
-  std::string words(4096, '\0');  // written before the process ended, so there without waiting
+  if (unanswering_) return make_problem("The interpreter stopped responding and was ended.");
+  std::string words(4096, '\0');  // written before the process ended, so the read does not wait
   words.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::read(words_, words.data(), words.size()))));
   if (!words.empty()) {
     Problem problem = std::move(plugin::read_last_words(words, "ended").problems[0]);
-    problem.remedy += " The project is safe; play to start it again.";
+    problem.remedy += " The project is safe. Play to restart the interpreter.";
     return problem;
   }
   std::string how = "ended";
@@ -148,7 +149,7 @@ Problem InterpreterProcess::wait_for_end() {
   } else if (got == pid_ && WIFEXITED(status)) {
     how = "ended with status " + std::to_string(WEXITSTATUS(status));
   }
-  return told("The interpreter " + how + ".");
+  return make_problem("The interpreter " + how + ".");
 }
 
 }  // namespace ugoki::studio

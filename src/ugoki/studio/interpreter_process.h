@@ -1,5 +1,5 @@
 #pragma once
-// The studio's end of the interpreter's process.
+// Starts the interpreter's process and exchanges messages and frames with it, on the studio's side.
 
 #include <atomic>
 #include <functional>
@@ -16,31 +16,32 @@
 
 namespace ugoki::studio {
 
-/// How the interpreter's process is started.
+/// Command line of the interpreter's process.
 struct InterpreterProgram {
-  std::string path;                    ///< of the executable
-  std::vector<std::string> arguments;  ///< that make it call run_interpreter
+  std::string path;                    ///< path of the executable
+  std::vector<std::string> arguments;  ///< arguments that make the executable call run_interpreter
 };
 
-/// Called on a thread of the process object's own; must return at once.
+/// Callbacks. They are called on the thread of the InterpreterProcess and must not block.
 struct InterpreterEvents {
   std::function<void(std::vector<std::byte>)> frame;
   std::function<void(std::string)> message;  ///< an event, or a reply to a request
-  /// The process died by itself: how, and where (the flat id of an LSI, if it was one's fault). The last call.
+  /// The process ended without being asked to: the reason, and the location (the flat id of an LSI if an LSI caused it). No callback
+  /// follows.
   std::function<void(Problem)> ended;
 };
 
 class InterpreterProcess {
  public:
   [[nodiscard]] static Result<std::unique_ptr<InterpreterProcess>> start(const InterpreterProgram& program, InterpreterEvents events);
-  /// Ends the process; no event comes after.
+  /// Ends the process. No callback is called afterwards.
   ~InterpreterProcess();
   InterpreterProcess(const InterpreterProcess&) = delete;
   InterpreterProcess& operator=(const InterpreterProcess&) = delete;
 
-  /// False if it is gone or does not listen. Called from one thread.
+  /// Sends a request. Returns false if the process has ended or does not read the socket. To be called from one thread only.
   bool send(std::string_view json, std::span<const std::byte> block = {}) { return control_.send(json, block); }
-  /// Ends it by force; `ended` tells that it did not answer.
+  /// Kills the process; `ended` then reports that it did not answer.
   void kill_unanswering();
   [[nodiscard]] int pid() const { return pid_; }
 
@@ -51,8 +52,8 @@ class InterpreterProcess {
 
   Channel control_;
   FrameRing ring_;
-  int signal_;
-  int words_;  ///< pipe of last words
+  int signal_;  ///< eventfd that signals new frames
+  int words_;   ///< pipe from which last words are read
   int pid_;
   InterpreterEvents events_;
   std::atomic<bool> ending_ = false, unanswering_ = false;

@@ -29,7 +29,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// True if every word of `words` stands in `text`, in any case.
+/// True if `text` contains every word of `words`, ignoring case.
 bool has_words(const std::string& text, std::string_view words) {
   const std::string in = lower(text), all = lower(std::string(words));
   std::size_t at = 0;
@@ -45,9 +45,10 @@ bool has_words(const std::string& text, std::string_view words) {
 std::string motion_words(double duration, double rate, bool cyclic) {
   return to_fixed(duration, 2) + " s · " + to_fixed(rate, rate == std::round(rate) ? 0 : 2) + " Hz" + (cyclic ? " · cyclic" : "");
 }
-/// "62 freedoms · 70 kg"
-std::string mechanism_words(int freedoms, double mass) {
-  return std::to_string(freedoms) + (freedoms == 1 ? " freedom · " : " freedoms · ") + to_fixed(mass, mass < 10 ? 1 : 0) + " kg";
+/// "62 DOFs · 70 kg"
+std::string mechanism_words(int dofs, double mass) {
+  return std::to_string(dofs) + (dofs == 1 ? " degree of freedom · " : " degrees of freedom · ") + to_fixed(mass, mass < 10 ? 1 : 0) +
+         " kg";
 }
 
 Json project_entry_json(const ProjectEntry& entry) {
@@ -67,7 +68,7 @@ Json project_entry_json(const ProjectEntry& entry) {
     const Mechanism& m = *entry.mechanism;
     j.update({{"kind", "mechanism"},
               {"name", m.name()},
-              {"freedoms", m.nv()},
+              {"dofs", m.nv()},
               {"mass", m.mass()},
               {"height", shown_height(m)},
               {"summary", mechanism_words(m.nv(), m.mass())}});
@@ -79,7 +80,7 @@ Json project_entry_json(const ProjectEntry& entry) {
 
 Result<store::Library*> LibraryService::library() {
   if (!library_) {
-    Result<store::Library> opened = store::Library::open(place_);
+    Result<store::Library> opened = store::Library::open(location_);
     if (!opened) return fail(std::move(opened.error()));
     library_.emplace(std::move(*opened));
   }
@@ -118,7 +119,7 @@ ApiReply LibraryService::answer(const ApiRequest& request, const std::vector<Pro
       return refused;
     }
   }
-  return reply(fail(ErrorCode::unknown, std::string(path), "The studio has no such address for " + request.method + ".",
+  return reply(fail(ErrorCode::unknown, std::string(path), "The studio has no address " + request.method + " " + request.path + ".",
                     "See docs/studio-protocol.md."));
 }
 
@@ -131,15 +132,15 @@ Result<std::string> LibraryService::list(std::string_view query, const std::vect
   std::erase(wanted.kinds, "");
   for (const std::string& kind : wanted.kinds)
     if (!store::entry_kind_named(kind))
-      return fail(ErrorCode::range, "kind", "There is no kind of entry '" + kind + "'.", "Leave it out for mechanisms and motions.");
+      return fail(ErrorCode::range, "kind", "There is no kind of entry '" + kind + "'.", "Omit \"kind\" to list mechanisms and motions.");
   if (wanted.kinds.empty()) wanted.kinds = {"mechanism", "motion"};
   wanted.tags = query_values(query, "tag");
   std::erase(wanted.tags, "");
   wanted.after = query_value(query, "after").value_or("");
   wanted.removed = query_value(query, "removed").value_or("") == "1";
-  constexpr std::size_t usual = 100, most = 500;
+  constexpr std::size_t usual = 100, maximum = 500;
   const double limit = parse_double(query_value(query, "limit").value_or("")).value_or(usual);
-  wanted.limit = static_cast<std::size_t>(std::clamp(limit, 1.0, static_cast<double>(most)));
+  wanted.limit = static_cast<std::size_t>(std::clamp(limit, 1.0, static_cast<double>(maximum)));
   const std::string order = query_value(query, "order").value_or("");
   const Result<store::LibraryOrder> known = store::library_order_named(!order.empty() ? order : wanted.text.empty() ? "name" : "relevance");
   if (!known) return fail(known.error());
@@ -147,8 +148,8 @@ Result<std::string> LibraryService::list(std::string_view query, const std::vect
   Result<store::LibraryPage> found = (*open)->find(wanted);
   if (!found) return fail(std::move(found.error()));
 
-  // Drawings of motions that were never listed cost a read of their data: some in each answer, so that none is late.
-  constexpr int new_curves = 40;
+  // The curve of a motion that was not listed before requires reading its data. Limit them per answer, so that a list is not delayed.
+  constexpr int new_curves = 40;  // later lists add the others
   int budget = new_curves;
   std::set<std::string, std::less<>> ids;
   std::string entries;
@@ -240,8 +241,8 @@ Result<store::LibraryEntry> LibraryService::change(std::string_view id, std::str
   if (action == "restore") {
     fields.integer("base", base);
     fields.integer("version", version);
-    fields.require("base", "the version that you see");
-    fields.require("version", "the version that shall come back");
+    fields.require("base", "the version of the entry that the page shows");
+    fields.require("version", "the version to restore");
   } else {
     fields.text("name", name);
     fields.require("name", "the name of the new entry");
@@ -257,14 +258,14 @@ Result<store::LibraryEntry> LibraryService::edit(std::string_view id, std::strin
   json::Fields fields(*parsed, "body:", problems);
   store::LibrarySave save{.id = std::string(id)};
   fields.integer("base", save.base);
-  fields.require("base", "the version that was changed");
+  fields.require("base", "the version that the edit is based on");
   for (auto& [key, value] : {std::pair{"name", &save.name}, {"note", &save.note}})
     if (fields.has(key)) fields.text(key, value->emplace());
   std::vector<std::string> add, remove;
   for (auto& [key, tags] : {std::pair{"add_tags", &add}, {"remove_tags", &remove}})
     if (const json::Json* list = fields.list(key, 1000, "tags"))
       for (const json::Json& tag : *list) {
-        if (!tag.is_string()) return fail(ErrorCode::syntax, std::string("body: ") + key, "A tag is a text.", "Give texts.");
+        if (!tag.is_string()) return fail(ErrorCode::syntax, std::string("body: ") + key, "A tag must be a text.", "Give a list of texts.");
         tags->push_back(tag.get<std::string>());
       }
   fields.refuse_others();
@@ -285,7 +286,7 @@ ApiReply LibraryService::thumbnail(const ApiRequest& request, std::string_view i
   }
   const Result<std::vector<std::byte>> picture = (*open)->thumbnail(id);
   if (!picture) return refused(picture.error());
-  if (picture->empty()) return refused({ErrorCode::unknown, std::string(id), "The entry has no thumbnail.", "Send one."});
+  if (picture->empty()) return refused({ErrorCode::unknown, std::string(id), "The entry has no thumbnail.", "Send one with POST."});
   std::string bytes(reinterpret_cast<const char*>(picture->data()), picture->size());
   const char* type = bytes.starts_with("RIFF") ? "image/webp" : "image/png";
   return {200, std::move(bytes), type};
@@ -294,13 +295,14 @@ ApiReply LibraryService::thumbnail(const ApiRequest& request, std::string_view i
 std::string LibraryService::entry_json(const store::LibraryEntry& entry, bool with_curve) {
   Json j = Json::parse(entry.summary, nullptr, false);
   if (!j.is_object()) j = Json::object();
+  json::rename_field(j, "freedoms", "dofs");  // summaries of earlier versions
   const auto number = [&](const char* key) { return j.contains(key) && j[key].is_number() ? j[key].get<double>() : 0.0; };
   const bool cyclic = j.contains("cyclic") && j["cyclic"].is_boolean() && j["cyclic"].get<bool>();
   std::string summary;
   if (entry.kind == store::EntryKind::motion || entry.kind == store::EntryKind::measured)
     summary = motion_words(number("duration"), number("rate"), cyclic);
   else if (entry.kind == store::EntryKind::mechanism)
-    summary = mechanism_words(static_cast<int>(number("freedoms")), number("mass"));
+    summary = mechanism_words(static_cast<int>(number("dofs")), number("mass"));
   j.update({{"summary", summary},
             {"id", entry.id},
             {"kind", store::name_of(entry.kind)},
@@ -324,8 +326,8 @@ std::string LibraryService::entry_json(const store::LibraryEntry& entry, bool wi
       const std::string mechanism_id = j.contains("mechanism") && j["mechanism"].is_string() ? j["mechanism"].get<std::string>() : "";
       const Result<MechanismPtr> body = mechanism(mechanism_id);
       if (motion && body && check_motion(*motion, **body).empty()) curve = text_of(thumbnail_curve(*motion, **body));
-      constexpr std::size_t most_curves = 20'000;
-      if (curves_.size() >= most_curves) curves_.clear();
+      constexpr std::size_t max_curves = 20'000;
+      if (curves_.size() >= max_curves) curves_.clear();
       known = curves_.emplace(entry.content, std::move(curve)).first;
     }
     j["curve"] = Json::parse(known->second);
@@ -345,7 +347,8 @@ Result<std::string> LibraryService::import(std::string_view file_name, std::stri
   const std::optional<intake::FileKind> kind = intake::file_kind(file_name);
   if (!kind) {
     return fail(ErrorCode::unsupported, file_name.empty() ? "name" : std::string(file_name), "Files of this kind cannot be imported.",
-                "Import BVH, AMC (with its ASF), C3D, TRC, GLB, a mechanism's JSON, URDF, SDF or MJCF; the name must have that ending.");
+                "Import BVH, AMC (with its ASF), C3D, TRC, GLB, a mechanism's JSON, URDF, SDF or MJCF; the file name must have the "
+                "matching extension.");
   }
   if (*kind == intake::FileKind::asf) return import_skeleton(file_name, bytes);
 
@@ -354,16 +357,16 @@ Result<std::string> LibraryService::import(std::string_view file_name, std::stri
     const auto named = skeletons_.find(lower(intake::skeleton_name_for(file_name)));
     const auto sent = named != skeletons_.end() ? named : skeletons_.find(last_skeleton_);
     if (sent == skeletons_.end()) {
-      return fail(ErrorCode::structure, std::string(file_name), "An AMC file has no skeleton of its own.",
+      return fail(ErrorCode::structure, std::string(file_name), "An AMC file contains no skeleton.",
                   "Import " + intake::skeleton_name_for(file_name) + " first, or both files together.");
     }
     skeleton = &sent->second;
   }
   Result<store::Library*> open = library();
   if (!open) return fail(std::move(open.error()));
-  const Result<intake::Intake> taken = intake::take_in(bytes, file_name, skeleton);
-  if (!taken) return fail(taken.error());
-  const Result<std::vector<std::string>> ids = intake::put(**open, *taken);
+  const Result<intake::Intake> intake_result = intake::take_in(bytes, file_name, skeleton);
+  if (!intake_result) return fail(intake_result.error());
+  const Result<std::vector<std::string>> ids = intake::put(**open, *intake_result);
   if (!ids) return fail(ids.error());
   std::string entries;
   for (const std::string& id : *ids) {
@@ -372,17 +375,17 @@ Result<std::string> LibraryService::import(std::string_view file_name, std::stri
     if (entry->kind == store::EntryKind::measured) continue;
     entries += (entries.empty() ? "" : ",") + entry_json(*entry, entry->kind == store::EntryKind::motion);
   }
-  return "{\"entries\":[" + entries + "],\"report\":" + text_of(taken->report) + "}";
+  return "{\"entries\":[" + entries + "],\"report\":" + text_of(intake_result->report) + "}";
 }
 
 Result<std::string> LibraryService::import_skeleton(std::string_view file_name, std::string_view bytes) {
   Result<formats::Asf> skeleton = formats::read_asf(bytes, file_name);
   if (!skeleton) return fail(std::move(skeleton.error()));
-  constexpr std::size_t most = 64;
-  if (skeletons_.size() >= most) skeletons_.clear();
+  constexpr std::size_t maximum = 64;
+  if (skeletons_.size() >= maximum) skeletons_.clear();
   last_skeleton_ = lower(std::string(file_name));
   skeletons_.insert_or_assign(last_skeleton_, std::move(*skeleton));
-  return "{\"entries\":[],\"report\":" + text_of(Json::array({"The skeleton is ready; import its AMC files now."})) + "}";
+  return "{\"entries\":[],\"report\":" + text_of(Json::array({"The skeleton was read. Import its AMC files now."})) + "}";
 }
 
 }  // namespace ugoki::studio

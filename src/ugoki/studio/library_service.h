@@ -1,5 +1,5 @@
 #pragma once
-// The library as the page sees it: lists, entries, versions, thumbnails, drawings. Has a connection of its own; one thread at a time.
+// The library's HTTP interface for the page: lists, entries, versions, thumbnails, curves.
 
 #include <map>
 #include <optional>
@@ -15,23 +15,24 @@
 
 namespace ugoki::studio {
 
+/// Opens its own connection to the library. To be used by one thread at a time.
 class LibraryService {
  public:
-  /// @param place file or address of the library
-  explicit LibraryService(std::string place) : place_(std::move(place)) {}
+  /// @param location file or address of the library
+  explicit LibraryService(std::string location) : location_(std::move(location)) {}
 
-  /// True for the addresses below that answer() knows: /api/library..., /api/entry/..., /api/thumbnail/...
+  /// True for the paths that answer() serves: /api/library..., /api/entry/..., /api/thumbnail/...
   [[nodiscard]] static bool answers(std::string_view path);
-  /// docs/studio-protocol.md.
-  /// @param project entries of the open project; those that the library lacks stand in lists as well (tag "project")
-  /// @param changed set to true if other pages should ask for the list again
+  /// Answers a request as described in docs/studio-protocol.md.
+  /// @param project entries of the open project; lists include those that are not in the library, with the tag "project"
+  /// @param changed set to true if the library changed, so that all pages should request the list again
   [[nodiscard]] ApiReply answer(const ApiRequest& request, const std::vector<ProjectEntry>& project, bool& changed);
 
-  /// @param id of a mechanism's data ("content"), or of its entry
+  /// Loads a mechanism. @param id id of the mechanism's data ("content") or of its entry
   [[nodiscard]] Result<MechanismPtr> mechanism(std::string_view id);
 
-  /// A dropped file: BVH, AMC (with the ASF that was sent before), ASF, or a mechanism's JSON. What is wrong with it leaves
-  /// the library as it was.
+  /// Imports a file: BVH, AMC (its ASF must have been sent before), ASF, a mechanism's JSON or another format of intake::file_kind.
+  /// On an error the library is unchanged.
   /// @return {"entries": [...], "report": [...]}
   [[nodiscard]] Result<std::string> import(std::string_view file_name, std::string_view bytes);
 
@@ -47,11 +48,11 @@ class LibraryService {
   [[nodiscard]] Result<std::string> import_skeleton(std::string_view file_name, std::string_view bytes);
   [[nodiscard]] std::string entry_json(const store::LibraryEntry& entry, bool with_curve);
 
-  std::string place_;
+  std::string location_;
   std::optional<store::Library> library_;
-  std::map<std::string, formats::Asf, std::less<>> skeletons_;  ///< ASF files sent so far, by file name in lower case
+  std::map<std::string, formats::Asf, std::less<>> skeletons_;  ///< received ASF files, by file name in lower case
   std::string last_skeleton_;
-  std::map<std::string, std::string, std::less<>> curves_;  ///< JSON by a motion's content
+  std::map<std::string, std::string, std::less<>> curves_;  ///< JSON of thumbnail curves, by the id of the motion's content
 };
 
 }  // namespace ugoki::studio

@@ -1,6 +1,6 @@
 #pragma once
-// Operations on the motion of a clip, as a page asks for them (docs/studio-protocol.md, "motion"): from options and motions to a new
-// motion, how the clip plays it, and what was done in words. Knows neither project nor library.
+// Operations on the motion of a clip, as requested by a page (docs/studio-protocol.md, "motion"). From options and motions they compute a
+// new motion, the clip's new settings and a report in sentences. Independent of project and library.
 
 #include <atomic>
 #include <string>
@@ -20,35 +20,37 @@ struct ClipMotion {
   MotionPtr motion;
 };
 
+/// An operation and its inputs.
 struct MotionEdit {
-  std::string operation;
+  std::string operation;  ///< name of the operation, for example "mirror"
   json::Json options = json::Json::object();
-  MechanismPtr mechanism;  ///< whose motion it is
-  ClipMotion of;
-  ClipMotion next;  ///< `join`: the clip after it; motion null: there is none
-  MotionPtr other;  ///< `mix`, `layer`, `blend`: the second motion
-  MechanismPtr other_mechanism;
-  MechanismPtr body;                             ///< `retarget`: for whom
-  const std::atomic<bool>* cancelled = nullptr;  ///< may be set by another thread: long work then ends soon, with an error
+  MechanismPtr mechanism;                        ///< mechanism of the motion
+  ClipMotion target;                             ///< the clip whose motion is edited
+  ClipMotion next;                               ///< `join`: the next clip on the track; motion null: there is none
+  MotionPtr other;                               ///< `mix`, `layer`, `blend`: the second motion
+  MechanismPtr other_mechanism;                  ///< mechanism of `other`
+  MechanismPtr body;                             ///< `retarget`: mechanism of the new motion
+  const std::atomic<bool>* cancelled = nullptr;  ///< if another thread sets it, long operations end soon with an error; may be null
 };
 
+/// The result of an operation.
 struct EditedMotion {
-  std::string label;  ///< "Mirror motion"
+  std::string label;  ///< label of the undo step, for example "Mirror motion"
   Motion motion;
-  content::ScenarioClip clip;       ///< how the clip plays it; its motion's id is still the old one
+  content::ScenarioClip clip;       ///< the clip with new settings; its motion id is still that of the old motion
   std::vector<std::string> report;  ///< what was done, in sentences
 };
 
-/// What an operation needs beside the clip.
+/// The additional input that an operation needs.
 enum class Needs { nothing, next_clip, other_motion, body };
-/// Errors: there is no such operation.
+/// The additional input that `operation` needs. Errors: there is no such operation.
 [[nodiscard]] Result<Needs> needs_of(std::string_view operation);
 
-/// Errors: options out of range; whatever the operation itself refuses.
+/// Runs an operation. Errors: unknown operation, invalid options, or an error of the operation itself.
 [[nodiscard]] Result<EditedMotion> edit_motion(const MotionEdit& edit);
 
-/// What the clip shows as a motion of its own, at the motion's frame rate: rounds of a loop and the clip's speed are in it. The root stands
-/// where the motion was recorded.
+/// The section that the clip shows, as a separate motion at the same frame rate. Repetitions of a loop and the clip's speed are baked in.
+/// The root keeps the position at which the motion was recorded.
 [[nodiscard]] Result<Motion> bake_clip(const Mechanism& mechanism, const ClipMotion& shown);
 
 }  // namespace ugoki::studio

@@ -22,12 +22,12 @@ Result<ProjectEntry> find_motion(std::string_view id, const std::vector<ProjectE
   const auto open = std::ranges::find_if(project, [&](const ProjectEntry& e) { return e.id == id && e.motion && e.mechanism; });
   if (open != project.end()) return *open;
   if (library == nullptr)
-    return fail(ErrorCode::unknown, std::string(id), "The project has no such motion, and there is no library.", "Choose another motion.");
+    return fail(ErrorCode::unknown, std::string(id), "The project has no such motion, and no library is open.", "Choose another motion.");
   const Result<store::LibraryEntry> entry = library->get(id);
   if (!entry) return fail(entry.error());
   const Json summary = Json::parse(entry->summary, nullptr, false);
   if (!summary.is_object() || !summary.contains("mechanism") || !summary["mechanism"].is_string())
-    return fail(ErrorCode::structure, std::string(id), "The entry does not tell which mechanism it moves.", "Import it again.");
+    return fail(ErrorCode::structure, std::string(id), "The entry does not name its mechanism.", "Import the motion again.");
   ProjectEntry out;
   out.id = entry->id == id ? entry->content : std::string(id);
   out.mechanism_id = summary["mechanism"].get<std::string>();

@@ -1,5 +1,5 @@
 #pragma once
-// Motions by id, with the mechanism that each one moves: of the open project, otherwise of the library.
+// Finds a motion and its mechanism by id: first in the open project, then in the library.
 
 #include <string_view>
 #include <vector>
@@ -10,12 +10,12 @@
 
 namespace ugoki::studio {
 
-/// @param id of an entry, or of its content  @param library may be null
-/// Errors: nobody has it; its mechanism is not known, or does not fit.
+/// The motion with its mechanism. @param id id of an entry or of its content  @param library may be null
+/// Errors: there is no such motion; its mechanism is unknown or does not fit.
 [[nodiscard]] Result<ProjectEntry> find_motion(std::string_view id, const std::vector<ProjectEntry>& project,
                                                const store::Library* library);
 
-/// A mechanism of the library by the id of its content.
+/// Loads a mechanism of the library. @param id id of its content
 [[nodiscard]] Result<MechanismPtr> load_mechanism(std::string_view id, const store::Library& library);
 
 }  // namespace ugoki::studio

@@ -1,5 +1,5 @@
 #pragma once
-// How the session reaches the pages. The server implements it with sockets, tests with lists.
+// Interface through which the session sends to the pages. The server implements it with sockets, tests with lists.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace ugoki::studio {
 
-using ClientId = std::uint64_t;  ///< one WebSocket; never reused
+using ClientId = std::uint64_t;  ///< identifies one WebSocket connection; never reused
 using FrameBytes = std::shared_ptr<const std::vector<std::byte>>;
 
-/// All members may be called from any thread and never wait for a page.
+/// All members are thread-safe and never wait for a page. Texts are JSON messages of docs/studio-protocol.md.
 class Outbox {
  public:
   virtual ~Outbox() = default;
   virtual void send(ClientId client, std::string text) = 0;
   virtual void broadcast(std::string text) = 0;
-  /// A display frame; a page that is too slow gets the newest one only.
+  /// Sends a display frame to all pages; a page that is too slow gets the newest frame only.
   virtual void broadcast_frame(FrameBytes frame) = 0;
   virtual void send_frame(ClientId client, FrameBytes frame) = 0;
 };

@@ -29,19 +29,19 @@ class PlayerSimulation final : public Simulation {
 
   std::int64_t step_count() const override { return static_cast<std::int64_t>(player_.step_count()); }
   Result<void> step() override {
-    given_ = Given::nothing;
+    pending_input_ = PendingInput::none;
     return player_.step();
   }
   void save(std::vector<std::byte>& out) override { player_.save(out); }
   Result<void> restore(std::span<const std::byte> state) override {
-    given_ = Given::nothing;
+    pending_input_ = PendingInput::none;
     return player_.restore(state);
   }
 
   void push(int character, int link, const Vec3& force, double duration) override { player_.push(character, link, force, duration); }
   void grab(int character, int link, const Vec3& point, const Vec3& target) override {
     player_.grab(character, link, point, target);
-    given_ = Given::grab;
+    pending_input_ = PendingInput::grab;
     grab_character_ = static_cast<std::size_t>(character);
     grab_link_ = static_cast<std::size_t>(link);
     grab_point_ = point;
@@ -49,24 +49,24 @@ class PlayerSimulation final : public Simulation {
   }
   void drag(const Vec3& target) override {
     player_.drag(target);
-    if (given_ == Given::nothing) given_ = Given::drag;
+    if (pending_input_ == PendingInput::none) pending_input_ = PendingInput::drag;
     grab_target_ = target;
   }
   void release() override {
     player_.release();
-    given_ = Given::release;
+    pending_input_ = PendingInput::release;
   }
   void hold(const circuit::DeviceState& state) override { player_.hold(state); }
   const circuit::DeviceFeed* devices() const override { return &player_.devices(); }
 
   void reset() override {
-    given_ = Given::nothing;
+    pending_input_ = PendingInput::none;
     player_.reset();
   }
   Result<std::vector<std::string>> change_library() override {
     Result<circuit::Interpreter::Adoption> report = player_.change_library(lsi_library().library());
     if (!report) return fail(std::move(report.error()));
-    given_ = Given::nothing;
+    pending_input_ = PendingInput::none;
     std::vector<std::string> sentences = std::move(report->partly);
     sentences.insert(sentences.end(), report->afresh.begin(), report->afresh.end());
     return sentences;
@@ -75,23 +75,23 @@ class PlayerSimulation final : public Simulation {
 
   std::vector<MechanismPtr> mechanisms() const override { return player_.world().mechanisms(); }
   std::vector<std::string> touches() override {
-    std::vector<std::string> told;
+    std::vector<std::string> sentences;
     player_.touches(touches_);
     for (const content::PlayerTouch& t : touches_) {
       if (!t.ended) continue;
       const std::vector<int>& feet = player_.world().characters()[static_cast<std::size_t>(t.character_a)].feet;
       const bool step = t.character_b < 0 && std::ranges::find(feet, t.link_a) != feet.end();
       if (step) continue;
-      told.push_back(to_fixed(t.time - t.duration, 2) + " s: " + name_of(t.character_a, t.link_a) + " touched " +
-                     name_of(t.character_b, t.link_b) + ", " + to_fixed(norm(t.impulse), norm(t.impulse) < 10 ? 2 : 1) + " N s in " +
-                     to_fixed(t.duration, 2) + " s");
+      sentences.push_back(to_fixed(t.time - t.duration, 2) + " s: " + name_of(t.character_a, t.link_a) + " touched " +
+                          name_of(t.character_b, t.link_b) + ", " + to_fixed(norm(t.impulse), norm(t.impulse) < 10 ? 2 : 1) + " N s in " +
+                          to_fixed(t.duration, 2) + " s");
     }
-    return told;
+    return sentences;
   }
 
   void encode_frame(std::vector<std::byte>& out) override {
     player_.display_frame(frame_);
-    show_given();
+    show_pending_input();
     content::encode_frame(frame_, 0, 0, out);
   }
   void encode_pose(double time, std::vector<std::byte>& out) override {
@@ -119,13 +119,13 @@ class PlayerSimulation final : public Simulation {
     return (l.label.empty() ? l.name : l.label) + " of " + c.name;
   }
 
-  /// What a user did since the last step: the player acts on it at the next one, the page sees it at once.
-  enum class Given { nothing, grab, drag, release };
+  /// The user's input since the last step. The player applies it in the next step; frames show it immediately.
+  enum class PendingInput { none, grab, drag, release };
 
-  void show_given() {
-    if (given_ == Given::release) frame_.grabbed = false;
-    if (given_ == Given::drag && frame_.grabbed) frame_.grab_target = grab_target_;
-    if (given_ != Given::grab) return;
+  void show_pending_input() {
+    if (pending_input_ == PendingInput::release) frame_.grabbed = false;
+    if (pending_input_ == PendingInput::drag && frame_.grabbed) frame_.grab_target = grab_target_;
+    if (pending_input_ != PendingInput::grab) return;
     const content::DisplayPose& link = frame_.characters[grab_character_].links[grab_link_];
     frame_.grabbed = true;
     frame_.grab_point = link.p + rotate(link.r, grab_point_);
@@ -136,7 +136,7 @@ class PlayerSimulation final : public Simulation {
   std::vector<CastMember> cast_;
   content::DisplayFrame frame_;
   std::vector<content::PlayerTouch> touches_;
-  Given given_ = Given::nothing;
+  PendingInput pending_input_ = PendingInput::none;
   std::size_t grab_character_ = 0, grab_link_ = 0;
   Vec3 grab_point_, grab_target_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Real content as a simulation: the player of executable data.
+// The Simulation of real content: content::Player with executable data.
 
 #include "ugoki/studio/simulation.h"
 
@@ -9,7 +9,8 @@ class LiveLibrary;
 
 namespace ugoki::studio {
 
-/// All LSIs that content may use here: the program's and the installed ones. Loads foreign code: in the interpreter's process only.
+/// All LSIs that content may use: built-in and installed. Loads the code of installed libraries, so call it in the interpreter's
+/// process only.
 [[nodiscard]] plugin::LiveLibrary& lsi_library();
 
 /// Opens executable data (*.ugx).

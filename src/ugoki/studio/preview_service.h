@@ -1,5 +1,5 @@
 #pragma once
-// Moving previews of the library's motions, and when their feet stand.
+// Animated previews of motions, and the intervals in which their feet are on the ground.
 
 #include <optional>
 #include <string>
@@ -12,15 +12,15 @@
 
 namespace ugoki::studio {
 
-/// Has a connection of its own to the library; one thread at a time.
+/// Opens its own connection to the library. To be used by one thread at a time.
 class PreviewService {
  public:
   explicit PreviewService(std::string library_path) : path_(std::move(library_path)) {}
 
-  /// Poses of a motion on the mechanism that it was made for. @param id of the entry, or of its content
-  /// @return motion_json with "mechanism": the id to ask GET /api/mechanism/ for
+  /// Poses of a motion on its mechanism. @param id id of the entry or of its content
+  /// @return motion_json with the field "mechanism": the id for GET /api/mechanism/ID
   [[nodiscard]] Result<std::string> motion(std::string_view id, const std::vector<ProjectEntry>& project);
-  /// When how many of its feet stand. @return the answer of GET /api/contacts/ID
+  /// Intervals with the number of feet on the ground. @return the answer of GET /api/contacts/ID
   [[nodiscard]] Result<std::string> contacts(std::string_view id, const std::vector<ProjectEntry>& project);
 
  private:

@@ -8,7 +8,7 @@
 namespace ugoki::studio {
 
 namespace {
-constexpr double checkpoint_seconds = 0.5;
+constexpr double checkpoint_seconds = 0.5;  // simulated time between checkpoints, s; seeking back recomputes at most this much
 }
 
 Recording::Recording(double step, double frame_rate, int characters)

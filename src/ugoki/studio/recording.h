@@ -1,5 +1,5 @@
 #pragma once
-// What simulate mode remembers: display frames, checkpoints of the whole state, live inputs, feet on the ground.
+// The recording of simulate mode: display frames, checkpoints of the whole state, live inputs, feet on the ground.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,19 +12,19 @@
 
 namespace ugoki::studio {
 
-/// Something that a user did while it ran, before step `step`.
+/// An input of a user during the simulation, applied before step `step`.
 struct LiveInput {
   enum class Type : std::uint8_t { push, grab, drag, release, hold };
   std::int64_t step = 0;
   Type type = Type::push;
   int character = 0, link = 0;
-  Vec3 a;                                            ///< force (push), point in the link's frame (grab), target (drag)
-  Vec3 b;                                            ///< target (grab)
+  Vec3 a;                                            ///< force [N] (push); point [m] in the link's frame (grab); target [m], world (drag)
+  Vec3 b;                                            ///< target [m], world (grab)
   double duration = 0;                               ///< s (push)
   std::shared_ptr<const circuit::DeviceState> held;  ///< keyboard, mouse and gamepads (hold)
 };
 
-/// A stretch of time with the same number of feet on the ground.
+/// A time interval with a constant number of feet on the ground.
 struct ContactStretch {
   int character = 0;
   double from = 0, to = 0;  ///< s
@@ -33,33 +33,37 @@ struct ContactStretch {
 
 class Recording {
  public:
-  /// @param step s @param frame_rate display frames a second; frames are kept at the multiple of it nearest to 60 a second
+  /// @param step step size, s @param frame_rate display frame rate, 1/s; frames are recorded at its largest multiple up to 60 1/s, or at
+  /// frame_rate itself if that is higher
   Recording(double step, double frame_rate, int characters);
 
-  /// Frames a second that are kept: a multiple of the display frame rate.
+  /// Rate of recorded frames, 1/s: a multiple of the display frame rate.
   [[nodiscard]] double rate() const { return rate_; }
-  /// The step whose state is frame n.
+  /// The step after which frame n is recorded.
   [[nodiscard]] std::int64_t step_of_frame(std::size_t n) const;
   [[nodiscard]] std::int64_t next_frame_step() const { return step_of_frame(frames_.size()); }
   [[nodiscard]] std::size_t frame_count() const { return frames_.size(); }
-  /// The kept frame nearest to `time`, clamped to what there is; there is at least one.
+  /// Index of the recorded frame closest to `time` [s], clamped to the recorded range. Requires at least one frame.
   [[nodiscard]] std::size_t frame_near(double time) const;
   [[nodiscard]] std::span<const std::byte> frame(std::size_t n) const { return frames_[n]; }
-  /// @param feet [characters]
+  /// Appends a frame. @param feet [characters] number of feet on the ground; 255: the character has none
   void add_frame(std::span<const std::byte> frame, std::span<const std::uint8_t> feet);
+  /// True if frames and checkpoints use more than 1 GiB.
   [[nodiscard]] bool full() const { return bytes_ > max_bytes; }
 
+  /// True if a checkpoint is to be added at this step: one each 0.5 s.
   [[nodiscard]] bool checkpoint_due(std::int64_t step) const;
+  /// Appends an empty checkpoint and returns its state, which the caller fills.
   std::vector<std::byte>& add_checkpoint(std::int64_t step);
 
   struct Checkpoint {
     std::int64_t step = 0;
     std::vector<std::byte> state;
   };
-  /// The newest checkpoint at or before `step`; there is one at 0.
+  /// The last checkpoint at or before `step`. There is always one at step 0.
   [[nodiscard]] const Checkpoint& checkpoint_before(std::int64_t step) const;
 
-  /// Forgets all checkpoints but these: the first state, and the one after `step` steps.
+  /// Replaces all checkpoints by two: the state `first` at step 0 and the state `head` at `step`.
   void replace_checkpoints(std::vector<std::byte> first, std::int64_t step, std::vector<std::byte> head);
 
   void add_input(const LiveInput& input) { inputs_.push_back(input); }
@@ -67,10 +71,10 @@ class Recording {
   /// Index of the first input at or after `step`.
   [[nodiscard]] std::size_t first_input(std::int64_t step) const;
 
-  /// Forgets frames and checkpoints after `step`, and inputs at or after it.
+  /// Removes frames and checkpoints after `step`, and inputs at or after it.
   void truncate(std::int64_t step);
 
-  /// The contact bar so far.
+  /// Intervals with a constant number of feet on the ground, for all recorded frames; the page draws them as the contact bar.
   [[nodiscard]] std::vector<ContactStretch> contacts() const;
 
  private:

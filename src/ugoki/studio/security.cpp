@@ -134,7 +134,7 @@ std::string Gate::cookie_name() const { return "ugoki_" + std::to_string(port); 
 std::string Gate::set_cookie() const { return cookie_name() + "=" + token + "; Path=/; HttpOnly; SameSite=Strict"; }
 
 Admission Gate::admit(const Credentials& credentials) const {
-  // On the default port of http, a browser leaves the port out.
+  // Browsers omit the port from Host and Origin if it is the default port of HTTP, 80.
   const bool default_port = port == 80;
   if (credentials.host_count != 1 || (credentials.host != host() && !(default_port && credentials.host == "127.0.0.1"))) {
     return Admission::bad_host;

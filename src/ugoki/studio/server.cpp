@@ -28,8 +28,8 @@ using tcp = net::ip::tcp;
 using error_code = boost::system::error_code;
 
 constexpr std::uint32_t max_header_bytes = 16 * 1024;
-constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // of everything but an import
-constexpr std::chrono::seconds page_silence{60};                 // a page that answers no ping for so long is gone
+constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // bytes; limit for all requests except imports
+constexpr std::chrono::seconds page_silence{60};                 // a page that answers no ping for this time is disconnected
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -55,7 +55,7 @@ class Server::Impl : public std::enable_shared_from_this<Server::Impl> {
   ServerEvents& events;
   Gate gate;
   tcp::acceptor acceptor{io};
-  net::steady_timer accept_again{io};
+  net::steady_timer accept_retry{io};
   std::map<ClientId, std::shared_ptr<WebSocketClient>> clients;
   std::map<std::uint64_t, std::shared_ptr<HttpConnection>> waiting;  ///< connections whose request is being answered
   std::uint64_t last_id = 0;
@@ -65,7 +65,7 @@ class Server::Impl : public std::enable_shared_from_this<Server::Impl> {
 
 namespace {
 
-/// One place among the connections that are allowed at a time.
+/// Counts one open connection for as long as it lives (ServerOptions::max_connections).
 class Slot {
  public:
   explicit Slot(std::size_t& count) : count_(&count) { ++count; }
@@ -214,7 +214,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     const auto& request = parser_->get();
     const std::optional<Target> target = parse_target(view(request.target()));
     if (!target) {
-      return refuse(400, {ErrorCode::syntax, "request", "The address asked for is not an absolute path.", "Ask for /path."});
+      return refuse(
+          400, {ErrorCode::syntax, "request", "The requested address is not an absolute path.", "Request an address of the form /path."});
     }
     target_ = *target;
     const Admission admission = admit(request);
@@ -223,7 +224,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
     const http::verb method = request.method();
     if (method != http::verb::get && method != http::verb::head && method != http::verb::post) {
-      return refuse(405, {ErrorCode::unsupported, target_.path, "The studio answers GET, HEAD and POST only.", ""});
+      return refuse(405, {ErrorCode::unsupported, target_.path, "The studio answers only GET, HEAD and POST.", ""});
     }
     if (target_.path == "/ws") return upgrade();
     const std::size_t limit =
@@ -254,15 +255,15 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                      "Open the address that `ugoki studio` printed."});
         return false;
       case Admission::bad_origin:
-        refuse(403, {ErrorCode::conflict, "Origin", "A page from somewhere else may not talk to this studio.",
+        refuse(403, {ErrorCode::conflict, "Origin", "Pages of other sites may not use this studio.",
                      "Open the address that `ugoki studio` printed."});
         return false;
       case Admission::no_token:
         refuse(401,
-               {ErrorCode::conflict, "token", "The studio's token is missing.", "Open the whole address that `ugoki studio` printed."});
+               {ErrorCode::conflict, "token", "The studio's token is missing.", "Open the complete address that `ugoki studio` printed."});
         return false;
       case Admission::wrong_token:
-        refuse(401, {ErrorCode::conflict, "token", "The token is not this studio's; perhaps it was started again since.",
+        refuse(401, {ErrorCode::conflict, "token", "The token does not belong to this studio; the studio was probably restarted.",
                      "Open the address that `ugoki studio` printed last."});
         return false;
     }
@@ -273,7 +274,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (ec) return on_read_error(ec);
     if (target_.path.starts_with("/api/")) return call_api();
     if (parser_->get().method() == http::verb::post) {
-      return refuse(405, {ErrorCode::unsupported, target_.path, "Nothing can be sent to this address.", ""});
+      return refuse(405, {ErrorCode::unsupported, target_.path, "This address does not accept POST requests.", ""});
     }
     Result<StaticFile> file = read_static_file(server_.options.web, target_.path);
     if (!file) return refuse(404, file.error());
@@ -310,7 +311,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void upgrade() {
     if (!websocket::is_upgrade(parser_->get())) {
-      return refuse(400, {ErrorCode::syntax, "/ws", "This address speaks WebSocket only.", "Open the studio's page."});
+      return refuse(400, {ErrorCode::syntax, "/ws", "This address accepts only WebSocket connections.", "Open the studio's page."});
     }
     stream_.expires_never();
     const ClientId id = ++server_.last_id;
@@ -322,26 +323,27 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void on_read_error(error_code ec) {
     if (ec == http::error::body_limit) return refuse_size(server_.options.max_import_bytes);
     if (ec == http::error::header_limit) {
-      return refuse(431, {ErrorCode::range, "request", "The request's header is too long.", "Delete this site's cookies and try again."});
+      return refuse(431,
+                    {ErrorCode::range, "request", "The request's header is too long.", "Delete the cookies of this site and try again."});
     }
     if (ec == http::error::end_of_stream || ec == http::error::partial_message ||
         ec.category() != http::make_error_code(http::error::bad_method).category()) {
       return close();
     }
-    refuse(400,
-           {ErrorCode::syntax, "request", "This is not a request of HTTP: " + ec.message() + ".", "Open the studio's page in a browser."});
+    refuse(400, {ErrorCode::syntax, "request", "This is not a valid HTTP request: " + ec.message() + ".",
+                 "Open the studio's page in a browser."});
   }
 
   void refuse_size(std::size_t limit) {
-    refuse(413, {ErrorCode::range, target_.path, "What was sent is larger than " + std::to_string(limit >> 10) + " KiB.",
+    refuse(413, {ErrorCode::range, target_.path, "The request's body is larger than " + std::to_string(limit >> 10) + " KiB.",
                  "Import large files with `ugoki import FILE` from the command line."});
   }
 
   void refuse(int status, const Error& error) {
-    const bool for_people = view(parser_->get()[http::field::accept]).find("text/html") != std::string_view::npos;
-    Response response = make_response(static_cast<http::status>(status), for_people ? "text/html; charset=utf-8" : "application/json");
+    const bool as_page = view(parser_->get()[http::field::accept]).find("text/html") != std::string_view::npos;
+    Response response = make_response(static_cast<http::status>(status), as_page ? "text/html; charset=utf-8" : "application/json");
     response.set(http::field::cache_control, "no-store");
-    if (for_people) {
+    if (as_page) {
       const Problem& p = error.problems.front();
       response.body() =
           "<!doctype html><meta charset=\"utf-8\"><title>Ugoki</title><body style=\"font:15px system-ui;background:#16181d;"
@@ -402,9 +404,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     stream_.expires_after(server_.options.request_time);
     http::async_write(stream_, *response_, [self = shared_from_this()](error_code ec, std::size_t) {
       if (ec) return self->close();
-      const bool again = self->response_->keep_alive();
+      const bool keep_alive = self->response_->keep_alive();
       self->response_.reset();
-      if (again) return self->read_header();
+      if (keep_alive) return self->read_header();
       error_code ignored;
       self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
       if (self->drain_) return self->drain();
@@ -412,7 +414,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     });
   }
 
-  /// Reads away what is still coming for a moment, so that the answer is not lost with the connection.
+  /// Reads and discards the rest of the request for up to 2 s. Closing the connection with unread data would reset it, and the client
+  /// could lose the answer.
   void drain() {
     stream_.expires_after(std::chrono::seconds(2));
     drained_.resize(std::size_t{64} * 1024);
@@ -466,7 +469,7 @@ void Server::Impl::run() {
       io.run();
       return;
     } catch (const std::exception&) {
-      // Out of memory in one connection's work ends that work, never the studio.
+      // An exception (for example out of memory) ends the work for one connection, not the studio.
     }
   }
 }
@@ -474,9 +477,9 @@ void Server::Impl::run() {
 void Server::Impl::accept() {
   acceptor.async_accept([this](error_code ec, tcp::socket socket) {
     if (ec == net::error::operation_aborted || !acceptor.is_open()) return;
-    if (ec) {  // out of file descriptors, most likely: wait for some to close
-      accept_again.expires_after(std::chrono::milliseconds(200));
-      accept_again.async_wait([this](error_code cancelled) {
+    if (ec) {  // most likely no file descriptor is free: wait until some are closed
+      accept_retry.expires_after(std::chrono::milliseconds(200));
+      accept_retry.async_wait([this](error_code cancelled) {
         if (!cancelled) accept();
       });
       return;
@@ -493,7 +496,7 @@ void Server::Impl::accept() {
 void Server::Impl::shut() {
   error_code ignored;
   acceptor.close(ignored);
-  accept_again.cancel();
+  accept_retry.cancel();
   for (auto& [id, client] : clients) client->shut();
   waiting.clear();
   io.stop();
@@ -510,7 +513,7 @@ void Server::Impl::deliver(ClientId client, const std::shared_ptr<const std::str
   }
   for (auto it = clients.begin(); it != clients.end();) {
     const std::shared_ptr<WebSocketClient> to = it->second;
-    ++it;  // sending may remove the client
+    ++it;  // before send(), which may remove the client from `clients`
     to->send(text);
   }
 }

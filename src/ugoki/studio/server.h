@@ -1,5 +1,5 @@
 #pragma once
-// HTTP and WebSocket on 127.0.0.1: transport and its safety only, no knowledge of what is said.
+// HTTP and WebSocket server on 127.0.0.1: transport and access control only; independent of the content of messages.
 
 #include <chrono>
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace ugoki::studio {
 
-/// A request to /api/..., already admitted.
+/// A request to /api/... that passed the access control.
 struct ApiRequest {
   std::string method;  ///< "GET" or "POST"
   std::string path;    ///< decoded, begins with "/api/"
@@ -26,33 +26,33 @@ struct ApiReply {
   std::string type = "application/json";
 };
 
-/// Called on the server's thread: must return at once.
+/// Callbacks of the server. They are called on the server's thread and must not block.
 class ServerEvents {
  public:
   virtual ~ServerEvents() = default;
-  /// @param answer to be called once, from any thread
+  /// A request to /api/... @param answer to be called once, from any thread
   virtual void on_api(ApiRequest request, std::function<void(ApiReply)> answer) = 0;
-  /// The next message of this page is read only when `done` was called (once, from any thread).
+  /// A message from a page. The page's next message is read only after `done` was called (once, from any thread).
   virtual void on_message(ClientId client, std::string text, std::function<void()> done) = 0;
   virtual void on_close(ClientId client) = 0;
 };
 
 struct ServerOptions {
-  std::uint16_t port = 0;                                 ///< 0: any free one
-  std::string token;                                      ///< empty: a new one
+  std::uint16_t port = 0;                                 ///< 0: any free port
+  std::string token;                                      ///< empty: a new random token
   std::filesystem::path web;                              ///< folder with index.html; empty: no page
-  std::size_t max_import_bytes = std::size_t{256} << 20;  ///< of a POST's body
-  std::size_t max_message_bytes = std::size_t{8} << 20;   ///< of a WebSocket message from a page
-  std::size_t max_waiting_bytes = std::size_t{64} << 20;  ///< texts that wait for one page before it is let go
+  std::size_t max_import_bytes = std::size_t{256} << 20;  ///< maximum body of an import request
+  std::size_t max_message_bytes = std::size_t{8} << 20;   ///< maximum WebSocket message from a page
+  std::size_t max_waiting_bytes = std::size_t{64} << 20;  ///< texts queued for one page; a page that exceeds this is disconnected
   std::size_t max_connections = 128;
-  std::chrono::seconds request_time{15};  ///< for a request's header; idle connections close after it
-  std::chrono::seconds body_time{120};
+  std::chrono::seconds request_time{15};  ///< timeout for a request's header, a reply and an idle connection
+  std::chrono::seconds body_time{120};    ///< timeout for a request's body
 };
 
-/// One thread of its own from listen() to its end.
+/// Runs on its own thread from listen() to the destructor.
 class Server final : public Outbox {
  public:
-  /// Listens; requests are answered from now on. Errors: the port is taken or not allowed.
+  /// Opens the port and starts to answer requests. Errors: the port is in use or not permitted.
   /// @param events must outlive the server
   [[nodiscard]] static Result<std::unique_ptr<Server>> listen(ServerOptions options, ServerEvents& events);
   ~Server() override;  ///< closes every connection

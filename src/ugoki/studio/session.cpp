@@ -22,14 +22,15 @@ namespace {
 
 using json::Json;
 
-constexpr std::size_t max_watched = 1000;
-constexpr std::size_t max_choices = 16'384;  // bytes; what a page remembers is a few words
+constexpr std::size_t max_watched = 1000;    // outputs in a `watch` request
+constexpr std::size_t max_choices = 16'384;  // bytes; keymap, theme and view need a few hundred
 
 std::string text_of(const Json& json) { return json::to_text(json); }
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-/// The circuit without what only people read, so that moving an LSI or writing a note does not begin the simulation anew.
+/// Removes everything from the circuit that has no effect on its values (notes, labels, positions), so that moving an LSI or writing a
+/// note does not restart the simulation.
 void strip(circuit::Circuit& circuit) {
   circuit.doc.clear();
   circuit.inputs_at.reset();
@@ -44,21 +45,21 @@ void strip(circuit::Circuit& circuit) {
   for (circuit::Circuit& inner : circuit.circuits) strip(inner);
 }
 
-/// Changes when a library is installed or removed.
+/// Modification time of the folder of installed libraries; it changes when a library is installed or removed.
 std::filesystem::file_time_type shelf_stamp() {
   std::error_code ignored;
   return std::filesystem::last_write_time(plugin::default_shelf(), ignored);
 }
 
-/// Problems of the interpreter's reply.
+/// The problems in a failed reply of the interpreter.
 Error read_problems(const Json& reply) {
   Error out;
   const auto text = [](const Json& p, const char* key) {
     return p.contains(key) && p[key].is_string() ? p[key].get<std::string>() : std::string();
   };
   for (const Json& p : reply.value("error", Json::object()).value("problems", Json::array()))
-    out.add(ErrorCode::structure, text(p, "place"), text(p, "message"), text(p, "remedy"));
-  if (out.empty()) out.add(ErrorCode::structure, "content", "The content cannot be played.", "Look at the log.");
+    out.add(ErrorCode::structure, text(p, "location"), text(p, "message"), text(p, "remedy"));
+  if (out.empty()) out.add(ErrorCode::structure, "content", "The content cannot be played.", "See the log for the reason.");
   return out;
 }
 
@@ -89,27 +90,29 @@ void Session::on_message(ClientId client, std::string_view text) {
   request.client = client;
   if (Result<Json> read = json::parse_json(text, "message")) request.json = std::move(*read);
   if (!request.json.is_object()) {
-    return reply(client, "null",
-                 fail(ErrorCode::syntax, "message", "This is no JSON object.", "Send {\"id\": 1, \"op\": \"hello\"}, for example."));
+    return reply(
+        client, "null",
+        fail(ErrorCode::syntax, "message", "The message is not a JSON object.", "Send for example {\"id\": 1, \"op\": \"hello\"}."));
   }
   if (const auto id = request.json.find("id"); id != request.json.end() && (id->is_number() || id->is_string()))
     request.reply_to = text_of(*id);
   const auto op = request.json.find("op");
   if (op == request.json.end() || !op->is_string())
-    return reply(client, request.reply_to, Request::wrong("op", "the name of an operation"));
+    return reply(client, request.reply_to, Request::invalid_field("op", "the name of an operation"));
   request.op = op->get<std::string>();
   bool answered = true;
   Result<std::string> result;
   try {
     result = serve(request, answered);
-  } catch (const std::exception& e) {  // of the JSON library, or out of memory
-    result = fail(ErrorCode::io, request.op, std::string("The studio failed at this: ") + e.what() + ".", "The project is safe; go on.");
+  } catch (const std::exception& e) {  // from the JSON library, or out of memory
+    result = fail(ErrorCode::io, request.op, std::string("The studio could not do this: ") + e.what() + ".",
+                  "The project is safe. Try again, or continue working.");
   }
   if (answered || !result) reply(client, request.reply_to, result);
 }
 
-/// @param answered false: the interpreter's reply will be the answer
-/// @return the answer's fields, each with a comma before it
+/// Executes a request. @param answered set to false if the answer was already sent or will be the interpreter's reply
+/// @return fields of the answer, each with a comma before it
 Result<std::string> Session::serve(const Request& request, bool& answered) {
   if (request.op == "hello") {
     const std::string fields = hello();
@@ -206,8 +209,9 @@ std::string Session::transport_event() const {
 
 Result<std::string> Session::execute(const Request& request) {
   const auto command = request.json.find("command");
-  if (command == request.json.end() || !command->is_object()) return Request::wrong("command", "an object of docs/scenario.md");
-  // Of a large circuit the pages are told what changed in it, not all of it.
+  if (command == request.json.end() || !command->is_object())
+    return Request::invalid_field("command", "a command object (docs/scenario.md)");
+  // For an edit of the circuit the pages get only the changes: a large circuit need not be sent again.
   const bool edit = command->value("type", Json()) == "circuit.edit" && command->contains("changes");
   return apply(text_of(*command), edit ? text_of((*command)["changes"]) : "");
 }
@@ -242,7 +246,7 @@ Result<std::string> Session::save(const Request& request) {
   if (path == request.json.end() || path->is_null()) {
     saved = project_.save();
   } else {
-    if (!path->is_string() || path->get<std::string>().empty()) return Request::wrong("path", "the path of a file");
+    if (!path->is_string() || path->get<std::string>().empty()) return Request::invalid_field("path", "the path of a file");
     std::filesystem::path to = path->get<std::string>();
     if (to.extension() != ".ugoki") to += ".ugoki";
     if (to.is_relative()) to = std::filesystem::path(project_.path()).parent_path() / to;
@@ -253,7 +257,7 @@ Result<std::string> Session::save(const Request& request) {
   return ",\"path\":" + text_of(project_.path());
 }
 
-/// What the page gave to remember, or {}: a file that is absent or damaged is no reason to trouble the user.
+/// The stored choices of the user as JSON, or {} if the file is missing or damaged; that is not reported to the user.
 std::string Session::choices() const {
   const Result<std::string> text = options_.choices_path.empty() ? std::string() : files::read_file(options_.choices_path, max_choices);
   const Result<Json> read = text ? json::parse_json(*text, options_.choices_path) : fail(text.error());
@@ -262,13 +266,13 @@ std::string Session::choices() const {
 
 Result<std::string> Session::remember(const Request& request) const {
   const auto choices = request.json.find("choices");
-  if (choices == request.json.end() || !choices->is_object()) return Request::wrong("choices", "an object");
+  if (choices == request.json.end() || !choices->is_object()) return Request::invalid_field("choices", "an object");
   const std::string text = text_of(*choices);
-  if (text.size() > max_choices) return Request::wrong("choices", "shorter than " + std::to_string(max_choices) + " bytes");
+  if (text.size() > max_choices) return Request::invalid_field("choices", "shorter than " + std::to_string(max_choices) + " bytes");
   if (options_.choices_path.empty()) return "";
   std::error_code ignored;
   std::filesystem::create_directories(std::filesystem::path(options_.choices_path).parent_path(),
-                                      ignored);  // writing says it, if this failed
+                                      ignored);  // if this failed, write_file reports it
   if (Result<void> written = files::write_file(options_.choices_path, text + "\n"); !written) return fail(std::move(written.error()));
   return "";
 }
@@ -277,44 +281,46 @@ Result<void> Session::check_transport(const Request& request) const {
   const std::string& op = request.op;
   const auto field = [&](const char* key) { return request.json.contains(key) ? request.json[key] : Json(); };
   if (op == "mode") {
-    if (field("mode") != "edit" && field("mode") != "simulate") return Request::wrong("mode", "\"edit\" or \"simulate\"");
+    if (field("mode") != "edit" && field("mode") != "simulate") return Request::invalid_field("mode", "\"edit\" or \"simulate\"");
   } else if (op == "play") {
-    if (!field("speed").is_null() && !request.has_number("speed")) return Request::wrong("speed", "a number");
+    if (!field("speed").is_null() && !request.has_number("speed")) return Request::invalid_field("speed", "a number");
   } else if (op == "step" && request.json.contains("ticks")) {
-    if (field("ticks") != 1) return Request::wrong("ticks", "1");
+    if (field("ticks") != 1) return Request::invalid_field("ticks", "1");
   } else if (op == "step") {
-    if (!field("frames").is_number_integer() || (field("frames") != 1 && field("frames") != -1)) return Request::wrong("frames", "1 or -1");
+    if (!field("frames").is_number_integer() || (field("frames") != 1 && field("frames") != -1))
+      return Request::invalid_field("frames", "1 or -1");
   } else if (op == "seek") {
-    if (!request.has_number("time")) return Request::wrong("time", "a number of seconds");
+    if (!request.has_number("time")) return Request::invalid_field("time", "a number of seconds");
   } else if (op == "drag") {
-    if (!request.has_vector("target")) return Request::wrong("target", "three numbers");
+    if (!request.has_vector("target")) return Request::invalid_field("target", "three numbers");
   } else if (op == "grab" || op == "push") {
-    if (!field("character").is_string()) return Request::wrong("character", "a character's id");
-    if (!field("link").is_number_integer() && !field("link").is_string()) return Request::wrong("link", "a link's index or name");
+    if (!field("character").is_string()) return Request::invalid_field("character", "a character's id");
+    if (!field("link").is_number_integer() && !field("link").is_string()) return Request::invalid_field("link", "a link's index or name");
     const char* vectors[] = {op == "grab" ? "point" : "force", op == "grab" ? "target" : "force"};
     for (const char* key : vectors) {
-      if (!request.has_vector(key)) return Request::wrong(key, "three numbers");
+      if (!request.has_vector(key)) return Request::invalid_field(key, "three numbers");
     }
-    if (op == "push" && !request.has_number("duration")) return Request::wrong("duration", "a number of seconds");
+    if (op == "push" && !request.has_number("duration")) return Request::invalid_field("duration", "a number of seconds");
   } else if (op == "watch") {
     for (const char* key : {"pins", "probes"})
       if (!field(key).is_array() || field(key).size() > max_watched)
-        return Request::wrong(key, "a list of at most " + std::to_string(max_watched) + " outputs");
-    if (!field("timing").is_boolean()) return Request::wrong("timing", "true or false");
-    if (!field("nearest").is_null() && !field("nearest").is_boolean()) return Request::wrong("nearest", "true or false");
+        return Request::invalid_field(key, "a list of at most " + std::to_string(max_watched) + " outputs");
+    if (!field("timing").is_boolean()) return Request::invalid_field("timing", "true or false");
+    for (const char* key : {"closest", "nearest"})  // "nearest" is the old name of "closest"
+      if (!field(key).is_null() && !field(key).is_boolean()) return Request::invalid_field(key, "true or false");
   } else if (op == "input") {
     if (Result<circuit::DeviceChange> r = circuit::read_device_change(text_of(request.json)); !r) return fail(std::move(r.error()));
   } else if (op != "pause" && op != "restart" && op != "release") {
-    return fail(ErrorCode::unknown, "op", "There is no operation \"" + op + "\".", "See docs/studio-protocol.md for those that there are.");
+    return fail(ErrorCode::unknown, "op", "There is no operation \"" + op + "\".", "See docs/studio-protocol.md for the operations.");
   }
   return {};
 }
 
 Result<void> Session::forward(const Request& request) {
   const bool quiet = request.op == "drag" || request.op == "input";
-  if (request.op == "input") holder_ = request.client;
+  if (request.op == "input") input_client_ = request.client;
   if (!process_ && (quiet || request.op == "release" || request.op == "pause")) {
-    if (!quiet) reply(request.client, request.reply_to, std::string());  // nothing runs: that is what was asked for
+    if (!quiet) reply(request.client, request.reply_to, std::string());  // no interpreter runs, so there is nothing to release or pause
     return {};
   }
   if (Result<void> r = ensure_interpreter(); !r) return r;
@@ -328,12 +334,12 @@ Result<void> Session::forward(const Request& request) {
   if (request.op == "watch") watch_ = text_of(message);
   if (request.op == "play" && request.has_number("speed")) speed_ = message["speed"].get<double>();
   if (send_to_interpreter(text_of(message), {}, {request.client, request.reply_to, quiet})) return {};
-  return fail(ErrorCode::io, "interpreter", "The interpreter does not listen.", "Play again; it will be started anew.");
+  return fail(ErrorCode::io, "interpreter", "The interpreter stopped responding.", "Play again to restart the interpreter.");
 }
 
 void Session::changed(std::string event) {
   outbox_.broadcast(std::move(event));
-  if (std::set<std::string> used = used_motions(); used != listed_) {  // the library's list has the project's own entries
+  if (std::set<std::string> used = used_motions(); used != listed_) {  // the library's list contains the motions of the project
     listed_ = std::move(used);
     announce_library();
   }
@@ -350,7 +356,7 @@ void Session::generate() {
     scenario.circuit = circuit::write_circuit(*own);
   }
   Result<std::vector<std::byte>> made = content::generate(scenario, project_.resources());
-  if (!made) return log("error", "What plays is still the content before this change: " + made.error().text());
+  if (!made) return log("error", "The changed content cannot be generated; the previous content stays loaded. " + made.error().text());
   executable_ = std::move(*made);
 }
 
@@ -376,7 +382,7 @@ void Session::set_circuit_problems(Error problems) {
 Result<void> Session::ensure_interpreter() {
   if (process_) return {};
   if (executable_.empty()) {
-    return fail(ErrorCode::structure, "content", "The content could not be generated.", "Mend what the log names.");
+    return fail(ErrorCode::structure, "content", "The content could not be generated.", "Fix the errors listed in the log.");
   }
   const std::uint64_t generation = ++generation_;
   InterpreterEvents events;
@@ -417,7 +423,7 @@ bool Session::send_to_interpreter(std::string request, const std::vector<std::by
   pending_[id] = std::move(pending);
   if (process_->send(request, block)) return true;
   pending_.erase(id);
-  process_->kill_unanswering();  // its end will be told by its own event
+  process_->kill_unanswering();  // the `ended` callback then reports it
   return false;
 }
 
@@ -436,7 +442,7 @@ void Session::on_interpreter_message(const std::string& text) {
     if (*event == "lsis") {
       const bool others = !lsis_.empty() && text != lsis_;
       lsis_ = text;
-      // What was missing may be there now.
+      // The new library may contain the LSI classes that the circuit needs.
       if (others && !circuit_problems_.empty()) load_content();
     }
     return;
@@ -454,12 +460,12 @@ void Session::on_interpreter_message(const std::string& text) {
     if (ok && pending.quiet) return;
     const std::string error = message.contains("error") ? text_of(message["error"]) : "{\"problems\":[]}";
     outbox_.send(pending.client, "{\"reply\":" + pending.reply_to + ",\"ok\":" + (ok ? "true}" : "false,\"error\":" + error + "}"));
-  } else if (pending.reply_to == "content" && number == content_request_) {  // newer content makes the news of older content void
+  } else if (pending.reply_to == "content" && number == content_request_) {  // replies about older content are outdated
     if (ok) return set_circuit_problems({});
     set_circuit_problems(read_problems(message));
     log("error", "The content cannot be played: " + circuit_problems_.text());
     if (simulate_)
-      send_to_interpreter(R"({"op":"pause"})", {}, {});  // what stands is the content before
+      send_to_interpreter(R"({"op":"pause"})", {}, {});  // the previous content is still loaded; do not play it
     else
       load_without_circuit();
   }
@@ -471,7 +477,7 @@ void Session::on_interpreter_end(const Problem& why) {
     const std::scoped_lock lock(frame_mutex_);
     if (last_frame_) time = frame_time(*last_frame_);
   }
-  const std::string reason = why.message + " " + why.remedy + " It stood at " + to_fixed(time, 2) + " s.";
+  const std::string reason = why.message + " " + why.remedy + " Stopped at t = " + to_fixed(time, 2) + " s.";
   ++generation_;
   pid_ = -1;
   process_.reset();
@@ -479,13 +485,13 @@ void Session::on_interpreter_end(const Problem& why) {
   const std::map<int, Pending> lost = std::exchange(pending_, {});
   for (const auto& [id, pending] : lost) {
     if (pending.client != 0 && !pending.quiet) {
-      reply(pending.client, pending.reply_to, fail(ErrorCode::io, "interpreter", reason, "Play again; it will be started anew."));
+      reply(pending.client, pending.reply_to, fail(ErrorCode::io, "interpreter", reason, "Play again to restart the interpreter."));
     }
   }
   shelf_stamp_ = shelf_stamp();
-  Error told;
-  told.problems.push_back(why);
-  stopped_ = text_of({{"event", "stopped"}, {"reason", reason}, {"problems", json::error_json(told)["problems"]}});
+  Error error;
+  error.problems.push_back(why);
+  stopped_ = text_of({{"event", "stopped"}, {"reason", reason}, {"problems", json::error_json(error)["problems"]}});
   outbox_.broadcast(stopped_);
   Json transport = Json::parse(transport_event(), nullptr, false);
   transport["playing"] = false;
@@ -496,14 +502,14 @@ void Session::on_interpreter_end(const Problem& why) {
 }
 
 void Session::on_close(ClientId client) {
-  if (client != holder_) return;
-  holder_ = 0;
+  if (client != input_client_) return;
+  input_client_ = 0;
   send_to_interpreter(R"({"op":"input","keyboard":[],"mouse":{},"gamepads":[]})", {}, {});
 }
 
 void Session::on_time() {
   if (!process_) {
-    // Another library may be the repair: a new interpreter shows it, and gets the content ready.
+    // A changed library may fix the LSI that stopped the interpreter: start a new one, which loads the library and the content.
     if (!stopped_.empty() && shelf_stamp() != shelf_stamp_) {
       shelf_stamp_ = shelf_stamp();
       if (Result<void> r = ensure_interpreter(); !r) log("error", r.error().text());
@@ -512,10 +518,10 @@ void Session::on_time() {
   }
   const auto now = std::chrono::steady_clock::now();
   if (ping_ == 0) {
-    if (now - ping_time_ < options_.patience / 10) return;
+    if (now - ping_time_ < options_.answer_timeout / 10) return;
     ping_time_ = now;
     if (send_to_interpreter(R"({"op":"ping"})", {}, {})) ping_ = last_request_;
-  } else if (now - ping_time_ > options_.patience) {
+  } else if (now - ping_time_ > options_.answer_timeout) {
     ping_time_ = now;
     process_->kill_unanswering();
   }

@@ -1,6 +1,6 @@
 #pragma once
-// The open project and everybody who works on it: commands, undo, events to all pages, the interpreter's life. Knows no
-// sockets. All members are called on one thread but for the interpreter's frames.
+// The open project and the pages that edit it: commands, undo, events to all pages, start and end of the interpreter. Independent of
+// sockets. All members are called on one thread; only the interpreter's frames arrive on another.
 
 #include <atomic>
 #include <chrono>
@@ -26,70 +26,73 @@
 namespace ugoki::studio {
 
 struct SessionOptions {
-  std::string library_path;  ///< where commands fetch mechanisms and motions from; empty: nowhere
-  std::string choices_path;  ///< file that keeps the user's keymap, theme and view; empty: they last as long as the page
+  std::string library_path;  ///< library from which commands load mechanisms and motions; empty: none
+  std::string choices_path;  ///< file that stores the user's keymap, theme and view; empty: they are not stored
   InterpreterProgram interpreter;
-  std::chrono::milliseconds patience{10'000};  ///< with an interpreter that does not answer
+  std::chrono::milliseconds answer_timeout{10'000};  ///< an interpreter that does not answer for this time is killed
 };
 
-/// A motion or mechanism of the open project, as the library lists it.
+/// A motion or mechanism of the open project, for the lists of the library.
 struct ProjectEntry {
   std::string id;
-  MechanismPtr mechanism;  ///< of a motion: the one that it fits, perhaps null
+  MechanismPtr mechanism;  ///< the mechanism; for a motion the one that it fits, or null
   std::string mechanism_id;
   MotionPtr motion;  ///< null: the entry is the mechanism
-  bool used = true;  ///< false: an operation made it, and only a document that undo or redo brings back plays it
+  bool used = true;  ///< false: a motion made by an operation that no clip uses; it is kept for undo and redo only
 };
 
 class Session {
  public:
-  /// @param post runs a task on the session's thread, later
+  /// @param post queues a task for the session's thread; called from any thread
   Session(SessionOptions options, project::Project project, Outbox& outbox, std::function<void(std::function<void()>)> post);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Starts the interpreter with the content as it is.
+  /// Starts the interpreter with the current content.
   void start();
-  /// Ends the interpreter for good.
+  /// Ends the interpreter and the running operations on motions. The session cannot be started again.
   void stop();
-  /// A message from a page (docs/studio-protocol.md). Whatever it is, it is answered.
+  /// Handles a message from a page (docs/studio-protocol.md). Every message is answered, also an invalid one; only a successful `drag` or
+  /// `input` is not.
   void on_message(ClientId client, std::string_view text);
-  /// A page went away: what its user held in hand is let go.
+  /// Handles a closed page: releases the keys and buttons that its user held.
   void on_close(ClientId client);
-  /// To be called a few times a second: notices an interpreter that does not answer.
+  /// To be called a few times a second: kills an interpreter that does not answer, and restarts a stopped one when a library changed.
   void on_time();
-  /// Tells every page that the library's entries changed.
+  /// Notifies all pages that the library's entries changed (event `library`).
   void announce_library();
 
   [[nodiscard]] MechanismPtr find_mechanism(std::string_view id) const;
   [[nodiscard]] std::vector<ProjectEntry> project_entries() const;
   [[nodiscard]] const project::Project& project() const { return project_; }
-  [[nodiscard]] int interpreter_pid() const { return pid_; }  ///< -1: none. From any thread
+  [[nodiscard]] int interpreter_pid() const { return pid_; }  ///< -1: none. Thread-safe
 
  private:
   struct Request;  // one message from a page
+  /// A request to the interpreter that has no reply yet.
   struct Pending {
-    ClientId client = 0;   ///< 0: nobody waits for the reply
-    std::string reply_to;  ///< the page's id as JSON
-    bool quiet = false;    ///< only a failure is told
+    ClientId client = 0;   ///< page that waits for the reply; 0: none
+    std::string reply_to;  ///< the request id of the page, as JSON; for client 0 a name of the request
+    bool quiet = false;    ///< only a failure is reported to the page
   };
 
   [[nodiscard]] Result<std::string> serve(const Request& request, bool& answered);
   [[nodiscard]] std::string hello() const;
   [[nodiscard]] Result<std::string> execute(const Request& request);
-  /// Applies a command, with what the pages are told of it. @return the answer's fields
+  /// Applies a command and sends the change to the pages. @param circuit_changes JSON of a `circuit.edit`; if not empty, the pages get only
+  /// these changes instead of the document @return fields of the answer
   [[nodiscard]] Result<std::string> apply(const std::string& command, const std::string& circuit_changes = "");
-  /// The library, opened when it is first needed; null where there is none.
+  /// The library, opened on first use; null if there is none.
   [[nodiscard]] const store::Library* library();
 
-  // session_motion.cpp: operations on the motions of clips, done on a thread of their own
+  // session_motion.cpp: operations on the motions of clips; they run on the thread of motion_queue_
   struct MotionTask;
   [[nodiscard]] Result<void> start_motion(const Request& request);
   [[nodiscard]] Result<std::string> cancel_motion(const Request& request);
   void cancel_motions();
   void finish_motion(MotionTask& task);
-  [[nodiscard]] Result<std::string> place_motion(const MotionTask& task);
+  [[nodiscard]] Result<std::string> insert_motion(const MotionTask& task);
   [[nodiscard]] Result<std::string> undo_or_redo(bool undo);
   [[nodiscard]] Result<std::string> save(const Request& request);
   [[nodiscard]] std::string choices() const;
@@ -101,16 +104,17 @@ class Session {
   [[nodiscard]] Result<void> forward(const Request& request);
 
   [[nodiscard]] std::set<std::string> used_motions() const;
-  /// @param event that tells the pages
+  /// Handles a changed document. @param event message about the change for the pages
   void changed(std::string event);
   [[nodiscard]] std::string document_event() const;
   [[nodiscard]] std::string edited_event(const std::string& changes, std::uint64_t from) const;
   [[nodiscard]] std::string state_fields() const;
   void generate();
   void load_content();
-  /// The content, which does not play, with the circuit that the generator makes: so that the tracks can still be seen.
+  /// Loads the content with a generated circuit instead of its own circuit, which cannot run, so that edit mode can show the tracks.
   void load_without_circuit();
   void set_circuit_problems(Error problems);
+  /// Starts the interpreter if none is running.
   [[nodiscard]] Result<void> ensure_interpreter();
   bool send_to_interpreter(std::string request, const std::vector<std::byte>& block, Pending pending);
   void on_interpreter_message(const std::string& text);
@@ -125,35 +129,35 @@ class Session {
   std::optional<store::Library> library_;
   Outbox& outbox_;
   std::function<void(std::function<void()>)> post_;
-  std::map<std::string, std::shared_ptr<MotionTask>> motion_tasks_;  ///< by the page's name for them
+  std::map<std::string, std::shared_ptr<MotionTask>> motion_tasks_;  ///< running operations, by the name that the page gave
   TaskQueue motion_queue_;
 
   std::unique_ptr<InterpreterProcess> process_;
   std::atomic<int> pid_ = -1;
-  std::uint64_t generation_ = 0;                 ///< of the process; what comes from older ones is ignored
-  std::vector<std::byte> executable_;            ///< the newest that could be generated
-  std::set<std::string> listed_;                 ///< motions of the project that the library's list has
-  std::string lsis_;                             ///< newest lsis event: what circuits may be made of
-  std::string devices_;                          ///< newest devices event: what the circuit reads of keyboard, mouse and gamepads
-  ClientId holder_ = 0;                          ///< page whose user holds something in hand; 0: none
-  std::string stopped_;                          ///< newest stopped event, until it runs again; may be empty
-  std::filesystem::file_time_type shelf_stamp_;  ///< of the installed libraries when the interpreter was lost
-  std::string watch_;                            ///< newest request to watch the circuit, for a new interpreter; may be empty
-  std::string breakpoints_ = "[]";               ///< as the pages know them
-  std::string breakpoints_request_;              ///< those that are on, for a new interpreter; may be empty
-  Error circuit_problems_;                       ///< why the content as it is cannot be played; empty: it can
-  int last_request_ = 0;
-  int content_request_ = 0;  ///< the newest that brought content
-  std::map<int, Pending> pending_;
-  int ping_ = 0;  ///< request id of a ping without answer; 0: none
+  std::uint64_t generation_ = 0;                 ///< number of the current process; messages of older processes are ignored
+  std::vector<std::byte> executable_;            ///< executable data of the last content that could be generated
+  std::set<std::string> listed_;                 ///< motions of the project that were last announced in the library's list
+  std::string lsis_;                             ///< last `lsis` event: the LSI classes that circuits may use
+  std::string devices_;                          ///< last `devices` event: what the circuit reads of keyboard, mouse and gamepads
+  ClientId input_client_ = 0;                    ///< page that sent the last device input; 0: none
+  std::string stopped_;                          ///< last `stopped` event, until playing starts again; may be empty
+  std::filesystem::file_time_type shelf_stamp_;  ///< modification time of the installed libraries when the interpreter ended
+  std::string watch_;                            ///< last `watch` request, repeated to a new interpreter; may be empty
+  std::string breakpoints_ = "[]";               ///< list of breakpoints as sent to the pages, JSON
+  std::string breakpoints_request_;              ///< request with the enabled breakpoints, repeated to a new interpreter; may be empty
+  Error circuit_problems_;                       ///< why the current content cannot be played; empty: it can
+  int last_request_ = 0;                         ///< id of the last request to the interpreter
+  int content_request_ = 0;                      ///< id of the last request that loaded content
+  std::map<int, Pending> pending_;               ///< by request id
+  int ping_ = 0;                                 ///< request id of a ping without answer; 0: none
   std::chrono::steady_clock::time_point ping_time_;
 
-  std::string transport_;  ///< newest transport event
-  std::string summary_;    ///< newest summary event
-  bool simulate_ = false;  ///< mode that a new interpreter gets
+  std::string transport_;  ///< last `transport` event
+  std::string summary_;    ///< last `summary` event
+  bool simulate_ = false;  ///< mode is simulate, not edit
   double speed_ = 1;
   mutable std::mutex frame_mutex_;
-  FrameBytes last_frame_;
+  FrameBytes last_frame_;  ///< guarded by frame_mutex_: written on the interpreter process's thread
 };
 
 }  // namespace ugoki::studio

@@ -1,4 +1,5 @@
-// Breakpoints of the open project's circuit: all pages share them, each new interpreter gets them, and the project's file keeps them.
+// Session: breakpoints of the open project's circuit. All pages share them, each new interpreter gets them, and the project file stores
+// them.
 
 #include "ugoki/circuit/breakpoint.h"
 #include "ugoki/studio/session_request.h"
@@ -8,21 +9,21 @@ namespace ugoki::studio {
 using json::Json;
 
 Result<void> Session::take_breakpoints(const Request& request) {
-  constexpr std::size_t most = 100;
+  constexpr std::size_t maximum = 100;
   const auto list = request.json.find("list");
-  if (list == request.json.end() || !list->is_array() || list->size() > most)
-    return Request::wrong("list", "a list of at most " + std::to_string(most) + " breakpoints");
+  if (list == request.json.end() || !list->is_array() || list->size() > maximum)
+    return Request::invalid_field("list", "a list of at most " + std::to_string(maximum) + " breakpoints");
   Json kept = Json::array(), conditions = Json::array();
   for (std::size_t i = 0; i < list->size(); ++i) {
     const Json& item = (*list)[i];
-    const std::string place = "list/" + std::to_string(i);
+    const std::string location = "list/" + std::to_string(i);
     if (!item.is_object() || !item.contains("condition") || !item["condition"].is_string())
-      return Request::wrong(place, "an object with a \"condition\"");
-    if (item.contains("on") && !item["on"].is_boolean()) return Request::wrong(place + "/on", "true or false");
+      return Request::invalid_field(location, "an object with a \"condition\"");
+    if (item.contains("on") && !item["on"].is_boolean()) return Request::invalid_field(location + "/on", "true or false");
     const std::string condition = item["condition"].get<std::string>();
     Result<circuit::Breakpoint> read = circuit::read_breakpoint(condition);
     if (!read) {
-      for (Problem& problem : read.error().problems) problem.place = place + "/" + problem.place;
+      for (Problem& problem : read.error().problems) problem.location = location + "/" + problem.location;
       return fail(std::move(read.error()));
     }
     const bool on = item.value("on", true);
@@ -35,11 +36,11 @@ Result<void> Session::take_breakpoints(const Request& request) {
 }
 
 Result<std::string> Session::set_breakpoints(const Request& request) {
-  if (Result<void> taken = take_breakpoints(request); !taken) return fail(std::move(taken.error()));
+  if (Result<void> read = take_breakpoints(request); !read) return fail(std::move(read.error()));
   send_to_interpreter(breakpoints_request_, {}, {});
   outbox_.broadcast("{\"event\":\"breakpoints\",\"list\":" + breakpoints_ + "}");
   if (Result<void> kept = project_.keep("breakpoints", breakpoints_); !kept)
-    log("warning", "The breakpoints will be gone when the studio is closed: " + kept.error().text());
+    log("warning", "The breakpoints could not be stored and will be lost when the studio is closed. " + kept.error().text());
   return "";
 }
 
@@ -48,7 +49,7 @@ void Session::restore_breakpoints() {
   if (!kept || kept->empty()) return;
   Request request;
   if (Result<Json> list = json::parse_json(*kept, "breakpoints")) request.json = {{"list", std::move(*list)}};
-  if (!request.json.is_object() || !take_breakpoints(request)) log("warning", "The project's breakpoints cannot be read; set them anew.");
+  if (!request.json.is_object() || !take_breakpoints(request)) log("warning", "The project's breakpoints cannot be read. Set them again.");
 }
 
 }  // namespace ugoki::studio

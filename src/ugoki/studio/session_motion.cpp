@@ -1,4 +1,5 @@
-// Session: operations on the motions of clips. They run beside the session; what they make becomes one command, so that undo takes it back.
+// Session: operations on the motions of clips. They run on a background thread. The result is applied as one command, so that one undo
+// reverts it.
 
 #include <algorithm>
 #include <atomic>
@@ -24,7 +25,7 @@ std::string text_field(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
 }
 
-/// An id that nothing in the document has.
+/// The first unused id of the form `letter` + number in the document.
 std::string free_id(const content::Scenario& scenario, char letter) {
   std::set<std::string> used;
   for (const content::ScenarioCharacter& c : scenario.characters) {
@@ -36,15 +37,17 @@ std::string free_id(const content::Scenario& scenario, char letter) {
     if (std::string id = letter + std::to_string(n); !used.contains(id)) return id;
 }
 
-/// To the right of `place`, where nobody else begins.
-content::ScenarioPlace place_beside(const content::Scenario& scenario, const content::ScenarioPlace& place) {
-  constexpr double beside = 1.2;  // m
-  const double heading = place.heading * std::numbers::pi / 180;
-  content::ScenarioPlace spot = place;
-  const auto taken = [&](const content::ScenarioCharacter& c) { return std::hypot(c.place.x - spot.x, c.place.y - spot.y) < 0.9 * beside; };
-  for (int n = 1; n == 1 || std::ranges::any_of(scenario.characters, taken); ++n) {
-    spot.x = place.x + n * beside * std::sin(heading);
-    spot.y = place.y - n * beside * std::cos(heading);
+/// The closest start position to the right of `origin` at which no other character starts.
+content::ScenarioPlace find_free_place(const content::Scenario& scenario, const content::ScenarioPlace& origin) {
+  constexpr double spacing = 1.2;  // m between neighbouring start positions
+  const double heading = origin.heading * std::numbers::pi / 180;
+  content::ScenarioPlace spot = origin;
+  const auto occupied = [&](const content::ScenarioCharacter& c) {
+    return std::hypot(c.place.x - spot.x, c.place.y - spot.y) < 0.9 * spacing;
+  };
+  for (int n = 1; n == 1 || std::ranges::any_of(scenario.characters, occupied); ++n) {
+    spot.x = origin.x + n * spacing * std::sin(heading);
+    spot.y = origin.y - n * spacing * std::cos(heading);
   }
   return spot;
 }
@@ -58,12 +61,13 @@ Json timing_of(const content::ScenarioClip& clip) {
 
 }  // namespace
 
+/// A running operation on a motion.
 struct Session::MotionTask {
   std::string name;
   ClientId client = 0;
   std::string reply_to;
   std::string character;
-  std::string body_id;  ///< of the mechanism that is retargeted to, where somebody has it
+  std::string body_id;  ///< id of the mechanism to retarget to, if the project or the library has it
   MotionEdit edit;
   Result<EditedMotion> made;
   std::atomic<bool> cancelled = false;
@@ -71,12 +75,13 @@ struct Session::MotionTask {
 
 namespace {
 
-/// The body of a retargeting: an id of the project or the library, or a sample by its height or name.
+/// The mechanism to retarget to, with its id; the id is empty for a sample.
 struct Body {
   MechanismPtr mechanism;
   std::string id;
 };
 
+/// The body that a request names: a mechanism of the project or the library by its id, or a sample by its name or height [m].
 Result<Body> find_body(const Json& request, MechanismPtr of_project, const store::Library* library) {
   const std::string id = text_field(request, "mechanism"), sample = text_field(request, "sample");
   if (of_project) return Body{std::move(of_project), id};
@@ -88,7 +93,7 @@ Result<Body> find_body(const Json& request, MechanismPtr of_project, const store
     return Body{std::move(*person), ""};
   }
   if (id.empty() || library == nullptr)
-    return fail(ErrorCode::structure, "mechanism", "It is not said for which body.", "Give \"mechanism\", \"height\" or \"sample\".");
+    return fail(ErrorCode::structure, "mechanism", "The body is missing.", "Give \"mechanism\", \"height\" or \"sample\".");
   const Result<store::LibraryEntry> entry = library->get(id);
   if (!entry) return fail(entry.error());
   const std::string content = entry->id == id ? entry->content : id;
@@ -100,7 +105,7 @@ Result<Body> find_body(const Json& request, MechanismPtr of_project, const store
 }  // namespace
 
 Result<void> Session::start_motion(const Request& request) {
-  constexpr std::size_t most_tasks = 16;
+  constexpr std::size_t max_tasks = 16;
   auto task = std::make_shared<MotionTask>();
   task->name = text_field(request.json, "task");
   task->client = request.client;
@@ -109,33 +114,33 @@ Result<void> Session::start_motion(const Request& request) {
   MotionEdit& edit = task->edit;
   edit.operation = text_field(request.json, "operation");
   if (task->name.empty() || task->name.size() > 40 || motion_tasks_.contains(task->name))
-    return Request::wrong("task", "a new name of at most 40 characters");
-  if (motion_tasks_.size() >= most_tasks)
-    return fail(ErrorCode::conflict, "task", std::to_string(most_tasks) + " operations are at work already.",
-                "Wait for one, or cancel it.");
+    return Request::invalid_field("task", "a new name of at most 40 characters");
+  if (motion_tasks_.size() >= max_tasks)
+    return fail(ErrorCode::conflict, "task", std::to_string(max_tasks) + " operations are already running.",
+                "Wait until one has ended, or cancel one.");
   const Result<Needs> needs = needs_of(edit.operation);
   if (!needs) return fail(needs.error());
   if (request.json.contains("options")) edit.options = request.json["options"];
 
   const content::ScenarioCharacter* character = project_.scenario().find_character(task->character);
   const std::string clip_id = text_field(request.json, "clip");
-  if (character == nullptr) return Request::wrong("character", "a character's id");
+  if (character == nullptr) return Request::invalid_field("character", "a character's id");
   const auto clip = std::ranges::find_if(character->track, [&](const content::ScenarioClip& c) { return c.id == clip_id; });
-  if (clip == character->track.end()) return Request::wrong("clip", "the id of a clip of that character");
+  if (clip == character->track.end()) return Request::invalid_field("clip", "the id of a clip of that character");
   const content::Resources& resources = project_.resources();
   edit.mechanism = find_mechanism(character->mechanism);
   const auto motion_of = [&](const content::ScenarioClip& c) {
     const auto found = resources.motions.find(c.motion);
     return ClipMotion{c, found != resources.motions.end() ? found->second : nullptr};
   };
-  edit.of = motion_of(*clip);
-  if (!edit.mechanism || !edit.of.motion)
-    return fail(ErrorCode::unknown, "clip " + clip_id, "The project lacks its motion or its mechanism.",
-                "Put the motion on the track anew.");
+  edit.target = motion_of(*clip);
+  if (!edit.mechanism || !edit.target.motion)
+    return fail(ErrorCode::unknown, "clip " + clip_id, "The project does not contain its motion or its mechanism.",
+                "Remove the clip and add the motion again.");
   if (*needs == Needs::next_clip && clip + 1 != character->track.end()) edit.next = motion_of(*(clip + 1));
   if (*needs == Needs::other_motion) {
     const std::string id = text_field(request.json, "motion");
-    if (id.empty()) return Request::wrong("motion", "the id of the second motion");
+    if (id.empty()) return Request::invalid_field("motion", "the id of the second motion");
     Result<ProjectEntry> other = find_motion(id, project_entries(), library());
     if (!other) return fail(std::move(other.error()));
     edit.other = std::move(other->motion);
@@ -155,8 +160,8 @@ Result<void> Session::start_motion(const Request& request) {
     try {
       task->made = edit_motion(task->edit);
     } catch (const std::exception& e) {  // out of memory
-      task->made =
-          fail(ErrorCode::io, task->edit.operation, std::string("The studio failed at this: ") + e.what() + ".", "Use a shorter part.");
+      task->made = fail(ErrorCode::io, task->edit.operation, std::string("The operation failed: ") + e.what() + ".",
+                        "Use a shorter section of the motion.");
     }
     post_([this, task] { finish_motion(*task); });
   });
@@ -165,10 +170,10 @@ Result<void> Session::start_motion(const Request& request) {
 
 Result<std::string> Session::cancel_motion(const Request& request) {
   const auto found = motion_tasks_.find(text_field(request.json, "task"));
-  if (found == motion_tasks_.end()) return std::string();  // it ended in the meantime
+  if (found == motion_tasks_.end()) return std::string();  // the operation has already ended
   const std::shared_ptr<MotionTask> task = found->second;
   motion_tasks_.erase(found);
-  task->cancelled = true;  // the work ends soon, and what it makes is dropped
+  task->cancelled = true;  // the operation ends soon, and its result is discarded
   reply(task->client, task->reply_to, std::string(",\"cancelled\":true"));
   return std::string();
 }
@@ -181,18 +186,18 @@ void Session::cancel_motions() {
 void Session::finish_motion(MotionTask& task) {
   if (task.cancelled) return;
   motion_tasks_.erase(task.name);
-  reply(task.client, task.reply_to, task.made ? place_motion(task) : Result<std::string>(fail(task.made.error())));
+  reply(task.client, task.reply_to, task.made ? insert_motion(task) : Result<std::string>(fail(task.made.error())));
 }
 
-/// Puts the motion into the project and where the clip is, as one command.
-Result<std::string> Session::place_motion(const MotionTask& task) {
+/// Adds the resulting motion to the project and to the clip (or, for a retargeting, to a new character), as one command.
+Result<std::string> Session::insert_motion(const MotionTask& task) {
   const EditedMotion& made = *task.made;
   const std::vector<std::byte> data = formats::write_motion(made.motion);
   const std::string id = made_motion_prefix + store::entry_id(store::EntryKind::motion, data).substr(2);
   const content::ScenarioCharacter* character = project_.scenario().find_character(task.character);
   if (character == nullptr)
-    return fail(ErrorCode::conflict, "character " + task.character, "Somebody removed it while its motion was made.",
-                "Undo that, then try again.");
+    return fail(ErrorCode::conflict, "character " + task.character, "The character was removed while the operation was running.",
+                "Undo the removal, then try again.");
   Json commands = Json::array();
   std::string on = task.character, clip = made.clip.id;
   if (task.edit.body) {
@@ -200,13 +205,14 @@ Result<std::string> Session::place_motion(const MotionTask& task) {
     if (mechanism.empty()) {
       const std::string text = formats::write_mechanism(*task.edit.body);
       mechanism = store::entry_id(store::EntryKind::mechanism, bytes_of(text));
-      for (const auto& [known, body] : project_.resources().mechanisms)  // the same body under another id is not put in twice
+      for (const auto& [known, body] :
+           project_.resources().mechanisms)  // reuse an identical mechanism that the project has under another id
         if (formats::write_mechanism(*body) == text) mechanism = known;
       if (Result<void> put = project_.add_resource(mechanism, "mechanism", bytes_of(text)); !put) return fail(std::move(put.error()));
     }
     on = free_id(project_.scenario(), 'c');
     clip = free_id(project_.scenario(), 'k');
-    const content::ScenarioPlace spot = place_beside(project_.scenario(), character->place);
+    const content::ScenarioPlace spot = find_free_place(project_.scenario(), character->place);
     const Json place = {{"x", spot.x}, {"y", spot.y}, {"heading", spot.heading}};
     commands.push_back({{"type", "character.add"}, {"id", on}, {"mechanism", mechanism}, {"place", place}});
     Json add = timing_of(made.clip);

@@ -1,5 +1,5 @@
 #pragma once
-// A message from a page, read. Internal to the session.
+// A parsed message from a page. Internal to the session.
 
 #include <algorithm>
 #include <string>
@@ -9,7 +9,8 @@
 
 namespace ugoki::studio {
 
-/// Begins the ids of motions that operations made. Where nothing plays them any more they are kept for redo alone, and listed nowhere.
+/// Prefix of the ids of motions that operations made. Motions with this prefix that no clip uses are kept for undo and redo only, and are
+/// not listed.
 inline const std::string made_motion_prefix = "e-";
 
 struct Session::Request {
@@ -18,8 +19,8 @@ struct Session::Request {
   std::string reply_to = "null";
   std::string op;
 
-  /// A field's problem.
-  [[nodiscard]] static std::unexpected<Error> wrong(const std::string& field, const std::string& wanted) {
+  /// Error: the field `field` is not `wanted`.
+  [[nodiscard]] static std::unexpected<Error> invalid_field(const std::string& field, const std::string& wanted) {
     return fail(ErrorCode::syntax, field, "\"" + field + "\" must be " + wanted + ".", "See docs/studio-protocol.md.");
   }
   [[nodiscard]] bool has_number(const char* key) const { return json.contains(key) && json[key].is_number(); }

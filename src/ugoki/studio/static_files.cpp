@@ -12,12 +12,12 @@ namespace {
 namespace fs = std::filesystem;
 
 std::unexpected<Error> not_found(std::string_view path) {
-  return fail(ErrorCode::unknown, std::string(path), "There is no such file in the studio's page.",
+  return fail(ErrorCode::unknown, std::string(path), "The studio's page has no such file.",
               "Open the address that `ugoki studio` printed.");
 }
 
-/// True if `file` lies below `root`; both canonical.
-bool lies_below(const fs::path& file, const fs::path& root) {
+/// True if `file` is inside the folder `root`; both must be canonical.
+bool is_inside(const fs::path& file, const fs::path& root) {
   auto f = file.begin();
   for (auto r = root.begin(); r != root.end(); ++r, ++f) {
     if (f == file.end() || *f != *r) return false;
@@ -57,22 +57,22 @@ std::string_view content_type_of(std::string_view path) {
 
 Result<StaticFile> read_static_file(const fs::path& root, std::string_view path) {
   if (!is_plain_path(path)) {
-    return fail(ErrorCode::unknown, std::string(path), "A path may not lead out of the studio's page.",
+    return fail(ErrorCode::unknown, std::string(path), "The path leads outside of the studio's page.",
                 "Open the address that `ugoki studio` printed.");
   }
   std::error_code ec;
   const fs::path folder = fs::canonical(root, ec);
   if (ec) {
-    return fail(ErrorCode::io, root.string(), "The studio's page is not there: " + ec.message() + ".",
+    return fail(ErrorCode::io, root.string(), "The folder of the studio's page cannot be read: " + ec.message() + ".",
                 "Build it with `npm ci && npm run build` in web/, or name its folder with --web.");
   }
   const std::string relative = path == "/" ? "index.html" : std::string(path.substr(1));
   const fs::path file = fs::canonical(folder / relative, ec);
-  if (ec || !lies_below(file, folder) || !fs::is_regular_file(file, ec)) return not_found(path);
+  if (ec || !is_inside(file, folder) || !fs::is_regular_file(file, ec)) return not_found(path);
   std::ifstream in(file, std::ios::binary);
   StaticFile out;
   out.bytes.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-  if (!in.good() && !in.eof()) return fail(ErrorCode::io, file.string(), "The file cannot be read.", "Look at its permissions.");
+  if (!in.good() && !in.eof()) return fail(ErrorCode::io, file.string(), "The file cannot be read.", "Check the file's permissions.");
   out.content_type = content_type_of(relative);
   out.immutable = path.starts_with("/assets/");
   return out;

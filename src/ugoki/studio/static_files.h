@@ -1,5 +1,5 @@
 #pragma once
-// The page's files.
+// Files of the studio's web page.
 
 #include <filesystem>
 #include <optional>
@@ -13,18 +13,18 @@ namespace ugoki::studio {
 struct StaticFile {
   std::string bytes;
   std::string_view content_type;
-  bool immutable = false;  ///< its name holds a hash of its content, so it may be kept for ever
+  bool immutable = false;  ///< the name contains a hash of the content, so the browser may cache the file without expiry
 };
 
-/// Content type by the name's ending; "application/octet-stream" where it is unknown.
+/// Content type by the extension; "application/octet-stream" if it is unknown.
 [[nodiscard]] std::string_view content_type_of(std::string_view path);
 
-/// The file that decoded request path `path` names below `root` ("/" names index.html). Nothing outside of `root` is
-/// ever read, whatever the path or a symbolic link says.
+/// Reads the file at the decoded request path `path` in the folder `root` ("/" is index.html). Paths and symbolic links that lead outside
+/// of `root` are rejected.
 [[nodiscard]] Result<StaticFile> read_static_file(const std::filesystem::path& root, std::string_view path);
 
-/// Where the page's build lies: beside an installed program (../share/ugoki/web), or in the source tree of a built one
-/// (web/dist in one of the folders above). Nothing where there is none.
+/// Finds the folder of the built page: ../share/ugoki/web for an installed program, or web/dist in one of the parent folders for a program
+/// in the source tree. Nothing if there is none.
 [[nodiscard]] std::optional<std::filesystem::path> find_web_folder(const std::filesystem::path& executable);
 
 }  // namespace ugoki::studio

@@ -30,7 +30,7 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::chrono::milliseconds session_period{250};
+constexpr std::chrono::milliseconds session_period{250};  // between calls of Session::on_time
 
 ApiReply refused(const Error& error) { return {.status = http_status_of(error), .body = error_body(error)}; }
 ApiReply answer_of(const Result<std::string>& result) { return result ? ApiReply{.body = *result} : refused(result.error()); }
@@ -49,10 +49,10 @@ std::vector<std::string> split_tags(std::string_view text) {
   return tags;
 }
 
-/// Passes texts and frames to the server while there is one.
+/// Forwards texts and frames to the server; discards them while there is none.
 class LateOutbox final : public Outbox {
  public:
-  /// After set(nullptr) returned, the server is used no more.
+  /// After set(nullptr) returned, the old server is not used any more.
   void set(Server* server) {
     const std::scoped_lock lock(mutex_);
     server_ = server;
@@ -81,8 +81,8 @@ class LateOutbox final : public Outbox {
 
 }  // namespace
 
-/// Five threads beside the caller's: the server's, the session's (project, commands) and its own for operations on motions, the library's
-/// (lists, previews), that of imports.
+/// Uses five threads in addition to the caller's: server, session (project, commands), operations on motions (owned by the session),
+/// library (lists, previews), imports.
 class Studio::Impl final : public ServerEvents {
  public:
   Impl(const StudioOptions& options, project::Project project)
@@ -98,10 +98,10 @@ class Studio::Impl final : public ServerEvents {
 
   ~Impl() override {
     outbox_.set(nullptr);
-    server_.reset();  // no request comes any more
+    server_.reset();  // no request arrives after this
     import_queue_->close();
     library_queue_->close();
-    session_queue_->post([this] { session_->stop(); });  // no interpreter calls any more
+    session_queue_->post([this] { session_->stop(); });  // no interpreter callback is called after this
     session_queue_->close();
   }
 
@@ -133,18 +133,19 @@ class Studio::Impl final : public ServerEvents {
 
  private:
   void on_library(ApiRequest request, std::function<void(ApiReply)> answer);
-  /// Addresses below /api/import/. False: none of them.
+  /// Handles the paths under /api/import/. Returns false without answering if `request` has none of these paths.
   bool on_import(ApiRequest& request, std::function<void(ApiReply)>& answer);
 
-  /// Does `work` on a queue and answers with what it gives, whatever happens.
+  /// Runs `work` on a queue and answers with its result, or with an error if it throws.
   template <class Work>
   static void answer_on(TaskQueue& queue, std::function<void(ApiReply)> answer, Work work) {
     queue.post([reply = std::move(answer), make = std::move(work)]() mutable {
       Result<std::string> result;
       try {
         result = make();
-      } catch (const std::exception& e) {  // of a library, or out of memory
-        result = fail(ErrorCode::io, "studio", std::string("The studio failed at this: ") + e.what() + ".", "The project is safe; go on.");
+      } catch (const std::exception& e) {  // from a library, or out of memory
+        result = fail(ErrorCode::io, "studio", std::string("The studio could not do this: ") + e.what() + ".",
+                      "The project is safe. Try again, or continue working.");
       }
       reply(answer_of(result));
     });
@@ -166,7 +167,7 @@ void Studio::Impl::on_library(ApiRequest request, std::function<void(ApiReply)> 
       try {
         give(library_.answer(call, entries, changed));
       } catch (const std::exception& e) {  // out of memory
-        give(refused({ErrorCode::io, call.path, std::string("The studio failed at this: ") + e.what() + ".", "Try again."}));
+        give(refused({ErrorCode::io, call.path, std::string("The studio could not do this: ") + e.what() + ".", "Try again."}));
       }
       if (changed) session_queue_->post([this] { session_->announce_library(); });
     });
@@ -177,25 +178,25 @@ bool Studio::Impl::on_import(ApiRequest& request, std::function<void(ApiReply)>&
   constexpr std::string_view prefix = "/api/import/";
   if (!request.path.starts_with(prefix)) return false;
   const std::string rest = request.path.substr(prefix.size());
-  const std::string what = rest.substr(0, rest.find('/')), id = what.size() < rest.size() ? rest.substr(what.size() + 1) : "";
+  const std::string action = rest.substr(0, rest.find('/')), id = action.size() < rest.size() ? rest.substr(action.size() + 1) : "";
   const auto text = [&](std::string_view name) { return query_value(request.query, name).value_or(""); };
   const auto number = [&](std::string_view name) { return std::max(0.0, parse_double(text(name)).value_or(0)); };
   const ImportSettings settings{number("unit"), text("up"), text("forward"), number("rate")};
   const std::string name = text("name"), tags = text("tags");
-  auto body = std::make_shared<std::string>(std::move(request.body));  // tasks are copied
-  if (what == "file") {
+  auto body = std::make_shared<std::string>(std::move(request.body));  // shared, because the queue copies tasks
+  if (action == "file") {
     answer_on(*import_queue_, std::move(answer), [this, name, body] { return imports_.companion(name, std::move(*body)); });
-  } else if (what == "stage") {
+  } else if (action == "stage") {
     answer_on(*import_queue_, std::move(answer), [this, id, name, body, settings] {
-      return id.empty() ? imports_.stage(name, std::move(*body), settings) : imports_.stage_again(id, settings);
+      return id.empty() ? imports_.stage(name, std::move(*body), settings) : imports_.restage(id, settings);
     });
-  } else if (what == "store" && !id.empty()) {
+  } else if (action == "store" && !id.empty()) {
     answer_on(*import_queue_, std::move(answer), [this, id, name, tags] {
       Result<std::string> stored = imports_.store(id, name, split_tags(tags));
       if (stored) session_queue_->post([this] { session_->announce_library(); });
       return stored;
     });
-  } else if (what == "drop" && !id.empty()) {
+  } else if (action == "drop" && !id.empty()) {
     answer_on(*import_queue_, std::move(answer), [this, id]() -> Result<std::string> {
       imports_.drop(id);
       return "{}";
@@ -233,9 +234,9 @@ void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answ
       answer_on(*library_queue_, std::move(reply),
                 [this, id, project = session_->project_entries()] { return previews_.contacts(id, project); });
     });
-  } else if (path == "/api/reference-figure" && get) {
+  } else if (path == "/api/reference-character" && get) {
     const double height = parse_double(query_value(request.query, "height").value_or("")).value_or(1.8);
-    answer_on(*library_queue_, std::move(answer), [height] { return reference_figure_json(std::clamp(height, 0.3, 3.0)); });
+    answer_on(*library_queue_, std::move(answer), [height] { return reference_character_json(std::clamp(height, 0.3, 3.0)); });
   } else if (post && on_import(request, answer)) {
     return;
   } else if (path == "/api/import" && post) {
@@ -246,8 +247,8 @@ void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answ
       return imported;
     });
   } else {
-    answer(
-        refused({ErrorCode::unknown, path, "The studio has no such address for " + request.method + ".", "See docs/studio-protocol.md."}));
+    answer(refused(
+        {ErrorCode::unknown, path, "The studio has no address " + request.method + " " + path + ".", "See docs/studio-protocol.md."}));
   }
 }
 

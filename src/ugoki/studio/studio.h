@@ -1,5 +1,5 @@
 #pragma once
-// `ugoki studio`: the whole service, until it is told to end.
+// The complete service behind `ugoki studio`.
 
 #include <cstdint>
 #include <filesystem>
@@ -14,13 +14,13 @@
 namespace ugoki::studio {
 
 struct StudioOptions {
-  std::uint16_t port = 0;          ///< 0: any free one
-  std::filesystem::path web;       ///< folder of the page; empty: found beside the program
+  std::uint16_t port = 0;          ///< 0: any free port
+  std::filesystem::path web;       ///< folder of the page, with index.html; empty: no page is served
   std::string library_path;        ///< empty: store::Library::default_path()
-  InterpreterProgram interpreter;  ///< how this program starts an interpreter
+  InterpreterProgram interpreter;  ///< command line that starts an interpreter
 };
 
-/// A studio that serves from start() to its end.
+/// A running studio: it serves from start() until it is destroyed.
 class Studio {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Studio>> start(StudioOptions options, project::Project project);
@@ -28,10 +28,10 @@ class Studio {
   Studio(const Studio&) = delete;
   Studio& operator=(const Studio&) = delete;
 
-  [[nodiscard]] std::string address() const;  ///< with the token
+  [[nodiscard]] std::string address() const;  ///< URL of the page, with the token
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] const std::string& token() const;
-  /// Process of the interpreter, or -1; for tests.
+  /// Process id of the interpreter, or -1; for tests.
   [[nodiscard]] int interpreter_pid() const;
 
  private:
@@ -40,11 +40,11 @@ class Studio {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Blocks SIGINT and SIGTERM in this thread and those it makes from now on; to be called before Studio::start.
+/// Blocks SIGINT and SIGTERM in this thread and in threads that it creates later, and ignores SIGPIPE. To be called before Studio::start.
 void hold_signals();
-/// Waits for SIGINT or SIGTERM.
+/// Waits for SIGINT or SIGTERM. Requires hold_signals().
 void wait_for_signal();
-/// Opens `address` in the user's browser if there is a display and a program for it; does not wait for it.
+/// Opens `address` in the user's browser (xdg-open) without waiting for it. Does nothing if there is no display.
 void open_browser(const std::string& address);
 
 }  // namespace ugoki::studio

@@ -5,8 +5,8 @@
 
 namespace ugoki::studio {
 
-TaskQueue::TaskQueue(std::chrono::milliseconds period, std::function<void()> regularly)
-    : period_(period), regularly_(std::move(regularly)), thread_([this] { run(); }) {}
+TaskQueue::TaskQueue(std::chrono::milliseconds period, std::function<void()> periodic)
+    : period_(period), periodic_(std::move(periodic)), thread_([this] { run(); }) {}
 
 void TaskQueue::close() {
   {
@@ -38,7 +38,7 @@ void TaskQueue::run() {
       try {
         task();
       } catch (const std::exception&) {
-        // Out of memory in one task ends that task, never the thread.
+        // An exception (for example out of memory) ends the task, not the thread.
       }
       task = {};
       lock.lock();
@@ -48,9 +48,9 @@ void TaskQueue::run() {
     }
     if (std::chrono::steady_clock::now() >= next) {
       next = std::chrono::steady_clock::now() + period_;
-      if (!regularly_ || ending_) continue;
+      if (!periodic_ || ending_) continue;
       lock.unlock();
-      regularly_();
+      periodic_();
       lock.lock();
     }
   }

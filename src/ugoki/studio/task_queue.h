@@ -1,5 +1,5 @@
 #pragma once
-// A thread that does tasks in order, and one thing regularly.
+// A thread that runs queued tasks in order, and a function periodically.
 
 #include <chrono>
 #include <condition_variable>
@@ -12,20 +12,22 @@ namespace ugoki::studio {
 
 class TaskQueue {
  public:
-  /// @param regularly called about every `period`, between tasks; may be empty
-  explicit TaskQueue(std::chrono::milliseconds period = std::chrono::milliseconds(250), std::function<void()> regularly = {});
+  /// @param periodic called about every `period`, between tasks; may be empty
+  explicit TaskQueue(std::chrono::milliseconds period = std::chrono::milliseconds(250), std::function<void()> periodic = {});
   ~TaskQueue() { close(); }
   TaskQueue(const TaskQueue&) = delete;
   TaskQueue& operator=(const TaskQueue&) = delete;
 
+  /// Queues a task. Thread-safe. Ignored after close().
   void post(std::function<void()> task);
-  /// Finishes the tasks that are there; what is posted from now on is dropped. From one thread, not its own.
+  /// Runs the queued tasks, including those that they post, then ends the thread. Later tasks are dropped. To be called from one thread,
+  /// not from a task.
   void close();
 
  private:
   void run();
   std::chrono::milliseconds period_;
-  std::function<void()> regularly_;
+  std::function<void()> periodic_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> tasks_;

@@ -1,5 +1,5 @@
 #pragma once
-/* The interface of the Reference-FMU BouncingBall; between bounces the motion is computed exactly. */
+/* Model with the interface of the Reference-FMU BouncingBall. The motion between bounces is computed in closed form. */
 #define TOKEN "{8c4e810f-3df3-4a00-8276-176fa3c9f003}"
 struct Model {
   double h, v, g, e, v_min, time, der_h, der_v;
@@ -26,7 +26,8 @@ static int model_step(struct Instance* self, struct Model* m, double now, double
   double left = size;
   while (left > 0 && !m->rests) {
     const double root = m->v * m->v - 2 * m->g * m->h;
-    const double hit = m->g < 0 && root >= 0 ? (m->v + sqrt(root)) / -m->g : INFINITY; /* h + v t + g t^2 / 2 = 0 */
+    const double hit =
+        m->g < 0 && root >= 0 ? (m->v + sqrt(root)) / -m->g : INFINITY; /* time of the next bounce, s: h + v t + g t^2 / 2 = 0 */
     const double t = hit < left ? hit : left;
     m->h += m->v * t + 0.5 * m->g * t * t;
     m->v += m->g * t;

@@ -1,5 +1,5 @@
 #pragma once
-/* The interface of the Reference-FMU Dahlquist: der(x) = -k x, by Euler's method with steps of 1e-4 s at most. */
+/* Model with the interface of the Reference-FMU Dahlquist: der(x) = -k x, integrated by Euler's method with steps of at most 1e-4 s. */
 #define TOKEN "{8c4e810f-3da3-4a00-8276-176fa3c9f001}"
 struct Model {
   double x, k, time, der_x;

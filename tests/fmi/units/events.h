@@ -1,7 +1,8 @@
 #pragma once
-/* Events of every kind, for importers that use event mode: `x` runs to and fro between -1 and 1 (a state event at each turn), `held` is the
- * time at the last quarter of a second (time events), the discrete input `gear` and the tunable parameter `rate` count from the event at
- * which they are set. `events` counts. `deed` 1: the events do not end; 2: an event ends the simulation; 3: an event is refused. */
+/* Model with events of every kind, for importers that use event mode. `x` moves between -1 and 1 and turns at each end (state events).
+ * `held` is the time of the last time event, one every 0.25 s. The discrete input `gear` and the tunable parameter `rate` take effect at
+ * the event at which they are set. `events` counts the events. `deed` requests a failure: 1 events that never end; 2 an event that ends the
+ * simulation; 3 an event that returns an error. */
 #define TOKEN "events"
 #define EVENT_MODE true
 struct Model {
@@ -36,10 +37,10 @@ static int model_step(struct Instance* self, struct Model* m, double now, double
   return OK;
 }
 static bool model_event(const struct Model* m, double now) { return m->turn || now >= m->next - 1e-12; }
-/* One round of an event. @return a status */
+/* One call of UpdateDiscreteStates. Returns a status. */
 static int model_update(struct Instance* self, struct Model* m, double now, bool* again, bool* terminate, double* next) {
   if (m->deed == 3) {
-    say(self, ERROR_, "The event is too hard.");
+    send_log(self, ERROR_, "The event is too hard.");
     return ERROR_;
   }
   *terminate = m->deed == 2;
@@ -47,7 +48,7 @@ static int model_update(struct Instance* self, struct Model* m, double now, bool
   if (m->turn) {
     m->direction = -m->direction;
     m->turn = false;
-    *again = true; /* a second round finds nothing to do */
+    *again = true; /* requests a second call, which counts the event */
     *next = m->next;
     return OK;
   }

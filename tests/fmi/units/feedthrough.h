@@ -1,5 +1,6 @@
 #pragma once
-/* The interface of the Reference-FMU Feedthrough: every output shows its input. */
+/* Model with the interface of the Reference-FMU Feedthrough: every output equals its input. Two parameters and the text change the real
+ * outputs, so that tests see whether they were set. */
 #define TOKEN "{37B954F1-CC86-4D8F-B97F-C7C36F6670D2}"
 struct Model {
   double time, fixed, tunable, c_in, c_out, d_in, d_out;

@@ -1,6 +1,6 @@
 #pragma once
-/* Does what the input `deed` says: 1 null pointer, 2 endless loop, 3 not a number, 4 error, 5 fatal, 6 discard, 7 whole division by zero,
- * 8 returns early at half of each step. `sum` adds up the inputs of all steps. */
+/* Model that fails as the input `deed` requests: 1 null pointer, 2 infinite loop, 3 output that is not a number, 4 error, 5 fatal error, 6
+ * discarded step, 7 integer division by zero, 8 early return at half of each step. `sum` is the sum of `deed` over all steps. */
 #define TOKEN "naughty"
 struct Model {
   double time, deed, out, sum, matrix[6], place[3], weights[2];
@@ -38,8 +38,8 @@ static int model_step(struct Instance* self, struct Model* m, double now, double
       }
       return OK;
     case 3: m->out = NAN; return OK;
-    case 4: say(self, ERROR_, "The gear is broken."); return ERROR_;
-    case 5: say(self, FATAL, "The house is on fire."); return FATAL;
+    case 4: send_log(self, ERROR_, "The gear is broken."); return ERROR_;
+    case 5: send_log(self, FATAL, "The house is on fire."); return FATAL;
     case 6: *reached = now + size / 4; return DISCARD;
     case 7: {
       volatile int one = 1, zero = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/* The interface of the Reference-FMU Stair: counts the seconds, and ends the simulation when it has come to 10. */
+/* Model with the interface of the Reference-FMU Stair: counts the seconds from 1, and ends the simulation when the counter reaches 10. */
 #define TOKEN "{8c4e810f-3df3-4a00-8276-176fa3c9f008}"
 struct Model {
   int32_t counter;
@@ -15,7 +15,7 @@ static void model_outputs(struct Model* m, double now) { m->time = now; }
 static int model_step(struct Instance* self, struct Model* m, double now, double size, bool* terminate, double* reached) {
   while (m->counter < 10 && now + size >= m->counter - 1e-9) {
     ++m->counter;
-    if (m->counter == 10) say(self, OK, "The last step of the stair.");
+    if (m->counter == 10) send_log(self, OK, "The last step of the stair.");
   }
   *reached = now + size;
   if (m->counter >= 10) *terminate = true;

@@ -1,2 +1,2 @@
-/* One of the models, as an FMU. */
+/* Compiles the model of the macro MODEL (a header of this folder) to an FMU binary. */
 #include "unit.h"

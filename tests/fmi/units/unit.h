@@ -1,9 +1,10 @@
 #pragma once
-/* A small FMU in one header, for the tests: FMI 2.0 or 3.0 co-simulation (FMI_VERSION), written from the standard's text.
+/* A small FMU in one header, for tests of importers: co-simulation of FMI 2.0 or 3.0 (macro FMI_VERSION), written from the text of the
+ * standard.
  *
- * A model defines, before it includes this: struct Model (plain data), a table `variables`, model_start, model_outputs, model_step. What it
- * is called in the wrong order, with unknown value references or at another time than it has come to, it refuses with an error, so
- * that an importer's mistakes are seen. */
+ * This header includes a model (macro MODEL), which defines: TOKEN, struct Model (plain data), the table `variables`, model_start,
+ * model_outputs and model_step; and with EVENT_MODE also model_event and model_update. Calls in the wrong order, with unknown value
+ * references or at another time than the end of the last step return an error, so that mistakes of an importer are detected. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -15,33 +16,46 @@
 
 enum { OK, WARNING, DISCARD, ERROR_, FATAL };
 typedef enum { F64, F32, I8, U8, I16, U16, I32, U32, I64, U64, B8, TEXT } Kind;
-typedef enum { INPUT, DISCRETE, OUTPUT, LOCAL, FIXED, TUNABLE } Role; /* DISCRETE: an input, set at events only where they are used */
+typedef enum {
+  INPUT,
+  DISCRETE,
+  OUTPUT,
+  LOCAL,
+  FIXED,
+  TUNABLE
+} Role; /* DISCRETE: an input that may be set only at events, if the importer uses event mode */
+/* A variable of the model. */
 typedef struct {
   unsigned reference;
   Kind kind;
   Role role;
-  size_t offset, count; /* bytes into the model; elements */
+  size_t offset, count; /* bytes from the start of struct Model; elements */
 } Var;
 
 typedef struct Model Model;
 typedef struct Instance Instance;
-static void say(Instance* self, int status, const char* text);
+/* Sends a log message to the importer. */
+static void send_log(Instance* self, int status, const char* text);
 
 #include MODEL
 
 #define VARIABLE_COUNT (sizeof variables / sizeof variables[0])
 
+/* Modes of the state machine of the standard. */
 enum { INSTANTIATED, INITIALIZING, STEPPING, EVENTS, ENDED };
 struct Instance {
   Model model;
   int mode;
-  bool logging, uses_events, event_due, again;
+  bool logging, uses_events;
+  bool event_due; /* an event must be handled before the next step */
+  bool again;     /* the last UpdateDiscreteStates requested another one */
   double start, now;
   char name[64], resources[512];
   void* environment;
   void (*log)(void);
 };
 
+/* Bytes of an element. */
 static size_t size_of(Kind kind) {
   switch (kind) {
     case F64:
@@ -69,13 +83,14 @@ static bool may_set(const Instance* self, const Var* v) {
   if (v->role == DISCRETE) return self->mode <= STEPPING;
   if (v->role == FIXED) return self->mode <= INITIALIZING;
   if (v->role == TUNABLE) return self->mode <= STEPPING;
-  return self->mode <= INITIALIZING && v->role == OUTPUT; /* start values that are exact */
+  return self->mode <= INITIALIZING && v->role == OUTPUT; /* start values with initial="exact" */
 }
 
+/* Gets (set == false) or sets variables of one type. `count`: number of elements in `values`. */
 static int access(Instance* self, Kind kind, const unsigned* r, size_t n, void* values, size_t count, bool set) {
   if (!self) return ERROR_;
   if (!set && self->mode == INSTANTIATED) {
-    say(self, ERROR_, "Variables were read before initialisation.");
+    send_log(self, ERROR_, "Variables were read before initialisation.");
     return ERROR_;
   }
   char* at = values;
@@ -84,7 +99,7 @@ static int access(Instance* self, Kind kind, const unsigned* r, size_t n, void* 
   for (size_t i = 0; i < n; ++i) {
     const Var* v = find(r[i], kind);
     if (!v || (set && !may_set(self, v))) {
-      say(self, ERROR_, v ? "A variable was set that may not be set now." : "There is no variable of this type and value reference.");
+      send_log(self, ERROR_, v ? "A variable was set that may not be set now." : "There is no variable of this type and value reference.");
       return ERROR_;
     }
     const size_t bytes = v->count * size_of(kind);
@@ -97,7 +112,7 @@ static int access(Instance* self, Kind kind, const unsigned* r, size_t n, void* 
     done += v->count;
   }
   if (done != count) {
-    say(self, ERROR_, "The number of values is not that of the variables.");
+    send_log(self, ERROR_, "The number of values is not the number of elements of the variables.");
     return ERROR_;
   }
   return OK;
@@ -138,15 +153,16 @@ static int start_again(Instance* self) {
 static int step(Instance* self, double now, double size, bool* terminate, double* reached) {
   if (!self || self->mode != STEPPING || self->event_due) return ERROR_;
   if (fabs(now - self->now) > 1e-9 * (1 + fabs(now)) || !(size > 0)) {
-    say(self, ERROR_, "The communication point is not where the last step ended.");
+    send_log(self, ERROR_, "The communication point is not the end of the last step.");
     return ERROR_;
   }
   *reached = self->now;
   const int status = model_step(self, &self->model, self->now, size, terminate, reached);
   if (status <= WARNING && !*terminate) self->now = now + size;
-  if (status == FATAL) free(self); /* nobody may call it any more: the address sanitizer sees an importer that does */
+  if (status == FATAL) free(self); /* no further call is allowed: the address sanitizer detects an importer that makes one */
   return status;
 }
+/* A saved state. */
 typedef struct {
   Model model;
   int mode;
@@ -192,7 +208,7 @@ typedef struct {
   void (*finished)(void*, int);
   void* environment;
 } Callbacks;
-static void say(Instance* self, int status, const char* text) {
+static void send_log(Instance* self, int status, const char* text) {
   if (self->log) ((Log2)self->log)(self->environment, self->name, status, "logStatusError", "%s (#%d#)", text, 1);
 }
 EXPORT const char* fmi2GetTypesPlatform(void) { return "default"; }
@@ -298,7 +314,7 @@ EXPORT int fmi2DeSerializeFMUstate(void* c, const char* from, size_t n, void** s
 
 #else
 typedef void (*Log3)(void*, int, const char*, const char*);
-static void say(Instance* self, int status, const char* text) {
+static void send_log(Instance* self, int status, const char* text) {
   if (self->log) ((Log3)self->log)(self->environment, status, "logStatusError", text);
 }
 EXPORT const char* fmi3GetVersion(void) { return "3.0"; }

@@ -1,5 +1,5 @@
 #pragma once
-/* The interface of the Reference-FMU VanDerPol; Heun's method with steps of 1e-4 s at most. */
+/* Model with the interface of the Reference-FMU VanDerPol, integrated by Heun's method with steps of at most 1e-4 s. */
 #define TOKEN "{8c4e810f-3da3-4a00-8276-176fa3c9f000}"
 struct Model {
   double x0, x1, mu, time, der_x0, der_x1;

@@ -1,8 +1,8 @@
-/** The connection to the service: requests with answers, events, binary frames, and coming back after a loss. */
+/** The connection to the service: requests with answers, events, binary frames, and reconnection after a loss. */
 import { RequestError, type HelloReply, type Request, type ServiceError, type ServiceEvent } from './protocol';
 import { decode_frame, type Frame } from './frames';
 
-/** The part of WebSocket that is used, so that tests can stand in for it. */
+/** The part of WebSocket that the client uses, so that tests can replace it. */
 export interface SocketLike {
   binaryType: string;
   readyState: number;
@@ -16,11 +16,11 @@ export interface SocketLike {
 
 export interface ClientHandlers {
   connected(hello: HelloReply): void;
-  /** `retry_ms`: when it tries again. */
+  /** @param retry_ms time until the next attempt to connect, ms */
   disconnected(retry_ms: number): void;
   event(event: ServiceEvent): void;
   frame(frame: Frame): void;
-  /** Something arrived that the protocol does not know. */
+  /** Called with a sentence when a message does not follow the protocol. */
   protocol_error(message: string): void;
 }
 
@@ -31,7 +31,7 @@ interface Waiting {
 
 const open_state = 1;
 
-/** Wait before attempt n (from 0): 0.25 s doubling to 4 s. */
+/** Delay before reconnection attempt `attempt` (from 0), ms: 250 ms, doubled at each attempt, at most 4000 ms. */
 export const retry_delay = (attempt: number): number => Math.min(4000, 250 * 2 ** Math.min(attempt, 10));
 
 export class Client {
@@ -41,7 +41,7 @@ export class Client {
   private closed = false;
   private timer: ReturnType<typeof setTimeout> | null = null;
   private readonly waiting = new Map<number, Waiting>();
-  /** Ids of the newest requests that are answered only when they fail, by their operation. */
+  /** Id of the newest request of each operation that the service answers only on failure (see post). */
   private readonly posted = new Map<string, number>();
 
   constructor(
@@ -65,11 +65,11 @@ export class Client {
       );
     };
     socket.onmessage = (message) => this.receive(message.data);
-    socket.onerror = () => undefined; // a close follows and says it
+    socket.onerror = () => undefined; // a close event always follows and is handled
     socket.onclose = () => this.lost(socket);
   }
 
-  /** Tries now instead of at the end of the wait. */
+  /** Reconnects now instead of at the end of the delay. */
   retry(): void {
     this.attempt = 0;
     this.connect();
@@ -85,6 +85,7 @@ export class Client {
     return this.socket?.readyState === open_state;
   }
 
+  /** Sends a request. @return the reply; rejected with a RequestError if it is refused or the connection is lost */
   request(request: Request): Promise<Record<string, unknown>> {
     const socket = this.socket;
     if (!socket || socket.readyState !== open_state) {
@@ -97,7 +98,10 @@ export class Client {
     });
   }
 
-  /** Sends what is answered only when it fails: of each kind the newest alone is waited for. */
+  /**
+   * Sends a request that the service answers only on failure. The client waits only for the newest request of each operation;
+   * `failed` is called if that request fails.
+   */
   post(request: Request, failed: (error: Error) => void): void {
     const socket = this.socket;
     if (!socket || socket.readyState !== open_state) return;
@@ -150,7 +154,8 @@ export class Client {
 }
 
 /**
- * Sends the latest of many values, one at a time: while one is on its way, newer ones replace each other. For seeking and dragging.
+ * Sends the latest of many values, one at a time. While one value is being sent, a newer value replaces the waiting one.
+ * Used for seeking and dragging.
  */
 export class LatestOnly<T> {
   private busy = false;
@@ -166,7 +171,7 @@ export class LatestOnly<T> {
     if (!this.busy) this.next();
   }
 
-  /** Forgets what has not been sent yet. */
+  /** Discards the value that has not been sent yet. */
   drop(): void {
     this.pending = null;
   }

@@ -1,11 +1,11 @@
-/** Everything that can be done by name: the palette, the keys and the buttons all come from this list. */
+/** The registry of named commands: palette, keys and buttons all run commands from it. */
 import type { KeymapName } from './keymap';
 
 export interface AppCommand {
   id: string;
   label: string;
   group: string;
-  /** In both keymaps, or in one. */
+  /** Keys in both keymaps; `industry` and `blender` add keys in one of them. */
   keys?: string[];
   industry?: string[];
   blender?: string[];
@@ -39,7 +39,7 @@ export class CommandRegistry {
     return this.all().find((command) => this.keys_of(command, keymap).includes(key));
   }
 
-  /** Runs it if it is known and possible now. */
+  /** Runs a command if it exists and is enabled. @return whether it was run */
   run(id: string): boolean {
     const command = this.commands.get(id);
     if (!command || command.enabled?.() === false) return false;
@@ -47,7 +47,10 @@ export class CommandRegistry {
     return true;
   }
 
-  /** Commands whose label or group holds every word of `query`, the best first: matches at the start of the label, then in it. */
+  /**
+   * Commands whose label or group contains every word of `query`. Matches at the start of the label come first, then at the start of a
+   * word.
+   */
   search(query: string): AppCommand[] {
     const words = query.toLowerCase().split(/\s+/).filter(Boolean);
     if (words.length === 0) return this.all();

@@ -1,37 +1,42 @@
 /**
- * The scenario document (docs/scenario.md) and its commands. The service owns the truth; `apply_command` here repeats only what
- * the page needs to preview a drag before the service has answered.
+ * The scenario document (docs/scenario.md) and its commands. The service owns the document. `apply_command` implements only the commands
+ * that the page previews before the service has answered.
  */
 import { apply_changes, type Change, type Circuit } from './circuit/form';
 import type { Vec3 } from './protocol';
 
+/** Place on the floor of a character's first frame, world frame, m. Without clips: place of its neutral pose. */
 export interface Place {
   x: number;
   y: number;
   z: number;
-  /** degrees about Z */
+  /** Rotation about the world's z axis, degrees. */
   heading: number;
 }
 
 export interface Control {
   mode: 'track' | 'passive';
+  /** Factor on the gains of the tracking controller, 0 ... 2. */
   tracking: number;
+  /** Factor on the gains of the balance controller, 0 ... 2. */
   balance: number;
-  /** body weights */
+  /** Cap of the root-assist wrench, body weights. */
   assist_limit: number;
+  /** Behaviour when the assist exceeds its cap: "release". */
   beyond: string;
 }
 
 export interface Clip {
   id: string;
   motion: string;
-  /** s */
+  /** Start on the track, s. */
   start: number;
+  /** Length on the track, s. */
   length: number;
-  /** s into the motion, at speed 1 */
+  /** Start within the motion, s at speed 1. */
   offset: number;
   speed: number;
-  /** s of cross-fade from the clip before */
+  /** Length of the cross-fade from the previous clip, s. */
   blend: number;
   loop: boolean;
 }
@@ -49,22 +54,32 @@ export interface Character {
 export interface ScenarioEvent {
   id: string;
   type: string;
+  /** s */
   time: number;
+  /** s */
   duration?: number;
   character?: string;
   link?: string;
+  /** World frame, N. */
   force?: Vec3;
+  /** Start position of a thrown body, world frame, m. */
   from?: Vec3;
+  /** World frame, m/s. */
   velocity?: Vec3;
+  /** Angular velocity, world frame, rad/s. */
   spin?: Vec3;
 }
 
 export interface ScenarioDocument {
   version: number;
   name: string;
+  /** s */
   duration: number;
+  /** Display frames a second. */
   frame_rate: number;
+  /** Time step of the dynamics, s. */
   step: number;
+  /** m/s^2 */
   gravity: Vec3;
   ground: { height: number; friction: number; restitution: number };
   characters: Character[];
@@ -100,7 +115,7 @@ export function find_clip(doc: ScenarioDocument, character: string, id: string):
 
 export const find_event = (doc: ScenarioDocument, id: string): ScenarioEvent | undefined => doc.events.find((e) => e.id === id);
 
-/** The end of the last clip or event, s; what "fit" shows and where a new clip goes. */
+/** End of the last clip or event, s. The "fit" command shows the time up to here, and a new clip starts here. */
 export function content_end(doc: ScenarioDocument): number {
   let end = 0;
   for (const c of doc.characters) for (const k of c.track) end = Math.max(end, k.start + k.length);
@@ -108,6 +123,7 @@ export function content_end(doc: ScenarioDocument): number {
   return end;
 }
 
+/** End of the last clip on a character's track, s; 0 without clips. */
 export function track_end(character: Character): number {
   return character.track.reduce((end, k) => Math.max(end, k.start + k.length), 0);
 }
@@ -118,8 +134,8 @@ const map_character = (doc: ScenarioDocument, id: string, change: (c: Character)
 });
 
 /**
- * The document as it will be if the service accepts `command`; commands that need the service's knowledge leave it as it is.
- * `generated`: the circuit that edits begin with where the document has none.
+ * The document as it will be if the service accepts `command`. A command whose result the page cannot predict returns `doc` unchanged.
+ * @param generated the circuit to which edits apply if the document has no circuit of its own
  */
 export function apply_command(doc: ScenarioDocument, command: Command, generated: Circuit | null = null): ScenarioDocument {
   switch (command.type) {
@@ -129,7 +145,7 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
     }
     case 'clip.add': {
       const { type: _type, character, id, offset, length, speed, blend, loop, motion, start } = command;
-      // what the service fills in is not known here
+      // the service fills in missing fields, and the page does not know their values
       if (id === undefined || offset === undefined || length === undefined || speed === undefined || blend === undefined || loop === undefined) return doc;
       const clip = { id, motion, start, length, offset, speed, blend, loop };
       return map_character(doc, character, (c) => ({ ...c, track: [...c.track, clip].sort((a, b) => a.start - b.start) }));
@@ -165,7 +181,7 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
   }
 }
 
-/** Overlaps of clips on one track, s: where the later one blends in. */
+/** Overlaps of clips on one track, s. `into` is the id of the later clip, which blends in. */
 export function blend_spans(track: readonly Clip[]): { from: number; to: number; into: string }[] {
   const sorted = [...track].sort((a, b) => a.start - b.start);
   const spans: { from: number; to: number; into: string }[] = [];

@@ -1,4 +1,4 @@
-/** How numbers look on screen. */
+/** Formatting of values for display, and parsing of typed numbers. */
 
 /** 3.42 → "00:03.42" */
 export function format_time(seconds: number): string {
@@ -17,7 +17,7 @@ export function format_number(value: number, digits = 2): string {
   return trimmed === '-0' ? '0' : trimmed;
 }
 
-/** A ruler's label: "0", "1 s", "1:30". */
+/** A label of the time ruler: "0", "1 s", "1:30". @param time, label_step s */
 export function format_ruler(time: number, label_step: number): string {
   const t = Math.round(time * 1000) / 1000;
   if (t === 0) return '0';
@@ -29,7 +29,7 @@ export function format_ruler(time: number, label_step: number): string {
   return `${t.toFixed(digits)} s`;
 }
 
-/** A distance between surfaces: "412 mm", "1.25 m"; below zero: "8 mm deep". */
+/** Distance between two surfaces: "412 mm", "1.25 m"; a negative distance (penetration): "8 mm deep". */
 export function format_gap(metres: number): string {
   if (metres < 0) return `${(-1000 * metres).toFixed(-metres < 0.0095 ? 1 : 0)} mm deep`;
   if (metres < 0.9995) return `${(1000 * metres).toFixed(metres < 0.0095 ? 1 : 0)} mm`;
@@ -44,19 +44,19 @@ export function format_factor(factor: number): string {
   return `${factor >= 10 ? factor.toFixed(0) : factor.toFixed(1)}×`;
 }
 
-/** "forearm left" → "Left forearm": labels put the side last, people say it first. */
-export function say_label(label: string): string {
+/** A link's label for display: "forearm left" → "Left forearm". */
+export function format_label(label: string): string {
   const side = /^(.*?)[\s_]+(left|right)$/i.exec(label.trim());
   const text = side ? `${side[2]!.toLowerCase()} ${side[1]}` : label.trim();
   return text.charAt(0).toUpperCase() + text.slice(1).replace(/_/g, ' ');
 }
 
-/** "Human 1.75 m · 62 freedoms · 70 kg" without what is not known. */
+/** Joins facts for display, such as "Human 1.75 m · 62 DOF · 70 kg"; empty facts are omitted. */
 export const join_facts = (facts: (string | undefined | false)[]): string => facts.filter(Boolean).join(' · ');
 
 /**
- * What a person typed into a numeric field: a number, with comma or point, or a small sum ("1.2+0.3", "90/2"); a unit after it
- * is passed over. Null if it is none.
+ * The value of text typed into a numeric field: a number with decimal comma or point, or an arithmetic expression ("1.2+0.3", "90/2").
+ * A unit at the end is ignored. Null if the text is not a number.
  */
 export function parse_number(text: string): number | null {
   const cleaned = text.trim().replace(/,/g, '.').replace(/\u2212/g, '-').replace(/\s*(?:[a-z°%×][a-z°%×²\s/]*)$/i, '');

@@ -1,4 +1,4 @@
-/** Binary frames of the service (docs/studio-protocol.md) and the ring that keeps the latest of them. */
+/** Decoder of the service's binary frames (docs/studio-protocol.md), and the ring that keeps the latest frames. */
 
 export const frame_magic = 0x46474b55;
 export const frame_version = 1;
@@ -7,81 +7,88 @@ const character_floats = 14;
 const pose_floats = 7;
 const contact_floats = 8;
 const normal_floats = 3;
-const nearest_floats = 8;
+const closest_floats = 8;
 
-export const enum FigureState {
+/** Control state of a character in a frame. */
+export const enum CharacterState {
+  /** The controller follows the track. */
   tracking = 0,
-  let_go = 1,
+  /** The root assist exceeded its cap, so control was released: the character is a ragdoll. */
+  released = 1,
+  /** The character is a passive body without control. */
   passive = 2,
+  /** Edit mode: the pose comes from the track, without physics. */
   edit = 3,
 }
 
-/** One character of a frame; offsets count floats in `Frame.floats`. */
-export interface FigureFrame {
+/** One character of a frame. Offsets are indices into `Frame.floats`. */
+export interface CharacterFrame {
   links: number;
-  state: FigureState;
-  /** Index of the first pose: 7 floats a link, position xyz m and quaternion wxyz. */
+  state: CharacterState;
+  /** Index of the first link pose. Each link has 7 floats: position xyz (m), quaternion wxyz. */
   poses: number;
-  /** Index of: assist force xyz, assist moment xyz, assist / cap, body weight, centre of mass xyz. */
+  /** Index of: assist force xyz (N), assist moment xyz (N m), assist / cap, body weight (N), centre of mass xyz (m). */
   data: number;
 }
 
-/** A decoded frame: views into the message's own bytes, nothing copied. */
+/** A decoded frame. `floats` and `words` are views of the message's bytes; nothing is copied. */
 export interface Frame {
+  /** s */
   time: number;
+  /** Frame number: time times the document's frame rate, rounded. */
   number: number;
   playing: boolean;
   simulate: boolean;
   live: boolean;
   grabbing: boolean;
-  figures: FigureFrame[];
+  characters: CharacterFrame[];
   floats: Float32Array;
   words: Uint32Array;
-  /** Index of the grab point xyz, then its target xyz. */
+  /** Index of the grabbed point xyz (m), followed by its target xyz (m). */
   grab: number;
-  /** Index of the first contact, 8 floats each: point xyz, force xyz, character (word), link (word). */
+  /** Index of the first contact, 8 values each: point xyz (m), force xyz (N), character (word), link (word). */
   contacts: number;
   contact_count: number;
-  /** Index of the first contact's normal, 3 floats each, towards the link; -1: the frame has none. */
+  /** Index of the first contact normal, 3 floats each, unit vector towards the link; -1 if the frame has no normals. */
   normals: number;
-  /** Index of the first pair of nearest points, 8 floats each: on a xyz, on b xyz (m), distance (m), characters a << 16 | b (word). */
-  nearest: number;
-  nearest_count: number;
+  /** Index of the first closest pair, 8 values each: point on a xyz, point on b xyz (m), distance (m), characters a << 16 | b (word). */
+  closest: number;
+  closest_count: number;
 }
 
-/** Decodes one message, or says why it is none of ours. */
+/** Decodes one binary message. @return the frame, or a sentence that states why the message is not a valid frame */
 export function decode_frame(buffer: ArrayBuffer): Frame | string {
-  if (buffer.byteLength < header_bytes) return `a frame of ${buffer.byteLength} bytes is shorter than its header`;
-  if (buffer.byteLength % 4 !== 0) return `a frame of ${buffer.byteLength} bytes is not whole words`;
+  if (buffer.byteLength < header_bytes) return `The frame has ${buffer.byteLength} bytes; its header alone has ${header_bytes}.`;
+  if (buffer.byteLength % 4 !== 0) return `The frame has ${buffer.byteLength} bytes, which is not a multiple of 4.`;
   const view = new DataView(buffer);
-  if (view.getUint32(0, true) !== frame_magic) return 'not a frame: its first four bytes are not UKGF';
+  if (view.getUint32(0, true) !== frame_magic) return 'The message is not a frame: its first four bytes are not UKGF.';
   const version = view.getUint32(4, true);
-  if (version !== frame_version) return `frames of version ${version}, but this page reads version ${frame_version}: reload the page`;
+  if (version !== frame_version) return `The frame has version ${version}, but this page reads version ${frame_version}. Reload the page.`;
   const flags = view.getUint32(20, true);
   const character_count = view.getUint32(24, true);
   const contact_count = view.getUint32(28, true);
   const words = new Uint32Array(buffer);
   const floats = new Float32Array(buffer);
-  const figures: FigureFrame[] = [];
+  const characters: CharacterFrame[] = [];
   let at = header_bytes / 4;
   for (let i = 0; i < character_count; i++) {
-    if (at + character_floats > floats.length) return `the frame ends in character ${i} of ${character_count}`;
+    if (at + character_floats > floats.length) return `The frame ends in character ${i} of ${character_count}.`;
     const links = words[at]!;
-    const state = words[at + 1]! as FigureState;
+    const state = words[at + 1]! as CharacterState;
     const poses = at + character_floats;
     const next = poses + links * pose_floats;
-    if (next > floats.length) return `the frame ends in the poses of character ${i} of ${character_count}`;
-    figures.push({ links, state, data: at + 2, poses });
+    if (next > floats.length) return `The frame ends in the poses of character ${i} of ${character_count}.`;
+    characters.push({ links, state, data: at + 2, poses });
     at = next;
   }
   const contacts = at;
-  const nearest_count = view.getUint32(56, true);
+  const closest_count = view.getUint32(56, true);
   const has_normals = view.getUint32(60, true) === 1;
   at += contact_count * contact_floats;
-  if (at > floats.length) return `the frame ends in its ${contact_count} contacts`;
+  if (at > floats.length) return `The frame ends in its ${contact_count} contacts.`;
   const normals = has_normals ? at : -1;
   if (has_normals) at += contact_count * normal_floats;
-  if (at + nearest_count * nearest_floats > floats.length) return `the frame ends in its ${nearest_count} nearest pairs`;
+  if (at + closest_count * closest_floats > floats.length) return `The frame ends in its ${closest_count} closest pairs.`;
   return {
     time: view.getFloat64(8, true),
     number: view.getUint32(16, true),
@@ -89,39 +96,45 @@ export function decode_frame(buffer: ArrayBuffer): Frame | string {
     simulate: (flags & 2) !== 0,
     live: (flags & 4) !== 0,
     grabbing: (flags & 8) !== 0,
-    figures,
+    characters,
     floats,
     words,
     grab: 8,
     contacts,
     contact_count,
     normals,
-    nearest: at,
-    nearest_count,
+    closest: at,
+    closest_count,
   };
 }
 
-/** What the ring hands out about a figure without the reader knowing the layout. */
-export const assist_force = (frame: Frame, figure: FigureFrame): [number, number, number] => [
-  frame.floats[figure.data]!,
-  frame.floats[figure.data + 1]!,
-  frame.floats[figure.data + 2]!,
+// Accessors that hide the layout of a character's data from the readers of a frame.
+
+/** Root-assist force on a character, world frame, N. */
+export const assist_force = (frame: Frame, character: CharacterFrame): [number, number, number] => [
+  frame.floats[character.data]!,
+  frame.floats[character.data + 1]!,
+  frame.floats[character.data + 2]!,
 ];
-export const assist_over_cap = (frame: Frame, figure: FigureFrame): number => frame.floats[figure.data + 6]!;
-export const body_weight = (frame: Frame, figure: FigureFrame): number => frame.floats[figure.data + 7]!;
-export const centre_of_mass = (frame: Frame, figure: FigureFrame): [number, number, number] => [
-  frame.floats[figure.data + 8]!,
-  frame.floats[figure.data + 9]!,
-  frame.floats[figure.data + 10]!,
+/** Root assist as a fraction of its cap; 1 at the cap. */
+export const assist_over_cap = (frame: Frame, character: CharacterFrame): number => frame.floats[character.data + 6]!;
+/** Body weight of a character, N. */
+export const body_weight = (frame: Frame, character: CharacterFrame): number => frame.floats[character.data + 7]!;
+/** Centre of mass of a character, world frame, m. */
+export const centre_of_mass = (frame: Frame, character: CharacterFrame): [number, number, number] => [
+  frame.floats[character.data + 8]!,
+  frame.floats[character.data + 9]!,
+  frame.floats[character.data + 10]!,
 ];
-export function link_position(frame: Frame, figure: FigureFrame, link: number): [number, number, number] {
-  const at = figure.poses + link * pose_floats;
+/** Origin of link `link` of a character, world frame, m. */
+export function link_position(frame: Frame, character: CharacterFrame, link: number): [number, number, number] {
+  const at = character.poses + link * pose_floats;
   return [frame.floats[at]!, frame.floats[at + 1]!, frame.floats[at + 2]!];
 }
 
 /**
- * The latest frames by frame number: what ghosts, trails and curves read. At most `capacity` frames; the oldest received goes first.
- * Cleared when what it holds is no longer what would play (another document, another mode).
+ * The latest frames by frame number, read by ghosts, trails and curves. It keeps at most `capacity` frames and drops the frame that was
+ * received first. It is cleared when the document or the mode changes, because its frames then no longer match what would play.
  */
 export class FrameRing {
   private readonly by_number = new Map<number, Frame>();
@@ -153,7 +166,7 @@ export class FrameRing {
     return this.by_number.get(number);
   }
 
-  /** The frame nearest to `number` within `tolerance` frames. */
+  /** The frame with the number closest to `number`, at most `tolerance` frames away. */
   near(number: number, tolerance: number): Frame | undefined {
     for (let d = 0; d <= tolerance; d++) {
       const found = this.by_number.get(number - d) ?? this.by_number.get(number + d);
@@ -162,11 +175,12 @@ export class FrameRing {
     return undefined;
   }
 
-  /** Numbers of the frames held, ascending. */
+  /** Numbers of the frames in the ring, ascending. */
   numbers(): number[] {
     return [...this.by_number.keys()].sort((a, b) => a - b);
   }
 
+  /** Calls `listener` with each new frame. @return a function that removes the listener */
   on_frame(listener: (frame: Frame) => void): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);

@@ -1,4 +1,4 @@
-/** The naturalness measures of a summary, with the limits from which they are bad. */
+/** The naturalness measures of a summary, with their limits for good and bad values. */
 import type { CharacterSummary } from './protocol';
 
 export interface Measure {
@@ -6,10 +6,10 @@ export interface Measure {
   name: string;
   meaning: string;
   unit: string;
-  /** From the service's number to the number shown. */
+  /** Factor from the service's unit to the displayed unit. */
   scale: number;
   digits: number;
-  /** In shown units: good up to `good`, bad above `bad`. */
+  /** Values up to `good` are good, values above `bad` are bad; in the displayed unit. */
   good: number;
   bad: number;
 }
@@ -17,22 +17,23 @@ export interface Measure {
 export const measures: readonly Measure[] = [
   { key: 'assist_rms_bw', name: 'Root assist', meaning: 'Invisible help on the root, rms, of body weight', unit: '%', scale: 100, digits: 1, good: 5, bad: 15 },
   { key: 'tracking_rms_deg', name: 'Tracking', meaning: 'Joint angles against the motion, rms', unit: '°', scale: 1, digits: 1, good: 2.5, bad: 5 },
-  { key: 'foot_skate_cm', name: 'Foot skate', meaning: 'How far feet slide while they stand, mean per step', unit: 'cm', scale: 1, digits: 1, good: 1, bad: 3 },
+  { key: 'foot_skate_cm', name: 'Foot skate', meaning: 'Distance that a standing foot slides, mean per step', unit: 'cm', scale: 1, digits: 1, good: 1, bad: 3 },
   { key: 'penetration_mm', name: 'Penetration', meaning: 'Deepest overlap with the ground', unit: 'mm', scale: 1, digits: 1, good: 5, bad: 15 },
 ];
 
 export type Grade = 'good' | 'fair' | 'bad' | 'none';
 
+/** Grade of a displayed value. */
 export function grade(measure: Measure, shown: number): Grade {
   if (!Number.isFinite(shown)) return 'none';
   return shown <= measure.good ? 'good' : shown <= measure.bad ? 'fair' : 'bad';
 }
 
-/** The number shown for a measure, or NaN where the service gives none. */
+/** The displayed value of a measure, or NaN if the summary has none. */
 export function shown_value(measure: Measure, summary: CharacterSummary | undefined): number {
   const value = summary?.[measure.key];
   return typeof value === 'number' ? value * measure.scale : NaN;
 }
 
-/** 0 ... 1 of a bar whose end is twice the bad limit. */
+/** Filled fraction, 0 ... 1, of a bar whose full length is 1.5 times the `bad` limit. */
 export const bar_fraction = (measure: Measure, shown: number): number => Math.min(1, Math.max(0, shown / (1.5 * measure.bad)));

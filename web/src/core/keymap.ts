@@ -1,4 +1,4 @@
-/** Keys and mouse: how a key is written, matched and shown, and what a pointer press on the viewport means in both keymaps. */
+/** Keymaps: names of keys as text, and the action of a pointer press on the viewport in both keymaps. */
 
 export type KeymapName = 'industry' | 'blender';
 
@@ -11,7 +11,10 @@ export interface KeyLike {
   altKey: boolean;
 }
 
-/** "Ctrl+Shift+Z" of an event; Cmd counts as Ctrl. Letters are upper case; Shift is left out where the character implies it ("?"). */
+/**
+ * Name of the key of an event, such as "Ctrl+Shift+Z". Cmd counts as Ctrl. Letters are upper case. Shift is omitted where the character
+ * implies it ("?").
+ */
 export function key_of(event: KeyLike): string {
   let key = event.key === ' ' ? 'Space' : event.key;
   const letter = /^[a-z]$/i.test(key);
@@ -26,6 +29,7 @@ export function key_of(event: KeyLike): string {
 
 const symbols: Record<string, string> = { ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓', Delete: 'Del', Escape: 'Esc' };
 
+/** A key's name for display: "Ctrl ←". */
 export const show_key = (key: string): string =>
   key
     .split('+')
@@ -34,7 +38,10 @@ export const show_key = (key: string): string =>
 
 export type PointerAction = 'orbit' | 'pan' | 'zoom' | 'select_or_orbit' | 'none';
 
-/** What pressing a button on the viewport begins. `select_or_orbit`: a link under it is selected or pulled, empty ground orbits. */
+/**
+ * The action that a button press on the viewport starts. `select_or_orbit` selects or pulls the link under the pointer, and orbits if there
+ * is none.
+ */
 export function pointer_action(keymap: KeymapName, button: number, event: { altKey: boolean; shiftKey: boolean; ctrlKey: boolean }): PointerAction {
   if (keymap === 'industry') {
     if (event.altKey) return button === 0 ? 'orbit' : button === 1 ? 'pan' : 'zoom';
@@ -46,7 +53,7 @@ export function pointer_action(keymap: KeymapName, button: number, event: { altK
   return button === 0 ? (event.altKey ? 'orbit' : 'select_or_orbit') : 'none';
 }
 
-/** Keys typed into a field are the field's. */
+/** Whether `target` takes typed text, so that keys pressed in it are not shortcuts. */
 export function is_typing(target: { tagName?: string; isContentEditable?: boolean; type?: string } | null): boolean {
   if (!target) return false;
   if (target.isContentEditable) return true;

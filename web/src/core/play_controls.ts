@@ -1,12 +1,12 @@
 /**
- * Play controls: while they are on, what the user holds in hand goes to the content (docs/studio-protocol.md, `input`): only the devices
- * that the content reads, only on change, at most 60 times a second. Framework-free; the page brings the events.
+ * Play controls: while they are on, the state of keyboard, mouse and gamepads is sent to the content (docs/studio-protocol.md, `input`).
+ * Only devices that the content reads are sent, only on change, at most 60 times a second. Framework-free; the page passes the events in.
  */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 
-/** What the running circuit reads. */
+/** The devices that the running circuit reads. */
 export interface Devices {
-  /** KeyboardEvent.code */
+  /** Key codes as in KeyboardEvent.code. */
   keyboard: string[];
   mouse: boolean;
   gamepads: number[];
@@ -16,34 +16,38 @@ export const no_devices: Devices = { keyboard: [], mouse: false, gamepads: [] };
 export const reads_anything = (d: Devices): boolean => d.keyboard.length > 0 || d.mouse || d.gamepads.length > 0;
 
 export interface MouseState {
+  /** 0 ... 1 over the viewport, from the left. */
   x: number;
+  /** 0 ... 1 over the viewport, from the top. */
   y: number;
   left: boolean;
   middle: boolean;
   right: boolean;
-  /** Notches since the message before, towards the user positive. */
+  /** Wheel notches since the previous message; positive towards the user. */
   wheel: number;
 }
 export type PadState = { axes: number[]; buttons: number[] } | null;
 
-/** The whole state of each device that it names. */
+/** A message to the content: the complete state of each device whose state changed. */
 export interface InputMessage {
   keyboard?: string[];
   mouse?: MouseState;
   gamepads?: PadState[];
 }
 
-/** The part of a Gamepad that counts. */
+/** The part of the DOM's Gamepad that is used. */
 export interface PadLike {
   axes: readonly number[];
   buttons: readonly { value: number }[];
 }
 
-export const least_ms = 1000 / 60;
-const most_keys = 64;
-const most_pads = 4;
+/** Minimum time between two messages, ms. */
+export const min_ms = 1000 / 60;
+const max_keys = 64; // pressed keys that are tracked; more are ignored
+const max_pads = 4; // navigator.getGamepads() has at most four
 const round = (v: number): number => Math.round(v * 1e4) / 1e4;
 
+/** The clock, ms, so that tests can replace it. */
 export interface Clock {
   now(): number;
   later(task: () => void, ms: number): unknown;
@@ -54,8 +58,9 @@ export class PlayControls {
   private keys = new Set<string>();
   private mouse: MouseState = { x: 0.5, y: 0.5, left: false, middle: false, right: false, wheel: 0 };
   private pads: PadState[] = [];
-  /** What the service knows, as text, by device. */
-  private readonly told: Record<string, string> = {};
+  /** State last sent to the service, as JSON text, by device. */
+  private readonly sent: Record<string, string> = {};
+  /** Time of the last message, ms. */
   private last = -Infinity;
   private waiting = false;
 
@@ -71,47 +76,49 @@ export class PlayControls {
     return this.store.getState().devices;
   }
 
-  /** The content reads other devices from now on. */
+  /** Sets the devices that the content reads; turns the controls off if it reads none. */
   set_devices(devices: Devices): void {
     this.store.setState({ devices });
     if (this.on && !reads_anything(devices)) this.leave();
     else this.changed();
   }
 
+  /** Turns the controls on; does nothing if the content reads no device. */
   enter(): void {
     if (this.on || !reads_anything(this.devices)) return;
-    for (const key of Object.keys(this.told)) delete this.told[key]; // another page may have spoken since
+    for (const key of Object.keys(this.sent)) delete this.sent[key]; // another page may have sent input since then
     this.store.setState({ on: true });
     this.changed();
   }
 
-  /** Everything is let go. */
+  /** Releases all keys and buttons, sends that, and turns the controls off. */
   leave(): void {
     if (!this.on) return;
-    this.let_go();
+    this.release();
     this.flush();
     this.store.setState({ on: false });
   }
 
-  /** The connection is a new one: the service let go of everything. */
+  /** Turns the controls off without a message: on a new connection the service has already released all devices. */
   forget(): void {
-    for (const key of Object.keys(this.told)) delete this.told[key];
+    for (const key of Object.keys(this.sent)) delete this.sent[key];
     this.store.setState({ on: false, held: [] });
     this.keys.clear();
   }
 
-  /** Nothing is held any more: the window lost the keyboard. */
-  let_go(): void {
+  /** Releases all keys, buttons and axes: the window lost the keyboard focus. */
+  release(): void {
     this.keys.clear();
     this.mouse = { ...this.mouse, left: false, middle: false, right: false, wheel: 0 };
     this.pads = this.pads.map((pad) => pad && { axes: pad.axes.map(() => 0), buttons: pad.buttons.map(() => 0) });
     this.changed();
   }
 
+  /** @param code KeyboardEvent.code  @param down true if pressed */
   key(code: string, down: boolean): void {
     if (!/^[A-Za-z0-9]{1,32}$/.test(code) || this.keys.has(code) === down) return;
     if (!down) this.keys.delete(code);
-    else if (this.keys.size < most_keys) this.keys.add(code);
+    else if (this.keys.size < max_keys) this.keys.add(code);
     this.changed();
   }
 
@@ -122,15 +129,15 @@ export class PlayControls {
     this.changed();
   }
 
-  /** A WheelEvent's deltaY and deltaMode. */
+  /** @param delta WheelEvent.deltaY  @param mode WheelEvent.deltaMode */
   wheel(delta: number, mode: number): void {
     this.mouse = { ...this.mouse, wheel: round(this.mouse.wheel + delta / (mode === 1 ? 3 : mode === 2 ? 1 : 100)) };
     this.changed();
   }
 
-  /** As navigator.getGamepads() has them; to be called for each picture while they are read. */
+  /** Takes the result of navigator.getGamepads(); call it once for each animation frame while gamepads are read. */
   gamepads(found: readonly (PadLike | null)[]): void {
-    this.pads = Array.from({ length: Math.min(most_pads, found.length) }, (_, i) => {
+    this.pads = Array.from({ length: Math.min(max_pads, found.length) }, (_, i) => {
       const pad = found[i];
       return pad ? { axes: pad.axes.map(round), buttons: pad.buttons.map((b) => round(b.value)) } : null;
     });
@@ -142,7 +149,7 @@ export class PlayControls {
     const held = this.devices.keyboard.filter((code) => this.keys.has(code));
     if (held.join() !== this.store.getState().held.join()) this.store.setState({ held });
     if (this.waiting) return;
-    const rest = this.last + least_ms - this.clock.now();
+    const rest = this.last + min_ms - this.clock.now();
     if (rest <= 0) return this.flush();
     this.waiting = true;
     this.clock.later(() => {
@@ -151,23 +158,23 @@ export class PlayControls {
     }, rest);
   }
 
-  /** Sends what changed of what the content reads. */
+  /** Sends the state of the devices that the content reads and whose state changed. */
   private flush(): void {
     if (!this.on) return;
     const { keyboard, mouse, gamepads } = this.devices;
     const message: InputMessage = {};
     const differs = (device: string, state: unknown): boolean => {
       const text = JSON.stringify(state);
-      if (this.told[device] === text) return false;
-      this.told[device] = text;
+      if (this.sent[device] === text) return false;
+      this.sent[device] = text;
       return true;
     };
     const keys = keyboard.filter((code) => this.keys.has(code));
     if (keyboard.length > 0 && differs('keyboard', keys)) message.keyboard = keys;
     if (mouse) {
       const turned = this.mouse.wheel !== 0;
-      const { wheel: _wheel, ...place } = this.mouse;
-      if (differs('mouse', place) || turned) message.mouse = this.mouse;
+      const { wheel: _wheel, ...position_and_buttons } = this.mouse;
+      if (differs('mouse', position_and_buttons) || turned) message.mouse = this.mouse;
       this.mouse = { ...this.mouse, wheel: 0 };
     }
     const pads = this.pads.map((pad, i) => (gamepads.includes(i) ? pad : null));
@@ -182,10 +189,10 @@ const names: Record<string, string> = {
   ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓', ShiftLeft: 'Shift', ShiftRight: 'right Shift', ControlLeft: 'Ctrl', ControlRight: 'right Ctrl',
 };
 
-/** "W", "5", "Space" of a KeyboardEvent.code. */
+/** Short name of a KeyboardEvent.code: "W", "5", "Space". */
 export const name_key = (code: string): string => names[code] ?? code.replace(/^Key(?=[A-Z]$)/, '').replace(/^Digit(?=\d$)/, '');
 
-/** What the content reads, in words. */
+/** The devices that the content reads, as text for the user: "W  A · mouse · gamepad". */
 export function describe_devices(devices: Devices): string {
   const keys = devices.keyboard.slice(0, 10).map(name_key).join('  ');
   const more = devices.keyboard.length > 10 ? ' …' : '';
@@ -193,12 +200,12 @@ export function describe_devices(devices: Devices): string {
   return [keys && keys + more, devices.mouse && 'mouse', pads].filter(Boolean).join(' · ');
 }
 
-/** Of an event or `hello`; whatever it is, only what has the right form counts. */
+/** Devices from a `devices` event or `hello`. Values of a wrong type are ignored. */
 export function read_devices(value: unknown): Devices {
   const { keyboard, mouse, gamepads } = (typeof value === 'object' && value !== null ? value : {}) as Record<string, unknown>;
   return {
     keyboard: Array.isArray(keyboard) ? keyboard.filter((k): k is string => typeof k === 'string') : [],
     mouse: mouse === true,
-    gamepads: Array.isArray(gamepads) ? gamepads.filter((g): g is number => Number.isInteger(g) && g >= 0 && g < most_pads) : [],
+    gamepads: Array.isArray(gamepads) ? gamepads.filter((g): g is number => Number.isInteger(g) && g >= 0 && g < max_pads) : [],
   };
 }

@@ -1,4 +1,4 @@
-/** Messages between the page and the service: docs/studio-protocol.md, type by type. */
+/** Types of the messages between the page and the service (docs/studio-protocol.md). */
 import type { Breakpoint, BreakpointHit } from './circuit/breakpoints';
 import type { LsiClass, PinType } from './circuit/classes';
 import type { Change, Circuit } from './circuit/form';
@@ -6,9 +6,11 @@ import type { ValuesEvent } from './circuit/live';
 import type { Command, ScenarioDocument } from './document';
 import type { InputMessage } from './play_controls';
 
+/** One problem that the service or the page reports to the user. */
 export interface Problem {
   code?: string;
-  place?: string;
+  /** Where the problem is: file and line, JSON path, or flat id of an LSI or pin. */
+  location?: string;
   message: string;
   remedy?: string;
 }
@@ -21,9 +23,9 @@ export interface CharacterInfo {
   id: string;
   name: string;
   mechanism: string;
-  /** Number of links, or their names: frames hold one pose for each. */
+  /** Number of links, or their names. A frame has one pose for each link. */
   links: number | string[];
-  /** How fast the track still moves it where it ends, m/s. */
+  /** Speed of the character at the end of its track, m/s. */
   end_speed?: number;
 }
 
@@ -38,11 +40,13 @@ export type Mode = 'edit' | 'simulate';
 export interface Transport {
   mode: Mode;
   playing: boolean;
+  /** Playback speed; 1 is real time. */
   speed: number;
   /** s */
   time: number;
+  /** s */
   duration: number;
-  /** s recorded so far in simulation */
+  /** Length of the simulation recorded so far, s. */
   simulated: number;
   steps_per_s: number;
   realtime_factor: number;
@@ -51,7 +55,7 @@ export interface Transport {
 
 export interface CharacterSummary {
   id: string;
-  /** body weights, rms */
+  /** RMS of the root-assist force, body weights. */
   assist_rms_bw: number;
   foot_skate_cm: number;
   tracking_rms_deg: number;
@@ -59,11 +63,14 @@ export interface CharacterSummary {
   fell: boolean;
 }
 
+/** A time span in which the number of feet on the ground does not change. */
 export interface ContactSpan {
   character: string;
+  /** s */
   from: number;
+  /** s */
   to: number;
-  /** 0 flight, 1 one foot, 2 or more: both */
+  /** Feet on the ground: 0 flight, 1 one foot, 2 or more both feet. */
   feet: number;
 }
 
@@ -80,7 +87,7 @@ export interface DocumentState {
   undo_label: string;
   redo_label: string;
   characters: CharacterInfo[];
-  /** The circuit that the generator makes, where the document has none of its own. */
+  /** The generated circuit. It runs when the document has no circuit of its own. */
   generated_circuit?: Circuit | null;
 }
 
@@ -92,19 +99,19 @@ export interface LsisEvent {
 export interface HelloReply extends DocumentState {
   project: ProjectInfo;
   transport: Transport;
-  /** What `remember` kept; of another version, or edited by hand: not to be trusted. */
+  /** Choices stored by `remember`. Another version or a person may have written them, so validate them (read_choices). */
   choices?: unknown;
   lsis?: LsisEvent | null;
   circuit_problems?: Problem[];
   stopped?: StoppedEvent | null;
-  /** What the running circuit reads of keyboard, mouse and gamepads. */
+  /** The keyboard keys, mouse and gamepads that the running circuit reads. Validate it with read_devices. */
   devices?: unknown;
   breakpoints?: Breakpoint[];
 }
 
 export interface StoppedEvent {
   reason: string;
-  /** The same, each with its place: an LSI's flat id, an output of it, or something else. */
+  /** The problems behind `reason`. The location of each is the flat id of an LSI, one of its outputs, or other text. */
   problems?: Problem[];
 }
 
@@ -142,13 +149,15 @@ export type Request =
   | { op: 'seek'; time: number }
   | { op: 'grab'; character: string; link: number; point: Vec3; target: Vec3 }
   | { op: 'drag'; target: Vec3 }
-  | { op: 'watch'; pins: string[]; probes: string[]; timing: boolean; nearest: boolean }
+  | { op: 'watch'; pins: string[]; probes: string[]; timing: boolean; closest: boolean }
   | ({ op: 'input' } & InputMessage)
   | { op: 'push'; character: string; link: number; force: Vec3; duration: number }
   | MotionRequest
   | { op: 'motion.cancel'; task: string };
 
-/** An operation on the motion of a clip; `motion` is the second one, the others say for which body. */
+/**
+ * An operation on the motion of a clip. `motion` names the second motion; `mechanism`, `height` or `sample` selects the target body.
+ */
 export interface MotionRequest {
   op: 'motion';
   task: string;
@@ -158,6 +167,7 @@ export interface MotionRequest {
   options: object;
   motion?: string;
   mechanism?: string;
+  /** Height of a human target body, m. */
   height?: number;
   sample?: 'dog' | 'human';
 }
@@ -171,65 +181,79 @@ export interface LibraryEntry {
   summary?: string;
   tags?: string[] | string;
   mechanism?: string;
+  /** s */
   duration?: number;
+  /** frames a second */
   rate?: number;
   frames?: number;
-  freedoms?: number;
+  /** Number of degrees of freedom. */
+  dofs?: number;
+  /** kg */
   mass?: number;
+  /** m */
   height?: number;
   cyclic?: boolean;
   created?: string;
-  /** What the library calls it through all its versions; absent: it is in the open project only. */
+  /** Id of the library entry, the same for all its versions; absent if the entry is only in the open project. */
   entry?: string;
   version?: number;
   note?: string;
   source?: string;
-  /** Who saved its newest version, and when. */
+  /** User who saved the newest version. */
   by?: string;
+  /** When the newest version was saved, ISO 8601. */
   changed?: string;
+  /** bytes */
   size?: number;
-  /** The library has a picture of it. */
+  /** True if the library has a picture of the entry. */
   thumbnail?: boolean;
-  /** When it was thrown into the trash; empty: it was not. */
+  /** When the entry was moved to the trash; empty if it was not. */
   removed?: string;
 }
 
 export interface ShapeData {
   type: 'capsule' | 'sphere' | 'box' | 'cylinder' | 'ellipsoid' | 'mesh' | 'height_field';
+  /** sphere, capsule, cylinder: m */
   radius?: number;
-  /** capsule, cylinder: centre to the centre of a cap or end, along the shape's z */
+  /** capsule, cylinder: distance from the centre to a cap's centre or an end face, along the shape's z axis, m */
   half_length?: number;
-  /** box; ellipsoid: its radii */
+  /** box: half edge lengths; ellipsoid: radii; m */
   half_extents?: Vec3;
-  /** mesh, height field: which of the mechanism's surfaces */
+  /** mesh, height field: key in the mechanism's `surfaces` */
   surface?: string;
-  /** x, y, z, qw, qx, qy, qz in the link's frame */
+  /** Pose of the shape in the link's frame: x, y, z (m), qw, qx, qy, qz. */
   pose: number[];
 }
 
 export interface LinkData {
   name: string;
   label?: string;
+  /** Index of the parent link; -1 for the root. */
   parent: number;
+  /** Type of the joint to the parent. */
   joint: string;
-  freedoms: number;
+  /** Degrees of freedom of the joint. */
+  dofs: number;
   shapes: ShapeData[];
-  /** World pose in the neutral position: x, y, z, qw, qx, qy, qz. */
+  /** World pose in the neutral position: x, y, z (m), qw, qx, qy, qz. */
   neutral?: number[];
 }
 
-/** Packed: base64 of 32-bit floats x y z, and of 32-bit indices. */
+/** A triangle mesh: vertices are base64 of 32-bit floats x y z (m), triangles are base64 of 32-bit vertex indices. */
 export interface MeshSurface {
   vertices: string;
   triangles: string;
 }
 
-/** Heights packed row by row, x growing with the column, y with the row. */
+/** A height field. `heights` is base64 of 32-bit floats (m), row by row; x grows with the column, y with the row. */
 export interface HeightFieldSurface {
   columns: number;
   rows: number;
+  /** Half the extent along x, m. */
   half_x: number;
+  /** Half the extent along y, m. */
   half_y: number;
+  /** Depth of the base below height 0, m. */
   base: number;
   heights: string;
 }
@@ -237,15 +261,18 @@ export interface HeightFieldSurface {
 export interface MechanismData {
   id: string;
   name: string;
-  freedoms: number;
+  /** Total number of degrees of freedom. */
+  dofs: number;
+  /** kg */
   mass: number;
+  /** m */
   height: number;
-  /** Meshes and height fields that shapes refer to. */
+  /** Meshes and height fields that shapes refer to, by key. */
   surfaces?: Record<string, MeshSurface | HeightFieldSurface>;
   links: LinkData[];
 }
 
-/** What went wrong in the words of the service; always with at least one problem. */
+/** A failed request: the problems that the service reported, or one problem with the text `fallback` if it reported none. */
 export class RequestError extends Error {
   readonly problems: Problem[];
   constructor(error: Partial<ServiceError> | undefined, fallback: string) {

@@ -1,4 +1,6 @@
-/** One page's work with the service: the state, the requests that change it, and what comes back. Framework-free. */
+/**
+ * The session of one page with the service: the page's state, the requests that change it, and the events that update it. Framework-free.
+ */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { ClassList } from './circuit/classes';
 import { condition_alone, type Breakpoint } from './circuit/breakpoints';
@@ -23,7 +25,7 @@ import {
 } from './protocol';
 import { initial_state, read_choices, valid_selection, type Selection, type StudioState, type Toast } from './state';
 
-const log_capacity = 500;
+const log_capacity = 500; // lines; older ones are dropped
 
 export interface SessionOptions {
   make_socket: () => SocketLike;
@@ -33,20 +35,23 @@ export interface SessionOptions {
 export class Session {
   readonly store: StoreApi<StudioState>;
   readonly frames = new FrameRing();
-  /** Of the running circuit, as far as `watch` asked for them. */
+  /** Live values of the running circuit, for the outputs requested by `watch`. */
   readonly live = new LiveValues();
-  /** Keyboard, mouse and gamepads on their way to the content. */
+  /** Sends keyboard, mouse and gamepad input to the content. */
   readonly controls = new PlayControls((input) => this.client.post({ op: 'input', ...input }, (error) => this.fail(error)));
+  /** The last `watch` request, as JSON; empty if it must be sent again. */
   private watched = '';
-  private looked_at: { pins: string[]; probes: string[]; timing: boolean } = { pins: [], probes: [], timing: false };
+  private watched_circuit: { pins: string[]; probes: string[]; timing: boolean } = { pins: [], probes: [], timing: false };
   private readonly client: Client;
   private readonly seeks: LatestOnly<number>;
   private readonly drags: LatestOnly<Vec3>;
-  /** The speed chosen while nothing plays: the service learns it with `play`. */
+  /** Playback speed chosen while paused; sent to the service by the next `play`. */
   private wanted_speed: number | null = null;
   private pending_edits = 0;
-  /** What the newest edit of the circuit makes of the document: when the service says the same, nothing need be made twice. */
-  private foreseen: { from: number; changes: string; document: ScenarioDocument } | null = null;
+  /**
+   * The document expected after the newest circuit edit. If the service confirms the same changes, it is used without applying them again.
+   */
+  private expected_edit: { from: number; changes: string; document: ScenarioDocument } | null = null;
   private next_id = 1;
   private preview_timer: ReturnType<typeof setTimeout> | null = null;
   private readonly fetching = new Set<string>();
@@ -61,14 +66,14 @@ export class Session {
       protocol_error: (message) => this.log('error', message),
     });
     this.store.subscribe((state, before) => {
-      if (state.view.nearest !== before.view.nearest || (state.connection === 'open' && before.connection !== 'open' && state.view.nearest)) this.send_watch();
+      if (state.view.closest !== before.view.closest || (state.connection === 'open' && before.connection !== 'open' && state.view.closest)) this.send_watch();
     });
     this.seeks = new LatestOnly(
       (time) => this.client.request({ op: 'seek', time }),
       (error) => this.fail(error),
     );
     this.drags = new LatestOnly(
-      // the service answers a drag only when it fails, so the pace is the page's: one in 16 ms
+      // the service answers a drag only when it fails, so the page limits the rate to one request in 16 ms (one display frame)
       (target) =>
         new Promise<void>((resolve, reject) => {
           this.client.post({ op: 'drag', target }, reject);
@@ -96,14 +101,17 @@ export class Session {
 
   // ---- edits ----
 
-  /** Sends one command, shown at once and taken back if the service refuses it. */
+  /**
+   * Sends one command. Its effect is shown at once as a preview, and the preview is removed if the service refuses the command.
+   * @return whether the service accepted it
+   */
   async edit(command: Command): Promise<boolean> {
     const { document, preview, revision, generated } = this.state;
     if (!document) return false;
     const base = (this.pending_edits > 0 && preview) || document;
     const shown = apply_command(base, command, generated);
     this.set({ preview: shown === base ? preview : shown });
-    this.foreseen = command.type === 'circuit.edit' && base === document ? { from: revision, changes: JSON.stringify(command.changes), document: shown } : null;
+    this.expected_edit = command.type === 'circuit.edit' && base === document ? { from: revision, changes: JSON.stringify(command.changes), document: shown } : null;
     this.pending_edits++;
     try {
       await this.client.request({ op: 'command', command });
@@ -119,7 +127,7 @@ export class Session {
     }
   }
 
-  /** Shows `document` while a drag goes on; null: ends it. Nothing is sent. */
+  /** Shows `document` during a drag; null ends the preview. Nothing is sent to the service. */
   show_preview(document: ScenarioDocument | null): void {
     this.set({ preview: document });
   }
@@ -136,13 +144,16 @@ export class Session {
     void this.request({ op: 'save' }).then((reply) => reply && this.saved(reply));
   }
 
-  /** `taken`: a file of this name exists already and `overwrite` was not asked for. Nothing was written unless it is `saved`. */
-  async save_as(path: string, overwrite: boolean): Promise<'saved' | 'taken' | 'failed'> {
+  /**
+   * Saves the project to `path`. A file is written only if the result is `saved`. The result `exists` means that a file of this name
+   * already exists and `overwrite` is false.
+   */
+  async save_as(path: string, overwrite: boolean): Promise<'saved' | 'exists' | 'failed'> {
     try {
       this.saved(await this.client.request({ op: 'save', path, overwrite }));
       return 'saved';
     } catch (error) {
-      if (!overwrite && error instanceof RequestError && error.problems[0]?.code === 'conflict') return 'taken';
+      if (!overwrite && error instanceof RequestError && error.problems[0]?.code === 'conflict') return 'exists';
       this.fail(error as Error);
       return 'failed';
     }
@@ -163,6 +174,7 @@ export class Session {
     if (this.pending_edits === 0) this.set({ preview: null });
   }
 
+  /** Keeps the preview until the service's `document` event arrives, but at most 600 ms. */
   private drop_preview_soon(): void {
     if (this.preview_timer) clearTimeout(this.preview_timer);
     this.preview_timer = setTimeout(() => this.drop_preview(), 600);
@@ -196,11 +208,12 @@ export class Session {
     if (transport.playing) this.send({ op: 'play', speed });
   }
 
+  /** Moves one display frame forwards or backwards. */
   step(frames: 1 | -1): void {
     this.send({ op: 'step', frames });
   }
 
-  /** One step of dynamics; stops there. */
+  /** Advances the simulation by one step of dynamics (one tick) and pauses. */
   step_tick(): void {
     this.send({ op: 'step', ticks: 1 });
   }
@@ -209,7 +222,11 @@ export class Session {
     this.send({ op: 'restart' });
   }
 
-  /** Many calls while scrubbing become as many seeks as the service can answer. */
+  /**
+   * Moves the playhead. At most one `seek` request is unanswered at a time. Of the calls made meanwhile, only the time of the last is sent,
+   * after the answer.
+   * @param time s, limited to the duration of the document
+   */
   seek(time: number): void {
     const { transport, document } = this.state;
     const limit = document?.duration ?? transport.duration;
@@ -218,7 +235,7 @@ export class Session {
     this.seeks.offer(clamped);
   }
 
-  /** The time of the frame last shown, s. */
+  /** Time of the latest frame while playing, otherwise time of the playhead, s. */
   get now(): number {
     const { transport } = this.state;
     return transport.playing && this.frames.latest ? this.frames.latest.time : transport.time;
@@ -226,10 +243,12 @@ export class Session {
 
   // ---- pulling ----
 
+  /** Starts a pull. @param point grabbed point in the link's frame, m  @param target world position, m */
   grab(character: string, link: number, point: Vec3, target: Vec3): void {
     this.send({ op: 'grab', character, link, point, target });
   }
 
+  /** @param target new world position of the pull's target, m */
   drag(target: Vec3): void {
     this.drags.offer(target);
   }
@@ -239,28 +258,32 @@ export class Session {
     this.send({ op: 'release' });
   }
 
+  /** Pushes a link. @param force world frame, N  @param duration s */
   push(character: string, link: number, force: Vec3, duration: number): void {
     this.send({ op: 'push', character, link, force, duration });
   }
 
   // ---- circuit ----
 
-  /** Which outputs, curves and times of the running circuit are looked at; nothing changes: nothing is sent. */
+  /**
+   * Selects the live data of the running circuit that the page shows; a request is sent only on change.
+   * @param pins flat output pins  @param probes flat pins whose curves are recorded  @param timing also the time of each LSI
+   */
   watch(pins: string[], probes: string[], timing: boolean): void {
-    this.looked_at = { pins, probes, timing };
+    this.watched_circuit = { pins, probes, timing };
     this.send_watch();
   }
 
-  /** Asks for what is looked at in the circuit and in the viewport. */
+  /** Sends the `watch` request for the circuit's live data and the viewport's closest pairs, if it changed. */
   private send_watch(): void {
-    const { nearest } = this.state.view;
-    const wanted = JSON.stringify([this.looked_at, nearest]);
+    const { closest } = this.state.view;
+    const wanted = JSON.stringify([this.watched_circuit, closest]);
     if (wanted === this.watched || this.state.connection !== 'open') return;
     this.watched = wanted;
-    this.client.request({ op: 'watch', ...this.looked_at, nearest }).catch(() => (this.watched = ''));
+    this.client.request({ op: 'watch', ...this.watched_circuit, closest }).catch(() => (this.watched = ''));
   }
 
-  // ---- breakpoints: those of the service count; each change sends the whole list ----
+  // ---- breakpoints: the service owns the list; each change sends the whole list ----
 
   private set_breakpoints(list: readonly Breakpoint[]): void {
     this.send({ op: 'breakpoints', list: list.map(({ condition, on }) => ({ condition, on })) });
@@ -282,21 +305,22 @@ export class Session {
 
   // ---- library ----
 
-  /** Told when the service says that the library changed. */
+  /** Called when the service reports that the library changed. */
   on_library: () => void = () => undefined;
   private readonly entries = new Map<string, LibraryEntry>();
 
-  /** Entries that were seen somewhere: from now on entry() finds them. */
-  know(entries: readonly LibraryEntry[]): void {
+  /** Stores entries that a reply contained, so that entry() finds them. */
+  cache_entries(entries: readonly LibraryEntry[]): void {
     for (const entry of entries) {
       if (entry.entry) this.entries.set(entry.entry, entry);
       const known = this.entries.get(entry.id);
-      // a copy has the data of its original: the original gives them their name
+      // a copy shares the data id of its original; the original's entry takes precedence
       if (!known || known.entry === entry.entry || entry.entry === entry.id) this.entries.set(entry.id, entry);
     }
     if (entries.length > 0) this.set({ library_revision: this.state.library_revision + 1 });
   }
 
+  /** Loads a mechanism into `mechanisms` unless it is loaded or being loaded. */
   async need_mechanism(id: string): Promise<void> {
     if (this.state.mechanisms[id] || this.fetching.has(id)) return;
     this.fetching.add(id);
@@ -310,11 +334,12 @@ export class Session {
     }
   }
 
+  /** A library entry by its entry id or data id, if a reply contained it. */
   entry(id: string): LibraryEntry | undefined {
     return this.entries.get(id);
   }
 
-  /** A new id for what the page adds; the service refuses one that is taken. */
+  /** A new id for an object that the page adds. The service refuses an id that is in use. */
   fresh_id(prefix: string): string {
     return prefix + Math.floor((Date.now() % 1e9) * 36 + Math.random() * 36).toString(36);
   }
@@ -329,22 +354,23 @@ export class Session {
     this.toast(level, [{ message }]);
   }
 
-  /** What was done, a sentence each: shown for a while, and kept in the log. */
-  tell(title: string, lines: readonly string[]): void {
-    this.toast('info', [{ place: title, message: lines[0] ?? 'Done.' }, ...lines.slice(1).map((message) => ({ message }))]);
+  /** Reports what an operation did, one sentence for each line: as a toast and in the log. */
+  report(title: string, lines: readonly string[]): void {
+    this.toast('info', [{ location: title, message: lines[0] ?? 'Done.' }, ...lines.slice(1).map((message) => ({ message }))]);
     for (const line of lines) this.log('info', `${title} — ${line}`);
   }
 
-  /** A request whose failure is the caller's. */
+  /** Sends a request whose failure the caller handles. */
   ask(request: Request): Promise<Record<string, unknown>> {
     return this.client.request(request);
   }
 
-  fail(error: Error, place?: string): void {
+  /** Shows an error as a toast and in the log. @param location used for problems without a location */
+  fail(error: Error, location?: string): void {
     const problems: Problem[] = error instanceof RequestError ? error.problems : [{ message: error.message }];
-    const shown = place ? problems.map((p) => ({ ...p, place: p.place || place })) : problems;
+    const shown = location ? problems.map((p) => ({ ...p, location: p.location || location })) : problems;
     this.toast('error', shown);
-    for (const p of shown) this.log('error', [p.place, p.message, p.remedy].filter(Boolean).join(' — '));
+    for (const p of shown) this.log('error', [p.location, p.message, p.remedy].filter(Boolean).join(' — '));
   }
 
   dismiss(id: number): void {
@@ -356,10 +382,10 @@ export class Session {
     this.set({ log: [...this.state.log.slice(-log_capacity + 1), line] });
   }
 
-  /** Keeps keymap, theme and view for the next page and the next start of the studio. */
+  /** Stores keymap, theme and view options for other pages and the next start of the studio. */
   remember(): void {
     const { keymap, theme, view } = this.state;
-    this.client.request({ op: 'remember', choices: { keymap, theme, view } }).catch(() => undefined); // it still counts in this page
+    this.client.request({ op: 'remember', choices: { keymap, theme, view } }).catch(() => undefined); // not stored, but still in effect in this page
   }
 
   private toast(level: Toast['level'], problems: Problem[]): void {
@@ -384,7 +410,7 @@ export class Session {
     try {
       response = await this.options.fetch(path, init);
     } catch {
-      throw new RequestError({ problems: [{ message: 'The studio does not answer.', remedy: 'See whether `ugoki studio` still runs.' }] }, '');
+      throw new RequestError({ problems: [{ message: 'The studio does not answer.', remedy: 'Check that `ugoki studio` is running.' }] }, '');
     }
     const text = await response.text();
     let body: unknown;
@@ -445,12 +471,12 @@ export class Session {
         break;
       }
       case 'edited': {
-        // the circuit's own changes instead of all of it; who missed one asks for the whole again
+        // the event has only the changes of the circuit; a page that missed an event requests the whole document
         if (event.from === this.state.revision && this.state.document) {
           const command = { type: 'circuit.edit', label: '', changes: event.changes } as const;
-          const { foreseen } = this;
-          const known = foreseen?.from === event.from && foreseen.changes === JSON.stringify(event.changes);
-          this.take_document({ ...event, document: known ? foreseen.document : apply_command(this.state.document, command, this.state.generated) });
+          const { expected_edit } = this;
+          const known = expected_edit?.from === event.from && expected_edit.changes === JSON.stringify(event.changes);
+          this.take_document({ ...event, document: known ? expected_edit.document : apply_command(this.state.document, command, this.state.generated) });
           const { project } = this.state;
           if (project) this.set({ project: { ...project, unsaved: event.unsaved } });
         } else if (event.revision !== this.state.revision) void this.request({ op: 'hello' }).then((hello) => hello && this.connected(hello as unknown as HelloReply));
@@ -460,8 +486,8 @@ export class Session {
         const { event: _name, ...transport } = event;
         if (transport.mode !== this.state.transport.mode) this.set({ summary: initial_state.summary });
         if ((transport.playing || transport.status === 'ready') && this.state.stop_problems.length > 0) this.set({ stopped: null, stop_problems: [] });
-        const { broken } = this.state;
-        if (broken && (transport.playing || Math.abs(transport.time - broken.time) > 1e-9)) this.set({ broken: null });
+        const { breakpoint_hit } = this.state;
+        if (breakpoint_hit && (transport.playing || Math.abs(transport.time - breakpoint_hit.time) > 1e-9)) this.set({ breakpoint_hit: null });
         if (transport.playing) this.wanted_speed = null;
         else if (this.wanted_speed !== null) transport.speed = this.wanted_speed;
         this.set({ transport: { ...this.state.transport, ...transport } });
@@ -484,8 +510,8 @@ export class Session {
         break;
       case 'breakpoint': {
         const { event: _name, ...hit } = event;
-        this.set({ broken: hit });
-        this.log('info', `Stopped at ${hit.time.toFixed(3)} s (tick ${hit.tick}): ${hit.pin} ${condition_alone(hit)}; it is ${hit.value}`);
+        this.set({ breakpoint_hit: hit });
+        this.log('info', `Stopped at t = ${hit.time.toFixed(3)} s (tick ${hit.tick}): ${hit.pin} ${condition_alone(hit)}; its value is ${hit.value}`);
         break;
       }
       case 'circuit':

@@ -1,4 +1,4 @@
-/** The page's state: what React draws. Frames are not in it; they go from the ring straight to the viewport. */
+/** The page's state, drawn by React. Frames are not part of it: the viewport reads them from the FrameRing. */
 import type { ScenarioDocument } from './document';
 import type { KeymapName } from './keymap';
 import type { Breakpoint, BreakpointHit } from './circuit/breakpoints';
@@ -12,7 +12,7 @@ export type Selection =
   | { kind: 'clip'; character: string; clip: string }
   | { kind: 'event'; event: string }
   | { kind: 'entry'; entry: string }
-  /** What is selected in the wiring editor, which knows it. */
+  /** The selection is in the wiring editor (EditorState). */
   | { kind: 'circuit' };
 
 export interface Toast {
@@ -26,8 +26,8 @@ export interface ViewOptions {
   ghosts: boolean;
   trail: boolean;
   contacts: boolean;
-  /** Lines between the nearest points of figures and things, with the distance. */
-  nearest: boolean;
+  /** Show lines between the closest points of characters and objects, with their distance. */
+  closest: boolean;
   follow: boolean;
   assist: boolean;
 }
@@ -39,12 +39,12 @@ export interface LoggedLine extends LogLine {
 
 export interface StudioState {
   connection: 'connecting' | 'open' | 'lost';
-  /** Date.now() at which the next attempt starts. */
+  /** When the next attempt to connect starts, as Date.now(), ms. */
   retry_at: number;
   project: ProjectInfo | null;
-  /** The service's truth. */
+  /** The document as the service has it. */
   document: ScenarioDocument | null;
-  /** The document while a drag or an unanswered edit is shown; null: `document` is what counts. */
+  /** The document to show during a drag or an unanswered edit; null: show `document`. */
   preview: ScenarioDocument | null;
   revision: number;
   can_undo: boolean;
@@ -54,20 +54,20 @@ export interface StudioState {
   characters: CharacterInfo[];
   transport: Transport;
   summary: Summary;
-  /** The circuit that the generator makes; the document's own, where it has one, goes before it. */
+  /** The generated circuit; used only if the document has no circuit of its own. */
   generated: Circuit | null;
   classes: ClassList;
-  /** Why the circuit does not run. */
+  /** Problems that keep the circuit from running. */
   circuit_problems: Problem[];
   log: LoggedLine[];
-  /** Reason why the interpreter stopped, until the next start or until it was read. */
+  /** Why the interpreter stopped; null after the next start or after the user dismissed it. */
   stopped: string | null;
-  /** What stopped it, by place, until it runs again. */
+  /** Problems that stopped the interpreter, with their locations; empty while it runs. */
   stop_problems: Problem[];
-  /** Where runs stop; and what the run stands at. */
   breakpoints: readonly Breakpoint[];
-  broken: BreakpointHit | null;
-  /** Grows when Session.entry() may answer otherwise than before. */
+  /** The breakpoint at which the run is paused; null if none. */
+  breakpoint_hit: BreakpointHit | null;
+  /** Incremented when the result of Session.entry() may have changed. */
   library_revision: number;
   mechanisms: Record<string, MechanismData>;
   selection: Selection;
@@ -111,38 +111,39 @@ export const initial_state: StudioState = {
   stopped: null,
   stop_problems: [],
   breakpoints: [],
-  broken: null,
+  breakpoint_hit: null,
   library_revision: 0,
   mechanisms: {},
   selection: { kind: 'none' },
-  view: { perspective: true, ghosts: false, trail: false, contacts: false, nearest: false, follow: false, assist: true },
+  view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, follow: false, assist: true },
   keymap: 'industry',
   theme: 'dark',
   toasts: [],
   dialog: 'none',
 };
 
-/** What the user chose in another page or at another time; whatever it is, only known words count. */
+/** Choices that the user made in another page or session. Unknown keys and values of a wrong type are ignored. */
 export function read_choices(choices: unknown): Pick<StudioState, 'keymap' | 'theme' | 'view'> {
   const { keymap, theme, view } = (typeof choices === 'object' && choices !== null ? choices : {}) as Record<string, unknown>;
   const kept = { ...initial_state.view };
+  const stored = (view ?? {}) as Record<string, unknown>;
   for (const key of Object.keys(kept) as (keyof ViewOptions)[]) {
-    const value = (view as Record<string, unknown> | null | undefined)?.[key];
+    const value = stored[key] ?? (key === 'closest' ? stored.nearest : undefined); // `nearest` is the old name of `closest`
     if (typeof value === 'boolean' && key !== 'follow') kept[key] = value;
   }
   return { keymap: keymap === 'blender' ? 'blender' : 'industry', theme: theme === 'light' ? 'light' : 'dark', view: kept };
 }
 
-/** The document to draw. */
+/** The document to draw: the preview if there is one. */
 export const shown_document = (state: StudioState): ScenarioDocument | null => state.preview ?? state.document;
 
-/** The circuit to draw, and whether it is the project's own. */
+/** The circuit to draw. `edited`: it is the project's own circuit, not the generated one. */
 export function shown_circuit(state: StudioState): { circuit: Circuit | null; edited: boolean } {
   const own = shown_document(state)?.circuit as Circuit | null | undefined;
   return own ? { circuit: own, edited: true } : { circuit: state.generated, edited: false };
 }
 
-/** The character that the selection belongs to. */
+/** Id of the character that the selection belongs to, or null. */
 export function selected_character(state: StudioState): string | null {
   const { selection } = state;
   if (selection.kind === 'character' || selection.kind === 'clip') return selection.character;
@@ -150,7 +151,7 @@ export function selected_character(state: StudioState): string | null {
   return null;
 }
 
-/** The selection, or none if what it names is no longer in `document`. */
+/** The selection if its object is still in `document`. Otherwise the clip's character, or no selection. */
 export function valid_selection(selection: Selection, document: ScenarioDocument): Selection {
   const none: Selection = { kind: 'none' };
   switch (selection.kind) {

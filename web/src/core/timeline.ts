@@ -1,23 +1,25 @@
-/** The scenario panel's arithmetic: time and pixels, snapping, and what a drag of a clip's body or edge means. */
+/** Arithmetic of the scenario panel: conversion between time and pixels, snapping, and the effect of dragging a clip or its edge. */
 import { track_end, type Character, type Clip, type ClipFields, type Command, type ScenarioDocument } from './document';
 
-/** Which part of time a panel shows. */
+/** The span of time that a panel shows. */
 export interface TimeView {
-  /** s at the left edge */
+  /** Time at the left edge, s. */
   origin: number;
-  /** px per s */
+  /** Pixels per second. */
   scale: number;
 }
 
+/** Limits of the scale, px per s. At 4 a panel 1000 px wide shows about 4 minutes; at 2400 a frame at 60 Hz is 40 px wide. */
 export const min_scale = 4;
 export const max_scale = 2400;
 
 export const time_to_x = (view: TimeView, time: number): number => (time - view.origin) * view.scale;
 export const x_to_time = (view: TimeView, x: number): number => view.origin + x / view.scale;
 
+// keeps time 0 at most 24 px from the left edge
 const keep_origin = (origin: number, scale: number): number => Math.max(-24 / scale, origin);
 
-/** Zooms by `factor` so that the time under `x` stays under it. */
+/** Zooms by `factor`. The time at pixel `x` stays at pixel `x`. */
 export function zoom_at(view: TimeView, x: number, factor: number): TimeView {
   const scale = Math.min(max_scale, Math.max(min_scale, view.scale * factor));
   const time = x_to_time(view, x);
@@ -26,13 +28,13 @@ export function zoom_at(view: TimeView, x: number, factor: number): TimeView {
 
 export const pan_by = (view: TimeView, pixels: number): TimeView => ({ ...view, origin: keep_origin(view.origin + pixels / view.scale, view.scale) });
 
-/** Shows 0 ... `duration` in `width` px with a margin. */
+/** The view that shows 0 ... `duration` (s) in `width` px with a margin. */
 export function fit_view(duration: number, width: number): TimeView {
   const scale = Math.min(max_scale, Math.max(min_scale, (Math.max(width, 80) - 32) / Math.max(duration, 0.5)));
   return { scale, origin: -12 / scale };
 }
 
-/** Distance of the ruler's labels in s, so that they are at least `min_px` apart; and of the small ticks between them. */
+/** Distance between the ruler's labels, s, at least `min_px` pixels; and distance between the small ticks, s. */
 export function ruler_steps(scale: number, frame_rate: number, min_px = 84): { label: number; tick: number } {
   const frame = 1 / frame_rate;
   const steps: [number, number][] = [
@@ -56,7 +58,7 @@ export function ruler_steps(scale: number, frame_rate: number, min_px = 84): { l
 
 export const round_to_frame = (time: number, frame_rate: number): number => Math.round(time * frame_rate) / frame_rate;
 
-/** Times worth snapping to: 0, the end, clip edges, events and the playhead, without those of what is dragged. */
+/** Times to snap to: 0, the end, clip edges, events and the playhead, without the edges of the dragged object `exclude`. */
 export function snap_targets(doc: ScenarioDocument, exclude: string, playhead: number): number[] {
   const times = [0, doc.duration, playhead];
   for (const c of doc.characters) {
@@ -68,14 +70,17 @@ export function snap_targets(doc: ScenarioDocument, exclude: string, playhead: n
 
 export interface SnapRules {
   targets: readonly number[];
-  /** s */
+  /** Maximum distance to a target, s. */
   tolerance: number;
   frame_rate: number;
-  /** Off: only a hundredth of a frame is rounded away. */
+  /** False: times are only rounded to a hundredth of a frame. */
   enabled: boolean;
 }
 
-/** Moves `delta` so that one of `edges` meets a target, or else falls on a frame. `at`: the target met, for the guide line. */
+/**
+ * Adjusts `delta` so that one of `edges` meets a target, or otherwise so that the first edge falls on a frame.
+ * @return the adjusted delta, s; `at` is the target that was met, s, for the guide line, or null
+ */
 export function snap_delta(edges: readonly number[], delta: number, rules: SnapRules): { delta: number; at: number | null } {
   if (!rules.enabled) return { delta: Math.round(delta * rules.frame_rate * 100) / (rules.frame_rate * 100), at: null };
   let best = rules.tolerance;
@@ -98,15 +103,15 @@ export type ClipDragKind = 'move' | 'trim_start' | 'trim_end' | 'stretch' | 'sli
 
 const clean = (value: number): number => Math.round(value * 1e6) / 1e6;
 
-/** Longest length of a clip on its track, s: to the motion's end, unless it loops or the motion is not known. */
+/** Maximum length of a clip on its track, s: up to the end of the motion; unlimited if it loops or the motion is not known. */
 export function max_length(clip: Clip, motion_duration: number | undefined): number {
   if (clip.loop || motion_duration === undefined) return Infinity;
   return Math.max(0, (motion_duration - clip.offset) / clip.speed);
 }
 
 /**
- * Fields of `clip` after dragging by `delta` s (before snapping): move shifts it, trims cut or uncover it, stretch changes its
- * speed so that the same motion fills the new length, slip moves the motion under a clip that stays.
+ * Fields of `clip` after dragging by `delta` s (before snapping). `move` shifts the clip. The trims shorten or lengthen it at one edge.
+ * `stretch` changes its speed so that the same part of the motion fills the new length. `slip` moves the motion under a fixed clip.
  */
 export function drag_clip(
   clip: Clip,
@@ -154,21 +159,25 @@ export function drag_clip(
   }
 }
 
-/** Only the fields that differ from the clip's: null where a drag ended where it began. */
+/** The fields that differ from those of `clip`, or null if none does. */
 export function changed_fields(clip: Clip, fields: ClipFields): ClipFields | null {
   const out: Record<string, unknown> = {};
   for (const [key, value] of Object.entries(fields)) if (clip[key as keyof Clip] !== value) out[key] = value;
   return Object.keys(out).length > 0 ? (out as ClipFields) : null;
 }
 
-/** Where and how fast a track leaves its figure in the middle of a movement (after that it holds one pose, and falls); else null. */
+/**
+ * When and how fast a character still moves at the end of its track, or null. After that time the character holds one pose, and may fall.
+ * Speeds below 0.25 m/s count as standing; a track that ends within 0.1 s of the scenario's end is not reported.
+ * @param end_speed m/s  @param duration of the scenario, s
+ */
 export function ends_moving(character: Character, end_speed: number | undefined, duration: number): { time: number; speed: number } | null {
   const time = track_end(character);
   if (character.control.mode !== 'track' || end_speed === undefined || end_speed < 0.25 || time <= 0 || time > duration - 0.1) return null;
   return { time, speed: end_speed };
 }
 
-/** Takes `clip` off one character's track and puts it on another's at `start`, as one step of undo. */
+/** Command that moves `clip` from one character's track to another's, starting at `start` (s), as one undo step. */
 export function move_clip(clip: Clip, from: string, to: string, start: number): Command {
   return {
     type: 'group',

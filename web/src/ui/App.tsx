@@ -28,12 +28,13 @@ const components: Record<string, FunctionComponent> = {
   circuit: CircuitPanel,
 };
 
-const toggle_large = (api: { isMaximized(): boolean; maximize(): void; exitMaximized(): void }): void => (api.isMaximized() ? api.exitMaximized() : api.maximize());
+const toggle_maximized = (api: { isMaximized(): boolean; maximize(): void; exitMaximized(): void }): void => (api.isMaximized() ? api.exitMaximized() : api.maximize());
 
 function Tab({ api }: IDockviewPanelHeaderProps): ReactElement {
-  return <div className="tab" onDoubleClick={() => toggle_large(api)} title="Double-click: large or small (Ctrl Space)">{api.title}</div>;
+  return <div className="tab" onDoubleClick={() => toggle_maximized(api)} title="Double-click to maximise or restore the panel  (Ctrl Space)">{api.title}</div>;
 }
 
+/** Replaces the layout by the initial one: viewport in the middle, library left, inspector right, tabs below. */
 function default_layout(api: DockviewApi): void {
   api.clear();
   const unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 13;
@@ -52,11 +53,13 @@ function default_layout(api: DockviewApi): void {
   scenario.api.setActive();
 }
 
+/** Adds the circuit panel if the layout has none: layouts stored by older versions lack it. */
 function add_circuit(api: DockviewApi): void {
   if (api.getPanel('circuit')) return;
   api.addPanel({ id: 'circuit', component: 'circuit', title: 'Circuit', inactive: true, position: { referencePanel: 'scenario', direction: 'within', index: 1 } });
 }
 
+/** Restores the layout stored in this browser. @return false if there is none or it is unusable */
 function restore_layout(api: DockviewApi): boolean {
   try {
     const text = localStorage.getItem(layout_key);
@@ -64,7 +67,7 @@ function restore_layout(api: DockviewApi): boolean {
     api.fromJSON(JSON.parse(text));
     return ['viewport', 'scenario', 'library', 'inspector'].every((id) => api.getPanel(id));
   } catch {
-    return false; // of another version, or damaged
+    return false; // stored by another version, or damaged
   }
 }
 
@@ -84,11 +87,11 @@ export function App(): ReactElement {
       const { keymap, dialog } = session.state;
       const typing = is_typing(event.target as HTMLElement);
       if (typing && !/^(Ctrl\+[KPSZYI]|Ctrl\+Shift\+[SZ]|F1)$/.test(key)) return;
-      if (typing && /^Ctrl\+(Shift\+)?[ZY]$/.test(key)) return; // the field's own undo
+      if (typing && /^Ctrl\+(Shift\+)?[ZY]$/.test(key)) return; // text fields have their own undo
       const command = registry.by_key(key, keymap);
       if (!command) return;
       if (dialog !== 'none' && !command.id.startsWith('page.')) return;
-      // Space and arrows on a focused control are the control's, apart from the transport's Space
+      // the arrow keys belong to a focused slider or radio button
       const target = event.target as HTMLElement;
       if ((key === 'ArrowLeft' || key === 'ArrowRight') && (target.tagName === 'INPUT' || target.getAttribute('role') === 'radio')) return;
       event.preventDefault();
@@ -96,7 +99,7 @@ export function App(): ReactElement {
       if (event.repeat && !['play.back', 'play.on', 'edit.undo', 'edit.redo'].includes(command.id)) return;
       command.run();
     };
-    // a click on a button must not take the keyboard from the viewport and the timeline
+    // a click on a button must not take the keyboard focus from the viewport or the timeline
     const press = (event: MouseEvent): void => {
       const button = (event.target as Element | null)?.closest?.('button');
       if (!button || button.draggable) return;
@@ -129,7 +132,7 @@ export function App(): ReactElement {
     };
   }, []);
 
-  // the dock has the size of its place at every moment, also while the page loads and the window changes
+  // lay out the dock whenever its element changes size, also while the page loads
   useEffect(() => {
     const element = frame.current;
     if (!element) return;
@@ -148,15 +151,15 @@ export function App(): ReactElement {
 
   const ready = ({ api }: DockviewReadyEvent): void => {
     dock.current = api;
-    if (frame.current) api.layout(frame.current.clientWidth, frame.current.clientHeight, true); // sizes of panels are shares of it
+    if (frame.current) api.layout(frame.current.clientWidth, frame.current.clientHeight, true); // panel sizes are stored relative to the dock's size
     if (!restore_layout(api)) default_layout(api);
     add_circuit(api);
     parts.reset_layout = () => {
       default_layout(api);
       requestAnimationFrame(() => parts.fit_timeline());
     };
-    parts.toggle_large = () => {
-      if (api.activePanel) toggle_large(api.activePanel.api);
+    parts.toggle_maximized = () => {
+      if (api.activePanel) toggle_maximized(api.activePanel.api);
     };
     parts.show_panel = (id) => api.getPanel(id)?.api.setActive();
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -166,7 +169,7 @@ export function App(): ReactElement {
         try {
           localStorage.setItem(layout_key, JSON.stringify(api.toJSON()));
         } catch {
-          // without storage the layout lasts as long as the page
+          // without local storage the layout is lost when the page closes
         }
       }, 400);
     });

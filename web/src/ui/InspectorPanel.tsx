@@ -1,6 +1,6 @@
 import { useEffect, useRef, type ReactElement } from 'react';
 import { apply_command, find_character, find_clip, find_event, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
-import { say_label } from '../core/format';
+import { format_label } from '../core/format';
 import { link_position } from '../core/frames';
 import { describe_entry, format_length, format_mass } from '../core/library/words';
 import type { LibraryEntry, Vec3 } from '../core/protocol';
@@ -14,7 +14,7 @@ import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField'
 
 const send = (command: Command): void => void session.edit(command);
 
-/** Shows what `command` would do until it is sent or taken back. */
+/** Shows the document as `command` would change it, without sending the command; null ends the preview. */
 const preview = (command: Command | null): void => {
   const { document } = session.state;
   if (document) session.show_preview(command ? apply_command(document, command) : null);
@@ -24,7 +24,7 @@ export function InspectorPanel(): ReactElement {
   const selection = useStudio((s) => s.selection);
   const doc = useStudio(shown_document);
   useStudio((s) => s.library_revision);
-  if (!doc) return <div className="panel empty">Nothing is open yet.</div>;
+  if (!doc) return <div className="panel empty">No project is open yet.</div>;
   let body: ReactElement | null = null;
   if (selection.kind === 'clip') {
     const clip = find_clip(doc, selection.character, selection.clip);
@@ -61,14 +61,14 @@ function ClipFieldsView({ character, clip, entry }: { character: string; clip: C
         Clip <span className="of">{entry?.name ?? clip.motion}</span>
       </h3>
       <p className="facts">{[owner, entry ? describe_entry(entry) : ''].filter(Boolean).join(' · ')}</p>
-      <NumberField label="Start" unit="s" value={clip.start} step={0.01} min={0} {...number('start')} />
-      <NumberField label="Length" unit="s" value={clip.length} step={0.01} min={0.01} {...number('length')} />
-      <NumberField label="Offset" unit="s" value={clip.offset} step={0.01} min={0} title="Where in the motion the clip begins" {...number('offset')} />
-      <NumberField label="Speed" unit="×" value={clip.speed} step={0.01} min={0.1} max={2} slider {...number('speed')} />
-      <NumberField label="Blend in" unit="s" value={clip.blend} step={0.01} min={0} max={5} title="Cross-fade from the clip before" {...number('blend')} />
-      <SwitchField label="Loop" value={clip.loop} title="Repeat the motion, if it is cyclic" on_commit={(loop) => send(set({ loop }))} />
+      <NumberField label="Start" unit="s" value={clip.start} step={0.01} min={0} title="Time in the scenario at which the clip starts" {...number('start')} />
+      <NumberField label="Length" unit="s" value={clip.length} step={0.01} min={0.01} title="Duration of the clip in the scenario" {...number('length')} />
+      <NumberField label="Offset" unit="s" value={clip.offset} step={0.01} min={0} title="Time in the motion at which the clip starts" {...number('offset')} />
+      <NumberField label="Speed" unit="×" value={clip.speed} step={0.01} min={0.1} max={2} slider title="Playback speed of the motion; 1 is the recorded speed" {...number('speed')} />
+      <NumberField label="Blend in" unit="s" value={clip.blend} step={0.01} min={0} max={5} title="Duration of the cross-fade from the previous clip" {...number('blend')} />
+      <SwitchField label="Loop" value={clip.loop} title="Repeat the motion until the clip ends; for cyclic motions" on_commit={(loop) => send(set({ loop }))} />
       <div className="actions">
-        <button type="button" onClick={() => run('edit.split')}>Split</button>
+        <button type="button" title="Split the clip at the playhead" onClick={() => run('edit.split')}>Split</button>
         <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
         <button type="button" onClick={() => run('edit.remove')}>Delete</button>
       </div>
@@ -93,7 +93,7 @@ function CharacterFields({ character, link, doc }: { character: Character; link:
       </h3>
       {mechanism && (
         <p className="facts">
-          {format_length(mechanism.height)} · {format_mass(mechanism.mass)} · {mechanism.freedoms} freedoms
+          {format_length(mechanism.height)} · {format_mass(mechanism.mass)} · {mechanism.dofs} DOF
         </p>
       )}
       <TextField label="Name" value={character.name} on_commit={(name) => send({ type: 'character.set', id: character.id, name })} />
@@ -101,48 +101,49 @@ function CharacterFields({ character, link, doc }: { character: Character; link:
         <label htmlFor={`color-${character.id}`}>Colour</label>
         <ColorInput id={`color-${character.id}`} value={character.color ?? '#e6e6ea'} on_commit={(color) => send({ type: 'character.set', id: character.id, color })} />
       </div>
-      <h4>Place</h4>
+      <h4>Placement</h4>
       <NumberField label="X" unit="m" value={place.x} step={0.01} {...set_place('x')} />
       <NumberField label="Y" unit="m" value={place.y} step={0.01} {...set_place('y')} />
       <NumberField label="Z" unit="m" value={place.z} step={0.01} {...set_place('z')} />
-      <NumberField label="Heading" unit="°" value={place.heading} step={1} digits={1} {...set_place('heading')} />
+      <NumberField label="Heading" unit="°" value={place.heading} step={1} digits={1} title="Rotation about the vertical axis, positive to the left" {...set_place('heading')} />
       <h4>Motion control</h4>
       <ChoiceField
         label="Drive"
         value={control.mode}
-        choices={[['track', 'follow the track'], ['passive', 'passive body']]}
+        choices={[['track', 'Follow the track'], ['passive', 'Passive body']]}
+        title="Follow the track: motion control drives the joints. Passive body: no control forces"
         on_commit={(mode) => set_control({ mode: mode as 'track' | 'passive' })}
       />
       {active && (
         <>
-          <NumberField label="Tracking" unit="×" value={control.tracking} step={0.01} min={0} max={2} slider title="How firmly joints follow the motion" on_commit={(tracking) => set_control({ tracking })} />
-          <NumberField label="Balance" unit="×" value={control.balance} step={0.01} min={0} max={2} slider title="How firmly it keeps upright" on_commit={(balance) => set_control({ balance })} />
-          <NumberField label="Assist limit" unit="% of weight" value={control.assist_limit * 100} step={1} digits={0} min={0} max={500} title="Most invisible help on the root; beyond it the figure lets go" on_commit={(v) => set_control({ assist_limit: v / 100 })} />
+          <NumberField label="Tracking" unit="×" value={control.tracking} step={0.01} min={0} max={2} slider title="Factor on the joint gains of motion control; 1 is the default" on_commit={(tracking) => set_control({ tracking })} />
+          <NumberField label="Balance" unit="×" value={control.balance} step={0.01} min={0} max={2} slider title="Factor on the root gains of motion control; 1 is the default" on_commit={(balance) => set_control({ balance })} />
+          <NumberField label="Assist limit" unit="% of weight" value={control.assist_limit * 100} step={1} digits={0} min={0} max={500} title="Maximum assist force on the root, in percent of body weight; a character that needs more is released and falls" on_commit={(v) => set_control({ assist_limit: v / 100 })} />
           <div className="field">
-            <span>Beyond it</span>
-            <output>let go</output>
+            <span>Above the limit</span>
+            <output>released</output>
           </div>
         </>
       )}
-      {link !== undefined && mechanism?.links[link] && <LinkReadout character={character.id} link={link} label={say_label(mechanism.links[link].label || mechanism.links[link].name)} joint={mechanism.links[link].joint} freedoms={mechanism.links[link].freedoms} />}
+      {link !== undefined && mechanism?.links[link] && <LinkReadout character={character.id} link={link} label={format_label(mechanism.links[link].label || mechanism.links[link].name)} joint={mechanism.links[link].joint} dofs={mechanism.links[link].dofs} />}
       <div className="actions">
-        <button type="button" onClick={() => run('view.frame')}>Frame</button>
-        <button type="button" onClick={() => run('edit.push')} disabled={doc.characters.length === 0}>Add push</button>
+        <button type="button" title="Move the camera to show the character" onClick={() => run('view.frame')}>Frame</button>
+        <button type="button" title="Add a push event at the playhead" onClick={() => run('edit.push')} disabled={doc.characters.length === 0}>Add push</button>
         <button type="button" onClick={() => run('edit.remove')}>Delete</button>
       </div>
     </>
   );
 }
 
-/** Position of a link, written ten times a second without React. */
-function LinkReadout({ character, link, label, joint, freedoms }: { character: string; link: number; label: string; joint: string; freedoms: number }): ReactElement {
+/** Joint and world position (m) of a link. The position is written to the DOM ten times a second, without rendering in React. */
+function LinkReadout({ character, link, label, joint, dofs }: { character: string; link: number; label: string; joint: string; dofs: number }): ReactElement {
   const position = useRef<HTMLOutputElement>(null);
   useEffect(() => {
     const timer = setInterval(() => {
       const frame = session.frames.latest;
-      const figure = frame?.figures[session.state.characters.findIndex((c) => c.id === character)];
-      if (!frame || !figure || !position.current || link >= figure.links) return;
-      position.current.textContent = link_position(frame, figure, link).map((v) => v.toFixed(2)).join('  ');
+      const character_frame = frame?.characters[session.state.characters.findIndex((c) => c.id === character)];
+      if (!frame || !character_frame || !position.current || link >= character_frame.links) return;
+      position.current.textContent = link_position(frame, character_frame, link).map((v) => v.toFixed(2)).join('  ');
     }, 100);
     return () => clearInterval(timer);
   }, [character, link]);
@@ -153,7 +154,7 @@ function LinkReadout({ character, link, label, joint, freedoms }: { character: s
       </h4>
       <div className="field">
         <span>Joint</span>
-        <output>{freedoms > 0 ? `${joint}, ${freedoms} ${freedoms === 1 ? 'freedom' : 'freedoms'}` : joint}</output>
+        <output>{dofs > 0 ? `${joint}, ${dofs} DOF` : joint}</output>
       </div>
       <div className="field">
         <span>Position</span>
@@ -185,12 +186,12 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
       <h3>
         Event <span className="of">{event.type}</span>
       </h3>
-      <NumberField label="Time" unit="s" value={event.time} step={0.01} min={0} on_preview={(v) => preview(v === null ? null : set({ time: v }))} on_commit={(time) => send(set({ time }))} />
+      <NumberField label="Time" unit="s" value={event.time} step={0.01} min={0} title="Time in the scenario at which the event starts" on_preview={(v) => preview(v === null ? null : set({ time: v }))} on_commit={(time) => send(set({ time }))} />
       <ChoiceField label="Character" value={event.character ?? ''} choices={doc.characters.map((c) => [c.id, c.name])} on_commit={(id) => send(set({ character: id }))} />
       {event.type === 'push' && (
         <>
-          <NumberField label="Duration" unit="s" value={event.duration ?? 0.2} step={0.01} min={0.001} on_commit={(duration) => send(set({ duration }))} />
-          {mechanism && <ChoiceField label="Link" value={event.link ?? ''} choices={mechanism.links.map((l) => [l.name, say_label(l.label || l.name)])} on_commit={(link) => send(set({ link }))} />}
+          <NumberField label="Duration" unit="s" value={event.duration ?? 0.2} step={0.01} min={0.001} title="Time for which the force acts" on_commit={(duration) => send(set({ duration }))} />
+          {mechanism && <ChoiceField label="Link" value={event.link ?? ''} choices={mechanism.links.map((l) => [l.name, format_label(l.label || l.name)])} on_commit={(link) => send(set({ link }))} />}
           <VectorFields label="Force" unit="N" step={1} value={event.force ?? [0, 0, 0]} on_commit={(force) => send(set({ force }))} />
         </>
       )}
@@ -202,7 +203,7 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
         </>
       )}
       <div className="actions">
-        <button type="button" onClick={() => session.seek(Math.max(0, event.time - 0.2))}>Go there</button>
+        <button type="button" title="Move the playhead to 0.2 s before the event" onClick={() => session.seek(Math.max(0, event.time - 0.2))}>Go to event</button>
         <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
         <button type="button" onClick={() => run('edit.remove')}>Delete</button>
       </div>
@@ -219,17 +220,17 @@ function ScenarioFields({ doc }: { doc: ScenarioDocument }): ReactElement {
       <h3>
         Scenario <span className="of">{doc.name}</span>
       </h3>
-      <p className="facts">Select a figure, a clip or an event to edit it.</p>
+      <p className="facts">Select a character, a clip or an event to edit it.</p>
       <TextField label="Name" value={doc.name} on_commit={(name) => set({ name })} />
-      <NumberField label="Duration" unit="s" value={doc.duration} step={0.1} min={0.1} max={3600} on_preview={(v) => preview(v === null ? null : { type: 'scenario.set', duration: v })} on_commit={(duration) => set({ duration })} />
-      <ChoiceField label="Frame rate" value={String(doc.frame_rate)} choices={rates.map((r) => [String(r), `${r} / s`])} on_commit={(rate) => set({ frame_rate: Number(rate) })} />
+      <NumberField label="Duration" unit="s" value={doc.duration} step={0.1} min={0.1} max={3600} title="Length of the scenario" on_preview={(v) => preview(v === null ? null : { type: 'scenario.set', duration: v })} on_commit={(duration) => set({ duration })} />
+      <ChoiceField label="Frame rate" value={String(doc.frame_rate)} choices={rates.map((r) => [String(r), `${r} / s`])} title="Frames per second that are recorded and shown" on_commit={(rate) => set({ frame_rate: Number(rate) })} />
       <h4>Physics</h4>
-      <ChoiceField label="Step" value={String(doc.step)} choices={[...new Set([0.0005, 0.001, 0.002, 0.004, doc.step])].sort().map((s) => [String(s), `${s * 1000} ms · ${Math.round(1 / s)} Hz`])} on_commit={(step) => set({ step: Number(step) })} />
-      <NumberField label="Gravity" unit="m/s²" value={-doc.gravity[2]} step={0.01} on_commit={(g) => set({ gravity: [doc.gravity[0], doc.gravity[1], -g] })} />
-      <NumberField label="Friction" value={doc.ground.friction} step={0.01} min={0} max={2} slider on_commit={(friction) => set({ ground: { ...doc.ground, friction } })} />
-      <NumberField label="Bounce" value={doc.ground.restitution} step={0.01} min={0} max={1} slider title="Restitution of the ground" on_commit={(restitution) => set({ ground: { ...doc.ground, restitution } })} />
-      <h4>Look</h4>
-      <NumberField label="Light" value={doc.look?.light ?? 0.9} step={0.01} min={0} max={2} slider on_commit={(light) => set({ look: { ...doc.look, light } })} />
+      <ChoiceField label="Step" value={String(doc.step)} choices={[...new Set([0.0005, 0.001, 0.002, 0.004, doc.step])].sort().map((s) => [String(s), `${s * 1000} ms · ${Math.round(1 / s)} Hz`])} title="Time step of the simulation" on_commit={(step) => set({ step: Number(step) })} />
+      <NumberField label="Gravity" unit="m/s²" value={-doc.gravity[2]} step={0.01} title="Gravitational acceleration, downwards" on_commit={(g) => set({ gravity: [doc.gravity[0], doc.gravity[1], -g] })} />
+      <NumberField label="Friction" value={doc.ground.friction} step={0.01} min={0} max={2} slider title="Coefficient of friction of the ground" on_commit={(friction) => set({ ground: { ...doc.ground, friction } })} />
+      <NumberField label="Restitution" value={doc.ground.restitution} step={0.01} min={0} max={1} slider title="Coefficient of restitution of the ground: 0 does not bounce, 1 is elastic" on_commit={(restitution) => set({ ground: { ...doc.ground, restitution } })} />
+      <h4>Appearance</h4>
+      <NumberField label="Light" value={doc.look?.light ?? 0.9} step={0.01} min={0} max={2} slider title="Brightness of the light in the viewport" on_commit={(light) => set({ look: { ...doc.look, light } })} />
       <div className="field">
         <label htmlFor="floor-color">Floor</label>
         <ColorInput id="floor-color" value={doc.look?.floor ?? '#2a2c31'} on_commit={(floor) => set({ look: { ...doc.look, floor } })} />
@@ -238,7 +239,7 @@ function ScenarioFields({ doc }: { doc: ScenarioDocument }): ReactElement {
   );
 }
 
-/** A colour, committed once when its chooser closes. */
+/** A colour field; the colour is committed once, when the browser's colour picker closes. */
 function ColorInput({ id, value, on_commit }: { id: string; value: string; on_commit: (value: string) => void }): ReactElement {
   const input = useRef<HTMLInputElement>(null);
   useEffect(() => {

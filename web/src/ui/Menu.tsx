@@ -1,4 +1,4 @@
-/** The menu of the right button: what can be done with what is under it. */
+/** A context menu: actions for the element under the pointer. */
 import { Fragment, useEffect, useLayoutEffect, useRef, type ReactElement } from 'react';
 
 export interface MenuItem {
@@ -7,11 +7,11 @@ export interface MenuItem {
   run: () => void;
   disabled?: boolean;
   title?: string;
-  /** A line above it. */
+  /** A separator line is drawn above this item. */
   apart?: boolean;
 }
 
-/** `x`, `y`: in what it is put into; with `over` in the window, over everything. */
+/** @param x, y position in px: relative to the containing element, or with `over` relative to the window and above all panels */
 export function Menu({ x, y, items, close, over = false, label }: { x: number; y: number; items: MenuItem[]; close: () => void; over?: boolean; label?: string }): ReactElement {
   const element = useRef<HTMLDivElement>(null);
   useLayoutEffect(() => {

@@ -6,20 +6,20 @@ export interface NumberFieldProps {
   value: number;
   unit?: string;
   digits?: number;
-  /** Change for one pixel of scrubbing or one arrow key. */
+  /** Change of the value per pixel of scrubbing; an arrow key changes it by 5 steps. Shift: a tenth of it. */
   step: number;
   min?: number;
   max?: number;
-  /** A slider beside the number, from `min` to `max`. */
+  /** Shows a slider from `min` to `max` next to the number. */
   slider?: boolean;
   title?: string;
-  /** While scrubbing; null: back to the document. */
+  /** Called with each value while scrubbing; null: the scrub was cancelled, show the document's value. */
   on_preview?: (value: number | null) => void;
-  /** One command. */
+  /** Called once per edit, with the final value. */
   on_commit: (value: number) => void;
 }
 
-/** A number with its unit: type it (Enter takes it, Escape reverts), scrub it on its label, or move its slider. */
+/** A number with its unit. Type it (Enter commits, Escape reverts), drag horizontally on the label (scrub), or move the slider. */
 export function NumberField(props: NumberFieldProps): ReactElement {
   const { label, value, unit, digits = 2, step, min = -Infinity, max = Infinity, slider, title, on_preview, on_commit } = props;
   const id = useId();
@@ -41,7 +41,7 @@ export function NumberField(props: NumberFieldProps): ReactElement {
       on_commit(next);
     }
   };
-  const take = (): void => {
+  const commit_text = (): void => {
     if (text === null) return;
     const parsed = parse_number(text);
     if (parsed === null) set_text(null);
@@ -49,7 +49,7 @@ export function NumberField(props: NumberFieldProps): ReactElement {
   };
   const key = (event: KeyboardEvent): void => {
     if (event.key === 'Enter') {
-      take();
+      commit_text();
       input.current?.select();
     } else if (event.key === 'Escape') {
       set_text(null);
@@ -131,7 +131,7 @@ export function NumberField(props: NumberFieldProps): ReactElement {
             value={text ?? format_number(shown, digits)}
             onChange={(e) => set_text(e.target.value)}
             onFocus={(e) => e.target.select()}
-            onBlur={take}
+            onBlur={commit_text}
             onKeyDown={key}
           />
           {unit && <span className="unit">{unit}</span>}
@@ -144,7 +144,7 @@ export function NumberField(props: NumberFieldProps): ReactElement {
 export function TextField({ label, value, on_commit, disabled }: { label: string; value: string; on_commit: (value: string) => void; disabled?: boolean }): ReactElement {
   const id = useId();
   const [text, set_text] = useState<string | null>(null);
-  const take = (): void => {
+  const commit_text = (): void => {
     if (text !== null && text.trim() && text !== value) on_commit(text.trim());
     set_text(null);
   };
@@ -158,9 +158,9 @@ export function TextField({ label, value, on_commit, disabled }: { label: string
         disabled={disabled}
         spellCheck={false}
         onChange={(e) => set_text(e.target.value)}
-        onBlur={take}
+        onBlur={commit_text}
         onKeyDown={(e) => {
-          if (e.key === 'Enter') take();
+          if (e.key === 'Enter') commit_text();
           if (e.key === 'Escape') {
             set_text(null);
             e.stopPropagation();

@@ -1,4 +1,4 @@
-/** Play controls over the viewport: what the content reads, whether it gets it, and the way in and out. */
+/** Play controls over the viewport: the input devices that the content reads, and the buttons that give it the input and take it back. */
 import { useEffect, type ReactElement, type RefObject } from 'react';
 import { describe_devices, name_key, reads_anything } from '../core/play_controls';
 import { run } from './actions';
@@ -12,14 +12,14 @@ export function PlayControlsBar({ host }: { host: RefObject<HTMLDivElement | nul
   if (!reads_anything(devices)) return null;
   if (!on) {
     return (
-      <button type="button" className="controls-bar" title="Keys, mouse and gamepad go to the content until Esc  (Shift Space)" onClick={() => run('play.controls')}>
+      <button type="button" className="controls-bar" title="Send keys, mouse and gamepad to the content until Esc is pressed  (Shift Space)" onClick={() => run('play.controls')}>
         Play controls <span className="facts">{describe_devices(devices)}</span>
       </button>
     );
   }
   return (
     <div className="controls-bar on" role="status">
-      <strong>The content has the controls</strong>
+      <strong>Input goes to the content</strong>
       {devices.keyboard.length > 0 && (
         <span className="held-keys" aria-hidden="true">
           {devices.keyboard.slice(0, 12).map((code) => (
@@ -29,21 +29,21 @@ export function PlayControlsBar({ host }: { host: RefObject<HTMLDivElement | nul
       )}
       <span className="facts">{describe_devices({ ...devices, keyboard: [] })}</span>
       <button type="button" onClick={() => session.controls.leave()}>
-        Esc leaves
+        Leave (Esc)
       </button>
     </div>
   );
 }
 
-/** From now on keys and the pointer over `host` go to the content. @return ends it */
+/** Sends keys, the pointer over `host` and gamepads to the content. @return stops sending */
 function take_input(host: HTMLElement): () => void {
   const { controls } = session;
   const stop = new AbortController();
   const listen = { capture: true, signal: stop.signal };
   const key = (event: KeyboardEvent): void => {
-    // with Ctrl it is the browser's and the page's own, unless the content reads that; what is let go is always told
-    const own = (event.ctrlKey || event.metaKey) && !controls.devices.keyboard.some((code) => /^(Control|Meta)/.test(code));
-    if (own && event.type === 'keydown') return;
+    // Ctrl and Cmd shortcuts stay with the browser and the page, unless the content reads these keys; releases are always sent
+    const page_shortcut = (event.ctrlKey || event.metaKey) && !controls.devices.keyboard.some((code) => /^(Control|Meta)/.test(code));
+    if (page_shortcut && event.type === 'keydown') return;
     event.preventDefault();
     event.stopPropagation();
     if (event.key === 'Escape') {
@@ -52,10 +52,10 @@ function take_input(host: HTMLElement): () => void {
   };
   window.addEventListener('keydown', key, listen);
   window.addEventListener('keyup', key, listen);
-  // a key that is let go elsewhere is never told: nothing is held then
-  window.addEventListener('blur', () => controls.let_go(), { signal: stop.signal });
-  document.addEventListener('visibilitychange', () => document.hidden && controls.let_go(), { signal: stop.signal });
-  // work in another panel takes the keyboard there
+  // the page gets no keyup event while it has no focus: release all keys
+  window.addEventListener('blur', () => controls.release(), { signal: stop.signal });
+  document.addEventListener('visibilitychange', () => document.hidden && controls.release(), { signal: stop.signal });
+  // a press in another panel gives the keyboard back to the page
   window.addEventListener('pointerdown', (event) => host.contains(event.target as Node) || controls.leave(), listen);
 
   const pointer = (event: PointerEvent): void => {
@@ -81,12 +81,12 @@ function take_input(host: HTMLElement): () => void {
   );
   host.addEventListener('contextmenu', (event) => controls.devices.mouse && event.preventDefault(), listen);
 
-  let picture = requestAnimationFrame(function poll() {
+  let handle = requestAnimationFrame(function poll() {
     if (controls.devices.gamepads.length > 0) controls.gamepads(navigator.getGamepads());
-    picture = requestAnimationFrame(poll);
+    handle = requestAnimationFrame(poll);
   });
   return () => {
     stop.abort();
-    cancelAnimationFrame(picture);
+    cancelAnimationFrame(handle);
   };
 }

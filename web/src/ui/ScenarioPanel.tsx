@@ -8,7 +8,7 @@ import { page, parts, plain_canvas, session, useStudio } from './app';
 import { drop_target, EventTrack, Track, type DropGhost } from './tracks';
 
 
-/** The scenario: ruler, tracks, events and contacts; drags of its clips are in tracks.tsx. */
+/** The scenario panel: ruler, tracks, events and contact bars. Clips and their drags are in tracks.tsx. */
 export function ScenarioPanel(): ReactElement {
   const doc = useStudio(shown_document);
   const rate = doc?.frame_rate ?? 60;
@@ -20,8 +20,8 @@ export function ScenarioPanel(): ReactElement {
   const [width, set_width] = useState(800);
   const [ghost, set_ghost] = useState<DropGhost | null>(null);
   const [guide, set_guide] = useState<number | null>(null);
-  /** All of it is shown, as long as nobody zooms or pans. */
-  const whole = useRef(true);
+  /** True until the user zooms or pans: the whole scenario is fitted to the panel at each change of its size. */
+  const fitted = useRef(true);
   const duration = doc?.duration ?? 10;
 
   useLayoutEffect(() => {
@@ -36,11 +36,11 @@ export function ScenarioPanel(): ReactElement {
   const fit = useCallback(() => {
     const element = lanes.current;
     const now = shown_document(session.state);
-    whole.current = true;
+    fitted.current = true;
     if (element && now) set_view(fit_view(now.duration, element.clientWidth));
   }, []);
-  const look = useCallback((change: (v: TimeView) => TimeView) => {
-    whole.current = false;
+  const change_view = useCallback((change: (v: TimeView) => TimeView) => {
+    fitted.current = false;
     set_view(change);
   }, []);
   useEffect(() => {
@@ -48,10 +48,10 @@ export function ScenarioPanel(): ReactElement {
   }, [fit]);
   const open = doc !== null;
   useEffect(() => {
-    if (open && whole.current && width > 120) fit();
+    if (open && fitted.current && width > 120) fit();
   }, [open, width, fit]);
 
-  // the browser's own wheel must not scroll the page, so the listener cannot be passive
+  // the listener calls preventDefault, so that the wheel does not scroll the page; a passive listener could not
   useEffect(() => {
     const element = root.current;
     if (!element) return;
@@ -60,12 +60,12 @@ export function ScenarioPanel(): ReactElement {
       if (!box || event.clientX < box.left) return;
       event.preventDefault();
       const amount = event.deltaY || event.deltaX;
-      if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) look((v) => pan_by(v, event.deltaX || amount));
-      else look((v) => zoom_at(v, event.clientX - box.left, Math.exp(-Math.max(-150, Math.min(150, amount)) * 0.0022)));
+      if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) change_view((v) => pan_by(v, event.deltaX || amount));
+      else change_view((v) => zoom_at(v, event.clientX - box.left, Math.exp(-Math.max(-150, Math.min(150, amount)) * 0.0022)));
     };
     element.addEventListener('wheel', wheel, { passive: false });
     return () => element.removeEventListener('wheel', wheel);
-  }, [open, look]);
+  }, [open, change_view]);
 
   const time_at = (client_x: number): number => {
     const box = lanes.current?.getBoundingClientRect();
@@ -78,7 +78,7 @@ export function ScenarioPanel(): ReactElement {
     const target = event.currentTarget;
     let last = event.clientX;
     const move = (e: PointerEvent): void => {
-      look((v) => pan_by(v, last - e.clientX));
+      change_view((v) => pan_by(v, last - e.clientX));
       last = e.clientX;
     };
     const up = (): void => {
@@ -133,7 +133,7 @@ export function ScenarioPanel(): ReactElement {
     else if (entry.mechanism) add_character(entry.mechanism, undefined, entry.id);
   };
 
-  if (!doc) return <div className="panel empty">Waiting for the studio…</div>;
+  if (!doc) return <div className="panel empty">Waiting for the project from the studio…</div>;
   return (
     <div
       ref={root}
@@ -150,7 +150,7 @@ export function ScenarioPanel(): ReactElement {
     >
       <div className="scenario-head">
         <div className="corner">
-          <button type="button" className="quiet" title="Fit the timeline  (Home)" onClick={fit}>
+          <button type="button" className="quiet" title="Show the whole scenario  (Home)" onClick={fit}>
             Fit
           </button>
           <button type="button" className="quiet" title="Add a push at the playhead  (Shift P)" disabled={doc.characters.length === 0} onClick={() => run('edit.push')}>
@@ -167,14 +167,14 @@ export function ScenarioPanel(): ReactElement {
           </div>
         ))}
         <EventTrack doc={doc} view={view} on_guide={set_guide} />
-        {doc.characters.length === 0 && <p className="hint lane-hint">Drag a mechanism from the library here, or onto the floor, to begin.</p>}
+        {doc.characters.length === 0 && <p className="hint lane-hint">To begin, drag a mechanism from the library here or onto the floor.</p>}
         {doc.characters.length > 0 && doc.characters.every((c) => c.track.length === 0) && <p className="hint lane-hint">Drag a motion from the library onto a track.</p>}
-        {ghost && !ghost.character && !ghost.refused && <p className="hint lane-hint drop-hint">Drop: a new character{session.entry(ghost.entry)?.kind === 'motion' ? ' with this motion' : ''}</p>}
+        {ghost && !ghost.character && !ghost.refused && <p className="hint lane-hint drop-hint">Drop to add a new character{session.entry(ghost.entry)?.kind === 'motion' ? ' with this motion' : ''}</p>}
       </div>
       <div className="overlay" aria-hidden="true">
         <div className="beyond" style={{ left: Math.max(0, time_to_x(view, duration)) }} />
         {guide !== null && <div className="guide" style={{ left: time_to_x(view, guide) }} />}
-        <Playhead view={view_ref} set_view={look} width={width} />
+        <Playhead view={view_ref} set_view={change_view} width={width} />
       </div>
     </div>
   );
@@ -247,7 +247,10 @@ function Ruler({ view, width, rate, duration, time_at }: { view: TimeView; width
   );
 }
 
-/** The playhead follows the frames by itself; React draws it once. */
+/**
+ * The playhead and the bar of the simulated time. React renders them once; their positions are then written to the DOM at each animation
+ * frame.
+ */
 function Playhead({ view, set_view, width }: { view: { current: TimeView }; set_view: (change: (v: TimeView) => TimeView) => void; width: number }): ReactElement {
   const line = useRef<HTMLDivElement>(null);
   const played = useRef<HTMLDivElement>(null);
@@ -270,7 +273,7 @@ function Playhead({ view, set_view, width }: { view: { current: TimeView }; set_
         const to = Math.max(from, time_to_x(view.current, transport.mode === 'simulate' ? transport.simulated : 0));
         played.current.style.transform = `translateX(${from}px) scaleX(${Math.max(0, to - from)})`;
       }
-      // while it plays out of sight, turn the page
+      // while playing, scroll by a page when the playhead leaves the visible range
       if (transport.playing && x > width && x < width * 3) set_view((v) => pan_by(v, width * 0.9));
       else if (transport.playing && x < 0 && x > -width * 3) set_view((v) => pan_by(v, x - 24));
     };

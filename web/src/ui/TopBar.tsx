@@ -26,7 +26,7 @@ function CommandButton({ id, icon, title, accent, pressed }: { id: string; icon:
   );
 }
 
-/** Time and frame, written at each frame without React. */
+/** Time and frame number of the playhead, written to the DOM at each animation frame, without rendering in React. */
 function Clock(): ReactElement {
   const time = useRef<HTMLSpanElement>(null);
   const frame = useRef<HTMLSpanElement>(null);
@@ -69,9 +69,9 @@ export function TopBar(): ReactElement {
     <header className="topbar">
       <div className="bar-left">
         <span className="brand">Ugoki</span>
-        <span className="project" title={project ? `${project.path || 'not saved yet'}${project.unsaved ? ' — has changes that are not saved' : ''}` : ''}>
+        <span className="project" title={project ? `${project.path || 'not saved yet'}${project.unsaved ? ' — unsaved changes' : ''}` : ''}>
           {title}
-          {project?.unsaved && <span className="unsaved" role="img" aria-label="has changes that are not saved">•</span>}
+          {project?.unsaved && <span className="unsaved" role="img" aria-label="unsaved changes">•</span>}
         </span>
         <div className="tools">
           <CommandButton id="edit.undo" icon="undo" title={undo_label ? `Undo: ${undo_label}` : 'Undo'} />
@@ -86,7 +86,7 @@ export function TopBar(): ReactElement {
               role="radio"
               aria-checked={transport.mode === mode}
               disabled={!ready}
-              title={mode === 'edit' ? 'The tracks as they are, without physics' : 'Dynamics: figures have weight and can be pulled and pushed'}
+              title={mode === 'edit' ? 'Show the motions of the tracks, without physics' : 'Compute the dynamics; characters can be pulled and pushed'}
               onClick={() => session.set_mode(mode)}
             >
               {mode === 'edit' ? 'Edit' : 'Simulate'}
@@ -103,7 +103,7 @@ export function TopBar(): ReactElement {
           <CommandButton id="play.end" icon="to_end" />
         </div>
         <Clock />
-        <select className="speed" aria-label="Playing speed" value={transport.speed} onChange={(e) => session.set_speed(Number(e.target.value))}>
+        <select className="speed" aria-label="Playback speed" title="Playback speed" value={transport.speed} onChange={(e) => session.set_speed(Number(e.target.value))}>
           {(speeds.includes(transport.speed) ? speeds : [...speeds, transport.speed].sort((a, b) => a - b)).map((speed) => (
             <option key={speed} value={speed}>
               {speed}×
@@ -113,12 +113,12 @@ export function TopBar(): ReactElement {
       </div>
       <div className="bar-right">
         {simulate && (
-          <span className="rate" title="Simulation rate, and how many times faster than real time it computes">
+          <span className="rate" title="Simulation rate, and simulated time per computing time">
             {step ? `${Math.round(1 / step)} Hz` : ''}
             {transport.realtime_factor > 0 && <> · {format_factor(transport.realtime_factor)} real time</>}
           </span>
         )}
-        <button type="button" className="tool wide" title="All commands  (Ctrl K)" onClick={() => run('page.palette')}>
+        <button type="button" className="tool wide" title="Search all commands  (Ctrl K)" onClick={() => run('page.palette')}>
           <Icon name="search" />
           <span>Commands</span>
         </button>

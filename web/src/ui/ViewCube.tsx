@@ -4,15 +4,18 @@ import type { Viewport } from '../view/viewport';
 type V = readonly [number, number, number];
 
 const faces: { name: string; title: string; normal: V; up: V; azimuth: number; elevation: number }[] = [
-  { name: 'Front', title: 'From the front (+X)', normal: [1, 0, 0], up: [0, 0, 1], azimuth: 0, elevation: 0.02 },
-  { name: 'Back', title: 'From behind (−X)', normal: [-1, 0, 0], up: [0, 0, 1], azimuth: Math.PI, elevation: 0.02 },
-  { name: 'Left', title: 'From its left (+Y)', normal: [0, 1, 0], up: [0, 0, 1], azimuth: Math.PI / 2, elevation: 0.02 },
-  { name: 'Right', title: 'From its right (−Y)', normal: [0, -1, 0], up: [0, 0, 1], azimuth: -Math.PI / 2, elevation: 0.02 },
-  { name: 'Top', title: 'From above (+Z)', normal: [0, 0, 1], up: [0, 1, 0], azimuth: -Math.PI / 2, elevation: 1.55 },
-  { name: 'Below', title: 'From below (−Z)', normal: [0, 0, -1], up: [0, 1, 0], azimuth: -Math.PI / 2, elevation: -1.45 },
+  { name: 'Front', title: 'View from the front (+X)', normal: [1, 0, 0], up: [0, 0, 1], azimuth: 0, elevation: 0.02 },
+  { name: 'Back', title: 'View from behind (−X)', normal: [-1, 0, 0], up: [0, 0, 1], azimuth: Math.PI, elevation: 0.02 },
+  { name: 'Left', title: 'View from the left (+Y)', normal: [0, 1, 0], up: [0, 0, 1], azimuth: Math.PI / 2, elevation: 0.02 },
+  { name: 'Right', title: 'View from the right (−Y)', normal: [0, -1, 0], up: [0, 0, 1], azimuth: -Math.PI / 2, elevation: 0.02 },
+  { name: 'Top', title: 'View from above (+Z)', normal: [0, 0, 1], up: [0, 1, 0], azimuth: -Math.PI / 2, elevation: 1.55 },
+  { name: 'Bottom', title: 'View from below (−Z)', normal: [0, 0, -1], up: [0, 1, 0], azimuth: -Math.PI / 2, elevation: -1.45 },
 ];
 
-/** Style of a face: its right, down and outward directions, with the world's y turned over because a page's y points down. */
+/**
+ * CSS transform of a face. Its columns are the face's right, down and outward directions in the world, with y negated because CSS has y
+ * down.
+ */
 function face_transform({ normal: n, up: u }: { normal: V; up: V }): string {
   const right: V = [u[1] * n[2] - u[2] * n[1], u[2] * n[0] - u[0] * n[2], u[0] * n[1] - u[1] * n[0]];
   const columns = [right, [-u[0], -u[1], -u[2]] as const, n].flatMap((v) => [v[0], -v[1], v[2], 0]);
@@ -25,7 +28,7 @@ const axes = [
   { name: 'Z', color: 'var(--axis-z)', at: [0, 0, 1] },
 ] as const;
 
-/** The cube that shows and chooses the direction of view, with the axes around it. */
+/** The view cube: shows the camera's direction with the world axes; a click on a face looks from that side. */
 export function ViewCube({ viewport }: { viewport: Viewport }): ReactElement {
   const cube = useRef<HTMLDivElement>(null);
   const axis_elements = useRef<(SVGGElement | null)[]>([]);
@@ -33,7 +36,7 @@ export function ViewCube({ viewport }: { viewport: Viewport }): ReactElement {
     let before = '';
     const draw = (): void => {
       const e = viewport.rig.camera.matrixWorldInverse.elements;
-      // the page's y points down: mirror the rows that come out on screen
+      // CSS has y down: negate the second row of the view matrix
       const m = [e[0], -e[1], e[2], 0, e[4], -e[5], e[6], 0, e[8], -e[9], e[10], 0, 0, 0, 0, 1].map((v) => (v as number).toFixed(5));
       const text = m.join(',');
       if (text === before) return;

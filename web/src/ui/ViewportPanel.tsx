@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState, type DragEvent, type ReactElement } from 'react';
 import * as THREE from 'three';
-import { assist_force, assist_over_cap, body_weight, FigureState } from '../core/frames';
+import { assist_force, assist_over_cap, body_weight, CharacterState } from '../core/frames';
 import { format_gap, format_percent } from '../core/format';
 import { bar_fraction, grade, measures, shown_value } from '../core/judge';
 import { show_key } from '../core/keymap';
@@ -27,7 +27,7 @@ export function ViewportPanel(): ReactElement {
     if (!canvas.current || !host.current) return;
     let made: Viewport;
     try {
-      made = new Viewport(canvas.current, session, (figure_states) => page.setState({ figure_states }));
+      made = new Viewport(canvas.current, session, (character_states) => page.setState({ character_states }));
     } catch (error) {
       set_failed((error as Error).message);
       return;
@@ -81,19 +81,19 @@ export function ViewportPanel(): ReactElement {
       }}
       onDrop={drop}
     >
-      <canvas ref={canvas} tabIndex={0} aria-label="Viewport: the figures of the scenario" role="img" />
+      <canvas ref={canvas} tabIndex={0} aria-label="Viewport: the characters of the scenario" role="img" />
       <div ref={label} className="link-label" aria-hidden="true" />
       {failed && (
         <div className="viewport-failed" role="alert">
-          <strong>The picture cannot be drawn.</strong>
+          <strong>The 3D view cannot be drawn.</strong>
           <span>{failed}</span>
-          <span>Switch on WebGL (hardware acceleration) in this browser’s settings, then load the page again.</span>
+          <span>Enable WebGL (hardware acceleration) in the browser’s settings, then reload the page.</span>
         </div>
       )}
       {empty && !failed && (
         <div className="viewport-empty">
-          <strong>An empty floor</strong>
-          <span>Drag a mechanism from the library onto it, or import a motion file (BVH, ASF with AMC).</span>
+          <strong>No characters yet</strong>
+          <span>Drag a mechanism from the library onto the floor, or import a motion file (BVH, ASF with AMC).</span>
         </div>
       )}
       <ViewOptionsBar />
@@ -101,7 +101,7 @@ export function ViewportPanel(): ReactElement {
       {viewport && <Badges viewport={viewport} />}
       {viewport && <Distances viewport={viewport} />}
       <AssistCard />
-      {running && !controls && <p className="viewport-hint">Press on a figure and pull</p>}
+      {running && !controls && <p className="viewport-hint">Drag a character to pull it</p>}
       <PlayControlsBar host={host} />
     </div>
   );
@@ -113,7 +113,7 @@ function ViewOptionsBar(): ReactElement {
   const options: [keyof typeof view, string, string][] = [
     ['ghosts', 'Ghosts', 'view.ghosts'],
     ['contacts', 'Contacts', 'view.contacts'],
-    ['nearest', 'Distances', 'view.nearest'],
+    ['closest', 'Distances', 'view.closest'],
     ['trail', 'Centre of mass', 'view.trail'],
     ['follow', 'Follow', 'view.follow'],
   ];
@@ -124,7 +124,7 @@ function ViewOptionsBar(): ReactElement {
   };
   return (
     <div className="view-options" role="toolbar" aria-label="View">
-      <button type="button" title={`Perspective or orthographic${key('view.perspective')}`} onClick={() => set_view({ perspective: !view.perspective })}>
+      <button type="button" title={`Switch between perspective and orthographic projection${key('view.perspective')}`} onClick={() => set_view({ perspective: !view.perspective })}>
         {view.perspective ? 'Perspective' : 'Orthographic'}
       </button>
       {options.map(([option, name, id]) => (
@@ -136,13 +136,16 @@ function ViewOptionsBar(): ReactElement {
   );
 }
 
-const most_labels = 12;
-/** px */
+const max_labels = 12;
+/** Space that a distance label needs, px. */
 const label_room = { width: 64, height: 22 };
 
-/** The distances of nearest points in mm (m when far), written at the middle of their lines without React. */
+/**
+ * Labels with the distances of the closest points (mm; m from 1 m on), at the middle of their lines. Written to the DOM without rendering
+ * in React.
+ */
 function Distances({ viewport }: { viewport: Viewport }): ReactElement | null {
-  const on = useStudio((s) => s.view.nearest);
+  const on = useStudio((s) => s.view.closest);
   const host = useRef<HTMLDivElement>(null);
   useEffect(() => {
     if (!on) return;
@@ -150,16 +153,16 @@ function Distances({ viewport }: { viewport: Viewport }): ReactElement | null {
       const labels = host.current?.children;
       if (!labels) return;
       const box = viewport.canvas.getBoundingClientRect();
-      const taken: { x: number; y: number }[] = [];
+      const placed: { x: number; y: number }[] = [];
       for (let i = 0; i < labels.length; i++) {
         const label = labels[i] as HTMLElement;
-        const pair = viewport.nearest_pairs[i];
+        const pair = viewport.closest_pairs[i];
         const at = pair && viewport.to_client(pair.middle);
-        // the nearest come first; a label that would cover one of them waits until there is room
-        const free = at && !taken.some((t) => Math.abs(t.x - at.x) < label_room.width && Math.abs(t.y - at.y) < label_room.height);
+        // pairs are sorted by distance; a label that would overlap the label of a closer pair is hidden
+        const free = at && !placed.some((t) => Math.abs(t.x - at.x) < label_room.width && Math.abs(t.y - at.y) < label_room.height);
         label.style.visibility = free ? 'visible' : 'hidden';
         if (!pair || !at || !free) continue;
-        taken.push(at);
+        placed.push(at);
         label.textContent = format_gap(pair.distance);
         label.dataset.overlap = String(pair.distance < 0);
         label.style.transform = `translate(${at.x - box.left}px, ${at.y - box.top}px) translate(-50%, -50%)`;
@@ -171,19 +174,19 @@ function Distances({ viewport }: { viewport: Viewport }): ReactElement | null {
   if (!on) return null;
   return (
     <div ref={host} className="distances" aria-hidden="true">
-      {Array.from({ length: most_labels }, (_, i) => (
+      {Array.from({ length: max_labels }, (_, i) => (
         <span key={i} className="distance" style={{ visibility: 'hidden' }} />
       ))}
     </div>
   );
 }
 
-/** "Let go" above a figure that has become a ragdoll. */
+/** Badges above characters whose motion control was released. */
 function Badges({ viewport }: { viewport: Viewport }): ReactElement {
-  const states = usePage((s) => s.figure_states);
+  const states = usePage((s) => s.character_states);
   const characters = useStudio((s) => s.characters);
   const simulate = useStudio((s) => s.transport.mode === 'simulate');
-  const fallen = simulate ? characters.filter((c) => states[c.id] === FigureState.let_go) : [];
+  const fallen = simulate ? characters.filter((c) => states[c.id] === CharacterState.released) : [];
   const elements = useRef(new Map<string, HTMLDivElement>());
   const ids = fallen.map((c) => c.id).join(' ');
   useEffect(() => {
@@ -197,7 +200,7 @@ function Badges({ viewport }: { viewport: Viewport }): ReactElement {
         if (!at) continue;
         const { offsetWidth: width, offsetHeight: height } = element;
         let y = at.y;
-        // figures that lie close together: one badge above the other
+        // stack the badges of characters that are close together on the screen
         for (let hit = true; hit; ) {
           const under = placed.find((p) => Math.abs(p.x - at.x) < (p.width + width) / 2 + 4 && Math.abs(p.y - y) < height + 2);
           hit = under !== undefined;
@@ -222,14 +225,17 @@ function Badges({ viewport }: { viewport: Viewport }): ReactElement {
             else elements.current.delete(c.id);
           }}
         >
-          {fallen.length > 1 || characters.length > 1 ? `${c.name} let go` : 'let go'}
+          {fallen.length > 1 || characters.length > 1 ? `${c.name} released` : 'released'}
         </div>
       ))}
     </>
   );
 }
 
-/** Root assist as it is now, written ten times a second without React; skate and tracking from the summary. */
+/**
+ * Naturalness of the selected character. Root assist is written to the DOM ten times a second, without React; foot skate and tracking error
+ * are from the latest summary.
+ */
 function AssistCard(): ReactElement | null {
   const simulate = useStudio((s) => s.transport.mode === 'simulate');
   const doc = useStudio((s) => s.document);
@@ -237,7 +243,7 @@ function AssistCard(): ReactElement | null {
   const driven = doc?.characters.filter((c) => c.control.mode === 'track') ?? [];
   const character = driven.find((c) => c.id === chosen) ?? driven[0];
   const summary = useStudio((s) => s.summary.characters.find((c) => c.id === character?.id));
-  const state = usePage((s) => (character ? s.figure_states[character.id] : undefined));
+  const state = usePage((s) => (character ? s.character_states[character.id] : undefined));
   const value = useRef<HTMLSpanElement>(null);
   const bar = useRef<HTMLDivElement>(null);
   const id = character?.id;
@@ -246,12 +252,12 @@ function AssistCard(): ReactElement | null {
     let smooth = 0;
     const timer = setInterval(() => {
       const frame = session.frames.latest;
-      const figure = frame?.figures[session.state.characters.findIndex((c) => c.id === id)];
-      if (!frame || !figure || !value.current || !bar.current) return;
-      const weight = body_weight(frame, figure);
-      const share = weight > 0 ? Math.hypot(...assist_force(frame, figure)) / weight : 0;
+      const character_frame = frame?.characters[session.state.characters.findIndex((c) => c.id === id)];
+      if (!frame || !character_frame || !value.current || !bar.current) return;
+      const weight = body_weight(frame, character_frame);
+      const share = weight > 0 ? Math.hypot(...assist_force(frame, character_frame)) / weight : 0;
       smooth += (share - smooth) * 0.5;
-      const over = assist_over_cap(frame, figure);
+      const over = assist_over_cap(frame, character_frame);
       value.current.textContent = format_percent(smooth);
       bar.current.style.transform = `scaleX(${Math.min(1, Math.max(over, 0))})`;
       bar.current.dataset.grade = over > 0.7 ? 'bad' : over > 0.3 ? 'fair' : 'good';
@@ -266,10 +272,10 @@ function AssistCard(): ReactElement | null {
         <div className="card-title">
           <span className="dot" style={{ background: character.color ?? '#e6e6ea' }} />
           {character.name}
-          {state === FigureState.let_go && <span className="let-go">let go</span>}
+          {state === CharacterState.released && <span className="released">released</span>}
         </div>
       )}
-      <div className="measure" title="Invisible help on the root now, of body weight; the bar: of its cap">
+      <div className="measure" title="Current assist force on the root, in percent of body weight. The bar shows its share of the assist limit.">
         <span>Root assist</span>
         <span ref={value} className="value">0.0 %</span>
         <div className="bar"><div ref={bar} data-grade="good" /></div>

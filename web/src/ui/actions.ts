@@ -1,4 +1,4 @@
-/** Every command of the page, by name and key. */
+/** All commands of the page: id, label, keys, and the function that runs. */
 import { content_end, find_character, find_clip, find_event, track_end, type Clip, type Command } from '../core/document';
 import type { AppCommand } from '../core/commands';
 import { reads_anything } from '../core/play_controls';
@@ -65,7 +65,7 @@ function duplicate(): void {
   }
 }
 
-/** Puts a motion at the end of a character's track. */
+/** Appends a motion to a character's track, as one command. */
 export function append_motion(character: string, motion: string): void {
   const { document } = state();
   const target = document && find_character(document, character);
@@ -77,7 +77,7 @@ export function add_motion(character: string, motion: string, start: number): vo
   const entry = session.entry(motion);
   const target = state().document && find_character(state().document!, character);
   if (entry?.mechanism && target && entry.mechanism !== target.mechanism) {
-    session.fail(new Error(`“${entry.name}” is a motion of another mechanism than ${target.name} has.`));
+    session.fail(new Error(`“${entry.name}” is a motion for another mechanism than that of ${target.name}. Choose a character with the motion's mechanism.`));
     return;
   }
   const id = session.fresh_id('k');
@@ -90,12 +90,12 @@ export function add_character(mechanism: string, place?: { x: number; y: number 
   const entry = session.entry(mechanism);
   const id = session.fresh_id('c');
   const { document } = state();
-  const taken = new Set(document?.characters.map((c) => c.name));
+  const used_names = new Set(document?.characters.map((c) => c.name));
   let name = entry?.name ?? 'Character';
-  for (let n = 2; taken.has(name); n++) name = `${entry?.name ?? 'Character'} ${n}`;
-  const spot = place ?? { x: 0, y: -1.2 * (document?.characters.length ?? 0) };
+  for (let n = 2; used_names.has(name); n++) name = `${entry?.name ?? 'Character'} ${n}`;
+  const position = place ?? { x: 0, y: -1.2 * (document?.characters.length ?? 0) }; // m: side by side
   const round = (v: number): number => Math.round(v * 100) / 100;
-  const add: Command = { type: 'character.add', mechanism, id, name, place: { x: round(spot.x), y: round(spot.y) } };
+  const add: Command = { type: 'character.add', mechanism, id, name, place: { x: round(position.x), y: round(position.y) } };
   const length = motion ? session.entry(motion)?.duration : undefined;
   const command: Command = motion
     ? { type: 'group', label: `Add ${name}`, commands: [add, { type: 'clip.add', character: id, motion, start: 0, ...(length ? { length } : {}) }] }
@@ -121,7 +121,7 @@ function add_push(): void {
   });
 }
 
-function keep_camera(): void {
+function save_camera(): void {
   const eye = parts.viewport?.rig.current;
   if (!eye) return;
   const round = (value: number): number => Math.round(value * 1000) / 1000;
@@ -132,7 +132,7 @@ function keep_camera(): void {
   });
 }
 
-/** The content runs, and what the user holds in hand goes to it until Escape. */
+/** Simulates, and sends keys, mouse and gamepads to the content until Escape is pressed. */
 export function enter_controls(): void {
   const { transport } = state();
   if (transport.mode !== 'simulate') session.set_mode('simulate');
@@ -140,7 +140,7 @@ export function enter_controls(): void {
   session.controls.enter();
 }
 
-const look = (azimuth: number, elevation: number) => (): void => {
+const look_from = (azimuth: number, elevation: number) => (): void => {
   parts.viewport?.rig.look_from(azimuth, elevation);
   parts.viewport?.invalidate();
 };
@@ -176,55 +176,55 @@ const commands: AppCommand[] = [
     },
   },
   { id: 'edit.push', label: 'Add push at playhead', group: 'Edit', keys: ['Shift+P'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: add_push },
-  { id: 'edit.camera', label: 'Keep this view as the opening view', group: 'Edit', enabled: has_document, run: keep_camera },
+  { id: 'edit.camera', label: 'Save this view as the initial view', group: 'Edit', enabled: has_document, run: save_camera },
 
   { id: 'play.toggle', label: 'Play or pause', group: 'Transport', keys: ['Space'], enabled: has_document, run: () => session.toggle_play() },
-  { id: 'play.start', label: 'To start', group: 'Transport', keys: ['Shift+ArrowLeft', 'Ctrl+Home'], enabled: has_document, run: () => session.seek(0) },
-  { id: 'play.end', label: 'To end', group: 'Transport', keys: ['Shift+ArrowRight', 'Ctrl+End'], enabled: has_document, run: () => session.seek(state().transport.mode === 'simulate' && state().transport.simulated > 0 ? state().transport.simulated : content_end(state().document!) || state().document!.duration) },
+  { id: 'play.start', label: 'Go to start', group: 'Transport', keys: ['Shift+ArrowLeft', 'Ctrl+Home'], enabled: has_document, run: () => session.seek(0) },
+  { id: 'play.end', label: 'Go to end', group: 'Transport', keys: ['Shift+ArrowRight', 'Ctrl+End'], enabled: has_document, run: () => session.seek(state().transport.mode === 'simulate' && state().transport.simulated > 0 ? state().transport.simulated : content_end(state().document!) || state().document!.duration) },
   { id: 'play.back', label: 'One frame back', group: 'Transport', keys: ['ArrowLeft', ','], enabled: has_document, run: () => session.step(-1) },
-  { id: 'play.on', label: 'One frame on', group: 'Transport', keys: ['ArrowRight', '.'], enabled: has_document, run: () => session.step(1) },
-  { id: 'play.restart', label: 'Simulate again from the start', group: 'Transport', keys: ['Shift+R'], enabled: () => state().transport.mode === 'simulate', run: () => session.restart() },
+  { id: 'play.on', label: 'One frame forward', group: 'Transport', keys: ['ArrowRight', '.'], enabled: has_document, run: () => session.step(1) },
+  { id: 'play.restart', label: 'Restart the simulation', group: 'Transport', keys: ['Shift+R'], enabled: () => state().transport.mode === 'simulate', run: () => session.restart() },
   { id: 'mode.toggle', label: 'Switch between Edit and Simulate', group: 'Transport', keys: ['`'], industry: ['Q'], enabled: has_document, run: () => session.set_mode(state().transport.mode === 'edit' ? 'simulate' : 'edit') },
-  { id: 'play.controls', label: 'Play controls: keys, mouse and gamepad go to the content', group: 'Transport', keys: ['Shift+Space'], enabled: () => reads_anything(session.controls.devices), run: enter_controls },
+  { id: 'play.controls', label: 'Play controls: send keys, mouse and gamepad to the content', group: 'Transport', keys: ['Shift+Space'], enabled: () => reads_anything(session.controls.devices), run: enter_controls },
   ...[0.25, 0.5, 1, 2].map((speed): AppCommand => ({ id: `play.speed_${speed}`, label: `Speed ${speed}×`, group: 'Transport', run: () => session.set_speed(speed) })),
 
   { id: 'view.frame', label: 'Frame selection', group: 'View', keys: ['F'], blender: ['NumpadDecimal'], run: () => parts.viewport?.frame_selection() },
   { id: 'view.all', label: 'Frame all', group: 'View', keys: ['A'], run: () => parts.viewport?.frame_all() },
-  { id: 'view.follow', label: 'Follow character', group: 'View', keys: ['L'], run: toggle('follow') },
-  { id: 'view.perspective', label: 'Perspective or orthographic', group: 'View', keys: ['5', 'P'], run: toggle('perspective') },
-  { id: 'view.ghosts', label: 'Ghosts', group: 'View', keys: ['O'], run: toggle('ghosts') },
-  { id: 'view.trail', label: 'Centre-of-mass trail', group: 'View', keys: ['T'], run: toggle('trail') },
-  { id: 'view.contacts', label: 'Contact forces', group: 'View', keys: ['C'], run: toggle('contacts') },
-  { id: 'view.nearest', label: 'Nearest points and their distance', group: 'View', keys: ['N'], run: toggle('nearest') },
-  { id: 'view.assist', label: 'Root-assist arrow', group: 'View', run: toggle('assist') },
-  { id: 'view.front', label: 'View from the front', group: 'View', keys: ['1'], run: look(0, 0.02) },
-  { id: 'view.left', label: 'View from the left', group: 'View', keys: ['3'], run: look(Math.PI / 2, 0.02) },
-  { id: 'view.top', label: 'View from above', group: 'View', keys: ['7'], run: look(-Math.PI / 2, 1.55) },
+  { id: 'view.follow', label: 'Follow the character with the camera', group: 'View', keys: ['L'], run: toggle('follow') },
+  { id: 'view.perspective', label: 'Switch between perspective and orthographic', group: 'View', keys: ['5', 'P'], run: toggle('perspective') },
+  { id: 'view.ghosts', label: 'Show or hide ghosts', group: 'View', keys: ['O'], run: toggle('ghosts') },
+  { id: 'view.trail', label: 'Show or hide the trail of the centre of mass', group: 'View', keys: ['T'], run: toggle('trail') },
+  { id: 'view.contacts', label: 'Show or hide contact forces', group: 'View', keys: ['C'], run: toggle('contacts') },
+  { id: 'view.closest', label: 'Show or hide distances of the closest points', group: 'View', keys: ['N'], run: toggle('closest') },
+  { id: 'view.assist', label: 'Show or hide the root-assist arrow', group: 'View', run: toggle('assist') },
+  { id: 'view.front', label: 'View from the front', group: 'View', keys: ['1'], run: look_from(0, 0.02) },
+  { id: 'view.left', label: 'View from the left', group: 'View', keys: ['3'], run: look_from(Math.PI / 2, 0.02) },
+  { id: 'view.top', label: 'View from above', group: 'View', keys: ['7'], run: look_from(-Math.PI / 2, 1.55) },
 
   { id: 'circuit.add', label: 'Add an LSI…', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.open_search() },
   { id: 'circuit.note', label: 'Add a note', group: 'Circuit', enabled: has_canvas, run: () => circuit.add_note(parts.circuit!.point()) },
   { id: 'circuit.group', label: 'Group the selected LSIs into a circuit', group: 'Circuit', enabled: () => circuit.state.nodes.size > 0, run: () => circuit.group() },
   { id: 'circuit.ungroup', label: 'Ungroup the selected circuit', group: 'Circuit', enabled: () => circuit.chosen !== null, run: () => circuit.ungroup() },
-  { id: 'circuit.inside', label: 'Go inside the selected circuit', group: 'Circuit', enabled: () => circuit.chosen !== null, run: () => { if (circuit.chosen) circuit.go_inside(circuit.chosen); } },
-  { id: 'circuit.outside', label: 'Go out of this circuit', group: 'Circuit', enabled: () => circuit.state.path.length > 0, run: () => circuit.go_out() },
+  { id: 'circuit.inside', label: 'Open the selected circuit', group: 'Circuit', enabled: () => circuit.chosen !== null, run: () => { if (circuit.chosen) circuit.go_inside(circuit.chosen); } },
+  { id: 'circuit.outside', label: 'Leave this circuit', group: 'Circuit', enabled: () => circuit.state.path.length > 0, run: () => circuit.go_out() },
   { id: 'circuit.layout', label: 'Lay out the circuit', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.lay_out() },
   { id: 'circuit.fit', label: 'Show the whole circuit', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.fit() },
   { id: 'circuit.reset', label: 'Reset the circuit to the generated one', group: 'Circuit', enabled: () => circuit.state.edited, run: () => circuit.reset_to_generated() },
 
   { id: 'page.fit', label: 'Fit the timeline', group: 'Page', keys: ['Home'], run: () => parts.fit_timeline() },
   { id: 'page.palette', label: 'All commands…', group: 'Page', keys: ['Ctrl+K', 'Ctrl+P'], run: () => session.set({ dialog: state().dialog === 'palette' ? 'none' : 'palette' }) },
-  { id: 'page.keys', label: 'Show keys', group: 'Page', keys: ['?', 'F1'], run: () => session.set({ dialog: state().dialog === 'keys' ? 'none' : 'keys' }) },
-  { id: 'page.theme', label: 'Dark or light theme', group: 'Page', run: () => { session.set({ theme: state().theme === 'dark' ? 'light' : 'dark' }); session.remember(); } },
+  { id: 'page.keys', label: 'Show keyboard shortcuts', group: 'Page', keys: ['?', 'F1'], run: () => session.set({ dialog: state().dialog === 'keys' ? 'none' : 'keys' }) },
+  { id: 'page.theme', label: 'Switch between dark and light theme', group: 'Page', run: () => { session.set({ theme: state().theme === 'dark' ? 'light' : 'dark' }); session.remember(); } },
   { id: 'page.keymap', label: 'Switch keymap: industry or Blender-like', group: 'Page', run: () => {
     session.set({ keymap: state().keymap === 'industry' ? 'blender' : 'industry' });
     session.remember();
     session.notify(state().keymap === 'industry' ? 'Keymap: industry' : 'Keymap: Blender-like');
   } },
-  { id: 'page.large', label: 'Make the panel large or small', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_large() },
+  { id: 'page.large', label: 'Maximise or restore the panel', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_maximized() },
   { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
   ...(['library', 'inspector', 'scenario', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
   {
-    id: 'page.escape', label: 'Let go, close or deselect', group: 'Page', keys: ['Escape'],
+    id: 'page.escape', label: 'Close, release or deselect', group: 'Page', keys: ['Escape'],
     run: () => {
       if (state().dialog !== 'none') return session.set({ dialog: 'none' });
       if (parts.pointer?.abandon()) return;

@@ -1,10 +1,10 @@
-/** The one session and command list of this page, and React's way to them. */
+/** The objects of which a page has one each (session, editors, library, command list), and the React hooks that read their state. */
 import { useStore } from 'zustand';
 import { createStore } from 'zustand/vanilla';
 import { condition_alone } from '../core/circuit/breakpoints';
 import { CircuitEditor, type EditorState } from '../core/circuit/editor';
 import { CommandRegistry } from '../core/commands';
-import type { FigureState } from '../core/frames';
+import type { CharacterState } from '../core/frames';
 import { LibraryBrowser, type BrowserState } from '../core/library/browser';
 import { ImportQueue, type ImportState } from '../core/library/imports';
 import { MotionDesk, type DeskState } from '../core/motion/desk';
@@ -15,7 +15,7 @@ import type { ImportView } from '../view/import_view';
 import type { Viewport } from '../view/viewport';
 import type { PointerControl } from '../view/pointer';
 
-/** Where the service is: the page's own address, and the token if the address has one. */
+/** Access token from the page's address, sent with every request to the service; null if the address has none. */
 const token = new URLSearchParams(location.search).get('token');
 const with_token = (path: string): string => (token ? `${path}${path.includes('?') ? '&' : '?'}token=${encodeURIComponent(token)}` : path);
 
@@ -36,13 +36,13 @@ session.store.subscribe((state, before) => {
   const shown = shown_circuit(state);
   circuit.show(shown.circuit, shown.edited, state.classes, state.circuit_problems, state.stop_problems);
 });
-// the wiring editor shows where a run stopped; while it is not in sight, a notice tells it
+// the wiring editor marks the pin at which a run stopped; while it is not mounted, a notice is shown instead
 session.store.subscribe((state, before) => {
-  const { broken } = state;
-  if (!broken || broken === before.broken || parts.circuit) return;
-  session.notify(`Stopped at ${broken.time.toFixed(3)} s: ${circuit.name_of(broken.pin)} ${condition_alone(broken)}`);
+  const { breakpoint_hit } = state;
+  if (!breakpoint_hit || breakpoint_hit === before.breakpoint_hit || parts.circuit) return;
+  session.notify(`Stopped at ${breakpoint_hit.time.toFixed(3)} s: ${circuit.name_of(breakpoint_hit.pin)} ${condition_alone(breakpoint_hit)}`);
 });
-// what is selected last, there or elsewhere in the page, is what the inspector shows
+// a selection in the wiring editor replaces the page's selection, so that the inspector shows the latest of both
 circuit.store.subscribe((state, before) => {
   if (state.nodes === before.nodes && state.wires === before.wires) return;
   const any = state.nodes.size + state.wires.size > 0;
@@ -52,7 +52,7 @@ circuit.store.subscribe((state, before) => {
 
 export const library = new LibraryBrowser({
   fetch: (path, init) => fetch(with_token(path), init),
-  know: (entries) => session.know(entries),
+  cache_entries: (entries) => session.cache_entries(entries),
   fail: (error) => session.fail(error),
 });
 session.on_library = () => void library.load();
@@ -61,8 +61,8 @@ export const imports = new ImportQueue({
   fetch: (path, init) => fetch(with_token(path), init),
   log: (level, text) => session.log(level, text),
   stored: (item) => {
-    const made = item.stored.find((e) => e.kind === 'motion') ?? item.stored[0];
-    if (made) session.select({ kind: 'entry', entry: made.id });
+    const entry = item.stored.find((e) => e.kind === 'motion') ?? item.stored[0];
+    if (entry) session.select({ kind: 'entry', entry: entry.id });
   },
 });
 
@@ -70,58 +70,58 @@ export const desk = new MotionDesk({
   request: (request) => session.ask(request),
   fetch: (path) => fetch(with_token(path)),
   fail: (error) => session.fail(error),
-  tell: (title, lines) => session.tell(title, lines),
+  report: (title, lines) => session.report(title, lines),
   select: (selection) => session.select(selection),
 });
 
-// motions of the scenario that no page of the library has brought yet: looked up once each
-const asked = new Set<string>();
+// mechanisms and motions of the scenario that are not among the loaded library entries: each is looked up once
+const requested = new Set<string>();
 session.store.subscribe((state, before) => {
   if (state.document === before.document) return;
   for (const character of state.document?.characters ?? []) {
     for (const clip of character.track) void desk.need_contacts(clip.motion);
     for (const id of [character.mechanism, ...character.track.map((clip) => clip.motion)]) {
-      if (session.entry(id) || asked.has(id)) continue;
-      asked.add(id);
+      if (session.entry(id) || requested.has(id)) continue;
+      requested.add(id);
       void library.find(id);
     }
   }
 });
 
-/** An address of the service for an image. */
+/** A path of the service with the access token, for fetch and <img>. */
 export const service_path = (path: string): string => with_token(path);
 
-/** Small canvases are drawn by the processor: sent to a busy graphics processor they would make the page wait. */
+/** Options for small 2D canvases: draw them on the CPU, so that the page does not wait for a busy GPU. */
 export const plain_canvas: CanvasRenderingContext2DSettings = { willReadFrequently: true };
 
 export const registry = new CommandRegistry();
 
-/** Small facts of the page that are not the session's. */
+/** State of the page that is not part of the session. */
 export interface PageState {
-  figure_states: Record<string, FigureState>;
-  /** The library entry that is dragged: a browser hides it from those it hovers over. */
+  character_states: Record<string, CharacterState>;
+  /** Id of the library entry that is being dragged. Kept here because browsers hide the drag data until the drop. */
   dragged_entry: string | null;
 }
-export const page = createStore<PageState>(() => ({ figure_states: {}, dragged_entry: null }));
+export const page = createStore<PageState>(() => ({ character_states: {}, dragged_entry: null }));
 
-/** What the mounted canvas of the wiring editor can do. */
+/** Functions of the mounted canvas of the wiring editor, for commands and journeys. */
 export interface CircuitCanvas {
   fit(ids?: ReadonlySet<string>): void;
-  /** The plane's point in the middle of the canvas, or under the pointer if it is over it. */
+  /** Circuit coordinates under the pointer, or of the canvas centre while the pointer is elsewhere. */
   point(): [number, number];
   open_search(): void;
   lay_out(): void;
-  /** For journeys: what is drawn, and how fast. */
+  /** Counts and times of the drawing, for journeys. */
   facts(): Record<string, unknown>;
 }
 
-/** What is mounted now; null while it is not. */
-export const parts: { viewport: Viewport | null; pointer: PointerControl | null; fit_timeline: () => void; reset_layout: () => void; toggle_large: () => void; show_panel: (id: string) => void; choose_files: () => void; import_view: ImportView | null; circuit: CircuitCanvas | null } = {
+/** Mounted views and functions of panels; null or without effect while the panel is not mounted. */
+export const parts: { viewport: Viewport | null; pointer: PointerControl | null; fit_timeline: () => void; reset_layout: () => void; toggle_maximized: () => void; show_panel: (id: string) => void; choose_files: () => void; import_view: ImportView | null; circuit: CircuitCanvas | null } = {
   viewport: null,
   pointer: null,
   fit_timeline: () => undefined,
   reset_layout: () => undefined,
-  toggle_large: () => undefined,
+  toggle_maximized: () => undefined,
   show_panel: () => undefined,
   choose_files: () => undefined,
   import_view: null,

@@ -1,4 +1,4 @@
-/** Palette, keys, save-as, toasts and banners: what lies over the page. */
+/** Overlays of the page: command palette, keyboard shortcuts, save-as, toasts and banners. */
 import { useEffect, useRef, useState, type ReactElement } from 'react';
 import { show_key } from '../core/keymap';
 import { registry, session, useStudio } from './app';
@@ -26,7 +26,7 @@ export function Backdrop({ children, label, top, close: leave = close }: { child
       onPointerDown={(e) => e.target === e.currentTarget && leave()}
       onKeyDown={(e) => {
         if (e.key !== 'Escape') return;
-        e.preventDefault(); // a field keeps its keys from the page's own list
+        e.preventDefault(); // keeps Escape from the page's own key handler
         e.stopPropagation();
         leave();
       }}
@@ -65,7 +65,7 @@ function Palette(): ReactElement {
           aria-controls="palette-list"
           aria-activedescendant={found[at] ? `command-${found[at].id}` : undefined}
           aria-label="Search commands"
-          placeholder="What do you want to do?"
+          placeholder="Search commands"
           value={query}
           onChange={(e) => {
             set_query(e.target.value);
@@ -108,24 +108,24 @@ function Palette(): ReactElement {
 
 const mouse: Record<'industry' | 'blender', [string, string][]> = {
   industry: [
-    ['Orbit', 'drag on empty ground, or Alt + left'],
-    ['Pan', 'middle or right, or Shift + left'],
-    ['Zoom', 'wheel, or Alt + right'],
+    ['Orbit', 'drag the empty floor, or Alt + left drag'],
+    ['Pan', 'middle or right drag, or Shift + left drag'],
+    ['Zoom', 'wheel, or Alt + right drag'],
   ],
   blender: [
-    ['Orbit', 'middle'],
-    ['Pan', 'Shift + middle'],
-    ['Zoom', 'wheel, or Ctrl + middle'],
+    ['Orbit', 'middle drag'],
+    ['Pan', 'Shift + middle drag'],
+    ['Zoom', 'wheel, or Ctrl + middle drag'],
   ],
 };
 const mouse_both: [string, string][] = [
-  ['Pull a figure', 'press on it while it simulates'],
-  ['Place a figure', 'drag the selected one, in Edit'],
+  ['Pull a character', 'drag it while simulating'],
+  ['Place a character', 'select it and drag it, in Edit'],
   ['Move a clip', 'drag it, also onto another track'],
   ['Trim a clip', 'drag its edge; Alt stretches it'],
-  ['Slip the motion', 'Alt + drag the clip'],
-  ['Mirror, blend, turn …', 'right button on a clip'],
-  ['Finer · snap off', 'Shift · Ctrl while dragging'],
+  ['Slip the motion in a clip', 'Alt + drag the clip'],
+  ['Mirror, blend, turn …', 'right-click a clip'],
+  ['Fine steps · no snapping', 'Shift · Ctrl while dragging'],
   ['Timeline', 'wheel zooms, Shift + wheel pans'],
 ];
 
@@ -133,10 +133,10 @@ function Keys(): ReactElement {
   const keymap = useStudio((s) => s.keymap);
   const groups = [...new Set(registry.all().map((c) => c.group))];
   return (
-    <Backdrop label="Keys">
+    <Backdrop label="Keyboard and mouse">
       <div className="keys">
         <div className="keys-head">
-          <h2>Keys</h2>
+          <h2>Keyboard and mouse</h2>
           <div className="segmented" role="radiogroup" aria-label="Keymap">
             {(['industry', 'blender'] as const).map((name) => (
               <button
@@ -153,17 +153,17 @@ function Keys(): ReactElement {
               </button>
             ))}
           </div>
-          <button type="button" className="tool" aria-label="Close" autoFocus onClick={close}>
+          <button type="button" className="tool" aria-label="Close" title="Close  (Esc)" autoFocus onClick={close}>
             <Icon name="close" />
           </button>
         </div>
         <div className="keys-columns">
           <section>
             <h4>Mouse</h4>
-            {[...mouse[keymap], ...mouse_both].map(([what, how]) => (
-              <div key={what} className="key-row">
-                <span>{what}</span>
-                <span className="how">{how}</span>
+            {[...mouse[keymap], ...mouse_both].map(([action, gesture]) => (
+              <div key={action} className="key-row">
+                <span>{action}</span>
+                <span className="how">{gesture}</span>
               </div>
             ))}
           </section>
@@ -194,16 +194,16 @@ function Keys(): ReactElement {
 function SaveAs(): ReactElement {
   const path = useStudio((s) => s.project?.path ?? '');
   const [text, set_text] = useState(path);
-  /** The file that exists already, until the path is changed. */
-  const [taken, set_taken] = useState<string | null>(null);
+  /** Path of an existing file that saving would replace; null again when the path is edited. */
+  const [existing, set_existing] = useState<string | null>(null);
   const save = async (): Promise<void> => {
     const name = text.trim();
     if (!name) return;
     const to = /\.ugoki$/.test(name) ? name : `${name}.ugoki`;
-    // saving over the open project itself is no loss
-    const outcome = await session.save_as(to, to === taken || to === path);
+    // saving over the open project's own file needs no confirmation
+    const outcome = await session.save_as(to, to === existing || to === path);
     if (outcome === 'saved') close();
-    if (outcome === 'taken') set_taken(to);
+    if (outcome === 'exists') set_existing(to);
   };
   return (
     <Backdrop label="Save as" top>
@@ -221,21 +221,21 @@ function SaveAs(): ReactElement {
           value={text}
           placeholder="folder/name.ugoki"
           spellCheck={false}
-          aria-describedby={taken ? 'save-taken' : undefined}
+          aria-describedby={existing ? 'save-taken' : undefined}
           onFocus={(e) => e.target.select()}
           onChange={(e) => {
             set_text(e.target.value);
-            set_taken(null);
+            set_existing(null);
           }}
         />
-        {taken && (
+        {existing && (
           <p id="save-taken" className="taken" role="alert">
-            <strong>{taken.split('/').pop()}</strong> exists already. Replacing it loses what it holds.
+            <strong>{existing.split('/').pop()}</strong> already exists. Replacing it deletes its contents.
           </p>
         )}
         <div className="actions">
           <button type="button" onClick={close}>Cancel</button>
-          <button type="submit" className="primary" disabled={!text.trim()}>{taken ? 'Replace' : 'Save'}</button>
+          <button type="submit" className="primary" disabled={!text.trim()}>{existing ? 'Replace' : 'Save'}</button>
         </div>
       </form>
     </Backdrop>
@@ -251,14 +251,14 @@ export function Toasts(): ReactElement {
           <div>
             {toast.problems.slice(0, 4).map((problem, i) => (
               <div key={i} className="problem">
-                {problem.place && <code>{problem.place}</code>}
+                {problem.location && <code>{problem.location}</code>}
                 <p>{problem.message}</p>
                 {problem.remedy && <p className="remedy">{problem.remedy}</p>}
               </div>
             ))}
-            {toast.problems.length > 4 && <p className="remedy">and {toast.problems.length - 4} more; the log has them all</p>}
+            {toast.problems.length > 4 && <p className="remedy">and {toast.problems.length - 4} more, listed in the log</p>}
           </div>
-          <button type="button" className="tool small" aria-label="Dismiss" onClick={() => session.dismiss(toast.id)}>
+          <button type="button" className="tool small" aria-label="Dismiss" title="Dismiss the message" onClick={() => session.dismiss(toast.id)}>
             <Icon name="close" />
           </button>
         </div>
@@ -283,9 +283,9 @@ export function Banners(): ReactElement | null {
     return (
       <div className="banner" role="alert">
         <span>
-          The connection to the studio is lost. Your project is safe in it. {seconds > 0 ? `Trying again in ${seconds} s.` : 'Trying again…'} If it has ended, start it again with <code>ugoki studio</code>.
+          The connection to the studio is lost. The studio keeps your project. {seconds > 0 ? `Next attempt in ${seconds} s.` : 'Connecting…'} If the studio has stopped, restart it with <code>ugoki studio</code>.
         </span>
-        <button type="button" onClick={() => session.retry()}>Try now</button>
+        <button type="button" title="Connect to the studio now" onClick={() => session.retry()}>Retry now</button>
       </div>
     );
   }
@@ -293,7 +293,7 @@ export function Banners(): ReactElement | null {
     return (
       <div className="banner" role="alert">
         <span>The simulation stopped: {stopped}</span>
-        <button type="button" onClick={() => session.seek(0)}>To start</button>
+        <button type="button" title="Move the playhead to the start" onClick={() => session.seek(0)}>Go to start</button>
         <button type="button" className="quiet" onClick={() => session.set({ stopped: null })}>Dismiss</button>
       </div>
     );

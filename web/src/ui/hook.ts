@@ -1,4 +1,4 @@
-/** `window.ugoki`: what journeys in a browser read; nothing here changes anything. */
+/** `window.ugoki`: read-only access to the page's state, for the end-to-end journeys. */
 import * as THREE from 'three';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position } from '../core/frames';
 import { circuit, imports, library, parts, session } from './app';
@@ -14,26 +14,30 @@ export interface PageHook {
   log(): string[];
   undo(): { can_undo: boolean; can_redo: boolean; undo_label: string; redo_label: string };
   frame(): { time: number; number: number; playing: boolean; simulate: boolean; grabbing: boolean; contacts: number } | null;
-  /** The wiring editor: the level that is shown, the selection, problems, and what is drawn. */
+  /** The wiring editor: the shown level of the circuit, the selection, the problems, and counts of the drawing; null without a circuit. */
   circuit(): { name: string; edited: boolean; path: string[]; lsis: unknown[]; wires: string[]; notes: unknown[]; probes: unknown[]; circuits: string[]; selected: string[]; problems: string[]; facts: unknown } | null;
-  /** Pairs of nearest points as they are drawn. */
-  nearest(): { a: string; b: string; distance: number; simulate: boolean }[];
-  /** Normals of the contacts of the latest frame. */
+  /** The drawn lines between closest points: ids of the two characters and distance, m (negative: overlap). */
+  closest_pairs(): { a: string; b: string; distance: number; simulate: boolean }[];
+  /** Unit normals of the contacts in the latest frame, world frame. */
   normals(): [number, number, number][];
   library(): { names: string[]; ids: string[]; total: number; more: boolean; status: string; query: string; done: string; conflict: string };
-  imports(): { file: string; status: string; again: boolean; settings: unknown; report: unknown; problems: unknown }[];
-  /** Heights as drawn in the import's preview, m. */
-  import_view(): { figure: number; reference: number; time: number; pictures: number } | null;
-  /** The newest values of an output of the level that is shown. */
+  imports(): { file: string; status: string; rereading: boolean; settings: unknown; report: unknown; problems: unknown }[];
+  /**
+   * The import preview: heights of the imported and the reference character as drawn, m; time of the preview, s; number of frames drawn.
+   */
+  import_view(): { character: number; reference: number; time: number; pictures: number } | null;
+  /** The newest values of an output in the shown level; null if none was received. */
   pin_value(node: string, pin: string): number[] | null;
-  /** Index of a link by name or label, or -1. */
+  /** Index of the link with this name or label, or -1. */
   link_index(character: string, name: string): number;
+  /** World position of a link's frame, m. */
   link_position(character: string, link: number): [number, number, number] | null;
-  /** Both ends of the spring of a pull, as the service has them; null without one. */
+  /** Ends of the spring of a mouse pull in the latest frame, world frame, m; null while nothing is pulled. */
   pull(): { point: [number, number, number]; target: [number, number, number] } | null;
-  figure(character: string): { state: number; assist: number; over_cap: number; com: [number, number, number] } | null;
-  /** Pixels of the page of a link's middle as it is drawn. */
+  character(id: string): { state: number; assist: number; over_cap: number; com: [number, number, number] } | null;
+  /** Page position, px, of the centre of a link's first shape; null while it is not in view. */
   link_on_screen(character: string, link: number): { x: number; y: number } | null;
+  /** Page position, px, of a point in the world frame (m). */
   to_screen(point: [number, number, number]): { x: number; y: number } | null;
 }
 
@@ -43,10 +47,10 @@ declare global {
   }
 }
 
-function figure_of(character: string) {
+function character_of(character: string) {
   const frame = session.frames.latest;
-  const figure = frame?.figures[session.state.characters.findIndex((c) => c.id === character)];
-  return frame && figure ? { frame, figure } : null;
+  const character_frame = frame?.characters[session.state.characters.findIndex((c) => c.id === character)];
+  return frame && character_frame ? { frame, character_frame } : null;
 }
 
 const mechanism_of = (character: string) => {
@@ -78,10 +82,10 @@ export function expose_hook(): void {
       const f = session.frames.latest;
       return f && { time: f.time, number: f.number, playing: f.playing, simulate: f.simulate, grabbing: f.grabbing, contacts: f.contact_count };
     },
-    nearest: () => {
+    closest_pairs: () => {
       const f = session.frames.latest;
       const { characters } = session.state;
-      return (parts.viewport?.nearest_pairs ?? []).map((p) => ({ a: characters[p.a]?.id ?? '', b: characters[p.b]?.id ?? '', distance: p.distance, simulate: f?.simulate ?? false }));
+      return (parts.viewport?.closest_pairs ?? []).map((p) => ({ a: characters[p.a]?.id ?? '', b: characters[p.b]?.id ?? '', distance: p.distance, simulate: f?.simulate ?? false }));
     },
     normals: () => {
       const f = session.frames.latest;
@@ -92,7 +96,7 @@ export function expose_hook(): void {
       const { entries, total, more, status, query, done, conflict } = library.state;
       return structuredClone({ names: entries.map((e) => e.name), ids: entries.map((e) => e.entry ?? e.id), total, more, status, query, done: done?.label ?? '', conflict: conflict?.theirs.name ?? '' });
     },
-    imports: () => structuredClone(imports.state.items.map((i) => ({ file: i.file, status: i.status, again: i.again, settings: i.staged?.settings ?? null, report: i.staged?.report ?? null, problems: i.problems }))),
+    imports: () => structuredClone(imports.state.items.map((i) => ({ file: i.file, status: i.status, rereading: i.rereading, settings: i.staged?.settings ?? null, report: i.staged?.report ?? null, problems: i.problems }))),
     import_view: () => (parts.import_view ? { ...parts.import_view.heights, time: parts.import_view.time, pictures: parts.import_view.pictures } : null),
     circuit: () => {
       const { view, edited, path, nodes, problems } = circuit.state;
@@ -111,8 +115,8 @@ export function expose_hook(): void {
     },
     link_index: (character, name) => mechanism_of(character)?.links.findIndex((l) => l.name === name || l.label === name) ?? -1,
     link_position: (character, link) => {
-      const found = figure_of(character);
-      return found && link < found.figure.links ? link_position(found.frame, found.figure, link) : null;
+      const found = character_of(character);
+      return found && link < found.character_frame.links ? link_position(found.frame, found.character_frame, link) : null;
     },
     pull: () => {
       const f = session.frames.latest;
@@ -120,22 +124,22 @@ export function expose_hook(): void {
       const three = (at: number): [number, number, number] => [f.floats[at]!, f.floats[at + 1]!, f.floats[at + 2]!];
       return { point: three(f.grab), target: three(f.grab + 3) };
     },
-    figure: (character) => {
-      const found = figure_of(character);
+    character: (id) => {
+      const found = character_of(id);
       if (!found) return null;
-      const weight = body_weight(found.frame, found.figure);
+      const weight = body_weight(found.frame, found.character_frame);
       return {
-        state: found.figure.state,
-        assist: weight > 0 ? Math.hypot(...assist_force(found.frame, found.figure)) / weight : 0,
-        over_cap: assist_over_cap(found.frame, found.figure),
-        com: centre_of_mass(found.frame, found.figure),
+        state: found.character_frame.state,
+        assist: weight > 0 ? Math.hypot(...assist_force(found.frame, found.character_frame)) / weight : 0,
+        over_cap: assist_over_cap(found.frame, found.character_frame),
+        com: centre_of_mass(found.frame, found.character_frame),
       };
     },
     link_on_screen: (character, link) => {
-      const found = figure_of(character);
+      const found = character_of(character);
       const shape = mechanism_of(character)?.links[link]?.shapes[0];
-      if (!found || link >= found.figure.links || !parts.viewport) return null;
-      const at = found.figure.poses + 7 * link;
+      if (!found || link >= found.character_frame.links || !parts.viewport) return null;
+      const at = found.character_frame.poses + 7 * link;
       const f = found.frame.floats;
       const rotation = new THREE.Quaternion(f[at + 4], f[at + 5], f[at + 6], f[at + 3]);
       const middle = new THREE.Vector3(...(shape ? (shape.pose.slice(0, 3) as [number, number, number]) : ([0, 0, 0] as const)));

@@ -1,4 +1,4 @@
-/** The page's icons: 16 units, drawn with the text's colour. */
+/** The page's icons: SVG paths in a 16 x 16 view box, drawn in the text colour. */
 import type { ReactElement } from 'react';
 
 const paths = {
@@ -14,7 +14,7 @@ const paths = {
   search: <path d="M7 2.800a4.200 4.200 0 110 8.400 4.200 4.200 0 010-8.400zM10.200 10.200l3.300 3.300" />,
   import: <path d="M8 2.500v7.500M5 7.200l3 3 3-3M2.800 11.500v2h10.400v-2" />,
   close: <path d="M4 4l8 8M12 4l-8 8" />,
-  figure: <path d="M9 6L8 9.500M8 9.500l2.500 1.500.5 3M8 9.500L6 12l-2.500 1.500M9 6L6 7M9 6l2.500 2H13M9.800 3.200a.9.9 0 11-1.800 0 .9.9 0 011.800 0z" />,
+  character: <path d="M9 6L8 9.500M8 9.500l2.500 1.500.5 3M8 9.500L6 12l-2.500 1.500M9 6L6 7M9 6l2.500 2H13M9.800 3.200a.9.9 0 11-1.800 0 .9.9 0 011.800 0z" />,
   wave: <path d="M1.500 9c1.500-6 3.500-6 5 0s3.500 5 5 0c.8-2.700 1.800-3.400 3-3" />,
   help: <path d="M5.800 6a2.200 2.200 0 114 1.300C9 8.200 8 8.400 8 9.800M8 12.300v.2" />,
   tiles: <path d="M2.500 2.500h4.500v4.500H2.500zM9 2.500h4.500v4.500H9zM2.500 9h4.500v4.500H2.500zM9 9h4.500v4.500H9z" />,

@@ -1,4 +1,4 @@
-/** Naturalness and log: tabs beside the scenario. */
+/** The naturalness and log panels: tabs next to the scenario. */
 import { useEffect, useLayoutEffect, useRef, type ReactElement } from 'react';
 import { assist_force, body_weight } from '../core/frames';
 import { bar_fraction, grade, measures, shown_value } from '../core/judge';
@@ -13,7 +13,7 @@ export function NaturalnessPanel(): ReactElement {
   if (mode !== 'simulate' || summary.characters.length === 0) {
     return (
       <div className="panel empty">
-        <p>The measures of naturalness come from the simulation.</p>
+        <p>Naturalness is measured while the scenario is simulated.</p>
         {mode === 'edit' ? (
           <button type="button" onClick={() => { session.set_mode('simulate'); session.play(); }}>Simulate</button>
         ) : (
@@ -44,7 +44,7 @@ export function NaturalnessPanel(): ReactElement {
                 <th scope="row">
                   <span className="dot" style={{ background: character.color ?? '#e6e6ea' }} />
                   {character.name}
-                  {row?.fell && <span className="let-go">fell</span>}
+                  {row?.fell && <span className="released">fell</span>}
                 </th>
                 {measures.map((measure) => {
                   const shown = shown_value(measure, row);
@@ -70,7 +70,7 @@ export function NaturalnessPanel(): ReactElement {
   );
 }
 
-/** Root assist of the frames received so far, redrawn four times a second from the ring. */
+/** Root assist over time, in body weights, from the frames in the ring buffer; redrawn four times a second. */
 function AssistCurve({ character }: { character: string }): ReactElement {
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
@@ -99,11 +99,11 @@ function AssistCurve({ character }: { character: string }): ReactElement {
       let before = -10;
       for (const number of session.frames.numbers()) {
         const frame = session.frames.at(number);
-        const figure = frame?.simulate ? frame.figures[index] : undefined;
-        if (!frame || !figure) continue;
-        const weight = body_weight(frame, figure);
+        const character_frame = frame?.simulate ? frame.characters[index] : undefined;
+        if (!frame || !character_frame) continue;
+        const weight = body_weight(frame, character_frame);
         const x = (frame.time / Math.max(doc.duration, 1e-3)) * width;
-        const share = weight > 0 ? Math.hypot(...assist_force(frame, figure)) / weight : 0;
+        const share = weight > 0 ? Math.hypot(...assist_force(frame, character_frame)) / weight : 0;
         if (number - before > 6) context.moveTo(x, y(share));
         else context.lineTo(x, y(share));
         before = number;
@@ -116,16 +116,16 @@ function AssistCurve({ character }: { character: string }): ReactElement {
     const timer = setInterval(draw, 250);
     return () => clearInterval(timer);
   }, [character]);
-  return <canvas ref={canvas} className="assist-curve" role="img" aria-label="Root assist over time; the red line is its cap" title="Grey line: 15 % of weight; red line: the cap" />;
+  return <canvas ref={canvas} className="assist-curve" role="img" aria-label="Root assist over time; the red line is the assist limit" title="Grey line: 15 % of body weight; red line: the assist limit" />;
 }
 
 export function LogPanel(): ReactElement {
   const log = useStudio((s) => s.log);
   const end = useRef<HTMLDivElement>(null);
   useLayoutEffect(() => {
-    end.current?.scrollIntoView({ block: 'nearest' }); // gives a promise in newer browsers, which is no way to end an effect
+    end.current?.scrollIntoView({ block: 'nearest' }); // in braces: newer browsers return a promise, which an effect must not return
   }, [log]);
-  if (log.length === 0) return <div className="panel empty">Nothing was logged. Errors and reports of the service appear here.</div>;
+  if (log.length === 0) return <div className="panel empty">The log is empty. Errors and reports of the service appear here.</div>;
   return (
     <div className="panel log" role="log" aria-label="Log">
       {log.map((line) => (

@@ -11,7 +11,7 @@ import { expose_hook } from './hook';
 
 register_commands();
 expose_hook();
-// before any part of the page hears of another theme: canvases read its colours when they draw
+// subscribed before any component: canvases read the theme's colours from the document when they are redrawn
 const show_theme = (): void => {
   const { theme } = session.state;
   if (document.documentElement.dataset.theme !== theme) document.documentElement.dataset.theme = theme;

@@ -1,5 +1,5 @@
 import { useLayoutEffect, useRef, type ReactElement } from 'react';
-import { FigureState } from '../core/frames';
+import { CharacterState } from '../core/frames';
 import { apply_command, blend_spans, find_character, type Character, type Clip, type ScenarioDocument, type ScenarioEvent } from '../core/document';
 import { format_number, format_time } from '../core/format';
 import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
@@ -7,21 +7,28 @@ import { shown_document } from '../core/state';
 import { band_gradient } from '../core/motion/desk';
 import { desk, plain_canvas, session, useDesk, usePage, useStudio } from './app';
 
-const edge_px = 7;
-const snap_px = 8;
-const drag_px = 3;
+const edge_px = 7; // width of a clip's edge that trims
+const snap_px = 8; // distance within which a drag snaps
+const drag_px = 3; // pointer travel below which a press is a click
 
+/** The preview of a dragged clip or library entry on a track. */
 export interface DropGhost {
   entry: string;
-  /** Null: a new character. */
+  /** Character whose track gets the motion; null: a new character is made. */
   character: string | null;
+  /** s */
   start: number;
+  /** s */
   length: number;
+  /** The motion is for another mechanism. */
   refused: boolean;
   name: string;
 }
 
-/** What dropping a library entry at `time` would do; null: nothing to drop. */
+/**
+ * The result of dropping a library entry at `time` (s) on a character's track or, with null, elsewhere. @return null if the entry is
+ * unknown
+ */
 export function drop_target(entry_id: string, character: string | null, time: number, doc: ScenarioDocument): DropGhost | null {
   const entry = session.entry(entry_id);
   if (!entry) return null;
@@ -49,15 +56,19 @@ const snap_rules = (doc: ScenarioDocument, exclude: string, tolerance: number): 
 
 interface DragSetup {
   event: React.PointerEvent<HTMLElement>;
+  /** px per s */
   scale: number;
-  /** Shows the state after `delta` s; the pointer's modifiers choose snapping, `over` is what it is above. */
+  /** Previews a drag by `delta` s. `rules` are the snapping rules for the modifier keys held, `over` is the element under the pointer. */
   move: (delta: number, rules: (doc: ScenarioDocument, exclude: string) => SnapRules, over: Element | null) => void;
-  /** Sends it. */
+  /** Sends the command at the end of the drag. */
   done: () => void;
   cancel: () => void;
 }
 
-/** One drag from press to release; below `drag_px` nothing happened. Shift is finer, Ctrl turns snapping over, Escape takes back. */
+/**
+ * Follows one drag from press to release; travel below `drag_px` is ignored. Shift: a tenth of the speed; Ctrl: no snapping; Escape:
+ * cancel.
+ */
 function start_drag({ event, scale, move, done, cancel }: DragSetup): void {
   const target = event.currentTarget;
   target.setPointerCapture(event.pointerId);
@@ -106,14 +117,14 @@ interface TrackProps {
   view: TimeView;
   on_guide: (time: number | null) => void;
   ghost: DropGhost | null;
-  /** A clip of this track hovers over another one, or no longer does. */
+  /** Called with the preview while a clip of this track is dragged over another track, with null when it no longer is. */
   on_ghost: (ghost: DropGhost | null) => void;
 }
 
 export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps): ReactElement {
   const selection = useStudio((s) => s.selection);
   const blends = blend_spans(character.track);
-  const state = usePage((s) => s.figure_states[character.id]);
+  const state = usePage((s) => s.character_states[character.id]);
   useStudio((s) => s.library_revision);
   const end_speed = useStudio((s) => s.characters.find((c) => c.id === character.id)?.end_speed);
   const duration = useStudio((s) => shown_document(s)?.duration ?? 0);
@@ -131,8 +142,8 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
       >
         <span className="dot" style={{ background: character.color ?? '#e6e6ea' }} />
         <span className="label">{character.name}</span>
-        {state === FigureState.let_go && <span className="let-go">let go</span>}
-        {character.control.mode === 'passive' && state !== FigureState.let_go && <span className="passive">passive</span>}
+        {state === CharacterState.released && <span className="released">released</span>}
+        {character.control.mode === 'passive' && state !== CharacterState.released && <span className="passive">passive</span>}
       </button>
       <div
         className="lane"
@@ -176,9 +187,9 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
             className="unfinished"
             role="note"
             style={{ left: time_to_x(view, unfinished.time) }}
-            title="After its last clip a figure holds the last pose. Let the track end in a motion that stands still, or loop the last clip to the end."
+            title="The track ends during a movement; the character then holds the last pose. End the track with a motion that stands still, or loop the last clip to the end."
           >
-            ends at {format_number(unfinished.speed, 1)} m/s: it will fall
+            ends at {format_number(unfinished.speed, 1)} m/s: the character will fall
           </span>
         )}
         {ghost && (
@@ -198,7 +209,7 @@ interface ClipBoxProps {
   name: string;
   motion_duration: number | undefined;
   view: TimeView;
-  /** s at its start that an earlier clip shares; its name stands after that. */
+  /** Time at the start of the clip that overlaps the previous clip, s; the clip's name is drawn after it. */
   covered: number;
   selected: boolean;
   on_guide: (time: number | null) => void;
@@ -225,7 +236,7 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
     const origin = document && find_character(document, character)?.track.find((k) => k.id === clip.id);
     if (!document || !origin) return;
     let fields: ReturnType<typeof changed_fields> = null;
-    let other: DropGhost | null = null; // on another character's track
+    let other: DropGhost | null = null; // set while the clip is over another character's track
     start_drag({
       event,
       scale: view.scale,
@@ -290,7 +301,7 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
       onContextMenu={(e) => {
         e.preventDefault();
         const box = e.currentTarget.getBoundingClientRect();
-        // the key for menus has no place
+        // the menu key gives no pointer position: open the menu below the clip
         if (e.button === 2) menu(e.clientX, e.clientY);
         else menu(Math.max(box.left, 0) + 8, box.bottom);
       }}
@@ -303,7 +314,7 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
         <span
           className="contact-bands"
           role="img"
-          aria-label="When feet stand: green two or more, yellow one, orange none"
+          aria-label="Feet in contact: green two or more, yellow one, orange none"
           style={{
             backgroundImage: band_gradient(contacts.bands, motion_duration),
             backgroundSize: `${(motion_duration / clip.speed) * view.scale}px 100%`,
@@ -319,7 +330,7 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
   );
 }
 
-/** Feet on the ground over time: both green, one yellow, none orange. */
+/** Feet in contact with the ground over time, from the simulation: green two or more, yellow one, orange none. */
 function ContactBar({ character, view }: { character: string; view: TimeView }): ReactElement {
   const canvas = useRef<HTMLCanvasElement>(null);
   const contacts = useStudio((s) => s.summary.contacts);
@@ -352,14 +363,14 @@ function ContactBar({ character, view }: { character: string; view: TimeView }):
     observer.observe(element);
     return () => observer.disconnect();
   }, [contacts, character, view, theme]);
-  return <canvas ref={canvas} className="contacts" role="img" aria-label="Contacts with the ground: green both feet, yellow one, orange flight" title="Contacts with the ground: green both feet, yellow one, orange flight" />;
+  return <canvas ref={canvas} className="contacts" role="img" aria-label="Feet in contact with the ground: green two or more, yellow one, orange none" title="Feet in contact with the ground: green two or more, yellow one, orange none" />;
 }
 
 export function describe_event(event: ScenarioEvent, doc: ScenarioDocument): string {
-  const who = event.character ? (find_character(doc, event.character)?.name ?? event.character) : '';
-  if (event.type === 'push') return `push ${who}${event.force ? ` ${format_number(Math.hypot(...event.force), 0)} N` : ''}`.trim();
-  if (event.type === 'throw') return `throw ${who}`.trim();
-  return [event.type, who].filter(Boolean).join(' ');
+  const name = event.character ? (find_character(doc, event.character)?.name ?? event.character) : '';
+  if (event.type === 'push') return `push ${name}${event.force ? ` ${format_number(Math.hypot(...event.force), 0)} N` : ''}`.trim();
+  if (event.type === 'throw') return `throw ${name}`.trim();
+  return [event.type, name].filter(Boolean).join(' ');
 }
 
 export function EventTrack({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeView; on_guide: (time: number | null) => void }): ReactElement {

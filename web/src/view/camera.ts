@@ -1,15 +1,20 @@
-/** The eye: orbit, pan, zoom and follow about a target, smoothed; perspective or orthographic. Z is up. */
+/** The camera rig: smoothed orbit, pan, zoom and follow around a target; perspective or orthographic. Z is up. */
 import * as THREE from 'three';
 
-const field_of_view = 36;
-const smooth_time = 0.09; // s, of the camera's own motion
-const border = 0.09; // of the picture's width and height, left free on each side of what is framed
-const follow_time = 0.28; // s, of following a figure
+const field_of_view = 36; // vertical, degrees
+const smooth_time = 0.09; // time constant of the camera's motion, s
+const border = 0.09; // margin on each side of framed objects, as a fraction of the view's width and height
+const follow_time = 0.28; // time constant of following a character, s
 
+/** Position of the camera in spherical coordinates around a target. */
 export interface Eye {
+  /** World, m. */
   target: THREE.Vector3;
+  /** rad about the z axis */
   azimuth: number;
+  /** rad above the horizontal */
   elevation: number;
+  /** m */
   distance: number;
 }
 
@@ -22,6 +27,7 @@ export class CameraRig {
   private eye: Eye = { target: new THREE.Vector3(0, 0, 0.9), azimuth: 0.7, elevation: 0.22, distance: 5 };
   private goal: Eye = copy_eye(this.eye);
   private aspect = 1;
+  /** Smoothed position of the followed point; null: no point is followed. */
   private followed: THREE.Vector3 | null = null;
   private readonly follow_goal = new THREE.Vector3();
 
@@ -44,12 +50,17 @@ export class CameraRig {
     this.apply();
   }
 
+  /** @param dx, dy movement of the pointer, px */
   orbit(dx: number, dy: number): void {
     this.goal.azimuth -= dx * 0.0075;
     this.goal.elevation = clamp(this.goal.elevation + dy * 0.0065, -1.45, 1.55);
   }
 
-  /** Moves so that what is under the cursor stays under it, for a view of `height` px. */
+  /**
+   * Moves the target so that the point under the cursor stays under it.
+   * @param dx, dy movement of the pointer, px
+   * @param height of the view, px
+   */
   pan(dx: number, dy: number, height: number): void {
     const per_px = (2 * this.goal.distance * Math.tan((field_of_view * Math.PI) / 360)) / Math.max(height, 1);
     const m = this.camera.matrixWorld.elements;
@@ -63,13 +74,14 @@ export class CameraRig {
     this.goal.distance = clamp(this.goal.distance * factor, 0.02, 2000);
   }
 
+  /** Turns the camera to a direction the shorter way round. @param azimuth, elevation rad */
   look_from(azimuth: number, elevation: number): void {
     const turn = Math.round((this.goal.azimuth - azimuth) / (2 * Math.PI)) * 2 * Math.PI;
     this.goal.azimuth = azimuth + turn;
     this.goal.elevation = elevation;
   }
 
-  /** Looks from where it looks, as near as all spheres stay in the picture with a border around them. */
+  /** Keeps the viewing direction and moves as close as possible so that all spheres are in the view with a border. */
   frame(spheres: readonly THREE.Sphere[]): void {
     if (spheres.length === 0) return;
     const { azimuth, elevation } = this.goal;
@@ -77,12 +89,12 @@ export class CameraRig {
     const towards = new THREE.Vector3(ce * ca, ce * sa, se);
     const sideways = [new THREE.Vector3(-sa, ca, 0), new THREE.Vector3(-se * ca, -se * sa, ce)];
     const upright = Math.tan((field_of_view * Math.PI) / 360);
-    const whole = [upright * this.aspect, upright];
+    const tangents = [upright * this.aspect, upright]; // tangent of half the angle of view, horizontal and vertical
     const target = new THREE.Vector3();
     let distance = 0;
-    // Each of the two planes on a side of the picture touches the sphere that is farthest out.
+    // each of the two planes that bound the view along an axis touches the outermost sphere on its side
     sideways.forEach((axis, i) => {
-      const slope = whole[i]! * (1 - 2 * border);
+      const slope = tangents[i]! * (1 - 2 * border);
       const slant = Math.hypot(1, slope);
       let right = -Infinity;
       let left = -Infinity;
@@ -95,12 +107,13 @@ export class CameraRig {
       distance = Math.max(distance, (right + left) / (2 * slope));
       target.addScaledVector(axis, (right - left) / 2);
     });
-    // So far the eye is `distance` in front of the origin's plane; what is framed becomes what is turned about.
+    // so far `distance` is measured from the plane through the origin; move the target to the mean depth of the spheres
     const middle = spheres.reduce((sum, s) => sum + s.center.dot(towards), 0) / spheres.length;
     this.goal.target.copy(target.addScaledVector(towards, middle));
     this.goal.distance = clamp(distance - middle, 0.04, 2000);
   }
 
+  /** Sets parts of the goal. @param at_once jump there without smoothing */
   set(eye: Partial<Eye>, at_once: boolean): void {
     Object.assign(this.goal, eye);
     this.goal.target = this.goal.target.clone();
@@ -110,7 +123,7 @@ export class CameraRig {
     }
   }
 
-  /** Carries the view along with `point`; null: stays. The view's own offset from it is the user's. */
+  /** Moves the view along with `point` (m); null stops following. The offset of the view from the point is kept. */
   follow(point: THREE.Vector3 | null): void {
     if (!point) {
       this.followed = null;
@@ -120,7 +133,7 @@ export class CameraRig {
     if (!this.followed) this.followed = point.clone();
   }
 
-  /** Advances by `dt` s; true while something still moves. */
+  /** Advances the smoothed motion by `dt` s. @return whether the camera moved */
   update(dt: number): boolean {
     let moving = false;
     if (this.followed) {
@@ -155,6 +168,7 @@ export class CameraRig {
     return moving;
   }
 
+  /** Sets both cameras from `eye`. */
   apply(): void {
     const { target, azimuth, elevation, distance } = this.eye;
     const direction = new THREE.Vector3(
@@ -166,7 +180,7 @@ export class CameraRig {
     if (elevation > 0 && position.z < 0.03) position.z = 0.03;
     for (const camera of [this.perspective, this.orthographic]) {
       camera.position.copy(position);
-      // straight down there is no up: keep the screen's up along the azimuth
+      // looking vertically down, z is no valid up direction: use the direction opposite to the azimuth
       if (Math.cos(elevation) < 0.03) camera.up.set(-Math.cos(azimuth), -Math.sin(azimuth), 0);
       else camera.up.set(0, 0, 1);
       camera.lookAt(target);

@@ -1,4 +1,4 @@
-/** The floor: a quiet metre grid that fades into the background with the distance from what is looked at. */
+/** The floor: a metre grid that fades into the background with the distance from the camera's target. */
 import * as THREE from 'three';
 
 export class Floor {
@@ -30,7 +30,7 @@ export class Floor {
             vec2 w = fwidth(p / period);
             vec2 d = abs(fract(p / period - 0.5) - 0.5) / max(w, vec2(1e-6));
             vec2 l = 1.0 - smoothstep(pixels - 0.5, pixels + 0.5, d);
-            // lines closer than a few pixels would only flicker
+            // fade out lines that are only a few pixels apart, because they flicker
             l *= 1.0 - smoothstep(0.12, 0.35, w);
             return max(l.x, l.y);
           }`,
@@ -56,6 +56,7 @@ export class Floor {
     this.mesh.name = 'floor';
   }
 
+  /** @param strength opacity of the grid lines, 0 ... 1 */
   set_colors(floor: THREE.Color, line: THREE.Color, background: THREE.Color, strength: number): void {
     this.material.color.copy(floor);
     this.uniforms.u_line.value.copy(line);
@@ -63,7 +64,7 @@ export class Floor {
     this.uniforms.u_strength.value = strength;
   }
 
-  /** @param reach m; beyond it there is only background */
+  /** Centres the visible floor. @param x, y m  @param reach radius beyond which only the background is visible, m */
   set_focus(x: number, y: number, reach: number): void {
     this.uniforms.u_focus.value.set(x, y, 0);
     this.uniforms.u_reach.value = reach;

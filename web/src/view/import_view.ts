@@ -1,17 +1,18 @@
-/** What is imported, moving on a floor with a metre grid beside a human of 1.8 m: mistakes of unit and axes are seen at once. */
+/** Preview of an import: the character moves on a metre grid beside a reference human of 1.8 m, so that a wrong unit or axis is visible. */
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
 import { CameraRig } from './camera';
-import { Figure, mechanism_geometries } from './figure';
+import { CharacterView, mechanism_geometries } from './character_view';
 import type { Poses } from './preview';
 import { Stage } from './stage';
 
+/** Marker positions of an import. */
 export interface Markers {
   count: number;
   markers: number;
-  /** [count][markers][3], m; NaN: not seen */
+  /** [count][markers][3], m; NaN where a marker was not visible */
   values: Float32Array;
-  /** Of their world where the figure is, x y z qw qx qy qz. */
+  /** Pose of the markers' coordinate frame in the character's world: x y z (m) qw qx qy qz. Absent: identity. */
   pose?: number[];
 }
 
@@ -21,22 +22,22 @@ export interface Shown {
   markers?: Markers;
 }
 
-const marker_most = 400;
+const marker_max = 400; // further markers are not drawn
 
 export class ImportView {
   readonly rig = new CameraRig();
   private readonly stage: Stage;
-  private figure: Figure | null = null;
+  private character_view: CharacterView | null = null;
   private shown: Shown | null = null;
-  private readonly reference: Figure;
+  private readonly reference: CharacterView;
   private readonly spots: THREE.InstancedMesh;
   private readonly marks = new THREE.Group();
   private handle = 0;
   private last = 0;
-  /** s into the motion */
+  /** Time within the motion, s. */
   time = 0;
   playing = true;
-  /** Pictures drawn so far; for journeys. */
+  /** Number of frames drawn; read by browser tests. */
   pictures = 0;
   on_time: (time: number) => void = () => undefined;
 
@@ -47,10 +48,10 @@ export class ImportView {
   ) {
     this.stage = new Stage(canvas);
     this.stage.set_look({ theme, floor: '#2a2c31', light: 0.9 });
-    this.reference = new Figure('', reference, mechanism_geometries(reference), '#7f8894');
+    this.reference = new CharacterView('', reference, mechanism_geometries(reference), '#7f8894');
     this.stage.scene.add(this.reference.group);
     const spot = new THREE.MeshBasicMaterial({ color: 0x7dd3fc });
-    this.spots = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 10, 8), spot, marker_most);
+    this.spots = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 10, 8), spot, marker_max);
     this.spots.frustumCulled = false;
     this.spots.count = 0;
     this.stage.scene.add(this.spots, this.marks);
@@ -74,14 +75,17 @@ export class ImportView {
     this.rig.resize(width / Math.max(1, height));
   }
 
-  /** Shows something else; the eye stays where a correction only changes what is seen. */
+  /**
+   * Shows another import.
+   * @param frame move the camera so that everything is in the view; false after a correction of the same import
+   */
   show(shown: Shown | null, frame: boolean): void {
     this.clear();
     this.shown = shown;
     if (!shown) return;
-    this.figure = new Figure('', shown.mechanism, mechanism_geometries(shown.mechanism), '#e2b08a');
-    for (const mesh of this.figure.links) if (mesh) mesh.frustumCulled = false;
-    this.stage.scene.add(this.figure.group);
+    this.character_view = new CharacterView('', shown.mechanism, mechanism_geometries(shown.mechanism), '#e2b08a');
+    for (const mesh of this.character_view.links) if (mesh) mesh.frustumCulled = false;
+    this.stage.scene.add(this.character_view.group);
     if (this.time > this.duration) this.time = 0;
     this.place();
     this.put_reference();
@@ -92,34 +96,34 @@ export class ImportView {
     return this.shown?.motion?.duration ?? 0;
   }
 
-  /** Sees the figure and the measure beside it, however large or small it is. */
+  /** Moves the camera so that the character and the reference human are in the view. */
   frame(): void {
-    const shown = [this.reference, ...(this.figure ? [this.figure] : [])];
+    const shown = [this.reference, ...(this.character_view ? [this.character_view] : [])];
     this.rig.look_from(0.75, 0.18);
-    this.rig.frame(shown.map((figure) => this.box_of(figure).getBoundingSphere(new THREE.Sphere())));
+    this.rig.frame(shown.map((view) => this.box_of(view).getBoundingSphere(new THREE.Sphere())));
     this.rig.set({}, true);
   }
 
-  /** Heights of what is imported and of the measure, m, as drawn now. */
-  get heights(): { figure: number; reference: number } {
-    const of = (figure: Figure | null): number => (figure ? this.box_of(figure).getSize(new THREE.Vector3()).z : 0);
-    return { figure: of(this.figure), reference: of(this.reference) };
+  /** Heights of the imported character and of the reference human as drawn now, m. */
+  get heights(): { character: number; reference: number } {
+    const of = (view: CharacterView | null): number => (view ? this.box_of(view).getSize(new THREE.Vector3()).z : 0);
+    return { character: of(this.character_view), reference: of(this.reference) };
   }
 
   private clear(): void {
-    if (this.figure) {
-      this.stage.scene.remove(this.figure.group);
-      for (const mesh of this.figure.links) mesh?.geometry.dispose();
-      this.figure.dispose();
+    if (this.character_view) {
+      this.stage.scene.remove(this.character_view.group);
+      for (const mesh of this.character_view.links) mesh?.geometry.dispose();
+      this.character_view.dispose();
     }
-    this.figure = null;
+    this.character_view = null;
     this.spots.count = 0;
   }
 
-  private box_of(figure: Figure): THREE.Box3 {
-    figure.group.updateMatrixWorld(true);
+  private box_of(view: CharacterView): THREE.Box3 {
+    view.group.updateMatrixWorld(true);
     const box = new THREE.Box3();
-    for (const mesh of figure.links) {
+    for (const mesh of view.links) {
       if (!mesh) continue;
       if (!mesh.geometry.boundingBox) mesh.geometry.computeBoundingBox();
       box.union(mesh.geometry.boundingBox!.clone().applyMatrix4(mesh.matrixWorld));
@@ -127,25 +131,26 @@ export class ImportView {
     return box;
   }
 
-  /** The measure stands at the figure's right, clear of it. */
+  /** Places the reference human 0.35 m to the right of the character. */
   private put_reference(): void {
-    if (!this.figure) return;
-    const box = this.box_of(this.figure);
+    if (!this.character_view) return;
+    const box = this.box_of(this.character_view);
     const own = this.box_of(this.reference).getSize(new THREE.Vector3());
     const centre = box.getCenter(new THREE.Vector3());
     this.reference.group.position.set(Math.max(-50, Math.min(50, centre.x)), box.min.y - 0.5 * own.y - 0.35, 0);
   }
 
+  /** Poses the character and the markers for the current time. */
   private place(): void {
-    const { shown, figure } = this;
-    if (!shown || !figure) return;
+    const { shown, character_view } = this;
+    if (!shown || !character_view) return;
     const motion = shown.motion;
     let at = 0;
     if (motion && motion.count > 0) {
       at = motion.duration > 0 ? Math.min(motion.count - 1, Math.floor((this.time / motion.duration) * (motion.count - 1) + 0.5)) : 0;
-      figure.place_poses(motion.values, at * motion.links * 7, motion.links);
+      character_view.place_poses(motion.values, at * motion.links * 7, motion.links);
     } else {
-      figure.place_neutral();
+      character_view.place_neutral();
     }
     this.place_markers(shown.markers, at);
   }
@@ -155,12 +160,12 @@ export class ImportView {
     const world = new THREE.Matrix4();
     const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = markers.pose ?? [];
     world.compose(new THREE.Vector3(x, y, z), new THREE.Quaternion(qx, qy, qz, qw), new THREE.Vector3(1, 1, 1));
-    const size = Math.max(0.003, 0.011 * Math.min(1.5, this.heights.figure / 1.7));
+    const size = Math.max(0.003, 0.011 * Math.min(1.5, this.heights.character / 1.7));
     const matrix = new THREE.Matrix4();
     const p = new THREE.Vector3();
     const frame = Math.min(at, markers.count - 1);
     let n = 0;
-    for (let i = 0; i < markers.markers && n < marker_most; i++) {
+    for (let i = 0; i < markers.markers && n < marker_max; i++) {
       const k = 3 * (frame * markers.markers + i);
       p.set(markers.values[k]!, markers.values[k + 1]!, markers.values[k + 2]!);
       if (!Number.isFinite(p.x)) continue;

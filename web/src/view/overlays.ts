@@ -1,4 +1,7 @@
-/** What is drawn over the bodies: force arrows, the root-assist arrow, trails, the spring of a pull, the selected figure's ring. */
+/**
+ * Overlays in the viewport: force arrows, the root-assist arrow, trails, the spring of a pull, contact discs, and the ring under the
+ * selected character.
+ */
 import * as THREE from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
@@ -8,7 +11,7 @@ import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 
 const up = new THREE.Vector3(0, 1, 0);
 
-/** Green while the assist is small against its cap, amber near it, red at it. */
+/** Colour of the root assist: green up to 30 % of its cap, amber at 70 %, red at 100 %. @param over_cap assist / cap */
 export function assist_color(over_cap: number, out = new THREE.Color()): THREE.Color {
   const good = new THREE.Color(0x34d399);
   const warn = new THREE.Color(0xfbbf24);
@@ -18,12 +21,14 @@ export function assist_color(over_cap: number, out = new THREE.Color()): THREE.C
   return out.lerpColors(warn, bad, Math.min(1, (over_cap - 0.7) / 0.3));
 }
 
+/** An arrow made of a shaft and a head. */
 export class Arrow {
   readonly group = new THREE.Group();
   private readonly shaft: THREE.Mesh;
   private readonly head: THREE.Mesh;
   readonly material: THREE.MeshBasicMaterial;
 
+  /** @param thickness radius of the shaft, m  @param on_top draw over everything else */
   constructor(color: THREE.ColorRepresentation, private readonly thickness: number, on_top = false) {
     this.material = new THREE.MeshBasicMaterial({ color, depthTest: !on_top, transparent: on_top, opacity: 0.95 });
     this.shaft = new THREE.Mesh(shaft_geometry, this.material);
@@ -33,6 +38,7 @@ export class Arrow {
     this.group.visible = false;
   }
 
+  /** @param from, along start point and vector, m; an arrow shorter than 0.1 mm is hidden */
   show(from: THREE.Vector3, along: THREE.Vector3): void {
     const length = along.length();
     if (length < 1e-4) {
@@ -56,7 +62,7 @@ export class Arrow {
 const shaft_geometry = new THREE.CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0);
 const head_geometry = new THREE.ConeGeometry(1, 1, 16).translate(0, 0.5, 0);
 
-/** A fat line through points that change. */
+/** A line of constant pixel width through points that change. */
 export class Polyline {
   readonly line: Line2;
   private geometry = new LineGeometry();
@@ -70,12 +76,13 @@ export class Polyline {
     if (on_top) this.line.renderOrder = 60;
   }
 
+  /** @param points x y z of each point, m; fewer than two points hide the line */
   show(points: number[]): void {
     if (points.length < 6) {
       this.line.visible = false;
       return;
     }
-    // a line's buffers cannot grow in place
+    // the buffers of a line geometry cannot grow, so a new geometry is made
     this.geometry.dispose();
     this.geometry = new LineGeometry();
     this.geometry.setPositions(points);
@@ -88,7 +95,7 @@ export class Polyline {
   }
 }
 
-/** Many short fat lines with a bead at both ends, drawn over the bodies. */
+/** Many separate lines with a bead at both ends, drawn over the bodies. */
 export class Segments {
   readonly lines = new THREE.Group();
   private readonly segments: LineSegments2;
@@ -96,12 +103,13 @@ export class Segments {
   private positions: number[] = [];
   private readonly matrix = new THREE.Matrix4();
 
-  constructor(color: number, width: number, private readonly bead = 0.009, most = 128) {
+  /** @param width px  @param bead radius of the beads, m  @param max_beads further beads are not drawn */
+  constructor(color: number, width: number, private readonly bead = 0.009, max_beads = 128) {
     const material = new LineMaterial({ color, linewidth: width, transparent: true, opacity: 0.95, depthTest: false });
     this.segments = new LineSegments2(new LineSegmentsGeometry(), material);
     this.segments.frustumCulled = false;
     this.segments.renderOrder = 55;
-    this.beads = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 10, 8), new THREE.MeshBasicMaterial({ color, depthTest: false, transparent: true }), most);
+    this.beads = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 10, 8), new THREE.MeshBasicMaterial({ color, depthTest: false, transparent: true }), max_beads);
     this.beads.frustumCulled = false;
     this.beads.renderOrder = 56;
     this.lines.add(this.segments, this.beads);
@@ -121,7 +129,7 @@ export class Segments {
     this.lines.visible = count > 0;
     this.beads.count = 0;
     if (count === 0) return;
-    // a line's buffers cannot grow in place
+    // the buffers of a line geometry cannot grow, so a new geometry is made
     this.segments.geometry.dispose();
     this.segments.geometry = new LineSegmentsGeometry().setPositions(this.positions);
     for (let i = 0; i < this.positions.length && this.beads.count < this.beads.instanceMatrix.count; i += 3) {
@@ -132,7 +140,7 @@ export class Segments {
   }
 }
 
-/** The pull: a spring from the grabbed point to the cursor's target, with a bead at both ends. */
+/** The spring of a pull, from the grabbed point to the target under the cursor, with a bead at both ends. */
 export class Spring {
   readonly group = new THREE.Group();
   private readonly coil = new Polyline(0xff8a3d, 2, 0.95, true);
@@ -147,7 +155,7 @@ export class Spring {
     this.group.visible = false;
   }
 
-  /** @param size m, of a bead: scaled with the view */
+  /** @param size radius of a bead, m; the caller scales it with the view */
   show(from: THREE.Vector3, to: THREE.Vector3, camera: THREE.Camera, size: number): void {
     const along = to.clone().sub(from);
     const length = along.length();
@@ -178,15 +186,15 @@ export class Spring {
   }
 }
 
-/** Small discs where bodies touch, lying on the surface that carries the force. */
+/** Small discs at contact points, perpendicular to the contact normal. */
 export class ContactDiscs {
   readonly mesh: THREE.InstancedMesh;
   private readonly dummy = new THREE.Object3D();
 
-  constructor(private readonly most: number) {
+  constructor(private readonly max_count: number) {
     const geometry = new THREE.CircleGeometry(1, 28);
     const material = new THREE.MeshBasicMaterial({ color: 0xfdba74, side: THREE.DoubleSide, transparent: true, opacity: 0.9, depthWrite: false });
-    this.mesh = new THREE.InstancedMesh(geometry, material, most);
+    this.mesh = new THREE.InstancedMesh(geometry, material, max_count);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = 40;
     this.mesh.count = 0;
@@ -196,9 +204,9 @@ export class ContactDiscs {
     this.mesh.count = 0;
   }
 
-  /** @param radius m */
+  /** @param at contact point, m  @param along normal direction, any length  @param radius m */
   add(at: THREE.Vector3, along: THREE.Vector3, radius: number): void {
-    if (this.mesh.count >= this.most) return;
+    if (this.mesh.count >= this.max_count) return;
     const n = along.clone().normalize();
     this.dummy.position.copy(at).addScaledVector(n, 0.002);
     this.dummy.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), n);
@@ -209,7 +217,7 @@ export class ContactDiscs {
   }
 }
 
-/** A thin ring on the floor under what is selected. */
+/** A thin ring on the floor under the selected character. */
 export function make_ring(): THREE.Mesh {
   const ring = new THREE.Mesh(
     new THREE.RingGeometry(0.965, 1, 96),

@@ -1,13 +1,13 @@
-/** Pointer and wheel on the viewport: orbit, pan, zoom, select, pull while it runs, place while it is edited. */
+/** Pointer and wheel on the viewport: orbit, pan, zoom, select; pull while the simulation runs, place characters in edit mode. */
 import * as THREE from 'three';
 import { find_character } from '../core/document';
 import { pointer_action } from '../core/keymap';
 import type { Vec3 } from '../core/protocol';
 import { selected_character } from '../core/state';
-import type { LinkTag } from './figure';
+import type { LinkTag } from './character_view';
 import type { Viewport } from './viewport';
 
-const click_px = 4;
+const click_px = 4; // a press that moves less than this is a click
 
 type Gesture =
   | { kind: 'orbit' | 'pan' | 'zoom'; empty: boolean }
@@ -22,7 +22,7 @@ export class PointerControl {
   private moved = false;
   private cursor: { x: number; y: number } | null = null;
   private readonly stop_drawing: () => void;
-  /** Shown beside the cursor; empty: nothing. */
+  /** Called with the text to show beside the cursor (empty: none) and the position on the page, px. */
   on_label: (text: string, x: number, y: number) => void = () => undefined;
 
   constructor(private readonly viewport: Viewport) {
@@ -49,12 +49,12 @@ export class PointerControl {
     this.stop_drawing();
   }
 
-  /** Ends what goes on without its effect: Escape. True if something went on. */
+  /** Cancels the current gesture (Escape key). @return whether there was one */
   abandon(): boolean {
     const gesture = this.gesture;
     if (!gesture) return false;
     this.gesture = null;
-    if (gesture.kind === 'pull') this.let_go();
+    if (gesture.kind === 'pull') this.release();
     if (gesture.kind === 'place') this.viewport.show_offset(gesture.character, new THREE.Vector3());
     return true;
   }
@@ -136,7 +136,7 @@ export class PointerControl {
     const { viewport } = this;
     const { session } = viewport;
     if (viewport.canvas.hasPointerCapture(event.pointerId)) viewport.canvas.releasePointerCapture(event.pointerId);
-    if (gesture.kind === 'pull') this.let_go();
+    if (gesture.kind === 'pull') this.release();
     else if (gesture.kind === 'place') this.end_place(gesture);
     else if (gesture.kind === 'press' && !this.moved) {
       session.select({ kind: 'character', character: gesture.tag.character, link: gesture.tag.link });
@@ -182,12 +182,12 @@ export class PointerControl {
     this.viewport.session.drag(to_vec3(target));
   }
 
-  /** The eye may move while the cursor rests: the target stays under the cursor. */
+  /** Keeps the target of a pull under the cursor while the camera follows a character. */
   private follow_pull(): void {
     if (this.gesture?.kind === 'pull' && this.moved && this.viewport.session.state.view.follow) this.drag_pull(this.gesture);
   }
 
-  private let_go(): void {
+  private release(): void {
     this.viewport.session.release();
     this.viewport.show_pull(null);
     this.viewport.canvas.style.cursor = 'default';

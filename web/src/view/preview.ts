@@ -1,25 +1,27 @@
 /**
- * Small pictures of figures, still and moving, for lists: one renderer off the screen draws them all, one after the other, and copies
- * each onto the plain canvas that asked for it.
+ * Small still and moving pictures of characters for lists. One off-screen renderer draws all pictures, one after the other, and copies each
+ * to a 2D canvas.
  */
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
-import { Figure, mechanism_geometries } from './figure';
+import { CharacterView, mechanism_geometries } from './character_view';
 
-/** Poses of all links of a motion: [count][links][7], x y z qw qx qy qz. */
+/** Sampled poses of all links of a motion. */
 export interface Poses {
   count: number;
   links: number;
-  /** s from the first to the last */
+  /** Time from the first to the last sample, s. */
   duration: number;
+  /** [count][links][7]: x y z (m) qw qx qy qz */
   values: Float32Array;
 }
 
 export const picture_size = { width: 192, height: 144 };
-const most_figures = 12;
+const max_characters = 12; // characters kept for reuse; the least recently used one is dropped
 
+/** A character kept for reuse, with its bounds in the neutral position, m. */
 interface Kept {
-  figure: Figure;
+  character_view: CharacterView;
   box: THREE.Box3;
 }
 
@@ -39,63 +41,66 @@ export class PreviewRenderer {
     this.camera.up.set(0, 0, 1);
   }
 
-  /** Draws a mechanism in its neutral position, or in a pose of a motion, onto `target`. False: it has nothing to see. */
+  /**
+   * Draws a mechanism in its neutral position, or in a pose of a motion, onto `target`.
+   * @param share time within the motion, 0 ... 1  @return false if the mechanism has no shapes
+   */
   draw(mechanism: MechanismData, color: string, target: CanvasRenderingContext2D, motion?: Poses, share = 0): boolean {
-    const kept = this.figure_of(mechanism, color);
+    const kept = this.character_view_of(mechanism, color);
     if (!kept) return false;
-    const { figure } = kept;
+    const { character_view } = kept;
     if (motion) {
       const at = Math.min(motion.count - 1, Math.max(0, Math.round(share * (motion.count - 1))));
-      figure.place_poses(motion.values, at * motion.links * 7, motion.links);
+      character_view.place_poses(motion.values, at * motion.links * 7, motion.links);
     } else {
-      figure.place_neutral();
+      character_view.place_neutral();
     }
-    figure.group.updateMatrixWorld(true);
+    character_view.group.updateMatrixWorld(true);
     this.look_at(kept, motion !== undefined);
-    this.scene.add(figure.group);
+    this.scene.add(character_view.group);
     this.renderer.render(this.scene, this.camera);
-    this.scene.remove(figure.group);
+    this.scene.remove(character_view.group);
     const { width, height } = target.canvas;
     target.clearRect(0, 0, width, height);
     target.drawImage(this.renderer.domElement, 0, 0, width, height);
     return true;
   }
 
-  private figure_of(mechanism: MechanismData, color: string): Kept | null {
+  private character_view_of(mechanism: MechanismData, color: string): Kept | null {
     const key = `${mechanism.id} ${color}`;
     const known = this.kept.get(key);
     if (known) {
-      this.kept.delete(key); // the newest come last
+      this.kept.delete(key); // moves the entry to the end: the map is in the order of use
       this.kept.set(key, known);
       return known;
     }
     if (!mechanism.links.some((l) => l.shapes.length > 0)) return null;
-    if (this.kept.size >= most_figures) {
+    if (this.kept.size >= max_characters) {
       const [oldest] = this.kept;
       if (oldest) this.forget(oldest[0], oldest[1]);
     }
-    const figure = new Figure('', mechanism, mechanism_geometries(mechanism), color);
-    for (const mesh of figure.links) if (mesh) mesh.frustumCulled = false;
-    figure.group.updateMatrixWorld(true);
-    const kept = { figure, box: bounds_of(figure) };
+    const character_view = new CharacterView('', mechanism, mechanism_geometries(mechanism), color);
+    for (const mesh of character_view.links) if (mesh) mesh.frustumCulled = false;
+    character_view.group.updateMatrixWorld(true);
+    const kept = { character_view, box: bounds_of(character_view) };
     this.kept.set(key, kept);
     return kept;
   }
 
   private forget(key: string, kept: Kept): void {
-    for (const mesh of kept.figure.links) mesh?.geometry.dispose();
-    kept.figure.dispose();
+    for (const mesh of kept.character_view.links) mesh?.geometry.dispose();
+    kept.character_view.dispose();
     this.kept.delete(key);
   }
 
-  /** One size for all poses of a figure, so that it does not swell and shrink while it moves. */
+  /** Points the camera at the character. A moving character is shown at one scale in all poses. */
   private look_at(kept: Kept, moving: boolean): void {
-    const box = bounds_of(kept.figure);
+    const box = bounds_of(kept.character_view);
     if (box.isEmpty()) return;
     const own = kept.box.getSize(new THREE.Vector3());
     const size = box.getSize(new THREE.Vector3());
     const centre = box.getCenter(new THREE.Vector3());
-    const long = own.x > 1.2 * own.z; // what is longer than tall is seen from its side
+    const long = own.x > 1.2 * own.z; // characters that are longer than tall are seen from the side
     const aspect = picture_size.width / picture_size.height;
     const wide = Math.max(long ? size.x : Math.max(0.75 * size.x, 0.75 * size.y), 1e-3);
     let need = 0.5 * Math.max(size.z, wide / aspect) * 1.12;
@@ -115,9 +120,10 @@ export class PreviewRenderer {
 
 const sphere = new THREE.Sphere();
 
-function bounds_of(figure: Figure): THREE.Box3 {
+/** Bounding box of a character as posed now, m. */
+function bounds_of(character_view: CharacterView): THREE.Box3 {
   const box = new THREE.Box3();
-  for (const mesh of figure.links) {
+  for (const mesh of character_view.links) {
     if (!mesh) continue;
     if (!mesh.geometry.boundingBox) mesh.geometry.computeBoundingBox();
     const own = mesh.geometry.boundingBox;

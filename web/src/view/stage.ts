@@ -1,12 +1,12 @@
-/** Renderer, lights and background: everything of the picture that is not a figure. Draws finer when nothing moves. */
+/** The stage: renderer, lights, floor and background. Adapts the resolution to the machine and draws at full resolution while nothing moves. */
 import * as THREE from 'three';
 import { Floor } from './floor';
 
 export interface StageLook {
   theme: 'dark' | 'light';
-  /** Floor colour of the document. */
+  /** Floor colour of the document, as a CSS colour. */
   floor: string;
-  /** 0 ... 2, of the document. */
+  /** Brightness of the document, 0 ... 2. */
   light: number;
 }
 
@@ -21,17 +21,18 @@ export class Stage {
   private readonly sky = new THREE.HemisphereLight(0xdfe8f7, 0x2d2b2a, 1.15);
   private readonly background = new THREE.Color();
   private readonly software: boolean;
+  /** Resolution of frames drawn while something moves, relative to the full resolution, 0.4 ... 1. */
   private quality = 1;
   private width = 1;
   private height = 1;
-  /** Signalled when the last picture has left the graphics processor. */
+  /** Signalled when the graphics processor has finished the last drawn frame. */
   private fence: WebGLSync | null = null;
   private slow_frames = 0;
   private fast_frames = 0;
 
   constructor(canvas: HTMLCanvasElement) {
     this.software = draws_in_software();
-    // without a graphics processor smooth edges come from one finer picture when all is still, not from every moving one
+    // with software rendering, antialiasing of every frame is too slow; while nothing moves, frames are drawn at a higher resolution instead
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software, powerPreference: 'high-performance' });
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
@@ -63,10 +64,10 @@ export class Stage {
     this.set_ratio(true);
   }
 
-  /** Centres lights and floor on what is looked at. @param reach m, of the shadows */
+  /** Centres lights and floor on the camera's target. @param reach half width of the shadowed area, m  @param view_distance m */
   focus(centre: THREE.Vector3, reach: number, view_distance: number): void {
     const half = Math.max(2.2, Math.min(reach, 14));
-    // steps of a shadow texel keep the shadow's edge from swimming as the light follows
+    // moving the light in steps of one shadow texel keeps the shadow's edges from flickering
     const texel = (2 * half) / this.key.shadow.mapSize.x;
     const x = Math.round(centre.x / texel) * texel;
     const y = Math.round(centre.y / texel) * texel;
@@ -83,7 +84,7 @@ export class Stage {
     this.floor.set_focus(centre.x, centre.y, Math.max(14, view_distance * 4.2));
   }
 
-  /** False while the last picture is still being drawn: another would only make the page wait. */
+  /** False while the graphics processor still draws the last frame; drawing another frame would block the page. */
   get free(): boolean {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     if (this.fence) {
@@ -94,7 +95,7 @@ export class Stage {
     return true;
   }
 
-  /** @param still nothing moves: this picture will be looked at for a while */
+  /** Draws a frame. @param still nothing moves, so the frame is drawn at full resolution */
   render(camera: THREE.Camera, still: boolean): void {
     this.set_ratio(still);
     this.renderer.render(this.scene, camera);
@@ -103,7 +104,10 @@ export class Stage {
     gl.flush();
   }
 
-  /** Tells how long a moving frame took, so that the pixels fit the machine. */
+  /**
+   * Adapts the resolution to the time of a moving frame, ms. Counted since the last change, more than 6 frames above 40 ms (25 a second)
+   * lower it, and more than 120 frames below 22 ms (45 a second) raise it.
+   */
   note_frame_time(ms: number): void {
     if (ms > 40) this.slow_frames++;
     else if (ms < 22) this.fast_frames++;
@@ -130,6 +134,7 @@ export class Stage {
   }
 }
 
+/** Whether WebGL is rendered in software, without a graphics processor. */
 function draws_in_software(): boolean {
   const gl = document.createElement('canvas').getContext('webgl2');
   if (!gl) return false;

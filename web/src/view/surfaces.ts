@@ -1,11 +1,11 @@
-/** Meshes and height fields as geometries: smooth where the surface is smooth, sharp where it has edges. */
+/** Geometries of meshes and height fields, with smooth shading except at sharp edges. */
 import * as THREE from 'three';
 import { mergeVertices, toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { HeightFieldSurface, MechanismData, MeshSurface } from '../core/protocol';
 
 export type Surfaces = NonNullable<MechanismData['surfaces']>;
 
-const crease = (32 * Math.PI) / 180; // faces that meet at less look like one round surface
+const crease = (32 * Math.PI) / 180; // maximum angle between faces that are shaded as one smooth surface, rad
 
 function unpack(text: string): ArrayBuffer {
   const letters = atob(text);
@@ -21,7 +21,7 @@ function mesh_geometry(mesh: MeshSurface): THREE.BufferGeometry {
   return mergeVertices(toCreasedNormals(geometry, crease));
 }
 
-/** The ground's surface, and walls down to its base. */
+/** The surface of a height field, with walls down to its base. */
 function field_geometry(field: HeightFieldSurface): THREE.BufferGeometry {
   const { columns, rows } = field;
   const heights = new Float32Array(unpack(field.heights));
@@ -56,7 +56,7 @@ function field_geometry(field: HeightFieldSurface): THREE.BufferGeometry {
   return geometry;
 }
 
-/** Of a name that the mechanism does not have: nothing to see. */
+/** Geometry of the surface `name`; empty if the mechanism has no such surface. */
 export function surface_geometry(surfaces: Surfaces, name: string): THREE.BufferGeometry {
   const surface = surfaces[name];
   if (!surface) {

@@ -1,37 +1,39 @@
 /**
- * The viewport: draws the latest frame of the ring on each animation frame in which something changed, and turns the pointer into
- * orbiting, selecting, pulling and placing. Knows nothing of React.
+ * The viewport: draws the latest frame of the ring in each animation frame in which something changed, and answers geometric queries for
+ * selecting, pulling and placing (PointerControl). Independent of React.
  */
 import * as THREE from 'three';
 import { find_character } from '../core/document';
-import { say_label } from '../core/format';
-import { assist_force, assist_over_cap, body_weight, centre_of_mass, FigureState, type Frame } from '../core/frames';
+import { format_label } from '../core/format';
+import { assist_force, assist_over_cap, body_weight, centre_of_mass, CharacterState, type Frame } from '../core/frames';
 import type { MechanismData } from '../core/protocol';
 import type { Session } from '../core/session';
 import { selected_character, shown_document, type StudioState } from '../core/state';
 import { CameraRig } from './camera';
-import { Figure, Ghost, mechanism_geometries, type LinkTag } from './figure';
+import { CharacterView, Ghost, mechanism_geometries, type LinkTag } from './character_view';
 import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Segments, Spring } from './overlays';
 import { Stage } from './stage';
 
-const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // s
-const trail_seconds = 4;
-const max_contact_arrows = 48;
+const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // times of the ghosts relative to the current frame, s
+const trail_seconds = 4; // time span of a trail, s
+const max_contact_arrows = 48; // further contacts are not drawn
 
+/** The objects drawn for one character. */
 interface Drawn {
-  figure: Figure;
+  character_view: CharacterView;
   ghosts: Ghost[];
   assist: Arrow;
   trail: Polyline;
-  /** Where the figure is drawn while its place is dragged, m from where the frames have it. */
+  /** Displacement from the position in the frames while the character's place is dragged, m. */
   offset: THREE.Vector3;
 }
 
+/** The link under the pointer, and the hit point in the world, m. */
 export interface Pick extends LinkTag {
   point: THREE.Vector3;
 }
 
-/** What pages around the canvas draw from: called after each picture. */
+/** Called after each drawn frame, so that page elements over the canvas can update. */
 export type DrawListener = (viewport: Viewport) => void;
 
 export class Viewport {
@@ -42,30 +44,37 @@ export class Viewport {
   private readonly contact_arrows: Arrow[] = [];
   private readonly contact_discs = new ContactDiscs(max_contact_arrows);
   private readonly normals = new Segments(0x9adcf7, 1.6);
-  private readonly nearest = new Segments(0x7dd3fc, 1.6);
-  /** Pairs of nearest points as drawn now, the nearest first. */
-  nearest_pairs: { distance: number; middle: THREE.Vector3; a: number; b: number }[] = [];
+  private readonly closest_lines = new Segments(0x7dd3fc, 1.6);
+  /** The closest pairs as drawn, smallest distance first: distance (m), midpoint of the line, indices of the characters. */
+  closest_pairs: { distance: number; middle: THREE.Vector3; a: number; b: number }[] = [];
   private readonly spring = new Spring();
   private readonly ring = make_ring();
   private readonly raycaster = new THREE.Raycaster();
   private readonly listeners = new Set<DrawListener>();
   private readonly undo_subscriptions: (() => void)[] = [];
+  /** True: something changed since the last drawn frame. */
   private dirty = true;
+  /** Time of the last drawn frame in which something moved, ms. */
   private still_since = 0;
+  /** True: the last frame was drawn at full resolution. */
   private drawn_still = false;
+  /** Time of the last animation frame, ms. */
   private last_tick = 0;
   private handle = 0;
+  /** Position and size of the canvas on the page, px. */
   private rect = { left: 0, top: 0, width: 1, height: 1 };
   private framed_once = false;
   private hovered: LinkTag | null = null;
   private pull: { tag: LinkTag; local: THREE.Vector3; target: THREE.Vector3 } | null = null;
+  /** The last reported character states, as JSON. */
   private shown_states = '';
+  /** Number of frames drawn; read by browser tests. */
   pictures = 0;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     readonly session: Session,
-    private readonly report_states: (states: Record<string, FigureState>) => void,
+    private readonly report_states: (states: Record<string, CharacterState>) => void,
   ) {
     this.stage = new Stage(canvas);
     for (let i = 0; i < max_contact_arrows; i++) {
@@ -73,7 +82,7 @@ export class Viewport {
       this.contact_arrows.push(arrow);
       this.stage.scene.add(arrow.group);
     }
-    this.stage.scene.add(this.spring.group, this.ring, this.contact_discs.mesh, this.normals.lines, this.nearest.lines);
+    this.stage.scene.add(this.spring.group, this.ring, this.contact_discs.mesh, this.normals.lines, this.closest_lines.lines);
     this.undo_subscriptions.push(
       session.store.subscribe((state, before) => this.state_changed(state, before)),
       session.frames.on_frame(() => this.invalidate()),
@@ -88,10 +97,12 @@ export class Viewport {
     this.stage.dispose();
   }
 
+  /** Requests that a new frame is drawn. */
   invalidate(): void {
     this.dirty = true;
   }
 
+  /** Calls `listener` after each drawn frame. @return a function that removes the listener */
   on_draw(listener: DrawListener): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
@@ -109,17 +120,18 @@ export class Viewport {
     return this.rect;
   }
 
-  // ---- what is under the pointer ----
+  // ---- picking and projection ----
 
+  /** The link at a point of the page, or null. @param client_x, client_y px */
   pick(client_x: number, client_y: number): Pick | null {
     this.aim(client_x, client_y);
     const meshes: THREE.Object3D[] = [];
-    for (const entry of this.drawn.values()) meshes.push(entry.figure.group);
+    for (const entry of this.drawn.values()) meshes.push(entry.character_view.group);
     const hit = this.raycaster.intersectObjects(meshes, true)[0];
     return hit ? { ...(hit.object.userData as LinkTag), point: hit.point.clone() } : null;
   }
 
-  /** Where the ray under the pointer meets a plane; null where it runs away from it. */
+  /** Intersection of the ray under the pointer with a plane, m; null if the ray does not meet it. */
   on_plane(client_x: number, client_y: number, plane: THREE.Plane): THREE.Vector3 | null {
     this.aim(client_x, client_y);
     return this.raycaster.ray.intersectPlane(plane, new THREE.Vector3());
@@ -130,7 +142,7 @@ export class Viewport {
     return new THREE.Plane().setFromNormalAndCoplanarPoint(this.rig.camera.getWorldDirection(new THREE.Vector3()).negate(), point);
   }
 
-  /** Pixels in the page of a point of the world; null behind the eye. */
+  /** Position on the page of a world point, px; null if the point is behind the camera. */
   to_client(point: THREE.Vector3): { x: number; y: number } | null {
     const p = point.clone().project(this.rig.camera);
     if (p.z > 1) return null;
@@ -147,6 +159,7 @@ export class Viewport {
 
   // ---- interaction ----
 
+  /** Highlights the link under the pointer; null: none. */
   hover(tag: LinkTag | null): void {
     if (this.hovered?.character === tag?.character && this.hovered?.link === tag?.link) return;
     this.hovered = tag;
@@ -154,45 +167,45 @@ export class Viewport {
     this.invalidate();
   }
 
-  /** Draws a pull from `local` (in the link's frame) to `target`; null: no pull. */
+  /** Draws a pull from `local` (link frame, m) to `target` (world, m); null: no pull. */
   show_pull(pull: { tag: LinkTag; local: THREE.Vector3; target: THREE.Vector3 } | null): void {
     this.pull = pull;
     this.emphasise();
     this.invalidate();
   }
 
-  /** A point of the world in a link's frame. */
+  /** Converts a world point into a link's frame, m; null if the link is not drawn. */
   to_link(tag: LinkTag, point: THREE.Vector3): THREE.Vector3 | null {
-    const mesh = this.drawn.get(tag.character)?.figure.links[tag.link];
+    const mesh = this.drawn.get(tag.character)?.character_view.links[tag.link];
     if (!mesh) return null;
     mesh.updateWorldMatrix(true, false);
     return point.clone().applyMatrix4(mesh.matrixWorld.clone().invert());
   }
 
-  /** Draws a character beside where its frames have it, until its next frame. */
+  /** Draws a character displaced by `offset` (m) from its position in the frames. */
   show_offset(character: string, offset: THREE.Vector3): void {
     this.drawn.get(character)?.offset.copy(offset);
     this.invalidate();
   }
 
   link_label(tag: LinkTag): string {
-    const link = this.drawn.get(tag.character)?.figure.mechanism.links[tag.link];
-    return say_label(link?.label || link?.name || '');
+    const link = this.drawn.get(tag.character)?.character_view.mechanism.links[tag.link];
+    return format_label(link?.label || link?.name || '');
   }
 
-  /** Spheres about the links of a figure (null: of all) as drawn now. */
+  /** Bounding spheres of the links of a character (null: of all characters) as drawn now, m. */
   private spheres(character: string | null): THREE.Sphere[] {
     const out: THREE.Sphere[] = [];
     for (const [id, entry] of this.drawn) {
       if (character !== null && id !== character) continue;
-      entry.figure.group.updateMatrixWorld(true);
-      for (const mesh of entry.figure.links)
+      entry.character_view.group.updateMatrixWorld(true);
+      for (const mesh of entry.character_view.links)
         if (mesh?.geometry.boundingSphere) out.push(mesh.geometry.boundingSphere.clone().applyMatrix4(mesh.matrixWorld));
     }
     return out;
   }
 
-  /** The figure's bounds as drawn now; null where there is none. */
+  /** Bounding sphere of a character (null: of all characters) as drawn now, m; null if nothing is drawn. */
   bounds(character: string | null): THREE.Sphere | null {
     const box = new THREE.Box3();
     for (const s of this.spheres(character))
@@ -200,6 +213,7 @@ export class Viewport {
     return box.isEmpty() ? null : box.getBoundingSphere(new THREE.Sphere());
   }
 
+  /** Moves the camera so that the selected character, or otherwise everything, fills the view. */
   frame_selection(): void {
     const selected = selected_character(this.session.state);
     const spheres = selected === null ? [] : this.spheres(selected);
@@ -213,17 +227,17 @@ export class Viewport {
     this.invalidate();
   }
 
-  /** Top of a figure, where its badge floats. */
+  /** Point above a character at which its badge is shown, m. */
   head(character: string): THREE.Vector3 | null {
     const sphere = this.bounds(character);
     return sphere ? sphere.center.clone().add(new THREE.Vector3(0, 0, sphere.radius + 0.06)) : null;
   }
 
-  // ---- following the state ----
+  // ---- updates from the state ----
 
   private state_changed(state: StudioState, before: StudioState | null): void {
     if (!before || state.document !== before.document || state.preview !== before.preview || state.mechanisms !== before.mechanisms) {
-      this.sync_figures(state);
+      this.sync_characters(state);
     }
     if (!before || state.theme !== before.theme || state.document?.look !== before.document?.look) {
       this.stage.set_look({
@@ -237,7 +251,7 @@ export class Viewport {
     this.invalidate();
   }
 
-  private sync_figures(state: StudioState): void {
+  private sync_characters(state: StudioState): void {
     const doc = shown_document(state);
     const wanted = new Map<string, MechanismData>();
     for (const character of doc?.characters ?? []) {
@@ -245,14 +259,14 @@ export class Viewport {
       if (mechanism) wanted.set(character.id, mechanism);
     }
     for (const [id, entry] of this.drawn) {
-      if (wanted.get(id) === entry.figure.mechanism) continue;
+      if (wanted.get(id) === entry.character_view.mechanism) continue;
       this.remove(entry);
       this.drawn.delete(id);
     }
     for (const [id, mechanism] of wanted) {
       const color = (doc && find_character(doc, id)?.color) || '#e6e6ea';
       const entry = this.drawn.get(id);
-      if (entry) entry.figure.set_color(color);
+      if (entry) entry.character_view.set_color(color);
       else this.drawn.set(id, this.add(id, mechanism, color));
     }
     this.emphasise();
@@ -265,30 +279,30 @@ export class Viewport {
       this.geometries.set(mechanism.id, geometries);
     }
     const entry: Drawn = {
-      figure: new Figure(id, mechanism, geometries, color),
+      character_view: new CharacterView(id, mechanism, geometries, color),
       ghosts: ghost_offsets.map((_offset, index) => new Ghost(geometries, index)),
       assist: new Arrow(0x34d399, 0.011, true),
       trail: new Polyline(0xff9d5c, 1.6, 0.8),
       offset: new THREE.Vector3(),
     };
-    this.stage.scene.add(entry.figure.group, entry.assist.group, entry.trail.line, ...entry.ghosts.map((g) => g.group));
+    this.stage.scene.add(entry.character_view.group, entry.assist.group, entry.trail.line, ...entry.ghosts.map((g) => g.group));
     return entry;
   }
 
   private remove(entry: Drawn): void {
-    this.stage.scene.remove(entry.figure.group, entry.assist.group, entry.trail.line, ...entry.ghosts.map((g) => g.group));
-    entry.figure.dispose();
+    this.stage.scene.remove(entry.character_view.group, entry.assist.group, entry.trail.line, ...entry.ghosts.map((g) => g.group));
+    entry.character_view.dispose();
     for (const ghost of entry.ghosts) ghost.dispose();
   }
 
   private emphasise(): void {
     const { selection } = this.session.state;
     for (const [id, entry] of this.drawn) {
-      entry.figure.links.forEach((_mesh, link) => {
+      entry.character_view.links.forEach((_mesh, link) => {
         const pulled = this.pull?.tag.character === id && this.pull.tag.link === link;
         const selected = selection.kind === 'character' && selection.character === id && selection.link === link;
         const hovered = this.hovered?.character === id && this.hovered.link === link;
-        entry.figure.emphasise(link, pulled ? 'pulled' : hovered ? 'hover' : selected ? 'selected' : 'none');
+        entry.character_view.emphasise(link, pulled ? 'pulled' : hovered ? 'hover' : selected ? 'selected' : 'none');
       });
     }
   }
@@ -302,11 +316,11 @@ export class Viewport {
     this.last_tick = now;
     if (this.rect.width <= 2) return;
     const frame = this.session.frames.latest;
-    if (this.dirty && frame) this.place_figures(frame);
+    if (this.dirty && frame) this.place_characters(frame);
     this.follow(frame);
     if (this.rig.update(dt)) this.dirty = true;
     if (!this.dirty) {
-      // moving pictures are drawn coarser on slow machines; one fine picture follows when all is still
+      // slow machines draw frames at reduced resolution while something moves; 180 ms after the last motion one frame is drawn at full resolution
       if (!this.drawn_still && now - this.still_since > 180) this.draw(frame, true);
       return;
     }
@@ -329,6 +343,7 @@ export class Viewport {
     for (const listener of this.listeners) listener(this);
   }
 
+  /** Sets the camera when all characters are drawn for the first time. */
   private first_view(): void {
     this.framed_once = true;
     const camera = this.session.state.document?.camera;
@@ -342,17 +357,17 @@ export class Viewport {
     this.rig.set({}, true);
   }
 
-  private place_figures(frame: Frame): void {
-    const states: Record<string, FigureState> = {};
+  private place_characters(frame: Frame): void {
+    const states: Record<string, CharacterState> = {};
     this.session.state.characters.forEach((character, index) => {
       const entry = this.drawn.get(character.id);
-      const figure = frame.figures[index];
-      if (!figure) return;
-      states[character.id] = figure.state;
+      const character_frame = frame.characters[index];
+      if (!character_frame) return;
+      states[character.id] = character_frame.state;
       if (!entry) return;
-      entry.figure.place(frame, figure);
-      entry.figure.group.position.copy(entry.offset);
-      entry.figure.group.updateMatrixWorld(true);
+      entry.character_view.place(frame, character_frame);
+      entry.character_view.group.position.copy(entry.offset);
+      entry.character_view.group.updateMatrixWorld(true);
     });
     const text = JSON.stringify(states);
     if (text !== this.shown_states) {
@@ -365,9 +380,9 @@ export class Viewport {
     const { view, document, characters } = this.session.state;
     if (!view.follow || !frame) return this.rig.follow(null);
     const id = selected_character(this.session.state) ?? document?.camera?.follow ?? characters[0]?.id;
-    const figure = frame.figures[characters.findIndex((c) => c.id === id)];
-    if (!figure) return this.rig.follow(null);
-    const [x, y, z] = centre_of_mass(frame, figure);
+    const character_frame = frame.characters[characters.findIndex((c) => c.id === id)];
+    if (!character_frame) return this.rig.follow(null);
+    const [x, y, z] = centre_of_mass(frame, character_frame);
     this.rig.follow(new THREE.Vector3(x, y, z));
   }
 
@@ -379,19 +394,19 @@ export class Viewport {
     let arrows = 0;
     characters.forEach((character, index) => {
       const entry = this.drawn.get(character.id);
-      const figure = frame?.figures[index];
-      if (!entry || !figure || !frame) return;
-      const com = new THREE.Vector3(...centre_of_mass(frame, figure)).add(entry.offset);
+      const character_frame = frame?.characters[index];
+      if (!entry || !character_frame || !frame) return;
+      const com = new THREE.Vector3(...centre_of_mass(frame, character_frame)).add(entry.offset);
       this.draw_ghosts(entry, index, frame, view.ghosts);
       if (view.trail) this.draw_trail(entry, index, frame);
       else entry.trail.hide();
-      const weight = body_weight(frame, figure);
-      const force = new THREE.Vector3(...assist_force(frame, figure));
+      const weight = body_weight(frame, character_frame);
+      const force = new THREE.Vector3(...assist_force(frame, character_frame));
       const share = weight > 0 ? force.length() / weight : 0;
       if (view.assist && frame.simulate && share > 0.004) {
-        const at = new THREE.Vector3().setFromMatrixPosition(entry.figure.links.find((m) => m)?.matrixWorld ?? new THREE.Matrix4());
-        entry.assist.material.color.copy(assist_color(assist_over_cap(frame, figure)));
-        // a root scale: 1 % of weight is seen, 50 % does not leave the picture
+        const at = new THREE.Vector3().setFromMatrixPosition(entry.character_view.links.find((m) => m)?.matrixWorld ?? new THREE.Matrix4());
+        entry.assist.material.color.copy(assist_color(assist_over_cap(frame, character_frame)));
+        // the length grows with the square root of the force: 1 % of the weight is visible (0.19 m), 100 % fits the view (1.9 m)
         entry.assist.show(at, force.setLength(1.9 * Math.sqrt(Math.min(share, 1))));
       } else {
         entry.assist.hide();
@@ -406,7 +421,7 @@ export class Viewport {
     this.contact_discs.begin();
     this.normals.begin();
     if (view.contacts && frame) {
-      const longest = Math.max(1, ...frame.figures.map((f) => body_weight(frame, f)));
+      const longest = Math.max(1, ...frame.characters.map((f) => body_weight(frame, f)));
       for (let i = 0; i < frame.contact_count && arrows < max_contact_arrows; i++) {
         const at = frame.contacts + 8 * i;
         const f = frame.floats;
@@ -422,27 +437,27 @@ export class Viewport {
     }
     for (; arrows < max_contact_arrows; arrows++) this.contact_arrows[arrows]!.hide();
     this.normals.end();
-    this.draw_nearest(view.nearest ? frame : null);
+    this.draw_closest_pairs(view.closest ? frame : null);
     this.draw_pull();
   }
 
-  private draw_nearest(frame: Frame | null): void {
-    this.nearest.begin();
-    this.nearest_pairs = [];
-    for (let i = 0; frame && i < frame.nearest_count; i++) {
-      const at = frame.nearest + 8 * i;
+  private draw_closest_pairs(frame: Frame | null): void {
+    this.closest_lines.begin();
+    this.closest_pairs = [];
+    for (let i = 0; frame && i < frame.closest_count; i++) {
+      const at = frame.closest + 8 * i;
       const f = frame.floats;
       const a = new THREE.Vector3(f[at], f[at + 1], f[at + 2]);
       const b = new THREE.Vector3(f[at + 3], f[at + 4], f[at + 5]);
       const who = frame.words[at + 7]!;
-      this.nearest.add(a, b);
-      this.nearest_pairs.push({ distance: f[at + 6]!, middle: a.clone().add(b).multiplyScalar(0.5), a: who >>> 16, b: who & 0xffff });
+      this.closest_lines.add(a, b);
+      this.closest_pairs.push({ distance: f[at + 6]!, middle: a.clone().add(b).multiplyScalar(0.5), a: who >>> 16, b: who & 0xffff });
     }
-    this.nearest.end();
+    this.closest_lines.end();
   }
 
   private draw_pull(): void {
-    const mesh = this.pull && this.drawn.get(this.pull.tag.character)?.figure.links[this.pull.tag.link];
+    const mesh = this.pull && this.drawn.get(this.pull.tag.character)?.character_view.links[this.pull.tag.link];
     if (!this.pull || !mesh) {
       this.spring.hide();
       return;
@@ -457,8 +472,8 @@ export class Viewport {
     ghost_offsets.forEach((seconds, i) => {
       const ghost = entry.ghosts[i]!;
       const other = on ? this.session.frames.near(frame.number + Math.round(seconds * rate), 2) : undefined;
-      const figure = other?.figures[index];
-      if (other && figure && figure.links === frame.figures[index]?.links) ghost.show(other, figure, Math.abs(seconds) > 0.5 ? 0.13 : 0.22);
+      const character_frame = other?.characters[index];
+      if (other && character_frame && character_frame.links === frame.characters[index]?.links) ghost.show(other, character_frame, Math.abs(seconds) > 0.5 ? 0.13 : 0.22);
       else ghost.hide();
     });
   }
@@ -469,8 +484,8 @@ export class Viewport {
     const first = Math.max(0, frame.number - Math.round(trail_seconds * rate));
     for (let n = first; n <= frame.number; n++) {
       const other = this.session.frames.at(n);
-      const figure = other?.figures[index];
-      if (other && figure) points.push(...centre_of_mass(other, figure));
+      const character_frame = other?.characters[index];
+      if (other && character_frame) points.push(...centre_of_mass(other, character_frame));
     }
     entry.trail.show(points);
   }

@@ -1,15 +1,17 @@
-/** Breakpoints as the service tells them, and their conditions as text (docs/studio-protocol.md). */
+/** Breakpoints as the service reports them, and their conditions as text (docs/studio-protocol.md). */
 
 export interface Breakpoint {
   /** "arm/elbow.out[2] > 3" */
   condition: string;
-  /** "arm/elbow.out" */
+  /** Flat output pin: "arm/elbow.out" */
   pin: string;
+  /** Index of the compared component of the pin's value. */
   component: number;
+  /** False: the breakpoint is disabled. */
   on: boolean;
 }
 
-/** What a run stopped at. */
+/** The breakpoint at which a run paused, and the value there. */
 export interface BreakpointHit {
   condition: string;
   pin: string;
@@ -22,6 +24,7 @@ export interface BreakpointHit {
 
 export type Relation = '>' | '<' | '==' | '!=' | 'becomes true' | 'changes';
 
+/** Relations with their labels. */
 export const relations: [Relation, string][] = [
   ['>', 'rises above'],
   ['<', 'falls below'],
@@ -31,18 +34,21 @@ export const relations: [Relation, string][] = [
   ['changes', 'changes'],
 ];
 
+/** Whether a relation compares with a value. */
 export const takes_value = (relation: Relation): boolean => relation !== 'becomes true' && relation !== 'changes';
 
-/** Names of the numbers of a payload; null: they have none but their index. */
+/** Names of the components of a value, by pin type. */
 const component_names: Record<string, string[]> = { scalar: [], vector: ['x', 'y', 'z'], rotation: ['w', 'x', 'y', 'z'], pose: ['x', 'y', 'z', 'qw', 'qx', 'qy', 'qz'] };
+/** Names of the components of a pin type; null: components have only an index. */
 export const components_of = (type: string): string[] | null => component_names[type] ?? null;
 
-/** Types whose payload is not numbers cannot be compared. */
+/** Whether a breakpoint can compare values of a pin type; contacts and events are records, not scalars. */
 export const can_stop_at = (type: string): boolean => type !== 'contacts' && type !== 'event';
 
+/** Text of a condition: "arm/elbow.out[2] > 3". */
 export function write_condition(pin: string, component: number, relation: Relation, value: number): string {
-  const number = component > 0 ? `${pin}[${component}]` : pin;
-  return takes_value(relation) ? `${number} ${relation} ${value}` : `${number} ${relation}`;
+  const operand = component > 0 ? `${pin}[${component}]` : pin;
+  return takes_value(relation) ? `${operand} ${relation} ${value}` : `${operand} ${relation}`;
 }
 
 /** The condition without the pin: "[2] > 3". */

@@ -1,13 +1,17 @@
-/** LSI classes as the service declares them (docs/studio-protocol.md, event `lsis`), and which pins fit each other. */
+/** LSI classes and pin types as the service declares them (docs/studio-protocol.md, event `lsis`). */
 
 export interface InputDeclaration {
   name: string;
   type: string;
   unit?: string;
   doc?: string;
+  /** True: the input must be wired or have a value. */
   required?: boolean;
+  /** True: the outputs of a tick depend on this input in the same tick. */
   direct?: boolean;
+  /** True: several wires may end here. */
   multiple?: boolean;
+  /** Number of elements of the value. */
   count?: number;
   minimum?: number | null;
   maximum?: number | null;
@@ -19,7 +23,9 @@ export interface OutputDeclaration {
   type: string;
   unit?: string;
   doc?: string;
+  /** True: consumers see the value from the next tick on. */
   delayed?: boolean;
+  /** Number of elements of the value. */
   count?: number;
 }
 
@@ -32,6 +38,7 @@ export interface ParameterDeclaration {
   choices?: string[];
   unit?: string;
   doc?: string;
+  /** True: the parameter can change while the circuit runs. */
   live?: boolean;
 }
 
@@ -39,7 +46,7 @@ export interface LsiClass {
   name: string;
   doc?: string;
   group?: string;
-  /** Of which installed library; empty: built in. */
+  /** Name of the installed library that has the class; empty if it is built in. */
   from?: string;
   inputs: InputDeclaration[];
   outputs: OutputDeclaration[];
@@ -54,6 +61,7 @@ export interface PinType {
   doc?: string;
 }
 
+/** All LSI classes and pin types, by name. */
 export class ClassList {
   private readonly by_name: Map<string, LsiClass>;
   private readonly types: Map<string, PinType>;
@@ -62,7 +70,7 @@ export class ClassList {
     readonly pin_types: readonly PinType[] = [],
   ) {
     this.by_name = new Map(all.map((c) => [c.name, c]));
-    // the short name of an installed one, where only one library has it
+    // a class of a library is also found by its name without the library's prefix, if only one library has that name
     const short = new Map<string, LsiClass | null>();
     for (const c of all) {
       const name = c.from ? c.name.slice(c.from.length + 1) : '';
@@ -77,6 +85,7 @@ export class ClassList {
   type(name: string): PinType | undefined {
     return this.types.get(name);
   }
+  /** False until the service has sent its classes. */
   get known(): boolean {
     return this.all.length > 0;
   }
@@ -86,7 +95,7 @@ const hues: Record<string, string> = {
   scalar: 'scalar', vector: 'vector', rotation: 'rotation', pose: 'pose', 'joint values': 'joints', state: 'state', contacts: 'contacts', event: 'event', motion: 'motion',
 };
 
-/** Name of the hue (`--pin-…`) of a pin type. */
+/** Name of the colour of a pin type (CSS class `hue-…`, variable `--pin-…`). */
 export const hue_of = (type: string): string => hues[type] ?? 'any';
 
 export const hue_names = [...Object.values(hues), 'any'];

@@ -1,4 +1,4 @@
-/** The wiring editor: what is looked at, selected and being done, and every edit as one command. Framework-free; React only draws it. */
+/** The wiring editor: the shown level, selection, gestures, and every edit as one command. Framework-free; React only draws its state. */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import type { Problem } from '../protocol';
 import { can_stop_at } from './breakpoints';
@@ -8,32 +8,37 @@ import type { CircuitCommand, Clip } from './edits';
 import { pins_that_fit, same_pin, why_not, type PinAt } from './fits';
 import { reconcile, split_end, type Circuit, type Point, type Value } from './form';
 import { describe_node, describe_pin, first_pin, next_node, next_pin, type Direction } from './navigate';
-import { place_problems, place_stops, problems_at, split_flat, type CircuitProblem } from './problems';
+import { locate_problems, locate_stops, problems_at, split_flat, type CircuitProblem } from './problems';
 import { enter, find_circuit, grid, inputs_node, note_id, outputs_node, View, type Level, type ViewWire } from './view';
 
 export interface EditorState {
   view: View | null;
-  /** The project has a circuit of its own; false: what is shown is generated. */
+  /** True: the project has a circuit of its own. False: the generated circuit is shown. */
   edited: boolean;
+  /** Ids of the entered LSIs, from the outermost circuit inwards. */
   path: readonly string[];
+  /** Selected nodes. */
   nodes: ReadonlySet<string>;
+  /** Keys of the selected wires. */
   wires: ReadonlySet<string>;
-  /** Where the keyboard is. */
+  /** The node with the keyboard cursor. */
   cursor: string | null;
+  /** The pin with the keyboard cursor; null: the cursor is on a node. */
   pin: PinAt | null;
-  /** The pin that a wire is being drawn from, and where it would end. */
+  /** The pin at which a wire was started, and the pin at which it would end. */
   connecting: PinAt | null;
   target: PinAt | null;
+  /** The open search: where to add the result in the circuit's plane, and where to show the search on the page, px. */
   search: { at: Point; screen: { x: number; y: number }; fits?: PinAt } | null;
-  /** The output ("arm/elbow.out") whose condition for stopping is being asked for. */
+  /** The output (flat: "arm/elbow.out") for which the breakpoint dialog is open. */
   stopping: { flat: string; type: string; unit: string; screen: { x: number; y: number } } | null;
   /** Why a wire was refused. */
   refusal: { text: string; screen: { x: number; y: number } } | null;
   problems: readonly CircuitProblem[];
-  /** Whose title or text is being typed. */
+  /** Id of the node or note whose text is being typed. */
   typing: string | null;
-  /** For screen readers. */
-  said: string;
+  /** Text for screen readers. */
+  announcement: string;
 }
 
 export interface EditorHost {
@@ -45,18 +50,22 @@ const none: ReadonlySet<string> = new Set();
 
 export class CircuitEditor {
   readonly store: StoreApi<EditorState>;
+  /** The outermost circuit, with unchanged items shared with its previous version. */
   private circuit: Circuit | null = null;
+  /** The outermost circuit as given to show(). */
   private raw: Circuit | null = null;
   private classes: ClassList | null = null;
-  private told: readonly Problem[] = [];
+  /** The problems of the last show(). */
+  private shown_problems: readonly Problem[] = [];
   private stops: readonly Problem[] = [];
-  /** Places while nodes are dragged; what draws wires looks here first. */
+  /** Positions of dragged nodes by id; they take precedence when wires are drawn. Null: no drag. */
   drag: ReadonlyMap<string, Point> | null = null;
+  /** The last copied selection. */
   private clip: Clip | null = null;
 
   constructor(private readonly host: EditorHost) {
     this.store = createStore<EditorState>(() => ({
-      view: null, edited: false, path: [], nodes: none, wires: none, cursor: null, pin: null, connecting: null, target: null, search: null, stopping: null, refusal: null, problems: [], typing: null, said: '',
+      view: null, edited: false, path: [], nodes: none, wires: none, cursor: null, pin: null, connecting: null, target: null, search: null, stopping: null, refusal: null, problems: [], typing: null, announcement: '',
     }));
   }
 
@@ -70,23 +79,24 @@ export class CircuitEditor {
     this.store.setState(part);
   }
 
-  // ---- what is shown ----
+  // ---- the shown level ----
 
-  /** The circuit as the project has it, or as it is generated. */
+  /** Sets the circuit to show. @param edited it is the project's own, not the generated one  @param stops problems that stopped the run */
   show(circuit: Circuit | null, edited: boolean, classes: ClassList, problems: readonly Problem[], stops: readonly Problem[] = []): void {
-    if (circuit === this.raw && classes === this.classes && problems === this.told && stops === this.stops && edited === this.state.edited) return;
+    if (circuit === this.raw && classes === this.classes && problems === this.shown_problems && stops === this.stops && edited === this.state.edited) return;
     const next = circuit && reconcile(this.circuit, circuit);
     const same = next === this.circuit && classes === this.classes && this.state.view !== null;
     this.raw = circuit;
     this.classes = classes;
     this.circuit = next;
-    this.told = problems;
+    this.shown_problems = problems;
     this.stops = stops;
-    if (problems.length + stops.length + this.state.problems.length > 0) this.set({ problems: next ? [...place_problems(next, problems), ...place_stops(next, stops)] : [] });
+    if (problems.length + stops.length + this.state.problems.length > 0) this.set({ problems: next ? [...locate_problems(next, problems), ...locate_stops(next, stops)] : [] });
     if (edited !== this.state.edited) this.set({ edited });
     if (!same) this.look(this.state.path);
   }
 
+  /** Shows the level at `path`; the selection is kept if the level stays the same. */
   private look(path: readonly string[]): void {
     if (!this.circuit || !this.classes) return this.set({ view: null });
     const level = enter(this.circuit, path);
@@ -106,31 +116,32 @@ export class CircuitEditor {
     });
   }
 
-  /** Goes inside the circuit that LSI `id` is. */
+  /** Shows the inside of LSI `id`, which must be a circuit. @return whether it is */
   go_inside(id: string): boolean {
     const node = this.view?.node(id);
     if (node?.kind !== 'circuit') return false;
     this.look([...this.state.path, id]);
-    this.say(`Inside ${node.title}`);
+    this.announce(`Inside ${node.title}`);
     return true;
   }
 
+  /** Shows the level `levels` further out, and selects the node that was left. */
   go_out(levels = 1): void {
     if (this.state.path.length === 0) return;
     const left = this.state.path[this.state.path.length - levels];
     this.look(this.state.path.slice(0, this.state.path.length - levels));
     if (left !== undefined && this.view?.node(left)) this.set({ nodes: new Set([left]), cursor: left });
-    this.say(this.state.path.length === 0 ? 'The outermost circuit' : `Inside ${this.state.path.at(-1)}`);
+    this.announce(this.state.path.length === 0 ? 'The outermost circuit' : `Inside ${this.state.path.at(-1)}`);
   }
 
-  /** Goes to where the LSI of these ids is, and selects it. */
+  /** Shows the level of an LSI and selects it. @param ids of the LSIs from the outermost circuit inwards */
   go_to(ids: readonly string[]): void {
     this.look(ids.slice(0, -1));
     const last = ids.at(-1);
     if (last !== undefined && this.view?.node(last)) this.select([last]);
   }
 
-  /** Names for the way in: what is shown above the canvas. */
+  /** Titles of the entered LSIs, shown as breadcrumbs above the canvas. */
   get crumbs(): string[] {
     const out: string[] = [];
     let level: Level | null = this.circuit && enter(this.circuit, []);
@@ -164,7 +175,7 @@ export class CircuitEditor {
     const { view } = this;
     if (view) this.select([...view.nodes.filter((n) => n.lsi).map((n) => n.id), ...view.notes.map((n) => note_id(n.id))]);
   }
-  /** The one selected LSI, or null. */
+  /** The selected LSI if exactly one is selected, otherwise null. */
   get chosen(): string | null {
     const [only] = this.state.nodes;
     return this.state.nodes.size === 1 && only !== undefined && this.view?.node(only)?.lsi ? only : null;
@@ -181,12 +192,13 @@ export class CircuitEditor {
     return this.view ? edit(this.view) : null;
   }
 
+  /** Adds an LSI, wired to the pin `wire_to` if one of its pins fits. @return its id */
   add(type: string, at: Point, wire_to?: PinAt): string | null {
     const made = this.with((view) => edits.add_lsi(view, type, at, wire_to));
     if (!made) return null;
     this.do(made.command);
     this.select([made.id]);
-    this.say(`Added ${type}`);
+    this.announce(`Added ${type}`);
     return made.id;
   }
   add_note(at: Point): void {
@@ -196,7 +208,10 @@ export class CircuitEditor {
     this.select([note_id(made.id)]);
     this.set({ typing: note_id(made.id) });
   }
-  /** What the search found, at the place where the search was opened. */
+  /**
+   * Closes the search and adds the chosen class, circuit or note at the position where the search was opened.
+   * A class or circuit is also wired to the pin from which the search was opened, if there is one.
+   */
   choose(type: string, kind: 'class' | 'circuit' | 'note'): void {
     const { search } = this.state;
     this.set({ search: null });
@@ -207,7 +222,7 @@ export class CircuitEditor {
   move(places: ReadonlyMap<string, Point>): void {
     this.with((view) => this.do(edits.move(view, places)));
   }
-  /** Moves the selection by steps of the grid. */
+  /** Moves the selection. @param dx, dy grid steps */
   nudge(dx: number, dy: number): void {
     const { view } = this;
     if (!view) return;
@@ -218,7 +233,7 @@ export class CircuitEditor {
     }
     this.do(edits.move(view, places));
   }
-  /** Corner of a node, note or probe as the circuit has it. */
+  /** Upper left corner of a node, note or probe, ignoring a drag; null if it does not exist. */
   place_of(id: string): Point | null {
     const { view } = this;
     const node = view?.node(id);
@@ -250,10 +265,11 @@ export class CircuitEditor {
   set_value(id: string, pin: string, value: Value | undefined): void {
     this.with((view) => this.do(edits.set_value(view, id, pin, value)));
   }
+  /** @param every the LSI runs every n-th tick; 0: on demand */
   set_every(id: string, every: number): void {
     this.with((view) => this.do(edits.set_lsi(view, id, { every }, `Set rate of “${view.node(id)?.title}”`)));
   }
-  /** The output that an input gets its values from; an output is its own. */
+  /** The output that feeds an input; an output is returned unchanged. */
   private source_of(pin: PinAt): PinAt {
     const wire = pin.side === 'in' ? this.view?.at_pin(pin.node, 'in', pin.pin)[0] : undefined;
     return wire ? { node: wire.from, side: 'out', pin: wire.from_pin } : pin;
@@ -276,10 +292,10 @@ export class CircuitEditor {
   }
   group(): void {
     const made = this.with((view) => edits.group(view, this.state.nodes));
-    if (!made) return this.host.notify('Select LSIs to group; those that are missing cannot be grouped.');
+    if (!made) return this.host.notify('Select LSIs to group. Missing LSIs cannot be grouped.');
     this.do(made.command);
     this.select([made.id]);
-    this.say('Grouped');
+    this.announce('Grouped');
   }
   ungroup(): void {
     const { chosen } = this;
@@ -287,13 +303,14 @@ export class CircuitEditor {
     if (!made) return this.host.notify('Select one circuit to ungroup.');
     this.do(made.command);
     this.select(made.nodes);
-    this.say('Ungrouped');
+    this.announce('Ungrouped');
   }
-  /** What the clipboard gets, or null. */
+  /** Copies the selection. @return text for the clipboard, or null if nothing is selected */
   copy(): string | null {
     this.clip = this.with((view) => edits.copy(view, this.state.nodes));
     return this.clip && JSON.stringify(this.clip);
   }
+  /** Pastes `text`, or the last copied selection if `text` is not a circuit clip. */
   paste(at: Point, text?: string): void {
     const clip = (text && edits.read_clip(text)) || this.clip;
     if (clip) this.put(clip, at, 'Paste');
@@ -322,19 +339,19 @@ export class CircuitEditor {
   begin_wire(pin: PinAt): void {
     this.set({ connecting: pin, target: null, refusal: null });
   }
-  /** null: the wire is allowed; otherwise the reason. */
-  judge(to: PinAt): string | null {
+  /** Why the started wire may not end at `to`, as a sentence; null if it may. */
+  wire_refusal(to: PinAt): string | null {
     const { connecting } = this.state;
     return connecting && this.view ? why_not(this.view, connecting, to) : null;
   }
   refuse(text: string, screen: { x: number; y: number }): void {
     this.set({ refusal: { text, screen } });
-    this.say(text);
+    this.announce(text);
   }
   forget_refusal(): void {
     if (this.state.refusal) this.set({ refusal: null });
   }
-  /** Ends the wire at a pin. @return why it was refused, or null */
+  /** Ends a wire at a pin. @param instead the wire whose end is moved  @return why it was refused, or null */
   end_wire(from: PinAt, to: PinAt, instead?: ViewWire): string | null {
     const { view } = this;
     this.set({ connecting: null, target: null });
@@ -343,7 +360,7 @@ export class CircuitEditor {
     const reason = why_not(view, from, to);
     if (reason === null) {
       this.do(edits.connect(view, from, to, instead));
-      this.say('Wired');
+      this.announce('Wired');
     }
     return reason;
   }
@@ -356,28 +373,30 @@ export class CircuitEditor {
   close_search(): void {
     this.set({ search: null });
   }
-  /** What a breakpoint at this pin would look at; null: nothing that can be compared. */
+  /** The output that a breakpoint at this pin would watch; null if its type cannot be compared. */
   stop_source(pin: PinAt): { flat: string; type: string; unit: string } | null {
     const at = this.source_of(pin);
     const info = at.side === 'out' ? this.view?.pin(at.node, 'out', at.pin) : undefined;
     const flat = info && can_stop_at(info.type) ? this.flat_output(at.node, at.pin) : null;
     return info && flat ? { flat, type: info.type, unit: info.unit ?? '' } : null;
   }
+  /** Opens the breakpoint dialog for a pin. */
   ask_stop(pin: PinAt, screen: { x: number; y: number }): void {
     const source = this.stop_source(pin);
     if (source) this.set({ stopping: { ...source, screen } });
-    else this.host.notify('A run can be stopped at outputs that carry numbers.');
+    else this.host.notify('Breakpoints are possible only at outputs with numeric values.');
   }
   close_stop(): void {
     this.set({ stopping: null });
   }
-  /** "Gain · out" of "arm/gain.out". */
+  /** Title of a flat output pin: "Gain · out" of "arm/gain.out". */
   name_of(flat: string): string {
     const [ids, pin] = split_flat(flat);
     const path = ids.split('/');
     const lsi = this.circuit && enter(this.circuit, path.slice(0, -1)).circuit.lsis?.find((l) => l.id === path.at(-1));
     return `${lsi?.label || ids} · ${pin}`;
   }
+  /** Starts typing the text of a node or note; null ends it. */
   type_in(id: string | null): void {
     this.set({ typing: id });
   }
@@ -387,11 +406,11 @@ export class CircuitEditor {
   problems_of(id: string): CircuitProblem[] {
     return problems_at(this.state.problems, this.state.path, id);
   }
-  /** Puts a delay into the last wire of the circle that `problem` names, at the level where it is. */
+  /** Inserts a delay into the last wire of the algebraic loop of `problem`, and shows the level of that wire. */
   insert_delay(problem: CircuitProblem): void {
     const step = problem.loop.at(-1);
     if (!step || !this.circuit || !this.classes) return;
-    // the level that both ends share
+    // depth of the level that contains both ends
     const [from, from_pin] = split_flat(step.from);
     const [to, to_pin] = split_flat(step.to);
     const a = from.split('/');
@@ -403,18 +422,19 @@ export class CircuitEditor {
     const { view } = this;
     const wire = view?.wires.find((w) => w.from === a[depth] && w.to === b[depth] && (a.length > depth + 1 || w.from_pin === from_pin) && (b.length > depth + 1 || w.to_pin === to_pin));
     const made = view && wire && edits.insert_delay(view, wire, this.classes);
-    if (!made) return this.host.notify('There is no delay for this type; break the circle by hand.');
+    if (!made) return this.host.notify('There is no delay LSI for this type. Break the loop by removing one of its wires.');
     this.do(made.command);
     this.select([made.id]);
   }
 
   // ---- keyboard ----
 
-  say(text: string): void {
-    this.set({ said: text });
+  /** Sets the text for screen readers. */
+  announce(text: string): void {
+    this.set({ announcement: text });
   }
 
-  /** An arrow key: from node to node, or from pin to pin, or among the pins at which a wire may end. */
+  /** Arrow key: moves the cursor from node to node or from pin to pin, or through the pins at which the started wire may end. */
   go(direction: Direction): void {
     const { view, state } = this;
     if (!view) return;
@@ -425,22 +445,22 @@ export class CircuitEditor {
       const step = direction === 'left' || direction === 'up' ? -1 : 1;
       const target = fits[(index + step + fits.length) % fits.length] ?? fits[0]!;
       this.set({ target, cursor: target.node });
-      return this.say(describe_pin(view, target));
+      return this.announce(describe_pin(view, target));
     }
     if (state.pin) {
       const pin = next_pin(view, state.pin, direction);
       if (!pin) return;
       this.set({ pin, cursor: pin.node });
-      return this.say(describe_pin(view, pin));
+      return this.announce(describe_pin(view, pin));
     }
     const [only] = state.nodes;
     const id = next_node(view, state.cursor ?? only ?? null, direction);
     if (id === null) return;
     this.set({ cursor: id, nodes: new Set([id]), wires: none });
-    this.say(describe_node(view.node(id)!));
+    this.announce(describe_node(view.node(id)!));
   }
 
-  /** Enter: into the pins of a node; begins a wire at a pin; ends it. */
+  /** Enter key: moves the cursor from a node to its pins, starts a wire at a pin, or ends the started wire. */
   enter_key(): void {
     const { view, state } = this;
     if (!view) return;
@@ -450,24 +470,24 @@ export class CircuitEditor {
       const to = state.target;
       const reason = this.end_wire(from, to);
       this.set({ pin: to, cursor: to.node });
-      if (reason) this.say(reason);
+      if (reason) this.announce(reason);
       return;
     }
     if (state.pin) {
       const fits = pins_that_fit(view, state.pin);
       this.begin_wire(state.pin);
       if (fits[0]) this.set({ target: fits[0] });
-      return this.say(fits[0] ? `Wire to: ${describe_pin(view, fits[0])}` : 'Nothing here fits; press Tab to add what does');
+      return this.announce(fits[0] ? `Wire to: ${describe_pin(view, fits[0])}` : 'No pin here fits; press Tab to add an LSI that does');
     }
     const [only] = state.nodes;
     const node = state.cursor ?? only;
     const pin = node ? first_pin(view, node) : null;
     if (!pin) return;
     this.set({ pin, cursor: pin.node });
-    this.say(describe_pin(view, pin));
+    this.announce(describe_pin(view, pin));
   }
 
-  /** @return whether there was something to leave */
+  /** Escape key: closes the innermost open state. @return false if nothing was open or selected */
   escape(): boolean {
     const { state } = this;
     if (state.search) this.close_search();
@@ -479,13 +499,16 @@ export class CircuitEditor {
     return true;
   }
 
-  /** Names of what runs behind an output of this level: what the service is asked for. */
+  /** Flat name of the running output behind an output of this level, for requests to the service; null if there is none. */
   flat_output(id: string, pin: string): string | null {
     return this.circuit && this.view ? flat_source(this.circuit, this.view.level, id, pin) : null;
   }
 }
 
-/** "arm/elbow.out" behind output `pin` of node `id`: through the circuits that it leads into or out of. */
+/**
+ * Flat name ("arm/elbow.out") of the LSI output behind output `pin` of node `id`, followed into and out of nested circuits; null if there
+ * is none.
+ */
 export function flat_source(top: Circuit, level: Level, id: string, pin: string, depth = 0): string | null {
   if (depth > 64 || id === outputs_node) return null;
   if (id === inputs_node) {

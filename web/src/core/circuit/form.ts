@@ -1,25 +1,32 @@
-/** The text form of circuits (docs/circuit.md) and changes of it (docs/scenario.md, circuit.edit). Nothing here alters what it is given. */
+/**
+ * The JSON form of circuits (docs/circuit.md) and changes to it (docs/scenario.md, circuit.edit). No function here modifies its arguments.
+ */
 
 export type Value = number | boolean | string | number[];
 export type Point = [number, number];
 
 export interface Lsi {
   id: string;
+  /** Name of an LSI class or of a circuit. */
   type: string;
   label?: string;
   note?: string;
+  /** Upper left corner in the circuit's plane, px. */
   at?: Point;
+  /** The LSI runs every n-th tick; absent: every tick; 0: on demand. */
   every?: number;
   parameters?: Record<string, Value>;
+  /** Values of inputs that are not wired. */
   values?: Record<string, Value>;
 }
 
+/** A wire; its ends are "id.pin". */
 export interface Wire {
   from: string;
   to: string;
 }
 
-/** A pin of the circuit itself: inputs lead `to` pins inside, outputs come `from` one. */
+/** A pin of the circuit itself. An input feeds the pins `to` inside the circuit; an output takes its value `from` a pin inside. */
 export interface OwnPin {
   name: string;
   type: string;
@@ -29,6 +36,7 @@ export interface OwnPin {
   from?: string | string[];
 }
 
+/** A parameter of the circuit itself; it sets the parameters `to` ("id.name") of LSIs inside. */
 export interface OwnParameter {
   name: string;
   doc?: string;
@@ -78,7 +86,7 @@ export type ListName = keyof Items;
 
 export type Settings = { name?: string; doc?: string | null; inputs_at?: Point | null; outputs_at?: Point | null };
 
-/** `in`: names of circuits from the outermost one inwards. */
+/** One change of a circuit: put or take an item of a list, or set fields. `in`: names of the nested circuits down to the changed one. */
 export type Change = { in?: string[] } & (
   | { [L in ListName]: { list: L; put: Items[L] } }[ListName]
   | { list: Exclude<ListName, 'wires'>; take: string }
@@ -86,7 +94,7 @@ export type Change = { in?: string[] } & (
   | { set: Settings }
 );
 
-/** What makes an item of `list` itself. */
+/** Key that identifies an item within `list`: an id, a name, a pin, or both ends of a wire. */
 export function key_of(list: ListName, item: unknown): string {
   if (typeof item === 'string') return item;
   const fields = item as Record<string, string>;
@@ -95,7 +103,7 @@ export function key_of(list: ListName, item: unknown): string {
   return list === 'probes' ? fields.pin! : fields.name!;
 }
 
-/** [id, pin] of "id.pin". */
+/** Splits "id.pin" into [id, pin]. */
 export function split_end(end: string): [string, string] {
   const dot = end.indexOf('.');
   return dot < 0 ? [end, ''] : [end.slice(0, dot), end.slice(dot + 1)];
@@ -103,10 +111,10 @@ export function split_end(end: string): [string, string] {
 
 export const ends_of = (ends: string | string[] | undefined): string[] => (ends === undefined ? [] : Array.isArray(ends) ? ends : [ends]);
 
-/** One end as itself, several as a list: how the form writes them. */
+/** Ends as the JSON form has them: one end as text, several as a list. */
 export const write_ends = (ends: string[]): string | string[] => (ends.length === 1 ? ends[0]! : ends);
 
-/** The LSI with its fields in the form's order and without those that say nothing. */
+/** The LSI with its fields in the form's order and without fields that have their default. */
 export function tidy_lsi(lsi: Lsi): Lsi {
   const out: Lsi = { id: lsi.id, type: lsi.type };
   if (lsi.label) out.label = lsi.label;
@@ -120,23 +128,24 @@ export function tidy_lsi(lsi: Lsi): Lsi {
 
 const same_path = (a: string[], b: string[]): boolean => a.length === b.length && a.every((name, i) => name === b[i]);
 
-/** More changes of a list than this are worth an index of it. */
-const most_scans = 12;
+/** With more changes to a list than this, the list is indexed by key instead of scanned for each change. */
+const max_scans = 12;
 
-/** A list while it is changed. */
+/** A list while changes are applied to it; removed items become null. */
 class OpenList {
   readonly items: (unknown | null)[];
-  private readonly places: Map<string, number> | null;
+  /** Index of each item by key; null: the list is scanned. */
+  private readonly index_of: Map<string, number> | null;
   constructor(
     private readonly list: ListName,
     items: readonly unknown[],
     indexed: boolean,
   ) {
     this.items = [...items];
-    this.places = indexed ? new Map(items.map((item, i) => [key_of(list, item), i])) : null;
+    this.index_of = indexed ? new Map(items.map((item, i) => [key_of(list, item), i])) : null;
   }
   private find(item: unknown): number {
-    if (this.places) return this.places.get(key_of(this.list, item)) ?? -1;
+    if (this.index_of) return this.index_of.get(key_of(this.list, item)) ?? -1;
     if (this.list === 'wires') {
       const { from, to } = item as Wire;
       return this.items.findIndex((w) => w !== null && (w as Wire).from === from && (w as Wire).to === to);
@@ -148,7 +157,7 @@ class OpenList {
     const at = this.find(item);
     if (at >= 0) this.items[at] = item;
     else {
-      this.places?.set(key_of(this.list, item), this.items.length);
+      this.index_of?.set(key_of(this.list, item), this.items.length);
       this.items.push(item);
     }
   }
@@ -156,7 +165,7 @@ class OpenList {
     const at = this.find(item);
     if (at < 0) return;
     this.items[at] = null;
-    this.places?.delete(key_of(this.list, item));
+    this.index_of?.delete(key_of(this.list, item));
   }
 }
 
@@ -175,7 +184,7 @@ function apply_here(circuit: Circuit, changes: readonly Change[]): Circuit {
     }
     let list = open.get(change.list);
     if (!list) {
-      list = new OpenList(change.list, (out[change.list] as unknown[] | undefined) ?? [], counts.get(change.list)! > most_scans);
+      list = new OpenList(change.list, (out[change.list] as unknown[] | undefined) ?? [], counts.get(change.list)! > max_scans);
       open.set(change.list, list);
     }
     if ('put' in change) list.put(change.put);
@@ -185,7 +194,7 @@ function apply_here(circuit: Circuit, changes: readonly Change[]): Circuit {
   return out as unknown as Circuit;
 }
 
-/** The circuit after `changes`, as the service will have it. What cannot be found is left out: the service refuses it. */
+/** The circuit after `changes`. A change whose item or circuit does not exist has no effect here; the service refuses it. */
 export function apply_changes(circuit: Circuit, changes: readonly Change[]): Circuit {
   let out = circuit;
   for (let i = 0; i < changes.length; ) {
@@ -203,7 +212,7 @@ export function apply_changes(circuit: Circuit, changes: readonly Change[]): Cir
   return out;
 }
 
-/** Equal as data, in any order of fields. */
+/** Deep equality; the order of an object's fields does not matter. */
 function equal(a: unknown, b: unknown): boolean {
   if (a === b) return true;
   if (typeof a !== 'object' || typeof b !== 'object' || a === null || b === null || Array.isArray(a) !== Array.isArray(b)) return false;
@@ -212,7 +221,7 @@ function equal(a: unknown, b: unknown): boolean {
   return keys.length === Object.keys(y).length && keys.every((k) => k in y && equal(x[k], y[k]));
 }
 
-/** `next`, with every item that is equal to one of `before` being that very object: what did not change need not be drawn again. */
+/** Returns `next` with each item that equals an item of `before` replaced by that object, so that unchanged items are not drawn again. */
 export function reconcile(before: Circuit | null, next: Circuit): Circuit {
   if (!before || before === next) return next;
   const out = { ...next } as unknown as Record<string, unknown>;
@@ -224,7 +233,7 @@ export function reconcile(before: Circuit | null, next: Circuit): Circuit {
     let by_key: Map<string, unknown> | null = null;
     let all = items.length === old.length;
     const kept = items.map((item, i) => {
-      if (item === old[i] || equal(item, old[i])) return old[i]; // in its place, as nearly always
+      if (item === old[i] || equal(item, old[i])) return old[i]; // at the same index: the usual case
       const twin = (by_key ??= new Map(old.map((o) => [key_of(list, o), o]))).get(key_of(list, item));
       all = false;
       return twin !== undefined && equal(twin, item) ? twin : item;
@@ -243,7 +252,7 @@ export function reconcile(before: Circuit | null, next: Circuit): Circuit {
   return same ? before : (out as unknown as Circuit);
 }
 
-/** An id that `taken` does not have, from a name: "low-pass", "low-pass-2". */
+/** An unused id made from a name: "low-pass", "low-pass-2". @param taken the ids in use */
 export function fresh_id(name: string, taken: { has(id: string): boolean }): string {
   const base = name.replace(/[^A-Za-z0-9_-]+/g, '-').replace(/^-+|-+$/g, '').slice(0, 48) || 'lsi';
   let id = base;
@@ -251,6 +260,7 @@ export function fresh_id(name: string, taken: { has(id: string): boolean }): str
   return id;
 }
 
+/** An unused name: "group", "group 2". @param taken the names in use */
 export function fresh_name(name: string, taken: { has(name: string): boolean }): string {
   let free = name;
   for (let n = 2; taken.has(free); n++) free = `${name} ${n}`;

@@ -1,4 +1,4 @@
-/** Auto-layout: the graph that a layout engine gets, and what is made of its answer. The engine (elkjs, in a worker) is the page's. */
+/** Automatic layout: makes the graph for the layout engine, and reads its result. The page runs the engine (elkjs, in a worker). */
 import type { Point } from './form';
 import { grid, head_height, inputs_node, outputs_node, pin_offset, row_height, type View } from './view';
 
@@ -14,7 +14,7 @@ export interface ElkGraph {
   edges?: { id: string; sources: string[]; targets: string[] }[];
 }
 
-/** The graph of `ids`, or of the whole level. Wires from delayed outputs count little: they run back. */
+/** The graph of the nodes `ids`, or of the whole level. Wires from delayed outputs have priority 0, because they may run backwards. */
 export function elk_graph(view: View, ids?: ReadonlySet<string>): ElkGraph {
   const nodes = view.nodes.filter((n) => !ids || ids.has(n.id));
   const known = new Set(nodes.map((n) => n.id));
@@ -57,12 +57,12 @@ export function elk_graph(view: View, ids?: ReadonlySet<string>): ElkGraph {
   };
 }
 
-/** Places on the grid, the upper left corner of the whole staying where it was. */
+/** Positions on the grid by node id. The upper left corner of the laid-out nodes stays where it was. */
 export function read_layout(view: View, answer: ElkGraph, ids?: ReadonlySet<string>): Map<string, Point> {
   const box = view.bounds(new Set(view.nodes.filter((n) => !ids || ids.has(n.id)).map((n) => n.id)));
   const children = answer.children ?? [];
   const left = Math.min(...children.map((c) => c.x ?? 0));
   const top = Math.min(...children.map((c) => c.y ?? 0));
-  const to_grid = (v: number): number => Math.round(v / grid) * grid;
+  const to_grid = (v: number): number => Math.round(v / grid) * grid + 0; // + 0: never -0, which JSON cannot keep
   return new Map(children.map((c) => [c.id, [to_grid((c.x ?? 0) - left + box.x), to_grid((c.y ?? 0) - top + box.y)] as Point]));
 }

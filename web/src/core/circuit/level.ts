@@ -1,17 +1,18 @@
-/** Circuits in circuits: which one is looked at, and what a type is called from there. */
+/** Levels of nested circuits: the circuit that is shown, and the lookup of circuit types from there. */
 import type { Circuit } from './form';
 
-/** A circuit as it is looked at: by the ids of the LSIs that were entered, and by the names under which it is stored. */
+/** A shown circuit, with the ids of the LSIs that were entered and the names under which it is stored. */
 export interface Level {
   circuit: Circuit;
-  /** Ids of the entered LSIs, from the outermost circuit inwards: prefix of flat ids. */
+  /** Ids of the entered LSIs, from the outermost circuit inwards; the prefix of flat ids. */
   path: string[];
-  /** Names of circuits: where changes go. */
+  /** Names of the nested circuits down to this one: the `in` of changes. */
   names: string[];
-  /** Enclosing circuits from the outermost to this one: where types are looked up. */
+  /** Enclosing circuits from the outermost to this one, in which types are looked up, innermost first. */
   scope: { circuit: Circuit; names: string[] }[];
 }
 
+/** The circuit that `type` names at a level, or null. */
 export function find_circuit(level: Level, type: string): { circuit: Circuit; names: string[] } | null {
   for (let i = level.scope.length - 1; i >= 0; i--) {
     const at = level.scope[i]!;
@@ -21,7 +22,7 @@ export function find_circuit(level: Level, type: string): { circuit: Circuit; na
   return null;
 }
 
-/** The level that `path` leads to, or the deepest one on the way that exists. */
+/** The level at `path`, or the deepest existing level along it. */
 export function enter(top: Circuit, path: readonly string[]): Level {
   let level: Level = { circuit: top, path: [], names: [], scope: [{ circuit: top, names: [] }] };
   for (const id of path) {
@@ -33,9 +34,9 @@ export function enter(top: Circuit, path: readonly string[]): Level {
   return level;
 }
 
-/** True if types mean the same at both: the circuits that can be named there are the same objects. */
+/** Whether type names refer to the same circuit objects at both levels. */
 export const same_types = (a: Level, b: Level): boolean =>
   a.scope.length === b.scope.length && a.path.every((id, i) => id === b.path[i]) && a.scope.every((s, i) => s.circuit.circuits === b.scope[i]!.circuit.circuits);
 
-/** Name of an output of this level as the running circuit knows it: "arm/elbow.out". */
+/** Flat name of an output of this level, as used by the running circuit: "arm/elbow.out". */
 export const flat_pin = (level: Level, pin: string): string => [...level.path, pin].join('/');

@@ -1,36 +1,41 @@
-/** Values, curves and times of the running circuit as they arrive (event `values`); read by what draws, never through React. */
+/** Live values, curves and computing times of the running circuit (event `values`). Drawing code reads them directly, not through React. */
 
 export interface ValuesEvent {
   /** s */
   time: number;
-  /** [flat pin, elements, numbers (the first ones), or of contacts and events the number of records in use] */
+  /** [flat pin, number of elements, first scalars]; for contacts and events the scalar is the number of records in use */
   pins: [string, number, number[]][];
-  /** [flat id, µs a tick] */
+  /** [flat id, computing time, µs per tick] */
   times?: [string, number][];
-  /** µs a tick, all */
+  /** Computing time of the whole circuit, µs per tick. */
   tick_us?: number;
-  /** [flat pin, times, numbers of each component]: what came since the last message */
+  /** [flat pin, times (s), values of each component]: samples since the previous message */
   probes?: [string, number[], (number | null)[][]][];
 }
 
 export interface PinValue {
+  /** Number of elements. */
   count: number;
+  /** The first scalars of the value. */
   numbers: readonly number[];
-  /** performance.now() at which it last differed */
+  /** When the value last changed, performance.now(), ms. */
   changed: number;
 }
 
+/** Recorded samples of a pin. */
 export interface Curve {
+  /** s, ascending */
   times: number[];
+  /** [component][sample]; null: no finite value */
   values: (number | null)[][];
 }
 
-const curve_capacity = 4000;
+const curve_capacity = 4000; // samples; older ones are dropped
 
 export class LiveValues {
   time = 0;
   tick_us = 0;
-  /** Grows with every message. */
+  /** Incremented with every message. */
   revision = 0;
   private readonly pins = new Map<string, PinValue>();
   private readonly times = new Map<string, number>();
@@ -67,7 +72,7 @@ export class LiveValues {
     }
   }
 
-  /** Forgets the curves from `time` on: the simulation went back. */
+  /** Removes the samples from `time` on, because the simulation was set back. */
   private cut(time: number): void {
     for (const curve of this.curves.values()) cut_curve(curve, time);
   }
@@ -79,7 +84,7 @@ export class LiveValues {
     return this.curves.get(flat);
   }
 
-  /** µs a tick of an LSI, or of all LSIs inside a circuit. */
+  /** Computing time of an LSI, or of all LSIs inside a circuit, µs per tick; undefined if not measured. */
   time_of(flat: string): number | undefined {
     const own = this.times.get(flat);
     if (own !== undefined) return own;
@@ -93,6 +98,7 @@ export class LiveValues {
     }
     return any ? sum : undefined;
   }
+  /** Number of LSIs whose time was measured. */
   get timed(): number {
     return this.times.size;
   }
@@ -113,7 +119,7 @@ function cut_curve(curve: Curve, time: number): void {
   for (const list of curve.values) list.length = keep;
 }
 
-/** Three or four significant digits, never wider than a pin's label. */
+/** A value with three or four significant digits, at most as wide as a pin's label. */
 export function short_number(value: number): string {
   if (!Number.isFinite(value)) return '–';
   const size = Math.abs(value);
@@ -123,7 +129,7 @@ export function short_number(value: number): string {
   return text.includes('.') ? text.replace(/\.?0+$/, '') : text;
 }
 
-/** A payload in a few letters: its numbers, or how many there are. */
+/** A pin's value as short text: its scalars, or the number of its records. */
 export function short_value(type: string, value: PinValue): string {
   if (type === 'contacts' || type === 'event') return String(Math.round(value.numbers[0] ?? 0));
   if (value.count === 1 && value.numbers.length === 1) return short_number(value.numbers[0]!);
@@ -131,4 +137,5 @@ export function short_value(type: string, value: PinValue): string {
   return `${short_number(value.numbers[0]!)} …`;
 }
 
+/** A computing time as text. @param us µs */
 export const short_time = (us: number): string => (us >= 1000 ? `${(us / 1000).toFixed(1)} ms` : us >= 100 ? `${us.toFixed(0)} µs` : us >= 0.05 ? `${us.toFixed(1)} µs` : `${Math.round(us * 1000)} ns`);

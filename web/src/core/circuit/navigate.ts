@@ -1,17 +1,20 @@
-/** Moving about a circuit with the arrow keys. */
+/** Keyboard navigation in a circuit, and descriptions of nodes and pins for screen readers. */
 import type { PinAt } from './fits';
 import { inputs_node, outputs_node, type View, type ViewNode } from './view';
 
 export type Direction = 'left' | 'right' | 'up' | 'down';
 
-/** The nearest node that way: what lies straight ahead counts more than what lies aside. */
+/**
+ * The closest node in a direction. A distance across the direction counts 2.2 times as much as a distance along it.
+ * @return its id, or null
+ */
 export function next_node(view: View, from: string | null, direction: Direction): string | null {
   const start = from ? view.node(from) : undefined;
   if (!start) return [...view.nodes].sort((a, b) => a.x - b.x || a.y - b.y)[0]?.id ?? null;
   const middle = (n: ViewNode): [number, number] => [n.x + n.width / 2, n.y + n.height / 2];
   const [x, y] = middle(start);
   let best: string | null = null;
-  let least = Infinity;
+  let min_cost = Infinity;
   for (const node of view.nodes) {
     if (node === start) continue;
     const [u, v] = middle(node);
@@ -20,15 +23,15 @@ export function next_node(view: View, from: string | null, direction: Direction)
     const aside = Math.abs(direction === 'left' || direction === 'right' ? dy : dx);
     if (ahead <= 1) continue;
     const cost = ahead + 2.2 * aside;
-    if (cost < least) {
-      least = cost;
+    if (cost < min_cost) {
+      min_cost = cost;
       best = node.id;
     }
   }
   return best;
 }
 
-/** From pin to pin: up and down within a side, sideways to the other side or along a wire. */
+/** The next pin in a direction: up and down within a side of the node, sideways to the node's other side or along a wire. */
 export function next_pin(view: View, at: PinAt, direction: Direction): PinAt | null {
   const node = view.node(at.node);
   if (!node) return null;
@@ -49,6 +52,7 @@ export function next_pin(view: View, at: PinAt, direction: Direction): PinAt | n
   return at.side === 'out' ? { node: wire.to, side: 'in', pin: wire.to_pin } : { node: wire.from, side: 'out', pin: wire.from_pin };
 }
 
+/** The first output of a node, or its first input, or null. */
 export function first_pin(view: View, node: string): PinAt | null {
   const found = view.node(node);
   if (!found) return null;
@@ -58,7 +62,7 @@ export function first_pin(view: View, node: string): PinAt | null {
   return into ? { node, side: 'in', pin: into.name } : null;
 }
 
-/** What a screen reader says of a pin. */
+/** Description of a pin for screen readers. */
 export function describe_pin(view: View, at: PinAt): string {
   const pin = view.pin(at.node, at.side, at.pin);
   const node = view.node(at.node);
@@ -72,6 +76,7 @@ export function describe_pin(view: View, at: PinAt): string {
   return `${at.side === 'in' ? 'Input' : 'Output'} ${pin.name} of ${node.title}, ${pin.type}${pin.unit ? `, ${pin.unit}` : ''}, ${to}`;
 }
 
+/** Description of a node for screen readers. */
 export function describe_node(node: ViewNode): string {
   if (node.id === inputs_node) return `The circuit’s own inputs, ${node.outputs.length}`;
   if (node.id === outputs_node) return `The circuit’s own outputs, ${node.inputs.length}`;

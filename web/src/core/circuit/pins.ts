@@ -1,4 +1,6 @@
-/** Pins as the editor shows them, whoever declares them: a class, a circuit that is used as an LSI, the circuit itself. */
+/**
+ * Pins as the editor shows them. They are declared by an LSI class, by a circuit that is used as an LSI, or by the shown circuit itself.
+ */
 import type { LsiClass } from './classes';
 import type { Circuit, OwnPin } from './form';
 
@@ -8,13 +10,14 @@ export interface PinInfo {
   side: 'in' | 'out';
   unit: string;
   doc: string;
-  /** inputs */
+  /** Inputs only: see InputDeclaration. */
   required: boolean;
   multiple: boolean;
   direct: boolean;
-  /** outputs */
+  /** Outputs only: consumers see the value from the next tick on. */
   delayed: boolean;
   wired: boolean;
+  /** Number of elements of the value; 0: given by the wire. */
   count: number;
 }
 
@@ -31,14 +34,15 @@ const output_info = (pin: LsiClass['outputs'][number]): PinInfo => ({
   name: pin.name, type: pin.type, side: 'out', unit: pin.unit ?? '', doc: pin.doc ?? '',
   required: false, multiple: true, direct: true, delayed: pin.delayed ?? false, wired: false, count: pin.count ?? 0,
 });
+/** A pin of the shown circuit itself. */
 export const own_info = (pin: OwnPin, side: 'in' | 'out'): PinInfo => ({
   name: pin.name, type: pin.type, side, unit: pin.unit ?? '', doc: pin.doc ?? '',
   required: false, multiple: side === 'out', direct: true, delayed: false, wired: false, count: 0,
 });
 
-/** Pins of an LSI class as a node has them. */
+/** Pins of a node of an LSI class. */
 export const class_pins = (c: LsiClass): Pins => ({ inputs: c.inputs.map(input_info), outputs: c.outputs.map(output_info) });
-/** Pins that a circuit has when it is used as an LSI. */
+/** Pins of a node of a circuit that is used as an LSI. */
 export const circuit_pins = (c: Circuit): Pins => ({
   inputs: (c.inputs ?? []).map((p) => ({ ...own_info(p, 'in'), required: true })),
   outputs: (c.outputs ?? []).map((p) => own_info(p, 'out')),

@@ -1,24 +1,27 @@
-/** Where the problems that the service tells of a circuit belong: which LSI at which level, and which wires make a circle. */
+/** Assigns the problems that the service reports for a circuit to LSIs, levels and wires. */
 import type { Problem } from '../protocol';
 import { ends_of, split_end, type Circuit } from './form';
 import { enter, find_circuit, type Level } from './view';
 
 export interface CircuitProblem extends Problem {
-  /** Flat id of the LSI: "arm/elbow"; empty: the circuit itself. */
+  /** Flat id of the LSI at fault: "arm/elbow"; empty: the circuit itself. */
   lsi: string;
-  /** Ends of the wires along which values go round: "a.out" → "b.in", flat. */
+  /** Wires of an algebraic loop, as flat pins: "a.out" → "b.in"; empty for other problems. */
   loop: { from: string; to: string }[];
-  /** It ran and was stopped by this; false: it cannot run. */
+  /** True: the problem stopped the running circuit. Otherwise it keeps the circuit from starting. */
   stopped?: boolean;
-  /** The output at fault, of what was stopped. */
+  /** The output at fault, if the problem stopped the circuit. */
   pin?: string;
 }
 
-/** Flat id of what a JSON path names: "circuit/lsis/3(arm)/lsis/0/type", "circuit/wires/2/to". */
-function lsi_of_path(top: Circuit, place: string): string | null {
-  const start = place.indexOf('circuit/');
+/**
+ * Flat id of the LSI that a JSON path names ("circuit/lsis/3(arm)/lsis/0/type", "circuit/wires/2/to"); null if it is no path into the
+ * circuit.
+ */
+function lsi_of_path(top: Circuit, location: string): string | null {
+  const start = location.indexOf('circuit/');
   if (start < 0) return null;
-  let rest = place.slice(start + 'circuit'.length);
+  let rest = location.slice(start + 'circuit'.length);
   let level: Level = enter(top, []);
   for (;;) {
     const lsi = /^\/lsis\/(\d+)(\([^)]*\))?/.exec(rest);
@@ -43,9 +46,9 @@ function lsi_of_path(top: Circuit, place: string): string | null {
   }
 }
 
-/** "a.out -> b.in, b.out -> a.in" of the sentence about a circle. */
+/** Reads the wires "a.out -> b.in, b.out -> a.in" from the service's message about an algebraic loop; empty for other messages. */
 export function read_loop(message: string): { from: string; to: string }[] {
-  const list = /circle within one tick: (.*)\.$/.exec(message)?.[1];
+  const list = /within one tick: (.*)\.$/.exec(message)?.[1];
   if (!list) return [];
   return list.split(', ').flatMap((step) => {
     const [from, to] = step.split(' -> ');
@@ -53,43 +56,46 @@ export function read_loop(message: string): { from: string; to: string }[] {
   });
 }
 
-export function place_problems(top: Circuit, problems: readonly Problem[]): CircuitProblem[] {
+/** Assigns problems of a circuit that cannot run to its LSIs. */
+export function locate_problems(top: Circuit, problems: readonly Problem[]): CircuitProblem[] {
   return problems.map((p) => {
     const loop = read_loop(p.message);
-    const place = p.place ?? '';
-    const by_path = lsi_of_path(top, place);
-    // otherwise the place is a flat id, perhaps with a pin
-    const flat = by_path ?? (place === 'circuit' ? '' : split_end(place)[0]);
+    const location = p.location ?? '';
+    const by_path = lsi_of_path(top, location);
+    // a location that is not a path is a flat id, possibly with a pin
+    const flat = by_path ?? (location === 'circuit' ? '' : split_end(location)[0]);
     const known = by_path !== null || enter(top, flat.split('/').slice(0, -1)).circuit.lsis?.some((l) => l.id === flat.split('/').at(-1));
     return { ...p, lsi: known ? flat : '', loop };
   });
 }
 
-/** What stopped the running circuit, where its place is an LSI. */
-export function place_stops(top: Circuit, problems: readonly Problem[]): CircuitProblem[] {
+/** Problems that stopped the running circuit; only those whose location is an LSI. */
+export function locate_stops(top: Circuit, problems: readonly Problem[]): CircuitProblem[] {
   return problems.flatMap((p) => {
-    const [flat, pin] = split_flat(p.place ?? '');
+    const [flat, pin] = split_flat(p.location ?? '');
     const ids = flat.split('/');
     const known = enter(top, ids.slice(0, -1)).circuit.lsis?.some((l) => l.id === ids.at(-1));
     return known ? [{ ...p, lsi: flat, loop: [], stopped: true, ...(pin ? { pin } : {}) }] : [];
   });
 }
 
-/** Problems to show at node `id` of a level: its own, those inside of it, and a circle that runs through it. */
+/** Problems to show at node `id` of the level `path`: its own, those inside it, and algebraic loops through it. */
 export function problems_at(problems: readonly CircuitProblem[], path: readonly string[], id: string): CircuitProblem[] {
   const flat = [...path, id].join('/');
   const here = (end: string): boolean => end === flat || end.startsWith(`${flat}/`);
   return problems.filter((p) => (p.lsi !== '' && here(p.lsi)) || p.loop.some((s) => here(split_flat(s.from)[0]) || here(split_flat(s.to)[0])));
 }
 
-/** [flat id, pin] of "arm/elbow.out". */
+/** Splits "arm/elbow.out" into [flat id, pin]. */
 export function split_flat(end: string): [string, string] {
   const slash = end.lastIndexOf('/');
   const dot = end.indexOf('.', slash + 1);
   return dot < 0 ? [end, ''] : [end.slice(0, dot), end.slice(dot + 1)];
 }
 
-/** Keys of the wires of a level along which a circle runs; a circle through a circuit shows the wires into and out of it. */
+/**
+ * Keys of the wires of a level that are part of an algebraic loop. A loop through a nested circuit includes the wires into and out of it.
+ */
 export function loop_wires(problems: readonly CircuitProblem[], path: readonly string[], wires: readonly { key: string; from: string; from_pin: string; to: string; to_pin: string }[]): Set<string> {
   const out = new Set<string>();
   const prefix = path.length > 0 ? `${path.join('/')}/` : '';

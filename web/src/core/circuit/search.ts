@@ -1,4 +1,4 @@
-/** What can be added to a circuit, searched by words, and narrowed to what fits the pin that a wire was drawn from. */
+/** Search for LSIs, circuits and notes that can be added, optionally only those that fit the pin at which a wire was started. */
 import type { ClassList } from './classes';
 import { types_fit, type PinAt } from './fits';
 import { circuit_pins, class_pins } from './pins';
@@ -11,7 +11,9 @@ export interface Candidate {
   kind: 'class' | 'circuit' | 'note';
 }
 
-/** Everything that may be added at a level: classes, and the circuits of this level and those around it that do not contain it. */
+/**
+ * Everything that can be added at a level: the LSI classes, and circuits of this and the enclosing levels that do not contain this level.
+ */
 export function candidates(view: View): Candidate[] {
   const out: Candidate[] = [];
   const seen = new Set<string>();
@@ -40,7 +42,10 @@ const pins_of = (level: Level, classes: ClassList, candidate: Candidate): { inpu
   return found ? class_pins(found) : { inputs: [], outputs: [] };
 };
 
-/** Best first: the name begins with the words, holds them, or only its description does. */
+/**
+ * Candidates that contain every word of `query`. Order: exact name, name that starts with the first word, a word of the name that starts
+ * with it, name that contains all words, match in the description only.
+ */
 export function search(view: View, query: string, fits?: PinAt): Candidate[] {
   let all = candidates(view);
   if (fits) {

@@ -1,6 +1,6 @@
 /**
- * What is seen of one level of a circuit: nodes with their pins and sizes, wires with their ends. A view is made from the one before:
- * what did not change stays the same object and costs nothing.
+ * The view of one level of a circuit: nodes with their pins and sizes, wires with their end points. A view is made from the previous one:
+ * unchanged nodes and wires stay the same objects, so they are neither computed nor drawn again.
  */
 import type { ClassList } from './classes';
 import { ends_of, split_end, type Circuit, type Lsi, type Note, type Point, type Probe } from './form';
@@ -13,10 +13,10 @@ export * from './geometry';
 export { enter, find_circuit, flat_pin, type Level } from './level';
 export type { PinInfo } from './pins';
 
-/** Ids of the nodes that stand for the circuit's own pins; no LSI can be called so. */
+/** Ids of the nodes that show the circuit's own pins. No LSI can have these ids, because ids have only letters, digits, `_` and `-`. */
 export const inputs_node = '<inputs>';
 export const outputs_node = '<outputs>';
-/** The pin of those nodes from which a new own pin is drawn. */
+/** Name of the extra pin of those nodes; a wire to it adds a pin to the circuit. */
 export const new_pin = '<new>';
 export const note_id = (id: string): string => `note:${id}`;
 export const probe_id = (pin: string): string => `probe:${pin}`;
@@ -27,11 +27,13 @@ export interface ViewNode extends Pins {
   id: string;
   kind: NodeKind;
   title: string;
-  /** What it is, where the title is a name of its own. */
+  /** The LSI's type, if the title differs from it; otherwise empty. */
   subtitle: string;
   doc: string;
   note: string;
+  /** Null for the nodes of the circuit's own pins. */
   lsi: Lsi | null;
+  /** Upper left corner and size, px of the circuit's plane. */
   x: number;
   y: number;
   width: number;
@@ -40,21 +42,22 @@ export interface ViewNode extends Pins {
 
 export interface ViewWire {
   key: string;
+  /** Node id and pin name of the output, then of the input. */
   from: string;
   from_pin: string;
   to: string;
   to_pin: string;
   type: string;
-  /** Seen by its consumer from the next tick on. */
+  /** True: the consumer sees the value from the next tick on. */
   delayed: boolean;
-  /** One of its ends is not there. */
+  /** True: one of its pins does not exist. */
   broken: boolean;
-  /** Where it begins and ends. */
+  /** Start and end point, px of the circuit's plane. */
   a: Point;
   b: Point;
 }
 
-/** What a type of LSI looks like, before it is wired. */
+/** Kind and pins of a type of LSI, with no pin marked as wired. */
 interface Template extends Pins {
   kind: NodeKind;
   doc: string;
@@ -62,8 +65,11 @@ interface Template extends Pins {
 
 const nothing: Template = { kind: 'missing', doc: '', inputs: [], outputs: [] };
 
-/** For each item of `next` the index of the same object in `old`, or -1; and which of `old` are gone. */
-function match<T extends object>(old: readonly T[], next: readonly T[]): { from: Int32Array; gone: number[] } {
+/**
+ * Compares two lists by object identity.
+ * @return for each item of `next` its index in `old`, or -1; and the indices of `old` missing in `next`
+ */
+function match<T extends object>(old: readonly T[], next: readonly T[]): { from: Int32Array; removed: number[] } {
   const from = new Int32Array(next.length).fill(-1);
   const seen = new Uint8Array(old.length);
   let where: Map<T, number> | null = null;
@@ -76,9 +82,9 @@ function match<T extends object>(old: readonly T[], next: readonly T[]): { from:
     seen[k] = 1;
     j = k + 1;
   });
-  const gone: number[] = [];
-  seen.forEach((s, at) => s || gone.push(at));
-  return { from, gone };
+  const removed: number[] = [];
+  seen.forEach((s, at) => s || removed.push(at));
+  return { from, removed };
 }
 
 export class View {
@@ -88,6 +94,7 @@ export class View {
   private readonly by_id: Map<string, ViewNode>;
   private readonly by_node: Map<string, readonly ViewWire[]>;
   private readonly templates: Map<string, Template>;
+  /** Bounds of everything; computed when needed. */
   private whole: Box | null = null;
 
   constructor(
@@ -101,77 +108,79 @@ export class View {
     this.by_node = new Map(old?.by_node);
     const lsis = level.circuit.lsis ?? [];
 
-    // LSIs: those that are the very same objects keep their nodes, unless a wire at them changed
+    // LSIs that are the same objects as before keep their nodes, unless a wire at them changed
     const kept = match(old?.level.circuit.lsis ?? [], lsis);
-    const touched = new Set<string>();
-    const retyped = new Set<string>();
-    const given = new Map<string, Lsi>();
-    for (const at of kept.gone) retyped.add(old!.nodes[at]!.id);
+    const touched = new Set<string>(); // nodes to make again
+    const retyped = new Set<string>(); // ids whose type changed or that were removed
+    const changed = new Map<string, Lsi>(); // LSIs that are new objects
+    for (const at of kept.removed) retyped.add(old!.nodes[at]!.id);
     lsis.forEach((lsi, i) => {
       if (kept.from[i]! >= 0) return;
       touched.add(lsi.id);
-      given.set(lsi.id, lsi);
+      changed.set(lsi.id, lsi);
       if (old?.by_id.get(lsi.id)?.lsi?.type === lsi.type) retyped.delete(lsi.id);
       else retyped.add(lsi.id);
     });
-    for (const at of kept.gone) {
+    for (const at of kept.removed) {
       const { id } = old!.nodes[at]!;
-      if (!given.has(id)) this.by_id.delete(id);
+      if (!changed.has(id)) this.by_id.delete(id);
     }
     const own = this.own_templates(level.circuit);
     const template = (id: string): Template | undefined => {
       const side = own.get(id);
       if (side) return side;
-      const lsi = given.get(id) ?? this.by_id.get(id)?.lsi;
+      const lsi = changed.get(id) ?? this.by_id.get(id)?.lsi;
       return lsi ? this.template(lsi.type) : undefined;
     };
 
-    // wires
-    const born: ViewWire[] = [];
-    const gone = this.take_wires(old, retyped, template, born);
-    for (const list of [gone, born]) for (const w of list) touched.add(w.from).add(w.to);
-    this.relist(gone, born);
+    const added: ViewWire[] = [];
+    const removed = this.make_wires(old, retyped, template, added);
+    for (const list of [removed, added]) for (const w of list) touched.add(w.from).add(w.to);
+    this.relist(removed, added);
 
-    // nodes, and where they went
+    // make the nodes, and record which changed, for the spatial index and the wires' end points
     const moved = new Set<string>();
-    const left: ViewNode[] = [];
-    const come: ViewNode[] = [];
+    const removed_nodes: ViewNode[] = [];
+    const added_nodes: ViewNode[] = [];
     const put = (node: Omit<ViewNode, 'width' | 'height'>): ViewNode => {
       const sized: ViewNode = { ...node, ...size_of(node) };
       const twin = before?.node(node.id);
       const same = twin && same_node(twin, sized) ? twin : sized;
       this.by_id.set(same.id, same);
-      const was = old?.by_id.get(same.id);
-      if (was === same) return same;
+      const previous = old?.by_id.get(same.id);
+      if (previous === same) return same;
       moved.add(same.id);
-      if (was) left.push(was);
-      come.push(same);
+      if (previous) removed_nodes.push(previous);
+      added_nodes.push(same);
       return same;
     };
-    for (const at of kept.gone) if (!given.has(old!.nodes[at]!.id)) left.push(old!.nodes[at]!);
+    for (const at of kept.removed) if (!changed.has(old!.nodes[at]!.id)) removed_nodes.push(old!.nodes[at]!);
     lsis.forEach((lsi, i) => {
       if (kept.from[i]! >= 0 && !touched.has(lsi.id)) this.nodes.push(old!.nodes[kept.from[i]!]!);
-      else this.nodes.push(put({ id: lsi.id, ...this.wired_pins(lsi.id, this.template(lsi.type)), ...words_of(lsi), lsi, x: lsi.at?.[0] ?? 0, y: lsi.at?.[1] ?? 0 }));
+      else this.nodes.push(put({ id: lsi.id, ...this.wired_pins(lsi.id, this.template(lsi.type)), ...texts_of(lsi), lsi, x: lsi.at?.[0] ?? 0, y: lsi.at?.[1] ?? 0 }));
     });
     this.put_own(own, put);
     for (const id of [inputs_node, outputs_node]) {
-      const was = old?.by_id.get(id);
-      if (was && !own.has(id)) {
-        left.push(was);
+      const previous = old?.by_id.get(id);
+      if (previous && !own.has(id)) {
+        removed_nodes.push(previous);
         this.by_id.delete(id);
       }
     }
-    this.index = old ? old.index.replaced(left, come) : new SpatialIndex(this.nodes);
-    this.lay_wires(moved, new Set(born));
+    this.index = old ? old.index.replaced(removed_nodes, added_nodes) : new SpatialIndex(this.nodes);
+    this.set_wire_ends(moved, new Set(added));
   }
 
-  /** Fills `wires`: those of before where nothing at them changed. @return the ones of before that are no more */
-  private take_wires(old: View | undefined, retyped: ReadonlySet<string>, template: (id: string) => Template | undefined, born: ViewWire[]): ViewWire[] {
+  /**
+   * Fills `wires`, reusing wires of `old` whose ends did not change. New wires are also appended to `added`.
+   * @return the wires of `old` that were removed
+   */
+  private make_wires(old: View | undefined, retyped: ReadonlySet<string>, template: (id: string) => Template | undefined, added: ViewWire[]): ViewWire[] {
     const { circuit } = this.level;
     const plain = circuit.wires ?? [];
-    const was = old?.level.circuit.wires ?? [];
-    const kept = match(was, plain);
-    const gone = kept.gone.map((at) => old!.wires[at]!);
+    const previous = old?.level.circuit.wires ?? [];
+    const kept = match(previous, plain);
+    const removed = kept.removed.map((at) => old!.wires[at]!);
     const make = (from: string, from_pin: string, to: string, to_pin: string): void => {
       const source = pin_in(template(from), 'out', from_pin);
       const target = pin_in(template(to), 'in', to_pin);
@@ -179,55 +188,57 @@ export class View {
         key: `${from}.${from_pin}\n${to}.${to_pin}`, from, from_pin, to, to_pin,
         type: source?.type ?? target?.type ?? 'any', delayed: source?.delayed ?? false, broken: !source || !target, a: [0, 0], b: [0, 0],
       };
-      born.push(wire);
+      added.push(wire);
       this.wires.push(wire);
     };
     plain.forEach((wire, i) => {
       const twin = kept.from[i]! >= 0 ? old!.wires[kept.from[i]!]! : undefined;
       if (twin && (retyped.size === 0 || (!retyped.has(twin.from) && !retyped.has(twin.to)))) return void this.wires.push(twin);
-      if (twin) gone.push(twin);
+      if (twin) removed.push(twin);
       make(...split_end(wire.from), ...split_end(wire.to));
     });
-    // of the circuit's own pins there are few
-    gone.push(...(old?.wires.slice(was.length) ?? []));
+    // a circuit has few own pins, so their wires are always made again
+    removed.push(...(old?.wires.slice(previous.length) ?? []));
     for (const pin of circuit.inputs ?? []) for (const end of ends_of(pin.to)) make(inputs_node, pin.name, ...split_end(end));
     for (const pin of circuit.outputs ?? []) for (const end of ends_of(pin.from)) make(...split_end(end), outputs_node, pin.name);
-    return gone;
+    return removed;
   }
 
-  /** Gives wires their ends: the new ones, and anew those at nodes that moved. */
-  private lay_wires(moved: ReadonlySet<string>, born: ReadonlySet<ViewWire>): void {
+  /** Sets the end points of added wires, and replaces wires at moved nodes by copies with new end points. */
+  private set_wire_ends(moved: ReadonlySet<string>, added: ReadonlySet<ViewWire>): void {
     const ends = (w: ViewWire): { a: Point; b: Point } => {
       const [from, to] = [this.by_id.get(w.from), this.by_id.get(w.to)];
       return { a: from ? pin_point(from, 'out', w.from_pin) : [0, 0], b: to ? pin_point(to, 'in', w.to_pin) : [0, 0] };
     };
-    const gone: ViewWire[] = [];
-    const again: ViewWire[] = [];
-    if (moved.size > 0 || born.size > 0) this.wires.forEach((w, i) => {
-      if (born.has(w)) return void Object.assign(w, ends(w));
+    const old_wires: ViewWire[] = [];
+    const new_wires: ViewWire[] = [];
+    if (moved.size > 0 || added.size > 0) this.wires.forEach((w, i) => {
+      if (added.has(w)) return void Object.assign(w, ends(w));
       if (!moved.has(w.from) && !moved.has(w.to)) return;
-      gone.push(w);
-      again.push((this.wires[i] = { ...w, ...ends(w) }));
+      old_wires.push(w);
+      new_wires.push((this.wires[i] = { ...w, ...ends(w) }));
     });
-    this.relist(gone, again);
+    this.relist(old_wires, new_wires);
   }
 
-  private relist(gone: readonly ViewWire[], born: readonly ViewWire[]): void {
-    const no_more = new Set(gone);
-    const more = new Map<string, ViewWire[]>();
+  /** Updates `by_node` for removed and added wires. */
+  private relist(removed: readonly ViewWire[], added: readonly ViewWire[]): void {
+    const dropped = new Set(removed);
+    const lists = new Map<string, ViewWire[]>();
     const at = (id: string): ViewWire[] => {
-      let list = more.get(id);
-      if (!list) more.set(id, (list = (this.by_node.get(id) ?? []).filter((w) => !no_more.has(w))));
+      let list = lists.get(id);
+      if (!list) lists.set(id, (list = (this.by_node.get(id) ?? []).filter((w) => !dropped.has(w))));
       return list;
     };
-    for (const w of gone) at(w.from), at(w.to);
-    for (const w of born) {
+    for (const w of removed) at(w.from), at(w.to);
+    for (const w of added) {
       at(w.from).push(w);
       if (w.to !== w.from) at(w.to).push(w);
     }
-    for (const [id, list] of more) list.length > 0 ? this.by_node.set(id, list) : this.by_node.delete(id);
+    for (const [id, list] of lists) list.length > 0 ? this.by_node.set(id, list) : this.by_node.delete(id);
   }
 
+  /** The template of a type; made once for each type. */
   private template(type: string): Template {
     let found = this.templates.get(type);
     if (!found) {
@@ -240,16 +251,17 @@ export class View {
     return found;
   }
 
-  /** The nodes of the circuit's own pins; inside of a circuit each has a pin more, from which a new one is drawn. */
+  /** Templates of the nodes of the circuit's own pins. In a nested circuit each node has the extra pin `new_pin`. */
   private own_templates(circuit: Circuit): Map<string, Template> {
     const inside = this.level.path.length > 0;
     const out = new Map<string, Template>();
-    const more = (side: 'in' | 'out'): PinInfo[] => (inside ? [own_info({ name: new_pin, type: 'any' }, side)] : []);
-    if (circuit.inputs?.length || inside) out.set(inputs_node, { kind: 'inputs', doc: '', inputs: [], outputs: [...(circuit.inputs ?? []).map((p) => own_info(p, 'out')), ...more('out')] });
-    if (circuit.outputs?.length || inside) out.set(outputs_node, { kind: 'outputs', doc: '', inputs: [...(circuit.outputs ?? []).map((p) => own_info(p, 'in')), ...more('in')], outputs: [] });
+    const extra = (side: 'in' | 'out'): PinInfo[] => (inside ? [own_info({ name: new_pin, type: 'any' }, side)] : []);
+    if (circuit.inputs?.length || inside) out.set(inputs_node, { kind: 'inputs', doc: '', inputs: [], outputs: [...(circuit.inputs ?? []).map((p) => own_info(p, 'out')), ...extra('out')] });
+    if (circuit.outputs?.length || inside) out.set(outputs_node, { kind: 'outputs', doc: '', inputs: [...(circuit.outputs ?? []).map((p) => own_info(p, 'in')), ...extra('in')], outputs: [] });
     return out;
   }
 
+  /** Adds the nodes of the circuit's own pins, by default left and right of everything else. */
   private put_own(own: ReadonlyMap<string, Template>, put: (node: Omit<ViewNode, 'width' | 'height'>) => ViewNode): void {
     const { circuit } = this.level;
     const box = own.size > 0 ? this.bounds() : null;
@@ -259,12 +271,12 @@ export class View {
       const node = { id, title, subtitle: '', note: '', lsi: null, x: 0, y: 0, ...this.wired_pins(id, template) };
       const { width, height } = size_of(node);
       const x = at?.[0] ?? (id === inputs_node ? box.x - width - 80 : box.x + box.width + 80);
-      const y = at?.[1] ?? Math.round((box.y + (box.height - height) / 2) / grid) * grid;
+      const y = at?.[1] ?? Math.round((box.y + (box.height - height) / 2) / grid) * grid + 0;
       this.nodes.push(put({ ...node, x, y }));
     }
   }
 
-  /** Pins of node `id` with what is wired marked; those of a missing LSI are the ones that its wires name. */
+  /** Pins of node `id` with the wired ones marked. A missing LSI has the pins that its wires name. */
   private wired_pins(id: string, template: Template): Template {
     const outputs = new Set<string>();
     const inputs = new Set<string>();
@@ -304,11 +316,11 @@ export class View {
     return this.level.circuit.probes ?? [];
   }
 
-  /** Box around what is called `ids`; without them around everything. */
+  /** Bounding box of the nodes, notes and probes in `ids`, or of everything. */
   bounds(ids?: ReadonlySet<string>): Box {
     if (!ids && this.whole) return this.whole;
     const box = this.find_bounds(ids);
-    if (!ids && this.index) this.whole = box; // while it is made, its own pins are missing
+    if (!ids && this.index) this.whole = box; // not while the constructor runs, because the nodes of the own pins are still missing
     return box;
   }
 
@@ -327,14 +339,14 @@ export class View {
   }
 }
 
-/** A pin of a missing LSI is what its wires say. */
+/** A pin of a template; a missing LSI has every pin, with the type `any`. */
 function pin_in(template: Template | undefined, side: 'in' | 'out', name: string): PinInfo | undefined {
   if (!template) return undefined;
   if (template.kind === 'missing') return own_info({ name, type: 'any' }, side);
   return (side === 'in' ? template.inputs : template.outputs).find((p) => p.name === name);
 }
 
-function words_of(lsi: Lsi): { title: string; subtitle: string; note: string } {
+function texts_of(lsi: Lsi): { title: string; subtitle: string; note: string } {
   const title = lsi.label || lsi.id;
   return { title, subtitle: lsi.type === title ? '' : lsi.type, note: lsi.note ?? '' };
 }

@@ -1,4 +1,4 @@
-/** The library as it is browsed: search as one types, pages that follow when one scrolls, edits with undo, conflicts. Framework-free. */
+/** The library browser: search while typing, further pages on scrolling, edits with undo, and save conflicts. Framework-free. */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { RequestError, type LibraryEntry, type ServiceError } from '../protocol';
 import { from_service, key_of, tags_of } from './words';
@@ -21,16 +21,17 @@ export interface EntryVersion {
   size?: number;
 }
 
-/** Somebody saved an entry while this page was changing it. */
+/** A conflict: another user saved an entry while this page was changing it. */
 export interface Conflict {
-  /** What this page wanted, for people: "the name “walk slow”". */
+  /** The change of this page as text: "the name “walk slow”". */
   mine: string;
+  /** The entry as the other user saved it. */
   theirs: LibraryEntry;
-  /** Saves this page's change over theirs, which stays in the history. */
+  /** Saves this page's change as a new version; the other user's version stays in the history. */
   keep_mine: () => Promise<void>;
 }
 
-/** What was done last, so that it can be taken back. */
+/** An edit that can be undone. */
 export interface Done {
   label: string;
   undo: () => Promise<void>;
@@ -41,17 +42,20 @@ export interface BrowserState {
   kind: KindFilter;
   tags: string[];
   order: LibraryOrder | null;
-  /** The trash instead of the library. */
+  /** Show the trash instead of the library. */
   trash: boolean;
   entries: LibraryEntry[];
+  /** Number of entries that match. */
   total: number;
+  /** False if `total` is a lower bound. */
   total_exact: boolean;
-  /** There is more than `entries`. */
+  /** True if the service has more entries than `entries`. */
   more: boolean;
   status: 'loading' | 'ready' | 'failed';
   failure: string;
   all_tags: TagCount[];
   conflict: Conflict | null;
+  /** The latest edit that can be undone, for display. */
   done: Done | null;
 }
 
@@ -62,8 +66,8 @@ const initial: BrowserState = {
 
 export interface BrowserHost {
   fetch: (path: string, init?: RequestInit) => Promise<Response>;
-  /** Entries that were seen: what names of motions and mechanisms are looked up in. */
-  know: (entries: readonly LibraryEntry[]) => void;
+  /** Stores entries from replies, so that names of motions and mechanisms can be looked up. */
+  cache_entries: (entries: readonly LibraryEntry[]) => void;
   fail: (error: Error) => void;
 }
 
@@ -83,7 +87,7 @@ export class LibraryBrowser {
   private running: AbortController | null = null;
   private loading_more = false;
   private timer: ReturnType<typeof setTimeout> | null = null;
-  private undone: Done[] = [];
+  private undo_stack: Done[] = [];
 
   constructor(private readonly host: BrowserHost) {}
 
@@ -93,7 +97,7 @@ export class LibraryBrowser {
 
   // ---- finding ----
 
-  /** Asks at once where little is typed at a time, and not for every letter of a fast typist. */
+  /** Searches 90 ms after the last change of the query, so that fast typing causes one request. */
   search(query: string): void {
     this.store.setState({ query });
     if (this.timer) clearTimeout(this.timer);
@@ -110,7 +114,7 @@ export class LibraryBrowser {
     this.filter({ tags: tags.includes(tag) ? tags.filter((t) => t !== tag) : [...tags, tag] });
   }
 
-  /** The first page anew; what is shown stays until the answer is there. */
+  /** Reloads the list from the start, with as many entries as are shown. The old list stays until the reply arrives. */
   async load(): Promise<void> {
     this.running?.abort();
     const running = new AbortController();
@@ -121,7 +125,7 @@ export class LibraryBrowser {
       if (this.running !== running) return;
       const entries = page.entries.map(from_service);
       this.next = page.next ?? null;
-      this.host.know(entries);
+      this.host.cache_entries(entries);
       this.store.setState({ entries, total: page.total ?? entries.length, total_exact: page.total_exact ?? true, more: this.next !== null, status: 'ready', failure: '' });
     } catch (error) {
       if (running.signal.aborted) return;
@@ -130,18 +134,18 @@ export class LibraryBrowser {
     void this.load_tags();
   }
 
-  /** The next page; nothing where all is there or one is on its way. */
+  /** Loads the next page; does nothing if all entries are loaded or a page is being loaded. */
   async load_more(): Promise<void> {
     if (this.next === null || this.loading_more) return;
     this.loading_more = true;
     const before = this.running;
     try {
       const page = await this.ask<Page>(this.address(this.next, page_size));
-      if (this.running !== before) return; // another search came in between
+      if (this.running !== before) return; // another search started in the meantime
       const known = new Set(this.state.entries.map(key_of));
       const entries = page.entries.map(from_service).filter((e) => !known.has(key_of(e)));
       this.next = page.next ?? null;
-      this.host.know(entries);
+      this.host.cache_entries(entries);
       this.store.setState({ entries: [...this.state.entries, ...entries], more: this.next !== null });
     } catch (error) {
       this.next = null;
@@ -171,7 +175,7 @@ export class LibraryBrowser {
       const answer = await this.ask<{ tags: TagCount[] }>(`api/library/tags${kind === 'all' ? '' : `?kind=${kind}`}`);
       this.store.setState({ all_tags: answer.tags });
     } catch {
-      // tags are an aid; the list itself has told what is wrong
+      // the list of tags is optional; load() reports connection problems
     }
   }
 
@@ -180,31 +184,31 @@ export class LibraryBrowser {
     return (await this.ask<{ versions?: EntryVersion[] }>(`api/entry/${encodeURIComponent(entry.entry)}`)).versions ?? [];
   }
 
-  /** An entry that no page of the list has brought yet, by any of its ids; null where there is none. */
+  /** Fetches an entry that is not in the loaded list, by entry id or data id; null if there is none. */
   async find(id: string): Promise<LibraryEntry | null> {
     try {
       const entry = from_service(await this.ask<LibraryEntry>(`api/entry/${encodeURIComponent(id)}`));
-      this.host.know([{ ...entry, id }]);
+      this.host.cache_entries([{ ...entry, id }]);
       return entry;
     } catch {
       return null;
     }
   }
 
-  // ---- editing: each can be taken back ----
+  // ---- editing: every edit can be undone ----
 
   async rename(entry: LibraryEntry, name: string): Promise<void> {
     const wanted = name.trim();
     if (!wanted || wanted === entry.name) return;
     const changed = await this.save(entry, { name: wanted }, `the name “${wanted}”`);
-    if (changed) this.did(`Renamed “${entry.name}” to “${wanted}”`, async () => void (await this.save(changed, { name: entry.name }, `the name “${entry.name}”`)));
+    if (changed) this.push_undo(`Renamed “${entry.name}” to “${wanted}”`, async () => void (await this.save(changed, { name: entry.name }, `the name “${entry.name}”`)));
   }
 
   async set_note(entry: LibraryEntry, note: string): Promise<void> {
     const before = entry.note ?? '';
     if (note === before) return;
     const changed = await this.save(entry, { note }, 'another note');
-    if (changed) this.did(`Changed the note of “${entry.name}”`, async () => void (await this.save(changed, { note: before }, 'the old note')));
+    if (changed) this.push_undo(`Changed the note of “${entry.name}”`, async () => void (await this.save(changed, { note: before }, 'the old note')));
   }
 
   async change_tags(entry: LibraryEntry, add: string[], remove: string[]): Promise<void> {
@@ -212,47 +216,47 @@ export class LibraryBrowser {
     const really_add = add.filter((t) => !has.has(t));
     const really_remove = remove.filter((t) => has.has(t));
     if (really_add.length + really_remove.length === 0) return;
-    const words = [really_add.length > 0 && `Tagged “${entry.name}” with ${really_add.join(', ')}`, really_remove.length > 0 && `Took ${really_remove.join(', ')} from “${entry.name}”`];
+    const words = [really_add.length > 0 && `Tagged “${entry.name}” with ${really_add.join(', ')}`, really_remove.length > 0 && `Removed tag ${really_remove.join(', ')} from “${entry.name}”`];
     const changed = await this.save(entry, { add_tags: really_add, remove_tags: really_remove }, `the tags ${[...really_add].join(', ')}`);
-    if (changed) this.did(words.filter(Boolean).join('; '), async () => void (await this.save(changed, { add_tags: really_remove, remove_tags: really_add }, 'the old tags')));
+    if (changed) this.push_undo(words.filter(Boolean).join('; '), async () => void (await this.save(changed, { add_tags: really_remove, remove_tags: really_add }, 'the old tags')));
   }
 
   async duplicate(entry: LibraryEntry): Promise<LibraryEntry | null> {
     const made = await this.post(entry, 'duplicate', { name: `${entry.name} copy` });
     if (!made) return null;
-    this.did(`Duplicated “${entry.name}”`, async () => void (await this.post(made, 'remove', {})));
+    this.push_undo(`Duplicated “${entry.name}”`, async () => void (await this.post(made, 'remove', {})));
     return made;
   }
 
   async remove(entry: LibraryEntry): Promise<boolean> {
     const gone = await this.post(entry, 'remove', {}, entry);
     if (!gone) return false;
-    this.did(`Deleted “${entry.name}”`, async () => void (await this.post(entry, 'undelete', {}, entry)));
+    this.push_undo(`Deleted “${entry.name}”`, async () => void (await this.post(entry, 'undelete', {}, entry)));
     return true;
   }
 
   async undelete(entry: LibraryEntry): Promise<void> {
-    if (await this.post(entry, 'undelete', {}, entry)) this.did(`Put “${entry.name}” back`, async () => void (await this.post(entry, 'remove', {}, entry)));
+    if (await this.post(entry, 'undelete', {}, entry)) this.push_undo(`Restored “${entry.name}” from the trash`, async () => void (await this.post(entry, 'remove', {}, entry)));
   }
 
   async restore(entry: LibraryEntry, version: number): Promise<void> {
     const before = entry.version ?? 1;
     const changed = await this.post(entry, 'restore', { base: before, version });
-    if (changed) this.did(`Restored version ${version} of “${entry.name}”`, async () => void (await this.post(changed, 'restore', { base: changed.version, version: before })));
+    if (changed) this.push_undo(`Restored version ${version} of “${entry.name}”`, async () => void (await this.post(changed, 'restore', { base: changed.version, version: before })));
   }
 
   async undo(): Promise<void> {
-    const last = this.undone.pop();
+    const last = this.undo_stack.pop();
     if (!last) return;
-    this.store.setState({ done: this.undone[this.undone.length - 1] ?? null });
-    const kept = this.undone;
-    this.undone = []; // taking back is no step of its own
+    this.store.setState({ done: this.undo_stack[this.undo_stack.length - 1] ?? null });
+    const kept = this.undo_stack;
+    this.undo_stack = []; // an undo is not itself recorded as an edit
     await last.undo();
-    this.undone = kept;
+    this.undo_stack = kept;
     this.store.setState({ done: kept[kept.length - 1] ?? null });
   }
 
-  /** Hides the line that tells what was done; from then on the key takes back what was done elsewhere. */
+  /** Hides the line that shows the latest edit. From then on the undo key undoes edits of the scenario instead. */
   forget_done(): void {
     this.store.setState({ done: null });
   }
@@ -264,36 +268,36 @@ export class LibraryBrowser {
     else void this.load();
   }
 
-  private did(label: string, undo: () => Promise<void>): void {
+  private push_undo(label: string, undo: () => Promise<void>): void {
     const done = { label, undo };
-    this.undone = [...this.undone.slice(-undo_depth + 1), done];
+    this.undo_stack = [...this.undo_stack.slice(-undo_depth + 1), done];
     this.store.setState({ done });
   }
 
-  /** Saves fields on top of the version that this page knows. Null: refused, or a conflict waits for its answer. */
+  /** Saves fields on top of the version that this page has. Null: the save was refused, or a conflict waits for the user's answer. */
   private async save(entry: LibraryEntry, fields: Record<string, unknown>, mine: string): Promise<LibraryEntry | null> {
     return this.post(entry, '', { base: entry.version ?? 1, ...fields }, undefined, mine, fields);
   }
 
-  private async post(entry: LibraryEntry, what: string, body: object, without_answer?: LibraryEntry, mine = 'your change', fields?: Record<string, unknown>): Promise<LibraryEntry | null> {
+  private async post(entry: LibraryEntry, action: string, body: object, without_answer?: LibraryEntry, mine = 'your change', fields?: Record<string, unknown>): Promise<LibraryEntry | null> {
     if (!entry.entry) {
       this.host.fail(new Error(`“${entry.name}” is in the open project only, not in the library.`));
       return null;
     }
-    const address = `api/entry/${encodeURIComponent(entry.entry)}${what ? `/${what}` : ''}`;
+    const address = `api/entry/${encodeURIComponent(entry.entry)}${action ? `/${action}` : ''}`;
     try {
       const response = await this.host.fetch(address, { method: 'POST', body: JSON.stringify(body) });
       const answer = (await response.json()) as { entry?: LibraryEntry; error?: ServiceError };
       if (response.status === 409 && answer.entry) {
         const theirs = from_service(answer.entry);
-        const again = { ...body, ...(fields ?? {}), base: theirs.version };
-        this.store.setState({ conflict: { mine, theirs, keep_mine: async () => void (await this.post(theirs, what, again, without_answer, mine, fields)) } });
+        const repeated = { ...body, ...(fields ?? {}), base: theirs.version };
+        this.store.setState({ conflict: { mine, theirs, keep_mine: async () => void (await this.post(theirs, action, repeated, without_answer, mine, fields)) } });
         void this.load();
         return null;
       }
       if (!response.ok) throw new RequestError(answer.error, `The studio answered ${response.status}.`);
       const changed = answer.entry ? from_service(answer.entry) : (without_answer ?? null);
-      if (changed) this.host.know([changed]);
+      if (changed) this.host.cache_entries([changed]);
       await this.load();
       return changed;
     } catch (error) {

@@ -1,35 +1,49 @@
-/** Files on their way into the library: read and shown one by one, corrected, then stored or dropped. Framework-free. */
+/**
+ * The import queue: files are staged by the service one by one, previewed, corrected by the user, then stored in the library or dropped.
+ * Framework-free.
+ */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { RequestError, type MechanismData, type Problem, type ServiceError } from '../protocol';
 
 export interface ImportSettings {
-  /** m per unit of length of the file */
+  /** Metres per unit of length of the file. */
   unit: number;
+  /** True if the file does not specify its unit. */
   unit_guessed: boolean;
+  /** Axis of the file that points up, such as "y". */
   up: string;
+  /** Axis of the file that points forwards, such as "z". */
   forward: string;
-  /** frames a second; 0: the file has no motion */
+  /** Frames a second; 0 if the file has no motion. */
   rate: number;
-  rate_told: boolean;
+  /** True if the file specifies its frame rate. */
+  rate_specified: boolean;
 }
 
+/** The service's report on a converted file, a sentence each. */
 export interface ConversionReport {
   read: string[];
   guessed: string[];
   changed: string[];
   left_out: string[];
+  /** Points that the user should check. */
   check: string[];
 }
 
-/** Poses packed: base64 of 32-bit floats [count][links][7], x y z qw qx qy qz. */
+/** Poses of a motion for the preview: every `stride`-th frame. */
 export interface MotionPreview {
   name: string;
+  /** frames a second */
   rate: number;
+  /** Number of frames of the motion. */
   frames: number;
+  /** s */
   duration: number;
   stride: number;
+  /** Number of frames in `poses`. */
   count: number;
   links: number;
+  /** base64 of 32-bit floats [count][links][7], world poses x y z (m) qw qx qy qz */
   poses: string;
   mechanism?: string;
 }
@@ -38,17 +52,20 @@ export interface MarkerPreview {
   labels: string[];
   count: number;
   stride: number;
-  /** base64 of 32-bit floats [count][markers][3], m; NaN: not seen */
+  /** base64 of 32-bit floats [count][markers][3], m; NaN where a marker was not visible */
   points: string;
-  /** Of the markers' world where the figure is, x y z qw qx qy qz. */
+  /** Pose of the markers' coordinate frame in the character's world: x y z (m) qw qx qy qz. Absent: identity. */
   pose?: number[];
 }
 
+/** A file that the service has read but not stored. */
 export interface StagedFile {
+  /** Id of the stage. */
   stage: string;
   file: string;
   format: string;
   settings: ImportSettings;
+  /** Settings that the user can correct. */
   can: { unit: boolean; axes: boolean; rate: boolean };
   entries: { kind: 'mechanism' | 'motion'; name: string; bytes: number }[];
   report: ConversionReport;
@@ -62,18 +79,19 @@ export type ImportStatus = 'waiting' | 'reading' | 'ready' | 'storing' | 'stored
 export interface ImportItem {
   id: number;
   file: string;
+  /** bytes */
   size: number;
   status: ImportStatus;
   staged: StagedFile | null;
-  /** Of the entries; empty: as read. */
+  /** Name for the entries; empty: keep the name from the file. */
   name: string;
   tags: string;
-  /** Why it was refused. */
+  /** Why the file, or its last correction, was refused. */
   problems: Problem[];
-  /** Ids of the entries that were made. */
+  /** The library entries that were created. */
   stored: { id: string; kind: string; name: string }[];
-  /** It is read again with other settings. */
-  again: boolean;
+  /** True while the file is read again with other settings. */
+  rereading: boolean;
 }
 
 export interface ImportState {
@@ -85,11 +103,11 @@ export interface ImportState {
 export interface ImportHost {
   fetch: (path: string, init?: RequestInit) => Promise<Response>;
   log: (level: 'info' | 'warning' | 'error', text: string) => void;
-  /** Called when entries are in the library. */
+  /** Called when the entries of a file have been stored in the library. */
   stored: (item: ImportItem) => void;
 }
 
-/** Files that others need: never entries of their own. */
+/** Whether a file is a companion: another file needs it (skeleton, mesh, texture), and it never becomes an entry. */
 const is_companion = (name: string): boolean => /\.(asf|stl|obj|dae|ply|bin|png|jpe?g|ya?ml|mtl)$/i.test(name);
 
 export class ImportQueue {
@@ -110,7 +128,7 @@ export class ImportQueue {
     return this.state.items.find((i) => i.id === id);
   }
 
-  /** Takes files in: those that others need first. A file that stands alone is refused by the service with its reason. */
+  /** Adds files to the queue. Companions are sent first. The service refuses a file whose companions are missing. */
   async add(files: readonly File[]): Promise<void> {
     if (files.length === 0) return;
     const companions = files.filter((f) => is_companion(f.name));
@@ -119,7 +137,7 @@ export class ImportQueue {
     const items = main.map((file): ImportItem => {
       const id = this.next_id++;
       this.files.set(id, file);
-      return { id, file: file.name, size: file.size, status: 'waiting', staged: null, name: '', tags: '', problems: [], stored: [], again: false };
+      return { id, file: file.name, size: file.size, status: 'waiting', staged: null, name: '', tags: '', problems: [], stored: [], rereading: false };
     });
     const all = [...this.state.items, ...items];
     this.store.setState({ open: true, items: all, shown: this.state.shown ?? all[0]?.id ?? null });
@@ -134,11 +152,11 @@ export class ImportQueue {
     await this.work();
   }
 
-  /** A skeleton or mesh that came alone, or that cannot be read. */
+  /** Lists a companion (skeleton, mesh) that was added alone or that cannot be read. */
   private note_companion(file: File, problems: Problem[]): void {
     const id = this.next_id++;
-    const told = problems.length > 0 ? problems : [{ message: `${file.name} is kept for the files that need it.`, remedy: 'Choose them now: an AMC with its ASF, a robot description with its meshes.' }];
-    const item: ImportItem = { id, file: file.name, size: file.size, status: 'refused', staged: null, name: '', tags: '', problems: told, stored: [], again: false };
+    const shown = problems.length > 0 ? problems : [{ message: `${file.name} is kept for the files that need it.`, remedy: 'Add those files now: the AMC of an ASF, the robot description of a mesh.' }];
+    const item: ImportItem = { id, file: file.name, size: file.size, status: 'refused', staged: null, name: '', tags: '', problems: shown, stored: [], rereading: false };
     this.store.setState({ items: [...this.state.items, item], shown: this.state.shown ?? id });
   }
 
@@ -161,26 +179,26 @@ export class ImportQueue {
     try {
       const staged = await this.send<StagedFile>(address, body, running.signal);
       if (running.signal.aborted || !this.item(id)) void this.drop_stage(staged.stage);
-      else this.change(id, { status: 'ready', staged, problems: [], again: false });
+      else this.change(id, { status: 'ready', staged, problems: [], rereading: false });
     } catch (error) {
       if (running.signal.aborted) return;
       const before = this.item(id);
       const problems = problems_of(error as Error);
-      // a correction that cannot be read leaves what was
-      this.change(id, { status: before?.staged ? 'ready' : 'refused', problems, again: false });
-      for (const p of problems) this.host.log('error', [before?.file, p.place, p.message, p.remedy].filter(Boolean).join(' — '));
+      // a failed correction leaves the previous stage in place
+      this.change(id, { status: before?.staged ? 'ready' : 'refused', problems, rereading: false });
+      for (const p of problems) this.host.log('error', [before?.file, p.location, p.message, p.remedy].filter(Boolean).join(' — '));
     } finally {
       this.running.delete(id);
     }
   }
 
-  /** Reads the file again as the user says; the last of several quick changes counts. */
+  /** Reads the file again with corrected settings. Changes that arrive while it is read are merged into the next read. */
   async correct(id: number, change: Partial<ImportSettings>): Promise<void> {
     const item = this.item(id);
     if (!item?.staged || item.status !== 'ready') return;
     this.wanted.set(id, { ...this.wanted.get(id), ...change });
-    if (item.again) return;
-    this.change(id, { again: true });
+    if (item.rereading) return;
+    this.change(id, { rereading: true });
     while (this.wanted.has(id)) {
       const now = this.item(id);
       if (!now?.staged) break;
@@ -203,7 +221,7 @@ export class ImportQueue {
 
   async store_one(id: number): Promise<void> {
     const item = this.item(id);
-    if (!item?.staged || item.status !== 'ready' || item.again) return;
+    if (!item?.staged || item.status !== 'ready' || item.rereading) return;
     this.change(id, { status: 'storing' });
     const p = new URLSearchParams();
     if (item.name.trim()) p.set('name', item.name.trim());
@@ -218,13 +236,13 @@ export class ImportQueue {
     }
   }
 
-  /** Stores all that is ready; closes where nothing is left to look at. */
+  /** Stores all files that are ready; closes the queue if no other file is left. */
   async store_all(): Promise<void> {
     for (const item of this.state.items) if (item.status === 'ready') await this.store_one(item.id);
     if (this.state.items.every((i) => i.status === 'stored' || i.status === 'cancelled')) this.close();
   }
 
-  /** Leaves one file out; nothing of it stays. */
+  /** Removes one file from the queue and drops its stage. A stored file stays. */
   cancel(id: number): void {
     this.running.get(id)?.abort();
     this.files.delete(id);
@@ -236,7 +254,7 @@ export class ImportQueue {
     if (left.length === 0) this.store.setState({ open: false });
   }
 
-  /** Ends everything that is not stored. */
+  /** Cancels all files that are not stored and closes the queue. */
   close(): void {
     for (const item of this.state.items) {
       this.running.get(item.id)?.abort();
@@ -247,7 +265,7 @@ export class ImportQueue {
   }
 
   private async drop_stage(stage: string): Promise<void> {
-    await this.send(`api/import/drop/${stage}`, '').catch(() => undefined); // it ends with the studio at the latest
+    await this.send(`api/import/drop/${stage}`, '').catch(() => undefined); // the studio drops all stages when it ends
   }
 
   private change(id: number, part: Partial<ImportItem>): void {
@@ -260,7 +278,7 @@ export class ImportQueue {
       response = await this.host.fetch(path, { method: 'POST', body, signal: signal ?? null });
     } catch (error) {
       if (signal?.aborted) throw error;
-      throw new RequestError({ problems: [{ message: 'The studio does not answer.', remedy: 'See whether `ugoki studio` still runs.' }] }, '');
+      throw new RequestError({ problems: [{ message: 'The studio does not answer.', remedy: 'Check that `ugoki studio` is running.' }] }, '');
     }
     const answer = (await response.json().catch(() => ({}))) as T & { error?: ServiceError };
     if (!response.ok) throw new RequestError(answer.error, `The studio answered ${response.status}.`);
@@ -270,7 +288,7 @@ export class ImportQueue {
 
 const problems_of = (error: Error): Problem[] => (error instanceof RequestError ? error.problems : [{ message: error.message }]);
 
-/** 32-bit floats of a base64 text. */
+/** Decodes base64 into 32-bit floats. */
 export function unpack_floats(text: string): Float32Array {
   const letters = atob(text);
   const bytes = new Uint8Array(letters.length);

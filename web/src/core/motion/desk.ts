@@ -1,13 +1,16 @@
-/** Operations on motions, as one page does them: what is asked, what is at work, and when feet stand. Framework-free. */
+/** The motion desk of one page: the open menu and dialog, the running operations on motions, and foot contacts. Framework-free. */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import type { MotionRequest } from '../protocol';
 import type { Selection } from '../state';
 import { find_operation, type Values } from './operations';
 
-/** s from the motion's first frame, and how many feet stand. */
+/** A span of time with a constant number of feet on the ground; `from` and `to` are seconds from the motion's first frame. */
 export type Band = [from: number, to: number, feet: number];
+/** Foot contacts of a motion. */
 export interface Contacts {
+  /** Names of the foot links. */
   feet: string[];
+  /** True if the contacts are stored with the motion. */
   labelled: boolean;
   bands: Band[];
 }
@@ -17,23 +20,23 @@ export interface ClipTarget {
   clip: string;
 }
 
-/** The second motion, or the other body. */
+/** The second operand of an operation: another motion, or the target body (height in m). */
 export type With = { motion: string } | { mechanism: string } | { height: number } | { sample: 'dog' | 'human' } | Record<string, never>;
 
 export interface MotionTask {
   id: string;
   label: string;
-  /** performance.now() */
+  /** Start time, performance.now(), ms. */
   since: number;
 }
 
 export interface DeskState {
-  /** The menu of a clip, where it was asked for. */
+  /** The open menu of a clip and its position on the page, px. */
   menu: (ClipTarget & { x: number; y: number }) | null;
-  /** The operation whose options are asked for. */
+  /** The operation whose options dialog is open. */
   dialog: (ClipTarget & { operation: string }) | null;
   tasks: MotionTask[];
-  /** By the motion's id; null: asked for, or nobody knows. */
+  /** Foot contacts by the motion's id; null while they are loaded, and if loading failed. */
   contacts: Record<string, Contacts | null>;
 }
 
@@ -41,8 +44,8 @@ export interface DeskHost {
   request(request: MotionRequest | { op: 'motion.cancel'; task: string }): Promise<Record<string, unknown>>;
   fetch(path: string): Promise<Response>;
   fail(error: Error): void;
-  /** What was done, a sentence each. */
-  tell(title: string, lines: string[]): void;
+  /** Shows the result of an operation, a sentence for each line. */
+  report(title: string, lines: string[]): void;
   select(selection: Selection): void;
 }
 
@@ -57,7 +60,7 @@ export class MotionDesk {
     return this.store.getState();
   }
 
-  /** @return whether it was done */
+  /** Runs an operation on a clip and selects the resulting clip. @return false if it was cancelled or failed */
   async run(operation: string, { character, clip }: ClipTarget, options: Values = {}, other: With = {}): Promise<boolean> {
     const label = find_operation(operation)?.label ?? operation;
     const id = `${this.page}-${this.next++}`;
@@ -66,7 +69,7 @@ export class MotionDesk {
       const reply = await this.host.request({ op: 'motion', task: id, character, clip, operation, options, ...other });
       if (reply.cancelled === true) return false;
       if (typeof reply.character === 'string' && typeof reply.clip === 'string') this.host.select({ kind: 'clip', character: reply.character, clip: reply.clip });
-      this.host.tell(label, Array.isArray(reply.report) ? reply.report.map(String) : []);
+      this.host.report(label, Array.isArray(reply.report) ? reply.report.map(String) : []);
       return true;
     } catch (error) {
       this.host.fail(error as Error);
@@ -90,7 +93,7 @@ export class MotionDesk {
     this.store.setState({ menu: null, dialog: null });
   }
 
-  /** Asks once for each motion. */
+  /** Loads the foot contacts of a motion; only the first call for each motion sends a request. */
   async need_contacts(motion: string): Promise<void> {
     if (motion in this.state.contacts) return;
     this.keep_contacts(motion, null);
@@ -98,7 +101,7 @@ export class MotionDesk {
       const response = await this.host.fetch(`api/contacts/${encodeURIComponent(motion)}`);
       if (response.ok) this.keep_contacts(motion, (await response.json()) as Contacts);
     } catch {
-      // the connection's own message says it; a clip without bands is no other loss
+      // a lost connection is already reported elsewhere; the clip is drawn without contact bands
     }
   }
   private keep_contacts(motion: string, contacts: Contacts | null): void {
@@ -106,7 +109,7 @@ export class MotionDesk {
   }
 }
 
-/** A CSS gradient over the whole of a motion: a band for every time in which as many feet stand. */
+/** A CSS gradient over the whole motion: each band's colour shows the number of feet on the ground. @param duration s */
 export function band_gradient(bands: readonly Band[], duration: number): string {
   if (bands.length === 0 || !(duration > 0)) return 'none';
   const share = (t: number): string => `${((100 * Math.min(t, duration)) / duration).toFixed(3)}%`;

@@ -1,10 +1,10 @@
-/** Over the canvas: where one is, what is wrong, how long a tick takes. */
+/** The bar over the canvas: path in the circuit, problems, breakpoints, layout buttons, time per tick. */
 import { useState, type ReactElement, type RefObject } from 'react';
 import { circuit, parts, useCircuit, useStudio } from '../app';
 import { Icon } from '../icons';
 import { BreakpointCount, OneTick } from './Breakpoints';
 
-const most_listed = 40;
+const max_listed = 40;
 
 export function Bar({ tick, fit, arrange }: { tick: RefObject<HTMLSpanElement | null>; fit: () => void; arrange: () => void }): ReactElement {
   const edited = useCircuit((s) => s.edited);
@@ -18,17 +18,17 @@ export function Bar({ tick, fit, arrange }: { tick: RefObject<HTMLSpanElement | 
       <Crumbs />
       <div className="circuit-facts">
         {problems.length > 0 && (
-          <button type="button" className="problem-count" aria-expanded={listed} onClick={() => set_listed(!listed)}>
-            {problems.every((p) => p.stopped) ? 'Stopped' : 'It does not run'}: {problems.length === 1 ? '1 problem' : `${problems.length} problems`}
+          <button type="button" className="problem-count" aria-expanded={listed} title="Show or hide the list of problems" onClick={() => set_listed(!listed)}>
+            {problems.every((p) => p.stopped) ? 'Stopped' : 'Cannot run'}: {problems.length === 1 ? '1 problem' : `${problems.length} problems`}
           </button>
         )}
         <BreakpointCount />
         <OneTick />
         {edited && (
-          <button type="button" title="The project has a circuit of its own. Back to the one that the generator makes of the scenario; can be undone." onClick={() => circuit.reset_to_generated()}>Reset to generated</button>
+          <button type="button" title="Replace the edited circuit by the one generated from the scenario (can be undone)" onClick={() => circuit.reset_to_generated()}>Reset to generated</button>
         )}
-        <button type="button" title="Lay out (Shift L)" onClick={arrange}>Lay out</button>
-        <button type="button" title="Show all (A or Home)" onClick={fit}>Fit</button>
+        <button type="button" title="Lay out the circuit automatically  (Shift L)" onClick={arrange}>Lay out</button>
+        <button type="button" title="Show the whole circuit  (A or Home)" onClick={fit}>Fit</button>
         <span className="fact">{lsis} {lsis === 1 ? 'LSI' : 'LSIs'}<span ref={tick} className="tick" /></span>
         <span className="fact">{rate >= 1000 ? `${+(rate / 1000).toFixed(2)} kHz` : `${Math.round(rate)} Hz`}</span>
       </div>
@@ -41,7 +41,7 @@ function Crumbs(): ReactElement {
   const path = useCircuit((s) => s.path);
   const names = circuit.crumbs;
   return (
-    <nav className="crumbs" aria-label="Where in the circuit">
+    <nav className="crumbs" aria-label="Path in the circuit">
       <button type="button" aria-current={path.length === 0 ? 'page' : undefined} onClick={() => circuit.go_out(path.length)}>Execution circuit</button>
       {names.map((name, i) => (
         <span key={i}>
@@ -63,15 +63,15 @@ function ProblemList({ close }: { close: () => void }): ReactElement {
   };
   return (
     <ul className="problem-list" role="list">
-      {problems.slice(0, most_listed).map((p, i) => (
+      {problems.slice(0, max_listed).map((p, i) => (
         <li key={i}>
-          <button type="button" onClick={() => go_to(p.lsi)}>
+          <button type="button" title="Show the LSI in the circuit" onClick={() => go_to(p.lsi)}>
             {p.lsi && <code>{p.lsi}</code>} {p.message} <span className="remedy">{p.remedy}</span>
           </button>
-          {p.loop.length > 0 && <button type="button" onClick={() => circuit.insert_delay(p)}>Insert delay</button>}
+          {p.loop.length > 0 && <button type="button" title="Insert a delay LSI that breaks the algebraic loop" onClick={() => circuit.insert_delay(p)}>Insert delay</button>}
         </li>
       ))}
-      <li><button type="button" className="tool small" aria-label="Close" onClick={close}><Icon name="close" /></button></li>
+      <li><button type="button" className="tool small" aria-label="Close" title="Close the list" onClick={close}><Icon name="close" /></button></li>
     </ul>
   );
 }

@@ -1,4 +1,4 @@
-/** Where runs stop: the form that makes a breakpoint, the list of them, and the notice of one that was met. */
+/** Breakpoints: the form that adds one, their list, and the notice of a run that stopped at one. */
 import { useState, type ReactElement } from 'react';
 import { components_of, condition_alone, relations, takes_value, write_condition, type Relation } from '../../core/circuit/breakpoints';
 import { short_number } from '../../core/circuit/live';
@@ -6,7 +6,7 @@ import { split_flat } from '../../core/circuit/problems';
 import { circuit, parts, session, useCircuit, useStudio } from '../app';
 import { Icon } from '../icons';
 
-/** Shows the LSI that a flat pin is of. */
+/** Shows the LSI of a flat pin name ("arm/elbow.out") in the canvas. */
 function show(pin: string): void {
   const ids = split_flat(pin)[0].split('/');
   circuit.go_to(ids);
@@ -39,7 +39,7 @@ function Form({ flat, type, unit, left, top }: { flat: string; type: string; uni
       className="stop-form nodrag"
       style={{ left, top }}
       role="dialog"
-      aria-label="Stop where"
+      aria-label="Add breakpoint"
       onKeyDown={(e) => {
         e.stopPropagation();
         if (e.key === 'Escape') close();
@@ -51,11 +51,11 @@ function Form({ flat, type, unit, left, top }: { flat: string; type: string; uni
         close();
       }}
     >
-      <p>Stop where <strong>{circuit.name_of(flat)}</strong></p>
+      <p>Stop when <strong>{circuit.name_of(flat)}</strong></p>
       <div className="stop-line">
-        {names === null && <input className="stop-index" aria-label="Number" title="Which number of the pin, counted from 0" value={component} onChange={(e) => set_component(e.target.value)} />}
+        {names === null && <input className="stop-index" aria-label="Component" title="Index of the component of the pin's value, counted from 0" value={component} onChange={(e) => set_component(e.target.value)} />}
         {names !== null && names.length > 0 && (
-          <select aria-label="Number" value={component} onChange={(e) => set_component(e.target.value)}>
+          <select aria-label="Component" title="Component of the pin's value" value={component} onChange={(e) => set_component(e.target.value)}>
             {names.map((name, i) => <option key={name} value={i}>{name}</option>)}
           </select>
         )}
@@ -66,14 +66,14 @@ function Form({ flat, type, unit, left, top }: { flat: string; type: string; uni
         {takes_value(relation) && unit && <span className="unit">{unit}</span>}
       </div>
       <div className="actions">
-        <button type="submit" disabled={!good}>Set</button>
+        <button type="submit" disabled={!good}>Add</button>
         <button type="button" onClick={close}>Cancel</button>
       </div>
     </form>
   );
 }
 
-/** In the bar: how many there are, and each with its switch. */
+/** The number of breakpoints in the bar, and their list, in which each can be switched on or off and removed. */
 export function BreakpointCount(): ReactElement | null {
   const list = useStudio((s) => s.breakpoints);
   const [listed, set_listed] = useState(false);
@@ -81,7 +81,7 @@ export function BreakpointCount(): ReactElement | null {
   const on = list.filter((b) => b.on).length;
   return (
     <>
-      <button type="button" className="stop-count" aria-expanded={listed} onClick={() => set_listed(!listed)}>
+      <button type="button" className="stop-count" aria-expanded={listed} title="Show or hide the list of breakpoints" onClick={() => set_listed(!listed)}>
         <span className={`stop-dot${on > 0 ? '' : ' off'}`} />
         {list.length === 1 ? '1 breakpoint' : `${list.length} breakpoints`}{on < list.length ? `, ${on} on` : ''}
       </button>
@@ -89,9 +89,9 @@ export function BreakpointCount(): ReactElement | null {
         <ul className="problem-list stop-list" role="list" aria-label="Breakpoints">
           {list.map((b) => (
             <li key={b.condition}>
-              <button type="button" title="Show the LSI" onClick={() => show(b.pin)}>{circuit.name_of(b.pin)} <strong>{condition_alone(b)}</strong></button>
+              <button type="button" title="Show the LSI in the circuit" onClick={() => show(b.pin)}>{circuit.name_of(b.pin)} <strong>{condition_alone(b)}</strong></button>
               <label><input type="checkbox" checked={b.on} onChange={(e) => session.switch_breakpoints((x) => x.condition === b.condition, e.target.checked)} /> on</label>
-              <button type="button" className="tool small" aria-label={`Remove the breakpoint ${b.condition}`} onClick={() => session.remove_breakpoints((x) => x.condition === b.condition)}><Icon name="close" /></button>
+              <button type="button" className="tool small" aria-label={`Remove the breakpoint ${b.condition}`} title="Remove the breakpoint" onClick={() => session.remove_breakpoints((x) => x.condition === b.condition)}><Icon name="close" /></button>
             </li>
           ))}
         </ul>
@@ -100,21 +100,21 @@ export function BreakpointCount(): ReactElement | null {
   );
 }
 
-/** One step of dynamics, in Simulate. */
+/** Button that computes one tick of the simulation and pauses. */
 export function OneTick(): ReactElement {
   const simulate = useStudio((s) => s.transport.mode === 'simulate');
-  return <button type="button" disabled={!simulate} title={simulate ? 'Compute one tick and stop (T)' : 'Ticks are computed in Simulate'} onClick={() => session.step_tick()}>One tick</button>;
+  return <button type="button" disabled={!simulate} title={simulate ? 'Compute one tick and pause  (T)' : 'Available in Simulate'} onClick={() => session.step_tick()}>One tick</button>;
 }
 
 export function StopNotice(): ReactElement | null {
-  const hit = useStudio((s) => s.broken);
+  const hit = useStudio((s) => s.breakpoint_hit);
   if (!hit) return null;
   return (
     <div className="stop-notice" role="alert">
       <span className="stop-dot" />
-      <button type="button" className="stop-name" title="Show the LSI" onClick={() => show(hit.pin)}>{circuit.name_of(hit.pin)} <strong>{condition_alone(hit)}</strong></button>
+      <button type="button" className="stop-name" title="Show the LSI in the circuit" onClick={() => show(hit.pin)}>{circuit.name_of(hit.pin)} <strong>{condition_alone(hit)}</strong></button>
       <span className="of">is {hit.value === null ? 'not finite' : short_number(hit.value)} at {hit.time.toFixed(3)} s, tick {hit.tick}</span>
-      <button type="button" className="stop-on" onClick={() => session.play()}>Go on</button>
+      <button type="button" className="stop-on" title="Continue playing" onClick={() => session.play()}>Continue</button>
     </div>
   );
 }

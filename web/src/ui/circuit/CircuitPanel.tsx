@@ -1,4 +1,4 @@
-/** The wiring editor: React Flow for what is near and alive, canvases for the rest. Only what is seen is rendered. */
+/** The wiring editor: React Flow elements for LSIs in view, canvases for the others. LSIs and wires out of view are not rendered. */
 import { Background, BackgroundVariant, ReactFlow, ReactFlowProvider } from '@xyflow/react';
 import '@xyflow/react/dist/base.css';
 import 'uplot/dist/uPlot.min.css';
@@ -27,11 +27,11 @@ import { useSurface, type Client, type Surface } from './surface';
 import { useValues, useWatch } from './values';
 
 const node_types = { lsi: LsiNode, note: NoteNode, probe: ProbeNode };
-const least_mapped = 12; // LSIs that are worth an overview
+const min_mapped = 12; // with fewer LSIs the overview map is not shown
 
 export function CircuitPanel(): ReactElement {
   const has = useCircuit((s) => s.view !== null);
-  if (!has) return <div className="panel empty">The circuit has not come from the service yet.</div>;
+  if (!has) return <div className="panel empty">Waiting for the circuit from the studio…</div>;
   return (
     <ReactFlowProvider>
       <Canvas />
@@ -39,7 +39,7 @@ export function CircuitPanel(): ReactElement {
   );
 }
 
-/** What menus and keys do with the canvas itself. */
+/** Functions of the canvas for menus, keys and the command list. */
 function useActions(surface: Surface, framing: Framing, drawing: Drawing): CanvasActions {
   const actions = useMemo((): CanvasActions => ({
     fit: framing.fit,
@@ -66,7 +66,7 @@ async function arrange(fit: () => void): Promise<void> {
   const ids = circuit.state.nodes.size > 1 ? circuit.state.nodes : undefined;
   try {
     const answer = await lay_out(elk_graph(current, ids));
-    if (circuit.view !== current) return session.notify('The circuit changed meanwhile; nothing was moved.');
+    if (circuit.view !== current) return session.notify('The circuit changed while its layout was computed; nothing was moved. Lay it out again.');
     circuit.lay_out(read_layout(current, answer, ids));
     if (!ids) requestAnimationFrame(() => fit());
   } catch (error) {
@@ -75,12 +75,12 @@ async function arrange(fit: () => void): Promise<void> {
 }
 
 const label_of = (view: View): string =>
-  `Circuit${view.level.path.length > 0 ? `, inside ${view.level.path.join(', ')}` : ''}, ${view.level.circuit.lsis?.length ?? 0} LSIs. Arrows move, Enter goes to pins, Tab adds.`;
+  `Circuit${view.level.path.length > 0 ? `, inside ${view.level.path.join(', ')}` : ''}, ${view.level.circuit.lsis?.length ?? 0} LSIs. Arrow keys move the cursor, Enter selects pins, Tab adds an LSI.`;
 
 function Canvas(): ReactElement {
   const view = useCircuit((s) => s.view)!;
   const connecting = useCircuit((s) => s.connecting !== null);
-  const said = useCircuit((s) => s.said);
+  const announcement = useCircuit((s) => s.announcement);
   const panel = useRef<HTMLDivElement>(null);
   const under = useRef<HTMLCanvasElement>(null);
   const over = useRef<HTMLCanvasElement>(null);
@@ -102,7 +102,7 @@ function Canvas(): ReactElement {
 
   const press = (event: PointerEvent<HTMLDivElement>): void => {
     const target = event.target as HTMLElement;
-    if (target.closest('.menu, .circuit-search, .stop-form')) return; // theirs
+    if (target.closest('.menu, .circuit-search, .stop-form')) return; // these handle their own presses
     circuit.close_stop();
     pressing.current = true;
     circuit.forget_refusal();
@@ -147,11 +147,11 @@ function Canvas(): ReactElement {
         edgeTypes={edge_types}
         onNodesChange={dragging.on_nodes_change}
         onNodeClick={(e, node) => {
-          // one of several that are selected: this one alone
+          // a click on one of several selected nodes selects it alone
           if (!e.shiftKey && !e.ctrlKey && !e.metaKey && circuit.state.nodes.size > 1) circuit.select([node.id]);
         }}
         onEdgeClick={(e, edge) => circuit.select(e.shiftKey || e.ctrlKey ? circuit.state.nodes : [], e.shiftKey || e.ctrlKey ? [...circuit.state.wires, edge.id] : [edge.id])}
-        onMoveStart={(e) => e && framing.let_go()}
+        onMoveStart={(e) => e && framing.release()}
         onNodeDragStart={dragging.drag_start}
         onNodeDrag={dragging.on_drag}
         onNodeDragStop={dragging.drag_stop}
@@ -164,7 +164,7 @@ function Canvas(): ReactElement {
           const from = pin_of(c.source, c.sourceHandle);
           const to = pin_of(c.target, c.targetHandle);
           const start = circuit.state.connecting;
-          return from !== null && to !== null && (start ? circuit.judge(start.side === 'out' ? to : from) === null : true);
+          return from !== null && to !== null && (start ? circuit.wire_refusal(start.side === 'out' ? to : from) === null : true);
         }}
         edgesReconnectable
         onReconnectStart={wiring.reconnect_start}
@@ -196,14 +196,14 @@ function Canvas(): ReactElement {
       <canvas ref={over} className="circuit-over" aria-hidden="true" />
       {marquee && <div className="marquee" style={{ left: marquee.x, top: marquee.y, width: marquee.width, height: marquee.height }} />}
       <Bar tick={tick} fit={() => framing.fit()} arrange={actions.arrange} />
-      {view.nodes.length > least_mapped && <Minimap view={view} viewport={surface.viewport} size={surface.size} go={go} subscribe={drawing.on_paint} />}
-      {view.nodes.length === 0 && <div className="circuit-empty">Nothing is here yet. Press Tab or double-click to add an LSI.</div>}
+      {view.nodes.length > min_mapped && <Minimap view={view} viewport={surface.viewport} size={surface.size} go={go} subscribe={drawing.on_paint} />}
+      {view.nodes.length === 0 && <div className="circuit-empty">The circuit is empty. Press Tab or double-click to add an LSI.</div>}
       <StopNotice />
       <Search origin={surface.origin} />
       <StopForm origin={surface.origin} />
       <Refusal origin={surface.origin} />
       {menu && <Menu {...menu} close={() => set_menu(null)} />}
-      <div className="unseen" role="status" aria-live="polite">{said}</div>
+      <div className="unseen" role="status" aria-live="polite">{announcement}</div>
     </div>
   );
 }

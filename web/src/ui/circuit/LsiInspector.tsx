@@ -1,4 +1,7 @@
-/** What is selected in the wiring editor: parameters and values as the LSI declares them, what its outputs carry, what is wrong. */
+/**
+ * Inspector of the wiring editor's selection: an LSI's problems, parameters, unwired inputs and output values; or a note, probe, wire or
+ * circuit pins.
+ */
 import { useEffect, useRef, useState, type ReactElement } from 'react';
 import { hue_of, type InputDeclaration, type ParameterDeclaration } from '../../core/circuit/classes';
 import { ends_of, split_end, type Lsi, type Value } from '../../core/circuit/form';
@@ -18,7 +21,7 @@ export function CircuitSelection(): ReactElement | null {
     if (node?.lsi) return <LsiFields key={only} node={node} lsi={node.lsi} view={view} />;
     if (only === inputs_node || only === outputs_node) return <OwnPins view={view} side={only === inputs_node ? 'inputs' : 'outputs'} />;
     const note = view.notes.find((n) => note_id(n.id) === only);
-    if (note) return <><h3>Note</h3><p className="facts">Double-click it to write.</p><p className="note-text">{note.text}</p></>;
+    if (note) return <><h3>Note</h3><p className="facts">Double-click the note to edit it.</p><p className="note-text">{note.text}</p></>;
     const probe = view.probes.find((p) => `probe:${p.pin}` === only);
     if (probe) return <ProbeFields pin={probe.pin} components={probe.components} view={view} />;
   }
@@ -27,7 +30,7 @@ export function CircuitSelection(): ReactElement | null {
       <>
         <h3>{nodes.size} selected</h3>
         <div className="actions">
-          <button type="button" onClick={() => circuit.group()}>Group</button>
+          <button type="button" title="Make one circuit of the selected LSIs" onClick={() => circuit.group()}>Group</button>
           <button type="button" onClick={() => circuit.duplicate()}>Duplicate</button>
           <button type="button" onClick={() => circuit.remove()}>Delete</button>
         </div>
@@ -40,10 +43,10 @@ export function CircuitSelection(): ReactElement | null {
   return (
     <>
       <h3>Wire <span className="of">{wire.type}</span></h3>
-      <p className="facts">{view.node(wire.from)?.title ?? wire.from} · {wire.from_pin} → {view.node(wire.to)?.title ?? wire.to} · {wire.to_pin}{wire.delayed ? ', from the next tick on' : ''}</p>
+      <p className="facts">{view.node(wire.from)?.title ?? wire.from} · {wire.from_pin} → {view.node(wire.to)?.title ?? wire.to} · {wire.to_pin}{wire.delayed ? '; delayed by one tick' : ''}</p>
       <LiveValue node={wire.from} pin={view.pin(wire.from, 'out', wire.from_pin)} />
       <div className="actions">
-        <button type="button" onClick={() => circuit.toggle_probe({ node: wire.from, side: 'out', pin: wire.from_pin })}>Probe</button>
+        <button type="button" title="Add or remove a curve of this output" onClick={() => circuit.toggle_probe({ node: wire.from, side: 'out', pin: wire.from_pin })}>Probe</button>
         <button type="button" onClick={() => circuit.remove()}>Remove</button>
       </div>
     </>
@@ -62,7 +65,7 @@ function LsiFields({ node, lsi, view }: { node: ViewNode; lsi: Lsi; view: View }
         {node.kind === 'circuit' ? 'Circuit' : 'LSI'} <span className="of">{lsi.type}</span>
       </h3>
       {node.doc && <p className="facts">{node.doc}</p>}
-      {node.kind === 'missing' && <p className="facts">This LSI is not installed. The circuit keeps it, with its wires and parameters, until it is.</p>}
+      {node.kind === 'missing' && <p className="facts">This LSI is not installed. Its wires and parameters are kept. Install its library to run the circuit.</p>}
       {problems.map((p, i) => (
         <p key={i} className="problem-note">{p.message} {p.remedy}</p>
       ))}
@@ -79,19 +82,20 @@ function LsiFields({ node, lsi, view }: { node: ViewNode; lsi: Lsi; view: View }
           <div className="lsi-values">{node.outputs.map((pin) => <LiveValue key={pin.name} node={node.id} pin={pin} probe />)}</div>
         </>
       )}
-      <h4>Runs</h4>
+      <h4>Schedule</h4>
       <ChoiceField
         label="Rate"
+        title="How often the LSI runs"
         value={String(lsi.every ?? 1)}
-        choices={[...new Set(['1', '2', '4', '8', '16', '0', String(lsi.every ?? 1)])].map((n) => [n, n === '0' ? 'when it is shown' : n === '1' ? 'every tick' : `every ${n}th tick`])}
+        choices={[...new Set(['1', '2', '4', '8', '16', '0', String(lsi.every ?? 1)])].map((n) => [n, n === '0' ? 'when displayed' : n === '1' ? 'every tick' : `every ${n} ticks`])}
         on_commit={(n) => circuit.set_every(node.id, Number(n))}
       />
       <div className="field"><span>Time</span><output><Time id={node.id} /></output></div>
       <h4>Comment</h4>
-      <textarea key={node.note} aria-label="Comment" defaultValue={node.note} placeholder="What it is for" spellCheck={false} onBlur={(e) => circuit.comment(node.id, e.target.value)} />
+      <textarea key={node.note} aria-label="Comment" defaultValue={node.note} placeholder="Purpose of this LSI" spellCheck={false} onBlur={(e) => circuit.comment(node.id, e.target.value)} />
       <div className="actions">
-        {inner && <button type="button" onClick={() => circuit.go_inside(node.id)}>Go inside</button>}
-        {inner && <button type="button" onClick={() => circuit.ungroup()}>Ungroup</button>}
+        {inner && <button type="button" title="Show the inside of this circuit" onClick={() => circuit.go_inside(node.id)}>Open</button>}
+        {inner && <button type="button" title="Replace this circuit by the LSIs inside it" onClick={() => circuit.ungroup()}>Ungroup</button>}
         <button type="button" onClick={() => circuit.duplicate()}>Duplicate</button>
         <button type="button" onClick={() => circuit.remove()}>Delete</button>
       </div>
@@ -99,7 +103,7 @@ function LsiFields({ node, lsi, view }: { node: ViewNode; lsi: Lsi; view: View }
   );
 }
 
-/** Parameters of a circuit are declared by what they set inside. */
+/** Declarations of a circuit's parameters: those of the inner LSIs' parameters that they set. */
 function circuit_parameters(view: View, type: string): ParameterDeclaration[] {
   const inner = find_circuit(view.level, type)?.circuit;
   return (inner?.parameters ?? []).flatMap((p): ParameterDeclaration[] => {
@@ -110,8 +114,10 @@ function circuit_parameters(view: View, type: string): ParameterDeclaration[] {
   });
 }
 
+/** A declared limit; undefined if there is none (null, or at least 1e300 in magnitude). */
 const limit = (v: number | null | undefined): number | undefined => (v === null || v === undefined || Math.abs(v) >= 1e300 ? undefined : v);
-const fine = (p: { minimum?: number | null; maximum?: number | null }, value: number): number => {
+/** Step of a number field: 1/200 of a range of at most 1000, otherwise 0.1 to 1 % of the value and at least 0.001. */
+const step_of = (p: { minimum?: number | null; maximum?: number | null }, value: number): number => {
   const [low, high] = [limit(p.minimum), limit(p.maximum)];
   if (low !== undefined && high !== undefined && high - low <= 1000) return (high - low) / 200;
   return Math.max(0.001, Math.pow(10, Math.floor(Math.log10(Math.abs(value) || 1)) - 2));
@@ -132,12 +138,12 @@ function Parameters({ node, lsi, declared }: { node: ViewNode; lsi: Lsi; declare
         if (p.kind === 'choice') return <ChoiceField key={p.name} label={p.name} title={title} value={String(value)} choices={(p.choices ?? []).map((c) => [c, c])} on_commit={set} />;
         if (p.kind === 'text' && p.name === 'character') return <ChoiceField key={p.name} label={p.name} title={title} value={String(value)} choices={[...new Set([...characters.map((c) => c[0]), String(value)])].map((id) => [id, characters.find((c) => c[0] === id)?.[1] ?? id])} on_commit={set} />;
         if (p.kind === 'text') return <TextField key={p.name} label={p.name} value={String(value)} on_commit={set} />;
-        if (p.kind === 'vector') return <VectorField key={p.name} name={p.name} unit={p.unit} title={title} value={value as number[]} step={fine(p, Math.max(...(value as number[]).map(Math.abs)))} on_commit={set} />;
+        if (p.kind === 'vector') return <VectorField key={p.name} name={p.name} unit={p.unit} title={title} value={value as number[]} step={step_of(p, Math.max(...(value as number[]).map(Math.abs)))} on_commit={set} />;
         const low = limit(p.minimum);
         const high = limit(p.maximum);
         return (
           <NumberField
-            key={p.name} label={p.name} title={title} unit={p.unit} value={Number(value)} digits={p.kind === 'integer' ? 0 : 3} step={p.kind === 'integer' ? 1 : fine(p, Number(value))}
+            key={p.name} label={p.name} title={title} unit={p.unit} value={Number(value)} digits={p.kind === 'integer' ? 0 : 3} step={p.kind === 'integer' ? 1 : step_of(p, Number(value))}
             min={low} max={high} slider={low !== undefined && high !== undefined && high - low <= 1000} on_commit={(v) => set(p.kind === 'integer' ? Math.round(v) : v)}
           />
         );
@@ -166,14 +172,14 @@ function VectorField({ name, unit, title, value, step, on_commit }: { name: stri
   );
 }
 
-/** Inputs without wire: a number of their own, where they can have one. */
+/** Fields for the constant values of unwired inputs, for types that can have one. */
 function InputValues({ node, lsi, declared }: { node: ViewNode; lsi: Lsi; declared: InputDeclaration[] }): ReactElement | null {
   const open = declared.filter((p) => !node.inputs.find((q) => q.name === p.name)?.wired && !p.multiple && ['scalar', 'vector', 'rotation', 'pose'].includes(p.type));
   if (open.length === 0) return null;
   const sizes: Record<string, number[]> = { vector: [0, 0, 0], rotation: [1, 0, 0, 0], pose: [0, 0, 0, 1, 0, 0, 0] };
   return (
     <>
-      <h4>Inputs without wire</h4>
+      <h4>Unwired inputs</h4>
       {open.map((p) => {
         const given = lsi.values?.[p.name];
         const title = title_of(p.doc, p.unit);
@@ -188,12 +194,12 @@ function InputValues({ node, lsi, declared }: { node: ViewNode; lsi: Lsi; declar
 function Time({ id }: { id: string }): ReactElement {
   const text = useRef<HTMLSpanElement>(null);
   useEffect(() => {
-    const tell = (): void => {
+    const update = (): void => {
       const us = session.live.time_of([...circuit.state.path, id].join('/'));
-      if (text.current) text.current.textContent = us === undefined ? 'not measured yet' : `${short_time(us)} a tick`;
+      if (text.current) text.current.textContent = us === undefined ? 'not measured yet' : `${short_time(us)} per tick`;
     };
-    tell();
-    const timer = setInterval(tell, 250);
+    update();
+    const timer = setInterval(update, 250);
     return () => clearInterval(timer);
   }, [id]);
   return <span ref={text} />;
@@ -204,13 +210,13 @@ function LiveValue({ node, pin, probe }: { node: string; pin: PinInfo | undefine
   const name = pin?.name;
   const type = pin?.type ?? 'any';
   useEffect(() => {
-    const tell = (): void => {
+    const update = (): void => {
       const flat = name !== undefined ? circuit.flat_output(node, name) : null;
       const value = flat ? session.live.pin(flat) : undefined;
       if (text.current) text.current.textContent = value ? short_value(type, value) : '–';
     };
-    tell();
-    const timer = setInterval(tell, 200);
+    update();
+    const timer = setInterval(update, 200);
     return () => clearInterval(timer);
   }, [node, name, type]);
   if (!pin) return null;
@@ -220,9 +226,9 @@ function LiveValue({ node, pin, probe }: { node: string; pin: PinInfo | undefine
       <span className="name">{pin.name} <span className="of">{pin.type}</span></span>
       <output ref={text} />
       {pin.unit && <span className="unit">{pin.unit}</span>}
-      {probe && <button type="button" className="quiet" onClick={() => circuit.toggle_probe({ node, side: 'out', pin: pin.name })}>Probe</button>}
+      {probe && <button type="button" className="quiet" title="Add or remove a curve of this output" onClick={() => circuit.toggle_probe({ node, side: 'out', pin: pin.name })}>Probe</button>}
       {probe && circuit.stop_source({ node, side: 'out', pin: pin.name }) && (
-        <button type="button" className="quiet" title="Stop the run where a condition is met" onClick={(e) => circuit.ask_stop({ node, side: 'out', pin: pin.name }, { x: e.clientX - 320, y: e.clientY })}>Stop…</button>
+        <button type="button" className="quiet" title="Add a breakpoint at this output" onClick={(e) => circuit.ask_stop({ node, side: 'out', pin: pin.name }, { x: e.clientX - 320, y: e.clientY })}>Break…</button>
       )}
     </div>
   );
@@ -233,7 +239,7 @@ function OwnPins({ view, side }: { view: View; side: 'inputs' | 'outputs' }): Re
   return (
     <>
       <h3>{side === 'inputs' ? 'Inputs' : 'Outputs'} <span className="of">of {view.level.path.at(-1) ?? 'the execution circuit'}</span></h3>
-      <p className="facts">{view.level.path.length > 0 ? 'A wire to “new pin” adds one.' : 'What the player needs of the circuit: events in; state, contacts, events, poses, figures and measures out.'}</p>
+      <p className="facts">{view.level.path.length > 0 ? 'Connect a wire to “new pin” to add a pin.' : 'Pins used by the player. Input: events. Outputs: state, contacts, events, poses, characters and measures.'}</p>
       {pins.map((pin) => (
         <div key={pin.name}>
           <TextField label={pin.type} value={pin.name} on_commit={(name) => circuit.rename_pin(side, pin.name, name)} />
@@ -248,7 +254,7 @@ function ProbeFields({ pin, components, view }: { pin: string; components: numbe
   const [id, name] = split_end(pin);
   const [text, set_text] = useState<string | null>(null);
   const info = view.pin(id, 'out', name);
-  const take = (): void => {
+  const commit_text = (): void => {
     if (text === null) return;
     const numbers = text.split(/[\s,]+/).filter(Boolean).map(Number).filter((n) => Number.isInteger(n) && n >= 0);
     circuit.set_probe(pin, numbers.length > 0 ? numbers : undefined);
@@ -257,10 +263,10 @@ function ProbeFields({ pin, components, view }: { pin: string; components: numbe
   return (
     <>
       <h3>Probe <span className="of">{pin}</span></h3>
-      <p className="facts">{info ? `${info.type}${info.unit ? `, ${info.unit}` : ''}` : 'This pin is not there any more.'}</p>
-      <div className="field" title="Which numbers of the payload are drawn, counted from 0">
-        <label htmlFor="probe-components">Numbers</label>
-        <input id="probe-components" className="text" placeholder="the first ones" value={text ?? (components ?? []).join(', ')} onChange={(e) => set_text(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === 'Enter' && take()} />
+      <p className="facts">{info ? `${info.type}${info.unit ? `, ${info.unit}` : ''}` : 'This pin no longer exists.'}</p>
+      <div className="field" title="Indices of the components to draw, counted from 0">
+        <label htmlFor="probe-components">Components</label>
+        <input id="probe-components" className="text" placeholder="the first 6" value={text ?? (components ?? []).join(', ')} onChange={(e) => set_text(e.target.value)} onBlur={commit_text} onKeyDown={(e) => e.key === 'Enter' && commit_text()} />
       </div>
       <div className="actions"><button type="button" onClick={() => circuit.toggle_probe({ node: id, side: 'out', pin: name })}>Remove</button></div>
     </>

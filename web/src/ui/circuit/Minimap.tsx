@@ -1,15 +1,15 @@
-/** The whole circuit small, with the part that is seen; a press goes there. */
+/** Overview of the whole circuit with the visible area; a press or drag moves the viewport there. */
 import { useEffect, useRef, type PointerEvent, type ReactElement } from 'react';
 import { hue_of } from '../../core/circuit/classes';
 import type { View } from '../../core/circuit/view';
 import { plain_canvas, useStudio } from '../app';
 import { prepare, read_colors, type Colors, type Viewport } from './paint';
 
-const width = 168;
-const height = 104;
-const margin = 6;
+const width = 168; // px
+const height = 104; // px
+const margin = 6; // px
 
-/** "#7dd3fc" as a dot of ImageData, lightly seen through. */
+/** A colour such as "#7dd3fc" as a pixel of ImageData (little-endian RGBA) with 55 % opacity. */
 function dot_of(color: string): number {
   const hex = /^#([0-9a-f]{6})$/i.exec(color)?.[1] ?? '888888';
   const [r, g, b] = [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16)) as [number, number, number];
@@ -38,13 +38,13 @@ export function Minimap({ view, viewport, size, go, subscribe }: { view: View; v
   useEffect(() => {
     const element = canvas.current;
     if (!element) return;
-    const colors = read_colors(document.documentElement); // the panel itself may not be in the page yet
+    const colors = read_colors(document.documentElement); // not of the canvas: it may not be attached to the page yet
     const box = view.bounds();
     const scale = Math.min((width - 2 * margin) / Math.max(1, box.width), (height - 2 * margin) / Math.max(1, box.height), 0.2);
     const left = box.x - (width / scale - box.width) / 2;
     const top = box.y - (height / scale - box.height) / 2;
     map.current = { scale, left, top };
-    // the circuit itself is drawn once, dot by dot: thousands of boxes would cost a canvas tens of milliseconds at each edit
+    // the circuit is drawn once per edit, pixel by pixel: as canvas rectangles, thousands of LSIs take tens of milliseconds
     const ratio = window.devicePixelRatio || 1;
     const picture = new ImageData(Math.round(width * ratio), Math.round(height * ratio));
     paint_dots(picture, view, colors, { left, top, scale: scale * ratio });

@@ -1,4 +1,4 @@
-/** The curve of an output over the last seconds, drawn by uPlot as values arrive. */
+/** The curve of a probed output over the last seconds, drawn with uPlot as values arrive. */
 import { useEffect, useRef, type ReactElement } from 'react';
 import uPlot from 'uplot';
 import { hue_of } from '../../core/circuit/classes';
@@ -8,8 +8,8 @@ import { probe_size } from '../../core/circuit/view';
 import { circuit, session, useCircuit } from '../app';
 import { Icon } from '../icons';
 
-const seconds = 4;
-const most_drawn = 6;
+const seconds = 4; // length of the time axis
+const max_drawn = 6; // components drawn if the probe does not name any
 const shades = [1, 0.55, 0.8, 0.35, 0.7, 0.45];
 
 export function ProbeCurve({ probe }: { probe: Probe }): ReactElement {
@@ -51,7 +51,7 @@ export function ProbeCurve({ probe }: { probe: Probe }): ReactElement {
         if (value.current) value.current.textContent = '–';
         return;
       }
-      const chosen = components === '' ? curve.values.map((_, i) => i).slice(0, most_drawn) : components.split(',').map(Number).filter((i) => i < curve.values.length);
+      const chosen = components === '' ? curve.values.map((_, i) => i).slice(0, max_drawn) : components.split(',').map(Number).filter((i) => i < curve.values.length);
       if (!plot || drawn !== chosen.length) {
         plot?.destroy();
         plot = make(chosen.length);
@@ -78,7 +78,7 @@ export function ProbeCurve({ probe }: { probe: Probe }): ReactElement {
       <div className="probe-head">
         <span className="probe-name" title={probe.pin}>{title} · {pin_name}</span>
         <span ref={value} className="probe-value">–</span>
-        <button type="button" className="tool small nodrag" aria-label={`Remove the probe of ${probe.pin}`} onClick={(e) => { e.stopPropagation(); circuit.toggle_probe({ node: id, side: 'out', pin: pin_name }); }}>
+        <button type="button" className="tool small nodrag" aria-label={`Remove the probe of ${probe.pin}`} title="Remove the probe" onClick={(e) => { e.stopPropagation(); circuit.toggle_probe({ node: id, side: 'out', pin: pin_name }); }}>
           <Icon name="close" />
         </button>
       </div>

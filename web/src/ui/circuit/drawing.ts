@@ -1,4 +1,4 @@
-/** What of the circuit is drawn, and how: elements near, a canvas for the rest. */
+/** Chooses how the parts of a circuit are drawn: LSIs and wires in view as DOM elements (React Flow), all others on a canvas. */
 import { useCallback, useEffect, useMemo, useRef, useState, type RefObject } from 'react';
 import { loop_wires } from '../../core/circuit/problems';
 import type { Box } from '../../core/circuit/spatial';
@@ -9,22 +9,28 @@ import { make_elements, next_elements, reuse_edges, reuse_nodes, type AnyNode } 
 import { paint_under, prepare, read_colors, type Colors } from './paint';
 import type { Surface } from './surface';
 
-/** Below this zoom, or with more nodes than this in sight, all is drawn on the canvas. */
+/** Below this zoom, or with more nodes than this in view, everything is drawn on the canvas. */
 const far_zoom = 0.42;
-const most_elements = 160;
-const most_too_wide = 2; // times what is needed: after zooming in, what is out of sight is not painted for long
-const margin = 260; // px around what is seen, so that not every step of a pan brings new nodes
+const max_elements = 160;
+const max_too_wide = 2; // after zooming in, nodes are searched again once the searched area is this many times wider than needed
+const margin = 260; // px around the visible area, so that a small pan needs no new search
 
+/** The result of the latest culling, that is, the search for the nodes in view. */
 export interface Drawn {
   view: View;
-  /** What the nodes were looked for in. */
+  /** Area in which nodes were searched, circuit coordinates. */
   box: Box;
+  /** The zoom is below far_zoom. */
   zoom_far: boolean;
+  /** True: all LSIs are painted on the canvas, none is a page element. */
   far: boolean;
+  /** Nodes in `box`. */
   near: ViewNode[];
-  /** LSIs and wires that are elements, or soon will be. */
+  /** LSIs that should be page elements; all other LSIs are painted on the canvas. */
   wanted: ReadonlySet<string>;
+  /** LSIs that are page elements now. Each frame adds or removes some of them until this set equals `wanted`. */
   ids: ReadonlySet<string>;
+  /** Wires that are page elements now. */
   wires: ReadonlySet<string>;
 }
 
@@ -37,11 +43,11 @@ export interface Drawing {
   drawn: RefObject<Drawn | null>;
   /** Paints the canvas at the next frame. */
   invalidate: () => void;
-  /** Makes the elements anew. */
+  /** Rebuilds the elements. */
   refresh: () => void;
   /** Called after each painting. */
   on_paint: (listener: () => void) => () => void;
-  /** For journeys: counts and times. */
+  /** Counts and times, for journeys. */
   facts: RefObject<{ paints: number; paint_ms: number; culls: number; values: number }>;
 }
 
@@ -104,11 +110,11 @@ export function useDrawing(view: View, surface: Surface, under: RefObject<HTMLCa
     const zoom_far = surface.viewport().zoom < far_zoom;
     const old = drawn.current;
     const box = surface.seen(margin);
-    const fits = old && contains(old.box, surface.seen()) && old.box.width < most_too_wide * box.width;
+    const fits = old && contains(old.box, surface.seen()) && old.box.width < max_too_wide * box.width;
     if (!force && old?.view === view && old.zoom_far === zoom_far && fits) return;
     facts.current.culls++;
     const near = view.index.find(box);
-    const is_far = zoom_far || near.length > most_elements;
+    const is_far = zoom_far || near.length > max_elements;
     const wanted = is_far ? none : with_neighbours(view, near);
     const before = old?.view.level.path.join('/') === view.level.path.join('/') ? old : null;
     const { ids } = next_elements(before?.ids ?? none, wanted, wanted.size <= 24);
@@ -132,12 +138,12 @@ export function useDrawing(view: View, surface: Surface, under: RefObject<HTMLCa
 
 const contains = (a: Box, b: Box): boolean => b.x >= a.x && b.y >= a.y && b.x + b.width <= a.x + a.width && b.y + b.height <= a.y + a.height;
 
-/** Those near, and those not seen whose wires are. */
+/** Ids of the nodes in view, and of nodes outside it whose wires end at these. */
 function with_neighbours(view: View, near: readonly ViewNode[]): Set<string> {
   const ids = new Set(near.map((n) => n.id));
   for (const node of near) {
     for (const wire of view.at_node(node.id)) {
-      if (wire.broken || ids.size >= 2 * most_elements) continue;
+      if (wire.broken || ids.size >= 2 * max_elements) continue;
       ids.add(wire.from).add(wire.to);
     }
   }

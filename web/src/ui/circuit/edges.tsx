@@ -1,4 +1,4 @@
-/** Wires as React Flow draws them near, and the one that is being drawn. */
+/** React Flow components of the wires in view and of the wire that is being drawn. */
 import { BaseEdge, type ConnectionLineComponentProps, type Edge, type EdgeProps } from '@xyflow/react';
 import { memo, type ReactElement } from 'react';
 import { hue_of } from '../../core/circuit/classes';

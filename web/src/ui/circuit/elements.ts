@@ -1,4 +1,7 @@
-/** What is near as React Flow's nodes and edges. Elements come and go a few at a time, so that no frame waits for them; until they are there, the canvas draws. */
+/**
+ * React Flow nodes and edges of the LSIs in view. A few are added and removed in each frame, so that no frame takes long; the canvas draws
+ * those still missing.
+ */
 import { Position } from '@xyflow/react';
 import type { EditorState } from '../../core/circuit/editor';
 import { boxes_meet, type Box } from '../../core/circuit/spatial';
@@ -8,9 +11,9 @@ import type { LsiNodeType, NoteNodeType, ProbeNodeType } from './nodes';
 
 export type AnyNode = LsiNodeType | NoteNodeType | ProbeNodeType;
 
-/** LSIs that become elements, or cease to be, in one frame. */
-const most_new = 10;
-const most_gone = 60;
+/** Maximum number of LSIs that become elements, and that stop being elements, in one frame. */
+const max_new = 10;
+const max_gone = 60;
 
 function lsi_element(node: ViewNode, selected: boolean): LsiNodeType {
   const handle = (pin: ViewNode['inputs'][number], i: number) => {
@@ -23,23 +26,23 @@ function lsi_element(node: ViewNode, selected: boolean): LsiNodeType {
   };
 }
 
-/** Which LSIs are elements now, and whether more are to come or go: some steps from `before` to `wanted`. */
+/** One step from the elements `before` to those `wanted`. @return LSIs that are elements now, and whether all wanted ones are */
 export function next_elements(before: ReadonlySet<string>, wanted: ReadonlySet<string>, at_once: boolean): { ids: Set<string>; done: boolean } {
   if (at_once) return { ids: new Set(wanted), done: true };
   const ids = new Set<string>();
-  let gone = 0;
-  for (const id of before) if (wanted.has(id) || gone++ >= most_gone) ids.add(id);
-  let come = 0;
-  let done = gone <= most_gone;
+  let removed = 0;
+  for (const id of before) if (wanted.has(id) || removed++ >= max_gone) ids.add(id);
+  let added = 0;
+  let done = removed <= max_gone;
   for (const id of wanted) {
     if (ids.has(id)) continue;
-    if (come++ < most_new) ids.add(id);
+    if (added++ < max_new) ids.add(id);
     else done = false;
   }
   return { ids, done };
 }
 
-/** The LSIs of `ids` as nodes, with the wires between them, and the notes and probes in `box`. */
+/** Elements of the LSIs `ids`, of the wires between them, and of the notes and probes in `box` (null: none). */
 export function make_elements(view: View, ids: ReadonlySet<string>, box: Box | null, state: EditorState, loop: ReadonlySet<string>): { nodes: AnyNode[]; edges: WireEdgeType[]; wires: Set<string> } {
   const nodes: AnyNode[] = [];
   const edges: WireEdgeType[] = [];
@@ -73,19 +76,19 @@ export function make_elements(view: View, ids: ReadonlySet<string>, box: Box | n
   return { nodes, edges, wires };
 }
 
-/** Elements that are equal stay the same objects, so that React Flow has nothing to do with them. */
+/** Replaces elements by the equal objects of the previous list, so that React Flow does not render them again. */
 export function reuse_nodes(before: readonly AnyNode[], next: readonly AnyNode[]): AnyNode[] {
   const old = new Map(before.map((n) => [n.id, n]));
   return next.map((n) => {
-    const twin = old.get(n.id);
-    return twin && twin.selected === n.selected && twin.position.x === n.position.x && twin.position.y === n.position.y && twin.type === n.type && Object.values(twin.data)[0] === Object.values(n.data)[0] ? twin : n;
+    const previous = old.get(n.id);
+    return previous && previous.selected === n.selected && previous.position.x === n.position.x && previous.position.y === n.position.y && previous.type === n.type && Object.values(previous.data)[0] === Object.values(n.data)[0] ? previous : n;
   });
 }
 
 export function reuse_edges(before: readonly WireEdgeType[], next: readonly WireEdgeType[]): WireEdgeType[] {
   const old = new Map(before.map((e) => [e.id, e]));
   return next.map((e) => {
-    const twin = old.get(e.id);
-    return twin && twin.selected === e.selected && twin.data!.wire === e.data!.wire && twin.data!.loop === e.data!.loop && twin.ariaLabel === e.ariaLabel ? twin : e;
+    const previous = old.get(e.id);
+    return previous && previous.selected === e.selected && previous.data!.wire === e.data!.wire && previous.data!.loop === e.data!.loop && previous.ariaLabel === e.ariaLabel ? previous : e;
   });
 }

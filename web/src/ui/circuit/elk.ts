@@ -1,4 +1,4 @@
-/** The layout engine, in a worker of its own, loaded when it is first asked. */
+/** The layout engine (ELK) in a web worker, loaded at first use. */
 import type { ElkGraph } from '../../core/circuit/layout';
 
 type Engine = { layout(graph: ElkGraph): Promise<ElkGraph> };

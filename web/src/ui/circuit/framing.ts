@@ -1,37 +1,37 @@
-/** Where the canvas is looked at: all, a selection, where it was left, where the keyboard goes. */
+/** The canvas viewport: fits the circuit or a selection, restores the viewport of the last visit, and keeps the keyboard cursor in view. */
 import { useCallback, useEffect, useRef, type RefObject } from 'react';
 import { boxes_meet } from '../../core/circuit/spatial';
 import { circuit, useCircuit } from '../app';
 import type { Viewport } from './paint';
 import type { Surface } from './surface';
 
-const bar_height = 44; // px at the top that the bar covers
+const bar_height = 44; // px at the top, covered by the bar
 
-/** Where the canvas was looked at when the tab was left. */
+/** Viewport of the canvas when it was last unmounted, and the circuit level that it belongs to. */
 const kept: { path: string; at: Viewport | null; fitted: boolean } = { path: '', at: null, fitted: false };
 export const kept_viewport = (): Viewport => kept.at ?? { x: 0, y: 0, zoom: 1 };
 
 export interface Framing {
-  /** Shows all, or what is called `ids`. */
+  /** Fits the whole level, or the nodes `ids`, into the panel. */
   fit: (ids?: ReadonlySet<string>) => void;
-  /** The user looks elsewhere: a change of the panel's size no longer shows all. */
-  let_go: () => void;
+  /** The user moved the viewport: a change of the panel's size no longer fits the circuit. */
+  release: () => void;
 }
 
-/** @param pressing while true, nothing is brought into sight */
+/** @param pressing while true (a mouse button is down), the viewport does not follow the cursor */
 export function useFraming(surface: Surface, panel: RefObject<HTMLDivElement | null>, pressing: RefObject<boolean>): Framing {
   const path = useCircuit((s) => s.path);
   const cursor = useCircuit((s) => s.cursor);
   const fitted = useRef(false);
-  /** Something was shown on purpose: a panel that was only made and put away again has nothing to keep. */
-  const looked = useRef(false);
+  /** The viewport was set: a panel that was mounted without ever being shown has no viewport to keep. */
+  const placed = useRef(false);
 
   const fit = useCallback((ids?: ReadonlySet<string>) => {
     const { view } = circuit;
     const { width, height } = surface.size();
     if (!view || width < 60 || height < 60) return;
     fitted.current = !ids || ids.size === 0;
-    looked.current = true;
+    placed.current = true;
     const box = view.bounds(ids && ids.size > 0 ? ids : undefined);
     const zoom = Math.min(1.15, Math.max(0.015, Math.min((width - 70) / Math.max(1, box.width), (height - bar_height - 30) / Math.max(1, box.height))));
     void surface.flow.setViewport({ x: width / 2 - zoom * (box.x + box.width / 2), y: bar_height + (height - bar_height - 12) / 2 - zoom * (box.y + box.height / 2), zoom });
@@ -45,12 +45,12 @@ export function useFraming(surface: Surface, panel: RefObject<HTMLDivElement | n
     shown_path.current = key;
     if (first && kept.path === key && kept.at) {
       fitted.current = kept.fitted;
-      looked.current = true;
+      placed.current = true;
       void surface.flow.setViewport(kept.at);
     } else requestAnimationFrame(() => fit());
   }, [path, fit, surface]);
   useEffect(() => () => {
-    if (!looked.current) return;
+    if (!placed.current) return;
     kept.path = circuit.state.path.join('/');
     kept.at = surface.viewport();
     kept.fitted = fitted.current;
@@ -64,7 +64,7 @@ export function useFraming(surface: Surface, panel: RefObject<HTMLDivElement | n
     return () => observer.disconnect();
   }, [panel, fit]);
 
-  // the cursor of the keyboard stays in sight
+  // move the viewport when the keyboard cursor leaves it
   useEffect(() => {
     const node = cursor ? circuit.view?.node(cursor) : undefined;
     if (!node || pressing.current) return;
@@ -74,9 +74,9 @@ export function useFraming(surface: Surface, panel: RefObject<HTMLDivElement | n
     void surface.flow.setCenter(node.x + node.width / 2, node.y + node.height / 2, { zoom: Math.max(surface.viewport().zoom, 0.5) });
   }, [cursor, surface, pressing]);
 
-  const let_go = useCallback(() => {
+  const release = useCallback(() => {
     fitted.current = false;
-    looked.current = true;
+    placed.current = true;
   }, []);
-  return { fit, let_go };
+  return { fit, release };
 }

@@ -1,4 +1,4 @@
-/** The canvas by keyboard alone (docs/circuit-editor.md has the table). */
+/** Keyboard control of the canvas; docs/circuit-editor.md has the table of keys. */
 import type { KeyboardEvent } from 'react';
 import type { Point } from '../../core/circuit/form';
 import type { Direction } from '../../core/circuit/navigate';
@@ -14,8 +14,8 @@ const steps: Record<Direction, Point> = { left: [-1, 0], right: [1, 0], up: [0, 
 export function on_key(event: KeyboardEvent<HTMLDivElement>, surface: Surface, actions: CanvasActions): void {
   if (is_typing(event.target as HTMLElement) || event.defaultPrevented) return;
   const ctrl = event.ctrlKey || event.metaKey;
-  const done = ctrl ? with_ctrl(event, surface) : move_key(event) || letter_key(event, surface, actions);
-  if (!done) return;
+  const handled = ctrl ? with_ctrl(event, surface) : move_key(event) || letter_key(event, surface, actions);
+  if (!handled) return;
   event.preventDefault();
   event.stopPropagation();
 }
@@ -92,7 +92,7 @@ function disconnect_pin(): void {
   if (pin && circuit.view) circuit.disconnect(circuit.view.at_pin(pin.node, pin.side, pin.pin));
 }
 
-/** The search, beside the pin that the keyboard is at. */
+/** Opens the search next to the pin under the keyboard cursor, limited to LSIs that fit while a wire is being drawn. */
 function search_beside(surface: Surface, actions: CanvasActions): void {
   const from = circuit.state.connecting;
   const at = from ?? circuit.state.pin;

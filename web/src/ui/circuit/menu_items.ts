@@ -1,4 +1,4 @@
-/** What the right button offers, by what is under it. */
+/** Context menu items of the canvas: for the pin, LSI, wire or empty area under the pointer. */
 import type { PinAt } from '../../core/circuit/fits';
 import type { View } from '../../core/circuit/view';
 import { circuit, session } from '../app';
@@ -6,6 +6,7 @@ import { copy, paste } from './clipboard';
 import type { MenuItem } from '../Menu';
 import type { Client, Surface } from './surface';
 
+/** Functions of the canvas for menus and keys. */
 export interface CanvasActions {
   fit: (ids?: ReadonlySet<string>) => void;
   arrange: () => void;
@@ -35,10 +36,10 @@ function pin_items(view: View, pin: PinAt, client: Client, actions: CanvasAction
   const kind = view.node(pin.node)?.kind;
   const own = kind === 'inputs' || kind === 'outputs' ? kind : null;
   return [
-    { label: view.probes.some((p) => p.pin === `${pin.node}.${pin.pin}`) ? 'Remove probe' : 'Probe', key: 'P', run: () => circuit.toggle_probe(pin), disabled: own !== null },
+    { label: view.probes.some((p) => p.pin === `${pin.node}.${pin.pin}`) ? 'Remove probe' : 'Add probe', key: 'P', run: () => circuit.toggle_probe(pin), disabled: own !== null },
     ...stop_items(pin, client),
     { label: wires.length > 1 ? `Remove ${wires.length} wires` : 'Remove wire', run: () => circuit.disconnect(wires), disabled: wires.length === 0 },
-    { label: 'Add what fits…', run: () => actions.open_search(client, pin) },
+    { label: 'Add a matching LSI…', run: () => actions.open_search(client, pin) },
     ...(own ? [{ label: `Remove pin “${pin.pin}”`, run: () => circuit.remove_pin(own, pin.pin) }] : []),
   ];
 }
@@ -46,14 +47,14 @@ function pin_items(view: View, pin: PinAt, client: Client, actions: CanvasAction
 function stop_items(pin: PinAt, client: Client): MenuItem[] {
   const source = circuit.stop_source(pin);
   const here = session.state.breakpoints.filter((b) => b.pin === source?.flat);
-  const mine = (b: { pin: string }): boolean => b.pin === source?.flat;
+  const at_source = (b: { pin: string }): boolean => b.pin === source?.flat;
   const on = here.some((b) => b.on);
   return [
-    { label: 'Stop where…', key: 'B', run: () => circuit.ask_stop(pin, client), disabled: source === null },
+    { label: 'Add breakpoint…', key: 'B', run: () => circuit.ask_stop(pin, client), disabled: source === null },
     ...(here.length > 0
       ? [
-          { label: on ? 'Switch breakpoint off' : 'Switch breakpoint on', run: () => session.switch_breakpoints(mine, !on) },
-          { label: here.length > 1 ? `Remove ${here.length} breakpoints` : 'Remove breakpoint', run: () => session.remove_breakpoints(mine) },
+          { label: on ? 'Switch breakpoint off' : 'Switch breakpoint on', run: () => session.switch_breakpoints(at_source, !on) },
+          { label: here.length > 1 ? `Remove ${here.length} breakpoints` : 'Remove breakpoint', run: () => session.remove_breakpoints(at_source) },
         ]
       : []),
   ];
@@ -64,10 +65,10 @@ function lsi_items(view: View, id: string): MenuItem[] {
   if (!circuit.state.nodes.has(id)) circuit.select([id]);
   if (!node.lsi) return [];
   return [
-    ...(node.kind === 'circuit' ? [{ label: 'Go inside', key: 'I', run: () => void circuit.go_inside(id) }, { label: 'Ungroup', key: 'Ctrl Shift G', run: () => circuit.ungroup() }] : []),
-    { label: circuit.state.nodes.size > 1 ? `Group ${circuit.state.nodes.size} LSIs` : 'Make it a circuit', key: 'Ctrl G', run: () => circuit.group() },
+    ...(node.kind === 'circuit' ? [{ label: 'Open', key: 'I', run: () => void circuit.go_inside(id) }, { label: 'Ungroup', key: 'Ctrl Shift G', run: () => circuit.ungroup() }] : []),
+    { label: circuit.state.nodes.size > 1 ? `Group ${circuit.state.nodes.size} LSIs` : 'Make a circuit', key: 'Ctrl G', run: () => circuit.group() },
     { label: 'Rename', key: 'F2', run: () => circuit.type_in(id) },
-    { label: node.note ? 'Change comment' : 'Comment', key: 'Shift C', run: () => circuit.type_in(`comment:${id}`) },
+    { label: node.note ? 'Edit comment' : 'Add comment', key: 'Shift C', run: () => circuit.type_in(`comment:${id}`) },
     { label: 'Copy', key: 'Ctrl C', run: copy },
     { label: 'Duplicate', key: 'Ctrl D', run: () => circuit.duplicate() },
     { label: 'Delete', key: 'Del', run: () => circuit.remove() },
@@ -79,6 +80,6 @@ function wire_items(view: View, key: string): MenuItem[] {
   if (!wire) return [];
   return [
     { label: 'Remove wire', key: 'Del', run: () => circuit.disconnect([wire]) },
-    { label: 'Probe', run: () => circuit.toggle_probe({ node: wire.from, side: 'out', pin: wire.from_pin }) },
+    { label: 'Add or remove probe', run: () => circuit.toggle_probe({ node: wire.from, side: 'out', pin: wire.from_pin }) },
   ];
 }

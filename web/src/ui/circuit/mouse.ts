@@ -1,4 +1,4 @@
-/** LSIs are moved, wires drawn, areas selected: what the mouse does on the canvas. */
+/** Mouse control of the canvas: moves LSIs, draws wires, selects areas. */
 import { applyNodeChanges, type FinalConnectionState, type NodeChange, type OnConnectStart } from '@xyflow/react';
 import { useCallback, useRef, useState, type MouseEvent, type PointerEvent } from 'react';
 import type { PinAt } from '../../core/circuit/fits';
@@ -11,14 +11,14 @@ import type { WireEdgeType } from './edges';
 import type { AnyNode } from './elements';
 import type { Client, Surface } from './surface';
 
-/** "in:pin" of a handle. */
+/** The pin of a React Flow handle, whose id is "in:name" or "out:name". */
 export const pin_of = (node: string | null | undefined, handle: string | null | undefined): PinAt | null => {
   if (!node || !handle) return null;
   const colon = handle.indexOf(':');
   return { node, side: handle.slice(0, colon) === 'in' ? 'in' : 'out', pin: handle.slice(colon + 1) };
 };
 
-/** React Flow tells what is done to its nodes: selections, and places while they are dragged. One drag is one command. */
+/** Applies React Flow's node changes: selections, and positions while nodes are dragged. One drag is one command. */
 export function useNodeDrag(drawing: Drawing) {
   const { set_nodes, invalidate, refresh } = drawing;
   const start = useRef<{ id: string; places: Map<string, Point> } | null>(null);
@@ -62,9 +62,10 @@ export function useNodeDrag(drawing: Drawing) {
   return { on_nodes_change, drag_start, on_drag, drag_stop };
 }
 
-/** Wires: begun at a pin, ended at one, on an LSI, or on nothing, which opens the search. */
+/** Draws wires. A wire starts at a pin and ends at a pin, on an LSI, or on the empty canvas, which opens the search. */
 export function useWiring(view: View, open_search: (client: Client, fits: PinAt) => void) {
-  const instead = useRef<ViewWire | null>(null);
+  /** Existing wire of which one end is being moved. */
+  const moved_wire = useRef<ViewWire | null>(null);
 
   const connect_start: OnConnectStart = useCallback((_e, { nodeId, handleId }) => {
     const pin = pin_of(nodeId, handleId);
@@ -72,8 +73,8 @@ export function useWiring(view: View, open_search: (client: Client, fits: PinAt)
   }, []);
   const connect_end = useCallback((event: globalThis.MouseEvent | TouchEvent, state: FinalConnectionState) => {
     const from = circuit.state.connecting ?? pin_of(state.fromNode?.id, state.fromHandle?.id);
-    const moved = instead.current ?? undefined;
-    instead.current = null;
+    const moved = moved_wire.current ?? undefined;
+    moved_wire.current = null;
     if (!from) return;
     const client = 'changedTouches' in event ? { x: event.changedTouches[0]!.clientX, y: event.changedTouches[0]!.clientY } : { x: event.clientX, y: event.clientY };
     const to = pin_of(state.toNode?.id, state.toHandle?.id) ?? body_pin(client, from);
@@ -86,19 +87,19 @@ export function useWiring(view: View, open_search: (client: Client, fits: PinAt)
       circuit.disconnect([moved]);
     } else if (hit?.closest('.circuit .lsi')) {
       circuit.cancel_wire();
-      circuit.refuse('No pin of this LSI fits.', client);
+      circuit.refuse('No pin of this LSI has a matching type.', client);
     } else if (hit?.closest('.circuit')) open_search(client, from);
     else circuit.cancel_wire();
   }, [open_search]);
-  /** React Flow names the end that stays. */
+  /** `side` is the end of the wire that stays connected. */
   const reconnect_start = useCallback((_e: unknown, edge: WireEdgeType, side: 'source' | 'target') => {
-    const wire = (instead.current = view.wire(edge.id) ?? null);
+    const wire = (moved_wire.current = view.wire(edge.id) ?? null);
     if (wire) circuit.begin_wire(side === 'target' ? { node: wire.to, side: 'in', pin: wire.to_pin } : { node: wire.from, side: 'out', pin: wire.from_pin });
   }, [view]);
   return { connect_start, connect_end, reconnect_start };
 }
 
-/** Dropped on an LSI beside its pins: the pin in this row, or the first free one that fits. */
+/** The pin for a wire dropped on the body of an LSI: the pin in that row, otherwise the first free pin that fits. */
 function body_pin(client: Client, from: PinAt): PinAt | null {
   const element = document.elementFromPoint(client.x, client.y)?.closest<HTMLElement>('[data-lsi]');
   const view = circuit.view;
@@ -108,10 +109,10 @@ function body_pin(client: Client, from: PinAt): PinAt | null {
   const rect = element.getBoundingClientRect();
   const zoom = rect.width / node.width;
   const near = rows.find((pin) => Math.abs(client.y - (rect.top + (pin_point(node, pin.side, pin.pin)[1] - node.y) * zoom)) < 11 * zoom);
-  return near ?? rows.find((pin) => circuit.judge(pin) === null && (view.pin(pin.node, pin.side, pin.pin)?.multiple || view.at_pin(pin.node, pin.side, pin.pin).length === 0)) ?? null;
+  return near ?? rows.find((pin) => circuit.wire_refusal(pin) === null && (view.pin(pin.node, pin.side, pin.pin)?.multiple || view.at_pin(pin.node, pin.side, pin.pin).length === 0)) ?? null;
 }
 
-/** A rectangle drawn on the empty canvas selects; a click selects what is drawn there from afar, or nothing. */
+/** Selection by a rectangle dragged on the empty canvas. A click selects the LSI that the canvas draws there, or clears the selection. */
 export function useMarquee(view: View, surface: Surface, drawing: Drawing) {
   const [marquee, set_marquee] = useState<Box | null>(null);
   const at_point = useCallback((client: Client): ViewNode | undefined => {
@@ -161,7 +162,7 @@ function* ids_in(view: View, area: Box): Generator<string> {
   for (const probe of view.probes) if (boxes_meet({ x: probe.at[0], y: probe.at[1], width: probe_size[0], height: probe_size[1] }, area)) yield probe_id(probe.pin);
 }
 
-/** A double click goes inside a circuit, renames an LSI, comes near from afar, or opens the search. */
+/** A double click opens a circuit, renames an LSI, zooms to an LSI that is drawn on the canvas, or opens the search. */
 export function double_click(event: MouseEvent<HTMLDivElement>, at_point: (client: Client) => ViewNode | undefined, surface: Surface, open_search: (client: Client) => void): void {
   const target = event.target as HTMLElement;
   if (target.closest('.circuit-search, .stop-form, .stop-notice, .menu, .circuit-bar, .circuit-map, .note, .probe, .problem-bubble, input, textarea')) return;

@@ -1,4 +1,6 @@
-/** LSIs, the circuit's own pins, notes and probes as React Flow draws them near. Values and times are on the canvas over them. */
+/**
+ * React Flow components of LSIs, of the circuit's own pins, of notes and of probes. Values and times are drawn on the canvas above them.
+ */
 import { Handle, NodeResizer, Position, type Node, type NodeProps } from '@xyflow/react';
 import { memo, useEffect, useRef, useState, type ReactElement } from 'react';
 import { hue_of } from '../../core/circuit/classes';
@@ -15,7 +17,7 @@ export type NoteNodeType = Node<{ note: Note }, 'note'>;
 export type ProbeNodeType = Node<{ probe: Probe }, 'probe'>;
 
 const pin_title = (pin: PinInfo): string =>
-  [`${pin.name}: ${pin.type}${pin.unit ? ` [${pin.unit}]` : ''}`, pin.doc, pin.delayed ? 'Seen from the next tick on.' : '', pin.multiple && pin.side === 'in' ? 'Takes any number of wires.' : ''].filter(Boolean).join('\n');
+  [`${pin.name}: ${pin.type}${pin.unit ? ` [${pin.unit}]` : ''}`, pin.doc, pin.delayed ? 'Delayed: available from the next tick on.' : '', pin.multiple && pin.side === 'in' ? 'Accepts several wires.' : ''].filter(Boolean).join('\n');
 
 function Pin({ node, pin, index }: { node: ViewNode; pin: PinInfo; index: number }): ReactElement {
   const own = { node: node.id, side: pin.side, pin: pin.name } as const;
@@ -23,11 +25,11 @@ function Pin({ node, pin, index }: { node: ViewNode; pin: PinInfo; index: number
   const at = useCircuit((s) => same_pin(s.pin, own));
   const target = useCircuit((s) => same_pin(s.target, own));
   const bad = useCircuit((s) => pin.side === 'out' && s.problems.length > 0 && s.problems.some((p) => p.pin === pin.name && p.lsi === [...s.path, node.id].join('/')));
-  // 'on', 'off', 'hit', or '' where no run stops
+  // breakpoint at this output: 'on', 'off', 'hit' (the run stopped here), or '' for none
   const stop = useStudio((s) => {
     if (pin.side === 'in' || s.breakpoints.length === 0) return '';
     const flat = circuit.flat_output(node.id, pin.name);
-    if (s.broken !== null && s.broken.pin === flat) return 'hit';
+    if (s.breakpoint_hit !== null && s.breakpoint_hit.pin === flat) return 'hit';
     const here = s.breakpoints.filter((b) => b.pin === flat);
     return here.length === 0 ? '' : here.some((b) => b.on) ? 'on' : 'off';
   });
@@ -36,7 +38,7 @@ function Pin({ node, pin, index }: { node: ViewNode; pin: PinInfo; index: number
   const [, y] = pin_offset(node, pin.side, index);
   const fresh = pin.name === new_pin;
   return (
-    <div className={`pin-row ${pin.side}${fit}${pin.wired ? ' wired' : ''}${at ? ' at' : ''}${target ? ' target' : ''}${bad ? ' bad-pin' : ''}${stop ? ` stop-${stop}` : ''}`} style={{ top: y - 11 }} title={fresh ? 'A wire to here makes a new pin of the circuit' : pin_title(pin)} data-pin={`${node.id}.${pin.name}`} data-side={pin.side}>
+    <div className={`pin-row ${pin.side}${fit}${pin.wired ? ' wired' : ''}${at ? ' at' : ''}${target ? ' target' : ''}${bad ? ' bad-pin' : ''}${stop ? ` stop-${stop}` : ''}`} style={{ top: y - 11 }} title={fresh ? 'Connect a wire here to add a pin to the circuit' : pin_title(pin)} data-pin={`${node.id}.${pin.name}`} data-side={pin.side}>
       <Handle
         type={pin.side === 'in' ? 'target' : 'source'}
         position={pin.side === 'in' ? Position.Left : Position.Right}
@@ -48,14 +50,14 @@ function Pin({ node, pin, index }: { node: ViewNode; pin: PinInfo; index: number
           circuit.toggle_probe(own);
         }}
       />
-      {stop && <span className={`stop-dot${stop === 'off' ? ' off' : ''}`} title={stop === 'off' ? 'A breakpoint that is switched off' : stop === 'hit' ? 'The run stopped here' : 'Runs stop where this meets a condition'} />}
+      {stop && <span className={`stop-dot${stop === 'off' ? ' off' : ''}`} title={stop === 'off' ? 'Breakpoint, switched off' : stop === 'hit' ? 'The run stopped at this breakpoint' : 'Breakpoint'} />}
       <span className="pin-name">{fresh ? 'new pin' : pin.name}</span>
-      {pin.side === 'in' && pin.required && !pin.wired && node.lsi && node.lsi.values?.[pin.name] === undefined && node.kind !== 'missing' && <span className="open-mark" title="It does not run without a wire or a value">○</span>}
+      {pin.side === 'in' && pin.required && !pin.wired && node.lsi && node.lsi.values?.[pin.name] === undefined && node.kind !== 'missing' && <span className="open-mark" title="Required input: connect a wire or set a value">○</span>}
     </div>
   );
 }
 
-/** A title that a double click, F2 or the menu makes a field. */
+/** The title of an LSI; a text field while it is renamed (double click, F2 or menu). */
 function Title({ node }: { node: ViewNode }): ReactElement {
   const typing = useCircuit((s) => s.typing === node.id);
   if (!typing) return <span className="lsi-title">{node.title}</span>;
@@ -149,7 +151,7 @@ export const NoteNode = memo(function NoteNode({ id, data: { note }, selected }:
             if (e.key === 'Escape' || (e.key === 'Enter' && e.ctrlKey)) e.currentTarget.blur();
           }}
         />
-      ) : <p>{note.text || 'Double-click to write'}</p>}
+      ) : <p>{note.text || 'Double-click to edit'}</p>}
     </div>
   );
 });
@@ -162,7 +164,7 @@ export const ProbeNode = memo(function ProbeNode({ data: { probe }, selected }: 
   );
 });
 
-/** A refused wire says why, where it was dropped. */
+/** The reason why a wire was refused, shown for 5 s where it was dropped. */
 export function Refusal({ origin }: { origin: () => DOMRect | undefined }): ReactElement | null {
   const refusal = useCircuit((s) => s.refusal);
   const [shown, set_shown] = useState(refusal);

@@ -1,4 +1,4 @@
-/** What is drawn on canvases: wires and LSIs that no element stands for, and values over what is near. */
+/** Drawing on the two canvases: below the elements the wires and LSIs without an element, above them the values of LSIs in view. */
 import { hue_of } from '../../core/circuit/classes';
 import type { CircuitEditor } from '../../core/circuit/editor';
 import type { Point } from '../../core/circuit/form';
@@ -16,16 +16,18 @@ export type Colors = (name: string) => string;
 
 const letters = 'Inter, system-ui, "DejaVu Sans", sans-serif';
 
-/** Zooms below which something is left out: curves, frames around boxes, words, pins. */
+/** Zoom levels below which details are omitted: curves of wires, frames of boxes, titles, pins. */
 const curve_zoom = 0.16;
 const frame_zoom = 0.06;
 const word_zoom = 0.2;
 const pin_zoom = 0.24;
-const widest_value = 240; // px of the plane that a value may take
-/** px; a shorter wire is not seen, and all of them together would only be a haze that costs time. */
+const widest_value = 240; // maximum width of a value, circuit coordinates
+/**
+ * Wires shorter than this on the screen (px) are not drawn from afar: they are invisible one by one and slow to draw in their thousands.
+ */
 const shortest_wire = 3;
 
-/** Colours of the page's theme, read once. */
+/** Reads the theme's colours (CSS variables) of an element; each is read once. */
 export function read_colors(element: Element): Colors {
   const style = getComputedStyle(element);
   const known = new Map<string, string>();
@@ -36,7 +38,7 @@ export function read_colors(element: Element): Colors {
   };
 }
 
-/** Clears it at the size that it has on the page. @return null while it has none */
+/** Resizes a canvas to its size on the page and clears it. @return context and size in px; null while the canvas has no size */
 export function prepare(canvas: HTMLCanvasElement, options?: CanvasRenderingContext2DSettings): { c: CanvasRenderingContext2D; width: number; height: number } | null {
   const ratio = window.devicePixelRatio || 1;
   const { clientWidth: width, clientHeight: height } = canvas;
@@ -52,15 +54,16 @@ export function prepare(canvas: HTMLCanvasElement, options?: CanvasRenderingCont
   return { c, width, height };
 }
 
+/** A node at its position during a drag. */
 const moved = (node: ViewNode, drag: ReadonlyMap<string, Point> | null): ViewNode => {
   const at = drag?.get(node.id);
   return at ? { ...node, x: at[0], y: at[1] } : node;
 };
 
 export interface UnderOptions {
-  /** LSIs in sight. */
+  /** LSIs in view. */
   boxes: readonly ViewNode[];
-  /** LSIs and wires that are elements: not drawn here. */
+  /** LSIs and wires that are drawn as elements, not here. */
   elements: ReadonlySet<string>;
   wires: ReadonlySet<string>;
   drag: ReadonlyMap<string, Point> | null;
@@ -70,6 +73,7 @@ export interface UnderOptions {
   loop: ReadonlySet<string>;
 }
 
+/** Draws wires and LSIs without an element on the canvas below the elements. */
 export function paint_under(c: CanvasRenderingContext2D, size: { width: number; height: number }, view: View, viewport: Viewport, colors: Colors, options: UnderOptions): void {
   const { zoom } = viewport;
   const seen: Box = { x: -viewport.x / zoom, y: -viewport.y / zoom, width: size.width / zoom, height: size.height / zoom };
@@ -88,7 +92,7 @@ function ends_of_wire(view: View, wire: ViewWire, drag: ReadonlyMap<string, Poin
 }
 
 function paint_wires(c: CanvasRenderingContext2D, view: View, zoom: number, colors: Colors, seen: Box, options: UnderOptions): void {
-  // one path for each hue: strokes are what costs
+  // one path per colour: the number of strokes determines the cost
   const paths = new Map<string, Path2D>();
   const straight = zoom < curve_zoom;
   const shortest = straight ? shortest_wire / zoom : 0;
@@ -115,7 +119,7 @@ function paint_wires(c: CanvasRenderingContext2D, view: View, zoom: number, colo
     const special = key === 'loop' || key === 'lit';
     c.strokeStyle = key === 'loop' ? colors('--bad') : key === 'lit' ? colors('--accent') : colors(`--pin-${delayed ? key.slice(8) : key}`);
     c.globalAlpha = special ? 1 : zoom < 0.25 ? 0.45 : 0.8;
-    // the thinnest line is much cheaper than any other
+    // lines below one pixel are much faster than wider ones
     c.lineWidth = straight && !special ? 0.98 / zoom : Math.max(1 / zoom, special ? 3 : 1.8);
     c.setLineDash(delayed && !straight ? [5, 4] : []);
     c.stroke(path);
@@ -133,7 +137,7 @@ function paint_boxes(c: CanvasRenderingContext2D, view: View, nodes: readonly Vi
   c.fillStyle = zoom < frame_zoom ? colors('--line-strong') : colors('--raised');
   c.strokeStyle = colors('--line-strong');
   c.lineWidth = 0.98 / zoom;
-  // each by itself: a path of thousands is slower by far
+  // one rectangle at a time: a single path of thousands of them is much slower
   for (const at of nodes) {
     const node = moved(at, options.drag);
     c.fillRect(node.x, node.y, node.width, node.height);
@@ -161,7 +165,7 @@ function paint_pins(c: CanvasRenderingContext2D, node: ViewNode, colors: Colors)
   }
 }
 
-/** Larger than they are near, so that they can be read; what does not fit ends in an ellipsis. */
+/** Titles of LSIs, enlarged at small zoom to stay readable and shortened with an ellipsis to fit. */
 function paint_titles(c: CanvasRenderingContext2D, nodes: readonly ViewNode[], zoom: number, colors: Colors, options: UnderOptions): void {
   const size = Math.min(26, Math.max(13, 9 / zoom));
   c.fillStyle = colors('--text');
@@ -175,14 +179,14 @@ function paint_titles(c: CanvasRenderingContext2D, nodes: readonly ViewNode[], z
   }
 }
 
-/** Room to the right of a place before the next LSI, of those that may be in the way. */
+/** Free width to the right of `x` up to the next of `others` between `top` and `bottom`; circuit coordinates. */
 function room_right_of(x: number, top: number, bottom: number, others: readonly ViewNode[]): number {
   let room = Infinity;
   for (const other of others) if (other.y < bottom && other.y + other.height > top && other.x + other.width > x) room = Math.min(room, Math.max(0, other.x - x));
   return room;
 }
 
-/** As much of a text as has room; nothing where less than its first characters has. */
+/** Shortens a text to a width with an ellipsis; empty if fewer than three characters fit. */
 function shorten(c: CanvasRenderingContext2D, text: string, room: number): string {
   const width = c.measureText(text).width;
   if (width <= room) return text;
@@ -190,11 +194,11 @@ function shorten(c: CanvasRenderingContext2D, text: string, room: number): strin
   return letters_left >= 3 ? `${text.slice(0, letters_left).trimEnd()}…` : '';
 }
 
-/** Values beside output pins, and the time of each LSI in its head. Only `nodes`, which are near and seen. @return values drawn */
+/** Draws the values next to the output pins of `nodes` and the time of each LSI in its head. @return number of values drawn */
 export function paint_values(c: CanvasRenderingContext2D, view: View, viewport: Viewport, nodes: readonly ViewNode[], colors: Colors, editor: CircuitEditor, live: LiveValues, now: number): number {
   const { zoom } = viewport;
   let drawn = 0;
-  const small = Math.max(10.5, 8.5 / zoom); // readable also from a little farther away
+  const small = Math.max(10.5, 8.5 / zoom); // font size: at least 8.5 px on the screen
   c.save();
   c.translate(viewport.x, viewport.y);
   c.scale(zoom, zoom);

@@ -1,4 +1,4 @@
-/** The plane on the screen: where it is looked at, and which place is where. */
+/** The canvas on the screen: viewport, size, and conversion between window px and circuit coordinates. */
 import { useReactFlow, useStoreApi, type ReactFlowInstance } from '@xyflow/react';
 import { useMemo, type RefObject } from 'react';
 import type { Point } from '../../core/circuit/form';
@@ -7,6 +7,7 @@ import type { WireEdgeType } from './edges';
 import type { AnyNode } from './elements';
 import type { Viewport } from './paint';
 
+/** A position in the window, px. */
 export interface Client {
   x: number;
   y: number;
@@ -15,15 +16,16 @@ export interface Client {
 export interface Surface {
   flow: ReactFlowInstance<AnyNode, WireEdgeType>;
   viewport(): Viewport;
-  /** px */
+  /** Size of the panel, px. */
   size(): { width: number; height: number };
-  /** What is seen of the plane, and `around` px more on each side. */
+  /** Visible area in circuit coordinates, enlarged by `around` px on each side. */
   seen(around?: number): Box;
+  /** Rectangle of the panel in the window, px. */
   origin(): DOMRect | undefined;
   to_plane(client: Client): Point;
-  /** Where the pointer is; the middle while it is elsewhere. */
+  /** Position of the pointer; the panel's centre while the pointer is elsewhere. */
   here(): Client;
-  /** Called whenever it is panned, zoomed, or gets another size. */
+  /** Calls `listener` after each pan, zoom and resize. @return unsubscribes */
   on_move(listener: () => void): () => void;
 }
 

@@ -1,4 +1,4 @@
-/** The running circuit over the canvas: which values are asked for, and when they are drawn. */
+/** Values of the running circuit: requests those in view from the service, and draws them over the canvas. */
 import { useCallback, useEffect, useRef, type RefObject } from 'react';
 import { short_time } from '../../core/circuit/live';
 import { boxes_meet } from '../../core/circuit/spatial';
@@ -9,17 +9,17 @@ import type { Drawing } from './drawing';
 import { paint_values, prepare } from './paint';
 import type { Surface } from './surface';
 
-const value_zoom = 0.44;
-const values_period = 70; // ms: below 15 a second
-const watch_delay = 180; // ms after the last change of what is seen
-const most_watched = 400;
-const fading = 700; // ms that a new value stands out
+const value_zoom = 0.44; // below this zoom values are unreadable and not requested
+const values_period = 70; // ms between two drawings
+const watch_delay = 180; // ms between a change of the visible area and the request
+const max_watched = 400;
+const fading = 700; // ms for which a changed value is highlighted
 
-/** Asks for the outputs in sight, and for the probes. */
+/** Requests the values of the outputs in view and of the probes. */
 export function useWatch(view: View, surface: Surface, drawing: Drawing): void {
   const waiting = useRef<ReturnType<typeof setTimeout> | null>(null);
   const { drawn } = drawing;
-  const ask = useCallback(() => {
+  const request = useCallback(() => {
     waiting.current = null;
     const now = circuit.view;
     const at = drawn.current;
@@ -28,23 +28,23 @@ export function useWatch(view: View, surface: Surface, drawing: Drawing): void {
     if (at && !at.far && surface.viewport().zoom >= value_zoom) {
       for (const node of at.near) for (const pin of node.outputs) {
         const flat = circuit.flat_output(node.id, pin.name);
-        if (flat && pins.size < most_watched) pins.add(flat);
+        if (flat && pins.size < max_watched) pins.add(flat);
       }
     }
     const probes = now.probes.flatMap((p) => circuit.flat_output(...split_end(p.pin)) ?? []);
     session.watch([...pins], probes, true);
   }, [surface, drawn]);
   const soon = useCallback(() => {
-    waiting.current ??= setTimeout(ask, watch_delay);
-  }, [ask]);
+    waiting.current ??= setTimeout(request, watch_delay);
+  }, [request]);
   useEffect(soon, [view, drawing.nodes, soon]);
   useEffect(() => {
-    const again = session.store.subscribe((s, b) => {
+    const reconnected = session.store.subscribe((s, b) => {
       if (s.connection !== b.connection && s.connection === 'open') soon();
     });
     const moved = surface.on_move(soon);
     return () => {
-      again();
+      reconnected();
       moved();
       if (waiting.current) clearTimeout(waiting.current);
       waiting.current = null;
@@ -53,7 +53,7 @@ export function useWatch(view: View, surface: Surface, drawing: Drawing): void {
   }, [surface, soon]);
 }
 
-/** Draws them: with a pan or a drag at each frame, otherwise as they come. */
+/** Draws the values: at each frame during a pan or drag, otherwise when new values arrive. */
 export function useValues(surface: Surface, drawing: Drawing, over: RefObject<HTMLCanvasElement | null>, tick: RefObject<HTMLSpanElement | null>): void {
   const { drawn, facts, colors } = drawing;
   useEffect(() => {
@@ -72,14 +72,14 @@ export function useValues(surface: Surface, drawing: Drawing, over: RefObject<HT
       moved = false;
       const zoom = surface.viewport().zoom;
       const shown = !at.far && zoom >= value_zoom;
-      if (!shown && facts.current.values === 0) return tell();
+      if (!shown && facts.current.values === 0) return show_tick_time();
       const prepared = prepare(over.current);
       const visible = surface.seen();
       facts.current.values = shown && prepared ? paint_values(prepared.c, current, surface.viewport(), at.near.filter((n) => boxes_meet(n, visible)), colors, circuit, live, now) : 0;
-      tell();
+      show_tick_time();
     };
-    const tell = (): void => {
-      if (tick.current && session.live.timed > 0) tick.current.textContent = `${short_time(session.live.tick_us)} a tick`;
+    const show_tick_time = (): void => {
+      if (tick.current && session.live.timed > 0) tick.current.textContent = `${short_time(session.live.tick_us)} per tick`;
     };
     let handle = 0;
     const run = (): void => {

@@ -1,4 +1,4 @@
-/** What the inspector shows of a library entry: facts, tags, note, versions, and what can be done with it. */
+/** Inspector of a library entry: actions, name, tags, note, properties and versions. */
 import { useEffect, useState, type KeyboardEvent, type ReactElement } from 'react';
 import type { EntryVersion } from '../../core/library/browser';
 import { describe_entry, format_bytes, format_length, format_mass, format_when, key_of, split_tags, tags_of } from '../../core/library/words';
@@ -11,15 +11,15 @@ import { Icon } from '../icons';
 
 export function EntryDetails({ entry, doc }: { entry: LibraryEntry; doc: ScenarioDocument }): ReactElement {
   const fits = entry.kind === 'motion' ? doc.characters.filter((c) => !entry.mechanism || c.mechanism === entry.mechanism) : [];
-  const own = entry.entry !== undefined;
+  const in_library = entry.entry !== undefined;
   const in_trash = Boolean(entry.removed);
   const body = entry.mechanism ? session.entry(entry.mechanism) : undefined;
   const rows: [string, string][] = [];
   const row = (label: string, value: string | false | undefined): void => void (value && rows.push([label, value]));
   row('Duration', entry.duration !== undefined && `${entry.duration.toFixed(2)} s`);
   row('Frames', entry.frames !== undefined && entry.kind === 'motion' && `${entry.frames}${entry.rate ? ` at ${format_number(entry.rate, 2)} Hz` : ''}`);
-  row('Moves', entry.kind === 'motion' && body?.name);
-  row('Freedoms', entry.freedoms !== undefined && String(entry.freedoms));
+  row('Mechanism', entry.kind === 'motion' && body?.name);
+  row('Degrees of freedom', entry.dofs !== undefined && String(entry.dofs));
   row('Height', entry.height !== undefined && entry.height > 0 && format_length(entry.height));
   row('Mass', entry.mass !== undefined && format_mass(entry.mass));
   row('Source', entry.source);
@@ -32,28 +32,28 @@ export function EntryDetails({ entry, doc }: { entry: LibraryEntry; doc: Scenari
       </h3>
       <p className="facts">{describe_entry(entry)}</p>
       <div className="actions column first">
-        {in_trash && <button type="button" onClick={() => void library.undelete(entry)}>Put back into the library</button>}
+        {in_trash && <button type="button" onClick={() => void library.undelete(entry)}>Restore to the library</button>}
         {entry.kind === 'mechanism' && !in_trash && <button type="button" onClick={() => add_character(entry.id)}>Add to the scenario</button>}
         {!in_trash && fits.map((c) => (
-          <button key={c.id} type="button" onClick={() => append_motion(c.id, entry.id)}>Put on {c.name}’s track</button>
+          <button key={c.id} type="button" onClick={() => append_motion(c.id, entry.id)}>Add to {c.name}’s track</button>
         ))}
         {entry.kind === 'motion' && entry.mechanism && !in_trash && (
-          <button type="button" onClick={() => add_character(entry.mechanism!, undefined, entry.id)}>Add a new character with it</button>
+          <button type="button" onClick={() => add_character(entry.mechanism!, undefined, entry.id)}>Add a new character with this motion</button>
         )}
       </div>
-      {own && !in_trash && <Name key={`${key_of(entry)} ${entry.name}`} entry={entry} />}
+      {in_library && !in_trash && <Name key={`${key_of(entry)} ${entry.name}`} entry={entry} />}
       <TagEditor entry={entry} />
-      {own && !in_trash && <Note key={`${key_of(entry)} ${entry.note ?? ''}`} entry={entry} />}
-      <h4>Facts</h4>
+      {in_library && !in_trash && <Note key={`${key_of(entry)} ${entry.note ?? ''}`} entry={entry} />}
+      <h4>Properties</h4>
       {rows.map(([label, value]) => (
         <div key={label} className="field">
           <span>{label}</span>
           <output title={value}>{value}</output>
         </div>
       ))}
-      {!own && <p className="hint">In the open project only; the library does not have it.</p>}
-      {own && <Versions entry={entry} />}
-      {own && !in_trash && (
+      {!in_library && <p className="hint">Only in the open project; not stored in the library.</p>}
+      {in_library && <Versions entry={entry} />}
+      {in_library && !in_trash && (
         <div className="actions">
           <button type="button" onClick={() => void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: key_of(made) }))}>Duplicate</button>
           <button type="button" onClick={() => void library.remove(entry)}>Delete</button>
@@ -93,7 +93,7 @@ function Note({ entry }: { entry: LibraryEntry }): ReactElement {
     <textarea
       className="entry-note"
       aria-label="Note"
-      placeholder="A note"
+      placeholder="Add a note"
       rows={text.includes('\n') || text.length > 40 ? 4 : 2}
       value={text}
       onChange={(e) => set_text(e.target.value)}
@@ -107,21 +107,21 @@ function Note({ entry }: { entry: LibraryEntry }): ReactElement {
   );
 }
 
-/** Tags as chips; typing adds (Enter or comma), Backspace in the empty field takes the last one away. */
+/** Editor of an entry's tags. Enter or a comma adds the typed tag; Backspace in the empty field removes the last one. */
 function TagEditor({ entry }: { entry: LibraryEntry }): ReactElement | null {
   const tags = tags_of(entry);
   const known = useLibrary((s) => s.all_tags);
   const [text, set_text] = useState('');
-  const own = entry.entry !== undefined && !entry.removed;
-  if (!own && tags.length === 0) return null;
-  const take = (): void => {
+  const editable = entry.entry !== undefined && !entry.removed;
+  if (!editable && tags.length === 0) return null;
+  const add_typed = (): void => {
     const added = split_tags(text);
     set_text('');
     if (added.length > 0) void library.change_tags(entry, added, []);
   };
   const keys = (event: KeyboardEvent): void => {
     if (event.key === 'Enter' || event.key === ',') {
-      take();
+      add_typed();
       event.preventDefault();
     } else if (event.key === 'Escape') {
       set_text('');
@@ -136,16 +136,16 @@ function TagEditor({ entry }: { entry: LibraryEntry }): ReactElement | null {
       {tags.map((tag) => (
         <span key={tag} className="tag">
           {tag}
-          {own && (
-            <button type="button" className="tag-remove" aria-label={`Remove the tag ${tag}`} onClick={() => void library.change_tags(entry, [], [tag])}>
+          {editable && (
+            <button type="button" className="tag-remove" aria-label={`Remove the tag ${tag}`} title={`Remove the tag ${tag}`} onClick={() => void library.change_tags(entry, [], [tag])}>
               <Icon name="close" />
             </button>
           )}
         </span>
       ))}
-      {own && (
+      {editable && (
         <>
-          <input className="tag-add" aria-label="Add a tag" placeholder="Add a tag" list="known-tags" value={text} onChange={(e) => set_text(e.target.value)} onKeyDown={keys} onBlur={take} />
+          <input className="tag-add" aria-label="Add a tag" placeholder="Add a tag" list="known-tags" value={text} onChange={(e) => set_text(e.target.value)} onKeyDown={keys} onBlur={add_typed} />
           <datalist id="known-tags">
             {known.filter((t) => !tags.includes(t.name)).slice(0, 50).map((t) => (
               <option key={t.name} value={t.name} />
@@ -163,7 +163,7 @@ function Versions({ entry }: { entry: LibraryEntry }): ReactElement | null {
     let ended = false;
     library.versions(entry).then(
       (all) => !ended && set_versions(all),
-      () => undefined, // the facts above stand without it
+      () => undefined, // the version list is optional
     );
     return () => {
       ended = true;
@@ -181,7 +181,7 @@ function Versions({ entry }: { entry: LibraryEntry }): ReactElement | null {
               <span>{v.name}</span>
               <span className="entry-facts">{[v.by, format_when(v.when), v.note].filter(Boolean).join(' · ')}</span>
             </span>
-            {i === 0 ? <span className="hint">now</span> : <button type="button" className="quiet" onClick={() => void library.restore(entry, v.version)}>Restore</button>}
+            {i === 0 ? <span className="hint">current</span> : <button type="button" className="quiet" title="Save this version as the newest" onClick={() => void library.restore(entry, v.version)}>Restore</button>}
           </li>
         ))}
       </ol>

@@ -1,4 +1,7 @@
-/** Files before they are stored: each moves beside a human of 1.8 m; its unit, axes and rate can be set right; a report says what became of it. */
+/**
+ * The import dialog: before files are stored it shows each one moving next to a 1.8 m human, lets the user correct unit, axes and frame
+ * rate, and lists the reader's report.
+ */
 import { useEffect, useRef, useState, type ReactElement } from 'react';
 import { format_number } from '../../core/format';
 import { unpack_floats, type ImportItem, type ImportSettings, type StagedFile } from '../../core/library/imports';
@@ -36,7 +39,7 @@ function Dialog(): ReactElement {
           e.preventDefault();
           imports.close();
         }
-        // the page's keys are not for this dialog; only Tab and what fields do with theirs
+        // keep all keys from the page's own key handler
         e.stopPropagation();
         if (e.key === 'Tab') keep_inside(e.nativeEvent, dialog.current);
       }}
@@ -61,14 +64,14 @@ function Dialog(): ReactElement {
         <footer>
           <button type="button" onClick={() => imports.close()}>{items.some((i) => i.status === 'stored') ? 'Close' : 'Cancel'}</button>
           {items.length > 1 && (
-            <button type="button" disabled={ready === 0 || busy > 0} onClick={() => void imports.store_all()}>
+            <button type="button" title="Store all files that were read without errors" disabled={ready === 0 || busy > 0} onClick={() => void imports.store_all()}>
               {`Store all ${ready}`}
             </button>
           )}
           <button
             type="button"
             className="primary"
-            disabled={item?.status !== 'ready' || item.again}
+            disabled={item?.status !== 'ready' || item.rereading}
             onClick={() => {
               if (!item) return;
               void imports.store_one(item.id).then(() => {
@@ -86,7 +89,7 @@ function Dialog(): ReactElement {
   );
 }
 
-/** Tab goes around within the dialog. */
+/** Keeps the focus in the dialog: Tab on the last element moves to the first, Shift Tab on the first to the last. */
 function keep_inside(event: globalThis.KeyboardEvent, dialog: HTMLElement | null): void {
   const stops = [...(dialog?.querySelectorAll<HTMLElement>('button:not(:disabled), input, select, [tabindex="0"]') ?? [])].filter((e) => e.offsetParent !== null);
   const first = stops[0];
@@ -102,7 +105,7 @@ function keep_inside(event: globalThis.KeyboardEvent, dialog: HTMLElement | null
 }
 
 const status_words: Record<ImportItem['status'], string> = {
-  waiting: 'waiting', reading: 'reading…', ready: 'ready', storing: 'storing…', stored: 'stored', refused: 'refused', cancelled: 'left out',
+  waiting: 'waiting', reading: 'reading…', ready: 'ready', storing: 'storing…', stored: 'stored', refused: 'refused', cancelled: 'skipped',
 };
 
 function FileList({ items, shown }: { items: ImportItem[]; shown: number | null }): ReactElement {
@@ -115,11 +118,11 @@ function FileList({ items, shown }: { items: ImportItem[]; shown: number | null 
             <button type="button" className="import-file" aria-pressed={item.id === shown} onClick={() => imports.show(item.id)}>
               <span className="file-name">{item.file}</span>
               <span className="file-status" data-grade={item.status === 'refused' ? 'bad' : warns ? 'fair' : item.status === 'stored' ? 'good' : undefined}>
-                {warns ? 'check it' : status_words[item.status]}
+                {warns ? 'check' : status_words[item.status]}
               </span>
             </button>
             {item.status !== 'stored' && (
-              <button type="button" className="tool small" aria-label={`Leave ${item.file} out`} title="Leave it out" onClick={() => imports.cancel(item.id)}>
+              <button type="button" className="tool small" aria-label={`Skip ${item.file}`} title="Do not import this file" onClick={() => imports.cancel(item.id)}>
                 <Icon name="close" />
               </button>
             )}
@@ -138,12 +141,12 @@ function FileView({ item }: { item: ImportItem }): ReactElement {
         <strong>{item.file} was not imported</strong>
         {item.problems.map((p, i) => (
           <div key={i} className="problem">
-            {p.place && <code>{p.place}</code>}
+            {p.location && <code>{p.location}</code>}
             <p>{p.message}</p>
             {p.remedy && <p className="remedy">{p.remedy}</p>}
           </div>
         ))}
-        <p className="hint">Nothing of it was stored.</p>
+        <p className="hint">Nothing from this file was stored.</p>
       </div>
     );
   }
@@ -151,14 +154,14 @@ function FileView({ item }: { item: ImportItem }): ReactElement {
     return (
       <div className="import-waiting" role="status">
         <strong>{item.file}</strong>
-        <p>{item.status === 'reading' ? `Reading ${format_bytes(item.size)}…` : 'Waits for the files before it.'}</p>
+        <p>{item.status === 'reading' ? `Reading ${format_bytes(item.size)}…` : 'Waiting for the previous files.'}</p>
         <button type="button" onClick={() => imports.cancel(item.id)}>Cancel</button>
       </div>
     );
   }
   return (
     <>
-      <Preview staged={staged} busy={item.again} />
+      <Preview staged={staged} busy={item.rereading} />
       <div className="import-side">
         <div className="import-title">
           <h3>{item.file}</h3>
@@ -191,18 +194,18 @@ const axes: [string, string][] = [['x', 'X'], ['-x', '−X'], ['y', 'Y'], ['-y',
 
 function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile }): ReactElement {
   const { settings, can } = staged;
-  const [read] = useState<ImportSettings>(settings); // as the reader took it, to go back to
+  const [read] = useState<ImportSettings>(settings); // as read first, for the reset button
   const correct = (part: Partial<ImportSettings>): void => void imports.correct(item.id, part);
   const named = units.find(([metres]) => Math.abs(metres - settings.unit) < 1e-6 * metres);
   const choose_axis = (part: 'up' | 'forward', value: string): void => {
     const other = part === 'up' ? settings.forward : settings.up;
     if (value.replace('-', '') !== other.replace('-', '')) return correct({ [part]: value });
-    // the two cannot be along one axis: the other one goes where this one was
+    // both directions need different axes: swap them
     correct(part === 'up' ? { up: value, forward: settings.up } : { forward: value, up: settings.forward });
   };
   const changed = settings.unit !== read.unit || settings.up !== read.up || settings.forward !== read.forward || settings.rate !== read.rate;
   return (
-    <section className="import-settings" aria-label="How the file is taken">
+    <section className="import-settings" aria-label="Import settings">
       <div className="field">
         <label htmlFor={`name-${item.id}`}>Name</label>
         <input id={`name-${item.id}`} className="text" value={item.name} placeholder={staged.entries[0]?.name ?? ''} maxLength={200} onChange={(e) => imports.name(item.id, { name: e.target.value })} />
@@ -216,7 +219,7 @@ function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile })
           <label htmlFor={`unit-${item.id}`}>
             Unit{settings.unit_guessed && <span className="guessed">guessed</span>}
           </label>
-          <select id={`unit-${item.id}`} aria-label="Unit of length" value={named ? String(named[0]) : 'other'} onChange={(e) => e.target.value !== 'other' && correct({ unit: Number(e.target.value) })}>
+          <select id={`unit-${item.id}`} aria-label="Unit of length" title="Unit of length in the file" value={named ? String(named[0]) : 'other'} onChange={(e) => e.target.value !== 'other' && correct({ unit: Number(e.target.value) })}>
             {units.map(([metres, name]) => (
               <option key={name} value={String(metres)}>{name}</option>
             ))}
@@ -224,12 +227,12 @@ function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile })
           </select>
         </div>
       )}
-      {can.unit && <NumberField label="Scale" unit="m a unit" value={settings.unit} digits={6} step={0.001} min={1e-6} max={1000} title="Metres per unit of length of the file" on_commit={(unit) => correct({ unit })} />}
+      {can.unit && <NumberField label="Scale" unit="m/unit" value={settings.unit} digits={6} step={0.001} min={1e-6} max={1000} title="Metres per unit of length in the file" on_commit={(unit) => correct({ unit })} />}
       {can.axes && (
         <>
           <div className="field">
             <label htmlFor={`up-${item.id}`}>Up axis</label>
-            <select id={`up-${item.id}`} value={settings.up} onChange={(e) => choose_axis('up', e.target.value)}>
+            <select id={`up-${item.id}`} title="Axis of the file that points up" value={settings.up} onChange={(e) => choose_axis('up', e.target.value)}>
               {axes.map(([value, name]) => (
                 <option key={value} value={value}>{name}</option>
               ))}
@@ -237,7 +240,7 @@ function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile })
           </div>
           <div className="field">
             <label htmlFor={`forward-${item.id}`}>Forward axis</label>
-            <select id={`forward-${item.id}`} value={settings.forward} onChange={(e) => choose_axis('forward', e.target.value)}>
+            <select id={`forward-${item.id}`} title="Axis of the file along which the character looks" value={settings.forward} onChange={(e) => choose_axis('forward', e.target.value)}>
               {axes.map(([value, name]) => (
                 <option key={value} value={value}>{name}</option>
               ))}
@@ -245,28 +248,28 @@ function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile })
           </div>
         </>
       )}
-      {can.rate && <NumberField label={settings.rate_told ? 'Frame rate' : 'Frame rate (not told)'} unit="1/s" value={settings.rate} digits={3} step={1} min={1} max={10000} on_commit={(rate) => correct({ rate })} />}
+      {can.rate && <NumberField label={settings.rate_specified ? 'Frame rate' : 'Frame rate (not in the file)'} unit="1/s" value={settings.rate} digits={3} step={1} min={1} max={10000} on_commit={(rate) => correct({ rate })} />}
       {changed && (
         <button type="button" className="quiet" onClick={() => correct(read)}>
-          As the file was read
+          Reset to the settings as read
         </button>
       )}
-      {!can.unit && <p className="hint">A mechanism is in metres by its format.</p>}
+      {!can.unit && <p className="hint">Mechanism formats use metres.</p>}
     </section>
   );
 }
 
-const parts_of_report: [keyof StagedFile['report'], string][] = [
-  ['read', 'What was read'],
-  ['guessed', 'What was guessed'],
-  ['changed', 'What was changed'],
-  ['left_out', 'What was left out'],
+const report_sections: [keyof StagedFile['report'], string][] = [
+  ['read', 'Read'],
+  ['guessed', 'Guessed'],
+  ['changed', 'Changed'],
+  ['left_out', 'Left out'],
 ];
 
 function Report({ staged }: { staged: StagedFile }): ReactElement {
   return (
     <section className="import-report" aria-label="Report">
-      {parts_of_report.map(([part, title]) =>
+      {report_sections.map(([part, title]) =>
         staged.report[part].length === 0 ? null : (
           <div key={part}>
             <h4>{title}</h4>
@@ -279,15 +282,15 @@ function Report({ staged }: { staged: StagedFile }): ReactElement {
         ),
       )}
       <p className="hint">
-        Stored will be {staged.entries.map((e) => `the ${e.kind} “${e.name}”`).join(' and ')}.
+        Will be stored: {staged.entries.map((e) => `${e.kind} “${e.name}”`).join(' and ')}.
       </p>
     </section>
   );
 }
 
 let reference: Promise<MechanismData> | null = null;
-const reference_figure = (): Promise<MechanismData> => {
-  reference ??= fetch(service_path('api/reference-figure?height=1.8')).then((r) => r.json() as Promise<MechanismData>);
+const reference_character = (): Promise<MechanismData> => {
+  reference ??= fetch(service_path('api/reference-character?height=1.8')).then((r) => r.json() as Promise<MechanismData>);
   reference.catch(() => (reference = null));
   return reference;
 };
@@ -297,7 +300,7 @@ function markers_of(staged: StagedFile): Markers | undefined {
   return m && { count: m.count, markers: m.labels.length, values: unpack_floats(m.points), ...(m.pose ? { pose: m.pose } : {}) };
 }
 
-/** The figure on the metre grid, moving. */
+/** The imported character, moving on a 1 m grid next to a 1.8 m human. */
 function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): ReactElement {
   const host = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
@@ -315,11 +318,11 @@ function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): React
   useEffect(() => {
     let ended = false;
     let observer: ResizeObserver | null = null;
-    reference_figure().then(
-      (measure) => {
+    reference_character().then(
+      (human) => {
         if (ended || !canvas.current || !host.current) return;
         try {
-          view.current = new ImportView(canvas.current, measure, theme);
+          view.current = new ImportView(canvas.current, human, theme);
         } catch (error) {
           return set_failed((error as Error).message);
         }
@@ -350,21 +353,21 @@ function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): React
     const markers = markers_of(staged);
     view.current.show({ mechanism: staged.mechanism, ...(staged.motion ? { motion: poses_of(staged.motion) } : {}), ...(markers ? { markers } : {}) }, true);
     seen_stage.current = staged.stage;
-    set_height(view.current.heights.figure);
+    set_height(view.current.heights.character);
   }, [staged, made]);
 
   return (
     <div className="import-preview">
       <div ref={host} className="import-stage" aria-busy={busy}>
-        <canvas ref={canvas} role="img" aria-label={`${staged.file} beside a human of 1.8 m on a metre grid; as taken it is ${format_length(height)} high`} />
-        {failed && <div className="viewport-failed" role="alert"><strong>The picture cannot be drawn.</strong><span>{failed}</span></div>}
+        <canvas ref={canvas} role="img" aria-label={`${staged.file} next to a 1.8 m human on a 1 m grid; height with these settings: ${format_length(height)}`} />
+        {failed && <div className="viewport-failed" role="alert"><strong>The preview cannot be drawn.</strong><span>{failed}</span></div>}
         <div className="import-legend" aria-hidden="true">
-          <span><i className="swatch measure-swatch" />human of 1.8 m</span>
+          <span><i className="swatch measure-swatch" />1.8 m human</span>
           <span><i className="swatch own-swatch" />{height > 0 ? `${format_length(height)} high` : staged.file}</span>
           {staged.markers && <span><i className="swatch marker-swatch" />{staged.markers.labels.length} markers</span>}
           <span>grid: 1 m</span>
         </div>
-        {busy && <p className="import-busy" role="status">Reading it again…</p>}
+        {busy && <p className="import-busy" role="status">Reading the file again…</p>}
       </div>
       {duration > 0 && (
         <div className="import-transport">
@@ -372,6 +375,7 @@ function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): React
             type="button"
             className="tool"
             aria-label={playing ? 'Pause the preview' : 'Play the preview'}
+            title={playing ? 'Pause the preview' : 'Play the preview'}
             onClick={() => {
               if (view.current) view.current.playing = !playing;
               set_playing(!playing);
@@ -382,7 +386,7 @@ function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): React
           <input
             ref={slider}
             type="range"
-            aria-label="Time of the preview"
+            aria-label="Preview time"
             min={0}
             max={duration}
             step={0.01}
@@ -397,7 +401,7 @@ function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): React
           />
           <span ref={clock} className="clock-text">0.00 s</span>
           <span className="hint">of {duration.toFixed(2)} s</span>
-          <button type="button" className="quiet" onClick={() => view.current?.frame()}>Frame</button>
+          <button type="button" className="quiet" title="Move the camera to show the character" onClick={() => view.current?.frame()}>Frame</button>
         </div>
       )}
     </div>

@@ -1,4 +1,4 @@
-/** The library: found as one types, filtered, browsed; files dropped on it are imported. */
+/** The library panel: search, filters, the list of entries, the trash; files dropped on it are imported. */
 import { useEffect, useLayoutEffect, useMemo, useRef, useState, type DragEvent, type KeyboardEvent, type ReactElement } from 'react';
 import type { KindFilter, LibraryOrder } from '../../core/library/browser';
 import { key_of } from '../../core/library/words';
@@ -41,7 +41,7 @@ export function LibraryPanel(): ReactElement {
     try {
       localStorage.setItem(look_key, next);
     } catch {
-      // without storage the choice lasts as long as the page
+      // without local storage the choice is lost when the page closes
     }
   };
   return (
@@ -105,7 +105,7 @@ export function LibraryPanel(): ReactElement {
           }}
         />
       </div>
-      <div className="library-filter" role="toolbar" aria-label="What is shown">
+      <div className="library-filter" role="toolbar" aria-label="Filter">
         <div className="kinds" role="radiogroup" aria-label="Kind">
           {kinds.map(([value, name]) => (
             <button key={value} type="button" role="radio" aria-checked={kind === value} onClick={() => library.filter({ kind: value })}>
@@ -113,7 +113,7 @@ export function LibraryPanel(): ReactElement {
             </button>
           ))}
         </div>
-        <button type="button" className="tool small look" aria-label={look === 'list' ? 'Show as tiles' : 'Show as a list'} title={look === 'list' ? 'Tiles' : 'List'} onClick={change_look}>
+        <button type="button" className="tool small look" aria-label={look === 'list' ? 'Show as tiles' : 'Show as a list'} title={look === 'list' ? 'Show as tiles' : 'Show as a list'} onClick={change_look}>
           <Icon name={look === 'list' ? 'tiles' : 'rows'} />
         </button>
       </div>
@@ -125,7 +125,7 @@ export function LibraryPanel(): ReactElement {
   );
 }
 
-/** Tags that are used, the chosen ones first; as many as fit two lines, the others behind "more". */
+/** Tag filter: the chosen tags, then others up to six in all; "more" shows the rest. */
 function Tags(): ReactElement | null {
   const all = useLibrary((s) => s.all_tags);
   const chosen = useLibrary((s) => s.tags);
@@ -156,7 +156,7 @@ interface Menu {
   y: number;
 }
 
-/** Only the rows in sight exist; the others are empty space above and below them. */
+/** The list of entries. Only rows in view are rendered (virtual scrolling). */
 function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; import_files: () => void; to_search: () => void }): ReactElement {
   const entries = useLibrary((s) => s.entries);
   const more = useLibrary((s) => s.more);
@@ -205,7 +205,7 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
     reveal(entries.indexOf(entry));
   };
   useEffect(() => {
-    if (at >= 0) reveal(at); // chosen from elsewhere: an import, a copy
+    if (at >= 0) reveal(at); // the selection may come from elsewhere: an import or a copy
   }, [chosen, entries.length]);
 
   const keys = (event: KeyboardEvent): void => {
@@ -297,7 +297,7 @@ function Empty({ import_files }: { import_files: () => void }): ReactElement | n
       <div className="nothing" role="alert">
         <strong>The library could not be read</strong>
         <p>{failure}</p>
-        <button type="button" onClick={() => void library.load()}>Try again</button>
+        <button type="button" onClick={() => void library.load()}>Retry</button>
       </div>
     );
   }
@@ -312,16 +312,16 @@ function Empty({ import_files }: { import_files: () => void }): ReactElement | n
   if (query.trim() || tags.length > 0 || kind !== 'all') {
     return (
       <div className="nothing">
-        <strong>Nothing matches</strong>
-        <p>{[query.trim() && `“${query.trim()}”`, tags.length > 0 && `tagged ${tags.join(' and ')}`, kind !== 'all' && `among ${kind}s`].filter(Boolean).join(', ')}</p>
-        <button type="button" onClick={() => { library.search(''); library.filter({ tags: [], kind: 'all' }); }}>Show everything</button>
+        <strong>No matching entries</strong>
+        <p>{[query.trim() && `“${query.trim()}”`, tags.length > 0 && `tagged ${tags.join(' and ')}`, kind !== 'all' && `only ${kind}s`].filter(Boolean).join(', ')}</p>
+        <button type="button" onClick={() => { library.search(''); library.filter({ tags: [], kind: 'all' }); }}>Clear all filters</button>
       </div>
     );
   }
   return (
     <div className="nothing">
       <strong>The library is empty</strong>
-      <p>Drop files here: recordings (BVH, AMC with its ASF, C3D, TRC, glTF) and mechanisms (URDF, SDF, MJCF). You see them beside a human of 1.8 m before anything is stored.</p>
+      <p>Drop files here: recordings (BVH, AMC with its ASF, C3D, TRC, glTF) and mechanisms (URDF, SDF, MJCF). Each file is previewed next to a 1.8 m human before anything is stored.</p>
       <button type="button" onClick={import_files}>Import files…</button>
     </div>
   );
@@ -332,13 +332,13 @@ function EntryMenu({ menu, rename, close }: { menu: Menu; rename: () => void; cl
   const element = useRef<HTMLUListElement>(null);
   useEffect(() => {
     (element.current?.querySelector('button:not(:disabled)') as HTMLElement | null)?.focus();
-    const away = (e: PointerEvent): void => {
+    const outside = (e: PointerEvent): void => {
       if (!element.current?.contains(e.target as Node)) close();
     };
-    window.addEventListener('pointerdown', away, true);
-    return () => window.removeEventListener('pointerdown', away, true);
+    window.addEventListener('pointerdown', outside, true);
+    return () => window.removeEventListener('pointerdown', outside, true);
   }, []);
-  const actions = trash ? [{ label: 'Put back', run: () => void library.undelete(menu.entry), possible: true, key: undefined }] : entry_actions(menu.entry, rename);
+  const actions = trash ? [{ label: 'Restore', run: () => void library.undelete(menu.entry), possible: true, key: undefined }] : entry_actions(menu.entry, rename);
   const back = (): void => {
     close();
     document.getElementById('library-list')?.focus();
@@ -381,7 +381,7 @@ function EntryMenu({ menu, rename, close }: { menu: Menu; rename: () => void; cl
   );
 }
 
-/** How many there are; what was done last, with the way back; the trash. */
+/** Foot of the panel: the number of entries, the sort order and the trash; after an edit, its description and Undo. */
 function Foot(): ReactElement {
   const count = useLibrary((s) => s.total);
   const exact = useLibrary((s) => s.total_exact);
@@ -394,7 +394,7 @@ function Foot(): ReactElement {
     return (
       <div className="library-foot done" role="status">
         <span className="what">{done.label}</span>
-        <button type="button" className="quiet" title="Ctrl Z in the library" onClick={() => void library.undo()}>Undo</button>
+        <button type="button" className="quiet" title="Undo the last change of the library  (Ctrl Z in the list)" onClick={() => void library.undo()}>Undo</button>
         <button type="button" className="tool small" aria-label="Dismiss" onClick={() => library.forget_done()}>
           <Icon name="close" />
         </button>
@@ -407,13 +407,13 @@ function Foot(): ReactElement {
         {status === 'ready' && (count === 1 ? '1 entry' : `${count.toLocaleString('en-US')}${exact ? '' : '+'} entries`)}
         {trash && ' in the trash'}
       </span>
-      <select aria-label="Order" title="Order" value={order ?? ''} onChange={(e) => library.filter({ order: (e.target.value || null) as LibraryOrder | null })}>
+      <select aria-label="Sort order" title="Sort order" value={order ?? ''} onChange={(e) => library.filter({ order: (e.target.value || null) as LibraryOrder | null })}>
         <option value="">{query.trim() ? 'Best match' : 'By name'}</option>
         {orders.map(([value, name]) => (
           <option key={value} value={value}>{name}</option>
         ))}
       </select>
-      <button type="button" className="quiet" aria-pressed={trash} onClick={() => library.filter({ trash: !trash })}>
+      <button type="button" className="quiet" title={trash ? 'Show the library' : 'Show deleted entries'} aria-pressed={trash} onClick={() => library.filter({ trash: !trash })}>
         {trash ? 'Back' : 'Trash'}
       </button>
     </div>
@@ -427,14 +427,14 @@ function ConflictQuestion(): ReactElement | null {
   if (!conflict) return null;
   const { theirs, mine } = conflict;
   return (
-    <div className="conflict" role="alertdialog" aria-label="Somebody else saved this entry" aria-describedby="conflict-words">
-      <strong>Somebody else was faster</strong>
+    <div className="conflict" role="alertdialog" aria-label="Somebody else changed this entry" aria-describedby="conflict-words">
+      <strong>Conflicting change</strong>
       <p id="conflict-words">
-        {theirs.by || 'Somebody'} saved version {theirs.version} of “{theirs.name}” while you were changing it. Nothing is lost: whichever you choose, the other stays in its history.
+        {theirs.by || 'Somebody'} saved version {theirs.version} of “{theirs.name}” while you were changing it. Choose the newest version; the history keeps both.
       </p>
       <div className="actions">
-        <button ref={first} type="button" onClick={() => library.answer_conflict(true)}>Save {mine} over it</button>
-        <button type="button" onClick={() => library.answer_conflict(false)}>Leave it as it is now</button>
+        <button ref={first} type="button" onClick={() => library.answer_conflict(true)}>Save {mine} as newest</button>
+        <button type="button" onClick={() => library.answer_conflict(false)}>Discard my change</button>
       </div>
     </div>
   );

@@ -1,4 +1,4 @@
-/** One entry in the library's list: its picture, which moves while the pointer rests on it, its name and facts. */
+/** A card of the library's list: picture, name and facts of an entry. The picture of a motion plays while the pointer is over it. */
 import { useEffect, useRef, useState, type ReactElement } from 'react';
 import { describe_entry, key_of, tags_of } from '../../core/library/words';
 import type { LibraryEntry } from '../../core/protocol';
@@ -6,11 +6,11 @@ import { picture_size } from '../../view/preview';
 import { add_character, append_motion } from '../actions';
 import { library, page, plain_canvas, session, usePage, useStudio } from '../app';
 import { Icon } from '../icons';
-import { figure_color, moving, picture, preview_renderer, want_picture } from './pictures';
+import { character_color, moving, picture, preview_renderer, want_picture } from './pictures';
 
-/** Puts an entry where a double click would: a mechanism on the floor, a motion at the end of a track that it fits. */
+/** Adds an entry to the scenario, as a double click does: a mechanism as a character, a motion at the end of a track with its mechanism. */
 export function use_entry(entry: LibraryEntry): void {
-  library.forget_done(); // what is undone next is this
+  library.forget_done(); // the next Undo applies to this command, not to the last change of the library
   if (entry.kind === 'mechanism') return add_character(entry.id);
   const { selection, document } = session.state;
   const chosen = selection.kind === 'character' || selection.kind === 'clip' ? selection.character : undefined;
@@ -47,7 +47,7 @@ export function Card({ entry, index, total, grid, selected, renaming, on_select,
       className={`entry${grid ? ' tile' : ''}${selected ? ' selected' : ''}${dragging ? ' dragging' : ''}`}
       draggable={!renaming}
       data-entry={key_of(entry)}
-      title={renaming ? undefined : `${entry.name}\nDrag it onto ${entry.kind === 'motion' ? 'a track or a figure' : 'the floor or the scenario'}, or double-click to add it`}
+      title={renaming ? undefined : `${entry.name}\nDrag it onto ${entry.kind === 'motion' ? 'a track or a character' : 'the floor or the scenario'}, or double-click to add it`}
       onPointerEnter={() => set_over(true)}
       onPointerLeave={() => set_over(false)}
       onPointerDown={on_select}
@@ -64,13 +64,13 @@ export function Card({ entry, index, total, grid, selected, renaming, on_select,
       }}
     >
       <span className="thumb">
-        <Still entry={entry} />
-        {entry.kind === 'motion' && (over || (selected && grid)) && <Moves entry={entry} on={over} />}
+        <StillPicture entry={entry} />
+        {entry.kind === 'motion' && (over || (selected && grid)) && <MovingPicture entry={entry} on={over} />}
       </span>
       <span className="entry-text">
         {renaming ? <NameField entry={entry} on_done={on_renamed} /> : <span className="entry-name">{entry.name}</span>}
         <span className="entry-facts">
-          <Icon name={entry.kind === 'motion' ? 'wave' : 'figure'} />
+          <Icon name={entry.kind === 'motion' ? 'wave' : 'character'} />
           <span>{describe_entry(entry)}</span>
         </span>
         {!grid && tags.length > 0 && <span className="entry-tags">{tags.join(' · ')}</span>}
@@ -82,10 +82,10 @@ export function Card({ entry, index, total, grid, selected, renaming, on_select,
 
 function NameField({ entry, on_done }: { entry: LibraryEntry; on_done: (name: string | null) => void }): ReactElement {
   const [text, set_text] = useState(entry.name);
-  const over = useRef(false);
+  const finished = useRef(false);
   const finish = (name: string | null): void => {
-    if (over.current) return;
-    over.current = true;
+    if (finished.current) return;
+    finished.current = true;
     on_done(name);
   };
   return (
@@ -108,8 +108,8 @@ function NameField({ entry, on_done }: { entry: LibraryEntry; on_done: (name: st
   );
 }
 
-/** The library's own picture; drawn here where it has none, a moment after it came into sight. */
-function Still({ entry }: { entry: LibraryEntry }): ReactElement {
+/** Still picture of an entry. If the library has none, it is drawn after the card has been in view for 140 ms. */
+function StillPicture({ entry }: { entry: LibraryEntry }): ReactElement {
   const [drawn, set_drawn] = useState<string | null>(null);
   const [broken, set_broken] = useState(false);
   const known = broken ? null : picture(entry);
@@ -123,11 +123,11 @@ function Still({ entry }: { entry: LibraryEntry }): ReactElement {
     };
   }, [entry.id, known]);
   const address = known ?? drawn;
-  return address ? <img src={address} alt="" draggable={false} onError={() => set_broken(true)} /> : <Icon name={entry.kind === 'motion' ? 'wave' : 'figure'} />;
+  return address ? <img src={address} alt="" draggable={false} onError={() => set_broken(true)} /> : <Icon name={entry.kind === 'motion' ? 'wave' : 'character'} />;
 }
 
-/** The motion, drawn from its figure, over and over; a thin line shows how far. */
-function Moves({ entry, on }: { entry: LibraryEntry; on: boolean }): ReactElement {
+/** Plays the motion in a loop; a thin bar shows the progress. */
+function MovingPicture({ entry, on }: { entry: LibraryEntry; on: boolean }): ReactElement {
   const canvas = useRef<HTMLCanvasElement>(null);
   const bar = useRef<HTMLSpanElement>(null);
   const [shown, set_shown] = useState(false);
@@ -152,13 +152,13 @@ function Moves({ entry, on }: { entry: LibraryEntry; on: boolean }): ReactElemen
             last = now;
             const time = poses.duration > 0 ? ((now - start) / 1000) % poses.duration : 0;
             const share = poses.duration > 0 ? time / poses.duration : 0;
-            if (renderer.draw(mechanism, figure_color, context, poses, share)) set_shown(true);
+            if (renderer.draw(mechanism, character_color, context, poses, share)) set_shown(true);
             if (bar.current) bar.current.style.transform = `scaleX(${share.toFixed(3)})`;
             if (canvas.current) canvas.current.dataset.time = time.toFixed(2);
           };
           handle = requestAnimationFrame(tick);
         })
-        .catch(() => undefined); // the still picture stays
+        .catch(() => undefined); // keep the still picture
     }, 160);
     return () => {
       ended = true;
@@ -174,13 +174,13 @@ function Moves({ entry, on }: { entry: LibraryEntry; on: boolean }): ReactElemen
   );
 }
 
-/** What can be done with an entry by name; for menus and the inspector. */
+/** Actions on an entry for its context menu. */
 export function entry_actions(entry: LibraryEntry, start_rename: () => void): { label: string; key?: string; run: () => void; possible: boolean }[] {
-  const own = entry.entry !== undefined;
+  const in_library = entry.entry !== undefined;
   return [
-    { label: entry.kind === 'mechanism' ? 'Add to the scenario' : 'Put on a track', key: 'Enter', run: () => use_entry(entry), possible: true },
-    { label: 'Rename', key: 'F2', run: start_rename, possible: own },
-    { label: 'Duplicate', key: 'Ctrl D', run: () => void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: key_of(made) })), possible: own },
-    { label: 'Delete', key: 'Del', run: () => void library.remove(entry), possible: own },
+    { label: entry.kind === 'mechanism' ? 'Add to the scenario' : 'Add to a track', key: 'Enter', run: () => use_entry(entry), possible: true },
+    { label: 'Rename', key: 'F2', run: start_rename, possible: in_library },
+    { label: 'Duplicate', key: 'Ctrl D', run: () => void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: key_of(made) })), possible: in_library },
+    { label: 'Delete', key: 'Del', run: () => void library.remove(entry), possible: in_library },
   ];
 }

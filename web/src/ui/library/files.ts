@@ -1,9 +1,9 @@
-/** Files of a drop, those in dropped folders too. */
+/** Reads the files of a drop, including those in dropped folders. */
 
-const most = 500;
+const max_files = 500; // maximum number of files of a drop with folders
 
-async function of_entry(entry: FileSystemEntry, out: File[]): Promise<void> {
-  if (out.length >= most) return;
+async function collect(entry: FileSystemEntry, out: File[]): Promise<void> {
+  if (out.length >= max_files) return;
   if (entry.isFile) {
     const file = await new Promise<File | null>((resolve) => (entry as FileSystemFileEntry).file(resolve, () => resolve(null)));
     if (file) out.push(file);
@@ -11,18 +11,18 @@ async function of_entry(entry: FileSystemEntry, out: File[]): Promise<void> {
   }
   const reader = (entry as FileSystemDirectoryEntry).createReader();
   for (;;) {
-    const some = await new Promise<FileSystemEntry[]>((resolve) => reader.readEntries(resolve, () => resolve([])));
-    if (some.length === 0) return;
-    for (const inner of some) await of_entry(inner, out);
+    const batch = await new Promise<FileSystemEntry[]>((resolve) => reader.readEntries(resolve, () => resolve([])));
+    if (batch.length === 0) return;
+    for (const inner of batch) await collect(inner, out);
   }
 }
 
-/** The transfer must be read before the event is over: call it in the handler, not later. */
+/** Files of a drop; at most 500 if the drop contains a folder. Call it in the event handler: the browser clears `transfer` afterwards. */
 export async function files_of(transfer: DataTransfer): Promise<File[]> {
   const plain = [...transfer.files];
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.() ?? null).filter((e): e is FileSystemEntry => e !== null);
   if (!entries.some((e) => e.isDirectory)) return plain;
   const out: File[] = [];
-  for (const entry of entries) await of_entry(entry, out);
+  for (const entry of entries) await collect(entry, out);
   return out;
 }

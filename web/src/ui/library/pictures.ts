@@ -1,21 +1,21 @@
-/** Pictures of library entries: the library's own where it has them, otherwise drawn once from the real figure and stored there. */
+/** Pictures of library entries: those stored in the library; missing ones are drawn once from the character and stored there. */
 import { unpack_floats, type MotionPreview } from '../../core/library/imports';
 import type { LibraryEntry, MechanismData } from '../../core/protocol';
 import { picture_size, PreviewRenderer, type Poses } from '../../view/preview';
 import { service_path } from '../app';
 
-export const figure_color = '#d5d8df';
+export const character_color = '#d5d8df';
 
 export interface Moving {
   mechanism: MechanismData;
   poses: Poses;
 }
 
-/** Answers kept: the newest `most`. */
-class Kept<T> {
+/** Cache of the newest `capacity` results of `make`; failed ones are not kept. */
+class RecentCache<T> {
   private readonly map = new Map<string, Promise<T>>();
   constructor(
-    private readonly most: number,
+    private readonly capacity: number,
     private readonly make: (id: string) => Promise<T>,
   ) {}
 
@@ -25,7 +25,7 @@ class Kept<T> {
     const made = this.make(id);
     made.catch(() => this.map.delete(id));
     this.map.set(id, made);
-    if (this.map.size > this.most) {
+    if (this.map.size > this.capacity) {
       const [oldest] = this.map.keys();
       if (oldest !== undefined) this.map.delete(oldest);
     }
@@ -39,52 +39,54 @@ async function json<T>(path: string): Promise<T> {
   return (await response.json()) as T;
 }
 
-const mechanisms = new Kept<MechanismData>(24, (id) => json(`api/mechanism/${encodeURIComponent(id)}`));
-const motions = new Kept<Moving>(12, async (id) => {
+const mechanisms = new RecentCache<MechanismData>(24, (id) => json(`api/mechanism/${encodeURIComponent(id)}`));
+const motions = new RecentCache<Moving>(12, async (id) => {
   const motion = await json<MotionPreview>(`api/motion/${encodeURIComponent(id)}`);
   return { mechanism: await mechanisms.get(motion.mechanism ?? ''), poses: poses_of(motion) };
 });
 
 export const poses_of = (motion: MotionPreview): Poses => ({ count: motion.count, links: motion.links, duration: motion.duration, values: unpack_floats(motion.poses) });
 
-let made: PreviewRenderer | null | undefined;
-/** Null where this browser draws no WebGL. */
+let renderer: PreviewRenderer | null | undefined;
+/** The shared renderer of pictures; null if the browser has no WebGL. */
 export function preview_renderer(): PreviewRenderer | null {
-  if (made === undefined) {
+  if (renderer === undefined) {
     try {
-      made = new PreviewRenderer();
+      renderer = new PreviewRenderer();
     } catch {
-      made = null;
+      renderer = null;
     }
   }
-  return made;
+  return renderer;
 }
 
 export const moving = (id: string): Promise<Moving> => motions.get(id);
-export const figure = (id: string): Promise<MechanismData> => mechanisms.get(id);
+export const mechanism_data = (id: string): Promise<MechanismData> => mechanisms.get(id);
 
 // ---- still pictures ----
 
-const own = new Map<string, string>(); // by content: blob addresses of pictures that this page drew
-const none = new Set<string>();
+const drawn_here = new Map<string, string>(); // entry data id -> blob URL of a picture drawn by this page
+const undrawable = new Set<string>(); // data ids of entries whose drawing failed
 const waiting: { entry: LibraryEntry; done: (address: string | null) => void }[] = [];
 let working = false;
 
-/** Address of a still picture, if it is known without drawing. */
+/** URL of an entry's still picture; null if it has to be drawn. */
 export function picture(entry: LibraryEntry): string | null {
-  const drawn = own.get(entry.id);
+  const drawn = drawn_here.get(entry.id);
   if (drawn) return drawn;
   return entry.thumbnail && entry.entry ? service_path(`api/thumbnail/${encodeURIComponent(entry.entry)}?v=${entry.version ?? 1}`) : null;
 }
 
-/** Draws what has no picture yet, one at a time; who is out of sight again is passed over. */
+/**
+ * Queues the drawing of an entry's picture; pictures are drawn one at a time, the newest request first. @return removes it from the queue
+ */
 export function want_picture(entry: LibraryEntry, done: (address: string | null) => void): () => void {
-  if (none.has(entry.id)) {
+  if (undrawable.has(entry.id)) {
     done(null);
     return () => undefined;
   }
   const job = { entry, done };
-  waiting.unshift(job); // what was scrolled to last is looked at now
+  waiting.unshift(job); // the entry scrolled into view last is the one the user looks at
   if (!working) void work();
   return () => {
     const at = waiting.indexOf(job);
@@ -96,19 +98,19 @@ async function work(): Promise<void> {
   working = true;
   for (let job = waiting.shift(); job; job = waiting.shift()) {
     const { entry, done } = job;
-    let address = own.get(entry.id) ?? null;
+    let address = drawn_here.get(entry.id) ?? null;
     if (!address) {
       const blob = await draw(entry).catch(() => null);
       if (blob) {
         address = URL.createObjectURL(blob);
-        own.set(entry.id, address);
+        drawn_here.set(entry.id, address);
         if (entry.entry && !entry.thumbnail) void fetch(service_path(`api/thumbnail/${encodeURIComponent(entry.entry)}`), { method: 'POST', body: blob }).catch(() => undefined);
       } else {
-        none.add(entry.id);
+        undrawable.add(entry.id);
       }
     }
     done(address);
-    await new Promise((resolve) => setTimeout(resolve, 12)); // the page goes before
+    await new Promise((resolve) => setTimeout(resolve, 12)); // leave the main thread to the page between two pictures
   }
   working = false;
 }
@@ -124,9 +126,9 @@ async function draw(entry: LibraryEntry): Promise<Blob | null> {
   let seen: boolean;
   if (entry.kind === 'motion') {
     const { mechanism, poses } = await moving(entry.id);
-    seen = renderer.draw(mechanism, figure_color, context, poses, 0.4);
+    seen = renderer.draw(mechanism, character_color, context, poses, 0.4);
   } else {
-    seen = renderer.draw(await figure(entry.id), figure_color, context);
+    seen = renderer.draw(await mechanism_data(entry.id), character_color, context);
   }
   return seen ? new Promise((resolve) => canvas.toBlob(resolve, 'image/webp', 0.86)) : null;
 }

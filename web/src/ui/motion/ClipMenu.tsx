@@ -1,4 +1,4 @@
-/** The menu of a clip, and the same operations as buttons in the inspector. */
+/** The context menu of a clip, and the inspector's buttons for the same operations. */
 import { useMemo, type ReactElement } from 'react';
 import { find_clip, type Clip } from '../../core/document';
 import { asks, operations, refusal, type Operation, type OperationGroup } from '../../core/motion/operations';
@@ -7,11 +7,13 @@ import { run } from '../actions';
 import { desk, session, useDesk, useStudio } from '../app';
 import { Menu, type MenuItem } from '../Menu';
 
+/** Runs an operation, or opens its dialog if it has options. */
 export function begin(operation: Operation, target: ClipTarget): void {
   if (asks(operation)) desk.open(operation.id, target);
   else void desk.run(operation.id, target);
 }
 
+/** An ellipsis after names of operations that open a dialog. */
 const dots = (operation: Operation): string => (asks(operation) ? '…' : '');
 
 export function ClipMenu(): ReactElement | null {
@@ -23,8 +25,8 @@ export function ClipMenu(): ReactElement | null {
   const items: MenuItem[] = operations.map((operation) => {
     const apart = group !== undefined && operation.group !== group;
     group = operation.group;
-    const why = refusal(operation, doc, menu.character, clip);
-    return { label: operation.label + dots(operation), title: why ?? operation.hint, disabled: why !== null, apart, run: () => begin(operation, menu) };
+    const reason = refusal(operation, doc, menu.character, clip);
+    return { label: operation.label + dots(operation), title: reason ?? operation.hint, disabled: reason !== null, apart, run: () => begin(operation, menu) };
   });
   const inside = session.now > clip.start && session.now < clip.start + clip.length;
   items.push(
@@ -37,13 +39,13 @@ export function ClipMenu(): ReactElement | null {
 
 const groups: [OperationGroup, string][] = [
   ['time', 'Time'],
-  ['shape', 'Shape and way'],
+  ['shape', 'Shape and path'],
   ['ground', 'Feet on the ground'],
   ['two', 'With another motion'],
   ['body', 'Another body'],
 ];
 
-/** Operations on the clip that the inspector shows. */
+/** The inspector's section of operations on a clip's motion. */
 export function MotionOperations({ character, clip }: { character: string; clip: Clip }): ReactElement {
   const doc = useStudio((s) => s.document);
   const busy = useDesk((s) => s.tasks.length > 0);
@@ -56,9 +58,9 @@ export function MotionOperations({ character, clip }: { character: string; clip:
           {operations
             .filter((o) => o.group === group)
             .map((operation) => {
-              const why = doc ? refusal(operation, doc, character, clip) : null;
+              const reason = doc ? refusal(operation, doc, character, clip) : null;
               return (
-                <button key={operation.id} type="button" aria-label={operation.label + dots(operation)} title={`${operation.label}: ${why ?? operation.hint}`} disabled={busy || why !== null} onClick={() => begin(operation, target)}>
+                <button key={operation.id} type="button" aria-label={operation.label + dots(operation)} title={`${operation.label}: ${reason ?? operation.hint}`} disabled={busy || reason !== null} onClick={() => begin(operation, target)}>
                   {operation.short}
                 </button>
               );

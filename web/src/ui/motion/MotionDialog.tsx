@@ -1,7 +1,9 @@
-/** Asks for the options of an operation on a motion, and for the second motion or the other body where it needs one. */
+/**
+ * The dialog for the options of an operation on a motion, with a picker for the second motion or the other body if the operation needs one.
+ */
 import { useEffect, useState, type ReactElement } from 'react';
 import { find_character, find_clip, type Clip } from '../../core/document';
-import { say_label } from '../../core/format';
+import { format_label } from '../../core/format';
 import type { With } from '../../core/motion/desk';
 import { find_operation, first_values, options_of, type Field, type Operation, type Value } from '../../core/motion/operations';
 import { describe_entry, from_service } from '../../core/library/words';
@@ -43,7 +45,7 @@ function Form({ operation, character, clip, mechanism_id }: { operation: Operati
       >
         <div className="dialog-head">
           <h2>{operation.label}</h2>
-          <button type="button" className="tool" aria-label="Close" onClick={() => desk.close()}>
+          <button type="button" className="tool" aria-label="Close" title="Close  (Esc)" onClick={() => desk.close()}>
             <Icon name="close" />
           </button>
         </div>
@@ -58,7 +60,7 @@ function Form({ operation, character, clip, mechanism_id }: { operation: Operati
         <div className="actions">
           <button type="button" onClick={() => desk.close()}>Cancel</button>
           <button type="submit" className="primary" disabled={needs_other && !other} autoFocus={!needs_other}>
-            {operation.needs === 'body' ? 'Make figure' : 'Apply'}
+            {operation.needs === 'body' ? 'Make character' : 'Apply'}
           </button>
         </div>
       </form>
@@ -79,7 +81,7 @@ function FieldView({ field, value, set, mechanism }: { field: Field; value: Valu
   }
 }
 
-/** The share of the second motion: the slider that makes a jog of a walk and a run. */
+/** Slider for the share of the second motion in a blend, 0 to 100 %. */
 function Between({ from, to, value, on_change }: { from: string; to: string; value: number; on_change: (value: number) => void }): ReactElement {
   return (
     <div className="between">
@@ -93,7 +95,7 @@ function Between({ from, to, value, on_change }: { from: string; to: string; val
   );
 }
 
-/** Depth of each link in the tree, for its indent. */
+/** Depth of each link in the mechanism's tree (root: 0), for the indent. */
 function depths(mechanism: MechanismData): number[] {
   const out: number[] = [];
   for (const link of mechanism.links) out.push(link.parent >= 0 ? (out[link.parent] ?? 0) + 1 : 0);
@@ -109,7 +111,7 @@ function LinkList({ field, chosen, set, mechanism }: { field: Field; chosen: str
         {mechanism?.links.map((link, i) => (
           <label key={link.name} style={{ paddingLeft: `calc(${Math.min(indent[i] ?? 0, 8)} * 2.5 * var(--u))` }}>
             <input type="checkbox" checked={chosen.includes(link.name)} onChange={(e) => set(e.target.checked ? [...chosen, link.name] : chosen.filter((n) => n !== link.name))} />
-            {say_label(link.label || link.name)}
+            {format_label(link.label || link.name)}
           </label>
         ))}
       </div>
@@ -117,7 +119,7 @@ function LinkList({ field, chosen, set, mechanism }: { field: Field; chosen: str
   );
 }
 
-/** Entries of a kind that fit the words, from the library and the open project. */
+/** Up to 50 entries of a kind that match a query, from the library and the open project. */
 function useEntries(kind: LibraryEntry['kind'], query: string): { entries: LibraryEntry[]; more: boolean; failed: boolean } {
   const [found, set_found] = useState<{ entries: LibraryEntry[]; more: boolean; failed: boolean }>({ entries: [], more: false, failed: false });
   useEffect(() => {
@@ -128,7 +130,7 @@ function useEntries(kind: LibraryEntry['kind'], query: string): { entries: Libra
           if (!response.ok) throw new Error();
           const body = (await response.json()) as { entries: LibraryEntry[]; next: string | null };
           const entries = body.entries.map(from_service);
-          session.know(entries);
+          session.cache_entries(entries);
           set_found({ entries, more: body.next !== null, failed: false });
         })
         .catch(() => stop.signal.aborted || set_found({ entries: [], more: false, failed: true }));
@@ -165,7 +167,7 @@ function MotionPicker({ exclude, mechanism, chosen, choose }: { exclude: string;
   const [query, set_query] = useState('');
   const [picked, set_picked] = useState('');
   const { entries, more, failed } = useEntries('motion', query);
-  // motions of the same body first: they need no retargeting
+  // motions of the same mechanism first: they need no retargeting
   const sorted = entries.filter((e) => e.id !== exclude).sort((a, b) => Number(b.mechanism === mechanism) - Number(a.mechanism === mechanism));
   const rows = sorted.map((entry) => (
     <Choice
@@ -179,8 +181,8 @@ function MotionPicker({ exclude, mechanism, chosen, choose }: { exclude: string;
       }}
     />
   ));
-  if (more) rows.push(<p key="more" className="about">There are more; search for a name or a tag.</p>);
-  return <Choices label="Search for the other motion" query={query} set_query={set_query} empty={failed ? 'The library does not answer.' : query ? `No motion matches “${query}”.` : 'There is no other motion; import one first.'}>{rows}</Choices>;
+  if (more) rows.push(<p key="more" className="about">More motions match; refine the search by name or tag.</p>);
+  return <Choices label="Search for the other motion" query={query} set_query={set_query} empty={failed ? 'The library did not respond.' : query ? `No motion matches “${query}”.` : 'There is no other motion. Import one first.'}>{rows}</Choices>;
 }
 
 function BodyPicker({ exclude, chosen, choose }: { exclude: string; chosen: string | null; choose: (pick: With, name: string) => void }): ReactElement {
@@ -188,20 +190,20 @@ function BodyPicker({ exclude, chosen, choose }: { exclude: string; chosen: stri
   const [picked, set_picked] = useState('');
   const [height, set_height] = useState(1.1);
   const { entries, failed } = useEntries('mechanism', query);
-  const take = (key: string, pick: With, name: string): void => {
+  const pick_body = (key: string, pick: With, name: string): void => {
     set_picked(key);
     choose(pick, name);
   };
-  const is = (key: string): boolean => chosen !== null && picked === key;
+  const is_picked = (key: string): boolean => chosen !== null && picked === key;
   const rows = [
-    <Choice key="height" name={`A person of ${height} m`} facts="below 1.6 m: a child" chosen={is('height')} choose={() => take('height', { height }, 'a person')} />,
-    <Choice key="dog" name="A dog" facts="shepherd, 32 kg" chosen={is('dog')} choose={() => take('dog', { sample: 'dog' }, 'a dog')} />,
-    ...entries.filter((e) => e.id !== exclude).map((entry) => <Choice key={entry.id} name={entry.name} facts={describe_entry(entry)} chosen={is(entry.id)} choose={() => take(entry.id, { mechanism: entry.id }, entry.name)} />),
+    <Choice key="height" name={`Human, ${height} m`} facts="child proportions below 1.6 m" chosen={is_picked('height')} choose={() => pick_body('height', { height }, 'a human')} />,
+    <Choice key="dog" name="Dog" facts="shepherd, 32 kg" chosen={is_picked('dog')} choose={() => pick_body('dog', { sample: 'dog' }, 'a dog')} />,
+    ...entries.filter((e) => e.id !== exclude).map((entry) => <Choice key={entry.id} name={entry.name} facts={describe_entry(entry)} chosen={is_picked(entry.id)} choose={() => pick_body(entry.id, { mechanism: entry.id }, entry.name)} />),
   ];
   return (
     <>
-      <Choices label="Search for the body" query={query} set_query={set_query} empty={failed ? 'The library does not answer.' : ''}>{rows}</Choices>
-      {is('height') && (
+      <Choices label="Search for the body" query={query} set_query={set_query} empty={failed ? 'The library did not respond.' : ''}>{rows}</Choices>
+      {is_picked('height') && (
         <NumberField
           label="Height"
           unit="m"
@@ -213,7 +215,7 @@ function BodyPicker({ exclude, chosen, choose }: { exclude: string; chosen: stri
           on_preview={(v) => v !== null && set_height(v)}
           on_commit={(v) => {
             set_height(v);
-            take('height', { height: v }, 'a person');
+            pick_body('height', { height: v }, 'a human');
           }}
         />
       )}

@@ -1,4 +1,4 @@
-/** Copy and paste, also between pages: what is copied is text. */
+/** Copy and paste. The clipboard holds JSON text, so copying between pages works too. */
 import { fresh_id, fresh_name, split_end, type Circuit, type Lsi, type Note, type Point, type Wire } from '../form';
 import { find_circuit, note_id, type View } from '../view';
 import { snap, Batch, ids_of, quote, count_of, type CircuitCommand } from './batch';
@@ -11,7 +11,7 @@ export interface Clip {
   circuits: Circuit[];
 }
 
-/** LSIs and notes of a selection, the wires between them and the circuits that they need. */
+/** Copies the LSIs and notes of a selection, the wires between them and the circuits that they use; null if nothing is selected. */
 export function copy(view: View, nodes: ReadonlySet<string>): Clip | null {
   const { circuit } = view.level;
   const lsis = (circuit.lsis ?? []).filter((l) => nodes.has(l.id));
@@ -32,7 +32,7 @@ export function copy(view: View, nodes: ReadonlySet<string>): Clip | null {
   return { ugoki: 'circuit', lsis, wires: (circuit.wires ?? []).filter((w) => inside(w.from) && inside(w.to)), notes, circuits: [...circuits.values()] };
 }
 
-/** What a text from the clipboard holds, or null. */
+/** Parses clipboard text; null if it is not a circuit clip. */
 export function read_clip(text: string): Clip | null {
   try {
     const read = JSON.parse(text) as Clip;
@@ -43,7 +43,7 @@ export function read_clip(text: string): Clip | null {
   }
 }
 
-/** @param at where the upper left corner of what is pasted goes */
+/** Pastes a clip with fresh ids. @param at upper left corner of the pasted nodes  @return the command and the ids of the new nodes */
 export function paste(view: View, clip: Clip, at: Point, label = 'Paste'): { command: CircuitCommand; nodes: string[] } | null {
   const taken = ids_of(view);
   const note_ids = new Set(view.notes.map((n) => n.id));
@@ -82,6 +82,6 @@ export function paste(view: View, clip: Clip, at: Point, label = 'Paste'): { com
     nodes.push(note_id(id));
     batch.add({ list: 'notes', put: { ...note, id, at: shift(note.at) } });
   }
-  const what = clip.lsis.length === 1 ? quote(clip.lsis[0]!.label || clip.lsis[0]!.id) : count_of(nodes.length, 'item');
-  return nodes.length > 0 ? { command: { type: 'circuit.edit', label: `${label} ${what}`, changes: batch.changes }, nodes } : null;
+  const subject = clip.lsis.length === 1 ? quote(clip.lsis[0]!.label || clip.lsis[0]!.id) : count_of(nodes.length, 'item');
+  return nodes.length > 0 ? { command: { type: 'circuit.edit', label: `${label} ${subject}`, changes: batch.changes }, nodes } : null;
 }

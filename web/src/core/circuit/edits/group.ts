@@ -1,10 +1,10 @@
-/** A selection becomes a circuit of its own, and a circuit becomes what is inside of it. */
+/** Group: replaces a selection by a nested circuit. Ungroup: replaces a nested circuit by its contents. */
 import { ends_of, fresh_id, fresh_name, split_end, write_ends, type Change, type Circuit, type OwnPin, type Point, type Value, type Wire } from '../form';
 import { find_circuit, inputs_node, note_id, outputs_node, type View, type ViewWire } from '../view';
 import { snap, Batch, ids_of, quote, count_of, users_of, within, type CircuitCommand } from './batch';
 import { take_wires } from './wires';
 
-/** Makes a circuit of the selected LSIs and puts it in their place; wires go on through its own pins. */
+/** Moves the selected LSIs into a new circuit that replaces them. Wires to other LSIs run through pins of the new circuit. */
 export function group(view: View, nodes: ReadonlySet<string>): { command: CircuitCommand; id: string } | null {
   const { circuit } = view.level;
   const lsis = (circuit.lsis ?? []).filter((l) => nodes.has(l.id));
@@ -12,8 +12,8 @@ export function group(view: View, nodes: ReadonlySet<string>): { command: Circui
   const ids = new Set(lsis.map((l) => l.id));
   const name = fresh_name('group', { has: (n) => find_circuit(view.level, n) !== null || view.classes.find(n) !== undefined });
   const id = fresh_id(name, ids_of(view));
-  const inputs = new Map<string, OwnPin>(); // by the output outside that feeds it
-  const outputs = new Map<string, OwnPin>(); // by the output inside
+  const inputs = new Map<string, OwnPin>(); // pins of the new circuit, by the outer output that feeds them
+  const outputs = new Map<string, OwnPin>(); // pins of the new circuit, by the inner output
   const input_names = new Set<string>();
   const output_names = new Set<string>();
   const inner: Wire[] = [];
@@ -66,7 +66,7 @@ export function group(view: View, nodes: ReadonlySet<string>): { command: Circui
       else outside.push({ from: `${id}.${pin.name}`, to: `${wire.to}.${wire.to_pin}` });
     }
   }
-  // pins of wires that could not be typed (of missing LSIs) cannot be pins of a circuit
+  // wires at missing LSIs have no known type, and a pin of a circuit needs one
   if ([...inputs.values(), ...outputs.values()].some((p) => p.type === 'any')) return null;
 
   const parameters: NonNullable<Circuit['parameters']> = [];
@@ -112,7 +112,7 @@ export function group(view: View, nodes: ReadonlySet<string>): { command: Circui
   return { command: { type: 'circuit.edit', label: `Group ${count_of(lsis.length, 'LSI')}`, changes: batch.changes }, id };
 }
 
-/** Puts what is inside of a circuit in its place. */
+/** Replaces the circuit LSI `id` by its contents; null if it is no circuit or a name conflicts. */
 export function ungroup(view: View, id: string): { command: CircuitCommand; nodes: string[] } | null {
   const node = view.node(id);
   const found = node?.kind === 'circuit' && node.lsi ? find_circuit(view.level, node.lsi.type) : null;
@@ -130,13 +130,13 @@ export function ungroup(view: View, id: string): { command: CircuitCommand; node
     return `${ids.get(at) ?? at}.${pin}`;
   };
   const batch = new Batch(view);
-  // circuits that only this one knows come along
+  // circuits defined inside move to this level
   for (const c of inner.circuits ?? []) {
     const known = find_circuit(view.level, c.name)?.circuit;
     if (known && JSON.stringify(known) !== JSON.stringify(c)) return null; // another circuit has that name here
     if (!known) batch.add({ list: 'circuits', put: c });
   }
-  // parameters given to the circuit are given to what they set
+  // values of the circuit's parameters are set at the inner LSIs
   const given = new Map<string, Record<string, Value>>();
   for (const p of inner.parameters ?? []) {
     const value = node.lsi.parameters?.[p.name];
@@ -198,7 +198,7 @@ export function ungroup(view: View, id: string): { command: CircuitCommand; node
     batch.add({ list: 'notes', put: { ...note, id: free, at: shift(note.at) } });
   }
   for (const probe of inner.probes ?? []) batch.add({ list: 'probes', put: { ...probe, pin: moved(probe.pin), at: shift(probe.at) } });
-  // the last use gone, the circuit itself goes too
+  // when its last use is removed, the definition of the circuit is removed too
   const uses = users_of(view, found.names).reduce((n, u) => n + u.ids.size, 0);
   if (uses <= 1) batch.changes.push({ ...within(found.names.slice(0, -1)), list: 'circuits', take: node.lsi.type } as Change);
   return { command: { type: 'circuit.edit', label: `Ungroup ${quote(node.title)}`, changes: batch.changes }, nodes };

@@ -1,4 +1,4 @@
-/** What each edit of a circuit changes: one serialisable command each. Pure functions of a view; null: there is nothing to do. */
+/** Edits of a circuit. Each is a pure function of a view and returns one serialisable command, or null if nothing changes. */
 export { snap, type CircuitCommand } from './batch';
 export { connect, disconnect, insert_delay } from './wires';
 export { add_lsi, first_fit, move, remove, rename, set_lsi, set_parameter, set_value, type Selection } from './lsis';

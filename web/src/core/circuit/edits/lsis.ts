@@ -1,11 +1,11 @@
-/** LSIs: added, moved, removed, set; what is removed or moved with them. */
+/** Edits of LSIs: add, move, remove and set, including dependent wires, parameters, notes and probes. */
 import { ends_of, fresh_id, split_end, write_ends, type Lsi, type Point, type Value } from '../form';
 import { find_circuit, inputs_node, note_id, outputs_node, probe_id, type View } from '../view';
 import { types_fit, type PinAt } from '../fits';
 import { command, snap, Batch, ids_of, quote, title_of, type CircuitCommand } from './batch';
 import { put_wire, take_wires } from './wires';
 
-/** Adds an LSI of `type`, wired to `wire_to` by its first pin that fits. */
+/** Adds an LSI of `type` at `at`. Its first fitting pin is wired to `wire_to`. @return the command and the new id */
 export function add_lsi(view: View, type: string, at: Point, wire_to?: PinAt, parameters?: Record<string, Value>): { command: CircuitCommand; id: string } {
   const id = fresh_id(type, ids_of(view));
   const batch = new Batch(view);
@@ -22,7 +22,7 @@ export function add_lsi(view: View, type: string, at: Point, wire_to?: PinAt, pa
   return { command: { type: 'circuit.edit', label: `Add ${type}`, changes: batch.changes }, id };
 }
 
-/** The first pin of an LSI or circuit `type` that could be wired to `pin`. */
+/** The first pin of an LSI class or circuit `type` that fits `pin`. */
 export function first_fit(view: View, type: string, pin: PinAt): { name: string; type: string } | undefined {
   const wanted = view.pin(pin.node, pin.side, pin.pin)?.type ?? 'any';
   const inner = find_circuit(view.level, type)?.circuit;
@@ -37,6 +37,7 @@ export interface Selection {
   wires: ReadonlySet<string>;
 }
 
+/** Removes the selection, with the wires, parameters and probes that refer to it. */
 export function remove(view: View, selection: Selection): CircuitCommand | null {
   const { circuit } = view.level;
   const batch = new Batch(view);
@@ -58,7 +59,7 @@ export function remove(view: View, selection: Selection): CircuitCommand | null 
   return command(label, batch.changes);
 }
 
-/** New places, by node id. */
+/** Moves nodes, notes and probes to new positions, by node id. */
 export function move(view: View, places: ReadonlyMap<string, Point>, label?: string): CircuitCommand | null {
   const { circuit } = view.level;
   const batch = new Batch(view);
@@ -67,7 +68,7 @@ export function move(view: View, places: ReadonlyMap<string, Point>, label?: str
   for (const lsi of circuit.lsis ?? []) {
     const at = places.get(lsi.id);
     if (at && differs(lsi.at, at)) {
-      batch.lsi({ ...lsi, at });
+      batch.lsi({ ...lsi, at: [at[0] + 0, at[1] + 0] }); // + 0: JSON cannot keep -0
       last = view.node(lsi.id)?.title ?? lsi.id;
     }
   }
@@ -96,7 +97,7 @@ export function set_lsi(view: View, id: string, fields: Partial<Omit<Lsi, 'id'>>
 
 export const rename = (view: View, id: string, label: string): CircuitCommand | null => set_lsi(view, id, { label: label === id ? '' : label }, `Rename ${quote(title_of(view, id))}`);
 
-/** A parameter by name; undefined: back to its default. */
+/** Sets a parameter; undefined resets it to its default. */
 export function set_parameter(view: View, id: string, name: string, value: Value | undefined): CircuitCommand | null {
   const lsi = view.node(id)?.lsi;
   if (!lsi) return null;
@@ -106,7 +107,7 @@ export function set_parameter(view: View, id: string, name: string, value: Value
   return set_lsi(view, id, { parameters }, `Set ${name} of ${quote(title_of(view, id))}`);
 }
 
-/** What an input without wire gets. */
+/** Sets the value of an input that is not wired; undefined resets it to its default. */
 export function set_value(view: View, id: string, pin: string, value: Value | undefined): CircuitCommand | null {
   const lsi = view.node(id)?.lsi;
   if (!lsi) return null;

@@ -1,4 +1,4 @@
-/** A circuit's own pins, and the wires that follow them where it is used. */
+/** Edits of a circuit's own pins, including the wires at all uses of the circuit. */
 import { split_end, type Change } from '../form';
 import type { View } from '../view';
 import { command, Batch, quote, users_of, within, type CircuitCommand } from './batch';
@@ -8,10 +8,10 @@ export function rename_own_pin(view: View, side: 'inputs' | 'outputs', name: str
   const pin = circuit[side]?.find((p) => p.name === name);
   if (!pin || to === name || to.includes('.') || circuit[side]!.some((p) => p.name === to)) return null;
   const batch = new Batch(view);
-  // put by name would append: the whole list is written anew, in its order
+  // a put under a new name would append the pin, so the whole list is rewritten to keep its order
   for (const p of circuit[side]!) batch.add({ list: side, take: p.name });
   for (const p of circuit[side]!) batch.add({ list: side, put: p.name === name ? { ...p, name: to } : p } as Change);
-  // where the circuit is used, its wires follow
+  // update the wires at all uses of the circuit
   const end = side === 'inputs' ? 'to' : 'from';
   for (const user of users_of(view, names)) {
     for (const wire of user.circuit.wires ?? []) {

@@ -1,11 +1,11 @@
-/** Wires: put, moved, taken, and broken by a delay. */
+/** Edits of wires: add, move, remove, and insert a delay. */
 import { ends_of, fresh_id, fresh_name, write_ends, type Point } from '../form';
 import { inputs_node, outputs_node, type View, type ViewWire } from '../view';
 import type { PinAt } from '../fits';
 import type { ClassList } from '../classes';
 import { command, snap, Batch, ids_of, type CircuitCommand } from './batch';
 
-/** Adds the changes for a wire; the one that ends at a single input already is replaced. */
+/** Adds the changes for a new wire. An existing wire at an input that accepts only one is removed. */
 export function put_wire(view: View, batch: Batch, from: PinAt, to: PinAt, type: string): void {
   const { circuit } = view.level;
   if (from.node === inputs_node) {
@@ -29,12 +29,14 @@ export function put_wire(view: View, batch: Batch, from: PinAt, to: PinAt, type:
 
 const names_of = (pins: readonly { name: string }[] | undefined): Set<string> => new Set((pins ?? []).map((p) => p.name));
 
+/** Removes the wires at an input that accepts only one. */
 function free_input(view: View, batch: Batch, to: PinAt): void {
   const target = view.pin(to.node, 'in', to.pin);
   if (target?.multiple) return;
   take_wires(view, batch, view.at_pin(to.node, 'in', to.pin));
 }
 
+/** Adds the changes that remove wires. */
 export function take_wires(view: View, batch: Batch, wires: Iterable<ViewWire>): void {
   const inputs = new Map<string, Set<string>>();
   for (const wire of wires) {
@@ -52,7 +54,10 @@ export function take_wires(view: View, batch: Batch, wires: Iterable<ViewWire>):
   }
 }
 
-/** `a` and `b` are an output and an input in any order that fit (fits.ts). `instead`: the wire that moves its end. */
+/**
+ * Wires an output and an input, given in any order, that fit (fits.ts).
+ * @param instead the wire that this one replaces, if an end is moved
+ */
 export function connect(view: View, a: PinAt, b: PinAt, instead?: ViewWire): CircuitCommand | null {
   const [from, to] = a.side === 'out' ? [a, b] : [b, a];
   const batch = new Batch(view);
@@ -69,7 +74,7 @@ export function disconnect(view: View, wires: readonly ViewWire[]): CircuitComma
   return command(wires.length === 1 ? 'Remove wire' : `Remove ${wires.length} wires`, batch.changes);
 }
 
-/** Puts a delay into a wire: breaks a circle of values. */
+/** Inserts a delay LSI into a wire, which breaks an algebraic loop; null if there is no delay for the wire's type. */
 export function insert_delay(view: View, wire: ViewWire, classes: ClassList): { command: CircuitCommand; id: string } | null {
   const type = wire.type === 'scalar' ? 'delay' : `delay ${wire.type}`;
   const from = view.node(wire.from);

@@ -1,4 +1,4 @@
-// Figures for the mock service: bodies of capsules and boxes, moved by sine waves. For developing the page without the program.
+// Characters of the mock service: bodies of capsules, spheres and boxes, moved by sine waves.
 
 const qmul = (a, b) => [
   a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
@@ -28,7 +28,9 @@ const Y = [0, 1, 0];
 const X = [1, 0, 0];
 const Z = [0, 0, 1];
 
-// name, parent, offset from the parent, shapes, joint angle at a phase: [axis, radians]
+// Each link: name, index of the parent (null: root, -1: the previous link), offset from the parent (m), shapes, and a function from the
+// gait phase
+// (rad) to the joint's [axis, angle in rad].
 function human() {
   const leg = (side, s) => [
     [`${side}Thigh`, 0, [0, s * 0.095, -0.02], [capsule(0.07, [0, 0, -0.03], [0, 0, -0.36])], (p) => [Y, -0.42 * Math.sin(p + (s > 0 ? 0 : Math.PI)) - 0.08]],
@@ -41,7 +43,7 @@ function human() {
     [`${side}Hand`, -1, [0, 0, -0.26], [capsule(0.03, [0, 0, -0.02], [0, 0, -0.11])], () => [Y, 0]],
   ];
   return {
-    id: 'm-human', name: 'Human 1.75 m', freedoms: 62, mass: 70, height: 1.75, rest: 0.94, pace: 1.25, period: 1.1, gait: 'two',
+    id: 'm-human', name: 'Human 1.75 m', dofs: 62, mass: 70, height: 1.75, rest: 0.94, pace: 1.25, period: 1.1, gait: 'two',
     links: [
       ['Pelvis', null, [0, 0, 0], [capsule(0.1, [0, -0.07, 0.02], [0, 0.07, 0.02])], (p) => [X, 0.05 * Math.sin(p)]],
       ['Spine', 0, [0, 0, 0.1], [capsule(0.1, [0, -0.035, 0.06], [0, 0.035, 0.06])], (p) => [Z, 0.08 * Math.sin(p)]],
@@ -60,7 +62,7 @@ function dog() {
     [`${name}Paw`, -1, [0, 0, -0.22], [capsule(0.024, [0, 0, -0.01], [0.05, 0, -0.015])], () => [Y, 0]],
   ];
   return {
-    id: 'm-dog', name: 'Dog, shepherd', freedoms: 54, mass: 32, height: 0.62, rest: 0.5, pace: 1.6, period: 0.62, gait: 'four',
+    id: 'm-dog', name: 'Dog, shepherd', dofs: 54, mass: 32, height: 0.62, rest: 0.5, pace: 1.6, period: 0.62, gait: 'four',
     links: [
       ['Trunk', null, [0, 0, 0], [capsule(0.115, [-0.26, 0, 0.03], [0.02, 0, 0.03])], (p) => [Y, 0.03 * Math.sin(2 * p)]],
       ['Chest', 0, [0.12, 0, 0.02], [capsule(0.125, [-0.05, 0, -0.01], [0.1, 0, 0])], () => [Y, 0.02]],
@@ -74,18 +76,22 @@ function dog() {
 }
 
 function ball() {
-  return { id: 'm-ball', name: 'Ball', freedoms: 6, mass: 2.5, height: 0.3, rest: 0.15, pace: 0, period: 1, gait: 'none', links: [['Ball', null, [0, 0, 0], [sphere(0.15, [0, 0, 0])], () => [Y, 0]]] };
+  return { id: 'm-ball', name: 'Ball', dofs: 6, mass: 2.5, height: 0.3, rest: 0.15, pace: 0, period: 1, gait: 'none', links: [['Ball', null, [0, 0, 0], [sphere(0.15, [0, 0, 0])], () => [Y, 0]]] };
 }
 
 const raw = [human(), dog(), ball()];
 
-/** Bodies with their parents resolved (-1: the link before). */
+/** The bodies, with parents as link indices (-1: root). */
 export const bodies = raw.map((body) => ({
   ...body,
   links: body.links.map(([name, parent, offset, shapes, angle], i) => ({ name, parent: parent === null ? -1 : parent === -1 ? i - 1 : parent, offset, shapes, angle })),
 }));
 
-/** World poses of all links: flat, 7 numbers each. `root`: x, y, z, heading; `speed` 0: neutral. */
+/**
+ * World poses of all links, flat: position (m) and quaternion (w, x, y, z) of each.
+ * @param root x, y, z in m and heading in rad; @param phase gait phase, rad; @param amount scale of the joint angles, 0: neutral pose
+ * @param lean tilt of the root about Y and X and bend of its children about Y, rad
+ */
 export function place(body, root, phase, amount, lean = [0, 0, 0]) {
   const heading = about(Z, root.heading);
   const poses = [];
@@ -109,10 +115,10 @@ export function place(body, root, phase, amount, lean = [0, 0, 0]) {
 export function mechanism_json(body) {
   const neutral = place(body, { x: 0, y: 0, z: 0, heading: 0 }, 0, 0);
   return {
-    id: body.id, name: body.name, freedoms: body.freedoms, mass: body.mass, height: body.height,
+    id: body.id, name: body.name, dofs: body.dofs, mass: body.mass, height: body.height,
     links: body.links.map((l, i) => ({
       name: l.name, label: l.name.replace(/([a-z])([A-Z])/g, '$1 $2').replace(/ [A-Z]/g, (m) => m.toLowerCase()), parent: l.parent,
-      joint: l.parent < 0 ? 'floating' : 'spherical', freedoms: l.parent < 0 ? 6 : 3, shapes: l.shapes, neutral: neutral.slice(7 * i, 7 * i + 7),
+      joint: l.parent < 0 ? 'floating' : 'spherical', dofs: l.parent < 0 ? 6 : 3, shapes: l.shapes, neutral: neutral.slice(7 * i, 7 * i + 7),
     })),
   };
 }

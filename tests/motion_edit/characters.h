@@ -1,5 +1,5 @@
 #pragma once
-// Figures and motions for these tests: the project's own samples, and recordings where the shared data is there.
+// Characters and motions for the tests: the project's samples, and recordings if the shared data is available.
 
 #include <gtest/gtest.h>
 
@@ -16,28 +16,28 @@ namespace ugoki::motion_edit {
 
 inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-struct Figure {
+struct Character {
   MechanismPtr mechanism;
   Motion motion;
   [[nodiscard]] const Mechanism& m() const { return *mechanism; }
 };
 
-inline Figure human_walk() {
+inline Character human_walk() {
   const MeasuredMotion measured = samples::make_human_walk();
   const body::Body body = body::make_body(measured, {.keep_unmoved = true}).value();
-  Figure f{body.mechanism, body::to_motion(body, measured)};
+  Character f{body.mechanism, body::to_motion(body, measured)};
   f.motion.cyclic = true;
   return f;
 }
 
-inline Figure dog_trot() {
-  Figure f;
+inline Character dog_trot() {
+  Character f;
   f.mechanism = samples::make_dog();
   f.motion = samples::make_dog_trot(*f.mechanism);
   return f;
 }
 
-/// The cyclic motion `rounds` times, no longer marked as cyclic.
+/// The cyclic motion repeated `rounds` times, not marked as cyclic.
 inline Motion unrolled(const Mechanism& m, const Motion& cycle, int rounds) {
   Motion out = cycle;
   out.cyclic = false;
@@ -54,8 +54,8 @@ inline Motion unrolled(const Mechanism& m, const Motion& cycle, int rounds) {
   return out;
 }
 
-/// Greatest difference of any freedom between two motions of the same length.
-inline double greatest_difference(const Mechanism& m, const Motion& a, const Motion& b) {
+/// Maximum difference of any DOF between two motions of the same length.
+inline double max_difference(const Mechanism& m, const Motion& a, const Motion& b) {
   EXPECT_EQ(a.frames, b.frames);
   double worst = 0;
   std::vector<double> d(at(m.nv()));

@@ -1,4 +1,4 @@
-#include "ugoki/retarget/figure.h"
+#include "ugoki/retarget/anatomy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,8 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-std::string plain(const std::string& name) {
+/// Lower case, without a namespace prefix ("mixamorig:") and without blanks.
+std::string normalized_name(const std::string& name) {
   const std::size_t colon = name.rfind(':');
   std::string out;
   for (std::size_t i = colon == std::string::npos ? 0 : colon + 1; i < name.size(); ++i) {
@@ -21,7 +22,7 @@ std::string plain(const std::string& name) {
   return out;
 }
 
-/// The name that the partner on the right would have; empty if the name does not say left.
+/// Name of the mirrored link on the right side; empty if `left` does not name a link on the left side.
 std::string right_name(const std::string& left) {
   std::string out = left;
   if (const std::size_t i = left.find("left"); i != std::string::npos) return out.replace(i, 4, "right");
@@ -37,7 +38,7 @@ std::string right_name(const std::string& left) {
   return {};
 }
 
-/// The section that a label names; -1: none.
+/// Index of the section (Slot) that a label names; -1: none.
 int slot_of_label(const std::string& label) {
   constexpr struct {
     const char* word;
@@ -51,22 +52,25 @@ int slot_of_label(const std::string& label) {
   return -1;
 }
 
-/// All links of one limb that hangs on the trunk, and its farthest end.
+/// Subtree that is attached to the trunk and lies on one side: a candidate for a limb.
 struct Branch {
-  int root = -1, attach = -1, leaf = -1;
+  int root = -1;      ///< first link of the branch
+  int attach = -1;    ///< its parent
+  int leaf = -1;      ///< link without children that is farthest from the root, measured along the bones
   int side = 0;       ///< 1 left, -1 right
-  double length = 0;  ///< m, along the bones
-  Vec3 at, tip;       ///< m, of its root and its leaf in anatomical axes
-  double low = 0;     ///< m, lowest place of the leaf
+  double length = 0;  ///< m, from root to leaf along the bones
+  Vec3 base, tip;     ///< m, positions of root and leaf in anatomical axes
+  double low = 0;     ///< m, lowest point of the leaf in the neutral position
 };
 
+/// Finds the anatomy of one mechanism; run() performs the steps in order.
 class Finder {
  public:
-  Finder(const Mechanism& m, const FigureNames& names) : m_(m), n_(m.link_count()), names_(names) {}
+  Finder(const Mechanism& m, const AnatomyNames& names) : m_(m), n_(m.link_count()), names_(names) {}
 
-  Result<Figure> run() {
-    f_.X_WB.resize(at(n_));
-    calc_poses(m_, m_.neutral(), f_.X_WB);
+  Result<Anatomy> run() {
+    anatomy_.X_WB.resize(at(n_));
+    calc_poses(m_, m_.neutral(), anatomy_.X_WB);
     turn_to_anatomical_axes();
     measure();
     find_branches();
@@ -75,38 +79,40 @@ class Finder {
     find_tail();
     for (int k = 0; k < limb_count; ++k)
       if (Error wrong = divide(k); !wrong.empty()) return fail(std::move(wrong));
-    return std::move(f_);
+    return std::move(anatomy_);
   }
 
  private:
   [[nodiscard]] const Link& link(int i) const { return m_.link(i); }
 
+  /// Sets R_WA: left is the mean horizontal direction from right-named to left-named partner links. Fills p_.
   void turn_to_anatomical_axes() {
     std::vector<std::string> names;
-    for (int i = 0; i < n_; ++i) names.push_back(plain(link(i).name));
+    for (int i = 0; i < n_; ++i) names.push_back(normalized_name(link(i).name));
     Vec3 left{};
     for (int i = 0; i < n_; ++i) {
       const std::string partner = right_name(names[at(i)]);
       if (partner.empty()) continue;
       const auto it = std::find(names.begin(), names.end(), partner);
       if (it == names.end()) continue;
-      const Vec3 d = f_.X_WB[at(i)].p - f_.X_WB[static_cast<std::size_t>(it - names.begin())].p;
+      const Vec3 d = anatomy_.X_WB[at(i)].p - anatomy_.X_WB[static_cast<std::size_t>(it - names.begin())].p;
       left += Vec3{d.x, d.y, 0};
     }
     if (norm(left) > 1e-6) {
       left = normalized(left);
-      if (left.y < 0.999) f_.R_WA = Mat3::columns(cross(left, Vec3{0, 0, 1}), left, {0, 0, 1});
+      if (left.y < 0.999) anatomy_.R_WA = Mat3::columns(cross(left, Vec3{0, 0, 1}), left, {0, 0, 1});
     }
-    for (int i = 0; i < n_; ++i) p_.push_back(transpose_times(f_.R_WA, f_.X_WB[at(i)].p));
+    for (int i = 0; i < n_; ++i) p_.push_back(transpose_times(anatomy_.R_WA, anatomy_.X_WB[at(i)].p));
   }
 
-  /// Lowest place of a link in the neutral position.
+  /// Lowest point [m] of a link in the neutral position.
   [[nodiscard]] double low_of(int i) const {
     double low = p_[at(i)].z;
-    for (const SupportPoint& s : support_points(link(i))) low = std::min(low, (f_.X_WB[at(i)] * s.p).z - s.radius);
+    for (const SupportPoint& s : support_points(link(i))) low = std::min(low, (anatomy_.X_WB[at(i)] * s.p).z - s.radius);
     return low;
   }
 
+  /// Sets extent, low_ and size_ (m) from the neutral position.
   void measure() {
     double low = 1e300, high = -1e300;
     Vec3 box_low{1e300, 1e300, 1e300}, box_high = box_low * -1.0;
@@ -118,9 +124,9 @@ class Finder {
         box_high[k] = std::max(box_high[k], p_[at(i)][k]);
       }
     }
-    f_.extent = high - low;
+    anatomy_.extent = high - low;
     low_ = low;
-    size_ = std::max(f_.extent, norm(box_high - box_low) * 0.7);
+    size_ = std::max(anatomy_.extent, norm(box_high - box_low) * 0.7);
   }
 
   [[nodiscard]] bool movable_below(int root) const {
@@ -134,8 +140,9 @@ class Finder {
     return false;
   }
 
+  /// Collects maximal subtrees whose leaves are all on one side.
   void find_branches() {
-    // Which sides the ends below each link lie on: 1 left, 2 right, 4 middle.
+    // Bit mask of the sides on which the leaves below each link are: 1 left, 2 right, 4 middle.
     sides_.assign(at(n_), 0);
     for (int i = n_; i-- > 0;) {
       if (link(i).child < 0) sides_[at(i)] = p_[at(i)].y > 0.012 * size_ ? 1 : p_[at(i)].y < -0.012 * size_ ? 2 : 4;
@@ -149,7 +156,7 @@ class Finder {
       b.root = i;
       b.attach = parent;
       b.side = sides_[at(i)] == 1 ? 1 : -1;
-      b.at = p_[at(i)];
+      b.base = p_[at(i)];
       for (int leaf = i; leaf < n_; ++leaf) {
         if (link(leaf).child >= 0 || !is_below(leaf, i)) continue;
         double length = 0;
@@ -164,17 +171,17 @@ class Finder {
     }
   }
 
-  /// The branch on the other side that is most like the mirror image; -1.
+  /// Index of the branch on the other side that is closest to the mirror image of branch `i`; -1: none within 0.35 of the size.
   [[nodiscard]] int partner_of(int i) const {
     const Branch& a = branches_[at(i)];
     int best = -1;
-    double least = 0.35 * size_;
+    double minimum = 0.35 * size_;
     for (int k = 0; k < static_cast<int>(branches_.size()); ++k) {
       const Branch& b = branches_[at(k)];
       if (b.side == a.side) continue;
-      const double off = norm(a.at - Vec3{b.at.x, -b.at.y, b.at.z}) + norm(a.tip - Vec3{b.tip.x, -b.tip.y, b.tip.z});
-      if (off < least) {
-        least = off;
+      const double off = norm(a.base - Vec3{b.base.x, -b.base.y, b.base.z}) + norm(a.tip - Vec3{b.tip.x, -b.tip.y, b.tip.z});
+      if (off < minimum) {
+        minimum = off;
         best = k;
       }
     }
@@ -184,12 +191,13 @@ class Finder {
   [[nodiscard]] int named(const std::string& name, const char* what, Error& wrong) const {
     if (name.empty()) return -1;
     const int i = m_.find_link(name);
-    if (i < 0) wrong.add(ErrorCode::unknown, what, "'" + m_.name() + "' has no link '" + name + "'.", "Correct the mapping.");
+    if (i < 0)
+      wrong.add(ErrorCode::unknown, what, "'" + m_.name() + "' has no link '" + name + "'.", "Correct the name in the mapping file.");
     return i;
   }
 
   void set_limb(int k, int root, int leaf) {
-    std::vector<int>& links = f_.limbs[at(k)].links;
+    std::vector<int>& links = anatomy_.limbs[at(k)].links;
     links.clear();
     for (int i = leaf; i >= 0; i = link(i).parent) {
       links.insert(links.begin(), i);
@@ -207,33 +215,34 @@ class Finder {
       const Branch& b = branches_[at(i)];
       const int k = partner_of(i);
       if (b.side < 0 || k < 0 || partner_of(k) != i) continue;
-      pairs.push_back({i, k, std::min(b.low, branches_[at(k)].low), b.length, b.at.x});
+      pairs.push_back({i, k, std::min(b.low, branches_[at(k)].low), b.length, b.base.x});
     }
     std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.low != b.low ? a.low < b.low : a.left < b.left; });
     Error wrong = named_limbs();
     const bool legs_named = !names_.limbs[0][1].empty() && !names_.limbs[1][1].empty();
     if (pairs.empty() && !legs_named)
-      wrong.add(ErrorCode::structure, m_.name(), "No pair of legs is found in it.", "Name its limbs in a mapping (docs/retarget.md).");
+      wrong.add(ErrorCode::structure, m_.name(), "No pair of legs was found in this mechanism.",
+                "Name its limbs in a mapping file (docs/retarget.md).");
     if (!wrong.empty()) return wrong;
     int legs = pairs.empty() ? -1 : 0, arms = -1;
     for (int i = 1; i < static_cast<int>(pairs.size()); ++i)
       if (arms < 0 || pairs[at(i)].length > 1.3 * pairs[at(arms)].length) arms = i;
-    f_.four_legs = arms >= 0 && pairs[at(arms)].low < low_ + 0.15 * f_.extent;
+    anatomy_.four_legs = arms >= 0 && pairs[at(arms)].low < low_ + 0.15 * anatomy_.extent;
     for (int i = 0; i < n_; ++i)
-      if (link(i).label.starts_with("paw fore")) f_.four_legs = true;
-    if (names_.four_legs >= 0) f_.four_legs = names_.four_legs == 1;
-    if (f_.four_legs && arms >= 0 && pairs[at(arms)].x < pairs[at(legs)].x) std::swap(legs, arms);
+      if (link(i).label.starts_with("paw fore")) anatomy_.four_legs = true;
+    if (names_.four_legs >= 0) anatomy_.four_legs = names_.four_legs == 1;
+    if (anatomy_.four_legs && arms >= 0 && pairs[at(arms)].x < pairs[at(legs)].x) std::swap(legs, arms);
     for (const auto& [pair, first] : {std::pair{legs, 0}, std::pair{arms, 2}}) {
       if (pair < 0) continue;
       for (const int side : {0, 1}) {
         const Branch& b = branches_[at(side == 0 ? pairs[at(pair)].left : pairs[at(pair)].right)];
-        if (f_.limbs[at(first + side)].links.empty()) set_limb(first + side, b.root, b.leaf);
+        if (anatomy_.limbs[at(first + side)].links.empty()) set_limb(first + side, b.root, b.leaf);
       }
     }
     return {};
   }
 
-  /// Limbs of the mapping: from the first named section (or the branch's root) to the farthest end below the last named one.
+  /// Sets the limbs that the mapping names: from the first named link to the farthest leaf below the last named link.
   Error named_limbs() {
     Error wrong;
     for (int k = 0; k < limb_count; ++k) {
@@ -243,7 +252,7 @@ class Finder {
         if (i < 0) continue;
         if (first < 0) first = i;
         if (last >= 0 && !is_below(i, last))
-          wrong.add(ErrorCode::structure, "mapping", "'" + name + "' does not hang on '" + link(last).name + "'.",
+          wrong.add(ErrorCode::structure, "mapping", "'" + name + "' is not a descendant of '" + link(last).name + "'.",
                     "Name the sections of a limb from the trunk outwards.");
         last = i;
       }
@@ -263,8 +272,8 @@ class Finder {
     return wrong;
   }
 
-  /// Links of the tree on the way from a to b, a left out.
-  [[nodiscard]] std::vector<int> way(int a, int b) const {
+  /// Links on the path through the tree from a to b, without a. Empty if a and b have no common ancestor.
+  [[nodiscard]] std::vector<int> path_between(int a, int b) const {
     std::vector<int> up, down;
     int i = a, k = b;
     while (i != k) {
@@ -293,36 +302,37 @@ class Finder {
     const int pelvis = named(names_.pelvis, "mapping/pelvis", wrong), chest = named(names_.chest, "mapping/chest", wrong),
               head = named(names_.head, "mapping/head", wrong);
     if (!wrong.empty()) return wrong;
-    const auto base = [&](int k) { return link(f_.limbs[at(k)].links.front()).parent; };
-    f_.pelvis = pelvis >= 0 ? pelvis : common_ancestor(base(0), base(1));
-    const bool arms = !f_.limbs[2].links.empty() && !f_.limbs[3].links.empty();
+    const auto base = [&](int k) { return link(anatomy_.limbs[at(k)].links.front()).parent; };
+    anatomy_.pelvis = pelvis >= 0 ? pelvis : common_ancestor(base(0), base(1));
+    const bool arms = !anatomy_.limbs[2].links.empty() && !anatomy_.limbs[3].links.empty();
     int top = chest >= 0 ? chest : arms ? common_ancestor(base(2), base(3)) : -1;
-    int crown = head;
-    for (int i = 0; i < n_ && crown < 0; ++i)
-      if (link(i).label == "head") crown = i;
-    if (crown < 0) {
+    int head_link = head;
+    for (int i = 0; i < n_ && head_link < 0; ++i)
+      if (link(i).label == "head") head_link = i;
+    if (head_link < 0) {
       double best = -1e300;
       for (int i = 0; i < n_; ++i) {
         if (link(i).child >= 0 || sides_[at(i)] != 4) continue;
-        const double height = p_[at(i)].z + (f_.four_legs ? p_[at(i)].x : 0);
-        if (height > best && (top < 0 || height > p_[at(top)].z + (f_.four_legs ? p_[at(top)].x : 0) + 0.02 * size_)) {
+        const double height = p_[at(i)].z + (anatomy_.four_legs ? p_[at(i)].x : 0);
+        if (height > best && (top < 0 || height > p_[at(top)].z + (anatomy_.four_legs ? p_[at(top)].x : 0) + 0.02 * size_)) {
           best = height;
-          crown = i;
+          head_link = i;
         }
       }
     }
-    if (top < 0 && crown >= 0) top = link(crown).parent >= 0 ? link(crown).parent : crown;
-    if (top >= 0) f_.spine = way(f_.pelvis, top);
-    if (crown >= 0 && crown != f_.chest()) {
-      f_.neck = way(f_.chest(), crown);
-      for (const int i : f_.neck)
-        if (i == f_.pelvis || std::find(f_.spine.begin(), f_.spine.end(), i) != f_.spine.end()) {
-          f_.neck.clear();
+    if (top < 0 && head_link >= 0) top = link(head_link).parent >= 0 ? link(head_link).parent : head_link;
+    if (top >= 0) anatomy_.spine = path_between(anatomy_.pelvis, top);
+    if (head_link >= 0 && head_link != anatomy_.chest()) {
+      anatomy_.neck = path_between(anatomy_.chest(), head_link);
+      for (const int i : anatomy_.neck)
+        if (i == anatomy_.pelvis || std::find(anatomy_.spine.begin(), anatomy_.spine.end(), i) != anatomy_.spine.end()) {
+          anatomy_.neck.clear();
           break;
         }
-      // A jaw or a nose behind the head belongs to the head.
-      for (std::size_t k = 0; k < f_.neck.size() && head < 0; ++k)
-        if (plain(link(f_.neck[k]).name).find("head") != std::string::npos || link(f_.neck[k]).label == "head") f_.neck.resize(k + 1);
+      // Links beyond the head (jaw, nose) are not part of the neck.
+      for (std::size_t k = 0; k < anatomy_.neck.size() && head < 0; ++k)
+        if (normalized_name(link(anatomy_.neck[k]).name).find("head") != std::string::npos || link(anatomy_.neck[k]).label == "head")
+          anatomy_.neck.resize(k + 1);
     }
     return {};
   }
@@ -331,30 +341,32 @@ class Finder {
     if (!names_.tail.empty()) {
       const int first = m_.find_link(names_.tail.front()), last = m_.find_link(names_.tail.back());
       if (first < 0 || last < 0) return;
-      if (first != last) f_.tail = way(first, last);
-      f_.tail.insert(f_.tail.begin(), first);
+      if (first != last) anatomy_.tail = path_between(first, last);
+      anatomy_.tail.insert(anatomy_.tail.begin(), first);
       return;
     }
     int end = -1;
     for (int i = 0; i < n_; ++i) {
-      if (link(i).child >= 0 || sides_[at(i)] != 4 || i == f_.head() || !is_below(i, f_.pelvis)) continue;
-      const bool in_trunk =
-          std::find(f_.neck.begin(), f_.neck.end(), i) != f_.neck.end() || std::find(f_.spine.begin(), f_.spine.end(), i) != f_.spine.end();
-      if (in_trunk || (!f_.spine.empty() && is_below(i, f_.spine.front()) && link(f_.spine.front()).parent == f_.pelvis)) continue;
-      if (p_[at(i)].x < p_[at(f_.pelvis)].x - 0.03 * size_ && (end < 0 || p_[at(i)].x < p_[at(end)].x)) end = i;
+      if (link(i).child >= 0 || sides_[at(i)] != 4 || i == anatomy_.head() || !is_below(i, anatomy_.pelvis)) continue;
+      const bool in_trunk = std::find(anatomy_.neck.begin(), anatomy_.neck.end(), i) != anatomy_.neck.end() ||
+                            std::find(anatomy_.spine.begin(), anatomy_.spine.end(), i) != anatomy_.spine.end();
+      if (in_trunk ||
+          (!anatomy_.spine.empty() && is_below(i, anatomy_.spine.front()) && link(anatomy_.spine.front()).parent == anatomy_.pelvis))
+        continue;
+      if (p_[at(i)].x < p_[at(anatomy_.pelvis)].x - 0.03 * size_ && (end < 0 || p_[at(i)].x < p_[at(end)].x)) end = i;
     }
-    if (end >= 0) f_.tail = way(f_.pelvis, end);
+    if (end >= 0) anatomy_.tail = path_between(anatomy_.pelvis, end);
   }
 
   /// Divides a limb into its sections.
   Error divide(int k) {
-    Limb& limb = f_.limbs[at(k)];
+    Limb& limb = anatomy_.limbs[at(k)];
     const std::vector<int>& links = limb.links;
     const int n = static_cast<int>(links.size());
     limb.begin.fill(n);
     limb.begin[0] = 0;
     if (n == 0) return {};
-    // As the mapping or the labels have it.
+    // Sections come from the mapping, else from labels, else from bone lengths.
     std::vector<int> slots(at(n), -1);
     bool from_names = false, upper = false, lower = false;
     for (int i = 0; i < n; ++i) {
@@ -379,29 +391,30 @@ class Finder {
     }
     for (; slot < slot_count; ++slot) limb.begin[at(slot) + 1] = n;
     if (!limb.has(Slot::upper) || !limb.has(Slot::lower)) {
-      if (k >= 2 && !f_.four_legs) {  // an arm of one bone is no arm that could follow
+      if (k >= 2 && !anatomy_.four_legs) {  // an arm with a single bone cannot follow another arm
         limb = {};
         return {};
       }
-      return Error(ErrorCode::structure, m_.name(), "Its " + std::string(name_of(static_cast<LimbName>(k))) + " has no two bones.",
-                   "Name its sections in a mapping (docs/retarget.md).");
+      return Error(ErrorCode::structure, m_.name(), "Its " + std::string(name_of(static_cast<LimbName>(k))) + " has fewer than two bones.",
+                   "Name its sections in a mapping file (docs/retarget.md).");
     }
     return {};
   }
 
-  /// True if the joints at this place only turn the bone that leads to it about itself: they belong to that bone.
+  /// True if the joints at the position of links[first] only twist the preceding bone about its own axis: they belong to that bone.
+  /// @param bone m, vector of the preceding bone
   [[nodiscard]] bool only_twists(const std::vector<int>& links, int first, const Vec3& bone) const {
     for (std::size_t i = at(first); i < links.size() && norm(p_[at(links[i])] - p_[at(links[at(first)])]) < 1e-3 * norm(bone); ++i) {
       const Joint& joint = link(links[i]).joint;
       if (joint.type == JointType::fixed) continue;
       if (joint.type != JointType::revolute) return false;
-      const Vec3 axis = transpose_times(f_.R_WA, f_.X_WB[at(links[i])].R * joint.axis);
+      const Vec3 axis = transpose_times(anatomy_.R_WA, anatomy_.X_WB[at(links[i])].R * joint.axis);
       if (std::fabs(dot(axis, bone)) < 0.9 * norm(bone)) return false;
     }
     return at(first) + 1 < links.size();
   }
 
-  /// The two longest neighbouring bones are upper and lower; what coincides is one joint.
+  /// Sections from bone lengths: the two consecutive bones with the largest sum are upper and lower. Coincident joints count as one.
   [[nodiscard]] std::vector<int> slots_of_lengths(const std::vector<int>& links) const {
     const int n = static_cast<int>(links.size());
     std::vector<int> node_begin = {0};
@@ -417,7 +430,7 @@ class Finder {
       const int own = links[at(node_begin[at(i)])];
       if (i + 1 < nodes) {
         bone[at(i)] = norm(p_[at(links[at(node_begin[at(i + 1)])])] - p_[at(own)]);
-      } else {  // to the end of its shapes
+      } else {  // the last bone reaches to the end of its shapes
         for (const SupportPoint& s : support_points(link(own))) bone[at(i)] = std::max(bone[at(i)], norm(s.p) + s.radius);
         bone[at(i)] = std::min(bone[at(i)], 0.35 * total);
       }
@@ -433,12 +446,12 @@ class Finder {
 
   const Mechanism& m_;
   int n_;
-  const FigureNames& names_;
-  Figure f_;
-  std::vector<Vec3> p_;
-  std::vector<int> sides_;
+  const AnatomyNames& names_;
+  Anatomy anatomy_;
+  std::vector<Vec3> p_;     // [links] m, neutral position in anatomical axes
+  std::vector<int> sides_;  // [links] bit mask, see find_branches
   std::vector<Branch> branches_;
-  double low_ = 0, size_ = 0;
+  double low_ = 0, size_ = 0;  // m, lowest point; size for thresholds
 };
 
 }  // namespace
@@ -461,6 +474,6 @@ Slot Limb::slot_of(int link) const {
   return static_cast<Slot>(s);
 }
 
-Result<Figure> find_figure(const Mechanism& mechanism, const FigureNames& names) { return Finder(mechanism, names).run(); }
+Result<Anatomy> find_anatomy(const Mechanism& mechanism, const AnatomyNames& names) { return Finder(mechanism, names).run(); }
 
 }  // namespace ugoki::retarget

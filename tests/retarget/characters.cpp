@@ -1,4 +1,4 @@
-#include "figures.h"
+#include "characters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,8 +47,8 @@ MechanismPtr make_hinged_robot() {
     l.joint.type = parent.empty() ? JointType::floating : JointType::revolute;
     l.joint.X_PJ.p = p;
     l.joint.axis = axis;
-    l.joint.freedoms[0].lower = lower;
-    l.joint.freedoms[0].upper = upper;
+    l.joint.dofs[0].lower = lower;
+    l.joint.dofs[0].upper = upper;
     l.inertia = Inertia::from_centre(1, {}, {0.01, 0.01, 0.01, 0, 0, 0});
     l.shapes = std::move(shapes);
     spec.links.push_back(std::move(l));
@@ -118,8 +118,8 @@ double worst_excess(const Mechanism& m, const Motion& motion) {
       double x[6];
       joint_displacement(link.joint, motion.frame(f) + link.q_index, x);
       for (int k = 0; k < link.joint.nv(); ++k) {
-        const Freedom& freedom = link.joint.freedoms[at(k)];
-        worst = std::max({worst, freedom.lower - x[k], x[k] - freedom.upper});
+        const Dof& dof = link.joint.dofs[at(k)];
+        worst = std::max({worst, dof.lower - x[k], x[k] - dof.upper});
       }
     }
   return worst;
@@ -129,34 +129,34 @@ double worst_skate(const Mechanism& m, const Motion& motion) {
   double worst = 0;
   for (const ContactTrack& track : motion.contacts) {
     const int foot = m.find_link(track.link);
-    std::vector<LinkPoint> places;
+    std::vector<LinkPoint> points;
     for (int i = foot; i < m.link_count(); ++i) {
       int up = i;
       while (up > foot) up = m.link(up).parent;
       if (up != foot) continue;
-      for (const SupportPoint& p : support_points(m.link(i))) places.push_back({i, p});
+      for (const SupportPoint& p : support_points(m.link(i))) points.push_back({i, p});
     }
-    if (places.empty()) places.push_back({foot, {}});
+    if (points.empty()) points.push_back({foot, {}});
     std::vector<Pose> X(at(m.link_count())), before(X.size());
-    double way = 0;
+    double path = 0;
     for (int f = 0; f < motion.frames; ++f) {
       std::swap(X, before);
       calc_poses(m, std::span<const double>(motion.frame(f), at(motion.nq)), X);
       if (!track.on[at(f)] || f == 0 || !track.on[at(f - 1)]) {
-        way = 0;
+        path = 0;
         continue;
       }
       double low = 1e300;
       Vec3 step;
-      for (const LinkPoint& p : places) {
+      for (const LinkPoint& p : points) {
         const Pose& now = X[at(p.link)];
-        const Vec3 bottom = p.place.p + transpose_times(now.R, Vec3{0, 0, -p.place.radius});
+        const Vec3 bottom = p.location.p + transpose_times(now.R, Vec3{0, 0, -p.location.radius});
         if ((now * bottom).z >= low) continue;
         low = (now * bottom).z;
         step = now * bottom - before[at(p.link)] * bottom;
       }
-      way += std::sqrt(step.x * step.x + step.y * step.y);
-      worst = std::max(worst, way);
+      path += std::sqrt(step.x * step.x + step.y * step.y);
+      worst = std::max(worst, path);
     }
   }
   return worst;

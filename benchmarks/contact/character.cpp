@@ -1,4 +1,4 @@
-#include "figure.h"
+#include "character.h"
 
 #include <string>
 
@@ -7,7 +7,7 @@
 namespace ugoki::benchmarks {
 namespace {
 
-/// A link whose box hangs from its joint along `along`, `size` metres in x, y, z.
+/// Adds a link with a box of `size` [m] whose centre is at `along` [m] from its joint.
 LinkSpec make_link(const std::string& name, const std::string& parent, JointType type, const Vec3& at, const Vec3& size,
                    const Vec3& along) {
   LinkSpec link;
@@ -19,7 +19,7 @@ LinkSpec make_link(const std::string& name, const std::string& parent, JointType
   const Shape box = Shape::box(size * 0.5, {Mat3::identity(), along});
   link.shapes = {box};
   link.inertia = solid_inertia(box, 1000);
-  for (Freedom& f : link.joint.freedoms) f.armature = type == JointType::floating ? 0 : 0.01;
+  for (Dof& f : link.joint.dofs) f.armature = type == JointType::floating ? 0 : 0.01;
   return link;
 }
 
@@ -40,9 +40,9 @@ void add_limbs(MechanismSpec& spec, const std::string& side, double y) {
 
 }  // namespace
 
-MechanismPtr make_figure() {
+MechanismPtr make_character() {
   MechanismSpec spec;
-  spec.name = "figure";
+  spec.name = "character";
   spec.links.push_back(make_link("pelvis", "", JointType::floating, {}, {0.18, 0.28, 0.16}, {0, 0, 0.03}));
   spec.links.push_back(make_link("abdomen", "pelvis", JointType::spherical, {0, 0, 0.12}, {0.18, 0.26, 0.16}, {0, 0, 0.08}));
   spec.links.push_back(make_link("loin", "abdomen", JointType::revolute, {0, 0, 0.16}, {0.18, 0.26, 0.08}, {0, 0, 0.04}));
@@ -56,20 +56,20 @@ MechanismPtr make_figure() {
   return *made;
 }
 
-State lively_state(const Mechanism& figure) {
-  State state(figure);
-  std::vector<double> bend(static_cast<std::size_t>(figure.nv()));
+State lively_state(const Mechanism& character) {
+  State state(character);
+  std::vector<double> bend(static_cast<std::size_t>(character.nv()));
   for (std::size_t i = 0; i < bend.size(); ++i) {
     bend[i] = 0.05 * static_cast<double>(static_cast<int>(i * 7 % 13) - 6);
     state.v[i] = 0.3 * static_cast<double>(static_cast<int>(i * 5 % 11) - 5);
     state.tau[i] = 4.0 * static_cast<double>(static_cast<int>(i * 3 % 7) - 3);
   }
-  integrate(figure, figure.neutral(), bend, 1.0, state.q);
+  integrate(character, character.neutral(), bend, 1.0, state.q);
   return state;
 }
 
-State standing_state(const Mechanism& figure) {
-  State state(figure);
+State standing_state(const Mechanism& character) {
+  State state(character);
   state.q[2] = 0.05 + 0.42 + 0.42 + 0.05 + 0.03;
   return state;
 }

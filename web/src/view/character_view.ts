@@ -1,8 +1,8 @@
-/** A mechanism drawn as shaded bodies: one mesh a link, placed straight from the numbers of a frame. */
+/** Drawing of a character: one shaded mesh for each link, posed from the values of a frame. */
 import * as THREE from 'three';
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
 import { mergeGeometries, mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
-import type { Frame, FigureFrame } from '../core/frames';
+import type { Frame, CharacterFrame } from '../core/frames';
 import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
 import { surface_geometry, type Surfaces } from './surfaces';
 
@@ -10,7 +10,7 @@ const pose_position = new THREE.Vector3();
 const pose_rotation = new THREE.Quaternion();
 const unit_scale = new THREE.Vector3(1, 1, 1);
 
-/** Segments around a body of radius `r`: fine enough that its outline looks round from close by, and no finer. */
+/** Number of segments around a body of radius `r` (m), 14 ... 40: enough for a round outline in close view. */
 const around = (r: number): number => Math.round(Math.min(40, Math.max(14, 12 + 110 * r)));
 
 function shape_geometry(shape: ShapeData, surfaces: Surfaces): THREE.BufferGeometry {
@@ -31,7 +31,7 @@ function shape_geometry(shape: ShapeData, surfaces: Surfaces): THREE.BufferGeome
     geometry = surface_geometry(surfaces, shape.surface);
   } else {
     const [x, y, z] = shape.half_extents ?? [0.05, 0.05, 0.05];
-    // soft as a body's part, yet a crate stays a crate: what is drawn is what collides
+    // slightly rounded edges, at most 20 mm, so that the drawn box stays close to the collision box
     geometry = new RoundedBoxGeometry(2 * x, 2 * y, 2 * z, 4, Math.min(0.02, 0.42 * Math.min(x, y, z)));
   }
   const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = shape.pose;
@@ -40,7 +40,7 @@ function shape_geometry(shape: ShapeData, surfaces: Surfaces): THREE.BufferGeome
   return geometry.index ? geometry : mergeVertices(geometry);
 }
 
-/** One geometry of all shapes of a link, in the link's frame; null where it has none. */
+/** One merged geometry of all shapes of a link, in the link's frame; null if the link has no shapes. */
 export function link_geometry(link: LinkData, surfaces: Surfaces): THREE.BufferGeometry | null {
   if (link.shapes.length === 0) return null;
   const geometry = mergeGeometries(link.shapes.map((shape) => shape_geometry(shape, surfaces)));
@@ -48,9 +48,10 @@ export function link_geometry(link: LinkData, surfaces: Surfaces): THREE.BufferG
   return geometry;
 }
 
-/** Geometries of a mechanism, shared by all figures and ghosts of it. */
+/** Geometries of a mechanism's links. All characters and ghosts of the mechanism share them. */
 export const mechanism_geometries = (mechanism: MechanismData): (THREE.BufferGeometry | null)[] => mechanism.links.map((link) => link_geometry(link, mechanism.surfaces ?? {}));
 
+/** Identifies a link of a character. Stored in each mesh's `userData`. */
 export interface LinkTag {
   character: string;
   link: number;
@@ -58,8 +59,10 @@ export interface LinkTag {
 
 export type Emphasis = 'none' | 'hover' | 'selected' | 'pulled';
 
-export class Figure {
+/** The three.js object that shows a character: a group with one mesh for each link. Geometries are shared and not owned. */
+export class CharacterView {
   readonly group = new THREE.Group();
+  /** Mesh of each link; null for links without shapes. */
   readonly links: (THREE.Mesh | null)[];
   private readonly plain: THREE.MeshStandardMaterial;
   private readonly emphasised: Record<Exclude<Emphasis, 'none'>, THREE.MeshStandardMaterial>;
@@ -96,6 +99,7 @@ export class Figure {
     for (const material of Object.values(this.emphasised)) material.color.set(color);
   }
 
+  /** Highlights a link. */
   emphasise(link: number, emphasis: Emphasis): void {
     const mesh = this.links[link];
     if (!mesh || this.shown[link] === emphasis) return;
@@ -103,6 +107,7 @@ export class Figure {
     mesh.material = emphasis === 'none' ? this.plain : this.emphasised[emphasis];
   }
 
+  /** Poses all links as in the neutral position. */
   place_neutral(): void {
     this.mechanism.links.forEach((link, index) => {
       const p = link.neutral;
@@ -110,12 +115,13 @@ export class Figure {
     });
   }
 
-  place(frame: Frame, figure: FigureFrame): void {
-    const count = Math.min(figure.links, this.links.length);
-    for (let i = 0; i < count; i++) set_pose(this.links[i], frame.floats, figure.poses + 7 * i);
+  /** Poses all links as in a frame. */
+  place(frame: Frame, character: CharacterFrame): void {
+    const count = Math.min(character.links, this.links.length);
+    for (let i = 0; i < count; i++) set_pose(this.links[i], frame.floats, character.poses + 7 * i);
   }
 
-  /** Poses in a row as previews have them, x y z qw qx qy qz each, from number `at` on. */
+  /** Poses all links from packed values of a preview: x y z (m) qw qx qy qz for each link, starting at index `at`. */
   place_poses(values: Float32Array, at: number, links: number): void {
     const count = Math.min(links, this.links.length);
     for (let i = 0; i < count; i++) set_pose(this.links[i], values, at + 7 * i);
@@ -135,13 +141,14 @@ function set_pose(mesh: THREE.Mesh | null | undefined, values: ArrayLike<number>
   mesh.matrixWorldNeedsUpdate = true;
 }
 
-/** A figure at another time: one even, transparent silhouette (depth first, colour after). */
+/** A ghost: the character at another time as an even, transparent silhouette. Depth is drawn first, so that inner surfaces stay hidden. */
 export class Ghost {
   readonly group = new THREE.Group();
   private readonly pairs: ([THREE.Mesh, THREE.Mesh] | null)[];
   private readonly color_material: THREE.MeshStandardMaterial;
   private readonly depth_material: THREE.MeshBasicMaterial;
 
+  /** @param order index of the ghost of its character; fixes the draw order */
   constructor(geometries: (THREE.BufferGeometry | null)[], order: number) {
     this.depth_material = new THREE.MeshBasicMaterial({ colorWrite: false });
     this.color_material = new THREE.MeshStandardMaterial({
@@ -167,14 +174,15 @@ export class Ghost {
     this.group.visible = false;
   }
 
-  show(frame: Frame, figure: FigureFrame, opacity: number): void {
+  /** Shows the character as in `frame`. @param opacity 0 ... 1 */
+  show(frame: Frame, character: CharacterFrame, opacity: number): void {
     this.color_material.opacity = opacity;
-    const count = Math.min(figure.links, this.pairs.length);
+    const count = Math.min(character.links, this.pairs.length);
     for (let i = 0; i < count; i++) {
       const pair = this.pairs[i];
       if (!pair) continue;
-      set_pose(pair[0], frame.floats, figure.poses + 7 * i);
-      set_pose(pair[1], frame.floats, figure.poses + 7 * i);
+      set_pose(pair[0], frame.floats, character.poses + 7 * i);
+      set_pose(pair[1], frame.floats, character.poses + 7 * i);
     }
     this.group.visible = true;
   }

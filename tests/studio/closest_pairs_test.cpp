@@ -1,4 +1,4 @@
-// Distances that are added to frames, against closed forms.
+// Closest points that are appended to frames, compared with closed forms.
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,12 @@
 
 #include "ugoki/content/display_frame.h"
 #include "ugoki/samples/samples.h"
-#include "ugoki/studio/nearest_pairs.h"
+#include "ugoki/studio/closest_pairs.h"
 
 namespace ugoki::studio {
 namespace {
 
-constexpr double radius = 0.11;  // of the sample's ball
+constexpr double radius = 0.11;  // m, radius of the sample's ball
 
 std::vector<std::byte> frame_of(const std::vector<Vec3>& places) {
   content::DisplayFrame frame;
@@ -34,12 +34,12 @@ T at(std::span<const std::byte> bytes, std::size_t offset) {
   return value;
 }
 
-TEST(NearestPairs, OfBallsAreWhatTheirCentresSay) {
+TEST(ClosestPairs, DistancesOfBallsMatchTheirCentres) {
   const std::vector<Vec3> places = {{0, 0, 1}, {1, 0, 1}, {0, 0, 1.15}, {9, 0, 0}};
-  NearestPairs pairs(std::vector<MechanismPtr>(places.size(), samples::make_ball()));
+  ClosestPairs pairs(std::vector<MechanismPtr>(places.size(), samples::make_ball()));
   const std::vector<std::byte> frame = frame_of(places);
-  const std::span<const std::byte> out = pairs.added_to(frame);
-  ASSERT_EQ(at<std::uint32_t>(out, 56), 3u) << "the fourth is too far away";
+  const std::span<const std::byte> out = pairs.append_to(frame);
+  ASSERT_EQ(at<std::uint32_t>(out, 56), 3u) << "the fourth ball is farther away than max_distance";
   ASSERT_EQ(out.size(), frame.size() + 3 * 32);
   EXPECT_EQ(std::memcmp(out.data() + 64, frame.data() + 64, frame.size() - 64), 0);
   const struct {
@@ -56,11 +56,11 @@ TEST(NearestPairs, OfBallsAreWhatTheirCentresSay) {
   }
 }
 
-TEST(NearestPairs, FramesOfAnotherFormStayAsTheyAre) {
-  NearestPairs pairs({samples::make_ball(), samples::make_ball()});
+TEST(ClosestPairs, FrameWithOtherCharactersIsReturnedUnchanged) {
+  ClosestPairs pairs({samples::make_ball(), samples::make_ball()});
   const std::vector<std::byte> other = frame_of({{0, 0, 1}});
-  EXPECT_EQ(pairs.added_to(other).data(), other.data());
-  EXPECT_EQ(pairs.added_to({}).size(), 0u);
+  EXPECT_EQ(pairs.append_to(other).data(), other.data());
+  EXPECT_EQ(pairs.append_to({}).size(), 0u);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "ugoki/studio/nearest_pairs.h"
+#include "ugoki/studio/closest_pairs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,11 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::size_t characters_at = 24, nearest_at = 56;
+// byte offsets in the frame's header, and sizes of the frame's parts [bytes]
+constexpr std::size_t characters_at = 24, closest_count_at = 56;
 constexpr std::size_t head_size = 64, character_size = 56, link_size = 28;
 
-std::uint32_t number_at(std::span<const std::byte> frame, std::size_t at) {
+std::uint32_t read_u32(std::span<const std::byte> frame, std::size_t at) {
   std::uint32_t value = 0;
   std::memcpy(&value, frame.data() + at, sizeof value);
   return value;
@@ -31,17 +32,17 @@ void add(std::vector<std::byte>& out, const Vec3& v) {
 
 }  // namespace
 
-NearestPairs::NearestPairs(std::vector<MechanismPtr> mechanisms)
+ClosestPairs::ClosestPairs(std::vector<MechanismPtr> mechanisms)
     : scene_(std::move(mechanisms), {}, {.with_ground = false, .between_systems = true, .self_collision = false}), tree_(scene_) {
   for (const MechanismPtr& m : scene_.systems()) poses_.emplace_back(static_cast<std::size_t>(m->link_count()));
   for (const auto& p : poses_) views_.emplace_back(p);
 }
 
-bool NearestPairs::read_poses(std::span<const std::byte> frame) {
-  if (frame.size() < head_size || number_at(frame, characters_at) != poses_.size()) return false;
+bool ClosestPairs::read_poses(std::span<const std::byte> frame) {
+  if (frame.size() < head_size || read_u32(frame, characters_at) != poses_.size()) return false;
   std::size_t at = head_size;
   for (std::vector<Pose>& poses : poses_) {
-    if (at + character_size + poses.size() * link_size > frame.size() || number_at(frame, at) != poses.size()) return false;
+    if (at + character_size + poses.size() * link_size > frame.size() || read_u32(frame, at) != poses.size()) return false;
     at += character_size;
     for (Pose& X : poses) {
       float x[7];
@@ -53,16 +54,16 @@ bool NearestPairs::read_poses(std::span<const std::byte> frame) {
   return true;
 }
 
-void NearestPairs::find() {
+void ClosestPairs::find() {
   tree_.update(views_);
   found_.clear();
   const int count = static_cast<int>(poses_.size());
-  // in a large heap only what is near is asked for: pairs of all with all would grow with the square
-  constexpr int most_figures = 24;
-  if (count <= most_figures) {
+  // With more characters only pairs closer than 0.1 m are searched, because the number of all pairs grows with the square.
+  constexpr int max_characters = 24;  // 276 pairs
+  if (count <= max_characters) {
     for (int a = 0; a < count; ++a)
       for (int b = a + 1; b < count; ++b)
-        if (const collision::NearPair& pair = tree_.nearest(a, b); pair.bodies.a >= 0 && pair.near.distance <= farthest)
+        if (const collision::NearPair& pair = tree_.nearest(a, b); pair.bodies.a >= 0 && pair.near.distance <= max_distance)
           found_.push_back({a, b, pair.near});
   } else {
     std::vector<collision::NearPair> near;
@@ -79,15 +80,15 @@ void NearestPairs::find() {
     }
   }
   std::ranges::sort(found_, {}, [](const Found& f) { return std::tuple(f.near.distance, f.a, f.b); });
-  if (found_.size() > most) found_.resize(most);
+  if (found_.size() > max_pairs) found_.resize(max_pairs);
 }
 
-std::span<const std::byte> NearestPairs::added_to(std::span<const std::byte> frame) {
+std::span<const std::byte> ClosestPairs::append_to(std::span<const std::byte> frame) {
   if (!read_poses(frame)) return frame;
   find();
   bytes_.assign(frame.begin(), frame.end());
   const auto count = static_cast<std::uint32_t>(found_.size());
-  std::memcpy(bytes_.data() + nearest_at, &count, sizeof count);
+  std::memcpy(bytes_.data() + closest_count_at, &count, sizeof count);
   for (const Found& f : found_) {
     add(bytes_, f.near.pa);
     add(bytes_, f.near.pb);

@@ -1,6 +1,6 @@
-"""Makes a skinned, animated figure in Blender, exports it, and writes where Blender has its joints.
+"""Makes a skinned, animated character in Blender, exports it, and writes the positions of its joints.
 
-blender -b --factory-startup --python-exit-code 3 --python make_figure.py -- FILE(.fbx|.dae) EXPECTED SEED
+blender -b --factory-startup --python-exit-code 3 --python make_character.py -- FILE(.fbx|.dae) EXPECTED SEED
 EXPECTED: lines "rate R", then for each frame "frame F" and for each joint "x y z name": heads of bones in the world, Blender's axes, metres.
 """
 import math
@@ -22,15 +22,15 @@ def direction(size):
 scene = bpy.context.scene
 scene.render.fps, scene.render.fps_base = RATE, 1.0
 scene.frame_start, scene.frame_end = 1, FRAMES
-for thing in list(bpy.data.objects):
-    bpy.data.objects.remove(thing)
+for item in list(bpy.data.objects):
+    bpy.data.objects.remove(item)
 
-# A tree of bones with rolls of their own; some start where their parent ends, some elsewhere.
-data = bpy.data.armatures.new("figure")
-figure = bpy.data.objects.new("figure", data)
-scene.collection.objects.link(figure)
-bpy.context.view_layer.objects.active = figure
-figure.select_set(True)
+# A tree of bones with individual rolls; some start at the end of their parent, some at another position.
+data = bpy.data.armatures.new("character")
+character = bpy.data.objects.new("character", data)
+scene.collection.objects.link(character)
+bpy.context.view_layer.objects.active = character
+character.select_set(True)
 bpy.ops.object.mode_set(mode="EDIT")
 bones = []
 for i in range(BONES):
@@ -47,7 +47,7 @@ names = [bone.name for bone in bones]
 places = {bone.name: (bone.head.copy(), bone.tail.copy()) for bone in bones}
 bpy.ops.object.mode_set(mode="OBJECT")
 
-# A tetrahedron on every bone, bound to it.
+# A tetrahedron for every bone, skinned to it.
 vertices, faces = [], []
 for name in names:
     head, tail = places[name]
@@ -61,18 +61,18 @@ skin = bpy.data.objects.new("skin", mesh)
 scene.collection.objects.link(skin)
 for i, name in enumerate(names):
     skin.vertex_groups.new(name=name).add(range(4 * i, 4 * i + 4), 1.0, "REPLACE")
-skin.parent = figure
-skin.modifiers.new("skin", "ARMATURE").object = figure
+skin.parent = character
+skin.modifiers.new("skin", "ARMATURE").object = character
 
-# The figure stands somewhere, turned and of another size, the second one also moves as a whole; its bones turn in every frame, its first
-# bone is also displaced.
-figure.location, figure.rotation_euler = (0.7, -0.4, 0.2), (0.1, -0.2, 0.9)
-figure.scale = (0.8,) * 3 if seed == "3" else (1,) * 3
+# The character has a position and rotation in the world; with seed 3 it is scaled, with seed 2 its object is animated as well. All bones
+# rotate in every frame, and the first bone also translates.
+character.location, character.rotation_euler = (0.7, -0.4, 0.2), (0.1, -0.2, 0.9)
+character.scale = (0.8,) * 3 if seed == "3" else (1,) * 3
 waves = {name: (direction(1), dice.uniform(0.3, 1.4), dice.uniform(0.5, 2)) for name in names}
 for frame in range(1, FRAMES + 1):
     t = (frame - 1) / RATE
     for name in names:
-        bone = figure.pose.bones[name]
+        bone = character.pose.bones[name]
         axis, size, speed = waves[name]
         turn = Quaternion(axis, size * math.sin(2 * math.pi * speed * t + size))
         if name.endswith("5"):
@@ -84,10 +84,10 @@ for frame in range(1, FRAMES + 1):
             bone.rotation_quaternion = turn
             bone.keyframe_insert("rotation_quaternion", frame=frame)
     if seed == "2":
-        figure.location.x, figure.rotation_euler.z = 0.7 + 0.5 * t, 0.9 - 0.6 * t
-        figure.keyframe_insert("location", frame=frame)
-        figure.keyframe_insert("rotation_euler", frame=frame)
-    first = figure.pose.bones[names[0]]
+        character.location.x, character.rotation_euler.z = 0.7 + 0.5 * t, 0.9 - 0.6 * t
+        character.keyframe_insert("location", frame=frame)
+        character.keyframe_insert("rotation_euler", frame=frame)
+    first = character.pose.bones[names[0]]
     first.location = (0.3 * t, 0.1 * math.sin(4 * t), -0.2 * t)
     first.keyframe_insert("location", frame=frame)
 
@@ -97,7 +97,7 @@ with open(expected, "w", encoding="utf-8") as out:
         scene.frame_set(1 + frame)
         out.write(f"frame {frame}\n")
         for name in names:
-            at = figure.matrix_world @ figure.pose.bones[name].head
+            at = character.matrix_world @ character.pose.bones[name].head
             out.write("%.9f %.9f %.9f %s\n" % (*at, name))
 scene.frame_set(1)
 if path.endswith(".fbx"):

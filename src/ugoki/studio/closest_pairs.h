@@ -1,0 +1,44 @@
+#pragma once
+// Closest points of each two characters, appended to a display frame when a page asks for them.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "ugoki/collision/scene.h"
+#include "ugoki/collision/scene_tree.h"
+#include "ugoki/mechanism/mechanism.h"
+
+namespace ugoki::studio {
+
+class ClosestPairs {
+ public:
+  /// Pairs farther apart than this are not shown, m.
+  static constexpr double max_distance = 3;
+  /// Maximum number of pairs in a frame; the closest pairs are kept.
+  static constexpr std::size_t max_pairs = 64;
+
+  /// @param mechanisms of the characters, in the order of the frames
+  explicit ClosestPairs(std::vector<MechanismPtr> mechanisms);
+
+  /// The frame followed by the closest points of each two characters (docs/studio-protocol.md). Returns `frame` itself if it has other
+  /// characters or links than the mechanisms. The result is valid until the next call.
+  [[nodiscard]] std::span<const std::byte> append_to(std::span<const std::byte> frame);
+
+ private:
+  struct Found {
+    int a, b;  ///< indices of the characters, a < b
+    collision::PairDistance near;
+  };
+  [[nodiscard]] bool read_poses(std::span<const std::byte> frame);
+  void find();
+
+  collision::Scene scene_;
+  collision::SceneTree tree_;
+  std::vector<std::vector<Pose>> poses_;  // [characters][links]
+  std::vector<std::span<const Pose>> views_;
+  std::vector<Found> found_;
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace ugoki::studio
