@@ -27,7 +27,7 @@ namespace ugoki::contact {
 struct GuardOptions {
   double depth = 4e-4;   ///< m: smaller overlaps at the end of a step are accepted
   int passes = 12;       ///< maximum number of times that a step or substep is solved, including the first
-  double margin = 0.02;  ///< m: distance up to which the contacts of substeps are searched
+  double margin = 0.02;  ///< m: pairs of shapes up to this gap at the beginning of a substep become its contacts
 };
 
 /// Steps a Stepper so that no bodies overlap at the end or pass through each other; see the top of this file.

@@ -71,7 +71,10 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     }
     x.free_body = m.link_count() == 1 && m.link(0).joint.type == JointType::floating;
     x.rolling_radius = x.free_body ? rolling_radius(m.link(0)) : 0;
-    if (std::ranges::any_of(m.loops(), &Loop::closed)) x.loops = std::make_unique<SystemScratch::Loops>(m);
+    if (std::ranges::any_of(m.loops(), &Loop::closed)) {
+      x.loops = std::make_unique<SystemScratch::Loops>(m);
+      max_dense_rows_ = 0;
+    }
     for (std::size_t k = 0; k < n; ++k) x.contiguous_chain.push_back(ws.depth[k] == static_cast<int>(k) ? 1 : 0);
   }
   solver_.set_systems(first);
@@ -130,7 +133,7 @@ void Stepper::find_impacts(std::span<StepSystem> systems, std::span<const collis
 /// @param careful true when a step is repeated: more sweeps and a tighter coarse tolerance
 SolverOptions Stepper::solver_options(double dt, bool careful) const {
   const double coarse = (careful ? 0.3 : 1.0) * coarse_distance / dt;
-  return {(careful ? 4 : 1) * options_.iterations, options_.tolerance, coarse, options_.softness};
+  return {(careful ? 4 : 1) * options_.iterations, options_.tolerance, coarse, options_.softness, max_dense_rows_};
 }
 
 StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, std::size_t forced) {
@@ -172,6 +175,7 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
   for (const RowBlock& b : solver_.blocks()) report.contacts += b.kind == RowKind::contact ? 1 : 0;
   report.sweeps = solved.sweeps;
   report.newton_steps = solved.newton_steps;
+  report.handed_over = solved.handed_over;
   report.islands = solved.islands;
   report.residual = solved.residual;
   for (std::size_t s = 0; s < systems.size() && !solver_.blocks().empty(); ++s) {

@@ -67,6 +67,7 @@ struct StepReport {
   int system = -1, dof = -1;
   int sweeps = 0;        ///< sweeps over the island that needed the most
   int newton_steps = 0;  ///< Newton steps, summed over all islands
+  int handed_over = 0;   ///< small islands that the dense solver did not finish (velocity_solver.h)
   int islands = 0;       ///< groups of systems joined by contacts, and single systems with rows (limits, dry friction, ground contacts)
   double residual = 0;   ///< m/s: maximum change of velocity in the last sweep
   int contacts = 0;      ///< contacts that had rows
@@ -173,6 +174,9 @@ class Stepper {
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;
+  // 0 if a system has loops: with the dense solver, the energy of a falling cassie_v2 rises by its weight times 0.6 m (FallingRobots
+  // tests).
+  int max_dense_rows_ = DenseIsland::max_rows;
   CollisionImpulse impact_;
   std::vector<LinkSystem> impact_systems_;
   std::vector<double> impact_impulses_;  // [contacts] N s: normal impulse of the impact phase

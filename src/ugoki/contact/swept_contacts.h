@@ -50,9 +50,9 @@ class SweptContacts {
   const collision::Scene* scene_;
   collision::ImpactSearch search_;
   std::vector<collision::SystemMotion> motions_;
-  std::vector<double> still_;                                     // zeros
-  std::vector<double> q_;                                         // [nq] coordinates, at the time of its impact, of the system whose contact points are being computed
-  std::vector<Pose> X_;                                           // [links] poses of this system at the same time
+  std::vector<double> still_;  // [nv] zeros: velocities of systems whose impact is already found
+  std::vector<double> q_;      // [nq] coordinates, at the time of its impact, of the system whose contact points are being computed
+  std::vector<Pose> X_;        // [links] poses of this system at the same time
   std::vector<std::unique_ptr<dynamics::Workspace>> kinematics_;  // [systems] null until the first impact of the system
   collision::ManifoldWorkspace work_;
   collision::Manifold points_;

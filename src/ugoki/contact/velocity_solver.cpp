@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ugoki/contact/contact_law.h"
+
 namespace ugoki::contact {
 namespace {
 
@@ -13,13 +15,6 @@ inline void add_products_6(const double* y, int rows, const double* w, double* u
     const double odd = y[1] * w[1] + y[3] * w[3] + y[5] * w[5];
     u[r] += even + odd;
   }
-}
-
-/// out = S x for a symmetric 3 x 3 matrix with entries 00 11 22 01 02 12.
-inline void multiply(const double* S, const double* x, double* out) {
-  out[0] = S[0] * x[0] + S[3] * x[1] + S[4] * x[2];
-  out[1] = S[3] * x[0] + S[1] * x[1] + S[5] * x[2];
-  out[2] = S[4] * x[0] + S[5] * x[1] + S[2] * x[2];
 }
 
 /// Inverse of a symmetric 3 x 3 matrix with entries 00 11 22 01 02 12, regularised by 1e-12 of its trace.
@@ -34,58 +29,6 @@ void invert(const double* S, double* out) {
   out[3] = D * scale;
   out[4] = E * scale;
   out[5] = (d * e - a * f) * scale;
-}
-
-/// Projects (x, y) onto the disk of the given radius about the origin.
-inline void clamp_to_disk(double& x, double& y, double radius) {
-  const double size = std::sqrt(x * x + y * y);
-  if (size <= radius) return;
-  const double scale = radius / size;
-  x *= scale;
-  y *= scale;
-}
-
-/// Solves a sliding contact whose friction acts on the normal velocity about as strongly as the normal impulse does. The alternating
-/// iteration of solve_contact() may oscillate there and end at p = 0 with the contact still closing. Here friction is at its bound and
-/// opposed to the sliding velocity c_t, so that the normal impulse is the only unknown:
-///   0 = c_n + (B_nn - mu B_nt . c_t / |c_t|) p_n
-void slide(const RowBlock& b, const double* c, double* p) {
-  const double speed = std::sqrt(c[1] * c[1] + c[2] * c[2]);
-  if (!(speed > 0)) return;
-  const double along[2] = {-b.mu * c[1] / speed, -b.mu * c[2] / speed};
-  const double lift = b.B[0] + b.B[3] * along[0] + b.B[4] * along[1];
-  if (!(lift > 1e-3 * b.B[0])) return;  // friction cancels the normal impulse (jamming): no solution
-  p[0] = -c[0] / lift;
-  p[1] = p[0] * along[0];
-  p[2] = p[0] * along[1];
-}
-
-/// Solves one contact with all other impulses fixed.
-/// @param c [3] velocity without the contact's own impulse
-/// @param p [3, in out] impulse (n, t1, t2); in: the previous one
-void solve_contact(const RowBlock& b, const double* c, double* p) {
-  if (b.impact_impulse == 0 && c[0] >= 0) {
-    p[0] = p[1] = p[2] = 0;
-    return;
-  }
-  double stick[3];
-  multiply(b.inverse, c, stick);
-  const double cone = b.mu * (b.impact_impulse - stick[0]);
-  if (stick[0] <= 0 && stick[1] * stick[1] + stick[2] * stick[2] <= cone * cone) {
-    for (int r = 0; r < 3; ++r) p[r] = -stick[r];
-    return;
-  }
-  const double mean = 0.5 * (b.B[1] + b.B[2]), half = 0.5 * (b.B[1] - b.B[2]);
-  const double step = 1 / (mean + std::sqrt(half * half + b.B[5] * b.B[5]));
-  for (int k = 0; k < 2; ++k) {
-    p[0] = std::max(0.0, -(c[0] + b.B[3] * p[1] + b.B[4] * p[2]) / b.B[0]);
-    const double u1 = c[1] + b.B[3] * p[0] + b.B[1] * p[1] + b.B[5] * p[2];
-    const double u2 = c[2] + b.B[4] * p[0] + b.B[5] * p[1] + b.B[2] * p[2];
-    p[1] -= step * u1;
-    p[2] -= step * u2;
-    clamp_to_disk(p[1], p[2], b.mu * (p[0] + b.impact_impulse));
-  }
-  if (p[0] == 0 && b.impact_impulse == 0) slide(b, c, p);
 }
 
 }  // namespace
@@ -233,36 +176,12 @@ double VelocitySolver::relax(RowBlock& b) {
   double u[3], next[3], change[3];
   velocities(b, u);
   double* p = p_.data() + b.row;
-  switch (b.kind) {
-    case RowKind::contact: {
-      double own[3], c[3];
-      multiply(b.B, p, own);
-      own[0] -= softness_ * b.B[0] * p[0];  // B includes the compliance, u does not
-      for (int r = 0; r < 3; ++r) {
-        c[r] = u[r] - own[r];
-        next[r] = p[r];
-      }
-      solve_contact(b, c, next);
-      break;
-    }
-    case RowKind::limit: next[0] = std::max(0.0, p[0] - u[0] / b.B[0]); break;
-    case RowKind::friction: next[0] = std::clamp(p[0] - u[0] / b.B[0], -b.bound, b.bound); break;
-    case RowKind::roll: {
-      const RowBlock& contact_block = blocks_[static_cast<std::size_t>(b.contact_block)];
-      const double maximum = b.mu * (p_[static_cast<std::size_t>(contact_block.row)] + contact_block.impact_impulse);
-      const double stiff = std::max({b.B[0], b.B[1], b.B[2]});
-      double square = 0;
-      for (int r = 0; r < 3; ++r) {
-        next[r] = p[r] - u[r] / stiff;
-        square += next[r] * next[r];
-      }
-      if (square > maximum * maximum) {
-        const double scale = maximum / std::sqrt(square);
-        for (double& x : next) x *= scale;
-      }
-      break;
-    }
+  double normal = 0;
+  if (b.kind == RowKind::roll) {
+    const RowBlock& contact = blocks_[static_cast<std::size_t>(b.contact_block)];
+    normal = p_[static_cast<std::size_t>(contact.row)] + contact.impact_impulse;
   }
+  next_impulse(b, u, p, softness_, normal, next);
   double maximum = 0, square = 0;
   for (int r = 0; r < b.rows; ++r) {
     change[r] = next[r] - p[r];
@@ -347,6 +266,31 @@ void VelocitySolver::find_islands() {
   }
 }
 
+/// Solves an island of few rows by its dense matrix. @return whether it converged; if not, p and w hold the best impulses found
+bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& options, double tolerance, SolverReport& report) {
+  const std::span<const int> order =
+      std::span(order_).subspan(static_cast<std::size_t>(island.first_block), static_cast<std::size_t>(island.blocks));
+  int rows = 0;
+  for (const int i : order) rows += blocks_[static_cast<std::size_t>(i)].rows;
+  if (rows > std::min(options.max_dense_rows, DenseIsland::max_rows)) return false;
+  const DenseResult result = dense_.solve({blocks_, order, segments_, rows_.data(), target_.data(), p_.data()}, softness_, tolerance);
+  for (int k = 0; k < island.systems; ++k) {
+    const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
+    std::fill(w_.begin() + first_[s], w_.begin() + first_[s + 1], 0.0);
+  }
+  for (const int i : order) {
+    const RowBlock& b = blocks_[static_cast<std::size_t>(i)];
+    apply(b, p_.data() + b.row);
+  }
+  report.sweeps = std::max(report.sweeps, result.sweeps);
+  report.newton_steps += result.newton_steps;
+  if (result.converged)
+    report.residual = std::max(report.residual, result.change);
+  else
+    ++report.handed_over;
+  return result.converged;
+}
+
 void VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
   constexpr int round = 12;      // sweeps between two checks of the convergence rate
   constexpr int max_rounds = 6;  // rounds up to which sweeping is cheaper than Newton's method
@@ -354,6 +298,7 @@ void VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
   const bool crowded = static_cast<int>(blocks_.size()) > crowd;
   const int maximum = crowded ? options.iterations / 2 : options.iterations;
   double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
+  if (!crowded && solve_densely(island, options, tolerance, report)) return;
   bool newton_helps = true;
   double change = 0, before = HUGE_VAL;
   for (int sweeps = 1;; ++sweeps) {

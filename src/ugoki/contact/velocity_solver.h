@@ -6,17 +6,13 @@
 //   u = J v - wanted = target + y . w,   w = sum of y p over all rows,   |w|^2 / 2 = kinetic energy of the velocity change [J]
 // so that the solver needs no masses. u is in m/s or rad/s, p in N s or N m s, y in 1/sqrt(kg) or 1/sqrt(kg m^2).
 //
-// The impulses p satisfy, with B = Y Y^T (the inverse inertia of a block of rows):
-//   contact (n, t1, t2):  u_n + s p_n >= 0,  p_n >= 0,  p_n (u_n + s p_n) = 0;  |p_t| <= mu (p_n + impact_impulse), opposed to u_t
-//   limit:                u >= 0,  p >= 0,  p u = 0
-//   friction:             |p| <= bound, opposed to u
-//   roll (3 rows):        |p| <= mu (p_n + impact_impulse) of its contact, opposed to u; mu is the lever of rolling resistance [m]
-// s is the compliance of a contact (SolverOptions::softness).
+// The impulses p satisfy the law of each block (contact_law.h).
 //
-// An island is a group of systems joined by rows; islands are solved one by one. A sweep visits the blocks of an island one after the
-// other (block Gauss-Seidel) and solves each contact with its own 3 x 3 matrix. If sweeps converge slowly (heavy bodies on light ones,
-// towers), the island is solved by Newton's method on w for the augmented Lagrangian. Its sparse matrix 1 + Y^T G Y couples only
-// systems that touch (envelope Cholesky, breadth-first order).
+// An island is a group of systems joined by rows; islands are solved one by one, each by the first of these methods that converges:
+//   1. Small islands: sweeps and semi-smooth Newton steps on the dense matrix B = Y Y^T (dense_island.h).
+//   2. Sweeps: each visits the blocks of the island one after the other (block Gauss-Seidel) and solves each block by itself.
+//   3. If sweeps converge slowly (heavy bodies on light ones, towers): Newton's method on w for the augmented Lagrangian. Its sparse matrix
+//      1 + Y^T G Y couples only systems that touch (envelope Cholesky, breadth-first order).
 // Sources: Moreau (1988), Unilateral contact and dry friction in finite DOF dynamics; Hwangbo, Lee, Hutter (2018), Per-contact
 // iteration method; Alart, Curnier (1991), A mixed formulation for frictional contact problems prone to Newton-like methods.
 
@@ -25,52 +21,24 @@
 #include <span>
 #include <vector>
 
+#include "ugoki/contact/dense_island.h"
+#include "ugoki/contact/row_block.h"
+
 namespace ugoki::contact {
-
-/// Kinds of row blocks; the law of each is at the top of this file.
-enum class RowKind : unsigned char { contact, limit, friction, roll };
-
-/// The whitened rows of a block on one system: `RowBlock::rows` vectors of `length` entries, beginning at rows_[offset].
-struct RowSegment {
-  int system;
-  int first;         ///< first DOF of the system in w
-  const int* index;  ///< [length] DOF of each entry (the chain of a link); null: 0 ... length - 1
-  int length;
-  int offset;
-};
-
-/// Rows that are solved together: one contact, limit, friction or rolling resistance.
-struct RowBlock {
-  RowKind kind;
-  int rows;               ///< 3 for contact and roll, 1 for the others
-  int row;                ///< first entry in target and impulse
-  int first_segment;      ///< index of the first segment
-  int segments;           ///< 1 or 2: systems that the block acts on
-  int contact;            ///< index into the step's contacts; -1: none
-  int contact_block;      ///< roll: index of the block of its contact
-  double mu;              ///< Coulomb coefficient; roll: lever of rolling resistance [m]
-  double bound;           ///< N s | N m s: maximum impulse (friction)
-  double impact_impulse;  ///< N s: normal impulse that the impact has already given to the contact
-  std::uint64_t key;      ///< identifies the block from step to step, for warm starts
-  double B[6];            ///< Y Y^T, entries 00 11 22 01 02 12; contacts: 00 with the compliance
-  double inverse[6];      ///< inverse of B, same entries (contact, roll)
-  double size;            ///< square root of the maximum diagonal entry of B
-  double lever;           ///< roll: radius [m] that converts angular velocity to surface velocity; other kinds: 1
-  double solved_motion;   ///< sum of motion_ of its systems when the block was last solved
-  double change;          ///< m/s: change of its velocity in the last sweep
-};
 
 struct SolverOptions {
   int iterations = 60;      ///< maximum number of sweeps over an island
   double tolerance = 1e-7;  ///< m/s: an island has converged when no velocity changes by more in a sweep
-  double coarse = 0.05;    ///< m/s: tolerance if the step has more than 256 blocks; a fifth of it if Newton's method would be too expensive
+  double coarse = 0.05;  ///< m/s: tolerance if the step has more than 256 blocks; a fifth of it if Newton's method would be too expensive
   double softness = 1e-4;  ///< s relative to B[0] of each contact (compliance); redundant contacts then share their load
+  int max_dense_rows = DenseIsland::max_rows;  ///< islands of more rows are solved by sweeps from the beginning
 };
 
 struct SolverReport {
   int islands = 0;       ///< islands that have rows
   int sweeps = 0;        ///< sweeps over the island that needed the most
   int newton_steps = 0;  ///< Newton steps, summed over all islands
+  int handed_over = 0;   ///< small islands that method 1 did not finish
   double residual = 0;   ///< m/s: maximum change of a velocity in the last sweep
 };
 
@@ -129,6 +97,7 @@ class VelocitySolver {
   void begin_blocks(const SolverOptions& options, std::size_t first);
   void find_islands();
   void solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
+  bool solve_densely(const Island& island, const SolverOptions& options, double tolerance, SolverReport& report);
 
   // Newton's method, in velocity_newton.cpp
   int newton_on_subset(const Island& island, double tolerance);
@@ -144,6 +113,7 @@ class VelocitySolver {
   double impulse_of(const RowBlock& b, const double* u, double* p, double* G) const;
   void recompute_w(const Island& island);
 
+  DenseIsland dense_;
   std::vector<int> first_;  // [systems + 1]
   std::vector<RowBlock> blocks_;
   std::vector<RowSegment> segments_;
