@@ -1,6 +1,6 @@
 import { defineConfig } from 'vitest/config';
 
-// `npm run dev` proxies to a service (the mock, or `ugoki studio --port 7117`); its address and token come from the environment.
+// `npm run dev` proxies to a service (the mock, or `ugoki studio --port 7117`); its address comes from the environment.
 const service = process.env.UGOKI_SERVICE ?? 'http://127.0.0.1:7117';
 
 export default defineConfig({

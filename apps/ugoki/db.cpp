@@ -49,7 +49,8 @@ void print_entries(const Options& options, const std::string& location, const st
 
 int list_in(const Options& options, store::LibraryOrder usual) {
   const std::string location = library_path(options.library);
-  if (!store::Library::exists(location)) {  // a library that does not exist is treated as empty; reading does not create it
+  // The user's own library is empty until something is imported; reading does not create it. A library named by --library must exist.
+  if (options.library.empty() && !store::Library::exists(location)) {
     print_entries(options, location, {});
     return 0;
   }

@@ -31,7 +31,8 @@ int run_export(const Options& o) {
   std::vector<circuit::LsiClass> installed;
   for (const plugin::ShelfEntry& e : plugin::read_shelf(o.shelf.empty() ? plugin::default_shelf() : o.shelf))
     installed.insert(installed.end(), e.classes.begin(), e.classes.end());
-  fmi::ExportRequest request{.version = o.version, .dt = o.dt > 0 ? o.dt : 0.001, .binary = fmu_binary(false)};
+  fmi::ExportRequest request{
+      .version = o.version, .dt = o.dt > 0 ? o.dt : 0.001, .signal_binary = fmu_binary(false), .full_binary = fmu_binary(true)};
   std::string bytes;
   std::optional<lsi::World> world;
   if (!o.content.empty()) {
@@ -42,7 +43,6 @@ int run_export(const Options& o) {
     if (!content) return print_error(content.error(), o.json);
     request.resources = &world.emplace(content::make_world(*content));
     request.content = bytes;
-    request.binary = fmu_binary(true);
     if (!(o.dt > 0)) request.dt = content->step;
   }
   const Result<fmi::Exported> out = fmi::export_fmu(*circuit, lsi::standard_library(), installed, request);
@@ -117,7 +117,7 @@ void add_export_fmu(CLI::App& circuit_verb, Action& action) {
   sub->add_option("--fmi", options->version, "Version of the standard")->check(CLI::IsMember({2, 3}))->capture_default_str();
   sub->add_option("--dt", options->dt, "Seconds between ticks of the circuit (default: the content's step, or 0.001)")
       ->check(CLI::Range(1e-9, 1e6));
-  sub->add_option("--content", options->content, "Executable data (*.ugx) with the mechanisms and motions that the circuit's LSIs use");
+  sub->add_option("--content", options->content, "Executable data (*.ugx), if LSIs of the circuit use mechanisms and motions");
   sub->add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
   sub->add_flag("--json", options->json, "Print one JSON object");
   sub->footer("Example:\n  ugoki circuit export-fmu pendulum.json pendulum.fmu --fmi 2 --dt 0.002");

@@ -21,8 +21,8 @@ extern const char ugoki_fmu_content_begin[] UGOKI_HIDDEN, ugoki_fmu_content_end[
 
 namespace ugoki::cli {
 
-std::string_view fmu_binary(bool with_content) {
-  return with_content ? std::string_view(ugoki_fmu_content_begin, ugoki_fmu_content_end) : std::string_view(ugoki_fmu_begin, ugoki_fmu_end);
+std::string_view fmu_binary(bool all_lsis) {
+  return all_lsis ? std::string_view(ugoki_fmu_content_begin, ugoki_fmu_content_end) : std::string_view(ugoki_fmu_begin, ugoki_fmu_end);
 }
 
 }  // namespace ugoki::cli

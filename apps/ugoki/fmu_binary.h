@@ -6,6 +6,7 @@
 
 namespace ugoki::cli {
 
-[[nodiscard]] std::string_view fmu_binary(bool with_content);
+/// @param all_lsis  with all built-in LSIs; false: the smaller one, with the signal LSIs only
+[[nodiscard]] std::string_view fmu_binary(bool all_lsis);
 
 }  // namespace ugoki::cli

@@ -108,8 +108,9 @@ std::string cell(const Json& row, const char* key, int digits) {
   return value.is_number_integer() ? std::to_string(value.get<long>()) : to_fixed(value.get<double>(), digits);
 }
 
-int run_import(const Options& options) {
+int run_import(Options options) {
   catch_interrupt();
+  options.source.intake.cancelled = interrupted;
   std::unique_ptr<store::Library> library;
   if (!options.dry) {
     Result<store::Library> opened = store::Library::open(library_path(options.source.library));

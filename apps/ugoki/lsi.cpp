@@ -16,6 +16,7 @@
 #include "ugoki/lsi/standard_library.h"
 #include "ugoki/plugin/build.h"
 #include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/inspect.h"
 #include "ugoki/plugin/live_library.h"
 #include "ugoki/plugin/load.h"
 #include "ugoki/plugin/run_program.h"
@@ -35,18 +36,23 @@ struct Options {
 std::string shelf_of(const Options& o) { return o.shelf.empty() ? plugin::default_shelf() : o.shelf; }
 
 /// Description of a library, read in a child process, because the library is not trusted yet and may crash.
+/// @param hash SHA-256 that the file must have; empty: any file
 /// @param start true: also start and end an FMU, to check that it works on this machine
-Result<Json> describe(const std::string& path, bool start = false) {
+Result<Json> describe(const std::string& path, const std::string& hash = {}, bool start = false) {
   std::vector<std::string> command{"/proc/self/exe", "lsi", "describe", path};
+  if (!hash.empty()) command.insert(command.end(), {"--hash", hash});
   if (start) command.push_back("--start");
   const Result<plugin::ProgramOutput> ran = plugin::run_program(command, std::chrono::seconds(start ? 60 : 20));
   if (!ran) return fail(ran.error());
   const Result<Json> json = json::parse_json(ran->out, path);
-  if (ran->status == 0 && json) return *json;
+  if (ran->status == 0 && json) {
+    if (hash.empty() || json->value("sha256", "") == hash) return *json;
+    return fail(ErrorCode::conflict, path, "The description of the library is of another file than the one with the SHA-256 " + hash + ".",
+                "Install it again.");
+  }
   Error error;
-  const Result<Json> child_errors = json::parse_json(ran->err, path);
-  if (child_errors && child_errors->contains("problems") && (*child_errors)["problems"].is_array())
-    for (const Json& p : (*child_errors)["problems"])
+  if (json && json->contains("problems") && (*json)["problems"].is_array())
+    for (const Json& p : (*json)["problems"])
       error.add(ErrorCode::structure, p.value("location", path), p.value("message", ""), p.value("remedy", ""));
   if (error.empty())
     error.add(ErrorCode::structure, path,
@@ -57,16 +63,16 @@ Result<Json> describe(const std::string& path, bool start = false) {
 
 int run_describe(const Options& o) {
   const auto print_and_fail = [](const Error& error) {
-    std::cerr << json::to_text(json::error_json(error));
+    print_line(json::to_text(json::error_json(error)));
     return 1;
   };
   const Result<int> done = plugin::run_guarded([&] {
     plugin::set_phase("The library '" + o.target + "' was being loaded");
-    const Result<std::string> text = plugin::describe_library(o.target);
+    const Result<std::string> text = plugin::describe_library(o.target, o.hash);
     plugin::set_phase({});
     if (!text) return print_and_fail(text.error());
     if (o.start)
-      if (const Result<void> works = plugin::try_library(o.target); !works) return print_and_fail(works.error());
+      if (const Result<void> works = plugin::try_library(o.target, o.hash); !works) return print_and_fail(works.error());
     print_line(*text);
     return 0;
   });
@@ -89,29 +95,41 @@ void print_classes(const Json& classes) {
   print_table(rows);
 }
 
-/// Asks for consent to install a library. Without a terminal, --yes or --hash is required.
-Result<void> ask_consent(const Options& o, const Json& description, const std::string& path) {
-  const std::string hash = description.value("sha256", "");
-  if (!o.hash.empty() && o.hash != hash)
-    return fail(ErrorCode::conflict, path, "The SHA-256 of the file is " + hash + ", not the one given with --hash.",
+/// What a file states about its content, for the question of consent: "The library 'springs' with the LSIs 'a', 'b'".
+std::string stated_content(const plugin::Inspection& file) {
+  constexpr std::size_t max_shown = 20;
+  if (file.fmu) return "The FMU";
+  std::string out = file.name.empty() ? "The library" : "The library '" + file.name + "'";
+  for (std::size_t i = 0; i < std::min(file.lsis.size(), max_shown); ++i)
+    out += (i > 0 ? ", '" : file.lsis.size() == 1 ? " with the LSI '" : " with the LSIs '") + file.lsis[i] + "'";
+  if (file.lsis.size() > max_shown) out += " and " + std::to_string(file.lsis.size() - max_shown) + " more";
+  return out;
+}
+
+/// Asks for consent to install a library. Without a terminal, --yes or --hash is required. Nothing of the file has run before.
+Result<void> ask_consent(const Options& o, const plugin::Inspection& file, const std::string& path) {
+  if (!o.hash.empty() && o.hash != file.hash)
+    return fail(ErrorCode::conflict, path, "The SHA-256 of the file is " + file.hash + ", not the one given with --hash.",
                 "Download the library again from the publisher of the hash.");
   if (o.yes || !o.hash.empty()) return {};
   if (isatty(STDIN_FILENO) == 0)
     return fail(ErrorCode::cancelled, path, "A library runs with all your rights; installing it needs your consent.",
-                "If you trust it, add --yes, or --hash " + hash);
-  print_line("The library '" + description.value("name", "") + "' is a program that runs with all your rights.\nSHA-256 " + hash +
-             "\nInstall it? [y/N] ");
+                "If you trust it, add --yes, or --hash " + file.hash);
+  print_line(stated_content(file) + " is a program that runs with all your rights.\nSHA-256 " + file.hash + "\nInstall it? [y/N] ");
   std::string answer;
   std::getline(std::cin, answer);
   if (answer == "y" || answer == "Y" || answer == "yes") return {};
   return fail(ErrorCode::cancelled, path, "The library was not installed, because consent was refused.", "");
 }
 
+/// Installs a file. Its code is loaded only after the consent to its hash, and only if it still has this hash.
 Result<Json> install(const Options& o, const std::string& path) {
-  Result<Json> description = describe(path);
+  const Result<plugin::Inspection> file = plugin::inspect_library(path);
+  if (!file) return fail(file.error());
+  if (Result<void> consent = ask_consent(o, *file, path); !consent) return fail(std::move(consent.error()));
+  Result<Json> description = describe(path, file->hash, file->fmu);
   if (!description) return description;
-  if (Result<void> consent = ask_consent(o, *description, path); !consent) return fail(std::move(consent.error()));
-  if (const Result<Json> works = describe(path, true); !works) return works;
+  for (const std::string& w : plugin::writable_warnings(*file, path)) std::cerr << "ugoki: warning: " << w << '\n';
   const Result<plugin::ShelfEntry> entry = plugin::put_on_shelf(shelf_of(o), path, json::to_text(*description));
   if (!entry) return fail(entry.error());
   return description;
@@ -241,7 +259,8 @@ int run_test(const Options& o) {
     for (const std::string& path : tests) {
       const Result<std::string> text = files::read_file(path);
       Result<circuit::Example> example = text ? circuit::read_example(*text, path) : fail(text.error());
-      const Result<void> passed = example ? circuit::check_example(*example, *live.library(), path) : fail(example.error());
+      const Result<void> passed =
+          example ? circuit::check_example(*example, *live.library(), path, nullptr, &plugin::process_activity()) : fail(example.error());
       if (passed)
         print_line("passed  " + path);
       else
@@ -307,9 +326,10 @@ void add_lsi_verb(CLI::App& app, Action& action) {
       ->add_option("--compiler", options->compiler, "Compiler");
   add_build_options(add("watch", "Build and install a file whenever it changes.", "C or C++ file", "ugoki lsi watch spring.c",
                         [](const Options& o) { return run_watch(o); }));
-  add("describe", "Print the description of a library.", "Library, *.so", "ugoki lsi describe spring.so", run_describe)
-      ->group("")
-      ->add_flag("--start", options->start, "Also start an FMU");
+  CLI::App* describe_verb =
+      add("describe", "Print the description of a library.", "Library, *.so", "ugoki lsi describe spring.so", run_describe)->group("");
+  describe_verb->add_flag("--start", options->start, "Also start an FMU");
+  describe_verb->add_option("--hash", options->hash, "SHA-256 that the file must have");
 }
 
 }  // namespace ugoki::cli

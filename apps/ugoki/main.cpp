@@ -1,12 +1,32 @@
 // The program `ugoki`: each verb of the command line has a file of its own.
 
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <new>
+#include <string>
 
 #include "output.h"
 #include "verb.h"
 
+namespace {
+
+/// Exit status of the program after an action: 1, with an error message, if the output could not be written.
+int finish(int status) {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  const std::string why = errno != 0 ? std::string(" (") + std::strerror(errno) + ")" : std::string();
+  return ugoki::cli::print_error({ugoki::ErrorCode::io, "standard output", "The output could not be written" + why + ".",
+                                  "Check the disk and the limit of the file size (`ulimit -f`), then run the command again."},
+                                 false);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace ugoki::cli;
+  std::signal(SIGXFSZ, SIG_IGN);  // a file above the size limit is then reported as the error EFBIG
   CLI::App app("Physically natural motion of people, animals and any other linked mechanism.", "ugoki");
   app.set_version_flag("--version", "ugoki 0.1.0");
   app.require_subcommand(1);
@@ -31,7 +51,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
-    return action ? action() : 2;
+    return action ? finish(action()) : 2;
   } catch (const std::bad_alloc&) {
     return print_error({ugoki::ErrorCode::range, "ugoki", "Not enough memory.", "Process less data at once, or close other programs."},
                        false);

@@ -7,6 +7,8 @@
 #include <csignal>
 #include <cstdio>
 
+#include "ugoki/plugin/guard.h"
+
 namespace ugoki::cli {
 namespace {
 
@@ -36,9 +38,10 @@ int print_error(const Error& error, bool as_json) {
 void print_json(const Json& value) { print_line(json::to_text(value, 2)); }
 
 void print_line(std::string_view line) {
-  std::fwrite(line.data(), 1, line.size(), stdout);
-  std::fputc('\n', stdout);
-  std::fflush(stdout);
+  std::FILE* out = plugin::results();  // not stdout, on which LSIs may print
+  std::fwrite(line.data(), 1, line.size(), out);
+  std::fputc('\n', out);
+  std::fflush(out);
 }
 
 void print_table(const std::vector<std::vector<std::string>>& rows) {
@@ -88,7 +91,11 @@ void Progress::clear() {
 
 void catch_interrupt() {
   struct sigaction act{};
-  act.sa_handler = [](int) { interrupt_mark = 1; };
+  act.sa_handler = [](int) {
+    interrupt_mark = 1;
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+  };
   ::sigaction(SIGINT, &act, nullptr);
   ::sigaction(SIGTERM, &act, nullptr);
 }

@@ -39,7 +39,8 @@ class Progress {
   double began_, last_ = 0;
 };
 
-/// From this call on Ctrl+C (and SIGTERM) only sets a flag, which interrupted() returns, so that the verb can finish cleanly.
+/// From this call on the first Ctrl+C (or SIGTERM) only sets a flag, which interrupted() returns, so that the verb can finish cleanly. The
+/// second one ends the process at once.
 void catch_interrupt();
 [[nodiscard]] bool interrupted();
 [[nodiscard]] Error interrupted_error();

@@ -88,16 +88,15 @@ Result<TargetKind> kind_of(const std::string& target) {
     return TargetKind::entry;
   }
   if (fs::is_directory(target, ignored)) return fail(ErrorCode::io, target, "This is a folder.", "Name a file.");
-  std::string head(16, '\0');
+  std::string head(72, '\0');
   std::ifstream file(target, std::ios::binary);
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   if (head.starts_with("UGOKIUGX")) return TargetKind::executable;
   if (head.starts_with("SQLite format 3")) {
-    Result<store::Database> database = store::Database::open(target, store::OpenMode::read_only);
-    if (!database) return fail(std::move(database.error()));
-    const Result<std::int64_t> application = database->integer("PRAGMA application_id");
-    if (!application) return fail(application.error());
-    return *application == project::project_application_id ? TargetKind::project : TargetKind::library;
+    // The header is read here and not by SQLite: opening the database is the task of the code that checks it.
+    std::int64_t application = 0;  // big-endian u32 at offset 68
+    for (std::size_t i = 68; i < 72; ++i) application = application << 8 | static_cast<unsigned char>(head[i]);
+    return application == project::project_application_id ? TargetKind::project : TargetKind::library;
   }
   if (target.ends_with(".ugoki")) return TargetKind::project;  // a damaged project is reported when it is opened
   if (target.ends_with(".ugx")) return TargetKind::executable;

@@ -12,7 +12,9 @@
 #include "ugoki/samples/samples.h"
 #include "ugoki/store/library.h"
 #include "ugoki/studio/interpreter_child.h"
+#include "ugoki/studio/launch_page.h"
 #include "ugoki/studio/player_simulation.h"
+#include "ugoki/studio/session_key.h"
 #include "ugoki/studio/static_files.h"
 #include "verb.h"
 
@@ -58,6 +60,8 @@ int run_studio(const Options& options) {
   studio::StudioOptions service;
   service.port = options.port;
   service.library_path = options.library.empty() ? store::Library::default_path() : options.library;
+  // Without a key the studio works, but pages that are open lose their access when it is restarted.
+  if (Result<std::string> key = studio::read_or_make_key(studio::default_key_file())) service.key = std::move(*key);
   service.interpreter = {ec ? "/proc/self/exe" : program.string(), {"interpret"}};
   if (!options.web.empty()) {
     service.web = options.web;
@@ -81,7 +85,13 @@ int run_studio(const Options& options) {
     print_line("Ugoki studio: " + address);
     print_line("Project: " + path + " (Ctrl+C ends the studio; every change is kept)");
   }
-  if (!options.no_open && isatty(STDOUT_FILENO) != 0) studio::open_browser(address);
+  std::unique_ptr<studio::LaunchPage> page;  // exists until the studio ends: a browser may need long to start
+  if (!options.no_open && isatty(STDOUT_FILENO) != 0) {
+    if (Result<std::unique_ptr<studio::LaunchPage>> written = studio::LaunchPage::write(address)) {
+      page = std::move(*written);
+      studio::open_browser(page->path());
+    }
+  }
   studio::wait_for_signal();
   return 0;
 }

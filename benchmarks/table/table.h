@@ -18,7 +18,7 @@ struct Row {
   double ours_ns = 0;
   std::string peer;  ///< name of the compared library; empty: none
   double peer_ns = 0;
-  double per = 0;  ///< divisor for the column "ns each", for example the number of joints; 0: none
+  double per = 0;                                          ///< divisor for the column "ns each", for example the number of joints; 0: none
   std::vector<std::pair<std::string, double>> extra = {};  ///< additional fields of the JSON file
   std::string note = {};                                   ///< printed at the end of the line
 };

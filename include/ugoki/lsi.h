@@ -57,9 +57,9 @@ enum ugoki_type {
 typedef struct ugoki_tick {
   uint32_t size;
   uint32_t reserved;
-  double time;    /* s: index * dt */
-  double dt;      /* s: time between two ticks of the circuit, also for an LSI that runs only at every n-th tick */
-  uint64_t index; /* ticks computed before this one */
+  double time;    /* s: index * the time between two ticks of the circuit */
+  double dt;      /* s: time between two runs of the LSI: n times the time between two ticks for an LSI that runs at every n-th tick */
+  uint64_t index; /* ticks of the circuit computed before this one */
 } ugoki_tick;
 
 /* Argument of the functions of an LSI. The host owns the struct and all memory that it points to. The addresses stay the same while the
@@ -175,7 +175,7 @@ typedef struct ugoki_field {
 typedef struct ugoki_setup {
   uint32_t size;
   uint32_t reason_size;      /* bytes of `reason` */
-  double dt;                 /* s: time between two ticks */
+  double dt;                 /* s: time between two runs of the LSI, as in ugoki_tick */
   const double* parameters;  /* as ugoki_call.parameters */
   const char* const* texts;  /* text parameters in the order of declaration */
   const uint32_t* in_count;  /* [inputs] elements of the first wire of each input; 0: no wire */
@@ -225,6 +225,14 @@ typedef struct ugoki_library {
 #define UGOKI_EXPORT __attribute__((visibility("default")))
 #else
 #define UGOKI_EXPORT
+#endif
+
+/* A text in the section ".ugoki.lsi" of the library's file: "library NAME" or "lsi NAME". The host shows these names before the user has
+ * consented to load the library. They are optional. */
+#if defined(__GNUC__) && defined(__ELF__)
+#define UGOKI_MANIFEST(variable, text) __attribute__((section(".ugoki.lsi"), used)) static const char variable[] = text;
+#else
+#define UGOKI_MANIFEST(variable, text)
 #endif
 
 /* The only function that a library exports. Returns the description of the library, which stays valid while the library is loaded. */

@@ -328,11 +328,13 @@ lsi_detail::Member<S> state(T S::* where, const char* name, const char* unit = "
 
 /// Makes `Struct` an LSI. The other arguments are the name and description of the LSI and its members: in, out, delayed_out, parameter,
 /// state. Write it once for each struct, in the namespace of the struct.
-#define UGOKI_LSI(Struct, name, doc, ...) \
+#define UGOKI_LSI(Struct, name, doc, ...)                  \
+  UGOKI_MANIFEST(ugoki_lsi_manifest_##Struct, "lsi " name) \
   static const bool ugoki_lsi_##Struct = ugoki::lsi_detail::declare<Struct>(name, doc, {__VA_ARGS__});
 
 /// Exports the library. Write it once, at the end of the file, outside of any namespace.
 #define UGOKI_LIBRARY(library_name, library_version, library_doc)                                                               \
+  UGOKI_MANIFEST(ugoki_lsi_manifest, "library " library_name)                                                                   \
   extern "C" UGOKI_EXPORT const ugoki_library* ugoki_lsi_library(void) {                                                        \
     static const std::vector<const ugoki_class*> all(ugoki::lsi_detail::classes().begin(), ugoki::lsi_detail::classes().end()); \
     static const ugoki_library library = {sizeof(ugoki_library),                                                                \

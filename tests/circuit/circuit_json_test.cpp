@@ -86,8 +86,8 @@ TEST_P(BadCircuitText, IsRefusedWithLocationAndRemedy) {
 
 INSTANTIATE_TEST_SUITE_P(
     Forms, BadCircuitText,
-    testing::Values(Bad{"", "circuit:1"}, Bad{"{\n\"version\": 1,\n\"name\": }", "circuit:3"}, Bad{"{\"version\": 1", "circuit:1"},
-                    Bad{"[]", "circuit"}, Bad{"\xff\xfe", "circuit:1"}, Bad{"{}", "circuit/version"},
+    testing::Values(Bad{"", "circuit:1:1"}, Bad{"{\n\"version\": 1,\n\"name\": }", "circuit:3:9"}, Bad{"{\"version\": 1", "circuit:1:14"},
+                    Bad{"[]", "circuit"}, Bad{"\xff\xfe", "circuit:1:1"}, Bad{"{}", "circuit/version"},
                     Bad{R"({"version": 3})", "circuit/version"}, Bad{R"({"version": "1"})", "circuit/version"},
                     Bad{R"({"version": 2, "nam": "x"})", "circuit/nam"}, Bad{R"({"version": 2, "name": 3})", "circuit/name"},
                     Bad{R"({"version": 2, "lsis": {}})", "circuit/lsis"}, Bad{R"({"version": 2, "lsis": [3]})", "circuit/lsis/0"},

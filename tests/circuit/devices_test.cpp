@@ -95,7 +95,7 @@ TEST(Devices, InvalidMessageIsRefusedWithLocation) {
   EXPECT_EQ(location(R"({"gamepads": [null, null, null, null, null]})"), "input/gamepads");
   EXPECT_EQ(location(R"({"gamepads": [{"axes": [null]}]})"), "input/gamepads/0/axes/0");
   EXPECT_EQ(location("[]").substr(0, 5), "input");
-  EXPECT_EQ(location("{"), "input:1");
+  EXPECT_EQ(location("{"), "input:1:2");
   std::string many = R"({"keyboard": [)";
   for (int k = 0; k < 65; ++k) many += std::string(k ? "," : "") + "\"F" + std::to_string(k) + "\"";
   EXPECT_EQ(location(many + "]}"), "input/keyboard");

@@ -245,8 +245,9 @@ std::string wide(bool fails) {
   for (int k = 0; k < 12; ++k) {
     const std::string n = std::to_string(k);
     lsis += R"(, {"id": "g)" + n + R"(", "type": "gain", "parameters": {"gain": 0.)" + n + R"(}}, {"id": "i)" + n +
-            R"(", "type": "integrator"}, {"id": "f)" + n + R"(", "type": "low-pass"}, {"id": "q)" + n +
-            R"(", "type": "divide", "values": {"b": )" + (fails && k % 5 == 3 ? "0" : "3") + "}}";
+            R"(", "type": "integrator", "every": )" + std::to_string(1 + k % 3) + R"(}, {"id": "f)" + n +
+            R"(", "type": "low-pass"}, {"id": "q)" + n + R"(", "type": "divide", "values": {"b": )" + (fails && k % 5 == 3 ? "0" : "3") +
+            "}}";
     wires += R"({"from": "c.time", "to": "g)" + n + R"(.in"}, {"from": "g)" + n + R"(.out", "to": "i)" + n + R"(.in"}, {"from": "i)" + n +
              R"(.out", "to": "f)" + n + R"(.in"}, {"from": "f)" + n + R"(.out", "to": "q)" + n + R"(.a"}, {"from": "q)" + n +
              R"(.out", "to": "end.in"},)";

@@ -1,6 +1,7 @@
 // Running circuits: order of state changes, rates, save and restore, failures, timing.
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -53,6 +54,52 @@ TEST(Run, EveryTenthTickHoldsOutputBetween) {
     ASSERT_TRUE(i->tick());
     if (k % 10 == 0) held = value(*i, "smooth.out");
     EXPECT_EQ(value(*i, "slow.out"), held);
+  }
+}
+
+/// LSIs that use the time between their runs, all with this `every`, fed by the input x.
+std::string timed_lsis(int every) {
+  std::string lsis, ends;
+  const auto add = [&](const std::string& id, const std::string& type, const std::string& input, const std::string& parameters) {
+    lsis += (lsis.empty() ? "" : ", ") + std::string(R"({"id": ")") + id + R"(", "type": ")" + type + R"(", "every": )" +
+            std::to_string(every) + R"(, "parameters": {)" + parameters + "}}";
+    ends += (ends.empty() ? "\"" : ", \"") + id + "." + input + "\"";
+  };
+  add("integral", "integrator", "in", "");
+  add("slope", "derivative", "in", "");
+  add("low", "low-pass", "in", "");
+  add("high", "high-pass", "in", "");
+  add("limit", "rate limit", "in", R"("rate": 2)");
+  add("timer", "timer", "run", "");
+  add("states", "state machine", "a", R"("transitions": "low -> high when a > 0; high -> low when a < 0 after 0.4")");
+  return R"({"version": 2, "name": "timed", "inputs": [{"name": "x", "type": "scalar", "to": [)" + ends + R"(]}], "lsis": [)" + lsis + "]}";
+}
+
+TEST(Run, EveryNthTickCalculatesWithNTimesTheTimeBetweenTicks) {
+  const std::vector<std::string> pins{"integral.out", "slope.out",  "low.out",     "high.out",
+                                      "limit.out",    "timer.time", "states.time", "states.state"};
+  const double dt = 0.01;
+  for (const std::uint32_t every : {2u, 5u, 10u}) {
+    SCOPED_TRACE(every);
+    const Circuit circuit = parse(timed_lsis(static_cast<int>(every)));
+    auto fast = Interpreter::build(circuit, signal_library(), nullptr, {.dt = dt});
+    auto reference = Interpreter::build(parse(timed_lsis(1)), signal_library(), nullptr, {.dt = dt * every});
+    ASSERT_TRUE(fast && reference) << (fast ? reference : fast).error().text();
+    for (int k = 0; k < 60; ++k) {
+      const double x = std::sin(0.3 * k);
+      std::memcpy(fast->find_circuit_input("x").data(), &x, sizeof x);
+      std::memcpy(reference->find_circuit_input("x").data(), &x, sizeof x);
+      if (k == 30) {  // continue with a restored interpreter
+        std::vector<std::byte> saved;
+        fast->save(saved);
+        fast = Interpreter::build(circuit, signal_library(), nullptr, {.dt = dt});
+        ASSERT_TRUE(fast->restore(saved));
+      }
+      ASSERT_EQ(fast->run(every), every);
+      ASSERT_TRUE(reference->tick());
+      for (const std::string& pin : pins) ASSERT_EQ(value(*fast, pin), value(*reference, pin)) << pin << " " << k;
+    }
+    EXPECT_EQ(fast->time(), 60 * every * dt);
   }
 }
 

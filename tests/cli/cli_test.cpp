@@ -1,10 +1,13 @@
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "cli_fixture.h"
 #include "ugoki/formats/bvh.h"
@@ -239,6 +242,37 @@ TEST_F(CliTest, InterruptLeavesNoIncompleteFile) {
   EXPECT_EQ(wait_for(child), 1);
   for (const auto& entry : fs::directory_iterator(folder_))
     EXPECT_EQ(entry.path().filename().string().find("frames"), std::string::npos) << entry.path();
+}
+
+/// Starts a verb that waits for data of a pipe, sends it the signal up to twice, and returns its exit status.
+int ended_by(const std::vector<std::string>& arguments, const std::string& pipe, const std::vector<std::string>& environment, int signal) {
+  EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int writer = ::open(pipe.c_str(), O_RDWR | O_CLOEXEC);  // the verb's open succeeds, and its read waits
+  const pid_t child = start_program(arguments, environment);
+  ::usleep(500'000);  // the verb has begun to read; an earlier signal ends it too
+  for (int k = 0; k < 2; ++k) {
+    ::kill(child, signal);
+    ::usleep(300'000);
+  }
+  const std::jthread rescue([child](const std::stop_token& stop) {  // a verb that ignores the signals fails the test and does not hang it
+    for (int k = 0; k < 300 && !stop.stop_requested(); ++k) ::usleep(100'000);
+    if (!stop.stop_requested()) ::kill(child, SIGKILL);
+  });
+  const int status = wait_for(child);
+  ::close(writer);
+  ::unlink(pipe.c_str());
+  return status;
+}
+
+TEST_F(CliTest, SignalsEndEveryVerbThatReadsAFile) {
+  for (const int signal : {SIGINT, SIGTERM})
+    for (const std::string& verb : {"info", "import", "run", "convert"}) {
+      const std::string pipe = path("waiting.bvh");
+      std::vector<std::string> arguments = {verb, pipe};
+      if (verb == "convert") arguments.push_back(path("out.json"));
+      const int status = ended_by(arguments, pipe, environment(), signal);
+      EXPECT_TRUE(status == 128 + signal || status == 1) << verb << " ended with status " << status;
+    }
 }
 
 TEST_F(CliTest, RealDataIsImportedAndWrittenBack) {

@@ -1,5 +1,9 @@
 // `ugoki lsi` and `ugoki circuit` on the command line.
 
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include "shelf_test.h"
 
 namespace ugoki::cli {
@@ -8,7 +12,43 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class LsiCliTest : public ShelfTest {};
+class LsiCliTest : public ShelfTest {
+ protected:
+  /// Runs the program on a terminal on which `typed` is typed. @return what it printed; `out` has stdout and stderr
+  Output on_terminal(const std::vector<std::string>& arguments, const std::string& typed) const {
+    Output output;
+    int terminal = -1;
+    const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
+    if (child == 0) {
+      ::setenv("UGOKI_LSI", (folder_ + "/shelf").c_str(), 1);
+      std::vector<char*> argv = {const_cast<char*>(UGOKI_PROGRAM)};
+      for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+      argv.push_back(nullptr);
+      ::execv(UGOKI_PROGRAM, argv.data());
+      ::_exit(126);
+    }
+    EXPECT_EQ(::write(terminal, typed.data(), typed.size()), static_cast<ssize_t>(typed.size()));
+    char buffer[1024];
+    for (ssize_t n; (n = ::read(terminal, buffer, sizeof buffer)) > 0;) output.out.append(buffer, static_cast<std::size_t>(n));
+    ::close(terminal);
+    output.status = wait_for(child);
+    return output;
+  }
+  /// A library whose constructor writes the file marker().
+  std::string evil() const {
+    const std::string source =
+        write("evil.c", "#include <stdio.h>\n__attribute__((constructor)) static void early(void) { FILE* f = fopen(\"" + marker() +
+                            "\", \"w\"); if (f) fclose(f); }\ndouble f(double x) { return x; }\n");
+    const std::string library = json({"lsi", "build", source})["output"];
+    fs::remove(marker());  // building opens the user's own library
+    return library;
+  }
+  [[nodiscard]] std::string marker() const { return folder_ + "/marker"; }
+  /// A circuit with the LSI `it` of the given type, whose input x is 1.
+  std::string circuit_of(const std::string& type) const {
+    return write("c.json", R"({"version": 1, "name": "t", "lsis": [{"id": "it", "type": ")" + type + R"(", "values": {"x": 1}}]})");
+  }
+};
 
 TEST_F(LsiCliTest, NewLibraryBuildsAndPassesItsTest) {
   for (const char* language : {"", "--cpp"}) {
@@ -72,7 +112,7 @@ TEST_F(LsiCliTest, CheckReportsErrorsOfSeveralCircuitsWithTheirFiles) {
   const Json& problems = answer["error"]["problems"];
   ASSERT_EQ(problems.size(), 2u) << out.out;
   EXPECT_EQ(problems[0]["location"], first + ":/lsis/0");
-  EXPECT_EQ(problems[1]["location"], second + ":2");
+  EXPECT_EQ(problems[1]["location"], second + ":2:1");
 }
 
 TEST_F(LsiCliTest, CrashHangAndWrongInterfaceVersionAreReported) {
@@ -108,6 +148,77 @@ TEST_F(LsiCliTest, RunStopsAtBreakpointAndReplaysItsRecord) {
   EXPECT_EQ(replayed["outputs"]["y"], stopped["outputs"]["y"]);
   fails({"circuit", "run", circuit, "--break", "i.out ~ 3"}, "not a condition");
   fails({"circuit", "run", circuit, "--probe", "i.no"}, "has no output 'i.no'");
+}
+
+TEST_F(LsiCliTest, NothingOfALibraryRunsBeforeConsent) {
+  const std::string library = evil();
+  fails({"lsi", "install", library}, "needs your consent");
+  EXPECT_FALSE(fs::exists(marker()));
+  fails({"lsi", "install", library, "--hash", std::string(64, '0')}, "not the one given with --hash");
+  EXPECT_FALSE(fs::exists(marker()));
+  for (const char* typed : {"n\n", "\n", "\x04"}) {  // the last one ends the input
+    const Output refused = on_terminal({"lsi", "install", library}, typed);
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.out.find("The library 'evil' with the LSI 'f' is a program that runs with all your rights."), std::string::npos)
+        << refused.out;
+    EXPECT_NE(refused.out.find("consent was refused"), std::string::npos) << refused.out;
+    EXPECT_FALSE(fs::exists(marker())) << typed;
+  }
+  EXPECT_EQ(json({"lsi", "list"})["libraries"].size(), 0u);
+  const Output accepted = on_terminal({"lsi", "install", library}, "y\n");
+  EXPECT_EQ(accepted.status, 0) << accepted.out;
+  EXPECT_TRUE(fs::exists(marker()));
+  EXPECT_EQ(json({"lsi", "list"})["libraries"].size(), 1u);
+}
+
+TEST_F(LsiCliTest, LibraryThatEndsItsProcessWhileLoadingIsNotInstalled) {
+  const std::string source = write("quits.c",
+                                   "#include <stdlib.h>\n#include <unistd.h>\n__attribute__((constructor)) static void early(void) { if "
+                                   "(!getenv(\"UGOKI_STAY\")) _exit(0); }\ndouble f(double x) { return x; }\n");
+  ::setenv("UGOKI_STAY", "1", 1);
+  const std::string library = json({"lsi", "build", source})["output"];
+  ::unsetenv("UGOKI_STAY");
+  fails({"lsi", "install", library, "--yes"},
+        "quits.so' was being loaded when it ended its process (exit status 0) without a report.");
+  EXPECT_EQ(json({"lsi", "list"})["libraries"].size(), 0u);
+}
+
+TEST_F(LsiCliTest, EndOfTheProcessIsNotSuccess) {
+  fs::create_directory(folder_ + "/quits");
+  write("quits/quits.c", "#include <unistd.h>\ndouble quits(double x) { _exit(0); return x; }\n");
+  write(
+      "quits/quits.test.json",
+      R"({"doc": "", "dt": 0.01, "circuit": {"version": 1, "name": "t", "lsis": [{"id": "it", "type": "quits/quits", "values": {"x": 1}}]},
+            "given": [], "expect": [{"tick": 0, "pin": "it.out", "value": 5}]})");
+  const std::string named = "'it' (LSI 'quits/quits' of library 'quits') ended its process (exit status 0) without a report.";
+  fails({"lsi", "test", folder_ + "/quits"}, named);
+  fails({"circuit", "test", folder_ + "/quits/quits.test.json", "--lsi", folder_ + "/quits/quits.so"}, named);
+  fails({"circuit", "run", circuit_of("quits/quits"), "--lsi", folder_ + "/quits/quits.so"}, named);
+}
+
+TEST_F(LsiCliTest, TextOfAnLsiDoesNotMixWithJson) {
+  const std::string source =
+      write("talks.c",
+            "#include <stdio.h>\n__attribute__((constructor)) static void early(void) { printf(\"{loading}\\n\"); }\n"
+            "double f(double x) { printf(\"{running}\\n\"); return 2 * x; }\n");
+  const std::string library = json({"lsi", "build", source})["output"];
+  json({"lsi", "install", library, "--yes"});
+  const Output ran = ugoki({"circuit", "run", circuit_of("talks/f"), "--duration", "0.004", "--json"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  const Json answer = Json::parse(ran.out, nullptr, false);
+  ASSERT_FALSE(answer.is_discarded()) << ran.out;
+  EXPECT_EQ(answer["outputs"]["it.out"], 2);
+  EXPECT_NE(ran.err.find("{running}"), std::string::npos);
+}
+
+TEST_F(LsiCliTest, WritableGlobalsAreWarnedOf) {
+  const std::string source = write("globals.c", "double sum;\ndouble f(double x) { sum += x; return sum; }\n");
+  const Json built = json({"lsi", "build", source});
+  ASSERT_EQ(built["warnings"].size(), 1u) << built["warnings"].dump();
+  EXPECT_NE(built["warnings"][0].get<std::string>().find("the variable 'sum' is global or static"), std::string::npos);
+  const Output installed = ugoki({"lsi", "install", built["output"], "--yes"});
+  EXPECT_EQ(installed.status, 0) << installed.err;
+  EXPECT_NE(installed.err.find("the variable 'sum' is global or static"), std::string::npos) << installed.err;
 }
 
 }  // namespace

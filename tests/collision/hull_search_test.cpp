@@ -145,7 +145,8 @@ void certify_motions(int motions, unsigned seed) {
 TEST(HullSearch, MotionsAreCertified) { certify_motions(1500, 301); }
 TEST(Slow_HullSearch, MotionsAreCertifiedInALongRun) { certify_motions(50'000, 302); }
 
-/// If the hulls move little between queries, HullSearch finds the closest points in at least 99 % of the queries, so that the general search is not needed.
+/// If the hulls move little between queries, HullSearch finds the closest points in at least 99 % of the queries, so that the general
+/// search is not needed.
 TEST(HullSearch, HandlesSlowMotionWithoutGeneralSearch) {
   test::Random random(31);
   for (const int n : {4, 16, 64, 1000, 8000}) {

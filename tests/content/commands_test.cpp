@@ -142,7 +142,7 @@ TEST_F(CommandsTest, GroupsAreOneEdit) {
 }
 
 TEST_F(CommandsTest, RefusesInvalidCommands) {
-  bad("", ErrorCode::truncated, "command:1");
+  bad("", ErrorCode::truncated, "command:1:1");
   bad("[]", ErrorCode::syntax, "command");
   bad("{}", ErrorCode::structure, "command/type");
   bad(R"({"type": "clip.fly"})", ErrorCode::unsupported, "command/type");
@@ -158,7 +158,7 @@ TEST_F(CommandsTest, RefusesInvalidCommands) {
   bad(R"({"type": "circuit.set", "circuit": "default"})", ErrorCode::syntax, "command/circuit");
   bad(R"({"type": "scenario.set", "frame_rate": 17})", ErrorCode::range, "scenario/frame_rate");
   bad(R"({"type": "group", "commands": {"type": "clip.remove"}})", ErrorCode::syntax, "command/commands");
-  bad(std::string(200, '{'), ErrorCode::range, "command");
+  bad(std::string(200, '{'), ErrorCode::range, "command:1:101");
 }
 
 TEST_F(CommandsTest, ListsTheResourcesThatACommandNames) {

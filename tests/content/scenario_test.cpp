@@ -68,10 +68,10 @@ TEST(Scenario, ReportsAllProblemsWithTheirPaths) {
   for (const Problem& p : s.error().problems) EXPECT_FALSE(p.remedy.empty()) << p.text();
 }
 
-TEST(Scenario, SyntaxErrorsNameTheLine) {
+TEST(Scenario, SyntaxErrorsNameLineAndColumn) {
   const auto s = read_scenario("{\n\"version\": 1,\n\"name\" \"x\"\n}", "park.json");
   ASSERT_FALSE(s);
-  EXPECT_EQ(s.error().problems.front().location, "park.json:3");
+  EXPECT_EQ(s.error().problems.front().location, "park.json:3:8");
 }
 
 TEST(Scenario, RefusesNewerDocuments) {

@@ -31,7 +31,7 @@ TEST(Description, InvalidDescriptionsAreRefusedWithReason) {
       {replaced(good, "<CoSimulation", "<ScheduledExecution"), "for scheduled execution only"},
       {replaced(good, "modelIdentifier=\"BouncingBall\"", "modelIdentifier=\"../../evil\""), "not a C identifier"},
       {replaced(good, "instantiationToken", "guid"), "no instantiationToken"},
-      {replaced(good, "name=\"v\"", "name=\"h\""), "Two variables are called 'h'"},
+      {replaced(good, "name=\"v\"", "name=\"h\""), "Two variables are called 'h' and differ"},
       {replaced(good, "valueReference=\"3\"", "valueReference=\"1\""), "Two variables have the value reference 1"},
       {replaced(good, "valueReference=\"3\"", "valueReference=\"-3\""), "'v' has no value reference"},
       {replaced(good, "valueReference=\"3\"", "valueReference=\"99999999999\""), "'v' has no value reference"},
@@ -53,6 +53,46 @@ TEST(Description, InvalidDescriptionsAreRefusedWithReason) {
   };
   for (const auto& [xml, sentence] : cases)
     EXPECT_NE(reported(xml).find(sentence), std::string::npos) << reported(xml) << "\nexpected: " << sentence;
+}
+
+/// Text of the element that begins with `begin` and ends with `end`, which is included.
+std::string element(const std::string& text, const std::string& begin, const std::string& end) {
+  const auto at = text.find(begin);
+  const auto stop = text.find(end, at);
+  EXPECT_TRUE(at != std::string::npos && stop != std::string::npos) << begin;
+  return at == std::string::npos || stop == std::string::npos ? "" : text.substr(at, stop + end.size() - at);
+}
+/// `text` with a copy of `element` inserted behind it.
+std::string repeated(const std::string& text, const std::string& element) { return replaced(text, element, element + "\n" + element); }
+
+TEST(Description, RepeatedDeclarationsAreReadOnceAndNoted) {
+  const std::string two = description_of("feedthrough", 2), three = description_of("feedthrough", 3);
+  for (const std::string& good : {two, three}) {
+    const auto plain = read_model_description(good, "x");
+    ASSERT_TRUE(plain) << plain.error().text();
+    EXPECT_TRUE(plain->notes.empty());
+    const bool is_two = plain->version == 2;
+    const std::string variable = is_two ? element(good, "<ScalarVariable", "</ScalarVariable>") : element(good, "<Float64 ", "/>");
+    const std::string item = element(good, "<Item", ">");
+    for (const std::string& xml : {repeated(good, variable), repeated(good, item)}) {
+      const auto d = read_model_description(xml, "x");
+      ASSERT_TRUE(d) << d.error().text();
+      EXPECT_EQ(d->variables.size(), plain->variables.size());
+      ASSERT_EQ(d->enumerations.size(), plain->enumerations.size());
+      EXPECT_EQ(d->enumerations[0].items, plain->enumerations[0].items);
+      ASSERT_EQ(d->notes.size(), 1u);
+      EXPECT_NE(d->notes[0].find("is read once"), std::string::npos) << d->notes[0];
+      EXPECT_NE(declare(*d).notes.size(), declare(*plain).notes.size()) << "the note should reach the user";
+    }
+    // The same name with other content is refused.
+    const std::string other = replaced(variable, "valueReference=\"0\"", "valueReference=\"991\"");
+    EXPECT_NE(reported(replaced(good, variable, other + "\n" + variable)).find("are called 'time' and differ"), std::string::npos);
+  }
+  const std::string types =
+      R"(<TypeDefinitions><SimpleType name="T"><Real unit="m"/></SimpleType><SimpleType name="T"><Real unit="UNIT"/></SimpleType></TypeDefinitions>)";
+  const std::string with = replaced(description_of("dahlquist", 2), "<ModelVariables>", types + "<ModelVariables>");
+  EXPECT_EQ(reported(replaced(with, "UNIT", "m")), "read");
+  EXPECT_NE(reported(replaced(with, "UNIT", "kg")).find("Two types are called 'T' and differ"), std::string::npos);
 }
 
 TEST(Description, HostileXmlIsRefusedQuickly) {

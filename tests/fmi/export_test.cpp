@@ -55,10 +55,12 @@ class Export : public FmiTest, public ::testing::WithParamInterface<int> {
  protected:
   void SetUp() override {
     FmiTest::SetUp();
-    binary_ = text_of(UGOKI_FMU_BINARY);
+    signal_binary_ = text_of(UGOKI_FMU_BINARY);
+    full_binary_ = text_of(UGOKI_FMU_FULL_BINARY);
   }
   Result<Exported> try_export(const circuit::Circuit& c, double dt) const {
-    return export_fmu(c, lsi::standard_library(), {}, {.version = GetParam(), .dt = dt, .binary = binary_});
+    return export_fmu(c, lsi::standard_library(), {},
+                      {.version = GetParam(), .dt = dt, .signal_binary = signal_binary_, .full_binary = full_binary_});
   }
   /// @return path of the exported FMU
   std::string exported(const std::string& circuit, double dt) const {
@@ -74,7 +76,7 @@ class Export : public FmiTest, public ::testing::WithParamInterface<int> {
     EXPECT_EQ(ran->status, 0) << ran->out << ran->err;
     EXPECT_NE(ran->out.find(", 0 wrong"), std::string::npos) << ran->out;
   }
-  std::string binary_;
+  std::string signal_binary_, full_binary_;
 };
 INSTANTIATE_TEST_SUITE_P(Versions, Export, ::testing::Values(2, 3), [](const auto& each) { return "Fmi" + std::to_string(each.param); });
 
@@ -230,11 +232,13 @@ TEST_P(Export, LsisOfInstalledLibrariesAreRefused) {
   spring.from = "springs";
   spring.step = [](const circuit::Call*) { return std::int32_t{0}; };
   const auto c = alone("springs/spring");
-  const auto refused = export_fmu(c, lsi::standard_library(), {spring}, {.version = GetParam(), .dt = 0.01, .binary = binary_});
+  const auto refused = export_fmu(c, lsi::standard_library(), {spring},
+                                  {.version = GetParam(), .dt = 0.01, .signal_binary = signal_binary_, .full_binary = full_binary_});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().text().find("'u' is of the installed library 'springs'. Its native code is not packed"), std::string::npos)
       << refused.error().text();
-  const auto missing = export_fmu(c, lsi::standard_library(), {}, {.version = GetParam(), .dt = 0.01, .binary = binary_});
+  const auto missing = export_fmu(c, lsi::standard_library(), {},
+                                  {.version = GetParam(), .dt = 0.01, .signal_binary = signal_binary_, .full_binary = full_binary_});
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().text().find("is missing"), std::string::npos);
 }
@@ -244,6 +248,41 @@ TEST_P(Export, LsisThatNeedContentAreRefused) {
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().text().find("'u' (LSI 'status') uses the mechanisms and motions of content"), std::string::npos)
       << refused.error().text();
+}
+
+/// Angle -> rotation -> rotated vector, with LSIs of pure mathematics, which use no content.
+constexpr const char* rotated = R"({"version": 1, "name": "rotated",
+  "inputs": [{"name": "angle", "type": "scalar", "to": ["turn.angle", "wave.angle"]}],
+  "outputs": [{"name": "sine", "type": "scalar", "from": "wave.sine"}, {"name": "x", "type": "scalar", "from": "parts.x"}],
+  "lsis": [{"id": "wave", "type": "sine"}, {"id": "turn", "type": "make rotation", "values": {"axis": [0, 0, 1]}},
+           {"id": "ahead", "type": "make vector", "values": {"x": 1, "y": 0, "z": 0}}, {"id": "turned", "type": "rotate vector"},
+           {"id": "parts", "type": "split vector"}],
+  "wires": [{"from": "turn.out", "to": "turned.rotation"}, {"from": "ahead.out", "to": "turned.in"}, {"from": "turned.out", "to": "parts.in"}]})";
+
+TEST_P(Export, LsisOfMathematicsNeedNoContent) {
+  const std::string fmu = exported(rotated, 0.01);
+  check(fmu);
+  const auto live = library(fmu);
+  auto i = build(alone("rotated", R"(, "values": {"angle": 0.5})"), live, 0.01);
+  ASSERT_TRUE(i) << i.error().text();
+  ASSERT_TRUE(i->tick() && i->tick()) << i->stopped()->text();
+  EXPECT_NEAR(value(*i, "u.sine"), std::sin(0.5), 1e-15);
+  EXPECT_NEAR(value(*i, "u.x"), std::cos(0.5), 1e-15);
+}
+
+/// Each standard LSI: either a circuit with it alone is exported, or the message names what it needs. Only LSIs of content need content.
+TEST_P(Export, OnlyLsisThatUseContentAreRefusedWithoutContent) {
+  int exported = 0;
+  for (const circuit::LsiClass& c : lsi::standard_library().classes()) {
+    const auto out = try_export(alone(c.name), 0.01);
+    if (out) ++exported;
+    if (out || out.error().text().find("uses the mechanisms and motions of content") == std::string::npos) {
+      EXPECT_TRUE(out || out.error().text().find("content") == std::string::npos) << c.name << ": " << out.error().text();
+      continue;
+    }
+    EXPECT_FALSE(Interpreter::build(alone(c.name), lsi::standard_library(), nullptr, {.dt = 0.01})) << c.name;
+  }
+  EXPECT_GT(exported, 10);
 }
 
 TEST_P(Export, PinsThatCannotBeVariablesAreNoted) {

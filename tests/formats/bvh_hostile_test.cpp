@@ -126,7 +126,7 @@ TEST(BvhHostile, FrameCountBeyondTheTextIsRejectedBeforeAllocation) {
 }
 
 TEST(BvhHostile, TruncationAtAnyByteIsRejected) {
-  // A truncated file is rejected with a line, unless the last number only lost digits, which leaves a valid file.
+  // The error of each truncated file names a line. A file that lost only the last digits of its last number is still valid.
   int refused = 0;
   for (std::size_t n = 0; n < good.size(); ++n) {
     const auto result = read(good.substr(0, n));
@@ -141,7 +141,7 @@ TEST(BvhHostile, TruncationAtAnyByteIsRejected) {
 }
 
 TEST(BvhHostile, ReplacedTokenGivesMotionOrErrorWithLine) {
-  // Whatever replaces a token, the reader returns a motion or an error with a line.
+  // For every replacement of a token, the reader returns a motion or an error that names a line.
   for (const std::string& bad : {std::string("{"), std::string("}"), std::string("nan"), std::string("-1"), std::string("MOTION"),
                                  std::string("End"), std::string(5000, '9'), std::string("\xFF\xC0"), std::string()}) {
     std::size_t begin = 0;

@@ -82,6 +82,25 @@ TEST(Intake, RobotFileGivesAReadableMechanismEntry) {
   EXPECT_FALSE(take_in("<html/>", "page.xml"));
 }
 
+TEST(Intake, CancelledImportsGiveTheirError) {
+  const std::string bvh = formats::write_bvh(samples::make_human_walk());
+  int calls = 0;
+  IntakeOptions options;
+  options.cancelled = [&] { return ++calls < 0; };
+  ASSERT_TRUE(take_in(bvh, "walk.bvh", nullptr, options));
+  const int steps = calls;
+  EXPECT_GE(steps, 3) << "before reading, before the body, before the motion";
+  for (int stop = 1; stop <= steps; ++stop) {
+    calls = 0;
+    options.cancelled = [&] { return ++calls == stop; };
+    const auto out = take_in(bvh, "walk.bvh", nullptr, options);
+    ASSERT_FALSE(out);
+    EXPECT_EQ(out.error().problems[0].code, ErrorCode::cancelled);
+    EXPECT_EQ(out.error().problems[0].location, "walk.bvh");
+    EXPECT_EQ(calls, stop) << "no step follows";
+  }
+}
+
 TEST(Intake, TwoCharactersInOneFileAreReported) {
   const auto nodes = [](int characters) {  // chains of five
     std::string list;

@@ -7,25 +7,30 @@
 namespace ugoki::json {
 namespace {
 
-TEST(Json, SyntaxErrorsHaveTheirLine) {
+TEST(Json, SyntaxErrorsHaveTheirLineAndColumn) {
   struct Case {
     std::string text, location;
     ErrorCode code;
   };
   const Case cases[] = {
-      {"", "f:1", ErrorCode::truncated},
-      {"\n\n", "f:3", ErrorCode::truncated},
-      {"{\"a\":\n[1, 2", "f:2", ErrorCode::truncated},
-      {"{\"a\": \"no end", "f:1", ErrorCode::truncated},
-      {"{\"a\": 1}}", "f:1", ErrorCode::syntax},
-      {"{\n\"a\" 1}", "f:2", ErrorCode::syntax},
-      {"[1,\n2,\n]", "f:3", ErrorCode::syntax},
-      {"[1,\n1e999]", "f:2", ErrorCode::syntax},
-      {"[\"\xFF\"]", "f:1", ErrorCode::syntax},
-      {std::string("\0", 1), "f:1", ErrorCode::syntax},
-      {std::string("{\"a\":\n1}\0}", 10), "f:2", ErrorCode::syntax},  // text after a zero byte must not be ignored silently
-      {"{\"a\": [{\"b\": 1, \"c\": {\"b\": 2}},\n {\"b\": 1,\n\"d\": \"b\", \"b\" : 3}]}", "f:3", ErrorCode::duplicate},
-      {std::string(max_depth + 1, '[') + std::string(max_depth + 1, ']'), "f", ErrorCode::range},
+      {"", "f:1:1", ErrorCode::truncated},
+      {"\n\n", "f:3:1", ErrorCode::truncated},
+      {"{\"a\":\n[1, 2", "f:2:6", ErrorCode::truncated},
+      {"{\"a\": \"no end", "f:1:14", ErrorCode::truncated},
+      {"{\"a\": 1}}", "f:1:9", ErrorCode::syntax},
+      {"{\n\"a\" 1}", "f:2:5", ErrorCode::syntax},
+      {"{\n\"\u00e9\" 1}", "f:2:5", ErrorCode::syntax},  // columns count characters, not bytes
+      {"\xEF\xBB\xBF{\"a\" 1}", "f:1:6", ErrorCode::syntax},
+      {"{\"a\": 1,\r\n \"b\": 2 \"long name\": 3}", "f:2:9", ErrorCode::syntax},  // the first character of the unexpected token
+      {"[1,\n2,\n]", "f:3:1", ErrorCode::syntax},
+      {"[1,\n nul]", "f:2:5", ErrorCode::syntax},
+      {"[1,\n1e999]", "f:2:1", ErrorCode::range},
+      {"{\"a\": -1.5e+4000 }", "f:1:7", ErrorCode::range},
+      {"[\"\xFF\"]", "f:1:3", ErrorCode::syntax},
+      {std::string("\0", 1), "f:1:1", ErrorCode::syntax},
+      {std::string("{\"a\":\n1}\0}", 10), "f:2:3", ErrorCode::syntax},  // text after a zero byte must not be ignored silently
+      {"{\"a\": [{\"b\": 1, \"c\": {\"b\": 2}},\n {\"b\": 1,\n\"d\": \"b\", \"b\" : 3}]}", "f:3:12", ErrorCode::duplicate},
+      {std::string(max_depth + 1, '[') + std::string(max_depth + 1, ']'), "f:1:101", ErrorCode::range},
   };
   for (const Case& c : cases) {
     const auto read = parse_json(c.text, "f");
@@ -38,6 +43,21 @@ TEST(Json, SyntaxErrorsHaveTheirLine) {
   EXPECT_TRUE(parse_json("[\"" + std::string(2 * max_depth, '[') + "\"]", "f")) << "brackets inside a string do not count as nesting";
   EXPECT_TRUE(parse_json("\xEF\xBB\xBF{}", "f")) << "a byte order mark is accepted";
   EXPECT_FALSE(parse_json("[1, 2]", "f", 5)) << "the text is larger than the limit of 5 bytes";
+}
+
+TEST(Json, NumbersTooLargeForADoubleAreReported) {
+  for (const char* number : {"1e999", "-1e309", "1797693134862315907729305190789e400"}) {
+    const auto read = parse_json(std::string("{\"a\": ") + number + "}", "f");
+    ASSERT_FALSE(read) << number;
+    EXPECT_EQ(read.error().problems[0].location, "f:1:7");
+    EXPECT_EQ(read.error().problems[0].code, ErrorCode::range);
+    EXPECT_NE(read.error().text().find(std::string("The number ") + number + " is too large"), std::string::npos) << read.error().text();
+  }
+  for (const char* number : {"1.7976931348623157e308", "-5e-324", "1e-999", "123456789012345678901234567890"}) {
+    const auto read = parse_json(number, "f");
+    ASSERT_TRUE(read) << number;
+    EXPECT_TRUE(std::isfinite(read->get<double>())) << number;
+  }
 }
 
 TEST(Json, FieldsReportEveryProblemWithItsPath) {

@@ -61,7 +61,7 @@ TEST_F(DamagedProjectTest, RefusesFilesThatAreNotProjects) {
 
 TEST_F(DamagedProjectTest, RefusesNewerVersions) {
   make_closed();
-  run_sql("PRAGMA user_version = 2");
+  run_sql("PRAGMA user_version = 3");
   expect_refused(ErrorCode::unsupported);
 }
 
@@ -142,6 +142,7 @@ TEST_F(DamagedProjectTest, NeverCrashesOnFlippedBytes) {
 
 TEST_F(DamagedProjectTest, ReadsAFileWhoseFolderCannotBeWritten) {
   make_closed();
+  fs::permissions(path_, fs::perms(0644));
   fs::permissions(folder_, fs::perms(0555));
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);

@@ -138,7 +138,8 @@ TEST(MjcfHostile, InvalidInertiaAndGeomsAreRefused) {
 }
 
 TEST(MjcfHostile, InvalidDefaultsAreRefused) {
-  refused(next_to_body("<default class='other'/>"), 3, "outermost default class");
+  refused(next_to_body("<default class='a'><default class='a'/></default>"), 3, "Two default classes");
+  refused(next_to_body("<default><default class='a'/></default><default class='a'/>"), 3, "Two default classes");
   refused(next_to_body("<default><default/></default>"), 3, "no name");
   refused(next_to_body("<default><default class='a'/><default class='a'/></default>"), 3, "Two default classes");
   refused(next_to_body("<default><joint damping='x'/></default>"), 3, "'damping'");

@@ -154,6 +154,32 @@ TEST(Mjcf, DefaultClassesInheritAndOverride) {
   EXPECT_EQ(link(m, "two").shapes[0].half_length, 0.2);
 }
 
+TEST(Mjcf, OutermostDefaultClassMayHaveAName) {
+  // Exported models name the outermost class after the robot, and give bodies and elements this name.
+  const std::string tree = world(
+      "<body name='one' childclass='ed209'><joint/><geom/><body name='two'><joint class='leg'/><geom/></body>"
+      "<body name='three'><joint class='main'/><geom class='ed209'/></body></body>"
+      "<body name='four'><joint/><geom/></body>");
+  const RobotModel m = read(
+      "<default class='ed209'><joint damping='1' armature='2'/><geom size='0.3'/>"
+      "<default class='leg'><joint damping='3'/></default></default><default class='ed209'><joint stiffness='6'/>"
+      "</default>" +
+      tree);
+  for (const char* name : {"one", "two", "three", "four"}) {
+    const Dof dof = link(m, name).joint.dofs[0];
+    EXPECT_EQ(dof.damping, std::string(name) == "two" ? 3 : 1) << name << ": elements without a class use the outermost class";
+    EXPECT_EQ(dof.armature, 2) << name;
+    EXPECT_EQ(dof.stiffness, 6) << name;
+    EXPECT_EQ(link(m, name).shapes[0].radius, 0.3) << name;
+  }
+  const RobotModel nested = read(
+      "<default><default class='ed209'><joint damping='1' armature='2'/><geom size='0.3'/></default>"
+      "<default class='leg'><joint damping='3'/></default></default>" +
+      world("<body name='one' childclass='ed209'><joint/><geom/></body>"));
+  EXPECT_EQ(link(nested, "one").joint.dofs[0].damping, 1);
+  EXPECT_EQ(link(nested, "one").shapes[0].radius, 0.3);
+}
+
 TEST(Mjcf, Orientations) {
   const auto turned = [](const std::string& compiler, const std::string& attribute) {
     const RobotModel m = read(compiler + world("<body name='b' " + attribute + "><joint/><geom size='0.1'/></body>"));

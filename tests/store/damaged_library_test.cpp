@@ -154,12 +154,40 @@ TEST_F(DamagedLibraryTest, LockedLibraryIsAConflict) {
   EXPECT_EQ(library.error().problems.front().code, ErrorCode::conflict) << library.error().text();
 }
 
+TEST_F(DamagedLibraryTest, ReadingLeavesNoSideFiles) {
+  make();
+  {
+    auto library = Library::open_read_only(path_);
+    ASSERT_TRUE(library) << library.error().text();
+    EXPECT_EQ(library->find()->entries.size(), 30u);
+    const std::vector<LibraryItem> items = {{EntryKind::motion, "more", "{}", {}, {std::byte(1)}}};
+    EXPECT_FALSE(library->put(items)) << "a library opened read-only should not be changed";
+  }
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename());
+  EXPECT_EQ(names, std::vector<std::string>{"library.db"});
+}
+
+TEST_F(DamagedLibraryTest, NewLibrariesArePrivate) {
+  const auto library = Library::open(path_);
+  ASSERT_TRUE(library);
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    struct stat info{};
+    ASSERT_EQ(::stat((path_ + suffix).c_str(), &info), 0) << suffix;
+    EXPECT_EQ(info.st_mode & 0777, 0600u) << suffix;
+  }
+}
+
 TEST_F(DamagedLibraryTest, UnreachableLocationsAreReported) {
   const auto missing = Library::open_read_only(folder_ + "/none.db");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().problems.front().code, ErrorCode::io);
-  const auto folder = Library::open(folder_);
-  ASSERT_FALSE(folder);
+  EXPECT_NE(missing.error().text().find("does not exist"), std::string::npos) << missing.error().text();
+  for (const bool read_only : {false, true}) {
+    const auto folder = read_only ? Library::open_read_only(folder_) : Library::open(folder_);
+    ASSERT_FALSE(folder);
+    EXPECT_NE(folder.error().text().find("folder"), std::string::npos) << folder.error().text();
+  }
   const auto below_file = Library::open("/dev/null/library.db");
   ASSERT_FALSE(below_file);
   EXPECT_FALSE(below_file.error().problems.front().remedy.empty());

@@ -57,7 +57,7 @@ struct Acknowledged {
   std::map<std::string, int> versions;      ///< newest version, by id
   std::map<std::string, std::string> keys;  ///< name, by id
   std::vector<std::string> tagged;          ///< ids
-  int steps = 0;                            ///< count of lines
+  int steps = 0;                            ///< number of lines read from the pipe; the writer sends one line per acknowledged change
   std::string trouble;                      ///< line with an error of the child; empty: none
 
   void read(const std::string& line) {

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <csignal>
 #include <string>
 
 namespace ugoki::store {
@@ -23,6 +24,10 @@ class PostgresServer {
   /// Process id of the postmaster.
   [[nodiscard]] pid_t pid() const;
   void stop();
+  /// Stops all processes of the server with SIGSTOP: connections stay open, but nothing answers.
+  void freeze() const { signal_all(SIGSTOP); }
+  /// Continues all processes of the server with SIGCONT.
+  void thaw() const { signal_all(SIGCONT); }
   /// Starts the server, also after stop() or after it was killed. @return true if it accepts connections
   bool start();
   /// Runs SQL with psql as the owner of the server. @return the output of psql
@@ -33,6 +38,7 @@ class PostgresServer {
  private:
   PostgresServer() = default;
   bool create();
+  void signal_all(int signal) const;
   int run(const std::string& command) const;
   std::string folder_, programs_, as_user_;
 };

@@ -1,6 +1,9 @@
 // Behaviour specific to PostgreSQL: passwords in addresses, lost connections, other schema versions, permissions.
 
+#include <chrono>
 #include <csignal>
+#include <fstream>
+#include <future>
 
 #include "on_both.h"
 #include "ugoki/store/connection.h"
@@ -60,6 +63,47 @@ TEST_F(PostgresTest, LostConnectionIsRestoredAutomatically) {
   EXPECT_TRUE(library->check(false)->problems.empty());
 }
 
+/// Runs `work` while the server is frozen; thaws the server afterwards, or after 40 s. @return true if `work` ended before the server was
+/// thawed
+bool ends_while_frozen(const PostgresServer& server, const std::function<void()>& work) {
+  server.freeze();
+  std::future<void> running = std::async(std::launch::async, work);
+  const bool ended = running.wait_for(std::chrono::seconds(40)) == std::future_status::ready;
+  server.thaw();
+  running.get();
+  return ended;
+}
+
+TEST_F(PostgresTest, FrozenServerGivesAnErrorAndNothingIsLost) {
+  Result<Library> library = Library::open(location_);
+  ASSERT_TRUE(library) << library.error().text();
+  const auto id = library->put(std::vector{make_item(EntryKind::motion, "walk", "1")});
+  ASSERT_TRUE(id);
+  const auto expect_refused = [](const auto& result) {
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().problems.front().code, ErrorCode::io);
+    EXPECT_NE(result.error().text().find("does not respond"), std::string::npos) << result.error().text();
+  };
+  EXPECT_TRUE(ends_while_frozen(*server_, [&] { expect_refused(library->find()); })) << "a statement on an open connection";
+  EXPECT_EQ(names_of(library->find()), std::vector<std::string>{"walk"});
+  EXPECT_TRUE(ends_while_frozen(*server_, [&] { expect_refused(library->put(std::vector{make_item(EntryKind::motion, "run", "2")})); }));
+  EXPECT_TRUE(ends_while_frozen(*server_, [&] { expect_refused(Library::open(location_)); })) << "a new connection";
+  EXPECT_EQ(names_of(library->find()), std::vector<std::string>{"walk"}) << "a change that was refused is not stored";
+  const std::string large(32 << 20, 'x');  // more than the buffers of the socket hold
+  EXPECT_TRUE(ends_while_frozen(*server_, [&] { EXPECT_FALSE(library->put(std::vector{make_item(EntryKind::motion, "jump", large)})); }));
+  EXPECT_TRUE(library->put(std::vector{make_item(EntryKind::motion, "jump", large)}));
+  EXPECT_EQ(library->data(id->front()), bytes_of("1"));
+  EXPECT_TRUE(library->check(false)->problems.empty());
+}
+
+TEST_F(PostgresTest, SlowStatementOnALiveServerIsNotInterrupted) {
+  Result<std::unique_ptr<Connection>> connection = postgres_connection(location_, false);
+  ASSERT_TRUE(connection) << connection.error().text();
+  const Result<Rows> slow = (*connection)->query("SELECT 7::text FROM pg_sleep(8)");
+  ASSERT_TRUE(slow) << slow.error().text();
+  EXPECT_EQ(slow->text(0, 0), "7");
+}
+
 TEST_F(PostgresTest, NewerEmptyAndForbiddenDatabasesAreReported) {
   ASSERT_TRUE(Library::open(location_));
   EXPECT_EQ(server_->psql("UPDATE ugoki.library SET version = 99"), "");
@@ -77,6 +121,73 @@ TEST_F(PostgresTest, NewerEmptyAndForbiddenDatabasesAreReported) {
   EXPECT_NE(guest.error().text().find("right"), std::string::npos) << guest.error().text();
   EXPECT_EQ(server_->psql("DROP ROLE guest"), "");
   EXPECT_TRUE(Library::open(location_));
+}
+
+/// The SQL of the recipe for a team in docs/library.md, one statement a line.
+std::string team_recipe() {
+  std::ifstream page(UGOKI_DOCS "/library.md");
+  std::string sql, line;
+  bool in_recipe = false;
+  while (std::getline(page, line)) {
+    if (line == "```sql")
+      in_recipe = true;
+    else if (line == "```")
+      in_recipe = false;
+    else if (in_recipe)
+      sql += line.substr(0, line.find("--")) + " ";
+  }
+  return sql;
+}
+
+TEST_F(PostgresTest, RolesOfATeamShareTheLibrary) {
+  Result<Library> owner = Library::open(location_);
+  ASSERT_TRUE(owner) << owner.error().text();
+  ASSERT_TRUE(owner->put(std::vector{make_item(EntryKind::motion, "walk", "1")}));
+  const auto as = [&](const std::string& role) { return "postgresql://" + role + "@" + location_.substr(location_.find("/postgres?")); };
+  EXPECT_EQ(server_->psql("CREATE ROLE anna LOGIN; CREATE ROLE ben LOGIN; CREATE ROLE carla LOGIN"), "");
+  const auto refused = Library::open(as("anna"));
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text().find("docs/library.md"), std::string::npos) << refused.error().text();
+  const std::string recipe = team_recipe();
+  ASSERT_FALSE(recipe.empty());
+  EXPECT_EQ(server_->psql(recipe), "");
+
+  Result<Library> anna = Library::open(as("anna")), ben = Library::open(as("ben"));
+  ASSERT_TRUE(anna && ben) << (anna ? ben : anna).error().text();
+  const auto made = anna->put(std::vector{make_item(EntryKind::motion, "run", "2", {"quick"})});
+  ASSERT_TRUE(made) << made.error().text();
+  const std::string id = made->front();
+  ASSERT_TRUE(ben->save({.id = id, .base = 1, .name = "run fast"}));
+  ASSERT_TRUE(ben->remove(id));
+  ASSERT_TRUE(ben->undelete(id));
+  ASSERT_TRUE(anna->set_tags(id, std::vector<std::string>{"loop"}, {}));
+  EXPECT_EQ(names_of(anna->find()), (std::vector<std::string>{"run fast", "walk"}));
+  EXPECT_TRUE(ben->check(true)->problems.empty());
+  ASSERT_TRUE(anna->remove(id));
+  EXPECT_EQ(anna->empty_trash(), 1u);
+  EXPECT_TRUE(anna->collect_garbage());
+
+  Result<Library> carla = Library::open(as("carla"));
+  ASSERT_TRUE(carla) << carla.error().text();
+  EXPECT_EQ(names_of(carla->find()), std::vector<std::string>{"walk"});
+  const auto forbidden = carla->put(std::vector{make_item(EntryKind::motion, "jump", "3")});
+  ASSERT_FALSE(forbidden);
+  EXPECT_NE(forbidden.error().text().find("docs/library.md"), std::string::npos) << forbidden.error().text();
+  for (Result<Library>* closed : {&anna, &ben, &carla}) *closed = fail(Error());
+  EXPECT_EQ(
+      server_->psql("DROP OWNED BY ugoki_team, ugoki_readers, anna, ben, carla; DROP ROLE ugoki_team, ugoki_readers, anna, ben, carla"),
+      "");
+}
+
+TEST_F(PostgresTest, ChangesAreReportedAfterALostConnection) {
+  Result<Library> library = Library::open(location_);
+  ASSERT_TRUE(library);
+  ASSERT_EQ(library->changed_elsewhere(), false);
+  server_->stop();
+  EXPECT_FALSE(library->changed_elsewhere());
+  ASSERT_TRUE(server_->start());
+  EXPECT_EQ(library->changed_elsewhere(), true) << "changes may have been missed";
+  EXPECT_EQ(library->changed_elsewhere(), false);
 }
 
 TEST_F(PostgresTest, OlderLibraryIsUpgraded) {

@@ -1,6 +1,7 @@
 // Versions, conflicts, the trash and checks, on both databases.
 
 #include <algorithm>
+#include <chrono>
 #include <thread>
 
 #include "on_both.h"
@@ -16,6 +17,30 @@ class VersionsTest : public OnBoth {
     return library.save({.id = id, .base = base, .data = bytes_of(data)});
   }
 };
+/// Whether a change of another connection arrives within 20 s; PostgreSQL delivers notifications with a delay.
+bool sees_a_change(Library& library) {
+  for (int i = 0; i < 2000; ++i) {
+    const Result<bool> changed = library.changed_elsewhere();
+    if (!changed || *changed) return changed.has_value();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+TEST_P(VersionsTest, ChangesOfOtherConnectionsAreReported) {
+  Library mine = open(), other = open();
+  EXPECT_EQ(mine.changed_elsewhere(), false);
+  const auto id = other.put(std::vector{make_item(EntryKind::motion, "walk", "1")});
+  ASSERT_TRUE(id);
+  EXPECT_TRUE(sees_a_change(mine));
+  EXPECT_EQ(mine.changed_elsewhere(), false);
+  ASSERT_TRUE(mine.rename(id->front(), "run"));
+  EXPECT_EQ(mine.changed_elsewhere(), false) << "a change of the connection itself";
+  EXPECT_EQ(other.changed_elsewhere(), false) << "the first call";
+  ASSERT_TRUE(mine.rename(id->front(), "jump"));
+  EXPECT_TRUE(sees_a_change(other));
+}
+
 UGOKI_ON_BOTH(VersionsTest);
 
 TEST_P(VersionsTest, EachSaveAddsAnImmutableVersion) {

@@ -25,7 +25,7 @@ class ImportServiceTest : public testing::Test {
     folder_ = std::filesystem::temp_directory_path() / ("ugoki-import-" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
     path_ = (folder_ / "library.db").string();
-    service_ = std::make_unique<ImportService>(path_);
+    service_ = std::make_unique<ImportService>();
   }
   void TearDown() override {
     service_.reset();
@@ -40,6 +40,17 @@ class ImportServiceTest : public testing::Test {
 
   std::filesystem::path folder_;
   std::string path_;
+  /// Stores a stage in the library and drops it, as the studio does.
+  Result<std::string> store(const std::string& id, const std::string& name, const std::vector<std::string>& tags) {
+    const Result<intake::Intake> entries = service_->prepare(id, name, tags);
+    if (!entries) return fail(entries.error());
+    Result<store::Library> library = store::Library::open(path_);
+    if (!library) return fail(std::move(library.error()));
+    Result<std::string> stored = ImportService::store(*entries, *library);
+    if (stored) service_->drop(id);
+    return stored;
+  }
+
   std::unique_ptr<ImportService> service_;
 };
 
@@ -69,7 +80,7 @@ TEST_F(ImportServiceTest, StageIsShownCorrectedAndStored) {
   EXPECT_EQ(bytes->size(), motion["count"].get<std::size_t>() * motion["links"].get<std::size_t>() * 7 * sizeof(float));
   EXPECT_EQ(entries(), 0u);
 
-  const auto stored = service_->store(id, "Stroll", {"own"});
+  const auto stored = store(id, "Stroll", {"own"});
   ASSERT_TRUE(stored) << stored.error().text();
   EXPECT_EQ(Json::parse(*stored)["entries"].size(), 2u);
   EXPECT_EQ(entries(), 3u) << "expected a mechanism, measured data and a motion";
@@ -77,7 +88,7 @@ TEST_F(ImportServiceTest, StageIsShownCorrectedAndStored) {
   const auto entry = library->resolve("Stroll", "motion");
   ASSERT_TRUE(entry) << entry.error().text();
   EXPECT_EQ(entry->tags, std::vector<std::string>{"own"});
-  EXPECT_FALSE(service_->store(id, "", {})) << "the stage has ended";
+  EXPECT_FALSE(store(id, "", {})) << "the stage has ended";
 }
 
 TEST_F(ImportServiceTest, RejectedOrDroppedStagesStoreNothing) {
@@ -91,7 +102,7 @@ TEST_F(ImportServiceTest, RejectedOrDroppedStagesStoreNothing) {
   const std::string id = Json::parse(*staged)["stage"];
   service_->drop(id);
   service_->drop(id);
-  EXPECT_FALSE(service_->store(id, "", {}));
+  EXPECT_FALSE(store(id, "", {}));
   EXPECT_EQ(entries(), 0u);
 }
 

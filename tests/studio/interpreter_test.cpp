@@ -347,7 +347,7 @@ TEST_F(InterpreterTest, InvalidInputsAreRejectedWithLocation) {
   EXPECT_EQ(location(interpreter.grab("a", "tail", {}, {})), "link");
   EXPECT_EQ(location(interpreter.grab("a", "0", {std::nan(""), 0, 0}, {})), "target");
   EXPECT_EQ(location(interpreter.push("a", "0", {1e9, 0, 0}, 0.1)), "force");
-  EXPECT_EQ(location(interpreter.push("a", "0", {1, 0, 0}, 0)), "force");
+  EXPECT_EQ(location(interpreter.push("a", "0", {1, 0, 0}, 0)), "duration");
   EXPECT_EQ(location(interpreter.drag({0, std::nan(""), 0})), "target");
   EXPECT_EQ(location(interpreter.drag({1, 0, 0})), "accepted");  // a drag without a grab is ignored
   EXPECT_FALSE(shown().flags & content::frame_grab);

@@ -17,7 +17,7 @@ namespace ugoki::studio::test {
 
 class Page {
  public:
-  Page(std::uint16_t port, const std::string& token) : socket_(port, "/ws?token=" + token) {
+  Page(std::uint16_t port, const std::string& token) : socket_(port, "/ws", {"Authorization: Bearer " + token}) {
     EXPECT_EQ(socket_.status(), 101);
     socket_.on_frame = [this](const std::string& bytes) {
       frames.push_back(parse_frame(std::as_bytes(std::span(bytes.data(), bytes.size()))));

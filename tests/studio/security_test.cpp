@@ -27,13 +27,18 @@ TEST(Security, SecretsAreComparedCompletely) {
   EXPECT_FALSE(equal_secret("", ""));
 }
 
-TEST(Security, FindsCookieByName) {
-  EXPECT_EQ(cookie_value("a=1; ugoki_80=x; b=2", "ugoki_80"), "x");
-  EXPECT_EQ(cookie_value("ugoki_8080=y;ugoki_80=x", "ugoki_80"), "x");
-  EXPECT_EQ(cookie_value("ugoki_80=", "ugoki_80"), "");
-  EXPECT_FALSE(cookie_value("ugoki_8080=y", "ugoki_80"));
-  EXPECT_FALSE(cookie_value("", "ugoki_80"));
-  EXPECT_FALSE(cookie_value(";;;=;", "ugoki_80"));
+TEST(Security, FindsTokenInHeaders) {
+  EXPECT_EQ(bearer_token("Bearer x"), "x");
+  EXPECT_EQ(bearer_token("bearer  x "), "x");
+  EXPECT_FALSE(bearer_token("Bearer"));
+  EXPECT_FALSE(bearer_token("Basic x"));
+  EXPECT_FALSE(bearer_token(""));
+  EXPECT_EQ(subprotocol_token("ugoki, ugoki.token.x"), "x");
+  EXPECT_EQ(subprotocol_token("ugoki.token.,ugoki"), "");
+  EXPECT_FALSE(subprotocol_token("ugoki"));
+  EXPECT_FALSE(subprotocol_token(",,;"));
+  EXPECT_TRUE(offers_subprotocol("a, ugoki"));
+  EXPECT_FALSE(offers_subprotocol("ugoki.token.x"));
 }
 
 TEST(Security, DecodesTargetsAndQueries) {
@@ -59,25 +64,32 @@ TEST(Security, RejectsPathsOutsideTheWebFolder) {
 }
 
 TEST(Security, GateFollowsTheProtocol) {
-  const Gate gate{4711, "secret"};
-  Credentials c{"127.0.0.1:4711", 1, std::nullopt, "", "/", ""};
-  EXPECT_EQ(gate.admit(c), Admission::no_token);
-  c.query = "token=secret";
-  EXPECT_EQ(gate.admit(c), Admission::granted_by_token);
-  c.query = "token=wrong";
-  c.cookies = "ugoki_4711=secret";
-  EXPECT_EQ(gate.admit(c), Admission::wrong_token);
-  c.query = "";
-  EXPECT_EQ(gate.admit(c), Admission::granted);
-  c.cookies = "ugoki_4711=wrong";
-  EXPECT_EQ(gate.admit(c), Admission::wrong_token);
-  c.cookies = "";
-  for (const char* guarded : {"/", "/index.html", "/ws", "/api/library", "/api"}) {
-    c.path = guarded;
-    EXPECT_EQ(gate.admit(c), Admission::no_token) << guarded;
+  const Gate gate{4711, "secret", "code"};
+  Credentials c{"127.0.0.1:4711", 1, std::nullopt, "", "", ""};
+  for (const char* open : {"/", "/index.html", "/assets/index.js", "/api/session"}) {
+    c.path = open;
+    EXPECT_EQ(gate.admit(c), Admission::open) << open;
   }
-  c.path = "/assets/index.js";
+  for (const char* guarded : {"/ws", "/api/library", "/api", "/api/session/x"}) {
+    c.path = guarded;
+    c.authorization = "";
+    EXPECT_EQ(gate.admit(c), Admission::no_token) << guarded;
+    for (const char* wrong : {"Bearer wrong", "Bearer code", "Bearer "}) {
+      c.authorization = wrong;
+      EXPECT_NE(gate.admit(c), Admission::granted) << guarded;
+    }
+    c.authorization = "Bearer secret";
+    EXPECT_EQ(gate.admit(c), Admission::granted) << guarded;
+  }
+  c.authorization = "";
+  c.subprotocols = "ugoki, ugoki.token.secret";
+  c.path = "/api/library";
+  EXPECT_EQ(gate.admit(c), Admission::no_token);
+  c.path = "/ws";
   EXPECT_EQ(gate.admit(c), Admission::granted);
+  c.subprotocols = "ugoki, ugoki.token.wrong";
+  EXPECT_EQ(gate.admit(c), Admission::wrong_token);
+  c.path = "/assets/index.js";
   for (const char* host : {"localhost:4711", "127.0.0.1", "127.0.0.1:4712", "evil.example:4711", "", "127.0.0.1:4711.evil.example"}) {
     c.host = host;
     EXPECT_EQ(gate.admit(c), Admission::bad_host) << host;
@@ -92,7 +104,7 @@ TEST(Security, GateFollowsTheProtocol) {
     EXPECT_EQ(gate.admit(c), Admission::bad_origin) << origin;
   }
   c.origin = "http://127.0.0.1:4711";
-  EXPECT_EQ(gate.admit(c), Admission::granted);
+  EXPECT_EQ(gate.admit(c), Admission::open);
 }
 
 }  // namespace

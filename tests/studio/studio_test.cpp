@@ -72,7 +72,7 @@ class StudioTest : public testing::Test {
   std::string library_path() const { return folder_ + "/library.db"; }
   Page page() { return {studio_->port(), studio_->token()}; }
   Reply api(const std::string& method, const std::string& target, const std::string& body = "") {
-    return request(studio_->port(), method, target, {"Cookie: ugoki_" + std::to_string(studio_->port()) + "=" + studio_->token()}, body);
+    return request(studio_->port(), method, target, {"Authorization: Bearer " + studio_->token()}, body);
   }
   static json move_clip(double start) {
     return {{"op", "command"}, {"command", {{"type", "clip.set"}, {"character", "human"}, {"id", "k1"}, {"start", start}}}};
@@ -268,6 +268,66 @@ TEST_F(StudioTest, InvalidMessagesAreAnsweredWithProblems) {
     EXPECT_NE(r["error"]["problems"][0]["message"], "") << text;
   }
   EXPECT_EQ(p.ask({{"op", "hello"}})["document"].dump(), document);
+}
+
+TEST_F(StudioTest, ValuesOutOfRangeAreRefusedWithTheirLocation) {
+  for (const auto& [target, location] : {std::pair{"height=-1", "height"},
+                                         {"height=1e9", "height"},
+                                         {"height=nan", "height"},
+                                         {"height=inf", "height"},
+                                         {"height=tall", "height"},
+                                         {"height=0", "height"}}) {
+    const Reply r = api("GET", std::string("/api/reference-character?") + target);
+    EXPECT_EQ(r.status, 400) << target;
+    EXPECT_EQ(json::parse(r.body)["error"]["problems"][0]["location"], location) << target;
+  }
+  EXPECT_EQ(api("GET", "/api/reference-character").status, 200);
+  EXPECT_EQ(api("GET", "/api/reference-character?height=1.2").status, 200);
+  for (const auto& [target, location] : {std::pair{"limit=0", "limit"},
+                                         {"limit=501", "limit"},
+                                         {"limit=nan", "limit"},
+                                         {"limit=-3", "limit"},
+                                         {"limit=x", "limit"},
+                                         {"limit=1.5", "limit"},
+                                         {"removed=2", "removed"}}) {
+    const Reply r = api("GET", std::string("/api/library?") + target);
+    EXPECT_EQ(r.status, 400) << target;
+    EXPECT_EQ(json::parse(r.body)["error"]["problems"][0]["location"], location) << target;
+  }
+  EXPECT_EQ(api("GET", "/api/library?limit=500&removed=0").status, 200);
+  for (const auto& [target, location] : {std::pair{"unit=-1", "unit"},
+                                         {"unit=0", "unit"},
+                                         {"unit=nan", "unit"},
+                                         {"unit=1e300", "unit"},
+                                         {"rate=-5", "rate"},
+                                         {"rate=inf", "rate"},
+                                         {"rate=fast", "rate"}}) {
+    const Reply r = api("POST", std::string("/api/import/stage?name=a.bvh&") + target, "x");
+    EXPECT_EQ(r.status, 400) << target;
+    EXPECT_EQ(json::parse(r.body)["error"]["problems"][0]["location"], location) << target;
+  }
+  Page p = page();
+  p.ask({{"op", "hello"}});
+  ASSERT_TRUE(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
+  int id = 2000;
+  for (const auto& [text, location] : {std::pair{R"("op":"seek","time":-1)", "time"},
+                                       {R"("op":"seek","time":8.5)", "time"},
+                                       {R"("op":"play","speed":0)", "speed"},
+                                       {R"("op":"play","speed":-1)", "speed"},
+                                       {R"("op":"play","speed":100)", "speed"},
+                                       {R"("op":"push","character":"human","link":0,"force":[1e9,0,0],"duration":1)", "force"},
+                                       {R"("op":"push","character":"human","link":0,"force":[1,0,0],"duration":-1)", "duration"},
+                                       {R"("op":"grab","character":"human","link":0,"point":[0,0,0],"target":[1e20,0,0])", "target"},
+                                       {R"("op":"grab","character":"human","link":-1,"point":[0,0,0],"target":[0,0,0])", "link"},
+                                       {R"("op":"grab","character":"human","link":99,"point":[0,0,0],"target":[0,0,0])", "link"}}) {
+    p.socket().send_text("{\"id\":" + std::to_string(++id) + "," + text + "}");
+    const json r = p.reply(id);
+    ASSERT_TRUE(r.is_object()) << text;
+    EXPECT_FALSE(r["ok"]) << text;
+    EXPECT_EQ(r["error"]["problems"][0]["location"], location) << text;
+  }
+  EXPECT_TRUE(p.ask({{"op", "seek"}, {"time", 0}})["ok"]);
+  EXPECT_EQ(p.ask({{"op", "hello"}})["transport"]["speed"], 1) << "a refused speed changes nothing";
 }
 
 TEST_F(StudioTest, TransportPlaysPausesStepsAndSeeks) {

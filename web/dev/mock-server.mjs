@@ -209,6 +209,7 @@ const operations = {
 const server = createServer(async (request, response) => {
   const url = new URL(request.url, 'http://x');
   const json = (status, body) => response.writeHead(status, { 'content-type': 'application/json' }).end(JSON.stringify(body));
+  if (url.pathname === '/api/session') return json(200, { token });
   if (url.pathname === '/api/library') return json(200, { entries: library });
   if (url.pathname.startsWith('/api/mechanism/')) {
     const body = bodies.find((b) => b.id === decodeURIComponent(url.pathname.slice(15)));
@@ -253,4 +254,4 @@ setInterval(() => {
   if (++ticks % 30 === 0) send_transport();
   if (ticks % 20 === 0 && transport.mode === 'simulate') summary();
 }, 1000 / 60);
-server.listen(port, '127.0.0.1', () => console.log(`http://127.0.0.1:${server.address().port}/?token=${token}`));
+server.listen(port, '127.0.0.1', () => console.log(`http://127.0.0.1:${server.address().port}/#code=${token}`));

@@ -18,7 +18,7 @@ async function wait_for_value(page, wanted, description) {
 /** Whether the service reports the devices that the content reads; older programs do not. */
 const reports_devices = (page) =>
   page.evaluate(() => new Promise((resolve) => {
-    const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws${location.search}`);
+    const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws`, ['ugoki', `ugoki.token.${sessionStorage.getItem('ugoki_token')}`]);
     socket.onopen = () => socket.send('{"id":1,"op":"hello"}');
     socket.onmessage = (message) => {
       const reply = typeof message.data === 'string' ? JSON.parse(message.data) : {};

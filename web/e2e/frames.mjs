@@ -18,7 +18,7 @@ const cpu = async () => 1000 * (await devtools.send('Performance.getMetrics')).m
 
 /** Sets the generated circuit with `n` more LSIs below it: rows of a clock followed by 99 gains in series. */
 const set_circuit = (n) => new Promise((resolve) => {
-  const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws${location.search}`);
+  const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws`, ['ugoki', `ugoki.token.${sessionStorage.getItem('ugoki_token')}`]);
   socket.onopen = () => socket.send('{"id":1,"op":"hello"}');
   socket.onmessage = (message) => {
     const reply = typeof message.data === 'string' ? JSON.parse(message.data) : {};

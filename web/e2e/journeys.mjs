@@ -35,7 +35,7 @@ const lead = (page) =>
 /** Index of the first link whose name or label matches. */
 async function find_link(page, character, pattern) {
   const mechanism = await hook(page, `window.ugoki.document().characters.find((c) => c.id === ${JSON.stringify(character)}).mechanism`);
-  const links = await page.evaluate(async (id) => (await (await fetch(`api/mechanism/${encodeURIComponent(id)}${location.search}`)).json()).links, mechanism);
+  const links = await page.evaluate(async (id) => (await (await fetch(`api/mechanism/${encodeURIComponent(id)}`, { headers: { Authorization: `Bearer ${sessionStorage.getItem('ugoki_token')}` } })).json()).links, mechanism);
   const index = links.findIndex((l) => pattern.test(`${l.name} ${l.label ?? ''}`) && l.shapes.length > 0);
   assert.ok(index >= 0, `no link matches ${pattern}: ${links.map((l) => l.name)}`);
   return index;
@@ -405,26 +405,45 @@ export const journeys = [
   {
     name: 'a wrong token, Host or Origin is refused',
     skip: mock && 'the mock service accepts everybody',
-    async run({ service }) {
-      const url = new URL(service.address);
-      const token = url.searchParams.get('token');
-      const right = await ask(service.address, `/api/library?token=${token}`);
-      assert.equal(right.status, 200);
+    async run({ page, service }) {
+      const token = await page.evaluate(() => sessionStorage.getItem('ugoki_token'));
+      const bearer = { Authorization: `Bearer ${token}` };
+      assert.equal((await ask(service.address, '/api/library', bearer)).status, 200);
       for (const [label, path, headers, status] of [
         ['no token', '/api/library', {}, 401],
-        ['wrong token', '/api/library?token=wrong', {}, 401],
-        ['wrong token for the page', '/?token=wrong', {}, 401],
-        ['wrong Host', `/api/library?token=${token}`, { Host: 'evil.example' }, 403],
-        ['wrong Origin', `/api/library?token=${token}`, { Origin: 'http://evil.example' }, 403],
+        ['wrong token', '/api/library', { Authorization: 'Bearer wrong' }, 401],
+        ['token in the query', `/api/library?token=${token}`, {}, 401],
+        ['token in a cookie', '/api/library', { Cookie: `ugoki_${new URL(service.address).port}=${token}` }, 401],
+        ['wrong Host', '/api/library', { ...bearer, Host: 'evil.example' }, 403],
+        ['wrong Origin', '/api/library', { ...bearer, Origin: 'http://evil.example' }, 403],
       ]) {
         const answer = await ask(service.address, path, headers);
         assert.equal(answer.status, status, label);
         assert.ok(answer.text.length > 10, `${label}: the answer has an explanation`);
       }
-      assert.equal(await shake_hands(service.address, `/ws?token=${token}`), 101);
-      assert.equal(await shake_hands(service.address, '/ws?token=wrong'), 401);
-      assert.equal(await shake_hands(service.address, `/ws?token=${token}`, { Origin: 'http://evil.example' }), 403);
-      assert.equal(await shake_hands(service.address, `/ws?token=${token}`, { Host: 'evil.example:80' }), 403);
+      assert.equal(await shake_hands(service.address, '/ws', bearer), 101);
+      assert.equal(await shake_hands(service.address, '/ws', { 'Sec-WebSocket-Protocol': `ugoki, ugoki.token.${token}` }), 101);
+      assert.equal(await shake_hands(service.address, '/ws', { 'Sec-WebSocket-Protocol': 'ugoki, ugoki.token.wrong' }), 401);
+      assert.equal(await shake_hands(service.address, `/ws?token=${token}`), 401);
+      assert.equal(await shake_hands(service.address, '/ws', { ...bearer, Origin: 'http://evil.example' }), 403);
+      assert.equal(await shake_hands(service.address, '/ws', { ...bearer, Host: 'evil.example:80' }), 403);
+    },
+  },
+  {
+    name: 'the address bar, the cookies and a reload: the token stays in the tab',
+    skip: mock && 'the mock service accepts everybody',
+    async run({ page, service }) {
+      assert.equal(page.url(), `${new URL(service.address).origin}/`);
+      assert.deepEqual(await page.context().cookies(), []);
+      await page.reload();
+      await ready(page);
+      const other = await page.context().browser().newPage();
+      await other.goto(new URL(service.address).origin);
+      await other.getByRole('alert').filter({ hasText: 'has no access to the studio' }).waitFor();
+      await other.goto(service.address); // changes only the fragment
+      await ready(other);
+      assert.equal(other.url(), `${new URL(service.address).origin}/`);
+      await other.close();
     },
   },
   ...motion_journeys,

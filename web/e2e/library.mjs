@@ -144,7 +144,7 @@ const journeys = [
       await page.screenshot({ path: `${pictures}library-moving.png` });
       await page.mouse.move(700, 300);
       const [id] = (await library_state(page)).ids;
-      await until(page, () => page.evaluate(async (i) => (await fetch(`api/thumbnail/${i}${location.search}`)).ok, id), 'the picture to be stored');
+      await until(page, () => page.evaluate(async (i) => (await fetch(`api/thumbnail/${i}`, { headers: { Authorization: `Bearer ${sessionStorage.getItem('ugoki_token')}` } })).ok, id), 'the picture to be stored');
     },
   },
   {
@@ -190,7 +190,8 @@ const journeys = [
         if (once && route.request().method() === 'POST') {
           once = false;
           const body = JSON.parse(route.request().postData());
-          await page.request.post(route.request().url(), { data: { base: body.base, name: 'Their name' } });
+          const { authorization } = route.request().headers();
+          await page.request.post(route.request().url(), { headers: { authorization }, data: { base: body.base, name: 'Their name' } });
         }
         await route.continue();
       });

@@ -31,7 +31,7 @@ export async function start_service() {
     const timer = setTimeout(() => reject(new Error(`no address within 60 s; output: ${output}`)), 60000);
     const read = (data) => {
       output += data;
-      const found = output.match(/http:\/\/127\.0\.0\.1:\d+\/\?token=\S+/);
+      const found = output.match(/http:\/\/127\.0\.0\.1:\d+\/#code=\S+/);
       if (!found) return;
       clearTimeout(timer);
       resolve(found[0]);

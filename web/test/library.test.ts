@@ -57,6 +57,20 @@ describe('the library browser', () => {
     expect(asked.filter((p) => p.startsWith('api/library?'))).toEqual(['api/library?q=walk+1&limit=100']);
     expect(browser.state.entries.length).toBe(11);
   });
+  it('keeps the entries while the library does not respond, and recovers', async () => {
+    const { host } = service(30);
+    const browser = new LibraryBrowser(host);
+    await browser.load();
+    const ready = host.fetch;
+    const problem = { code: 'io', location: 'library', message: 'The library does not respond.', remedy: 'Try again.' };
+    host.fetch = async () => reply({ status: 503, body: { error: { problems: [problem] } } });
+    await browser.load();
+    expect([browser.state.status, browser.state.away, browser.state.entries.length]).toEqual(['failed', true, 30]);
+    expect(browser.state.failure).toBe('The library does not respond. Try again.');
+    host.fetch = ready;
+    await browser.load();
+    expect([browser.state.status, browser.state.away]).toEqual(['ready', false]);
+  });
   it('undoes a rename', async () => {
     const { host, post } = service(3);
     const browser = new LibraryBrowser(host);

@@ -93,8 +93,9 @@ class Maker {
   void name_links() {
     std::set<std::string> used;
     for (const SkeletonJoint& j : m_.skeleton.joints) {
-      std::string name = j.name.empty() ? "joint" : j.name;
-      for (int k = 2; !used.insert(name).second; ++k) name = j.name + " " + std::to_string(k);
+      const std::string wanted = j.name.empty() ? "joint" : j.name;
+      std::string name = wanted;
+      for (int k = 2; !used.insert(name).second; ++k) name = wanted + " " + std::to_string(k);
       LinkSpec link;
       link.name = std::move(name);
       if (j.parent >= 0) link.parent = spec_.links[at(j.parent)].name;
@@ -215,31 +216,30 @@ class Maker {
          " mm (right) under the ball, heels " + to_fixed(1000 * build.soles[0].heel, 0) + " mm behind the ankles.");
   }
 
-  /// Gives 2 % of the mass of the nearest ancestor with mass to each movable link whose subtree has no mass: its equation of motion
-  /// would be singular.
+  /// Gives 2 % of a donor's mass to each movable link whose subtree has no mass: its equation of motion would be singular.
   void give_mass_to_massless_ends() {
     std::vector<double> behind(spec_.links.size(), 0.0);
     for (std::size_t i = behind.size(); i-- > 0;) {
       LinkSpec& link = spec_.links[i];
       behind[i] += link.inertia.mass;
       if (link.joint.nv() > 0 && behind[i] <= 0) {
-        double& donor = find_donor(i);
-        const double small_mass = 0.02 * donor;
+        Inertia& from = spec_.links[find_donor(i)].inertia;
+        const double small_mass = 0.02 * from.mass;
         link.inertia = Inertia::from_centre(small_mass, {}, {1e-4, 1e-4, 1e-4, 0, 0, 0});
         behind[i] += small_mass;
         // The donor keeps its centre of mass; its mass and moments decrease in proportion.
-        LinkSpec& from = *donor_;
-        from.inertia = {from.inertia.mass - small_mass, from.inertia.h * 0.98, from.inertia.I * 0.98};
+        from = {from.mass - small_mass, from.h * 0.98, from.I * 0.98};
       }
       if (const int parent = m_.skeleton.joints[i].parent; parent >= 0) behind[at(parent)] += behind[i];
     }
   }
-  /// Nearest ancestor with mass; sets donor_. @return its mass [kg]
-  double& find_donor(std::size_t i) {
-    int k = m_.skeleton.joints[i].parent;
-    while (spec_.links[at(k)].inertia.mass <= 0) k = m_.skeleton.joints[at(k)].parent;
-    donor_ = &spec_.links[at(k)];
-    return donor_->inertia.mass;
+  /// Link that gives mass to the massless link `i`: its nearest ancestor with mass. If no ancestor has mass (a second root, a sibling of
+  /// the hips): the link with the maximum mass.
+  [[nodiscard]] std::size_t find_donor(std::size_t i) const {
+    for (int k = m_.skeleton.joints[i].parent; k >= 0; k = m_.skeleton.joints[at(k)].parent)
+      if (spec_.links[at(k)].inertia.mass > 0) return at(k);
+    const auto heaviest = std::ranges::max_element(spec_.links, {}, [](const LinkSpec& l) { return l.inertia.mass; });
+    return static_cast<std::size_t>(heaviest - spec_.links.begin());
   }
 
   /// Links of a skeleton that is not human: capsules along the bones.
@@ -350,7 +350,6 @@ class Maker {
   const BodyOptions& o_;
   Anatomy anatomy_;
   MechanismSpec spec_;
-  LinkSpec* donor_ = nullptr;
   bool strict_ = false;
   Body body_;
 };

@@ -12,7 +12,7 @@ namespace ugoki::capture {
 struct ModelPose {
   Vec3 p;                       ///< m, position of the root
   std::vector<Quat> rotations;  ///< [segments] ball joints and the root: rotation in the parent's frame
-  std::vector<double> angles;   ///< [2 segments] rad, angles of hinges and universal joints
+  std::vector<double> angles;   ///< [2 * segments] rad; hinge i: angles[2 i]; universal joint i: angles[2 i], angles[2 i + 1]
 };
 
 /// A marker set calibrated to one subject.

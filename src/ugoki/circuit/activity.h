@@ -19,6 +19,9 @@ struct RunningLsi {
 struct Activity {
   const RunningLsi* running = nullptr;  ///< null: no LSI is running
   std::uint64_t passes = 0;             ///< ticks and refreshes begun; an LSI is stuck if it runs and this does not change for long
+  /// Called for each LSI when a circuit is built, before any of its functions; null: not called. The host may note its name for a process
+  /// that cannot read `running`.
+  void (*announce)(const RunningLsi&) = nullptr;
 };
 
 /// The LSI that another thread is running, or null. The load acquires: names, tick and inputs of the LSI may be read after it.

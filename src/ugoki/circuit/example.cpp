@@ -102,8 +102,10 @@ Result<Example> read_example(std::string_view text, std::string_view location) {
   return out;
 }
 
-Result<void> check_example(const Example& example, const Library& library, std::string_view location, const Resources* resources) {
-  Result<Interpreter> interpreter = Interpreter::build(example.circuit, library, resources, {.dt = example.dt, .check_finite = true});
+Result<void> check_example(const Example& example, const Library& library, std::string_view location, const Resources* resources,
+                           Activity* activity) {
+  Result<Interpreter> interpreter =
+      Interpreter::build(example.circuit, library, resources, {.dt = example.dt, .check_finite = true, .activity = activity});
   if (!interpreter) return fail(std::move(interpreter.error()));
   std::uint64_t last = 0;
   for (const ExampleMoment& m : example.expected) last = std::max(last, m.tick);

@@ -12,6 +12,8 @@
 
 namespace ugoki::circuit {
 
+struct Activity;
+
 /// Numbers that a pin is set to before a tick (given), or must have after it (expected).
 struct ExampleMoment {
   std::uint64_t tick = 0;  ///< index from 0
@@ -33,7 +35,8 @@ struct Example {
 
 /// Runs the example up to its last expected tick. The error names every pin whose value at the first wrong tick differs.
 /// @param resources objects that the LSIs request from the host; null: none
+/// @param activity receives which LSI runs; null: nobody asks
 [[nodiscard]] Result<void> check_example(const Example& example, const Library& library, std::string_view location,
-                                         const Resources* resources = nullptr);
+                                         const Resources* resources = nullptr, Activity* activity = nullptr);
 
 }  // namespace ugoki::circuit

@@ -68,7 +68,8 @@ class Placer {
   std::vector<Fence>& fences_;
 };
 
-/// The numbers that an optional input without a wire reads: `given`, or the default of the pin if that is empty.
+/// Returns the payload that an optional input pin reads while no wire is connected to it.
+/// @param given numbers from the circuit; empty: the default value of the pin is used
 std::vector<double> default_payload(const InputPin& pin, const std::vector<double>& given) {
   if (!given.empty()) return given;
   const PinType& type = pin_type(pin.type);
@@ -131,6 +132,17 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
   m.inputs = std::move(flat.inputs);
   m.outputs = std::move(flat.outputs);
 
+  std::vector<std::uint32_t> rates;
+  for (const FlatLsi& lsi : flat.lsis)
+    if (lsi.every > 1) rates.push_back(lsi.every);
+  std::ranges::sort(rates);
+  rates.erase(std::unique(rates.begin(), rates.end()), rates.end());
+  for (const std::uint32_t every : rates) {
+    m.slow_ticks.push_back(m.tick);
+    m.slow_ticks.back().dt = options.dt * every;
+    m.slow_rates.push_back(every);
+  }
+
   Layout layout;
   Placer placer(layout, m.fences);
   for (std::size_t i = 0; i < n; ++i) {
@@ -141,6 +153,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
     u.outputs = plan.setups[i].outputs();
     u.address = plan.setups[i].first_word();
     m.running[i] = {u.id.c_str(), u.lsi_class, nullptr};
+    if (m.activity->announce) m.activity->announce(m.running[i]);
     u.output_offsets.resize(u.outputs.size());
   }
   for (const int i : m.order) {
@@ -236,7 +249,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
     call.parameters = m.parameters.data() + m.parameters.size();
     for (const double x : plan.setups[i].numbers()) m.parameters.push_back(x);
     call.state = u.state.size() ? m.bytes() + u.state.begin : nullptr;
-    call.tick = &m.tick;
+    call.tick = &m.tick_of(u.every);
     call.reason = m.reason;
     call.reason_size = sizeof m.reason;
     call.object = nullptr;
@@ -282,9 +295,22 @@ Interpreter::Machine::~Machine() {
   if (activity) set_running(*activity, nullptr);
 }
 
+const Tick& Interpreter::Machine::tick_of(std::uint32_t every) const {
+  if (every <= 1) return tick;
+  return slow_ticks[static_cast<std::size_t>(std::ranges::lower_bound(slow_rates, every) - slow_rates.begin())];
+}
+
+void Interpreter::Machine::set_tick(std::uint64_t index) {
+  tick.index = index;
+  tick.time = static_cast<double>(index) * tick.dt;
+  for (Tick& t : slow_ticks) {
+    t.index = index;
+    t.time = tick.time;
+  }
+}
+
 void Interpreter::Machine::initialise() {
-  tick.index = 0;
-  tick.time = 0;
+  set_tick(0);
   is_stopped = false;
   cursor = 0;
   breakpoint_hit = -1;

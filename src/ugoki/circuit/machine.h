@@ -111,8 +111,10 @@ struct Interpreter::Machine {
   std::vector<std::uint32_t> wave_ends;  ///< one-past-end indices in `jobs` of the steps of each depth (plan.h)
   std::vector<int> order;                ///< indices of LSIs in the order in which their steps run
   std::vector<FlatPort> inputs, outputs;
-  std::uint64_t layout = 0;  ///< hash of ids, classes, versions and sizes
-  Tick tick{};
+  std::uint64_t layout = 0;               ///< hash of ids, classes, versions and sizes
+  Tick tick{};                            ///< of the circuit
+  std::vector<std::uint32_t> slow_rates;  ///< the values of `every` above 1, sorted
+  std::vector<Tick> slow_ticks;           ///< [slow_rates] ticks with the same time and index, and with dt multiplied by `every`
   Activity* activity = nullptr;
   Activity own_activity;  ///< used if the host gives none
 
@@ -140,6 +142,9 @@ struct Interpreter::Machine {
   [[nodiscard]] std::byte* bytes() { return reinterpret_cast<std::byte*>(arena.data()); }
   [[nodiscard]] const std::byte* bytes() const { return reinterpret_cast<const std::byte*>(arena.data()); }
   [[nodiscard]] Call& call_at(std::size_t lsi) { return calls[call_of[lsi]]; }
+  /// The tick that LSIs with this `every` see: dt is the time between two of their runs.
+  [[nodiscard]] const Tick& tick_of(std::uint32_t every) const;
+  void set_tick(std::uint64_t index);
   void initialise();
   void set_fences();
   [[nodiscard]] bool are_fences_intact();

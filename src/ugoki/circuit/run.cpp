@@ -97,8 +97,7 @@ std::uint64_t Interpreter::processor_clock() {
 
 inline void Interpreter::Machine::end_tick() {
   if (front.size()) std::memcpy(bytes() + front.begin, bytes() + back.begin, front.size());
-  ++tick.index;
-  tick.time = static_cast<double>(tick.index) * tick.dt;
+  set_tick(tick.index + 1);
 }
 
 /// Computes ticks with at most timing and probes, the usual case. Members are copied to locals, because the compiler must assume that
@@ -109,6 +108,7 @@ std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
   std::byte *const seen = bytes() + front.begin, *const written = bytes() + back.begin;
   const std::size_t delayed_bytes = front.size();
   const double dt = tick.dt;
+  const std::span<Tick> slow(slow_ticks);
   Activity& noted = *activity;
   const std::uint64_t first = tick.index, end = first + count, passes_before = noted.passes + 1 - first;
   const std::span<const double* const> sources(probes.sources);
@@ -139,6 +139,10 @@ std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
     if (delayed_bytes) std::memcpy(seen, written, delayed_bytes);
     tick.index = ++index;
     tick.time = static_cast<double>(static_cast<std::int64_t>(index)) * dt;
+    for (Tick& t : slow) {
+      t.index = index;
+      t.time = tick.time;
+    }
   }
   set_running(noted, nullptr);
   const std::uint64_t done = index - first;

@@ -94,8 +94,7 @@ Result<void> Interpreter::restore(std::span<const std::byte> bytes) {
     return ugoki::fail(ErrorCode::truncated, "saved state", "The saved state is cut off or damaged.", "Run from the beginning.");
   std::memcpy(m.arena.data(), content.data(), arena_size);
   if (parameter_size) std::memcpy(m.parameters.data(), content.data() + arena_size, parameter_size);
-  m.tick.index = header.ticks;
-  m.tick.time = static_cast<double>(header.ticks) * m.tick.dt;
+  m.set_tick(header.ticks);
   m.cursor = static_cast<std::uint32_t>(header.done);
   m.breakpoint_hit = -1;
   m.log.next = 0;
@@ -140,8 +139,7 @@ Interpreter::Adoption Interpreter::adopt_report(Interpreter& other) {
     if (to.lsi_class->recall) to.lsi_class->recall(&m.call_at(i));
     ++report.kept;
   }
-  m.tick.index = o.tick.index;
-  m.tick.time = static_cast<double>(m.tick.index) * m.tick.dt;
+  m.set_tick(o.tick.index);
   return report;
 }
 

@@ -36,8 +36,8 @@ class Setup {
   [[nodiscard]] Shape in(std::size_t pin, std::size_t wire = 0) const { return wire < inputs_[pin].size() ? inputs_[pin][wire] : Shape{}; }
   void set_out(std::size_t pin, std::uint32_t count, int subject = -1);
   void set_state(std::size_t bytes) { state_bytes_ = bytes; }
-  [[nodiscard]] double dt() const { return dt_; }               ///< s, between ticks
-  [[nodiscard]] std::uint32_t every() const { return every_; }  ///< the LSI runs at each `every`-th tick; 0: on demand only
+  [[nodiscard]] double dt() const { return every_ > 1 ? dt_ * every_ : dt_; }  ///< s, between two runs of the LSI: Tick::dt of its calls
+  [[nodiscard]] std::uint32_t every() const { return every_; }                 ///< the LSI runs at each `every`-th tick; 0: on demand only
 
   /// The host's object of type T named `name`. If there is none: reports a problem and returns null. T::resource_kind names the kind.
   template <class T>

@@ -24,8 +24,8 @@ struct HullWalk {
   std::vector<Node> nodes;             ///< [vertices]
   std::vector<Node> scan;              ///< hulls of at most 16 vertices: one or two nodes whose neighbours are all vertices; else empty
   std::vector<std::int32_t> overflow;  ///< indices of neighbours beyond eight
-  std::vector<std::int32_t> seeds;     ///< [6 cells^2] extreme vertex along the central direction of each cell of a cube map of directions
-  std::int32_t cells = 0;              ///< count of cells along an edge of the cube; 0: no seeds
+  std::vector<std::int32_t> seeds;  ///< [6 * cells^2] extreme vertex along the central direction of each cell of a cube map of directions
+  std::int32_t cells = 0;           ///< count of cells along an edge of the cube; 0: no seeds
 };
 
 /// Convex hull of a set of points: a solid (dimension 3), flat (2), a segment (1) or a point (0).
@@ -42,7 +42,7 @@ struct Hull {
 
   /// Proximity list: the neighbours of vertex v along edges are neighbours[first_neighbour[v]] ...
   /// neighbours[first_neighbour[v + 1] - 1].
-  std::vector<std::int32_t> first_neighbour, neighbours;  ///< [vertices + 1], [2 edges]
+  std::vector<std::int32_t> first_neighbour, neighbours;  ///< [vertices + 1], [2 * edges]
 
   Vec3 centre;             ///< m: centroid of the volume (flat: of the area; segment: midpoint)
   double radius = 0;       ///< m: radius of the sphere about `centre` that contains all vertices

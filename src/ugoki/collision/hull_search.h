@@ -1,9 +1,9 @@
 #pragma once
-// Gilbert's method for two hulls that move little between two queries: a fast search from the closest features of the previous query. It is compiled once per
-// SIMD width, with the same operations in the same order, so that all widths give the same bits. Values stay in SIMD lanes and are selected
-// by masks, which avoids stalls on memory and on branches that the processor cannot predict. Each step inspects one ring of each hull.
-// Ring: a vertex and its neighbours. Internal linkage on purpose: see gilbert_search.h.
-// Design: docs/design/convex-distance.md.
+// Gilbert's method for two hulls that move little between two queries: a fast search from the closest features of the previous query. It is
+// compiled once per SIMD width, with the same operations in the same order, so that all widths give the same bits. Values stay in SIMD
+// lanes and are selected by masks, which avoids stalls on memory and on branches that the processor cannot predict. Each step inspects one
+// ring of each hull. Ring: a vertex and its neighbours. Internal linkage on purpose: see gilbert_search.h. Design:
+// docs/design/convex-distance.md.
 
 #include <cmath>
 

@@ -46,7 +46,8 @@ void add_hull_face(const Hull& hull, const PreparedGeometry& around, const Pose&
   const std::span<const std::int32_t> corners = hull.face(best);
   const auto at = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), vertex) - corners.begin());
   const std::size_t n = corners.size(), stride = (n + Patch::max_corners - 1) / Patch::max_corners;
-  for (std::size_t i = 0; i < n; i += stride) {  // starts at the farthest corner; of faces with more than 32 corners, only every `stride`-th is added
+  for (std::size_t i = 0; i < n;
+       i += stride) {  // starts at the farthest corner; of faces with more than 32 corners, only every `stride`-th is added
     const std::int32_t c = corners[(at + i) % n];
     out.add(X * hull.vertices[static_cast<std::size_t>(c)], static_cast<std::uint32_t>(c));
   }

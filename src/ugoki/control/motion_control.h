@@ -96,11 +96,14 @@ class MotionControl {
   ControlOptions options_;
   /// Sets supports_ to the contacts that can bear load: planted in the reference and closed in the present state.
   void find_supports(const ControlInput& input, const Vec3& shift);
-  /// Leaves the part of the weight that the ground does not carry to gravity: recalculates the torques and reduces the missing wrench.
+  /// Free fall: lets gravity accelerate the body with the part of the weight that the ground does not carry. Recalculates the torques and
+  /// reduces the missing wrench.
   /// @param ahead m, world: actual minus reference position of the root
   /// @return fraction of the weight that is left to gravity, 0 ... 1
   double apply_free_fall(const Vec3& ahead, Vec6& missing, std::span<double> tau);
-  /// Updates the shift of the root trajectory from the positions of loaded feet and from the fall.
+  /// Updates the shift of the root's reference trajectory. The shift follows the mean offset of the loaded feet from their reference; in
+  /// free fall it follows the root itself.
+  /// @param ahead m, world: actual minus reference position of the root
   /// @param falling fraction of the weight that is left to gravity
   void update_shift(const ControlInput& input, std::span<const Vec3> forces, const Vec3& ahead, double falling, double (&shift)[3]) const;
 

@@ -23,7 +23,9 @@
 
 namespace ugoki::dynamics {
 
-/// Share of the inertia of link `source` that `link` gets. Used for virtual links that have no inertia of their own.
+/// Sharing of virtual inertias: a real link and its virtual links without inertia of their own (mass 0) each get an equal part of the real
+/// link's inertia. Every joint of the cut tree then moves some inertia, and the closed system stays the same.
+/// This entry gives `link` a part of the inertia of the real link `source`; the real link has an entry with link = source.
 struct InertiaShare {
   int link, source;
   double part;  ///< fraction of the source's inertia, 0 to 1
@@ -99,7 +101,7 @@ class ClosedLinks {
   ClosedStructure over_links_;
   std::vector<InertiaShare> shares_;
 
-  std::vector<Inertia> I_;              ///< [links] inertias after sharing
+  std::vector<Inertia> I_;              ///< [links] inertias after sharing of virtual inertias, see InertiaShare
   std::vector<Vec6> P_;                 ///< [present_rows] columns of the multipliers
   std::vector<double> s_;               ///< [s_rows] S . P
   std::vector<double> Lambda_;          ///< [blocks * 36] blocks row by row; row length: rows of the second entry
@@ -170,9 +172,9 @@ void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, 
 [[nodiscard]] ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,
                                             std::span<const double> v, double& gap, int limit = 20);
 
-/// Replaces ws.I of virtual links without inertia of their own by a share of the real link's inertia, and reduces the real link's
-/// (docs/design/closed-links.md). factor_closed_links() uses the same shares internally. Call after update_kinematics(), for methods that
-/// run their own recursion over the tree.
+/// Shares virtual inertias in ws.I: divides the inertia of each real link equally among this link and its virtual links without inertia of
+/// their own (see InertiaShare; docs/design/closed-links.md). factor_closed_links() uses the same shares internally. Methods that run their
+/// own recursion over the tree call this function after update_kinematics().
 void share_virtual_inertias(const ClosedLinks& closed, Workspace& ws);
 
 /// Maximum gap of the independent rows of the closed loops at the last factorization, m | rad. Dependent rows are not counted: they keep a

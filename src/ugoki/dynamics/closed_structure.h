@@ -3,8 +3,8 @@
 // blocks of the condensed matrix Lambda exist, and in which order loops are eliminated. Rebuilt when loops are closed or opened.
 // Internal to dynamics/.
 //
-// A loop is present at every node from its two end nodes up to the node where its two branches meet. It passes a node if it is also present
-// at the parent, and is eliminated at the last node. The world counts as the last node.
+// A loop is present at every node from its two end nodes up to the node where its two branches meet; the loop is eliminated at that node.
+// At all nodes before it the loop is a passing loop: it is also present at the parent node. The world counts as a node, the last one.
 
 #include <span>
 #include <vector>
@@ -32,16 +32,17 @@ struct ClosedStructure {
     int present_a, present_b;  ///< index in `present` for its links a and b; -1: gear
     int diagonal;              ///< its diagonal block of Lambda
   };
-  /// A loop at a node. At each node the loops that pass come first, in the order of `entries`; loops eliminated there follow.
+  /// A loop at a node. The list of each node begins with its passing loops, in the order of `entries`. The loops that are eliminated at
+  /// the node follow.
   struct Present {
     int entry;   ///< index in `entries`
     int row;     ///< first of its rows among the rows of all `present`
     int parent;  ///< index in `present` of the same loop at the parent node; -1: the loop is eliminated here
   };
-  /// Two loops that pass the same joint and therefore have a block of Lambda: Lambda(a, b) += d s_a s_b^T.
+  /// Two passing loops of the same node. Both cross the node's joint, so Lambda has a block for the pair: Lambda(a, b) += d s_a s_b^T.
   struct Pair {
     int block;
-    int a, b;  ///< indices among the loops that pass the node
+    int a, b;  ///< indices among the passing loops of the node
   };
   /// A loop that shares a block of Lambda with a loop that is being eliminated.
   struct Neighbour {
@@ -65,7 +66,7 @@ struct ClosedStructure {
   /// One of the two DOFs that a gear couples. A gear's row acts on the DOFs directly and has no wrench.
   struct Gear {
     int dof;      ///< velocity index
-    int passing;  ///< index of the gear among the loops that pass the node
+    int passing;  ///< index of the gear among the passing loops of the node
     int loop;     ///< index of the loop
     bool second;  ///< the DOF is the loop's dof_b
   };

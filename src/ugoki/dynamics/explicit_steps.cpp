@@ -98,8 +98,8 @@ class ExplicitRungeKutta final : public StepMethod {
   }
 
   const Tableau& tableau_;
-  std::vector<double> k_;      // [stages][2 nv]
-  std::vector<double> error_;  // [2 nv]
+  std::vector<double> k_;      // [stages][2 * nv]
+  std::vector<double> error_;  // [2 * nv]
 };
 
 constexpr double rk4_c[] = {0, 0.5, 0.5, 1, 1};

@@ -103,8 +103,8 @@ class GaussLegendre final : public StepMethod {
   }
 
   double last_h_ = 0;
-  std::vector<double> z_;             // [2 nv] state (u, v) of a stage
-  std::vector<double> rates_, next_;  // [3][2 nv] stage rates: current and next iterate
+  std::vector<double> z_;             // [2 * nv] state (u, v) of a stage
+  std::vector<double> rates_, next_;  // [3][2 * nv] stage rates: current and next iterate
 };
 
 }  // namespace

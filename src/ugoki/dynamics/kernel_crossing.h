@@ -264,9 +264,9 @@ struct Pass {
   static constexpr bool twins = !std::is_same_v<Constant, Real>;
   const KernelArguments<Real, Constant>& a;
   Scratch scratch;
-  T* sin;            ///< [angles]
-  T* cos;            ///< [angles]
-  Mat3T<T>* E;       ///< [nodes] result of rotation(i): node axes to parent axes (floating nodes: without constants[i].R); Crossing::matrix only
+  T* sin;       ///< [angles]
+  T* cos;       ///< [angles]
+  Mat3T<T>* E;  ///< [nodes] result of rotation(i): node axes to parent axes (floating nodes: without constants[i].R); Crossing::matrix only
   Vec6T<T>* wrench;  ///< [nodes] external wrench in the node's axes about its origin, or null
 
   explicit Pass(const KernelArguments<Real, Constant>& arguments)

@@ -162,7 +162,7 @@ class RadauIIA final : public StepMethod {
     return {};
   }
 
-  /// x <- (g - J)^-1 x for the real eigenvalue. @param x [2 nv]
+  /// x <- (g - J)^-1 x for the real eigenvalue. @param x [2 * nv]
   void solve_real(std::size_t n, double h, double* x) {
     const double g = gamma_real / h;
     for (std::size_t i = 0; i < n; ++i) {
@@ -177,7 +177,7 @@ class RadauIIA final : public StepMethod {
     }
   }
 
-  /// x + i y <- (g - J)^-1 (x + i y) for the complex pair of eigenvalues. @param x, y [2 nv]
+  /// x + i y <- (g - J)^-1 (x + i y) for the complex pair of eigenvalues. @param x, y [2 * nv]
   void solve_pair(std::size_t n, double h, double* x, double* y) {
     const Complex g{alpha / h, beta / h};
     for (std::size_t i = 0; i < n; ++i) {
@@ -305,9 +305,9 @@ class RadauIIA final : public StepMethod {
   std::vector<std::size_t> real_pivots_, pair_pivots_;
   std::vector<double> real_x_;
   std::vector<Complex> pair_x_;
-  std::vector<double> Z_, W_, F_, G_;     // [3][2 nv]
-  std::vector<double> z_, error_;         // [2 nv]
-  std::vector<double> old_, polynomial_;  // [3][2 nv] continuous solution of the last accepted step and of the present one
+  std::vector<double> Z_, W_, F_, G_;     // [3][2 * nv]
+  std::vector<double> z_, error_;         // [2 * nv]
+  std::vector<double> old_, polynomial_;  // [3][2 * nv] continuous solution of the last accepted step and of the present one
 };
 
 }  // namespace

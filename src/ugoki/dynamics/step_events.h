@@ -16,9 +16,9 @@ class StepEvents {
   class Trajectory {
    public:
     virtual ~Trajectory() = default;
-    /// Writes the state at s into q and v.
+    /// Writes the state at the fraction s of the step into q [nq] and v [nv].
     virtual void state_at(double s, std::span<double> q, std::span<double> v) = 0;
-    /// Time at s, in seconds.
+    /// Returns the simulation time in seconds at the fraction s of the step.
     [[nodiscard]] virtual double time_at(double s) const = 0;
   };
 
@@ -26,7 +26,7 @@ class StepEvents {
   /// Result of find().
   struct SearchResult {
     Outcome outcome = Outcome::none;
-    double s = 1;    ///< just after the event, or where an event function is not finite
+    double s = 1;    ///< fraction of the step: just after the event, or where an event function is not finite
     int event = -1;  ///< index of the event function; -1: none
   };
 

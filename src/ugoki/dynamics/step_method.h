@@ -24,13 +24,13 @@ class StepEquation {
   /// Sets the start (t, q0, v0) of a step and thereby its chart. The spans must stay valid during the step.
   void begin(double t, std::span<const double> q0, std::span<const double> v0);
 
-  /// Rate z' at time t. @param z, rate [2 nv] (u, v) and (u', v')
+  /// Rate z' at time t. @param z, rate [2 * nv] (u, v) and (u', v')
   [[nodiscard]] StepFailure calc_rate(double t, const double* z, double* rate);
   /// Acceleration at a state given as q and v, not in the chart. @param a [nv, out]
   [[nodiscard]] StepFailure calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> a);
 
-  /// Weighted error norm: root mean square of the entries of x, each divided by its tolerance. @param x [2 nv]
-  /// @param z1 [2 nv] end of the step; the tolerance of a velocity is relative to the larger of its values at both ends
+  /// Weighted error norm: root mean square of the entries of x, each divided by its tolerance. @param x [2 * nv]
+  /// @param z1 [2 * nv] end of the step; the tolerance of a velocity is relative to the larger of its values at both ends
   [[nodiscard]] double norm(const double* z1, const double* x) const;
   /// Derivatives d a / d u and d a / d v at the step's start, from the system or by finite differences.
   /// @param a0 [nv] acceleration at the start @param da_du, da_dv [nv * nv, out] row-major
@@ -54,15 +54,15 @@ class StepEquation {
   std::span<const double> q0_, v0_;
   std::vector<double> q_;           // [nq] configuration of a stage
   std::vector<double> size_;        // [nv] magnitude at the step's start of the coordinate of each DOF; 1 rad for rotations
-  std::vector<double> z_, column_;  // [2 nv] for finite differences
+  std::vector<double> z_, column_;  // [2 * nv] for finite differences
 };
 
 /// Result of a step: its end and its continuous solution (u, v)(s) = (0, v0) + sum_p dense[p] s^(p+1), s in [0, 1].
 struct StepResult {
   explicit StepResult(std::size_t n) : z1(2 * n), a1(n), dense(4 * 2 * n) {}
-  std::vector<double> z1;     // [2 nv] (u, v) at the end
+  std::vector<double> z1;     // [2 * nv] (u, v) at the end
   std::vector<double> a1;     // [nv] acceleration at the end, if has_a1
-  std::vector<double> dense;  // [4][2 nv] coefficients of the continuous solution
+  std::vector<double> dense;  // [4][2 * nv] coefficients of the continuous solution
   bool has_a1 = false;
   double error = 0;  // error estimate divided by the tolerance; 0 if the method has no estimate
   StepFailure failure;

@@ -47,6 +47,7 @@ std::unexpected<Error> failed(const std::string& path, const std::string& senten
     case EROFS: remedy = "The disk is read-only; choose another folder."; break;
     case ENOSPC:
     case EDQUOT: remedy = "Free some space on the disk, or choose another folder."; break;
+    case EFBIG: remedy = "Raise the limit of the file size (`ulimit -f`), or write less data."; break;
     case ENAMETOOLONG: remedy = "Choose a shorter name."; break;
     case ELOOP: remedy = "The symbolic links of the path form a cycle; check them."; break;
     case EMFILE:

@@ -106,6 +106,7 @@ class Declarer {
         if (v.causality == Causality::local || v.causality == Causality::calculated_parameter) add_output(full, v);
       out.classes.push_back(std::move(full));
     }
+    out.notes = d_.notes;
     texts_.note(out.notes, "are strings, for which there is no pin type; they are left out.");
     binaries_.note(out.notes, "are binary values or clocks, for which there is no pin type; they are left out.");
     sizes_.note(out.notes, "set the sizes of arrays and keep their start values.");

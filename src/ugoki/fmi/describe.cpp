@@ -198,7 +198,9 @@ class Writer {
     if (v.type == InterfaceType::choice) set(node, "declaredType", type_name(v));
     if (v.type == InterfaceType::real && !v.unit.empty()) set(node, "unit", v.unit);
     if (v.type != InterfaceType::real && v.type != InterfaceType::whole) return;
-    const double top = two_ ? 2147483647.0 : 9007199254740992.0;  // largest integer: of int32, or that a double represents exactly (2^53)
+    // Largest limit that is written for an integer variable. FMI 2.0 stores integers as int32. FMI 3.0 uses Int64, but the limits here are
+    // doubles, which represent all integers exactly only up to 2^53.
+    const double top = two_ ? 2147483647.0 : 9007199254740992.0;
     const bool whole = v.type == InterfaceType::whole;
     if (v.minimum && (!whole || *v.minimum >= -top)) set(node, "min", number(v, *v.minimum));
     if (v.maximum && (!whole || *v.maximum <= top)) set(node, "max", number(v, *v.maximum));

@@ -5,6 +5,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/base/sha256.h"
 #include "ugoki/circuit/flatten.h"
+#include "ugoki/circuit/setup.h"
 #include "ugoki/circuit/signal_lsis.h"
 #include "ugoki/fmi/archive.h"
 #include "ugoki/fmi/describe.h"
@@ -41,20 +42,41 @@ std::string token_of(const std::string& content) {
   return "{" + h.substr(0, 8) + "-" + h.substr(8, 4) + "-" + h.substr(12, 4) + "-" + h.substr(16, 4) + "-" + h.substr(20, 12) + "}";
 }
 
-/// Checks that the FMU's binary has all LSIs of the circuit. @param packed the LSIs in the binary
-Result<void> check_lsis(const circuit::Circuit& circuit, const circuit::Library& library, const circuit::Library& packed,
-                        const std::vector<circuit::LsiClass>& installed) {
+/// Content without objects. It records whether an object was requested.
+class NoContent : public circuit::Resources {
+ public:
+  const void* find(std::string_view, std::string_view) const override {
+    requested = true;
+    return nullptr;
+  }
+  mutable bool requested = false;
+};
+
+/// True if the LSI requests objects of content. Every LSI of content does so in `configure` or `make`.
+bool uses_content(const circuit::FlatLsi& lsi, double dt) {
+  const NoContent none;
+  Error ignored;
+  circuit::Setup setup(lsi.id, lsi.location, *lsi.lsi_class, lsi.parameters, &none, dt, ignored);
+  if (lsi.lsi_class->configure) lsi.lsi_class->configure(setup);
+  return none.requested;
+}
+
+/// Checks that all LSIs of the circuit are built in, and that there is content for those that use it.
+/// @param only_signals [out] all LSIs are in `signals`
+Result<void> check_lsis(const circuit::Circuit& circuit, const circuit::Library& library, const circuit::Library& signals,
+                        const std::vector<circuit::LsiClass>& installed, const ExportRequest& request, bool& only_signals) {
   circuit::Library all = library;
   for (const circuit::LsiClass& c : installed)
     if (!all.has(c.name)) all.add(c);
   Error ignored, problems;
   for (const circuit::FlatLsi& lsi : circuit::flatten(circuit, all, ignored).lsis) {
-    if (!lsi.lsi_class || lsi.id.starts_with("input:") || packed.has(lsi.lsi_class->name)) continue;
+    if (!lsi.lsi_class || lsi.id.starts_with("input:") || signals.has(lsi.lsi_class->name)) continue;
+    only_signals = false;
     if (!lsi.lsi_class->from.empty())
       problems.add(ErrorCode::unsupported, lsi.location,
                    "'" + lsi.id + "' is of the installed library '" + lsi.lsi_class->from + "'. Its native code is not packed into an FMU.",
                    "Remove the LSI from the circuit and do its work in the other tool, or replace it by built-in LSIs.");
-    else
+    else if (!request.resources && uses_content(lsi, request.dt))
       problems.add(
           ErrorCode::unsupported, lsi.location,
           "'" + lsi.id + "' (LSI '" + lsi.lsi_class->name + "') uses the mechanisms and motions of content, but no content was given.",
@@ -70,8 +92,9 @@ Result<Exported> export_fmu(const circuit::Circuit& circuit, const circuit::Libr
                             const std::vector<circuit::LsiClass>& installed, const ExportRequest& request) {
   circuit::Library signals;
   circuit::add_signal_lsis(signals);
-  const circuit::Library& packed = request.resources ? library : signals;
-  if (Result<void> own = check_lsis(circuit, library, packed, installed); !own) return fail(std::move(own.error()));
+  bool only_signals = request.content.empty();
+  if (Result<void> own = check_lsis(circuit, library, signals, installed, request, only_signals); !own) return fail(std::move(own.error()));
+  const circuit::Library& packed = only_signals ? signals : library;
   Result<circuit::Interpreter> running = circuit::Interpreter::build(circuit, packed, request.resources, {.dt = request.dt});
   if (!running) return fail(std::move(running.error()));
   const Interface interface = make_interface(circuit, packed, *running);
@@ -85,7 +108,7 @@ Result<Exported> export_fmu(const circuit::Circuit& circuit, const circuit::Libr
   const std::string binary = (request.version == 2 ? folder2 : folder3) + description.identifier + ".so";
   std::vector<std::pair<std::string, std::string>> files = {
       {"modelDescription.xml", write_model_description(circuit, interface, description)},
-      {binary, std::string(request.binary)},
+      {binary, std::string(only_signals ? request.signal_binary : request.full_binary)},
       {"resources/" + std::string(circuit_file), text},
       {"resources/" + std::string(run_file), run}};
   if (request.resources) files.emplace_back("resources/" + std::string(content_file), request.content);

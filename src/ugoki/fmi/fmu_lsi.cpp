@@ -86,7 +86,6 @@ class Running {
   Fmu& fmu_;
   std::string id_;
   bool logging_ = false;
-  std::uint32_t every_ = 1;
   std::unique_ptr<Unit> unit_;
   std::vector<Group> wired_, given_, outputs_;  // inputs with a wire, inputs without wire (constant), outputs
   std::vector<Group> discrete_;                 // inputs with a wire that may be set only at events
@@ -102,7 +101,7 @@ class Running {
   bool restarts_ = false;  // the next tick starts the FMU from its initial state, because its state could not be restored
 };
 
-Running::Running(const FmuClass& c, Setup& setup) : class_(c), fmu_(*c.fmu), id_(setup.id()), every_(std::max(1u, setup.every())) {
+Running::Running(const FmuClass& c, Setup& setup) : class_(c), fmu_(*c.fmu), id_(setup.id()) {
   const Declaration& d = c.declaration;
   std::vector<PinBinding> wired, given, discrete;
   const bool has_events = fmu_.description().event_mode;
@@ -159,7 +158,7 @@ bool Running::start(Setup& setup) {
                "Use it only once, or export it so that it can be instantiated several times.");
     return false;
   }
-  const double step = setup.dt() * every_;
+  const double step = setup.dt();
   if (d.internal_step) {
     const double times = step / *d.internal_step;
     // The relative tolerance of 1e-6 accepts multiples that are inexact in binary, such as 0.1 s / 0.001 s.
@@ -351,7 +350,7 @@ std::int32_t Running::init(const Call* call) {
 std::int32_t Running::advance(const Call* call) {
   if (dead_ || !unit_) return circuit::stop(call, "The FMU had a fatal error before; rebuild the circuit.");
   unit_->forget_words();
-  const double now = call->tick->time, size = call->tick->dt * every_;
+  const double now = call->tick->time, size = call->tick->dt;
   if (restarts_) {
     restarts_ = false;
     initialised_ = false;

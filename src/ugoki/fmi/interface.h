@@ -39,11 +39,12 @@ struct InterfaceVariable {
   std::string text;                ///< start value of a text
   std::vector<std::string> words;  ///< names of a choice's values
   std::optional<double> minimum, maximum;
-  bool tunable = false;                ///< true: a parameter that may change while the circuit runs
-  bool on_demand = false;              ///< true: an output of an LSI that runs on demand only
-  std::string source;                  ///< of an output: the LSI output that provides its value, as "id.pin" of the flat circuit
-  std::vector<std::uint32_t> depends;  ///< of an output: indices in Interface::variables of the inputs and devices that affect it in the same tick
-  std::vector<std::string> ends;       ///< of a parameter: the LSI parameters that it sets, as "id.parameter" of the flat circuit
+  bool tunable = false;    ///< true: a parameter that may change while the circuit runs
+  bool on_demand = false;  ///< true: an output of an LSI that runs on demand only
+  std::string source;      ///< of an output: the LSI output that provides its value, as "id.pin" of the flat circuit
+  std::vector<std::uint32_t>
+      depends;  ///< of an output: indices in Interface::variables of the inputs and devices that affect it in the same tick
+  std::vector<std::string> ends;  ///< of a parameter: the LSI parameters that it sets, as "id.parameter" of the flat circuit
 };
 
 /// The variables of a circuit.

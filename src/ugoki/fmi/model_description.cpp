@@ -7,6 +7,7 @@
 #include <map>
 #include <pugixml.hpp>
 #include <set>
+#include <tuple>
 
 #include "ugoki/base/number.h"
 
@@ -18,6 +19,7 @@ constexpr std::size_t max_text = std::size_t{128} << 20;  // bytes of the XML
 constexpr std::uint64_t max_elements = 1'000'000;         // elements of one array; all arrays together: 16 times as many
 constexpr std::size_t max_variables = 1'000'000;
 constexpr std::size_t max_problems = 20;  // that are reported
+constexpr std::size_t max_notes = 20;
 
 /// Names of a type in FMI 2.0 (null: none) and 3.0.
 struct TypeName {
@@ -61,6 +63,15 @@ struct DeclaredType {
   std::optional<double> minimum, maximum;
   int enumeration = -1;
 };
+
+/// True if both are read from the same declaration, at different lines.
+bool is_repeated(const Variable& a, const Variable& b) {
+  const auto fields = [](const Variable& v) {
+    return std::tie(v.name, v.description, v.unit, v.display_unit, v.reference, v.type, v.causality, v.variability, v.minimum, v.maximum,
+                    v.start, v.texts, v.extent, v.enumeration);
+  };
+  return fields(a) == fields(b);
+}
 
 /// True for C identifiers of 1 to 64 characters.
 bool is_identifier(std::string_view text) {
@@ -197,6 +208,10 @@ class Reader {
     for (const pugi::xml_node item : node.children("Item")) {
       const std::optional<std::int64_t> value = whole<std::int64_t>(item.attribute("value").value());
       const std::string word = item.attribute("name").value();
+      if (value && std::ranges::find(e.items, std::pair(word, *value)) != e.items.end()) {
+        note_repeated("item '" + word + "' of the enumeration '" + name + "'", line_at(item.offset_debug()));
+        continue;
+      }
       if (!value || word.empty() || !names.insert(word).second)
         problem(item, ErrorCode::structure, "An <Item> of the enumeration '" + name + "' needs a unique name and an integer value.");
       else
@@ -204,6 +219,14 @@ class Reader {
     }
     type.enumeration = static_cast<int>(out_.enumerations.size());
     out_.enumerations.push_back(std::move(e));
+  }
+
+  /// True if two declarations of a type have the same content.
+  [[nodiscard]] bool is_same(const DeclaredType& a, const DeclaredType& b) const {
+    const auto fields = [](const DeclaredType& t) { return std::tie(t.unit, t.display_unit, t.minimum, t.maximum); };
+    if (fields(a) != fields(b) || (a.enumeration < 0) != (b.enumeration < 0)) return false;
+    return a.enumeration < 0 || out_.enumerations[static_cast<std::size_t>(a.enumeration)].items ==
+                                    out_.enumerations[static_cast<std::size_t>(b.enumeration)].items;
   }
 
   void read_types(pugi::xml_node root) {
@@ -217,7 +240,12 @@ class Reader {
       type.minimum = number(inner, "min");
       type.maximum = number(inner, "max");
       if (std::string_view(inner.name()).starts_with("Enumeration")) read_items(inner, type, name);
-      types_.emplace(name, std::move(type));
+      const auto [known, is_new] = types_.try_emplace(name, type);
+      if (is_new) continue;
+      if (is_same(known->second, type))
+        note_repeated("type '" + name + "'", line_at(outer.offset_debug()));
+      else
+        problem(outer, ErrorCode::duplicate, "Two types are called '" + name + "' and differ.");
     }
   }
 
@@ -369,6 +397,26 @@ class Reader {
     }
   }
 
+  /// Removes variables that repeat an earlier one completely.
+  void remove_repeated() {
+    std::map<std::string_view, std::size_t> first;  // name -> index of the variable that has it first
+    std::vector<Variable> kept;
+    kept.reserve(out_.variables.size());  // `first` refers to the names in it
+    for (Variable& v : out_.variables) {
+      if (const auto known = first.find(v.name); known != first.end() && is_repeated(kept[known->second], v)) {
+        note_repeated("variable '" + v.name + "'", v.line);
+        continue;
+      }
+      kept.push_back(std::move(v));
+      first.try_emplace(kept.back().name, kept.size() - 1);
+    }
+    out_.variables = std::move(kept);
+  }
+  void note_repeated(const std::string& what, int line) {
+    if (out_.notes.size() < max_notes)
+      out_.notes.push_back("The model description repeats its " + what + " in line " + std::to_string(line) + "; it is read once.");
+  }
+
   /// Sets sizes from structural parameters; checks that names and value references are unique, and ranges and numbers of start values.
   void check_variables() {
     std::map<ValueReference, const Variable*> structural;
@@ -382,6 +430,7 @@ class Reader {
       else
         wrong(v, ErrorCode::unknown, "A dimension of '" + v.name + "' does not refer to a structural parameter with a valid size.");
     }
+    remove_repeated();
     std::set<std::string_view> names;
     std::set<ValueReference> references;
     std::uint64_t all = 0;
@@ -389,7 +438,7 @@ class Reader {
       if (v.type == VariableType::clock && v.causality == Causality::input)
         wrong(v, ErrorCode::unsupported, "The input '" + v.name + "' is a clock that the importing tool must tick, which is not supported.",
               "Export it again with clocks that are outputs or local, or without clocks.");
-      if (!names.insert(v.name).second) wrong(v, ErrorCode::duplicate, "Two variables are called '" + v.name + "'.");
+      if (!names.insert(v.name).second) wrong(v, ErrorCode::duplicate, "Two variables are called '" + v.name + "' and differ.");
       if (out_.version == 3 && !references.insert(v.reference).second)
         wrong(v, ErrorCode::duplicate, "Two variables have the value reference " + std::to_string(v.reference) + ".");
       if (v.minimum && v.maximum && *v.minimum > *v.maximum)

@@ -78,9 +78,11 @@ struct ModelDescription {
   Experiment experiment;
   std::vector<EnumerationType> enumerations;
   std::vector<Variable> variables;
+  std::vector<std::string> notes;  ///< sentences: identical declarations that are repeated and were read once
 };
 
 /// Reads a model description. Reports up to 20 problems.
+/// A declaration that is repeated with the same content is read once and noted.
 /// Errors (location: "name:line"): the text is not XML, is not of FMI 2.0 or 3.0, has no co-simulation, or contradicts itself.
 /// @param location for messages: "BouncingBall.fmu/modelDescription.xml"
 [[nodiscard]] Result<ModelDescription> read_model_description(std::string_view xml, std::string_view location);

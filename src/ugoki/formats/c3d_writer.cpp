@@ -14,7 +14,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "values are written as their bytes in memory, which must be little-endian");
 constexpr std::size_t block = 512;
 
-/// The low 16 bits of `n`. The format stores counts above 32767 in its signed 16-bit words by their bits.
+/// The low 16 bits of `n`. The words of C3D are signed; a count from 32768 to 65535 is stored with the bits of the unsigned 16-bit value.
 std::int16_t low_word(std::int64_t n) { return static_cast<std::int16_t>(static_cast<std::uint16_t>(n & 0xffff)); }
 
 /// Builds the parameter section. Each parameter belongs to the last group added.

@@ -92,6 +92,19 @@ Result<std::vector<store::LibraryItem>> motion_items(const MeasuredMotion& measu
   return std::vector<store::LibraryItem>{std::move(measured_item), std::move(motion_item)};
 }
 
+/// The error of an import that the caller cancelled; nothing if it goes on.
+std::optional<Error> stopped(const IntakeOptions& options, std::string_view file_name) {
+  if (!options.cancelled || !options.cancelled()) return std::nullopt;
+  return Error(ErrorCode::cancelled, std::string(file_name), "The import was cancelled.", "Nothing was stored; import the file again.");
+}
+
+/// The error with the file's name at the beginning of every location.
+Error in_file(Error error, std::string_view file_name) {
+  for (Problem& p : error.problems)
+    if (!p.location.starts_with(file_name)) p.location = std::string(file_name) + (p.location.empty() ? "" : ", " + p.location);
+  return error;
+}
+
 /// Rotation from the axes that the reader assumed to `wanted`.
 Mat3 turn_from(bool z_up, const Orientation& wanted) {
   return rotation_to_ours(wanted) * rotation_to_ours(usual_orientation(z_up)).transposed();
@@ -146,18 +159,15 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
   out.report.insert(out.report.end(), notes.remarks.begin(), notes.remarks.end());
 
+  if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   body::BodyOptions body_options;
   body_options.height = options.height;
   body_options.mass = options.mass;
   Result<body::Body> body =
       motions.size() == 1 ? body::make_body(motions[0], body_options) : body::make_body(joined(motions), body_options);
-  if (!body) {
-    for (Problem& p : body.error().problems)
-      if (!p.location.starts_with(file_name)) p.location = std::string(file_name) + (p.location.empty() ? "" : ", " + p.location);
-    return fail(std::move(body.error()));
-  }
+  if (!body) return fail(in_file(std::move(body.error()), file_name));
   Result<MechanismPtr> mechanism = renamed(*body->mechanism, name);
-  if (!mechanism) return fail(std::move(mechanism.error()));
+  if (!mechanism) return fail(in_file(std::move(mechanism.error()), file_name));
   body->mechanism = *mechanism;
   out.report.insert(out.report.end(), body->report.begin(), body->report.end());
   if (motions.size() > 1) out.report.push_back("The file contains " + std::to_string(motions.size()) + " motions of one skeleton.");
@@ -174,9 +184,10 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const std::string mechanism_id = store::entry_id(store::EntryKind::mechanism, mechanism_item.data);
   out.items = {std::move(mechanism_item)};
   for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (auto error = stopped(options, file_name)) return fail(std::move(*error));
     Motion motion;
     auto items = motion_items(motions[i], *body, mechanism_id, out.source, options, motion);
-    if (!items) return fail(std::move(items.error()));
+    if (!items) return fail(in_file(std::move(items.error()), file_name));
     for (store::LibraryItem& item : *items) out.items.push_back(std::move(item));
     if (i == 0) out.motion = std::move(motion);
   }
@@ -200,6 +211,7 @@ Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes not
   if (options.frame_rate > 0) set_rate(*markers, options.frame_rate);
   options.axes.reset();
   options.frame_rate = 0;
+  if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   Result<capture::Capture> solved = capture::solve_markers(*markers);
   if (!solved) return fail(std::move(solved.error()));
   notes.remarks.insert(notes.remarks.end(), solved->report.begin(), solved->report.end());
@@ -239,6 +251,7 @@ Result<Intake> from_mechanism(Result<MechanismPtr> mechanism, std::string_view f
   Intake out;
   if (options.axes) out.axes = *options.axes;
   if (mechanism && out.axes != usual_orientation(true)) mechanism = turned(**mechanism, turn_from(true, out.axes));
+  if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   if (mechanism) mechanism = geometry::prepare(*mechanism);
   if (!mechanism) return fail(std::move(mechanism.error()));
   out.source = std::string(base_name(file_name));
@@ -302,6 +315,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     return fail(
         ErrorCode::unsupported, location, "Files with this extension cannot be imported.",
         "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, mechanism .json, .urdf, .sdf or MJCF .xml file.");
+  if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   formats::ReadNotes notes;
   switch (*kind) {
     case FileKind::bvh: {

@@ -1,6 +1,7 @@
 #pragma once
 // Import of a file: from its bytes to library entries.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,6 +33,7 @@ struct IntakeOptions {
   std::optional<Orientation> axes;    ///< up and forward in the file's space; nothing: as the reader assumes
   formats::GltfFiles files;           ///< reads external buffers of a .gltf file; null: such files are rejected
   robot_formats::RobotOptions robot;  ///< options for URDF, SDF, MJCF
+  std::function<bool()> cancelled;    ///< called before each step and each motion; true ends the import with ErrorCode::cancelled
 };
 
 /// An imported file that is not stored yet.
@@ -64,7 +66,7 @@ enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, mechanism_json,
 /// Reads a file and makes its library entries.
 /// @param file_name determines the kind and begins the location of every problem
 /// @param asf the skeleton, required for AMC files; otherwise null
-/// Errors: those of the reader and of make_body or solve_markers; unknown extension; invalid axes.
+/// Errors: those of the reader and of make_body or solve_markers; unknown extension; invalid axes; cancelled.
 [[nodiscard]] Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf = nullptr,
                                      const IntakeOptions& options = {});
 

@@ -21,9 +21,14 @@ std::string_view name_of(ErrorCode code) {
   return "unknown";
 }
 
+/// A limit that a text exceeds; `message` is empty if there is none.
+struct ExceededLimit {
+  std::size_t offset = 0;  ///< bytes, where the limit is exceeded
+  std::string message;
+};
+
 /// Checks the limits max_depth and max_fields before parsing, because the JSON library recurses per level and searches fields linearly.
-/// @return a sentence that names the exceeded limit, or an empty text
-std::string exceeded_limit(std::string_view text) {
+ExceededLimit exceeded_limit(std::string_view text) {
   int depth = 0;
   int commas[max_depth + 1] = {};  // count in the open object of each level; the length of lists is not limited
   bool in_object[max_depth + 1] = {}, in_text = false;
@@ -35,13 +40,13 @@ std::string exceeded_limit(std::string_view text) {
     } else if (c == '"') {
       in_text = true;
     } else if (c == '{' || c == '[') {
-      if (++depth > max_depth) return "The brackets are nested deeper than " + std::to_string(max_depth) + " levels.";
+      if (++depth > max_depth) return {i, "The brackets are nested deeper than " + std::to_string(max_depth) + " levels."};
       in_object[depth] = c == '{';
       commas[depth] = 0;
     } else if (c == '}' || c == ']') {
       if (depth > 0) --depth;
     } else if (c == ',' && in_object[depth] && ++commas[depth] >= max_fields) {
-      return "An object has more than " + std::to_string(max_fields) + " fields.";
+      return {i, "An object has more than " + std::to_string(max_fields) + " fields."};
     }
   }
   return {};
@@ -77,7 +82,10 @@ std::string_view repeated_field(std::string_view text) {
 /// position only to a SAX handler.
 class FaultFinder : public nlohmann::json_sax<Json> {
  public:
-  std::size_t read = 0;  ///< characters read up to and including the error; text size + 1 if the text ends too early
+  std::size_t read = 0;     ///< bytes read up to and including the error; text size + 1 if the text ends too early
+  std::string token;        ///< the last token as read; control characters in it are escaped
+  bool unexpected = false;  ///< the token is valid, but not allowed here
+  bool overflow = false;    ///< the token is a number too large for a double
   bool null() override { return true; }
   bool boolean(bool) override { return true; }
   bool number_integer(number_integer_t) override { return true; }
@@ -90,29 +98,49 @@ class FaultFinder : public nlohmann::json_sax<Json> {
   bool end_object() override { return true; }
   bool start_array(std::size_t) override { return true; }
   bool end_array() override { return true; }
-  bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
+  bool parse_error(std::size_t at, const std::string& last_token, const nlohmann::detail::exception& error) override {
+    constexpr int number_overflow = 406;  // id of the library's out_of_range exception
     read = at;
+    token = last_token;
+    unexpected = std::string_view(error.what()).contains(" - unexpected ");
+    overflow = error.id == number_overflow;
     return false;
   }
 };
 
-/// The location "name:line" of a byte offset in `text`. `name` may already end with the colon.
+/// The location "name:line:column" of a byte offset in `text`. Columns count characters from 1. `name` may already end with the colon.
 std::string location_of(std::string_view name, std::string_view text, std::size_t offset) {
-  return std::string(name) + (name.ends_with(':') ? "" : ":") +
-         std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(offset), '\n'));
+  const std::string_view before = text.substr(0, offset);
+  std::size_t begin = before.rfind('\n') + 1;  // npos + 1 = 0: the first line
+  if (begin == 0 && text.starts_with("\xEF\xBB\xBF")) begin = std::min<std::size_t>(3, offset);
+  const auto starts_character = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; };
+  return std::string(name) + (name.ends_with(':') ? "" : ":") + std::to_string(1 + std::ranges::count(before, '\n')) + ":" +
+         std::to_string(1 + std::ranges::count_if(before.substr(begin), starts_character));
 }
 
 /// The syntax error of `text` as an error result. @param text not valid JSON
 std::unexpected<Error> syntax_error(std::string_view text, std::string_view name) {
   FaultFinder finder;
   (void)Json::sax_parse(text.begin(), text.end(), &finder);
-  const std::size_t before = std::min(finder.read > 0 ? finder.read - 1 : 0, text.size());
-  const std::string location = location_of(name, text, before);
-  if (text.empty()) return fail(ErrorCode::truncated, location, "The text is empty, not JSON.", "Give a JSON document.");
-  if (finder.read > text.size())
+  std::size_t offset = std::min(finder.read > 0 ? finder.read - 1 : 0, text.size());
+  if (finder.read > text.size()) {
+    const std::string location = location_of(name, text, offset);
+    if (text.empty()) return fail(ErrorCode::truncated, location, "The text is empty, not JSON.", "Give a JSON document.");
     return fail(ErrorCode::truncated, location, "The JSON text ends too early.", "Close the open quote or bracket.");
+  }
+  // Point at the first character of a valid token, and at the last character of an invalid one.
+  // After a bracket, comma or colon the library's token still holds the value before it.
+  const std::size_t length = finder.token.size();
+  const bool is_value = offset < text.size() && std::string_view("{}[],:").find(text[offset]) == std::string_view::npos;
+  if ((finder.unexpected || finder.overflow) && is_value && length <= finder.read &&
+      text.substr(finder.read - length, length) == finder.token)
+    offset = finder.read - length;
+  const std::string location = location_of(name, text, offset);
+  if (finder.overflow)
+    return fail(ErrorCode::range, location, "The number " + finder.token.substr(0, 40) + " is too large; numbers go up to 1.797e308.",
+                "Give a smaller number.");
   return fail(ErrorCode::syntax, location, "The text is not valid JSON here.",
-              "Look for a missing comma, quote or bracket at this line or the one before.");
+              "Look for a missing comma, quote or bracket at this position or before it.");
 }
 
 }  // namespace
@@ -122,8 +150,9 @@ Result<Json> parse_json(std::string_view text, std::string_view name, std::size_
     return fail(ErrorCode::range, std::string(name),
                 "The text has " + std::to_string(text.size()) + " bytes; at most " + std::to_string(max_size) + " are allowed.",
                 "Make it smaller.");
-  if (const std::string exceeded = exceeded_limit(text); !exceeded.empty())
-    return fail(ErrorCode::range, std::string(name), exceeded, "Simplify the document, or check the program that wrote it.");
+  if (ExceededLimit exceeded = exceeded_limit(text); !exceeded.message.empty())
+    return fail(ErrorCode::range, location_of(name, text, exceeded.offset), std::move(exceeded.message),
+                "Simplify the document, or check the program that wrote it.");
   // The JSON library would treat a zero byte as the end of the text and ignore the rest.
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
     return fail(ErrorCode::syntax, location_of(name, text, zero), "The text contains a zero byte, which JSON does not allow.",

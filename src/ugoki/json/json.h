@@ -22,8 +22,8 @@ inline constexpr int max_fields = 1000;
 inline constexpr std::size_t usual_max_size = 64u << 20;
 
 /// Parses JSON text. Never throws. Limits: `max_size` bytes, max_depth nesting levels, max_fields fields per object; valid UTF-8 with or
-/// without byte order mark; no repeated field in an object. Errors have the location "name:line"; their code is `truncated` if the text
-/// ends too early.
+/// without byte order mark; no repeated field in an object; no number too large for a double. Errors have the location
+/// "name:line:column" (columns count characters from 1); their code is `truncated` if the text ends too early.
 [[nodiscard]] Result<Json> parse_json(std::string_view text, std::string_view name, std::size_t max_size = usual_max_size);
 
 /// Type of a value in words, for messages: "an object", "a number" ...

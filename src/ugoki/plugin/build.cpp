@@ -9,6 +9,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
+#include "ugoki/plugin/inspect.h"
 #include "ugoki/plugin/run_program.h"
 #include "ugoki/plugin/wrapper.h"
 
@@ -211,6 +212,8 @@ Result<BuildReport> build_library(const BuildRequest& request) {
   }
   const Result<std::string> bytes = files::read_file(made);
   if (!bytes) return fail(bytes.error());
+  if (const Result<Inspection> file = inspect_elf(*bytes, request.source); file)
+    for (std::string& w : writable_warnings(*file, request.source)) report.warnings.push_back(std::move(w));
   if (Result<void> done = files::write_file(report.output, std::string_view(*bytes)); !done) return fail(done.error());
   return report;
 }

@@ -1,9 +1,10 @@
 #include "ugoki/plugin/guard.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
+#include <ucontext.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include <thread>
 
 #include "ugoki/base/shadow_memory.h"
+#include "ugoki/plugin/guard_block.h"
 
 namespace ugoki::plugin {
 namespace {
@@ -23,10 +25,17 @@ namespace {
 constexpr int crash_status = 70;                        // exit status after last words (EX_SOFTWARE of sysexits.h)
 constexpr std::chrono::milliseconds check_period{100};  // the watching thread notices a hang at most this long after the patience ended
 
-int words_fd = -1;                           // where last words are written
-std::atomic<bool> ended = false;             // one thread is writing last words already
-char phase[256];                             // zero-terminated
-std::atomic<std::uint64_t> phase_number{0};  // odd during a phase; increases with every change
+int words_fd = -1;                   // where last words are written
+std::atomic<bool> ended = false;     // one thread is writing last words already
+pid_t main_thread = 0;               // runs the LSIs
+std::FILE* result_stream = nullptr;  // null: stdout
+
+/// Addresses of the code of a loaded library.
+struct CodeRange {
+  std::atomic<std::uintptr_t> begin{0}, end{0};  // both 0: not in use
+  char name[100];                                // zero-terminated
+};
+CodeRange code_ranges[256];  // further libraries run without an entry
 
 /// Last words: three lines, "location\nmessage\nremedy\n". Allocates nothing, so that a signal handler may use it.
 class Words {
@@ -55,10 +64,23 @@ class Words {
   std::size_t size_ = 0;
 };
 
-/// Writes last words and ends the process. @param what happened ("divided an integer by zero") @param running null: no LSI runs
-[[noreturn]] void end_with(std::string_view what, const circuit::RunningLsi* running) {
+/// Sends last words and ends the process. Only the first thread that calls it sends.
+template <class Fill>
+[[noreturn]] void end_with_words(Fill fill) {
   if (!ended.exchange(true)) {
     Words words;
+    fill(words);
+    words.send();
+  }
+  _exit(crash_status);
+}
+
+constexpr std::string_view remedy = "Correct the LSI, rebuild it and restart the circuit.";
+
+/// Writes last words and ends the process. @param what happened ("divided an integer by zero") @param running null: no LSI runs
+[[noreturn]] void end_with(std::string_view what, const circuit::RunningLsi* running) {
+  end_with_words([&](Words& words) {
+    const GuardBlock& block = guard_block();
     if (running) {
       words << running->id;
       words.end_line();
@@ -67,21 +89,60 @@ class Words {
       words.add(describe_time(*running, words.room()));
       words << ".";
       words.add(describe_inputs(*running, words.room()));
-    } else if (phase_number.load() % 2 == 1) {
+    } else if (block.phase_number.load() % 2 == 1) {
       words << "library";
       words.end_line();
-      words << phase << " when it " << what << ".";
+      words << block.phase << " when it " << what << ".";
     } else {
       words << "interpreter";
       words.end_line();
       words << "The interpreter " << what << " while no LSI was running.";
+      char known[1024];
+      const std::string_view names(known, describe_known_lsis(known, sizeof known));
+      if (names.empty()) {
+        words.end_line();
+        words << "This is a bug in Ugoki; report it together with the project.";
+        return;
+      }
+      words << " One of these LSIs of libraries probably damaged the memory: " << names << ".";
     }
     words.end_line();
-    words << (running || phase_number.load() % 2 == 1 ? "Correct the LSI, rebuild it and restart the circuit."
-                                                      : "This is a bug in Ugoki; report it together with the project.");
-    words.send();
-  }
-  _exit(crash_status);
+    words << remedy;
+  });
+}
+
+/// The same for a crash in another thread than the main one. @param address of the instruction
+[[noreturn]] void end_with_thread(std::string_view what, std::uintptr_t address) {
+  end_with_words([&](Words& words) {
+    words << "library";
+    words.end_line();
+    const CodeRange* owner = nullptr;
+    for (const CodeRange& range : code_ranges)
+      if (range.begin <= address && address < range.end) owner = &range;
+    if (owner) {
+      words << "A thread of the library '" << owner->name << "' " << what << ".";
+    } else {
+      char known[1024];
+      const std::string_view names(known, describe_known_lsis(known, sizeof known));
+      words << "A thread " << what << ".";
+      if (!names.empty()) words << " It was probably started by one of these LSIs of libraries: " << names << ".";
+    }
+    words.end_line();
+    words << "LSIs must not start threads that outlive their call. " << remedy;
+  });
+}
+
+/// Address of the instruction at which a signal was raised; 0: unknown.
+std::uintptr_t instruction_of(const void* context) {
+  const auto* c = static_cast<const ucontext_t*>(context);
+#if defined(__x86_64__)
+  return static_cast<std::uintptr_t>(c->uc_mcontext.gregs[REG_RIP]);
+#elif defined(__aarch64__)
+  return static_cast<std::uintptr_t>(c->uc_mcontext.pc);
+#else
+  (void)c;
+  return 0;
+#endif
 }
 
 /// What a signal means, as the end of a sentence whose subject is the LSI.
@@ -99,7 +160,10 @@ std::string_view words_for(int signal, const siginfo_t* info) {
   }
 }
 
-void on_crash(int signal, siginfo_t* info, void*) { end_with(words_for(signal, info), running_of(process_activity())); }
+void on_crash(int signal, siginfo_t* info, void* context) {
+  if (::gettid() != main_thread) end_with_thread(words_for(signal, info), instruction_of(context));
+  end_with(words_for(signal, info), running_of(process_activity()));
+}
 
 void on_exit() {
   if (const circuit::RunningLsi* running = running_of(process_activity())) end_with("ended the process (exit)", running);
@@ -114,7 +178,7 @@ void on_exit() {
     std::this_thread::sleep_for(check_period);
     const circuit::Activity& activity = process_activity();
     const circuit::RunningLsi* running = running_of(activity);
-    const std::uint64_t pass = passes_of(activity), number = phase_number.load();
+    const std::uint64_t pass = passes_of(activity), number = guard_block().phase_number.load();
     const auto now = std::chrono::steady_clock::now();
     const bool busy = running || number % 2 == 1;
     if (!busy || running != last || pass != last_pass || number != last_phase) {
@@ -143,23 +207,50 @@ void limit_memory() {
 
 }  // namespace
 
-circuit::Activity& process_activity() {
-  static circuit::Activity activity;
-  return activity;
-}
+circuit::Activity& process_activity() { return guard_block().activity; }
 
 void set_phase(std::string_view what) {
+  GuardBlock& block = guard_block();
   if (!what.empty()) {
-    const std::size_t n = std::min(what.size(), sizeof phase - 1);
-    std::memcpy(phase, what.data(), n);
-    phase[n] = '\0';
+    const std::size_t n = std::min(what.size(), sizeof block.phase - 1);
+    std::memcpy(block.phase, what.data(), n);
+    block.phase[n] = '\0';
   }
-  const std::uint64_t now = phase_number.load();
-  phase_number = (now + 2) / 2 * 2 + (what.empty() ? 0 : 1);
+  const std::uint64_t now = block.phase_number.load();
+  block.phase_number = (now + 2) / 2 * 2 + (what.empty() ? 0 : 1);
+}
+
+void note_code(std::string_view name, std::uintptr_t begin, std::uintptr_t end) {
+  for (CodeRange& range : code_ranges) {
+    if (range.end != 0) continue;
+    const std::size_t n = std::min(name.size(), sizeof range.name - 1);
+    std::memcpy(range.name, name.data(), n);
+    range.name[n] = '\0';
+    range.begin = begin;
+    range.end = end;
+    return;
+  }
+}
+
+void forget_code(std::uintptr_t begin) {
+  for (CodeRange& range : code_ranges)
+    if (range.begin == begin) range.begin = range.end = 0;
+}
+
+std::FILE* results() { return result_stream ? result_stream : stdout; }
+
+void keep_results_apart() {
+  std::fflush(stdout);
+  const int copy = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+  if (copy < 0) return;
+  result_stream = ::fdopen(copy, "w");
+  if (result_stream) ::dup2(STDERR_FILENO, STDOUT_FILENO);
 }
 
 void guard_process(int fd, std::chrono::milliseconds patience) {
   words_fd = fd;
+  main_thread = ::gettid();
+  (void)guard_block();
   limit_memory();
   static char stack[1 << 16];  // the handler runs on this stack, so that it also works after a stack overflow
   stack_t other{};
@@ -178,56 +269,6 @@ void guard_process(int fd, std::chrono::milliseconds patience) {
   pthread_sigmask(SIG_SETMASK, &all, &before);
   std::thread(watch, patience).detach();
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-}
-
-Error read_last_words(std::string_view words, std::string_view how) {
-  const auto first = words.find('\n');
-  const auto second = first == std::string_view::npos ? first : words.find('\n', first + 1);
-  if (second == std::string_view::npos)
-    return Error(ErrorCode::structure, "interpreter", "The process that runs the LSIs " + std::string(how) + ".", "Run it again.");
-  return Error(ErrorCode::structure, std::string(words.substr(0, first)), std::string(words.substr(first + 1, second - first - 1)),
-               std::string(words.substr(second + 1)));
-}
-
-Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseconds patience) {
-  int ends[2];
-  if (::pipe(ends) != 0)
-    return fail(ErrorCode::io, "interpreter", "No pipe can be opened for the guarded process.", "Close other programs.");
-  std::fflush(nullptr);
-  const pid_t child = ::fork();
-  if (child < 0) {
-    ::close(ends[0]);
-    ::close(ends[1]);
-    return fail(ErrorCode::io, "interpreter", "The guarded process cannot be started.", "Close other programs.");
-  }
-  if (child == 0) {
-    ::close(ends[0]);
-    guard_process(ends[1], patience);
-    const int status = work();
-    std::fflush(nullptr);
-    _exit(status);
-  }
-  ::close(ends[1]);
-  struct sigaction ignore{}, before{};
-  ignore.sa_handler = SIG_IGN;  // Ctrl+C reaches the child too, which then ends regularly
-  ::sigaction(SIGINT, &ignore, &before);
-  std::string words;
-  char buffer[1024];
-  for (ssize_t n; (n = ::read(ends[0], buffer, sizeof buffer)) != 0;) {
-    if (n > 0)
-      words.append(buffer, static_cast<std::size_t>(n));
-    else if (errno != EINTR)
-      break;
-  }
-  ::close(ends[0]);
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  ::sigaction(SIGINT, &before, nullptr);
-  if (words.empty() && WIFEXITED(status)) return WEXITSTATUS(status);
-  std::string how = "ended early";
-  if (WIFSIGNALED(status)) how = "was ended by signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")";
-  return fail(read_last_words(words, how));
 }
 
 }  // namespace ugoki::plugin

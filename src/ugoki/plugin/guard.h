@@ -3,6 +3,8 @@
 // ends. The report ("last words") names the LSI, the time and the inputs; the parent process turns it into an error.
 
 #include <chrono>
+#include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -30,8 +32,20 @@ void guard_process(int fd, std::chrono::milliseconds patience = usual_patience);
 /// are empty or incomplete
 [[nodiscard]] Error read_last_words(std::string_view words, std::string_view how);
 
-/// Runs `work` in a guarded child process (fork), which shares stdout and stderr with this one. Call it while this process has only one
-/// thread. @return the return value of `work`, 0 ... 255; an error if the child crashed, hung or was killed
+/// Notes where the code of a loaded library is, so that the report of a crash in a thread names the library. forget_code removes the note.
+/// @param begin, end of its addresses
+void note_code(std::string_view name, std::uintptr_t begin, std::uintptr_t end);
+void forget_code(std::uintptr_t begin);
+
+/// Stream for the results of this process. It is stdout; after keep_results_apart() it is another stream to the same file.
+[[nodiscard]] std::FILE* results();
+/// Redirects stdout to stderr, so that text that foreign code prints does not mix with results(). run_guarded calls it in the child.
+void keep_results_apart();
+
+/// Runs `work` in a guarded child process (fork), which shares stderr and results() with this one. Call it while this process has only one
+/// thread. Processes that foreign code started are ended with it.
+/// @return the return value of `work`, 0 ... 255. Errors, which name the LSI if one was running: the child crashed, hung, was stopped for
+/// longer than `patience`, was killed, or ended without the report that `work` returned, whatever its exit status.
 [[nodiscard]] Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseconds patience = usual_patience);
 
 }  // namespace ugoki::plugin

@@ -1,9 +1,11 @@
 #include "ugoki/plugin/load.h"
 
 #include <dlfcn.h>
+#include <link.h>
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -25,10 +27,30 @@ constexpr std::size_t max_bytes = std::size_t{1} << 30;  // size of a library's 
 /// A loaded shared library; unloads it when destroyed.
 struct Code {
   void* handle = nullptr;
+  std::uintptr_t begin = 0, end = 0;  ///< addresses of its segments
   ~Code() {
+    if (begin) forget_code(begin);
     if (handle) dlclose(handle);
   }
 };
+
+/// Finds the addresses of a loaded library and notes them for crash reports.
+void note_addresses(Code& code, const std::string& path) {
+  const link_map* map = nullptr;
+  if (dlinfo(code.handle, RTLD_DI_LINKMAP, &map) != 0) return;
+  code.begin = map->l_addr;
+  dl_iterate_phdr(
+      [](dl_phdr_info* info, std::size_t, void* data) {
+        auto& found = *static_cast<Code*>(data);
+        if (info->dlpi_addr != found.begin) return 0;
+        for (int i = 0; i < info->dlpi_phnum; ++i)
+          if (info->dlpi_phdr[i].p_type == PT_LOAD)
+            found.end = std::max<std::uintptr_t>(found.end, info->dlpi_addr + info->dlpi_phdr[i].p_vaddr + info->dlpi_phdr[i].p_memsz);
+        return 1;
+      },
+      &code);
+  note_code(fs::path(path).filename().string(), code.begin, code.end);
+}
 
 /// Loads a library from a private copy of its bytes. Without a copy, dlopen would return the old code for a rebuilt file of the same path,
 /// and overwriting the file would change the code that runs.
@@ -45,7 +67,10 @@ Result<std::shared_ptr<Code>> open_copy(const std::string& path, const std::stri
   std::string reason = why ? why : "";
   fs::remove_all(folder, ec);
   if (!written) return fail(written.error());
-  if (code->handle) return code;
+  if (code->handle) {
+    note_addresses(*code, path);
+    return code;
+  }
   if (const auto at = reason.find(copy); at != std::string::npos) reason.replace(at, copy.size(), path);
   return fail(ErrorCode::syntax, path, "The library cannot be opened: " + reason + ".", "Build it on this machine: ugoki lsi build FILE.c");
 }
@@ -78,6 +103,12 @@ void* create_object(circuit::Setup& setup) {
   return object;
 }
 
+/// The error of a file with another hash than the expected one.
+Error changed_error(const std::string& path, const std::string& hash) {
+  return Error(ErrorCode::conflict, path, "The file has changed since it was installed: its SHA-256 is now " + hash + ".",
+               "Install it again if you trust it: ugoki lsi install FILE");
+}
+
 /// load_library for an FMU.
 Result<LoadedLibrary> load_unit(const std::string& path, std::string bytes, const std::string& hash) {
   Result<fmi::LoadedFmu> fmu = fmi::load_fmu(path, std::move(bytes), hash, set_phase);
@@ -93,9 +124,7 @@ Result<LoadedLibrary> load_library(const std::string& path, const std::string& h
   if (!bytes) return fail(std::move(bytes.error()));
   LoadedLibrary out;
   out.hash = sha256(*bytes);
-  if (!hash.empty() && out.hash != hash)
-    return fail(ErrorCode::conflict, path, "The file has changed since it was installed: its SHA-256 is now " + out.hash + ".",
-                "Install it again if you trust it: ugoki lsi install FILE");
+  if (!hash.empty() && out.hash != hash) return fail(changed_error(path, out.hash));
   if (fmi::is_zip(*bytes)) return load_unit(path, std::move(*bytes), out.hash);
   Result<std::shared_ptr<Code>> code = open_copy(path, *bytes);
   if (!code) return fail(std::move(code.error()));
@@ -116,14 +145,15 @@ Result<LoadedLibrary> load_library(const std::string& path, const std::string& h
   return out;
 }
 
-Result<void> try_library(const std::string& path) {
+Result<void> try_library(const std::string& path, const std::string& hash) {
   Result<std::string> bytes = files::read_file(path, max_bytes);
   if (!bytes) return fail(std::move(bytes.error()));
   if (fmi::is_zip(*bytes)) {
-    std::string hash = sha256(*bytes);
-    return fmi::try_fmu(path, std::move(*bytes), std::move(hash), set_phase);
+    std::string own = sha256(*bytes);
+    if (!hash.empty() && own != hash) return fail(changed_error(path, own));
+    return fmi::try_fmu(path, std::move(*bytes), std::move(own), set_phase);
   }
-  const Result<LoadedLibrary> library = load_library(path);
+  const Result<LoadedLibrary> library = load_library(path, hash);
   if (!library) return fail(library.error());
   return {};
 }

@@ -27,6 +27,7 @@ struct LoadedLibrary {
 [[nodiscard]] Result<LoadedLibrary> load_library(const std::string& path, const std::string& hash = {});
 
 /// Tests whether a library works on this machine: starts an instance of an FMU and ends it; loads a shared library.
-[[nodiscard]] Result<void> try_library(const std::string& path);
+/// @param hash as in load_library
+[[nodiscard]] Result<void> try_library(const std::string& path, const std::string& hash = {});
 
 }  // namespace ugoki::plugin

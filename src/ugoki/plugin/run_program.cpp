@@ -7,10 +7,30 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
 namespace ugoki::plugin {
+namespace {
+
+constexpr std::chrono::milliseconds look_period{20};  // a program that ended while its pipes stay open is noticed after this time
+
+/// Reads what is in a pipe that does not block. @return false at its end
+bool drain(int fd, std::string& to) {
+  char buffer[4096];
+  while (true) {
+    const ssize_t n = ::read(fd, buffer, sizeof buffer);
+    if (n > 0)
+      to.append(buffer, static_cast<std::size_t>(n));
+    else if (n == 0)
+      return false;
+    else if (errno != EINTR)
+      return errno == EAGAIN;
+  }
+}
+
+}  // namespace
 
 Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, std::chrono::seconds limit) {
   int out[2], err[2];
@@ -34,38 +54,33 @@ Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, std
   posix_spawn_file_actions_destroy(&actions);
   ::close(out[1]);
   ::close(err[1]);
+  ::fcntl(out[0], F_SETFL, O_NONBLOCK);
+  ::fcntl(err[0], F_SETFL, O_NONBLOCK);
   ProgramOutput output;
   const auto end = std::chrono::steady_clock::now() + limit;
   pollfd ends[2] = {{out[0], POLLIN, 0}, {err[0], POLLIN, 0}};
   std::string* texts[2] = {&output.out, &output.err};
-  for (int open = error == 0 ? 2 : 0; open > 0;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
-    if (left <= 0) {
+  int status = 0;
+  bool ended = error != 0;
+  // A process that the program has started may keep the pipes open. So read until the program has ended, then only what is there already.
+  while (!ended) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    if (left.count() <= 0 && !output.timed_out) {
       output.timed_out = true;
       ::kill(pid, SIGKILL);
-      break;
     }
-    if (::poll(ends, 2, static_cast<int>(left)) < 0 && errno != EINTR) break;
-    for (int i = 0; i < 2; ++i) {
-      if (ends[i].fd < 0 || ends[i].revents == 0) continue;
-      char buffer[4096];
-      const ssize_t n = ::read(ends[i].fd, buffer, sizeof buffer);
-      if (n > 0) {
-        texts[i]->append(buffer, static_cast<std::size_t>(n));
-      } else if (n == 0 || errno != EINTR) {
-        ends[i].fd = -1;
-        --open;
-      }
-    }
+    const auto wait = std::clamp(left, std::chrono::milliseconds(1), look_period);
+    (void)::poll(ends, 2, static_cast<int>(wait.count()));
+    const pid_t got = ::waitpid(pid, &status, WNOHANG);
+    ended = got == pid || (got < 0 && errno != EINTR);
+    for (int i = 0; i < 2; ++i)
+      if (ends[i].fd >= 0 && !drain(ends[i].fd, *texts[i])) ends[i].fd = -1;
   }
   ::close(out[0]);
   ::close(err[0]);
   if (error != 0)
     return fail(ErrorCode::io, arguments[0], std::string("The program cannot be started: ") + std::strerror(error) + ".",
                 "Check that the program exists and may be executed.");
-  int status = 0;
-  while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
   output.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return output;
 }

@@ -89,8 +89,8 @@ std::vector<ShelfEntry> read_shelf(const std::string& folder, Error* problems) {
   return out;
 }
 
-Result<std::string> describe_library(const std::string& path) {
-  const Result<LoadedLibrary> library = load_library(path);
+Result<std::string> describe_library(const std::string& path, const std::string& hash) {
+  const Result<LoadedLibrary> library = load_library(path, hash);
   if (!library) return fail(library.error());
   Json classes = Json::array();
   for (const circuit::LsiClass& c : library->classes) classes.push_back(circuit::class_json(c));

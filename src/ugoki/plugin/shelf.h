@@ -28,8 +28,8 @@ struct ShelfEntry {
 [[nodiscard]] std::vector<ShelfEntry> read_shelf(const std::string& folder, Error* problems = nullptr);
 
 /// The declarations of a library as JSON text: {"name", "version", "doc", "sha256", "classes"}. Loads the library; call it only in a
-/// process that may crash. Errors: see load_library.
-[[nodiscard]] Result<std::string> describe_library(const std::string& path);
+/// process that may crash. @param hash expected SHA-256 of the file; empty: any file Errors: see load_library.
+[[nodiscard]] Result<std::string> describe_library(const std::string& path, const std::string& hash = {});
 
 /// Installs a copy of the file `path` on the shelf; replaces an installed library of the same name.
 /// @param description result of describe_library Errors: the file has changed since then; the shelf cannot be written

@@ -74,6 +74,9 @@ class Writer {
                     "Write a function that takes numbers and returns a number, for example: double twice(double x) { return 2 * x; }");
     }
     if (!problems_.empty()) return fail(std::move(problems_));
+    out_.code += "UGOKI_MANIFEST(ugoki_lsi_manifest, " + literal("library " + name) + ")\n";
+    for (std::size_t i = 0; i < out_.lsis.size(); ++i)
+      out_.code += "UGOKI_MANIFEST(" + id("manifest", i) + ", " + literal("lsi " + out_.lsis[i]) + ")\n";
     out_.code += "static const ugoki_class* const ugoki_gen_classes[] = {";
     for (std::size_t i = 0; i < out_.lsis.size(); ++i) out_.code += (i ? ", &" : "&") + id("class", i);
     const Annotation* version = source_.file.find("version");
@@ -101,7 +104,7 @@ class Writer {
     if (v.type.pointers != 1 || v.type.is_const || v.type.elements) return nullptr;
     return source_.find_struct(v.type.base);
   }
-  /// True for NAME_init(state), which sets the first state of the LSI NAME and is not an LSI itself.
+  /// True for NAME_init(state), which sets the initial state of the LSI NAME and is not an LSI itself.
   [[nodiscard]] bool is_init(const CFunction& f) const {
     return f.name.ends_with("_init") && f.parameters.size() == 1 && f.result.base == "void" && state_of(f.parameters[0]);
   }

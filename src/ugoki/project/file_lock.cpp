@@ -8,9 +8,15 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <utility>
 
 namespace ugoki::project {
+namespace {
+
+std::mutex held_mutex;  // protects FileLock::held()
+
+}  // namespace
 
 Result<FileLock> FileLock::take(const std::string& path) {
   namespace fs = std::filesystem;
@@ -51,14 +57,59 @@ Result<FileLock> FileLock::take(const std::string& path) {
   return fail(ErrorCode::conflict, path, "Another program keeps opening and closing the project.", "Try again.");
 }
 
+std::set<FileLock::Identity>& FileLock::held() {
+  static std::set<Identity> files;
+  return files;
+}
+
+Result<void> FileLock::take_file(const std::string& path) {
+  const auto conflict = [&](const std::string& by) {
+    return fail(ErrorCode::conflict, path, "The project is already open in another program under another name (hard link)" + by + ".",
+                "Close it there first, or work on a copy.");
+  };
+  struct stat info{};
+  if (::stat(path.c_str(), &info) != 0) return {};  // reported when the file is opened
+  const Identity identity{info.st_dev, info.st_ino};
+  // Closing any descriptor of a file releases this process's POSIX locks of the file, which SQLite uses. A file that this process has
+  // locked is therefore not opened.
+  const std::lock_guard guard(held_mutex);
+  if (held().contains(identity)) return conflict(" (process " + std::to_string(::getpid()) + ")");
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (descriptor < 0) return {};  // reported when the file is opened
+  struct flock range{};           // one byte far behind the bytes that SQLite locks; the lock belongs to the open descriptor
+  range.l_type = F_WRLCK;
+  range.l_whence = SEEK_SET;
+  range.l_start = off_t{1} << 40;
+  range.l_len = 1;
+  if (::fcntl(descriptor, F_OFD_SETLK, &range) != 0 && (errno == EAGAIN || errno == EACCES)) {
+    ::close(descriptor);
+    return conflict("");
+  }
+  // File systems without such locks keep the lock file of take() only.
+  file_ = descriptor;
+  identity_ = identity;
+  held().insert(identity);
+  return {};
+}
+
 FileLock::FileLock(FileLock&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), lock_path_(std::move(other.lock_path_)) {}
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      lock_path_(std::move(other.lock_path_)),
+      file_(std::exchange(other.file_, -1)),
+      identity_(other.identity_) {}
 FileLock& FileLock::operator=(FileLock&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   std::swap(lock_path_, other.lock_path_);
+  std::swap(file_, other.file_);
+  std::swap(identity_, other.identity_);
   return *this;
 }
 FileLock::~FileLock() {
+  if (file_ >= 0) {
+    const std::lock_guard guard(held_mutex);
+    held().erase(identity_);
+    ::close(file_);
+  }
   if (descriptor_ < 0) return;
   ::unlink(lock_path_.c_str());  // before the lock is released, so that the file of the next holder is not removed
   ::close(descriptor_);

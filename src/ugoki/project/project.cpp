@@ -14,6 +14,7 @@
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/project/file_lock.h"
 #include "ugoki/project/project_file.h"
+#include "ugoki/project/rescue.h"
 
 namespace ugoki::project {
 namespace {
@@ -75,6 +76,26 @@ Result<void> move_into_place(const std::string& from, const std::string& to) {
   return {};
 }
 
+/// Writes a new project file without history. The file must not exist.
+Result<void> write_new(const std::string& path, const std::string& document, const std::string& saved, std::uint64_t next_id,
+                       const content::Resources& resources) {
+  Result<ProjectFile> file = ProjectFile::create(path);
+  if (!file) return fail(std::move(file.error()));
+  return file->write([&]() -> Result<void> {
+    for (const auto& [name, value] : {std::pair<const char*, std::string>("document", document),
+                                      {"saved", saved},
+                                      {"position", "0"},
+                                      {"next_id", std::to_string(next_id)}})
+      if (Result<void> done = file->set_property(name, value); !done) return done;
+    for (const auto& [id, mechanism] : resources.mechanisms)
+      if (Result<void> done = file->put_resource(id, "mechanism", mechanism->name(), bytes_of(formats::write_mechanism(*mechanism))); !done)
+        return done;
+    for (const auto& [id, motion] : resources.motions)
+      if (Result<void> done = file->put_resource(id, "motion", motion->name, formats::write_motion(*motion)); !done) return done;
+    return {};
+  });
+}
+
 }  // namespace
 
 struct Project::Body {
@@ -90,7 +111,19 @@ struct Project::Body {
   std::int64_t position = 0;  ///< number of the last history step that the document includes
   std::uint64_t next_id = 1, revision = 0;
 
+  std::optional<Problem> lost;  ///< the file was lost: every edit is refused with this problem
+  bool copied = false;          ///< save_as() has copied the work to another file
+
   Body(FileLock l, ProjectFile f) : lock(std::move(l)), file(std::move(f)) {}
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
+  ~Body() {
+    if (read_only || lost) return;
+    if (!copied && (revision > 0 || file.has_unmerged()))
+      (void)check_file();  // the rescue copy is next to the project, with "rescued" in its name
+    else if (file.lost())
+      file.abandon();
+  }
 
   /// Reads and checks the whole file.
   Result<void> read();
@@ -102,11 +135,14 @@ struct Project::Body {
   template <class Write>
   Result<void> in_transaction(Write write) {
     if (Result<void> allowed = may_write(); !allowed) return allowed;
-    Result<store::Transaction> transaction = store::Transaction::begin(file.database());
-    if (!transaction) return fail(std::move(transaction.error()));
-    if (Result<void> done = write(); !done) return done;
-    return transaction->commit();
+    if (Result<void> good = check_file(); !good) return good;
+    if (Result<void> done = file.write(write); !done) return done;
+    return check_file();
   }
+  /// Error `conflict` if another program replaced, removed or overwrote the file. The first such error writes a rescue copy and names it.
+  Result<void> check_file();
+  /// Writes the project to the empty file `path`: with its history if the open file can be read, otherwise from memory without it.
+  Result<void> copy_to(const std::string& path, bool readable);
   Result<void> put(const Loaded& resource) { return file.put_resource(resource.id, resource.kind, resource.name, resource.data); }
   /// Adds the resource to the maps in memory.
   void add_to_maps(const Loaded& resource) {
@@ -179,6 +215,39 @@ Result<void> Project::Body::read() {
   return {};
 }
 
+Result<void> Project::Body::copy_to(const std::string& path, bool readable) {
+  if (readable) {
+    Result<store::Statement> copy = file.database().prepare("VACUUM INTO ?1");
+    Result<void> done = copy ? copy->bind(1, path).run() : fail(copy.error());
+    if (!done) return done;
+    const Result<Project> read = open_read_only(path);
+    return read ? Result<void>() : fail(read.error());
+  }
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+  return write_new(path, document, saved, next_id, resources);
+}
+
+Result<void> Project::Body::check_file() {
+  if (lost) return fail(*lost);
+  const std::optional<Loss> loss = file.lost();
+  if (!loss) return {};
+  file.database().keep_log_when_closed();
+  Result<std::string> rescue = fail(Error());
+  if (loss->readable) rescue = make_rescue_copy(file.path(), [&](const std::string& copy) { return copy_to(copy, true); });
+  if (!rescue) rescue = make_rescue_copy(file.path(), [&](const std::string& copy) { return copy_to(copy, false); });
+  if (!rescue) {
+    // `lost` stays empty, so that the next edit tries to write the copy: the cause (a full disk, for example) may be gone by then.
+    return fail(ErrorCode::conflict, file.path(),
+                loss->what + ". The edit was refused, and no rescue copy could be written: " + rescue.error().text(),
+                "Save the project under another name before you close it.");
+  }
+  file.abandon();
+  lost = Problem{ErrorCode::conflict, file.path(), loss->what + ". The edit was refused. Your work is in the rescue copy " + *rescue + ".",
+                 "Open the rescue copy, or save the project under another name to continue."};
+  return fail(*lost);
+}
+
 Project::Project(std::unique_ptr<Body> body) : body_(std::move(body)) {}
 Project::Project(Project&&) noexcept = default;
 Project& Project::operator=(Project&&) noexcept = default;
@@ -198,22 +267,8 @@ Result<Project> Project::create(const std::string& path, const content::Scenario
   // The file is created under another name first, so that a file with the project's name is always a complete project.
   const std::string unfinished = path + ".new";
   for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(unfinished + suffix, ignored);
-  Result<void> made = [&]() -> Result<void> {
-    Result<ProjectFile> file = ProjectFile::create(unfinished);
-    if (!file) return fail(std::move(file.error()));
-    const std::string text = content::write_scenario(document);
-    Result<store::Transaction> transaction = store::Transaction::begin(file->database());
-    if (!transaction) return fail(std::move(transaction.error()));
-    for (const auto& [name, value] :
-         {std::pair<const char*, std::string>("document", text), {"saved", text}, {"position", "0"}, {"next_id", "1"}})
-      if (Result<void> done = file->set_property(name, value); !done) return done;
-    for (const auto& [id, mechanism] : resources.mechanisms)
-      if (Result<void> done = file->put_resource(id, "mechanism", mechanism->name(), bytes_of(formats::write_mechanism(*mechanism))); !done)
-        return done;
-    for (const auto& [id, motion] : resources.motions)
-      if (Result<void> done = file->put_resource(id, "motion", motion->name, formats::write_motion(*motion)); !done) return done;
-    return transaction->commit();
-  }();
+  const std::string text = content::write_scenario(document);
+  Result<void> made = write_new(unfinished, text, text, 1, resources);
   if (made) made = move_into_place(unfinished, path);
   if (!made) {
     for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(unfinished + suffix, ignored);
@@ -221,6 +276,7 @@ Result<Project> Project::create(const std::string& path, const content::Scenario
       if (p.location == unfinished) p.location = path;
     return fail(std::move(made.error()));
   }
+  if (Result<void> done = lock->take_file(path); !done) return fail(std::move(done.error()));
   Result<ProjectFile> file = ProjectFile::open(path, false);
   if (!file) return fail(std::move(file.error()));
   auto body = std::make_unique<Body>(std::move(*lock), std::move(*file));
@@ -236,6 +292,7 @@ Result<Project> Project::open(const std::string& path) {
   }
   Result<FileLock> lock = FileLock::take(path);
   if (!lock) return fail(std::move(lock.error()));
+  if (Result<void> done = lock->take_file(path); !done) return fail(std::move(done.error()));
   {
     Result<Project> look = open_read_only(path);  // opening for writing may change a file that must be refused
     if (!look) return fail(std::move(look.error()));
@@ -263,27 +320,51 @@ const content::Resources& Project::resources() const { return body_->resources; 
 const content::Catalogue& Project::catalogue() const { return body_->catalogue; }
 std::uint64_t Project::revision() const { return body_->revision; }
 
+std::vector<std::string> Project::missing_resources(std::string_view command) const {
+  std::vector<std::string> missing;
+  for (const std::string& id : content::resources_named(command))
+    if (!body_->has(id) && std::find(missing.begin(), missing.end(), id) == missing.end()) missing.push_back(id);
+  return missing;
+}
+
+Result<std::vector<LibraryData>> Project::fetch(std::span<const std::string> ids, const store::Library& library) {
+  std::vector<LibraryData> out;
+  for (const std::string& id : ids) {
+    Result<store::LibraryEntry> entry = library.get(id);
+    if (!entry) {
+      if (entry.error().problems.front().code == ErrorCode::unknown) continue;  // the command's check reports the unknown id
+      return fail(std::move(entry.error()));
+    }
+    Result<std::vector<std::byte>> data = library.content(id);
+    if (!data) return fail(std::move(data.error()));
+    out.push_back({id, std::string(store::name_of(entry->kind)), std::move(*data)});
+  }
+  return out;
+}
+
 Result<Change> Project::execute(std::string_view command, const store::Library* library) {
+  if (Result<void> allowed = body_->may_write(); !allowed) return fail(std::move(allowed.error()));
+  if (library == nullptr) return execute_with(command, {});
+  const Result<std::vector<LibraryData>> data = fetch(missing_resources(command), *library);
+  if (!data) return fail(data.error());
+  return execute_with(command, *data);
+}
+
+Result<Change> Project::execute_with(std::string_view command, std::span<const LibraryData> from_library) {
   Body& b = *body_;
   if (Result<void> allowed = b.may_write(); !allowed) return fail(std::move(allowed.error()));
   std::vector<Loaded> fetched;
   content::Catalogue catalogue = b.catalogue;
-  if (library) {
-    for (const std::string& id : content::resources_named(command)) {
-      const bool known = b.has(id) || std::any_of(fetched.begin(), fetched.end(), [&](const Loaded& l) { return l.id == id; });
-      if (known) continue;
-      if (const Result<store::LibraryEntry> entry = library->get(id); !entry) {
-        if (entry.error().problems.front().code == ErrorCode::unknown) continue;  // the command's check reports the unknown id
-        return fail(entry.error());
-      }
-      Result<Loaded> resource = b.fetch(id, *library);
-      if (!resource) return fail(std::move(resource.error()));
-      if (resource->mechanism)
-        catalogue.mechanisms.emplace(id, content::facts_of(*resource->mechanism));
-      else
-        catalogue.motions.emplace(id, content::facts_of(*resource->motion));
-      fetched.push_back(std::move(*resource));
-    }
+  for (const LibraryData& entry : from_library) {
+    const bool known = b.has(entry.id) || std::any_of(fetched.begin(), fetched.end(), [&](const Loaded& l) { return l.id == entry.id; });
+    if (known) continue;
+    Result<Loaded> resource = load(entry.id, entry.kind, entry.data, "library entry " + entry.id);
+    if (!resource) return fail(std::move(resource.error()));
+    if (resource->mechanism)
+      catalogue.mechanisms.emplace(entry.id, content::facts_of(*resource->mechanism));
+    else
+      catalogue.motions.emplace(entry.id, content::facts_of(*resource->motion));
+    fetched.push_back(std::move(*resource));
   }
   std::uint64_t next_id = b.next_id;
   Result<content::CommandEffect> effect = content::apply_command(b.scenario, command, catalogue, next_id);
@@ -379,25 +460,28 @@ Result<void> Project::save_as(const std::string& path, bool overwrite) {
     return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or choose to replace the file.");
   const std::string unfinished = path + ".new";
   for (const char* suffix : {"", "-wal", "-shm"}) fs::remove(unfinished + suffix, ignored);
-  Result<void> made = [&]() -> Result<void> {
-    Result<store::Statement> copy = body_->file.database().prepare("VACUUM INTO ?1");
-    if (!copy) return fail(std::move(copy.error()));
-    if (Result<void> done = copy->bind(1, unfinished).run(); !done) return done;
+  if (const int empty = ::open(unfinished.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600); empty >= 0) ::close(empty);
+  const std::optional<Loss> loss = body_->file.lost();
+  Result<void> made = body_->copy_to(unfinished, !loss || loss->readable);
+  if (made) {
     Result<ProjectFile> file = ProjectFile::open(unfinished, false);
-    if (!file) return fail(std::move(file.error()));
-    return file->set_property("saved", body_->document);
-  }();
+    made = file ? file->write([&] { return file->set_property("saved", body_->document); }) : fail(file.error());
+  }
+  if (const fs::file_status old = fs::status(path, ignored); made && fs::is_regular_file(old))
+    fs::permissions(unfinished, old.permissions(), ignored);
   if (made) made = move_into_place(unfinished, path);
   if (!made) {
     for (const char* suffix : {"", "-wal", "-shm"}) fs::remove(unfinished + suffix, ignored);
     return made;
   }
+  if (Result<void> done = lock->take_file(path); !done) return done;
   Result<ProjectFile> file = ProjectFile::open(path, false);
   if (!file) return fail(std::move(file.error()));
   const std::uint64_t revision = body_->revision;
   auto body = std::make_unique<Body>(std::move(*lock), std::move(*file));
   if (Result<void> done = body->read(); !done) return done;
   body->revision = revision;
+  body_->copied = true;
   body_ = std::move(body);
   return {};
 }

@@ -23,14 +23,22 @@ struct Change {
   std::vector<std::string> created;  ///< ids of the clips, characters and events that the command created
 };
 
+/// Data of an entry of a library, read by Project::fetch().
+struct LibraryData {
+  std::string id, kind;
+  std::vector<std::byte> data;
+};
+
 /// An open project. Every command, undo and redo is on the disk when its function returns, so nothing is lost if the program is killed.
 /// save() only marks the current state as saved. Used by one thread at a time. A function that fails leaves project and file unchanged.
+/// If another program replaced, removed or overwrote the file, edits fail with `conflict`, and the message names a rescue copy of the work.
 class Project {
  public:
   /// Creates a new file with this document and these resources. Errors: the file exists, or the document does not fit the resources.
   [[nodiscard]] static Result<Project> create(const std::string& path, const content::Scenario& scenario,
                                               const content::Resources& resources = {});
-  /// Opens a file for editing. Error `conflict`: another program has it open. A damaged, foreign or newer file is refused and not changed.
+  /// Opens a file for editing. Error `conflict`: another program has it open, or the -wal file beside it belongs to another file. A
+  /// damaged, foreign or newer file is refused and not changed.
   [[nodiscard]] static Result<Project> open(const std::string& path);
   /// Opens a file read-only. Never writes, and works while another program edits the file.
   [[nodiscard]] static Result<Project> open_read_only(const std::string& path);
@@ -50,6 +58,12 @@ class Project {
   /// Applies one command of docs/scenario.md (JSON).
   /// @param library source of mechanisms and motions that the command names but the project does not contain; may be null
   [[nodiscard]] Result<Change> execute(std::string_view command, const store::Library* library = nullptr);
+  /// Ids of the mechanisms and motions that a command names but the project does not contain.
+  [[nodiscard]] std::vector<std::string> missing_resources(std::string_view command) const;
+  /// Reads these entries from a library; ids that it does not contain are left out.
+  [[nodiscard]] static Result<std::vector<LibraryData>> fetch(std::span<const std::string> ids, const store::Library& library);
+  /// Like execute(), with the missing resources as data instead of a library, which may be read on another thread before.
+  [[nodiscard]] Result<Change> execute_with(std::string_view command, std::span<const LibraryData> from_library);
   /// Undoes or redoes one command. @return its label; error `range` if there is no command to undo or redo
   [[nodiscard]] Result<std::string> undo();
   [[nodiscard]] Result<std::string> redo();

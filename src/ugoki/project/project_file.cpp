@@ -1,5 +1,8 @@
 #include "ugoki/project/project_file.h"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <ctime>
 #include <filesystem>
 
@@ -7,6 +10,8 @@
 
 namespace ugoki::project {
 namespace {
+
+constexpr std::array<const char*, 3> suffixes = {"", "-wal", "-shm"};
 
 constexpr const char* tables = R"(
 CREATE TABLE property (
@@ -55,12 +60,28 @@ Result<void> check(store::Database& database) {
   if (Result<void> good = database.check_structure(); !good) return good;
   const Result<std::int64_t> others = database.integer(
       "SELECT count(*) FROM sqlite_schema WHERE type IN ('trigger', 'view') OR (type = 'table' AND name NOT IN ('property', 'resource', "
-      "'history'))");
+      "'history', 'stamp'))");
   if (!others) return fail(others.error());
   if (*others != 0)
     return fail(ErrorCode::structure, path, "The project contains tables, views or triggers that Ugoki did not create.",
                 "Do not trust the file; restore it from a backup.");
   return {};
+}
+
+/// Adds the table `stamp` to a file of version 1.
+Result<void> upgrade(store::Database& database) {
+  const Result<std::int64_t> version = database.integer("PRAGMA user_version");
+  if (!version) return fail(version.error());
+  if (*version >= project_version) return {};
+  // Without a write-ahead log the change is in the file itself, so a log with stamps never belongs to a file without one.
+  for (const char* sql : {"PRAGMA journal_mode = DELETE", "PRAGMA synchronous = FULL"})
+    if (Result<void> done = database.run(sql); !done) return done;
+  Result<store::Transaction> transaction = store::Transaction::begin(database);
+  if (!transaction) return fail(std::move(transaction.error()));
+  if (Result<void> done = database.run(stamp_table); !done) return done;
+  if (Result<void> done = advance_stamp(database); !done) return done;
+  if (Result<void> done = database.run("PRAGMA user_version = " + std::to_string(project_version)); !done) return done;
+  return transaction->commit();
 }
 
 }  // namespace
@@ -74,7 +95,7 @@ Result<ProjectFile> ProjectFile::create(const std::string& path) {
   const std::string pragmas =
       "PRAGMA application_id = " + std::to_string(project_application_id) + "; PRAGMA user_version = " + std::to_string(project_version);
   for (const std::string& sql : {std::string("PRAGMA journal_mode = WAL"), std::string("PRAGMA synchronous = FULL"),
-                                 std::string("BEGIN IMMEDIATE;") + tables + pragmas + ";COMMIT"})
+                                 std::string("BEGIN IMMEDIATE;") + tables + stamp_table + pragmas + ";COMMIT"})
     if (Result<void> done = database->run(sql); !done) return fail(std::move(done.error()));
   return ProjectFile(std::move(*database));
 }
@@ -83,16 +104,91 @@ Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     return fail(ErrorCode::io, path, "The file does not exist.", "Check its name, or create a project with `ugoki new`.");
-  if (!std::filesystem::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "This is not a file.", "Give a *.ugoki file.");
-  Result<store::Database> look = store::Database::open(path, store::OpenMode::read_only);
-  if (!look) return fail(std::move(look.error()));
-  if (Result<void> good = check(*look); !good) return fail(std::move(good.error()));
-  if (read_only) return ProjectFile(std::move(*look));
+  if (std::filesystem::is_directory(path, ignored))
+    return fail(ErrorCode::io, path, "This is a folder, not a project file.", "Name a *.ugoki file.");
+  if (!std::filesystem::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "This is not a file.", "Name a *.ugoki file.");
+  if (Result<void> good = check_log(std::filesystem::weakly_canonical(path, ignored).string()); !good) return fail(std::move(good.error()));
+  {
+    Result<store::Database> look = store::Database::open(path, store::OpenMode::read_only);
+    if (!look) return fail(std::move(look.error()));
+    if (Result<void> good = check(*look); !good) return fail(std::move(good.error()));
+    if (read_only) return ProjectFile(std::move(*look));
+  }
   Result<store::Database> database = store::Database::open(path, store::OpenMode::read_write);
   if (!database) return fail(std::move(database.error()));
+  if (Result<void> done = upgrade(*database); !done) return fail(std::move(done.error()));
   for (const char* sql : {"PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL"})
     if (Result<void> done = database->run(sql); !done) return fail(std::move(done.error()));
-  return ProjectFile(std::move(*database));
+  ProjectFile file(std::move(*database));
+  if (Result<void> done = file.remember(); !done) return fail(std::move(done.error()));
+  return file;
+}
+
+ProjectFile::Identity ProjectFile::identity_of(const std::string& path) {
+  struct stat info{};
+  if (::stat(path.c_str(), &info) != 0) return {};
+  return {info.st_dev, info.st_ino};
+}
+
+Result<void> ProjectFile::remember() {
+  const auto read = [&](std::int64_t& value, const char* sql) -> Result<void> {
+    const Result<std::int64_t> found = database_.integer(sql);
+    if (!found) return fail(found.error());
+    value = *found;
+    return {};
+  };
+  if (Result<void> done = read(page_size_, "PRAGMA page_size"); !done) return done;
+  if (Result<void> done = read(stamp_page_, "SELECT rootpage FROM sqlite_schema WHERE name = 'stamp'"); !done) return done;
+  Result<std::optional<StampRow>> stamp = read_stamp(database_);  // also opens the -wal and -shm files
+  if (!stamp) return fail(std::move(stamp.error()));
+  stamp_ = *stamp;
+  merged_stamp_ = stamp_in_file();
+  std::error_code unresolved;
+  const std::filesystem::path real = std::filesystem::canonical(path(), unresolved);
+  real_path_ = unresolved ? path() : real.string();
+  for (std::size_t i = 0; i < suffixes.size(); ++i) identities_[i] = identity_of(real_path_ + suffixes[i]);
+  if (database_.has_moved() || !merged_stamp_ || !stamp_)
+    return fail(ErrorCode::conflict, path(), "Another program changed the file while it was opened.", "Open it again.");
+  return {};
+}
+
+std::optional<StampRow> ProjectFile::stamp_in_file() {
+  const Result<std::vector<std::byte>> page = database_.raw((stamp_page_ - 1) * page_size_, static_cast<std::size_t>(page_size_));
+  return page ? stamp_on_page(*page) : std::nullopt;
+}
+
+std::optional<Loss> ProjectFile::lost() {
+  if (page_size_ == 0) return std::nullopt;  // opened read-only
+  const Identity now = identity_of(path());
+  if (now == Identity{}) return Loss{"The project file was removed or renamed while it was open"};
+  if (now != identities_[0]) return Loss{"Another program replaced the project file while it was open"};
+  for (std::size_t i = 1; i < suffixes.size(); ++i)
+    if (const std::string side = real_path_ + suffixes[i]; identity_of(side) != identities_[i])
+      return Loss{"Another program removed or replaced " + side + " while the project was open"};
+  // Another program that merges the log (the sqlite3 shell, for example) leaves the stamp of the last transaction.
+  const std::optional<StampRow> stamp = stamp_in_file();
+  if (stamp && (stamp == merged_stamp_ || stamp == stamp_)) return std::nullopt;
+  return Loss{"Another program wrote to the project file while it was open", false};
+}
+
+void ProjectFile::abandon() {
+  database_.keep_log_when_closed();
+  for (std::size_t i = 1; i < suffixes.size(); ++i)
+    if (const std::string side = real_path_ + suffixes[i]; identities_[i] != Identity{} && identity_of(side) == identities_[i])
+      ::unlink(side.c_str());
+}
+
+Result<void> ProjectFile::write(const std::function<Result<void>()>& work) {
+  Result<store::Transaction> transaction = store::Transaction::begin(database_);
+  if (!transaction) return fail(std::move(transaction.error()));
+  if (Result<void> done = work(); !done) return done;
+  if (Result<void> done = advance_stamp(database_); !done) return done;
+  Result<std::optional<StampRow>> stamp = read_stamp(database_);
+  if (!stamp) return fail(std::move(stamp.error()));
+  if (Result<void> done = transaction->commit(); !done) return done;
+  stamp_ = *stamp;
+  if (page_size_ != 0) merged_stamp_ = stamp_in_file();  // the commit may have merged the log
+  return {};
 }
 
 Result<std::optional<std::string>> ProjectFile::find_property(std::string_view name) {

@@ -1,19 +1,22 @@
 #pragma once
 // The tables of an integration file. Internal to project. Layout: docs/files.md.
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/project/stamp.h"
 #include "ugoki/store/sqlite.h"
 
 namespace ugoki::project {
 
 inline constexpr std::int64_t project_application_id = 0x55474b50;  // "UGKP"
-inline constexpr std::int64_t project_version = 1;
+inline constexpr std::int64_t project_version = 2;
 
 /// One command of the history.
 struct Step {
@@ -32,6 +35,12 @@ struct ResourceRow {
   std::string id;
   std::string kind;  ///< "mechanism" or "motion"
   std::vector<std::byte> data;
+};
+
+/// How the file of an open project was lost.
+struct Loss {
+  std::string what;      ///< sentence without its full stop
+  bool readable = true;  ///< the open connection can still read the project
 };
 
 /// The tables of one integration file.
@@ -57,12 +66,38 @@ class ProjectFile {
   /// Adds a step with number `position` + 1. Deletes the later steps, which can no longer be redone, and all but the last `keep` steps.
   [[nodiscard]] Result<void> add_step(std::int64_t position, const StepData& step, std::int64_t keep);
 
+  /// Runs `work` in one transaction with a new stamp (stamp.h). The transaction is rolled back if `work` fails.
+  [[nodiscard]] Result<void> write(const std::function<Result<void>()>& work);
+  /// Whether another program replaced, removed or overwrote the project file or its log since it was opened for editing; empty optional if
+  /// the files are the ones that were opened. O(1): three system calls and one page read.
+  [[nodiscard]] std::optional<Loss> lost();
+  /// True if transactions are only in the write-ahead log.
+  [[nodiscard]] bool has_unmerged() const { return merged_stamp_ != stamp_; }
+  /// After lost(): ensures that closing does not write to the file at this path, and removes the -wal and -shm files if they are the ones
+  /// of the open file.
+  void abandon();
+
   [[nodiscard]] store::Database& database() { return database_; }
   [[nodiscard]] const std::string& path() const { return database_.path(); }
 
  private:
+  /// Device and inode of a file; zeros if it does not exist.
+  struct Identity {
+    std::uint64_t device = 0, inode = 0;
+    friend bool operator==(const Identity&, const Identity&) = default;
+  };
+  static Identity identity_of(const std::string& path);
   explicit ProjectFile(store::Database database) : database_(std::move(database)) {}
+  /// Remembers the identities of the files and the position of the stamp, for lost().
+  Result<void> remember();
+  /// The stamp in the file without its log; empty optional if it cannot be read.
+  std::optional<StampRow> stamp_in_file();
+
   store::Database database_;
+  std::string real_path_;                 ///< path without symbolic links; SQLite's names of the -wal and -shm files begin with it
+  std::array<Identity, 3> identities_{};  ///< of the project, its -wal and its -shm file
+  std::int64_t page_size_ = 0, stamp_page_ = 0;
+  std::optional<StampRow> merged_stamp_, stamp_;  ///< in the file, and of the last transaction
 };
 
 }  // namespace ugoki::project

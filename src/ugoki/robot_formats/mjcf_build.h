@@ -38,8 +38,8 @@ struct MjcfBuild {
     std::string name;
   };
   /// The parts in which an element of `part` has to be evaluated: `part` itself; or one part for each copy, if a name refers to an object
-  /// that a <replicate> copied. Empty if a name is unknown: that is a problem, or a note in an attached model, of which the named body may
-  /// not have been attached.
+  /// that a <replicate> copied. If a name is unknown, the result is empty and a problem is added. In an attached model a note is added
+  /// instead, because the named object may be in a part of that model that was not attached.
   [[nodiscard]] std::vector<MjcfPart> matching_parts(const MjcfElement& e, const MjcfPart& part, const std::vector<Reference>& names);
 };
 
@@ -55,8 +55,9 @@ void fit_mjcf_geoms(MjcfBody& body);
 /// Makes the links of all bodies: a chain of massless links for several joints of one body, and a link "world" for the world's shapes.
 void make_mjcf_links(MjcfBuild& build);
 
-/// Evaluates springdamper of joints as MuJoCo does: the spring and the damper are chosen to give the DOF, with its inertia at the pose of
-/// the file, this time constant and damping ratio. They replace stiffness and damping. O(nv^3) if any joint has springdamper.
+/// Evaluates springdamper of joints as MuJoCo does. springdamper specifies a time constant and a damping ratio of a DOF. The stiffness and
+/// damping of the DOF are computed from these and from its inertia at the pose of the file; they replace the values in the file.
+/// O(nv^3) if any joint has springdamper.
 void set_mjcf_springs(MjcfBuild& build);
 
 /// <equality>: loops, and joints that are locked.

@@ -222,9 +222,11 @@ void MjcfDefaults::read(const MjcfDocument& document) {
 void MjcfDefaults::read_class(const MjcfDocument& document, const MjcfElement& element, const std::string& parent, int depth) {
   std::string name = element.text("class");
   if (depth == 0) {
-    if (!name.empty() && name != "main")
-      element.problem(ErrorCode::structure, "The outermost default class is named " + formats::in_quotes(name) + ".",
-                      "Name it main, or remove its class attribute.");
+    // The outermost class may have its own name: a class without settings whose parent is "main", so that both names mean the same.
+    const bool named = !name.empty() && name != "main";
+    if (named && outermost_names_.insert(name).second && !classes_.emplace(name, Class{"main", {}}).second)
+      return element.problem(ErrorCode::duplicate, "Two default classes are named " + formats::in_quotes(name) + ".",
+                             "Rename one of them.");
     name = "main";
   } else if (name.empty()) {
     return element.problem(ErrorCode::syntax, "A nested default class has no name.", "Add class=\"...\".");

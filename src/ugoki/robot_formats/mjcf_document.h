@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <pugixml.hpp>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -101,7 +102,7 @@ class MjcfAttributes {
   std::vector<MjcfElement> levels_;
 };
 
-/// The default classes of one model.
+/// The default classes of one model. The outermost class is "main"; a name that the file gives it is a second name of it.
 class MjcfDefaults {
  public:
   void read(const MjcfDocument& document);
@@ -117,6 +118,7 @@ class MjcfDefaults {
   };
   void read_class(const MjcfDocument& document, const MjcfElement& element, const std::string& parent, int depth);
   std::map<std::string, Class, std::less<>> classes_;
+  std::set<std::string> outermost_names_;  ///< names other than "main" of the outermost class
 };
 
 }  // namespace ugoki::robot_formats

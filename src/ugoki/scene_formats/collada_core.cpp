@@ -83,9 +83,9 @@ std::size_t numbers_of(std::string_view name) {
 /// The target of a channel: "node/transformation.ANGLE" or "node/transformation(3)(0)".
 struct Target {
   std::string node, transformation;
-  std::size_t first = 0;  ///< index in the transformation of the first animated value
+  std::size_t first = 0;  ///< index, within the values of the transformation element, of the first value that the channel animates
 };
-/// Parses the target of a channel; std::nullopt if it has another form.
+/// Parses the target of a channel; std::nullopt if the text has another form.
 std::optional<Target> target_of(std::string_view text) {
   const std::size_t slash = text.find('/'), dot = text.find('.'), bracket = text.find('(');
   constexpr auto none = std::string_view::npos;

@@ -97,6 +97,9 @@ class Connection {
   [[nodiscard]] virtual bool should_retry() const = 0;
   /// Runs the database's own integrity checks. @param problems receives the problems found
   [[nodiscard]] virtual Result<void> check(Error& problems) = 0;
+  /// True if another connection changed the library since the previous call, or may have changed it. The first call begins to observe the
+  /// changes and returns false. Reconnects if the connection was lost. Not to be called in a transaction.
+  [[nodiscard]] virtual Result<bool> changed_elsewhere() = 0;
   /// Updates the statistics that the query planner uses. Call after many changes.
   [[nodiscard]] virtual Result<void> tidy() = 0;
 };

@@ -63,6 +63,9 @@ Result<std::unique_ptr<LibraryBody>> open_file(const std::string& path) {
 }
 
 Result<std::unique_ptr<LibraryBody>> open_file_read_only(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored))
+    return fail(ErrorCode::io, path, "The library does not exist.", "Check the path, or create the library with `ugoki import`.");
   Result<Database> database = Database::open(path, OpenMode::read_only);
   if (!database) return fail(std::move(database.error()));
   if (Result<void> good = check_library(*database); !good) return fail(std::move(good.error()));
@@ -168,5 +171,6 @@ void Library::set_author(std::string author) {
 }
 const std::string& Library::author() const { return body_->author; }
 const std::string& Library::path() const { return body_->location(); }
+Result<bool> Library::changed_elsewhere() { return body_->connection->changed_elsewhere(); }
 
 }  // namespace ugoki::store

@@ -138,6 +138,10 @@ class Library {
   /// Path of the file, or address of the server without the password.
   [[nodiscard]] const std::string& path() const;
 
+  /// True if another connection, of this or another program, changed the library since the previous call, or may have changed it. The first
+  /// call begins to observe the changes and returns false. Reconnects to a server if the connection was lost. Takes a few microseconds.
+  [[nodiscard]] Result<bool> changed_elsewhere();
+
   /// One page of the entries that match the query. The text search ignores case and diacritics.
   [[nodiscard]] Result<LibraryPage> find(const LibraryQuery& query = {}) const;
   /// Tags of entries that are not in the trash, each with the count of its entries; the most frequent first.

@@ -233,7 +233,8 @@ Result<void> prepare_postgres(Connection& connection, bool read_only) {
     const Result<Rows> there = connection.query("SELECT count(*) FROM pg_tables WHERE schemaname = 'ugoki' AND tablename = 'library'");
     if (!there) return fail(there.error());
     if (there->integer(0, 0) == 0) return 0;
-    const Result<Rows> rows = connection.query("SELECT version FROM library");
+    const Result<Rows> rows =
+        connection.query("SELECT version FROM ugoki.library");  // with the schema: without rights for it, the error names it
     if (!rows) return fail(rows.error());
     return rows->empty() ? 0 : rows->integer(0, 0);
   };

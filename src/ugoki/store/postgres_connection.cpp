@@ -3,11 +3,16 @@
 #include <libpq-fe.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <chrono>
+#include <iterator>
 #include <map>
 #include <thread>
+#include <utility>
 
 #include "ugoki/store/connection.h"
+#include "ugoki/store/postgres_wait.h"
 
 namespace ugoki::store {
 namespace {
@@ -32,6 +37,8 @@ const Dialect postgres_dialect = {
 constexpr const char* session_settings =
     "SET search_path = ugoki; SET synchronous_commit = on; SET lock_timeout = '10s'; SET jit = off; SET client_min_messages = warning; "
     "SET standard_conforming_strings = on; SET plan_cache_mode = force_custom_plan; SET idle_in_transaction_session_timeout = '10min'";
+/// Every transaction that changes the library notifies the other connections on this channel.
+constexpr const char* listen = "LISTEN ugoki_library";
 
 // Deleters for libpq objects.
 struct ResultEnd {
@@ -77,18 +84,22 @@ class PostgresConnection final : public Connection {
 
   Result<void> connect() {
     prepared_.clear();
-    // Options in the address (dbname) override the options before it in this list.
-    const char* const keys[] = {"connect_timeout",  "keepalives_idle",  "keepalives_interval",
-                                "keepalives_count", "tcp_user_timeout", "application_name",
-                                "client_encoding",  "dbname",           nullptr};
-    const char* const values[] = {"10", "10", "5", "3", "30000", "ugoki", "UTF8", address_.c_str(), nullptr};
-    handle_.reset(PQconnectdbParams(keys, values, 1));
-    if (!handle_ || PQstatus(handle_.get()) != CONNECTION_OK)
+    missed_ = listening_;
+    silent_ = false;
+    const auto begun = std::chrono::steady_clock::now();
+    handle_.reset(PQconnectdbParams(keys, values().data(), 1));
+    const bool waited = std::chrono::steady_clock::now() - begun >= max_silence;  // the server, or the network, gave no answer at all
+    if (waited && lost()) return silent();
+    if (lost())
       return fail(ErrorCode::io, location_,
                   "The database server cannot be reached" + detail(handle_ ? PQerrorMessage(handle_.get()) : "") + ".",
                   "Check the address, that the server runs, and the user name and password (also in ~/.pgpass or PGPASSWORD).");
     PQsetNoticeProcessor(handle_.get(), [](void*, const char*) {}, nullptr);
+    if (PQsetnonblocking(handle_.get(), 1) != 0) return problem_of(nullptr);
     if (Result<void> set = run(session_settings); !set) return set;
+    if (Result<void> set = limit_statements(true); !set) return set;
+    if (listening_)
+      if (Result<void> done = run(listen); !done) return done;
     if (read_only_) return run("SET default_transaction_read_only = on");
     return {};
   }
@@ -114,14 +125,15 @@ class PostgresConnection final : public Connection {
     return std::vector<std::byte>(p, p + PQgetlength(answer->get(), 0, 0));
   }
 
-  Result<void> script(const std::string& sql) override { return run(sql.c_str()); }
+  Result<void> script(const std::string& sql) override { return unlimited(sql.c_str()); }
 
   Result<void> begin(Access access) override {
     retry_ = false;
     if (Result<void> alive = reconnect_if_lost(); !alive) return alive;
     Result<void> begun =
         run(access == Access::write ? "BEGIN ISOLATION LEVEL READ COMMITTED" : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");
-    if (!begun && lost() && !open_) {  // the server restarted since the last statement; no transaction was open, so nothing is lost
+    if (!begun && lost() && !open_ &&
+        !silent_) {  // the server restarted since the last statement; no transaction was open, so nothing is lost
       if (Result<void> again = connect(); !again) return again;
       begun = run(access == Access::write ? "BEGIN ISOLATION LEVEL READ COMMITTED" : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");
     }
@@ -130,7 +142,9 @@ class PostgresConnection final : public Connection {
   }
 
   Result<void> commit() override {
-    Result<Rows> number = query("SELECT pg_current_xact_id_if_assigned()::text");
+    Result<Rows> number = query(
+        "SELECT pg_current_xact_id_if_assigned()::text, "
+        "CASE WHEN pg_current_xact_id_if_assigned() IS NOT NULL THEN pg_notify('ugoki_library', '')::text END");
     if (!number) {
       rollback();
       return fail(std::move(number.error()));
@@ -165,9 +179,63 @@ class PostgresConnection final : public Connection {
     return {};
   }
 
-  Result<void> tidy() override { return run("VACUUM (ANALYZE, SKIP_LOCKED) entry, version, tag, entry_text, entry_order"); }
+  Result<void> tidy() override { return unlimited("VACUUM (ANALYZE, SKIP_LOCKED) entry, version, tag, entry_text, entry_order"); }
+
+  Result<bool> changed_elsewhere() override {
+    const bool first = !listening_;
+    // The second call sees the end of a connection whose last message the first one read.
+    for (int i = 0; i < 2; ++i)
+      if (!lost() && PQconsumeInput(handle_.get()) == 0) handle_.reset();
+    if (Result<void> alive = reconnect_if_lost(); !alive) return fail(std::move(alive.error()));
+    if (first)
+      if (Result<void> done = run(listen); !done) return fail(std::move(done.error()));
+    listening_ = true;
+    bool changed = std::exchange(missed_, false);
+    while (PGnotify* notification = PQnotifies(handle_.get())) {
+      changed = changed || notification->be_pid != PQbackendPID(handle_.get());
+      PQfreemem(notification);
+    }
+    return changed && !first;
+  }
 
  private:
+  // Options in the address (dbname) override the options before it in this list.
+  static constexpr const char* keys[] = {"connect_timeout",  "keepalives_idle",  "keepalives_interval",
+                                         "keepalives_count", "tcp_user_timeout", "application_name",
+                                         "client_encoding",  "dbname",           nullptr};
+  [[nodiscard]] std::array<const char*, std::size(keys)> values() const {
+    return {connect_limit, "10", "5", "3", "10000", "ugoki", "UTF8", address_.c_str(), nullptr};
+  }
+  /// True if the server accepts connections.
+  [[nodiscard]] bool alive() const {
+    const Handle probe(PQconnectdbParams(keys, values().data(), 1));
+    return PQstatus(probe.get()) == CONNECTION_OK;
+  }
+  /// Waits for the result of the statement that was sent. Null: the server does not respond; the connection is closed, and silent_ is set.
+  [[nodiscard]] Answer wait(std::chrono::seconds limit = max_statement_silence) {
+    Answer answer(wait_for_result(handle_.get(), limit, [this] { return alive(); }));
+    silent_ = !answer;
+    if (silent_) handle_.reset();
+    return answer;
+  }
+  [[nodiscard]] std::unexpected<Error> silent() const {
+    return fail(ErrorCode::io, location_, "The database server does not respond; an unfinished change was not saved.",
+                "Check that the server runs and that the network works, then try again.");
+  }
+  /// Sets or removes the server's limit for a statement.
+  Result<void> limit_statements(bool limited) {
+    return run(limited ? std::string("SET statement_timeout = '").append(statement_limit).append("'").c_str()
+                       : "SET statement_timeout = 0");
+  }
+  /// Runs statements that may take hours: upgrades, VACUUM.
+  Result<void> unlimited(const char* sql) {
+    if (Result<void> set = limit_statements(false); !set) return set;
+    Result<void> done = run(sql, std::chrono::hours(24));
+    if (!done && open_) return done;  // the rollback restores the limit
+    Result<void> set = limit_statements(true);
+    return done ? set : done;
+  }
+
   /// True if there is no working connection, as far as libpq knows.
   [[nodiscard]] bool lost() const { return !handle_ || PQstatus(handle_.get()) != CONNECTION_OK; }
   /// Connects again if the connection is known to be lost.
@@ -187,7 +255,8 @@ class PostgresConnection final : public Connection {
   /// @param transaction id of the transaction; empty if it changed nothing
   Result<void> resolve_commit(const std::string& transaction) {
     if (transaction.empty()) return {};
-    for (int attempt = 0; attempt < 20; ++attempt) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    for (int attempt = 0; attempt < 20 && std::chrono::steady_clock::now() < end; ++attempt) {
       std::this_thread::sleep_for(std::chrono::milliseconds(attempt < 5 ? 100 : 500));
       if (!connect()) continue;
       const Value number(transaction);
@@ -203,6 +272,7 @@ class PostgresConnection final : public Connection {
 
   /// The error of a failed statement, by its SQLSTATE code. Sets retry_ after a conflict with a concurrent transaction.
   std::unexpected<Error> problem_of(const PGresult* answer) {
+    if (silent_) return silent();
     const char* field = answer != nullptr ? PQresultErrorField(answer, PG_DIAG_SQLSTATE) : nullptr;
     const std::string state = field != nullptr ? field : "";
     const char* primary = answer != nullptr ? PQresultErrorField(answer, PG_DIAG_MESSAGE_PRIMARY) : nullptr;
@@ -219,10 +289,13 @@ class PostgresConnection final : public Connection {
     if (state == "55P03")
       return fail(ErrorCode::conflict, location_, "The database is locked by another program.",
                   "Wait until it has finished, then try again.");
+    if (state == "57014")
+      return fail(ErrorCode::io, location_, "The database server needed more than " + std::string(statement_limit) + " for one statement.",
+                  "Try again when the server is less busy, or ask its administrator.");
     if (state == "25006") return fail(ErrorCode::io, location_, "The database is opened read-only.", "Open it for writing.");
     if (state.starts_with("42501"))
       return fail(ErrorCode::io, location_, "The database user does not have the permission" + details + ".",
-                  "Ask the database's administrator for the right to create and use the schema ugoki.");
+                  "Ask the library's owner to grant the rights listed in docs/library.md, section \"A library for a team\".");
     if (state.starts_with("53"))
       return fail(ErrorCode::io, location_, "The database server is out of disk space, memory or connections" + details + ".",
                   "Free resources on the server and try again.");
@@ -230,9 +303,11 @@ class PostgresConnection final : public Connection {
                 "Try again, or ask the server's administrator.");
   }
 
-  /// Runs statements without parameters.
-  Result<void> run(const char* sql) {
-    const Answer answer(PQexec(handle_.get(), sql));
+  /// Runs statements without parameters. @param limit as for wait_for_result()
+  Result<void> run(const char* sql, std::chrono::seconds limit = max_statement_silence) {
+    if (!handle_) return problem_of(nullptr);
+    if (PQsendQuery(handle_.get(), sql) == 0) return problem_of(nullptr);
+    const Answer answer = wait(limit);
     const ExecStatusType status = PQresultStatus(answer.get());
     if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK || status == PGRES_EMPTY_QUERY) return {};
     return problem_of(answer.get());
@@ -245,7 +320,7 @@ class PostgresConnection final : public Connection {
       if (Result<void> alive = reconnect_if_lost(); !alive) return fail(std::move(alive.error()));
     }
     Result<Answer> answer = send(sql, parameters, format);
-    if (!answer && lost() && !open_) {  // as in begin(): outside a transaction the statement can be repeated
+    if (!answer && lost() && !open_ && !silent_) {  // as in begin(): outside a transaction the statement can be repeated
       if (Result<void> again = connect(); !again) return fail(std::move(again.error()));
       answer = send(sql, parameters, format);
     }
@@ -254,6 +329,7 @@ class PostgresConnection final : public Connection {
 
   /// Sends one statement as a prepared statement. Prepared statements are cached.
   Result<Answer> send(std::string_view sql, std::span<const Value> parameters, int format) {
+    if (!handle_) return problem_of(nullptr);
     constexpr std::size_t max_prepared = 200;  // the cache is cleared when it is full
     auto known = prepared_.find(sql);
     if (known == prepared_.end()) {
@@ -263,7 +339,8 @@ class PostgresConnection final : public Connection {
       }
       std::string text(sql), name = "s" + std::to_string(prepared_.size());
       std::ranges::replace(text, '?', '$');
-      const Answer made(PQprepare(handle_.get(), name.c_str(), text.c_str(), 0, nullptr));
+      if (PQsendPrepare(handle_.get(), name.c_str(), text.c_str(), 0, nullptr) == 0) return problem_of(nullptr);
+      const Answer made = wait();
       if (PQresultStatus(made.get()) != PGRES_COMMAND_OK) return problem_of(made.get());
       known = prepared_.emplace(std::string(sql), std::move(name)).first;
     }
@@ -283,8 +360,10 @@ class PostgresConnection final : public Connection {
         values[i] = texts[i].c_str();
       }
     }
-    Answer answer(PQexecPrepared(handle_.get(), known->second.c_str(), static_cast<int>(parameters.size()), values.data(), lengths.data(),
-                                 formats.data(), format));
+    if (PQsendQueryPrepared(handle_.get(), known->second.c_str(), static_cast<int>(parameters.size()), values.data(), lengths.data(),
+                            formats.data(), format) == 0)
+      return problem_of(nullptr);
+    Answer answer = wait();
     const ExecStatusType status = PQresultStatus(answer.get());
     if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) return problem_of(answer.get());
     return answer;
@@ -293,6 +372,9 @@ class PostgresConnection final : public Connection {
   std::string address_, location_;
   std::vector<std::string> secrets_;
   bool read_only_, open_ = false, retry_ = false;
+  bool silent_ = false;     ///< the last statement ended because the server did not respond
+  bool listening_ = false;  ///< changed_elsewhere() was called
+  bool missed_ = false;     ///< notifications may have been lost with an earlier connection
   Handle handle_;
   std::map<std::string, std::string, std::less<>> prepared_;  ///< names of prepared statements, by their SQL
 };

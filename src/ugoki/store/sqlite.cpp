@@ -1,9 +1,14 @@
 #include "ugoki/store/sqlite.h"
 
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 #include "ugoki/base/check.h"
@@ -13,9 +18,22 @@ namespace {
 
 constexpr int busy_timeout_ms = 2000;  // time for which SQLite retries while another connection holds a lock
 
-/// The problem for a SQLite error code, with a message for users. @param action as in Database::last_error()
-Problem problem_of(int code, const char* message, const std::string& path, std::string_view action) {
+/// The problem for a SQLite error code, with a message for users.
+/// @param system errno of the failed system call; 0 if there is none
+/// @param action as in Database::last_error()
+Problem problem_of(int code, const char* message, int system, const std::string& path, std::string_view action) {
   const std::string subject = action.empty() ? std::string("The database") : std::string(action) + ": the database";
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    return {ErrorCode::io, path, "This is a folder, not a database file.", "Name a file inside it."};
+  // SQLite may close or roll back before it asks for errno; a write that fails under a size limit is then attributed to the limit.
+  const int base = code & 0xff;
+  rlimit limit{};
+  const bool limited = ::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  const bool write_failed = code == SQLITE_IOERR_WRITE || code == SQLITE_IOERR_SHMSIZE || code == SQLITE_IOERR_TRUNCATE;
+  if ((system == EFBIG && (base == SQLITE_IOERR || base == SQLITE_FULL)) || (limited && write_failed))
+    return {ErrorCode::io, path, subject + " cannot grow: the file would be larger than the system allows (" + std::strerror(EFBIG) + ").",
+            "Raise the limit of the file size (`ulimit -f`) and try again; nothing was changed."};
   switch (code & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
@@ -42,16 +60,66 @@ Problem problem_of(int code, const char* message, const std::string& path, std::
   }
 }
 
+/// URI of a file that SQLite opens without locks and without its write-ahead log.
+std::string immutable_uri(const std::string& path) {
+  std::string uri = "file:";
+  for (const char c : path) {
+    if (c == '%' || c == '?' || c == '#') {
+      constexpr const char* digits = "0123456789abcdef";
+      const auto byte = static_cast<unsigned char>(c);
+      uri += {'%', digits[byte >> 4], digits[byte & 15]};
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?immutable=1";
+}
+
+/// Creates an empty file that only its owner may read and write. SQLite gives the same mode to the -wal and -shm files. No effect if the
+/// file exists; a failure is reported when SQLite opens the file.
+void create_private_file(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (descriptor >= 0) ::close(descriptor);
+}
+
 }  // namespace
 
 Result<Database> Database::open(const std::string& path, OpenMode mode) {
-  const int flags = mode == OpenMode::read_only    ? SQLITE_OPEN_READONLY
-                    : mode == OpenMode::read_write ? SQLITE_OPEN_READWRITE
-                                                   : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  if (mode == OpenMode::main_file_only) return connect(immutable_uri(path), path, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+  if (mode == OpenMode::read_write) return connect(path, path, SQLITE_OPEN_READWRITE);
+  if (mode == OpenMode::create) {
+    if (path != ":memory:") create_private_file(path);
+    return connect(path, path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+  }
+  // A read-only connection creates -wal and -shm files but does not remove them. Where nobody uses the database, the connection may
+  // therefore write to these two files, and `query_only` protects the database itself.
+  std::error_code unresolved;
+  const std::filesystem::path real = std::filesystem::canonical(path, unresolved);  // SQLite resolves symbolic links too
+  const auto log_size = std::filesystem::file_size(real.string() + "-wal", unresolved);
+  const bool has_log = !unresolved && log_size > 0;
+  Result<Database> database = connect(path, path, has_log ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE);
+  if (!database) return database;
+  if (!has_log)
+    if (Result<void> done = database->run("PRAGMA query_only = ON"); !done) return fail(std::move(done.error()));
+  // Reading in write-ahead-log mode needs a -shm file next to the database. If that file cannot be created, no other program can be
+  // writing, so the file is opened as immutable.
+  if (const auto tables = database->integer("SELECT count(*) FROM sqlite_schema"); !tables) {
+    const int failed = sqlite3_errcode(database->handle_) & 0xff;
+    const bool no_side_file = failed == SQLITE_CANTOPEN || failed == SQLITE_READONLY || (failed == SQLITE_IOERR && !has_log);
+    if (!no_side_file) return fail(tables.error());
+    Result<Database> immutable = open(path, OpenMode::main_file_only);
+    if (!immutable) return fail(tables.error());
+    return immutable;
+  }
+  return database;
+}
+
+Result<Database> Database::connect(const std::string& name, const std::string& path, int flags) {
   sqlite3* handle = nullptr;
-  const int code = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_EXRESCODE, nullptr);
+  const int code = sqlite3_open_v2(name.c_str(), &handle, flags | SQLITE_OPEN_EXRESCODE, nullptr);
   if (code != SQLITE_OK) {
-    const Problem problem = problem_of(code, handle ? sqlite3_errmsg(handle) : "no memory", path, "");
+    const Problem problem =
+        problem_of(code, handle ? sqlite3_errmsg(handle) : "no memory", handle ? sqlite3_system_errno(handle) : 0, path, "");
     sqlite3_close(handle);
     return fail(problem);
   }
@@ -60,31 +128,6 @@ Result<Database> Database::open(const std::string& path, OpenMode mode) {
   sqlite3_limit(handle, SQLITE_LIMIT_ATTACHED, 2);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);       // forbids SQL that can corrupt the file
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);  // views of a hostile file cannot call functions
-  if (mode != OpenMode::read_only) return database;
-  // Reading in write-ahead-log mode needs a -shm file next to the database. If that file cannot be created, no other program can be
-  // writing, so the file is opened as immutable.
-  if (const auto tables = database.integer("SELECT count(*) FROM sqlite_schema"); !tables) {
-    const int failed = sqlite3_errcode(handle) & 0xff;
-    if (failed != SQLITE_CANTOPEN && failed != SQLITE_READONLY) return fail(tables.error());
-    std::string uri = "file:";
-    for (const char c : path) {
-      if (c == '%' || c == '?' || c == '#') {
-        constexpr const char* digits = "0123456789abcdef";
-        const auto byte = static_cast<unsigned char>(c);
-        uri += {'%', digits[byte >> 4], digits[byte & 15]};
-      } else {
-        uri += c;
-      }
-    }
-    uri += "?immutable=1";
-    sqlite3* again = nullptr;
-    const int second = sqlite3_open_v2(uri.c_str(), &again, flags | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_URI, nullptr);
-    if (second != SQLITE_OK) {
-      sqlite3_close(again);
-      return fail(tables.error());
-    }
-    return Database(again, path);
-  }
   return database;
 }
 
@@ -97,7 +140,7 @@ Database& Database::operator=(Database&& other) noexcept {
 Database::~Database() { sqlite3_close_v2(handle_); }
 
 Error Database::last_error(std::string_view action) const {
-  return problem_of(sqlite3_extended_errcode(handle_), sqlite3_errmsg(handle_), path_, action);
+  return problem_of(sqlite3_extended_errcode(handle_), sqlite3_errmsg(handle_), sqlite3_system_errno(handle_), path_, action);
 }
 
 Result<void> Database::run(const std::string& sql) {
@@ -136,6 +179,28 @@ Result<void> Database::check_structure() {
   return {};
 }
 
+Result<std::vector<std::byte>> Database::raw(std::int64_t offset, std::size_t size) {
+  sqlite3_file* file = nullptr;
+  if (sqlite3_file_control(handle_, "main", SQLITE_FCNTL_FILE_POINTER, static_cast<void*>(&file)) != SQLITE_OK || file == nullptr ||
+      file->pMethods == nullptr)
+    return fail(ErrorCode::io, path_, "The database file is not open.", "Close the file and open it again.");
+  sqlite3_int64 end = 0;
+  int code = file->pMethods->xFileSize(file, &end);
+  if (code == SQLITE_OK) {
+    std::vector<std::byte> bytes(offset < end ? std::min(size, static_cast<std::size_t>(end - offset)) : 0);
+    code = bytes.empty() ? SQLITE_OK : file->pMethods->xRead(file, bytes.data(), static_cast<int>(bytes.size()), offset);
+    if (code == SQLITE_OK) return bytes;
+  }
+  return fail(problem_of(code, sqlite3_errstr(code), 0, path_, ""));
+}
+
+bool Database::has_moved() {
+  int moved = 0;
+  return sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved) == SQLITE_OK && moved != 0;
+}
+
+void Database::keep_log_when_closed() { sqlite3_db_config(handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr); }
+
 Statement::Statement(Statement&& other) noexcept : path_(std::move(other.path_)), handle_(std::exchange(other.handle_, nullptr)) {}
 Statement& Statement::operator=(Statement&& other) noexcept {
   std::swap(path_, other.path_);
@@ -170,7 +235,8 @@ Result<bool> Statement::step() {
   const int code = sqlite3_step(handle_);
   if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) return false;
-  return fail(problem_of(code, sqlite3_errmsg(sqlite3_db_handle(handle_)), path_, ""));
+  sqlite3* database = sqlite3_db_handle(handle_);
+  return fail(problem_of(code, sqlite3_errmsg(database), sqlite3_system_errno(database), path_, ""));
 }
 
 Result<void> Statement::run() {

@@ -18,9 +18,10 @@ namespace ugoki::store {
 class Statement;
 
 enum class OpenMode {
-  read_only,   ///< never writes
-  read_write,  ///< reads and writes; the file must exist
-  create,      ///< reads and writes; the file is created if it does not exist
+  read_only,       ///< never writes to the database; leaves no -wal and -shm files of its own
+  read_write,      ///< reads and writes; the file must exist
+  create,          ///< reads and writes; a file that does not exist is created with mode 0600
+  main_file_only,  ///< never writes, takes no locks, and ignores the write-ahead log
 };
 
 /// A connection to a SQLite file. Used by one thread at a time.
@@ -44,12 +45,20 @@ class Database {
   [[nodiscard]] Result<std::string> text(const std::string& sql);
   /// Checks the structure of the file (PRAGMA quick_check). Error `syntax` if it is damaged.
   [[nodiscard]] Result<void> check_structure();
+  /// Bytes of the database file, read through its open descriptor; the write-ahead log is ignored. Fewer bytes at the end of the file.
+  [[nodiscard]] Result<std::vector<std::byte>> raw(std::int64_t offset, std::size_t size);
+  /// True if the path no longer names the open file.
+  [[nodiscard]] bool has_moved();
+  /// From now on, closing this connection neither merges the write-ahead log into the file nor removes it.
+  void keep_log_when_closed();
   [[nodiscard]] const std::string& path() const { return path_; }
   /// The last error of this connection with a message for users. @param action that failed, to begin the message; may be empty
   [[nodiscard]] Error last_error(std::string_view action) const;
 
  private:
   friend class Statement;
+  /// Opens `name`, which may be a URI. @param path for errors
+  [[nodiscard]] static Result<Database> connect(const std::string& name, const std::string& path, int flags);
   Database(sqlite3* handle, std::string path) : handle_(handle), path_(std::move(path)) {}
   sqlite3* handle_ = nullptr;
   std::string path_;

@@ -1,6 +1,7 @@
 // A library in one SQLite file.
 
 #include <map>
+#include <utility>
 
 #include "ugoki/store/connection.h"
 
@@ -90,6 +91,13 @@ class SqliteConnection final : public Connection {
   }
   Result<void> tidy() override { return database_.run("PRAGMA optimize"); }
 
+  Result<bool> changed_elsewhere() override {
+    const Result<Rows> rows = query("PRAGMA data_version");  // a counter of the commits of other connections
+    if (!rows) return fail(rows.error());
+    const std::int64_t before = std::exchange(data_version_, rows->integer(0, 0));
+    return before != 0 && before != data_version_;
+  }
+
  private:
   /// The prepared statement with its parameters bound. Prepared statements are cached.
   Result<Statement*> bound(std::string_view sql, std::span<const Value> parameters) {
@@ -118,6 +126,7 @@ class SqliteConnection final : public Connection {
   Database database_;
   std::map<std::string, Statement, std::less<>> statements_;  ///< by their SQL
   bool open_ = false;                                         ///< a transaction is open
+  std::int64_t data_version_ = 0;                             ///< of the last changed_elsewhere(); 0: it was not called
 };
 
 }  // namespace

@@ -13,6 +13,9 @@ namespace ugoki::studio {
 /// {"error": {"problems": [...]}}: the body of the reply to a rejected HTTP request.
 [[nodiscard]] std::string error_body(const Error& error);
 
+/// A page with the error's first problem, for a browser that opened an address directly. @param error at least one problem
+[[nodiscard]] std::string error_page(const Error& error);
+
 /// HTTP status for the error's first problem: 404 unknown, 409 conflict, 500 io, otherwise 400; 500 for an error without problems.
 [[nodiscard]] int http_status_of(const Error& error);
 

@@ -162,18 +162,20 @@ Result<std::string> ImportService::restage(std::string_view id, const ImportSett
   return stage_json(id, stage.file, stage.intake);
 }
 
-Result<std::string> ImportService::store(std::string_view id, std::string_view name, const std::vector<std::string>& tags) {
+Result<intake::Intake> ImportService::prepare(std::string_view id, std::string_view name, const std::vector<std::string>& tags) {
   const Result<Stage*> found = find(id);
   if (!found) return fail(found.error());
-  intake::Intake& intake_result = (*found)->intake;
+  intake::Intake intake_result = (*found)->intake;
   const std::string shown = intake_result.items.front().name;
   for (store::LibraryItem& item : intake_result.items) {
     if (!name.empty() && item.name == shown) item.name = std::string(name);
     item.tags.insert(item.tags.end(), tags.begin(), tags.end());
   }
-  Result<store::Library> library = store::Library::open(path_);
-  if (!library) return fail(std::move(library.error()));
-  const Result<std::vector<std::string>> ids = intake::put(*library, intake_result);
+  return intake_result;
+}
+
+Result<std::string> ImportService::store(const intake::Intake& intake_result, store::Library& library) {
+  const Result<std::vector<std::string>> ids = intake::put(library, intake_result);
   if (!ids) return fail(ids.error());
   Json entries = Json::array();
   for (std::size_t i = 0; i < ids->size(); ++i) {
@@ -181,7 +183,6 @@ Result<std::string> ImportService::store(std::string_view id, std::string_view n
     if (item.kind != store::EntryKind::measured)
       entries.push_back({{"id", (*ids)[i]}, {"kind", store::name_of(item.kind)}, {"name", item.name}});
   }
-  drop(id);
   return text_of({{"entries", std::move(entries)}});
 }
 

@@ -20,21 +20,20 @@ struct ImportSettings {
   double rate = 0;          ///< frame rate, 1/s
 };
 
-/// Opens its own connection to the library. To be used by one thread at a time.
+/// To be used by one thread at a time.
 class ImportService {
  public:
-  explicit ImportService(std::string library_path) : path_(std::move(library_path)) {}
-
   /// Keeps a file that other files refer to: a skeleton (ASF), a mesh or a buffer of a .gltf. @return "{}"
   [[nodiscard]] Result<std::string> companion(std::string_view file_name, std::string bytes);
   /// Reads a file and keeps it as a stage; the library is not changed. @return the answer of /api/import/stage (docs/studio-protocol.md)
   [[nodiscard]] Result<std::string> stage(std::string_view file_name, std::string bytes, const ImportSettings& settings);
   /// Reads a stage's file again with other settings. On failure the stage is unchanged.
   [[nodiscard]] Result<std::string> restage(std::string_view id, const ImportSettings& settings);
-  /// Stores all entries of a stage in the library and removes the stage. On failure nothing is stored.
+  /// The entries of a stage, to be stored with store(). The stage is kept until drop().
   /// @param name new name of all entries that have the same name as the first entry; empty: the names of the stage are kept
-  /// @return {"entries": [{"id", "kind", "name"}]}
-  [[nodiscard]] Result<std::string> store(std::string_view id, std::string_view name, const std::vector<std::string>& tags);
+  [[nodiscard]] Result<intake::Intake> prepare(std::string_view id, std::string_view name, const std::vector<std::string>& tags);
+  /// Stores all entries in the library, or none after an error. Thread-safe. @return {"entries": [{"id", "kind", "name"}]}
+  [[nodiscard]] static Result<std::string> store(const intake::Intake& intake, store::Library& library);
   /// Removes a stage; does nothing if it does not exist.
   void drop(std::string_view id) { stages_.erase(std::string(id)); }
 
@@ -50,7 +49,6 @@ class ImportService {
   /// Drops companions and the oldest stages until `bytes` more fit into the limits.
   void make_room(std::size_t bytes);
 
-  std::string path_;
   std::uint64_t next_ = 1;
   std::map<std::string, Stage, std::less<>> stages_;
   std::map<std::string, formats::Asf, std::less<>> skeletons_;  ///< by file name in lower case

@@ -22,7 +22,6 @@ constexpr double slice_seconds = 0.004;  // maximum time in one call of work(), 
 constexpr double max_lag = 0.25;         // s behind the clock; beyond it playing slows down instead of catching up
 constexpr double cheap_seconds = 3;      // maximum time to recompute the simulation after an edit, s; beyond it, start at 0
 constexpr double transport_period = 0.5, summary_period = 0.25;  // s between reports
-constexpr double min_speed = 0.05, max_speed = 8;
 
 Error make_error(ErrorCode code, std::string location, std::string message, std::string remedy) {
   return {code, std::move(location), std::move(message), std::move(remedy)};
@@ -115,7 +114,7 @@ Result<void> Interpreter::set_mode(PlayMode mode) {
 Result<void> Interpreter::play(std::optional<double> speed) {
   if (Result<void> r = require_content(); !r) return r;
   if (speed) {
-    if (!(*speed >= min_speed && *speed <= max_speed)) {
+    if (!(*speed >= min_play_speed && *speed <= max_play_speed)) {
       return fail(make_error(ErrorCode::range, "speed", "The speed must be from 0.05 to 8.", "1 is real time."));
     }
     speed_ = *speed;

@@ -28,6 +28,8 @@
 
 namespace ugoki::studio {
 
+inline constexpr double min_play_speed = 0.05, max_play_speed = 8;  ///< 1 is real time
+
 /// Receives the interpreter's frames and messages. Implementations must not wait for a reader.
 class InterpreterSink {
  public:

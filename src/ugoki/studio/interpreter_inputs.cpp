@@ -50,10 +50,10 @@ Result<void> Interpreter::grab(std::string_view character, std::string_view link
 Result<void> Interpreter::push(std::string_view character, std::string_view link, const Vec3& force, double duration) {
   Result<LiveInput> input = link_input(character, link);
   if (!input) return fail(std::move(input.error()));
-  if (!is_finite(force) || norm(force) > 1e5 || !(duration > 0 && duration <= 10)) {
-    return fail(ErrorCode::range, "force", "A push has at most 100 000 N and lasts at most 10 s.",
-                "Give the force in newton and the duration in seconds.");
-  }
+  if (!is_finite(force) || norm(force) > 1e5)
+    return fail(ErrorCode::range, "force", "A push has at most 100 000 N.", "Give the force in newton.");
+  if (!(duration > 0 && duration <= 10))
+    return fail(ErrorCode::range, "duration", "A push lasts more than 0 and at most 10 s.", "Give the duration in seconds.");
   input->type = LiveInput::Type::push;
   input->a = force;
   input->duration = duration;

@@ -47,6 +47,7 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   posix_spawn_file_actions_adddup2(&actions, handed[1], child_file::frames);
   posix_spawn_file_actions_adddup2(&actions, handed[2], child_file::signal);
   posix_spawn_file_actions_adddup2(&actions, handed[3], child_file::words);
+  posix_spawn_file_actions_addclosefrom_np(&actions, child_file::words + 1);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none;

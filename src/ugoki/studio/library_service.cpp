@@ -79,12 +79,24 @@ Json project_entry_json(const ProjectEntry& entry) {
 }  // namespace
 
 Result<store::Library*> LibraryService::library() {
+  wanted_ = true;
   if (!library_) {
     Result<store::Library> opened = store::Library::open(location_);
+    away_ = !opened;
     if (!opened) return fail(std::move(opened.error()));
     library_.emplace(std::move(*opened));
   }
   return &*library_;
+}
+
+bool LibraryService::poll() {
+  if (!wanted_) return false;
+  const bool was_away = away_;
+  const Result<store::Library*> open = library();
+  if (!open) return false;
+  const Result<bool> changed = (*open)->changed_elsewhere();
+  away_ = !changed;
+  return changed && (*changed || was_away);
 }
 
 bool LibraryService::answers(std::string_view path) {
@@ -137,10 +149,16 @@ Result<std::string> LibraryService::list(std::string_view query, const std::vect
   wanted.tags = query_values(query, "tag");
   std::erase(wanted.tags, "");
   wanted.after = query_value(query, "after").value_or("");
-  wanted.removed = query_value(query, "removed").value_or("") == "1";
-  constexpr std::size_t usual = 100, maximum = 500;
-  const double limit = parse_double(query_value(query, "limit").value_or("")).value_or(usual);
-  wanted.limit = static_cast<std::size_t>(std::clamp(limit, 1.0, static_cast<double>(maximum)));
+  const std::string removed = query_value(query, "removed").value_or("");
+  if (!removed.empty() && removed != "0" && removed != "1")
+    return fail(ErrorCode::range, "removed", "\"removed\" must be 0 or 1.", "See docs/studio-protocol.md.");
+  wanted.removed = removed == "1";
+  constexpr double usual = 100, maximum = 500;
+  const Result<std::optional<double>> limit = query_number(query, "limit", 1, maximum);
+  if (!limit) return fail(limit.error());
+  if (const double n = limit->value_or(usual); n != std::floor(n))
+    return fail(ErrorCode::range, "limit", "\"limit\" must be a whole number.", "See docs/studio-protocol.md.");
+  wanted.limit = static_cast<std::size_t>(limit->value_or(usual));
   const std::string order = query_value(query, "order").value_or("");
   const Result<store::LibraryOrder> known = store::library_order_named(!order.empty() ? order : wanted.text.empty() ? "name" : "relevance");
   if (!known) return fail(known.error());

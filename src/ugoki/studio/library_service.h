@@ -28,6 +28,15 @@ class LibraryService {
   /// @param changed set to true if the library changed, so that all pages should request the list again
   [[nodiscard]] ApiReply answer(const ApiRequest& request, const std::vector<ProjectEntry>& project, bool& changed);
 
+  /// The library, opened on first use.
+  [[nodiscard]] Result<store::Library*> library();
+  /// True if another program or user changed the library since the last call, or if it was away and is back, so that all pages should
+  /// request the list again. Does nothing before the first use of the library. To be called every few seconds.
+  [[nodiscard]] bool poll();
+
+  /// The library does not respond: poll() returns true when it responds again.
+  void expect_return() { away_ = true; }
+
   /// Loads a mechanism. @param id id of the mechanism's data ("content") or of its entry
   [[nodiscard]] Result<MechanismPtr> mechanism(std::string_view id);
 
@@ -37,7 +46,6 @@ class LibraryService {
   [[nodiscard]] Result<std::string> import(std::string_view file_name, std::string_view bytes);
 
  private:
-  [[nodiscard]] Result<store::Library*> library();
   [[nodiscard]] Result<std::string> list(std::string_view query, const std::vector<ProjectEntry>& project);
   [[nodiscard]] Result<std::string> tags(std::string_view query);
   [[nodiscard]] Result<std::string> entry(std::string_view id, const std::vector<ProjectEntry>& project);
@@ -50,6 +58,8 @@ class LibraryService {
 
   std::string location_;
   std::optional<store::Library> library_;
+  bool wanted_ = false;                                         ///< library() was called
+  bool away_ = false;                                           ///< the last poll() or opening failed
   std::map<std::string, formats::Asf, std::less<>> skeletons_;  ///< received ASF files, by file name in lower case
   std::string last_skeleton_;
   std::map<std::string, std::string, std::less<>> curves_;  ///< JSON of thumbnail curves, by the id of the motion's content

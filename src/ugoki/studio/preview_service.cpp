@@ -14,30 +14,26 @@ using Json = nlohmann::json;
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-}  // namespace
-
-Result<ProjectEntry> PreviewService::find(std::string_view id, const std::vector<ProjectEntry>& project) {
-  if (!library_) {
-    Result<store::Library> opened = store::Library::open(path_);
-    if (!opened) return fail(std::move(opened.error()));
-    library_.emplace(std::move(*opened));
-  }
-  Result<ProjectEntry> found = find_motion(id, project, &*library_);
+/// The motion with its mechanism, checked.
+Result<ProjectEntry> find(std::string_view id, const std::vector<ProjectEntry>& project, const store::Library* library) {
+  Result<ProjectEntry> found = find_motion(id, project, library);
   if (!found) return found;
   if (Error wrong = check_motion(*found->motion, *found->mechanism); !wrong.empty()) return fail(std::move(wrong));
   return found;
 }
 
-Result<std::string> PreviewService::motion(std::string_view id, const std::vector<ProjectEntry>& project) {
-  const Result<ProjectEntry> found = find(id, project);
+}  // namespace
+
+Result<std::string> preview_motion(std::string_view id, const std::vector<ProjectEntry>& project, const store::Library* library) {
+  const Result<ProjectEntry> found = find(id, project, library);
   if (!found) return fail(found.error());
   Json j = Json::parse(motion_json(id, *found->motion, *found->mechanism));
   j["mechanism"] = found->mechanism_id;
   return text_of(j);
 }
 
-Result<std::string> PreviewService::contacts(std::string_view id, const std::vector<ProjectEntry>& project) {
-  const Result<ProjectEntry> found = find(id, project);
+Result<std::string> preview_contacts(std::string_view id, const std::vector<ProjectEntry>& project, const store::Library* library) {
+  const Result<ProjectEntry> found = find(id, project, library);
   if (!found) return fail(found.error());
   const Motion& motion = *found->motion;
   const Mechanism& mechanism = *found->mechanism;

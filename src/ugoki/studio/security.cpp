@@ -5,6 +5,7 @@
 #include <array>
 
 #include "ugoki/base/check.h"
+#include "ugoki/base/number.h"
 
 namespace ugoki::studio {
 namespace {
@@ -68,16 +69,34 @@ bool equal_secret(std::string_view given, std::string_view secret) {
   return difference == 0;
 }
 
-std::optional<std::string> cookie_value(std::string_view header, std::string_view name) {
+std::optional<std::string> bearer_token(std::string_view header) {
+  constexpr std::string_view scheme = "bearer ";  // not case-sensitive (RFC 7235)
+  if (header.size() <= scheme.size()) return std::nullopt;
+  for (std::size_t i = 0; i < scheme.size(); ++i) {
+    const char c = header[i] >= 'A' && header[i] <= 'Z' ? static_cast<char>(header[i] + 32) : header[i];
+    if (c != scheme[i]) return std::nullopt;
+  }
+  return std::string(trimmed(header.substr(scheme.size())));
+}
+
+std::optional<std::string> subprotocol_token(std::string_view header) {
+  constexpr std::string_view prefix = "ugoki.token.";
   std::optional<std::string> found;
-  for_each_part(header, ';', [&](std::string_view part) {
+  for_each_part(header, ',', [&](std::string_view part) {
     part = trimmed(part);
-    if (part.size() > name.size() && part.starts_with(name) && part[name.size()] == '=') {
-      found = std::string(part.substr(name.size() + 1));
-    }
+    if (part.starts_with(prefix)) found = std::string(part.substr(prefix.size()));
     return !found;
   });
   return found;
+}
+
+bool offers_subprotocol(std::string_view header) {
+  bool offered = false;
+  for_each_part(header, ',', [&](std::string_view part) {
+    offered = trimmed(part) == subprotocol;
+    return !offered;
+  });
+  return offered;
 }
 
 std::optional<std::string> percent_decoded(std::string_view text) { return decoded(text, false); }
@@ -100,6 +119,16 @@ std::optional<std::string> query_value(std::string_view query, std::string_view 
     return false;
   });
   return found;
+}
+
+Result<std::optional<double>> query_number(std::string_view query, std::string_view name, double min, double max) {
+  const std::string given = query_value(query, name).value_or("");
+  if (given.empty()) return std::optional<double>();
+  const std::optional<double> number = parse_double(given);
+  if (number && *number >= min && *number <= max) return number;
+  return fail(ErrorCode::range, std::string(name),
+              "\"" + std::string(name) + "\" must be a number from " + to_text(min) + " to " + to_text(max) + ".",
+              "See docs/studio-protocol.md.");
 }
 
 std::vector<std::string> query_values(std::string_view query, std::string_view name) {
@@ -130,8 +159,6 @@ bool is_plain_path(std::string_view path) {
 
 std::string Gate::host() const { return "127.0.0.1:" + std::to_string(port); }
 std::string Gate::origin() const { return "http://" + host(); }
-std::string Gate::cookie_name() const { return "ugoki_" + std::to_string(port); }
-std::string Gate::set_cookie() const { return cookie_name() + "=" + token + "; Path=/; HttpOnly; SameSite=Strict"; }
 
 Admission Gate::admit(const Credentials& credentials) const {
   // Browsers omit the port from Host and Origin if it is the default port of HTTP, 80.
@@ -143,15 +170,12 @@ Admission Gate::admit(const Credentials& credentials) const {
     return Admission::bad_origin;
   }
   const std::string_view path = credentials.path;
-  const bool page = path == "/" || path == "/index.html";
-  const bool guarded = page || path == "/ws" || path == "/api" || path.starts_with("/api/");
-  if (!guarded) return Admission::granted;
-  if (const std::optional<std::string> given = query_value(credentials.query, "token")) {
-    return equal_secret(*given, token) ? Admission::granted_by_token : Admission::wrong_token;
-  }
-  const std::optional<std::string> cookie = cookie_value(credentials.cookies, cookie_name());
-  if (!cookie) return Admission::no_token;
-  return equal_secret(*cookie, token) ? Admission::granted : Admission::wrong_token;
+  const bool guarded = path == "/ws" || path == "/api" || (path.starts_with("/api/") && path != "/api/session");
+  if (!guarded) return Admission::open;
+  std::optional<std::string> given = bearer_token(credentials.authorization);
+  if (!given && path == "/ws") given = subprotocol_token(credentials.subprotocols);
+  if (!given) return Admission::no_token;
+  return equal_secret(*given, token) ? Admission::granted : Admission::wrong_token;
 }
 
 }  // namespace ugoki::studio

@@ -1,5 +1,5 @@
 #pragma once
-// Admission of requests to the studio by token, cookie, Host and Origin. Pure functions, no sockets.
+// Admission of requests to the studio by token, Host and Origin. Pure functions, no sockets.
 
 #include <cstdint>
 #include <optional>
@@ -7,16 +7,25 @@
 #include <string_view>
 #include <vector>
 
+#include "ugoki/base/result.h"
+
 namespace ugoki::studio {
 
-/// A new random token: 43 characters of 6 bits (258 bits) from the system's random source. They need no escaping in a URL or a cookie.
+/// A new random token: 43 characters of 6 bits (258 bits) from the system's random source. They need no escaping in a URL or a header.
 [[nodiscard]] std::string make_token();
 
 /// True if both texts are equal and not empty. The time does not depend on where they differ.
 [[nodiscard]] bool equal_secret(std::string_view given, std::string_view secret);
 
-/// The value of cookie `name` in a Cookie header; nothing if it is absent.
-[[nodiscard]] std::optional<std::string> cookie_value(std::string_view header, std::string_view name);
+/// The token in an Authorization header of the form "Bearer TOKEN" (RFC 6750); nothing if the header has another form.
+[[nodiscard]] std::optional<std::string> bearer_token(std::string_view header);
+
+/// Name of the studio's WebSocket subprotocol. A page, which cannot set headers of a WebSocket, offers this and "ugoki.token.TOKEN".
+inline constexpr std::string_view subprotocol = "ugoki";
+/// The token in the list of subprotocols of a Sec-WebSocket-Protocol header; nothing if it contains none.
+[[nodiscard]] std::optional<std::string> subprotocol_token(std::string_view header);
+/// True if the list of subprotocols contains "ugoki".
+[[nodiscard]] bool offers_subprotocol(std::string_view header);
 
 /// Percent-decoded text ('+' stays '+'); nothing if an escape is invalid or decodes to NUL.
 [[nodiscard]] std::optional<std::string> percent_decoded(std::string_view text);
@@ -31,6 +40,9 @@ struct Target {
 
 /// The decoded value of `name` in a query string ('+' is a space); nothing if it is absent or invalid.
 [[nodiscard]] std::optional<std::string> query_value(std::string_view query, std::string_view name);
+/// The number `name` in a query string; nothing if it is absent or empty.
+/// Errors (their location is the name): it is not a finite number from `min` to `max`.
+[[nodiscard]] Result<std::optional<double>> query_number(std::string_view query, std::string_view name, double min, double max);
 /// All decoded values of `name`, in order; invalid ones are omitted.
 [[nodiscard]] std::vector<std::string> query_values(std::string_view query, std::string_view name);
 
@@ -43,24 +55,23 @@ struct Credentials {
   std::string_view host;       ///< Host header; empty if absent
   std::size_t host_count = 0;  ///< number of Host headers
   std::optional<std::string_view> origin;
-  std::string_view cookies;  ///< Cookie header
+  std::string_view authorization;  ///< Authorization header
+  std::string_view subprotocols;   ///< Sec-WebSocket-Protocol header; used for /ws only
   std::string_view path;
-  std::string_view query;
 };
 
-enum class Admission : std::uint8_t { granted, granted_by_token, bad_host, bad_origin, no_token, wrong_token };
+/// `open`: the path needs no token. `granted`: the request contains the token.
+enum class Admission : std::uint8_t { open, granted, bad_host, bad_origin, no_token, wrong_token };
 
 /// Access control of the server at 127.0.0.1:`port`.
 struct Gate {
   std::uint16_t port = 0;
-  std::string token;
+  std::string token;  ///< access to /api/ and /ws
+  std::string code;   ///< in the address of the page, which exchanges it for the token
 
-  [[nodiscard]] std::string host() const;         ///< "127.0.0.1:PORT"
-  [[nodiscard]] std::string origin() const;       ///< "http://127.0.0.1:PORT"
-  [[nodiscard]] std::string cookie_name() const;  ///< "ugoki_PORT"
-  /// Value of a Set-Cookie header.
-  [[nodiscard]] std::string set_cookie() const;
-  /// The rules of docs/studio-protocol.md: the page, /api/ and /ws need the token, assets only the Host.
+  [[nodiscard]] std::string host() const;    ///< "127.0.0.1:PORT"
+  [[nodiscard]] std::string origin() const;  ///< "http://127.0.0.1:PORT"
+  /// The rules of docs/studio-protocol.md: /api/ and /ws need the token, /api/session and the page's files only the Host and Origin.
   [[nodiscard]] Admission admit(const Credentials& credentials) const;
 };
 

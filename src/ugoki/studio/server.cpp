@@ -1,6 +1,9 @@
 // The only file that includes Boost.Beast (half a minute of compile time).
 #include "ugoki/studio/server.h"
 
+#include <fcntl.h>
+#include <sys/socket.h>
+
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -13,8 +16,11 @@
 #include <thread>
 #include <utility>
 
+#include "ugoki/json/json.h"
+#include "ugoki/studio/connection_slot.h"
 #include "ugoki/studio/error_json.h"
 #include "ugoki/studio/security.h"
+#include "ugoki/studio/session_key.h"
 #include "ugoki/studio/static_files.h"
 
 namespace ugoki::studio {
@@ -29,6 +35,7 @@ using error_code = boost::system::error_code;
 
 constexpr std::uint32_t max_header_bytes = 16 * 1024;
 constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // bytes; limit for all requests except imports
+constexpr std::size_t max_open_body = 1024;                      // bytes; limit for requests without the token
 constexpr std::chrono::seconds page_silence{60};                 // a page that answers no ping for this time is disconnected
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
@@ -48,8 +55,12 @@ class Server::Impl : public std::enable_shared_from_this<Server::Impl> {
   void shut();
   void accept();
   void remove(ClientId client);
+  /// Closes the connection that waits longest without an admitted request. Returns false if there is none.
+  bool close_oldest();
   void deliver(ClientId client, const std::shared_ptr<const std::string>& text);
 
+  /// Connections without an admitted request, oldest first. Each one removes itself in its destructor, so the map must outlive `io`.
+  std::map<std::uint64_t, HttpConnection*> unadmitted;
   net::io_context io{1};
   ServerOptions options;
   ServerEvents& events;
@@ -65,25 +76,9 @@ class Server::Impl : public std::enable_shared_from_this<Server::Impl> {
 
 namespace {
 
-/// Counts one open connection for as long as it lives (ServerOptions::max_connections).
-class Slot {
- public:
-  explicit Slot(std::size_t& count) : count_(&count) { ++count; }
-  Slot(Slot&& other) noexcept : count_(std::exchange(other.count_, nullptr)) {}
-  Slot(const Slot&) = delete;
-  Slot& operator=(const Slot&) = delete;
-  Slot& operator=(Slot&&) = delete;
-  ~Slot() {
-    if (count_ != nullptr) --*count_;
-  }
-
- private:
-  std::size_t* count_;
-};
-
 class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
  public:
-  WebSocketClient(beast::tcp_stream stream, Slot slot, Server::Impl& server, ClientId id)
+  WebSocketClient(beast::tcp_stream stream, ConnectionSlot slot, Server::Impl& server, ClientId id)
       : slot_(std::move(slot)), ws_(std::move(stream)), server_(server), id_(id) {}
 
   void start(http::request<http::string_body> request) {
@@ -93,7 +88,11 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
     timeout.idle_timeout = page_silence;
     timeout.keep_alive_pings = true;
     ws_.set_option(timeout);
-    ws_.set_option(websocket::stream_base::decorator([](websocket::response_type& r) { r.set(http::field::server, "Ugoki"); }));
+    ws_.set_option(websocket::stream_base::decorator(
+        [offered = offers_subprotocol(view(request_[http::field::sec_websocket_protocol]))](websocket::response_type& r) {
+          r.set(http::field::server, "Ugoki");
+          if (offered) r.set(http::field::sec_websocket_protocol, beast::string_view(subprotocol.data(), subprotocol.size()));
+        }));
     ws_.read_message_max(server_.options.max_message_bytes);
     ws_.async_accept(request_, [self = shared_from_this()](error_code ec) {
       if (ec) return self->end();
@@ -180,7 +179,7 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
     server_.remove(id_);
   }
 
-  Slot slot_;
+  ConnectionSlot slot_;
   websocket::stream<beast::tcp_stream> ws_;
   Server::Impl& server_;
   ClientId id_;
@@ -197,12 +196,23 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(tcp::socket socket, Server::Impl& server) : slot_(server.connections), stream_(std::move(socket)), server_(server) {}
+  ~HttpConnection() { set_admitted(true); }
+  HttpConnection(const HttpConnection&) = delete;
+  HttpConnection& operator=(const HttpConnection&) = delete;
+
+  /// Closes the connection before its request is complete, and frees its place.
+  void drop() {
+    set_admitted(true);
+    slot_.release();
+    close();
+  }
 
   void read_header() {
     parser_.emplace();
     parser_->header_limit(max_header_bytes);
     parser_->body_limit(server_.options.max_import_bytes);
-    stream_.expires_after(server_.options.request_time);
+    set_admitted(false);
+    stream_.expires_after(server_.options.header_time);
     http::async_read_header(stream_, buffer_, *parser_, [self = shared_from_this()](error_code ec, std::size_t) { self->on_header(ec); });
   }
 
@@ -220,18 +230,21 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     target_ = *target;
     const Admission admission = admit(request);
     if (!check_admission(admission)) return;
-    set_cookie_ = admission == Admission::granted_by_token;
+    const bool granted = admission == Admission::granted;
+    set_admitted(granted);
 
     const http::verb method = request.method();
     if (method != http::verb::get && method != http::verb::head && method != http::verb::post) {
       return refuse(405, {ErrorCode::unsupported, target_.path, "The studio answers only GET, HEAD and POST.", ""});
     }
     if (target_.path == "/ws") return upgrade();
-    const std::size_t limit =
-        target_.path == "/api/import" || target_.path.starts_with("/api/import/") ? server_.options.max_import_bytes : max_small_body;
+    const std::size_t limit = !granted                                                                    ? max_open_body
+                              : target_.path == "/api/import" || target_.path.starts_with("/api/import/") ? server_.options.max_import_bytes
+                                                                                                          : max_small_body;
     if (parser_->content_length().value_or(0) > limit) return refuse_size(limit);
+    body_limit_ = limit;
     parser_->body_limit(limit);
-    stream_.expires_after(server_.options.body_time);
+    stream_.expires_after(granted ? server_.options.body_time : server_.options.request_time);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) { self->on_body(error); });
   }
 
@@ -240,16 +253,16 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     c.host_count = request.count(http::field::host);
     c.host = view(request[http::field::host]);
     if (request.count(http::field::origin) != 0) c.origin = view(request[http::field::origin]);
-    c.cookies = view(request[http::field::cookie]);
+    c.authorization = view(request[http::field::authorization]);
+    c.subprotocols = view(request[http::field::sec_websocket_protocol]);
     c.path = target_.path;
-    c.query = target_.query;
     return server_.gate.admit(c);
   }
 
   bool check_admission(Admission admission) {
     switch (admission) {
-      case Admission::granted:
-      case Admission::granted_by_token: return true;
+      case Admission::open:
+      case Admission::granted: return true;
       case Admission::bad_host:
         refuse(403, {ErrorCode::conflict, "Host", "This studio answers only at " + server_.gate.origin() + ".",
                      "Open the address that `ugoki studio` printed."});
@@ -259,11 +272,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                      "Open the address that `ugoki studio` printed."});
         return false;
       case Admission::no_token:
-        refuse(401,
-               {ErrorCode::conflict, "token", "The studio's token is missing.", "Open the complete address that `ugoki studio` printed."});
+        refuse(401, {ErrorCode::conflict, "token", "The studio's token is missing.",
+                     "Open the complete address that `ugoki studio` printed, or send the header \"Authorization: Bearer TOKEN\"."});
         return false;
       case Admission::wrong_token:
-        refuse(401, {ErrorCode::conflict, "token", "The token does not belong to this studio; the studio was probably restarted.",
+        refuse(401, {ErrorCode::conflict, "token", "The token does not belong to this studio.",
                      "Open the address that `ugoki studio` printed last."});
         return false;
     }
@@ -272,6 +285,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void on_body(error_code ec) {
     if (ec) return on_read_error(ec);
+    if (target_.path == "/api/session") return open_session();
     if (target_.path.starts_with("/api/")) return call_api();
     if (parser_->get().method() == http::verb::post) {
       return refuse(405, {ErrorCode::unsupported, target_.path, "This address does not accept POST requests.", ""});
@@ -284,12 +298,31 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     write(std::move(response));
   }
 
+  /// Answers a page that sends the code of its address with the token.
+  void open_session() {
+    if (parser_->get().method() != http::verb::post) {
+      return refuse(405, {ErrorCode::unsupported, target_.path, "This address accepts only POST requests.", ""});
+    }
+    const Result<json::Json> body = json::parse_json(parser_->get().body(), "body");
+    if (!body) return refuse(400, body.error());
+    const auto code = body->is_object() ? body->find("code") : body->end();
+    if (code == body->end() || !code->is_string()) {
+      return refuse(
+          400, {ErrorCode::syntax, "code", "The request has no code.", "Send {\"code\": CODE}, with the code of the studio's address."});
+    }
+    if (!equal_secret(code->get<std::string>(), server_.gate.code)) {
+      return refuse(401, {ErrorCode::conflict, "code", "The code does not belong to this studio; the studio was probably restarted.",
+                          "Open the address that `ugoki studio` printed last."});
+    }
+    answer({200, json::to_text({{"token", server_.gate.token}})});
+  }
+
   void call_api() {
-    waiting_id_ = ++server_.last_id;
-    server_.waiting[waiting_id_] = shared_from_this();
+    const std::uint64_t waiting_id = ++server_.last_id;
+    server_.waiting[waiting_id] = shared_from_this();
     stream_.expires_never();
     ApiRequest request{std::string(view(parser_->get().method_string())), target_.path, target_.query, std::move(parser_->get().body())};
-    server_.events.on_api(std::move(request), [id = waiting_id_, server = server_.weak_from_this()](ApiReply reply) {
+    server_.events.on_api(std::move(request), [id = waiting_id, server = server_.weak_from_this()](ApiReply reply) {
       const std::shared_ptr<Server::Impl> impl = server.lock();
       if (!impl) return;
       net::post(impl->io, [id, raw = impl.get(), answer = std::move(reply)]() mutable {
@@ -321,10 +354,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void on_read_error(error_code ec) {
-    if (ec == http::error::body_limit) return refuse_size(server_.options.max_import_bytes);
+    if (ec == http::error::body_limit) return refuse_size(body_limit_);
     if (ec == http::error::header_limit) {
-      return refuse(431,
-                    {ErrorCode::range, "request", "The request's header is too long.", "Delete the cookies of this site and try again."});
+      return refuse(431, {ErrorCode::range, "request", "The request's header is too long.", "Send a header of at most 16 KiB."});
     }
     if (ec == http::error::end_of_stream || ec == http::error::partial_message ||
         ec.category() != http::make_error_code(http::error::bad_method).category()) {
@@ -343,33 +375,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     const bool as_page = view(parser_->get()[http::field::accept]).find("text/html") != std::string_view::npos;
     Response response = make_response(static_cast<http::status>(status), as_page ? "text/html; charset=utf-8" : "application/json");
     response.set(http::field::cache_control, "no-store");
-    if (as_page) {
-      const Problem& p = error.problems.front();
-      response.body() =
-          "<!doctype html><meta charset=\"utf-8\"><title>Ugoki</title><body style=\"font:15px system-ui;background:#16181d;"
-          "color:#e6e6ea;padding:3em\"><p>" +
-          escaped(p.message) + "</p><p>" + escaped(p.remedy) + "</p></body>\n";
-    } else {
-      response.body() = error_body(error);
-    }
+    response.body() = as_page ? error_page(error) : error_body(error);
     if (!parser_->is_done()) {
       drain_ = true;
       response.keep_alive(false);
     }
     write(std::move(response));
-  }
-
-  static std::string escaped(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-      if (c == '<')
-        out += "&lt;";
-      else if (c == '&')
-        out += "&amp;";
-      else
-        out += c;
-    }
-    return out;
   }
 
   Response make_response(http::status status, std::string_view content_type) const {
@@ -380,6 +391,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response.set(http::field::x_frame_options, "DENY");
     response.set("X-Content-Type-Options", "nosniff");
     response.set("Referrer-Policy", "no-referrer");
+    response.set("Cross-Origin-Opener-Policy", "same-origin");
     response.set("Cross-Origin-Resource-Policy", "same-origin");
     response.set("Content-Security-Policy",
                  "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -387,7 +399,6 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                      server_.gate.host() +
                      "; worker-src 'self' blob:; object-src 'none'; "
                      "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
-    if (set_cookie_) response.set(http::field::set_cookie, server_.gate.set_cookie());
     return response;
   }
 
@@ -399,7 +410,6 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
       response.body().clear();
       response.content_length(size);
     }
-    set_cookie_ = false;
     response_.emplace(std::move(response));
     stream_.expires_after(server_.options.request_time);
     http::async_write(stream_, *response_, [self = shared_from_this()](error_code ec, std::size_t) {
@@ -426,21 +436,29 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     });
   }
 
+  /// @param admitted false: the connection may be closed in favour of a new one (Impl::close_oldest)
+  void set_admitted(bool admitted) {
+    if (unadmitted_id_ != 0) server_.unadmitted.erase(unadmitted_id_);
+    unadmitted_id_ = admitted ? 0 : ++server_.last_id;
+    if (!admitted) server_.unadmitted[unadmitted_id_] = this;
+  }
+
   void close() {
     error_code ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
     stream_.close();
   }
 
-  Slot slot_;
+  ConnectionSlot slot_;
   beast::tcp_stream stream_;
   Server::Impl& server_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<Response> response_;
   Target target_;
-  std::uint64_t waiting_id_ = 0;
-  bool set_cookie_ = false, drain_ = false;
+  std::size_t body_limit_ = 0;       // bytes
+  std::uint64_t unadmitted_id_ = 0;  ///< key in Impl::unadmitted; 0: not in it
+  bool drain_ = false;
   std::vector<char> drained_;
   std::size_t drained_bytes_ = 0;
 };
@@ -448,7 +466,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 Result<void> Server::Impl::listen() {
   const tcp::endpoint endpoint(net::ip::address_v4::loopback(), options.port);
   error_code ec;
-  acceptor.open(endpoint.protocol(), ec);
+  // Asio opens sockets without CLOEXEC: a child process would keep the port in use.
+  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, IPPROTO_TCP);
+  if (fd < 0)
+    ec.assign(errno, boost::system::system_category());
+  else
+    acceptor.assign(endpoint.protocol(), fd, ec);
   if (!ec) acceptor.set_option(net::socket_base::reuse_address(true), ec);
   if (!ec) acceptor.bind(endpoint, ec);
   if (!ec) acceptor.listen(net::socket_base::max_listen_connections, ec);
@@ -457,7 +480,8 @@ Result<void> Server::Impl::listen() {
                 "Choose another port with --port, or leave it out to get a free one.");
   }
   gate.port = acceptor.local_endpoint().port();
-  gate.token = options.token.empty() ? make_token() : options.token;
+  gate.code = make_token();
+  gate.token = derive_token(options.key.empty() ? make_token() : options.key, gate.port);
   accept();
   thread = std::thread([this] { run(); });
   return {};
@@ -484,7 +508,8 @@ void Server::Impl::accept() {
       });
       return;
     }
-    if (connections < options.max_connections) {
+    ::fcntl(socket.native_handle(), F_SETFD, FD_CLOEXEC);
+    if (connections < options.max_connections || close_oldest()) {
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
       std::make_shared<HttpConnection>(std::move(socket), *this)->read_header();
@@ -500,6 +525,12 @@ void Server::Impl::shut() {
   for (auto& [id, client] : clients) client->shut();
   waiting.clear();
   io.stop();
+}
+
+bool Server::Impl::close_oldest() {
+  if (unadmitted.empty()) return false;
+  unadmitted.begin()->second->drop();
+  return true;
 }
 
 void Server::Impl::remove(ClientId client) {
@@ -533,7 +564,7 @@ Server::~Server() {
 
 std::uint16_t Server::port() const { return impl_->gate.port; }
 const std::string& Server::token() const { return impl_->gate.token; }
-std::string Server::address() const { return impl_->gate.origin() + "/?token=" + impl_->gate.token; }
+std::string Server::address() const { return impl_->gate.origin() + "/#code=" + impl_->gate.code; }
 
 void Server::send(ClientId client, std::string text) {
   net::post(impl_->io,

@@ -39,14 +39,15 @@ class ServerEvents {
 
 struct ServerOptions {
   std::uint16_t port = 0;                                 ///< 0: any free port
-  std::string token;                                      ///< empty: a new random token
+  std::string key;                                        ///< the token is derived from key and port; empty: a new random key
   std::filesystem::path web;                              ///< folder with index.html; empty: no page
   std::size_t max_import_bytes = std::size_t{256} << 20;  ///< maximum body of an import request
   std::size_t max_message_bytes = std::size_t{8} << 20;   ///< maximum WebSocket message from a page
   std::size_t max_waiting_bytes = std::size_t{64} << 20;  ///< texts queued for one page; a page that exceeds this is disconnected
-  std::size_t max_connections = 128;
-  std::chrono::seconds request_time{15};  ///< timeout for a request's header, a reply and an idle connection
-  std::chrono::seconds body_time{120};    ///< timeout for a request's body
+  std::size_t max_connections = 128;                      ///< a further connection closes the oldest one that has no admitted request
+  std::chrono::seconds header_time{5};                    ///< timeout for a request's header; also ends an idle connection
+  std::chrono::seconds request_time{15};                  ///< timeout for a reply, and for the body of a request without the token
+  std::chrono::seconds body_time{120};                    ///< timeout for the body of a request with the token
 };
 
 /// Runs on its own thread from listen() to the destructor.
@@ -58,8 +59,9 @@ class Server final : public Outbox {
   ~Server() override;  ///< closes every connection
 
   [[nodiscard]] std::uint16_t port() const;
-  [[nodiscard]] const std::string& token() const;
-  [[nodiscard]] std::string address() const;  ///< "http://127.0.0.1:PORT/?token=TOKEN"
+  [[nodiscard]] const std::string& token() const;  ///< for the header "Authorization: Bearer TOKEN"
+  /// "http://127.0.0.1:PORT/#code=CODE". Browsers send no fragment to a server. The code is valid until this server ends.
+  [[nodiscard]] std::string address() const;
 
   void send(ClientId client, std::string text) override;
   void broadcast(std::string text) override;

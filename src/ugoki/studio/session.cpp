@@ -15,6 +15,7 @@
 #include "ugoki/plugin/shelf.h"
 #include "ugoki/studio/error_json.h"
 #include "ugoki/studio/frame.h"
+#include "ugoki/studio/interpreter.h"
 #include "ugoki/studio/session_request.h"
 
 namespace ugoki::studio {
@@ -86,7 +87,8 @@ void Session::stop() {
 }
 
 void Session::on_message(ClientId client, std::string_view text) {
-  Request request;
+  const auto made = std::make_shared<Request>();
+  Request& request = *made;
   request.client = client;
   if (Result<Json> read = json::parse_json(text, "message")) request.json = std::move(*read);
   if (!request.json.is_object()) {
@@ -100,6 +102,10 @@ void Session::on_message(ClientId client, std::string_view text) {
   if (op == request.json.end() || !op->is_string())
     return reply(client, request.reply_to, Request::invalid_field("op", "the name of an operation"));
   request.op = op->get<std::string>();
+  begin(made);
+}
+
+void Session::answer(const Request& request) {
   bool answered = true;
   Result<std::string> result;
   try {
@@ -108,7 +114,7 @@ void Session::on_message(ClientId client, std::string_view text) {
     result = fail(ErrorCode::io, request.op, std::string("The studio could not do this: ") + e.what() + ".",
                   "The project is safe. Try again, or continue working.");
   }
-  if (answered || !result) reply(client, request.reply_to, result);
+  if (answered || !result) reply(request.client, request.reply_to, result);
 }
 
 /// Executes a request. @param answered set to false if the answer was already sent or will be the interpreter's reply
@@ -213,19 +219,14 @@ Result<std::string> Session::execute(const Request& request) {
     return Request::invalid_field("command", "a command object (docs/scenario.md)");
   // For an edit of the circuit the pages get only the changes: a large circuit need not be sent again.
   const bool edit = command->value("type", Json()) == "circuit.edit" && command->contains("changes");
-  return apply(text_of(*command), edit ? text_of((*command)["changes"]) : "");
+  if (!request.resources) return fail(request.resources.error());
+  return apply(text_of(*command), edit ? text_of((*command)["changes"]) : "", *request.resources);
 }
 
-const store::Library* Session::library() {
-  if (!library_ && !options_.library_path.empty()) {
-    if (Result<store::Library> opened = store::Library::open(options_.library_path)) library_.emplace(std::move(*opened));
-  }
-  return library_ ? &*library_ : nullptr;
-}
-
-Result<std::string> Session::apply(const std::string& command, const std::string& circuit_changes) {
+Result<std::string> Session::apply(const std::string& command, const std::string& circuit_changes,
+                                   std::span<const project::LibraryData> resources) {
   const std::uint64_t from = project_.revision();
-  Result<project::Change> change = project_.execute(command, library());
+  Result<project::Change> change = project_.execute_with(command, resources);
   if (!change) return fail(std::move(change.error()));
   if (!change->label.empty()) changed(circuit_changes.empty() ? document_event() : edited_event(circuit_changes, from));
   return ",\"label\":" + text_of(change->label) + ",\"created\":" + text_of(change->created) +
@@ -284,6 +285,8 @@ Result<void> Session::check_transport(const Request& request) const {
     if (field("mode") != "edit" && field("mode") != "simulate") return Request::invalid_field("mode", "\"edit\" or \"simulate\"");
   } else if (op == "play") {
     if (!field("speed").is_null() && !request.has_number("speed")) return Request::invalid_field("speed", "a number");
+    if (request.has_number("speed") && !request.is_number_from("speed", min_play_speed, max_play_speed))
+      return Request::out_of_range("speed", min_play_speed, max_play_speed, "1 is real time.");
   } else if (op == "step" && request.json.contains("ticks")) {
     if (field("ticks") != 1) return Request::invalid_field("ticks", "1");
   } else if (op == "step") {
@@ -291,6 +294,9 @@ Result<void> Session::check_transport(const Request& request) const {
       return Request::invalid_field("frames", "1 or -1");
   } else if (op == "seek") {
     if (!request.has_number("time")) return Request::invalid_field("time", "a number of seconds");
+    const double duration = project_.scenario().duration;
+    if (!request.is_number_from("time", 0, duration))
+      return Request::out_of_range("time", 0, duration, "The scenario's duration is " + to_text(duration) + " s.");
   } else if (op == "drag") {
     if (!request.has_vector("target")) return Request::invalid_field("target", "three numbers");
   } else if (op == "grab" || op == "push") {

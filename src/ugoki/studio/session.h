@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,8 +26,12 @@
 
 namespace ugoki::studio {
 
+/// Work on the library's thread. The error: the library could not be opened or does not respond. Returns false if the library failed.
+using LibraryWork = std::function<bool(const Result<store::Library*>& library)>;
+
 struct SessionOptions {
-  std::string library_path;  ///< library from which commands load mechanisms and motions; empty: none
+  /// Runs work on the library's thread, from which requests load mechanisms and motions; empty: there is no library
+  std::function<void(LibraryWork)> with_library;
   std::string choices_path;  ///< file that stores the user's keymap, theme and view; empty: they are not stored
   InterpreterProgram interpreter;
   std::chrono::milliseconds answer_timeout{10'000};  ///< an interpreter that does not answer for this time is killed
@@ -70,6 +75,7 @@ class Session {
 
  private:
   struct Request;  // one message from a page
+  using RequestPtr = std::shared_ptr<Request>;
   /// A request to the interpreter that has no reply yet.
   struct Pending {
     ClientId client = 0;   ///< page that waits for the reply; 0: none
@@ -77,14 +83,21 @@ class Session {
     bool quiet = false;    ///< only a failure is reported to the page
   };
 
+  void answer(const Request& request);
   [[nodiscard]] Result<std::string> serve(const Request& request, bool& answered);
   [[nodiscard]] std::string hello() const;
   [[nodiscard]] Result<std::string> execute(const Request& request);
   /// Applies a command and sends the change to the pages. @param circuit_changes JSON of a `circuit.edit`; if not empty, the pages get only
   /// these changes instead of the document @return fields of the answer
-  [[nodiscard]] Result<std::string> apply(const std::string& command, const std::string& circuit_changes = "");
-  /// The library, opened on first use; null if there is none.
-  [[nodiscard]] const store::Library* library();
+  /// @param resources data of the library's entries that the command names
+  [[nodiscard]] Result<std::string> apply(const std::string& command, const std::string& circuit_changes = "",
+                                          std::span<const project::LibraryData> resources = {});
+
+  // session_library.cpp: the library is read on its own thread. Meanwhile the session serves other requests; only the page's later changes
+  // of the project wait, so that they are applied in order.
+  void begin(const RequestPtr& request);
+  /// Reads what the request needs from the library into the request; empty: it needs nothing.
+  [[nodiscard]] LibraryWork library_work(const RequestPtr& request) const;
 
   // session_motion.cpp: operations on the motions of clips; they run on the thread of motion_queue_
   struct MotionTask;
@@ -126,9 +139,9 @@ class Session {
 
   SessionOptions options_;
   project::Project project_;
-  std::optional<store::Library> library_;
   Outbox& outbox_;
   std::function<void(std::function<void()>)> post_;
+  std::map<ClientId, std::vector<RequestPtr>> waiting_;  ///< for each page with a request that reads the library: its later changes
   std::map<std::string, std::shared_ptr<MotionTask>> motion_tasks_;  ///< running operations, by the name that the page gave
   TaskQueue motion_queue_;
 

@@ -82,7 +82,8 @@ struct Body {
 };
 
 /// The body that a request names: a mechanism of the project or the library by its id, or a sample by its name or height [m].
-Result<Body> find_body(const Json& request, MechanismPtr of_project, const store::Library* library) {
+/// @param of_library what was read from the library; null: nothing was read
+Result<Body> find_body(const Json& request, MechanismPtr of_project, const Result<ProjectEntry>* of_library) {
   const std::string id = text_field(request, "mechanism"), sample = text_field(request, "sample");
   if (of_project) return Body{std::move(of_project), id};
   if (sample == "dog") return Body{samples::make_dog(), ""};
@@ -92,14 +93,10 @@ Result<Body> find_body(const Json& request, MechanismPtr of_project, const store
     if (!person) return fail(std::move(person.error()));
     return Body{std::move(*person), ""};
   }
-  if (id.empty() || library == nullptr)
+  if (id.empty() || of_library == nullptr)
     return fail(ErrorCode::structure, "mechanism", "The body is missing.", "Give \"mechanism\", \"height\" or \"sample\".");
-  const Result<store::LibraryEntry> entry = library->get(id);
-  if (!entry) return fail(entry.error());
-  const std::string content = entry->id == id ? entry->content : id;
-  Result<MechanismPtr> loaded = load_mechanism(content, *library);
-  if (!loaded) return fail(std::move(loaded.error()));
-  return Body{std::move(*loaded), content};
+  if (!*of_library) return fail(of_library->error());
+  return Body{(*of_library)->mechanism, (*of_library)->mechanism_id};
 }
 
 }  // namespace
@@ -141,13 +138,14 @@ Result<void> Session::start_motion(const Request& request) {
   if (*needs == Needs::other_motion) {
     const std::string id = text_field(request.json, "motion");
     if (id.empty()) return Request::invalid_field("motion", "the id of the second motion");
-    Result<ProjectEntry> other = find_motion(id, project_entries(), library());
+    Result<ProjectEntry> other = request.read_library ? request.motion : find_motion(id, project_entries(), nullptr);
     if (!other) return fail(std::move(other.error()));
     edit.other = std::move(other->motion);
     edit.other_mechanism = std::move(other->mechanism);
   }
   if (*needs == Needs::body) {
-    Result<Body> body = find_body(request.json, find_mechanism(text_field(request.json, "mechanism")), library());
+    Result<Body> body =
+        find_body(request.json, find_mechanism(text_field(request.json, "mechanism")), request.read_library ? &request.body : nullptr);
     if (!body) return fail(std::move(body.error()));
     edit.body = std::move(body->mechanism);
     task->body_id = std::move(body->id);

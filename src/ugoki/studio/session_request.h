@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "ugoki/base/number.h"
 #include "ugoki/json/json.h"
 #include "ugoki/studio/session.h"
 
@@ -19,9 +20,22 @@ struct Session::Request {
   std::string reply_to = "null";
   std::string op;
 
+  // What the request needed from the library; see Session::library_work().
+  bool read_library = false;                            ///< `motion` or `body` was read, or could not be read
+  Result<std::vector<project::LibraryData>> resources;  ///< that a command names
+  Result<ProjectEntry> motion;                          ///< the second motion of an operation
+  Result<ProjectEntry> body;                            ///< the mechanism to retarget to
+
   /// Error: the field `field` is not `wanted`.
   [[nodiscard]] static std::unexpected<Error> invalid_field(const std::string& field, const std::string& wanted) {
     return fail(ErrorCode::syntax, field, "\"" + field + "\" must be " + wanted + ".", "See docs/studio-protocol.md.");
+  }
+  /// Error: the number in the field `field` is not in its range.
+  [[nodiscard]] static std::unexpected<Error> out_of_range(const std::string& field, double min, double max, const std::string& remedy) {
+    return fail(ErrorCode::range, field, "\"" + field + "\" must be from " + to_text(min) + " to " + to_text(max) + ".", remedy);
+  }
+  [[nodiscard]] bool is_number_from(const char* key, double min, double max) const {
+    return has_number(key) && json[key].get<double>() >= min && json[key].get<double>() <= max;
   }
   [[nodiscard]] bool has_number(const char* key) const { return json.contains(key) && json[key].is_number(); }
   [[nodiscard]] bool has_vector(const char* key) const {

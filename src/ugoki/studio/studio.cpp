@@ -1,9 +1,6 @@
 #include "ugoki/studio/studio.h"
 
 #include <pthread.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -14,11 +11,11 @@
 #include <thread>
 #include <utility>
 
-#include "ugoki/base/number.h"
 #include "ugoki/store/library.h"
 #include "ugoki/studio/display_json.h"
 #include "ugoki/studio/error_json.h"
 #include "ugoki/studio/import_service.h"
+#include "ugoki/studio/library_queue.h"
 #include "ugoki/studio/library_service.h"
 #include "ugoki/studio/preview_service.h"
 #include "ugoki/studio/security.h"
@@ -31,6 +28,9 @@ namespace ugoki::studio {
 namespace {
 
 constexpr std::chrono::milliseconds session_period{250};  // between calls of Session::on_time
+
+constexpr double min_unit = 1e-9, max_unit = 1e6;  // m per unit of length; formats use from nanometres to kilometres
+constexpr double min_rate = 1e-3, max_rate = 1e6;  // frames/s
 
 ApiReply refused(const Error& error) { return {.status = http_status_of(error), .body = error_body(error)}; }
 ApiReply answer_of(const Result<std::string>& result) { return result ? ApiReply{.body = *result} : refused(result.error()); }
@@ -81,18 +81,19 @@ class LateOutbox final : public Outbox {
 
 }  // namespace
 
-/// Uses five threads in addition to the caller's: server, session (project, commands), operations on motions (owned by the session),
-/// library (lists, previews), imports.
+/// Uses six threads in addition to the caller's: server, session (project, commands), operations on motions (owned by the session),
+/// library (everything that uses it), reading of imported files, display (meshes and previews of the project). No thread waits for the
+/// library's thread.
 class Studio::Impl final : public ServerEvents {
  public:
-  Impl(const StudioOptions& options, project::Project project)
-      : library_(options.library_path), imports_(options.library_path), previews_(options.library_path) {
+  Impl(const StudioOptions& options, project::Project project) : library_(options.library_path) {
     const std::string choices = (std::filesystem::path(store::Library::folder_of(options.library_path)) / "choices.json").string();
-    const SessionOptions session{options.library_path, choices, options.interpreter};
+    const SessionOptions session{[this](LibraryWork work) { use_library(std::move(work)); }, choices, options.interpreter};
     session_ = std::make_unique<Session>(session, std::move(project), outbox_,
                                          [this](std::function<void()> task) { session_queue_->post(std::move(task)); });
     session_queue_ = std::make_unique<TaskQueue>(session_period, [this] { session_->on_time(); });
-    library_queue_ = std::make_unique<TaskQueue>();
+    library_queue_ = std::make_unique<LibraryQueue>([this] { poll_library(); });
+    display_queue_ = std::make_unique<TaskQueue>();
     import_queue_ = std::make_unique<TaskQueue>();
   }
 
@@ -101,6 +102,7 @@ class Studio::Impl final : public ServerEvents {
     server_.reset();  // no request arrives after this
     import_queue_->close();
     library_queue_->close();
+    display_queue_->close();
     session_queue_->post([this] { session_->stop(); });  // no interpreter callback is called after this
     session_queue_->close();
   }
@@ -109,6 +111,7 @@ class Studio::Impl final : public ServerEvents {
     ServerOptions server;
     server.port = options.port;
     server.web = options.web;
+    server.key = options.key;
     Result<std::unique_ptr<Server>> listening = Server::listen(std::move(server), *this);
     if (!listening) return fail(std::move(listening.error()));
     server_ = std::move(*listening);
@@ -136,6 +139,55 @@ class Studio::Impl final : public ServerEvents {
   /// Handles the paths under /api/import/. Returns false without answering if `request` has none of these paths.
   bool on_import(ApiRequest& request, std::function<void(ApiReply)>& answer);
 
+  /// Runs `work` of the session on the library's thread.
+  void use_library(LibraryWork work) {
+    library_queue_->post([this, work] { return work(library_.library()); }, [work](const Error& error) { (void)work(fail(error)); });
+  }
+  /// Runs `work`, which uses the library, on the library's thread, and answers with its result. Status 503: the library does not respond.
+  void answer_on_library(std::function<void(ApiReply)> answer, std::function<ApiReply()> work) {
+    library_queue_->post(
+        [this, answer, work] {
+          const auto begun = std::chrono::steady_clock::now();
+          ApiReply reply = work();
+          const bool failed = reply.status >= 500;
+          if (failed && std::chrono::steady_clock::now() - begun >= LibraryQueue::min_silence) {
+            reply.status = 503;
+            library_.expect_return();
+          }
+          answer(std::move(reply));
+          return !failed;
+        },
+        [answer](const Error& error) {
+          ApiReply reply = refused(error);
+          reply.status = 503;
+          answer(std::move(reply));
+        });
+  }
+  /// Notifies the pages that the library changed. Thread-safe.
+  void announce() {
+    session_queue_->post([this] { session_->announce_library(); });
+  }
+  void poll_library() {
+    try {
+      if (library_.poll()) announce();
+    } catch (const std::exception&) {
+      // out of memory; the next poll tries again
+    }
+  }
+  /// Answers with a preview of a motion: of the project without the library, or of the library.
+  void preview(const std::string& id, std::function<void(ApiReply)> answer,
+               Result<std::string> (*make)(std::string_view, const std::vector<ProjectEntry>&, const store::Library*)) {
+    session_queue_->post([this, id, make, reply = std::move(answer)]() mutable {
+      std::vector<ProjectEntry> own = session_->project_entries();
+      std::erase_if(own, [&](const ProjectEntry& e) { return e.id != id || !e.motion || !e.mechanism; });
+      if (!own.empty()) return answer_on(*display_queue_, std::move(reply), [id, make, own] { return make(id, own, nullptr); });
+      answer_on_library(std::move(reply), [this, id, make] {
+        const Result<store::Library*> library = library_.library();
+        return library ? answer_of(make(id, {}, *library)) : refused(library.error());
+      });
+    });
+  }
+
   /// Runs `work` on a queue and answers with its result, or with an error if it throws.
   template <class Work>
   static void answer_on(TaskQueue& queue, std::function<void(ApiReply)> answer, Work work) {
@@ -156,20 +208,17 @@ class Studio::Impl final : public ServerEvents {
   std::unique_ptr<Session> session_;
   LibraryService library_;
   ImportService imports_;
-  PreviewService previews_;
-  std::unique_ptr<TaskQueue> session_queue_, library_queue_, import_queue_;
+  std::unique_ptr<LibraryQueue> library_queue_;
+  std::unique_ptr<TaskQueue> session_queue_, import_queue_, display_queue_;
 };
 
 void Studio::Impl::on_library(ApiRequest request, std::function<void(ApiReply)> answer) {
   session_queue_->post([this, asked = std::move(request), reply = std::move(answer)]() mutable {
-    library_queue_->post([this, entries = session_->project_entries(), call = std::move(asked), give = std::move(reply)] {
+    answer_on_library(std::move(reply), [this, entries = session_->project_entries(), call = std::move(asked)] {
       bool changed = false;
-      try {
-        give(library_.answer(call, entries, changed));
-      } catch (const std::exception& e) {  // out of memory
-        give(refused({ErrorCode::io, call.path, std::string("The studio could not do this: ") + e.what() + ".", "Try again."}));
-      }
-      if (changed) session_queue_->post([this] { session_->announce_library(); });
+      ApiReply made = library_.answer(call, entries, changed);
+      if (changed) announce();
+      return made;
     });
   });
 }
@@ -180,8 +229,14 @@ bool Studio::Impl::on_import(ApiRequest& request, std::function<void(ApiReply)>&
   const std::string rest = request.path.substr(prefix.size());
   const std::string action = rest.substr(0, rest.find('/')), id = action.size() < rest.size() ? rest.substr(action.size() + 1) : "";
   const auto text = [&](std::string_view name) { return query_value(request.query, name).value_or(""); };
-  const auto number = [&](std::string_view name) { return std::max(0.0, parse_double(text(name)).value_or(0)); };
-  const ImportSettings settings{number("unit"), text("up"), text("forward"), number("rate")};
+  const Result<std::optional<double>> unit = query_number(request.query, "unit", min_unit, max_unit);
+  const Result<std::optional<double>> rate = query_number(request.query, "rate", min_rate, max_rate);
+  for (const auto* number : {&unit, &rate}) {
+    if (*number) continue;
+    answer(refused(number->error()));
+    return true;
+  }
+  const ImportSettings settings{unit->value_or(0), text("up"), text("forward"), rate->value_or(0)};
   const std::string name = text("name"), tags = text("tags");
   auto body = std::make_shared<std::string>(std::move(request.body));  // shared, because the queue copies tasks
   if (action == "file") {
@@ -191,10 +246,17 @@ bool Studio::Impl::on_import(ApiRequest& request, std::function<void(ApiReply)>&
       return id.empty() ? imports_.stage(name, std::move(*body), settings) : imports_.restage(id, settings);
     });
   } else if (action == "store" && !id.empty()) {
-    answer_on(*import_queue_, std::move(answer), [this, id, name, tags] {
-      Result<std::string> stored = imports_.store(id, name, split_tags(tags));
-      if (stored) session_queue_->post([this] { session_->announce_library(); });
-      return stored;
+    import_queue_->post([this, id, name, tags, reply = std::move(answer)] {
+      Result<intake::Intake> read = imports_.prepare(id, name, split_tags(tags));
+      if (!read) return reply(refused(read.error()));
+      answer_on_library(reply, [this, id, intake = std::make_shared<intake::Intake>(std::move(*read))] {
+        const Result<store::Library*> library = library_.library();
+        const Result<std::string> stored = library ? ImportService::store(*intake, **library) : fail(library.error());
+        if (!stored) return refused(stored.error());
+        import_queue_->post([this, id] { imports_.drop(id); });
+        announce();
+        return answer_of(stored);
+      });
     });
   } else if (action == "drop" && !id.empty()) {
     answer_on(*import_queue_, std::move(answer), [this, id]() -> Result<std::string> {
@@ -215,36 +277,31 @@ void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answ
   } else if (path.starts_with("/api/mechanism/") && get) {
     const std::string id = path.substr(std::string_view("/api/mechanism/").size());
     session_queue_->post([this, id, reply = std::move(answer)]() mutable {
-      answer_on(*library_queue_, std::move(reply), [this, id, found = session_->find_mechanism(id)]() -> Result<std::string> {
-        if (found) return mechanism_json(id, *found);
+      if (const MechanismPtr own = session_->find_mechanism(id))
+        return answer_on(*display_queue_, std::move(reply), [id, own]() -> Result<std::string> { return mechanism_json(id, *own); });
+      answer_on_library(std::move(reply), [this, id] {
         const Result<MechanismPtr> stored = library_.mechanism(id);
-        if (!stored) return fail(stored.error());
-        return mechanism_json(id, **stored);
+        return stored ? answer_of(mechanism_json(id, **stored)) : refused(stored.error());
       });
     });
   } else if (path.starts_with("/api/motion/") && get) {
     const std::string id = path.substr(std::string_view("/api/motion/").size());
-    session_queue_->post([this, id, reply = std::move(answer)]() mutable {
-      answer_on(*library_queue_, std::move(reply),
-                [this, id, project = session_->project_entries()] { return previews_.motion(id, project); });
-    });
+    preview(id, std::move(answer), preview_motion);
   } else if (path.starts_with("/api/contacts/") && get) {
     const std::string id = path.substr(std::string_view("/api/contacts/").size());
-    session_queue_->post([this, id, reply = std::move(answer)]() mutable {
-      answer_on(*library_queue_, std::move(reply),
-                [this, id, project = session_->project_entries()] { return previews_.contacts(id, project); });
-    });
+    preview(id, std::move(answer), preview_contacts);
   } else if (path == "/api/reference-character" && get) {
-    const double height = parse_double(query_value(request.query, "height").value_or("")).value_or(1.8);
-    answer_on(*library_queue_, std::move(answer), [height] { return reference_character_json(std::clamp(height, 0.3, 3.0)); });
+    const Result<std::optional<double>> height = query_number(request.query, "height", 0.3, 3);
+    if (!height) return answer(refused(height.error()));
+    answer_on(*display_queue_, std::move(answer), [size = height->value_or(1.8)] { return reference_character_json(size); });
   } else if (post && on_import(request, answer)) {
     return;
   } else if (path == "/api/import" && post) {
     const std::string name = query_value(request.query, "name").value_or("");
-    answer_on(*library_queue_, std::move(answer), [this, name, body = std::move(request.body)] {
-      Result<std::string> imported = library_.import(name, body);
-      if (imported) session_queue_->post([this] { session_->announce_library(); });
-      return imported;
+    answer_on_library(std::move(answer), [this, name, body = std::move(request.body)] {
+      const Result<std::string> imported = library_.import(name, body);
+      if (imported) announce();
+      return answer_of(imported);
     });
   } else {
     answer(refused(
@@ -288,23 +345,7 @@ void wait_for_signal() {
   int got = 0;
   while (sigwait(&set, &got) != 0) {
   }
-}
-
-void open_browser(const std::string& address) {
-  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
-  const char* program = "xdg-open";
-  char* const arguments[] = {const_cast<char*>(program), const_cast<char*>(address.c_str()), nullptr};
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none;
-  sigemptyset(&none);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-  pid_t pid = -1;
-  if (posix_spawnp(&pid, program, nullptr, &attributes, arguments, environ) == 0) {
-    std::thread([pid] { waitpid(pid, nullptr, 0); }).detach();
-  }
-  posix_spawnattr_destroy(&attributes);
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);  // a second signal ends the process even if the studio does not finish
 }
 
 }  // namespace ugoki::studio

@@ -16,6 +16,7 @@ namespace ugoki::studio {
 struct StudioOptions {
   std::uint16_t port = 0;          ///< 0: any free port
   std::filesystem::path web;       ///< folder of the page, with index.html; empty: no page is served
+  std::string key;                 ///< see session_key.h; empty: a random key, so that open pages lose their access at a restart
   std::string library_path;        ///< empty: store::Library::default_path()
   InterpreterProgram interpreter;  ///< command line that starts an interpreter
 };
@@ -28,7 +29,7 @@ class Studio {
   Studio(const Studio&) = delete;
   Studio& operator=(const Studio&) = delete;
 
-  [[nodiscard]] std::string address() const;  ///< URL of the page, with the token
+  [[nodiscard]] std::string address() const;  ///< URL of the page, with the code (see Server::address)
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] const std::string& token() const;
   /// Process id of the interpreter, or -1; for tests.
@@ -44,7 +45,5 @@ class Studio {
 void hold_signals();
 /// Waits for SIGINT or SIGTERM. Requires hold_signals().
 void wait_for_signal();
-/// Opens `address` in the user's browser (xdg-open) without waiting for it. Does nothing if there is no display.
-void open_browser(const std::string& address);
 
 }  // namespace ugoki::studio

@@ -275,7 +275,8 @@ export interface MechanismData {
 /** A failed request: the problems that the service reported, or one problem with the text `fallback` if it reported none. */
 export class RequestError extends Error {
   readonly problems: Problem[];
-  constructor(error: Partial<ServiceError> | undefined, fallback: string) {
+  /** @param status HTTP status of the answer; 503: the library does not respond */
+  constructor(error: Partial<ServiceError> | undefined, fallback: string, readonly status = 0) {
     const problems = error?.problems?.length ? error.problems : [{ message: fallback }];
     super(problems[0]?.message ?? fallback);
     this.problems = problems;

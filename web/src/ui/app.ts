@@ -1,6 +1,7 @@
 /** The objects of which a page has one each (session, editors, library, command list), and the React hooks that read their state. */
 import { useStore } from 'zustand';
 import { createStore } from 'zustand/vanilla';
+import { Access } from '../core/access';
 import { condition_alone } from '../core/circuit/breakpoints';
 import { CircuitEditor, type EditorState } from '../core/circuit/editor';
 import { CommandRegistry } from '../core/commands';
@@ -15,19 +16,22 @@ import type { ImportView } from '../view/import_view';
 import type { Viewport } from '../view/viewport';
 import type { PointerControl } from '../view/pointer';
 
-/** Access token from the page's address, sent with every request to the service; null if the address has none. */
-const token = new URLSearchParams(location.search).get('token');
-const with_token = (path: string): string => (token ? `${path}${path.includes('?') ? '&' : '?'}token=${encodeURIComponent(token)}` : path);
+export const access = new Access({
+  fragment: () => location.hash,
+  clear_fragment: () => history.replaceState(null, '', location.pathname + location.search),
+  storage: sessionStorage,
+  fetch: (path, init) => fetch(path, init),
+});
 
 function socket_address(): string {
-  const address = new URL(with_token('ws'), location.href);
+  const address = new URL('ws', location.href);
   address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
   return address.href;
 }
 
 export const session = new Session({
-  make_socket: () => new WebSocket(socket_address()) as unknown as SocketLike,
-  fetch: (path, init) => fetch(with_token(path), init),
+  make_socket: () => new WebSocket(socket_address(), access.subprotocols) as unknown as SocketLike,
+  fetch: (path, init) => access.fetch(path, init),
 });
 
 export const circuit = new CircuitEditor({ edit: (command) => session.edit(command), notify: (text) => session.notify(text) });
@@ -51,14 +55,14 @@ circuit.store.subscribe((state, before) => {
 });
 
 export const library = new LibraryBrowser({
-  fetch: (path, init) => fetch(with_token(path), init),
+  fetch: (path, init) => access.fetch(path, init),
   cache_entries: (entries) => session.cache_entries(entries),
   fail: (error) => session.fail(error),
 });
 session.on_library = () => void library.load();
 
 export const imports = new ImportQueue({
-  fetch: (path, init) => fetch(with_token(path), init),
+  fetch: (path, init) => access.fetch(path, init),
   log: (level, text) => session.log(level, text),
   stored: (item) => {
     const entry = item.stored.find((e) => e.kind === 'motion') ?? item.stored[0];
@@ -68,7 +72,7 @@ export const imports = new ImportQueue({
 
 export const desk = new MotionDesk({
   request: (request) => session.ask(request),
-  fetch: (path) => fetch(with_token(path)),
+  fetch: (path) => access.fetch(path),
   fail: (error) => session.fail(error),
   report: (title, lines) => session.report(title, lines),
   select: (selection) => session.select(selection),
@@ -88,8 +92,8 @@ session.store.subscribe((state, before) => {
   }
 });
 
-/** A path of the service with the access token, for fetch and <img>. */
-export const service_path = (path: string): string => with_token(path);
+/** Fetches a path of the service. */
+export const service_fetch = (path: string, init?: RequestInit): Promise<Response> => access.fetch(path, init);
 
 /** Options for small 2D canvases: draw them on the CPU, so that the page does not wait for a busy GPU. */
 export const plain_canvas: CanvasRenderingContext2DSettings = { willReadFrequently: true };

@@ -5,8 +5,9 @@ import './panels.css';
 import './library/library.css';
 import './motion/motion.css';
 import { App } from './App';
+import { code_of } from '../core/access';
 import { register_commands } from './actions';
-import { session } from './app';
+import { access, session } from './app';
 import { expose_hook } from './hook';
 
 register_commands();
@@ -18,5 +19,28 @@ const show_theme = (): void => {
 };
 show_theme();
 session.store.subscribe(show_theme);
-createRoot(document.getElementById('root')!).render(<App />);
-session.start();
+const root = createRoot(document.getElementById('root')!);
+// the address that `ugoki studio` printed, opened in a tab that shows the studio, changes only the fragment
+addEventListener('hashchange', () => {
+  if (code_of(location.hash) !== null) location.reload();
+});
+/** Shown instead of the studio if the service does not accept this page. */
+const refused = (
+  <p className="refused" role="alert">
+    This page has no access to the studio. Open the complete address that <code>ugoki studio</code> printed last.
+  </p>
+);
+void access.enter().then((entry) => {
+  if (entry === 'refused') return root.render(refused);
+  root.render(<App />);
+  session.start();
+  // a lost connection may mean that the studio was restarted with another key
+  const stop = session.store.subscribe((state, before) => {
+    if (state.connection !== 'lost' || state.retry_at === before.retry_at) return;
+    void access.check().then((now) => {
+      if (now === 'open') return;
+      stop();
+      session.notify('This page has no access to the studio any more. Open the address that `ugoki studio` printed last.', 'error');
+    });
+  });
+});

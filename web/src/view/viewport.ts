@@ -320,7 +320,8 @@ export class Viewport {
     this.follow(frame);
     if (this.rig.update(dt)) this.dirty = true;
     if (!this.dirty) {
-      // slow machines draw frames at reduced resolution while something moves; 180 ms after the last motion one frame is drawn at full resolution
+      // slow machines draw frames at reduced resolution while something moves; 180 ms after the last motion one frame is drawn at full
+      // resolution
       if (!this.drawn_still && now - this.still_since > 180) this.draw(frame, true);
       return;
     }

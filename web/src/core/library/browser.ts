@@ -53,6 +53,8 @@ export interface BrowserState {
   more: boolean;
   status: 'loading' | 'ready' | 'failed';
   failure: string;
+  /** The library's server does not respond; the entries that were loaded before are still shown. */
+  away: boolean;
   all_tags: TagCount[];
   conflict: Conflict | null;
   /** The latest edit that can be undone, for display. */
@@ -60,7 +62,7 @@ export interface BrowserState {
 }
 
 const initial: BrowserState = {
-  query: '', kind: 'all', tags: [], order: null, trash: false, entries: [], total: 0, total_exact: true, more: false, status: 'loading', failure: '', all_tags: [], conflict: null,
+  query: '', kind: 'all', tags: [], order: null, trash: false, entries: [], total: 0, total_exact: true, more: false, status: 'loading', failure: '', away: false, all_tags: [], conflict: null,
   done: null,
 };
 
@@ -126,10 +128,13 @@ export class LibraryBrowser {
       const entries = page.entries.map(from_service);
       this.next = page.next ?? null;
       this.host.cache_entries(entries);
-      this.store.setState({ entries, total: page.total ?? entries.length, total_exact: page.total_exact ?? true, more: this.next !== null, status: 'ready', failure: '' });
+      this.store.setState({ entries, total: page.total ?? entries.length, total_exact: page.total_exact ?? true, more: this.next !== null, status: 'ready', failure: '', away: false });
     } catch (error) {
       if (running.signal.aborted) return;
-      this.store.setState({ status: 'failed', failure: (error as Error).message });
+      const away = error instanceof RequestError && error.status === 503;
+      const failure = error instanceof RequestError ? error.problems.map((p) => [p.message, p.remedy].filter(Boolean).join(' ')).join(' ') : (error as Error).message;
+      this.store.setState({ status: 'failed', failure, away });
+      if (away) return; // the list of tags would wait for the library too
     }
     void this.load_tags();
   }
@@ -309,7 +314,7 @@ export class LibraryBrowser {
   private async ask<T>(path: string, init?: RequestInit): Promise<T> {
     const response = await this.host.fetch(path, init);
     const body = (await response.json()) as T & { error?: ServiceError };
-    if (!response.ok) throw new RequestError(body.error, `The studio answered ${response.status}.`);
+    if (!response.ok) throw new RequestError(body.error, `The studio answered ${response.status}.`, response.status);
     return body;
   }
 }

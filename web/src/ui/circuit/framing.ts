@@ -23,7 +23,7 @@ export function useFraming(surface: Surface, panel: RefObject<HTMLDivElement | n
   const path = useCircuit((s) => s.path);
   const cursor = useCircuit((s) => s.cursor);
   const fitted = useRef(false);
-  /** The viewport was set: a panel that was mounted without ever being shown has no viewport to keep. */
+  /** True after the viewport was first set or moved. A panel that was never visible has no viewport worth saving when it is unmounted. */
   const placed = useRef(false);
 
   const fit = useCallback((ids?: ReadonlySet<string>) => {

@@ -8,7 +8,7 @@ import { unpack_floats, type ImportItem, type ImportSettings, type StagedFile } 
 import { format_bytes, format_length } from '../../core/library/words';
 import type { MechanismData } from '../../core/protocol';
 import { ImportView, type Markers } from '../../view/import_view';
-import { imports, parts, service_path, useImports, useStudio } from '../app';
+import { imports, parts, service_fetch, useImports, useStudio } from '../app';
 import { Icon } from '../icons';
 import { NumberField } from '../NumberField';
 import { poses_of } from './pictures';
@@ -290,7 +290,7 @@ function Report({ staged }: { staged: StagedFile }): ReactElement {
 
 let reference: Promise<MechanismData> | null = null;
 const reference_character = (): Promise<MechanismData> => {
-  reference ??= fetch(service_path('api/reference-character?height=1.8')).then((r) => r.json() as Promise<MechanismData>);
+  reference ??= service_fetch('api/reference-character?height=1.8').then((r) => r.json() as Promise<MechanismData>);
   reference.catch(() => (reference = null));
   return reference;
 };

@@ -118,12 +118,30 @@ export function LibraryPanel(): ReactElement {
         </button>
       </div>
       <Tags />
+      <Away />
       <Entries look={look} import_files={() => files.current?.click()} to_search={() => search.current?.focus()} />
       <Foot />
       <ConflictQuestion />
     </div>
   );
 }
+
+/** Reports a library that does not respond while older entries are still shown. */
+function Away(): ReactElement | null {
+  const failed = useLibrary((s) => s.status === 'failed' && s.entries.length > 0);
+  const failure = useLibrary((s) => s.failure);
+  const away = useLibrary((s) => s.away);
+  if (!failed) return null;
+  return (
+    <div className="nothing away" role="alert">
+      <strong>{failure_title(away)}</strong>
+      <p>{failure}</p>
+      <button type="button" onClick={() => void library.load()}>Retry</button>
+    </div>
+  );
+}
+
+const failure_title = (away: boolean): string => (away ? 'The library does not respond' : 'The library could not be read');
 
 /** Tag filter: the chosen tags, then others up to six in all; "more" shows the rest. */
 function Tags(): ReactElement | null {
@@ -287,6 +305,7 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
 function Empty({ import_files }: { import_files: () => void }): ReactElement | null {
   const status = useLibrary((s) => s.status);
   const failure = useLibrary((s) => s.failure);
+  const away = useLibrary((s) => s.away);
   const query = useLibrary((s) => s.query);
   const tags = useLibrary((s) => s.tags);
   const kind = useLibrary((s) => s.kind);
@@ -295,7 +314,7 @@ function Empty({ import_files }: { import_files: () => void }): ReactElement | n
   if (status === 'failed') {
     return (
       <div className="nothing" role="alert">
-        <strong>The library could not be read</strong>
+        <strong>{failure_title(away)}</strong>
         <p>{failure}</p>
         <button type="button" onClick={() => void library.load()}>Retry</button>
       </div>

@@ -6,7 +6,7 @@ import { picture_size } from '../../view/preview';
 import { add_character, append_motion } from '../actions';
 import { library, page, plain_canvas, session, usePage, useStudio } from '../app';
 import { Icon } from '../icons';
-import { character_color, moving, picture, preview_renderer, want_picture } from './pictures';
+import { character_color, drawn_picture, moving, preview_renderer, stored_path, stored_picture, want_picture } from './pictures';
 
 /** Adds an entry to the scenario, as a double click does: a mechanism as a character, a motion at the end of a track with its mechanism. */
 export function use_entry(entry: LibraryEntry): void {
@@ -110,19 +110,26 @@ function NameField({ entry, on_done }: { entry: LibraryEntry; on_done: (name: st
 
 /** Still picture of an entry. If the library has none, it is drawn after the card has been in view for 140 ms. */
 function StillPicture({ entry }: { entry: LibraryEntry }): ReactElement {
-  const [drawn, set_drawn] = useState<string | null>(null);
+  const [shown, set_shown] = useState<{ id: string; address: string | null } | null>(null);
   const [broken, set_broken] = useState(false);
-  const known = broken ? null : picture(entry);
+  const drawn = drawn_picture(entry);
+  const path = broken ? null : stored_path(entry);
   useEffect(() => {
-    if (known) return;
+    if (drawn) return;
+    let mounted = true;
     let cancel = (): void => undefined;
-    const timer = setTimeout(() => (cancel = want_picture(entry, set_drawn)), 140);
+    const show = (address: string | null): void => {
+      if (mounted) set_shown({ id: entry.id, address });
+    };
+    if (path) stored_picture(path).then(show, () => mounted && set_broken(true));
+    const timer = path ? undefined : setTimeout(() => (cancel = want_picture(entry, show)), 140);
     return () => {
+      mounted = false;
       clearTimeout(timer);
       cancel();
     };
-  }, [entry.id, known]);
-  const address = known ?? drawn;
+  }, [entry.id, drawn, path]);
+  const address = drawn ?? (shown?.id === entry.id ? shown.address : null);
   return address ? <img src={address} alt="" draggable={false} onError={() => set_broken(true)} /> : <Icon name={entry.kind === 'motion' ? 'wave' : 'character'} />;
 }
 

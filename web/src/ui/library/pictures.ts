@@ -2,7 +2,7 @@
 import { unpack_floats, type MotionPreview } from '../../core/library/imports';
 import type { LibraryEntry, MechanismData } from '../../core/protocol';
 import { picture_size, PreviewRenderer, type Poses } from '../../view/preview';
-import { service_path } from '../app';
+import { service_fetch } from '../app';
 
 export const character_color = '#d5d8df';
 
@@ -17,6 +17,7 @@ class RecentCache<T> {
   constructor(
     private readonly capacity: number,
     private readonly make: (id: string) => Promise<T>,
+    private readonly dropped: (value: T) => void = () => undefined,
   ) {}
 
   get(id: string): Promise<T> {
@@ -27,14 +28,17 @@ class RecentCache<T> {
     this.map.set(id, made);
     if (this.map.size > this.capacity) {
       const [oldest] = this.map.keys();
-      if (oldest !== undefined) this.map.delete(oldest);
+      if (oldest !== undefined) {
+        void this.map.get(oldest)?.then(this.dropped, () => undefined);
+        this.map.delete(oldest);
+      }
     }
     return made;
   }
 }
 
 async function json<T>(path: string): Promise<T> {
-  const response = await fetch(service_path(path));
+  const response = await service_fetch(path);
   if (!response.ok) throw new Error(`${path}: ${response.status}`);
   return (await response.json()) as T;
 }
@@ -70,15 +74,31 @@ const undrawable = new Set<string>(); // data ids of entries whose drawing faile
 const waiting: { entry: LibraryEntry; done: (address: string | null) => void }[] = [];
 let working = false;
 
-/** URL of an entry's still picture; null if it has to be drawn. */
-export function picture(entry: LibraryEntry): string | null {
-  const drawn = drawn_here.get(entry.id);
-  if (drawn) return drawn;
-  return entry.thumbnail && entry.entry ? service_path(`api/thumbnail/${encodeURIComponent(entry.entry)}?v=${entry.version ?? 1}`) : null;
-}
+/** URL of the picture of an entry that this page drew; null if it drew none. */
+export const drawn_picture = (entry: LibraryEntry): string | null => drawn_here.get(entry.id) ?? null;
+
+/** Path of the entry's picture in the library; null if the library has none. */
+export const stored_path = (entry: LibraryEntry): string | null =>
+  entry.thumbnail && entry.entry ? `api/thumbnail/${encodeURIComponent(entry.entry)}?v=${entry.version ?? 1}` : null;
+
+// An <img> cannot send the page's token, so pictures are fetched and shown by object URLs. Images that are shown keep their picture after
+// their URL was revoked.
+const stored = new RecentCache<string>(
+  400,
+  async (path) => {
+    const response = await service_fetch(path);
+    if (!response.ok) throw new Error(`${path}: ${response.status}`);
+    return URL.createObjectURL(await response.blob());
+  },
+  (address) => URL.revokeObjectURL(address),
+);
+
+/** Object URL of the picture at `path` (stored_path); rejected if the service does not send it. */
+export const stored_picture = (path: string): Promise<string> => stored.get(path);
 
 /**
- * Queues the drawing of an entry's picture; pictures are drawn one at a time, the newest request first. @return removes it from the queue
+ * Queues the drawing of an entry's picture; pictures are drawn one at a time, the newest request first.
+ * @return a function that removes the request from the queue
  */
 export function want_picture(entry: LibraryEntry, done: (address: string | null) => void): () => void {
   if (undrawable.has(entry.id)) {
@@ -104,7 +124,7 @@ async function work(): Promise<void> {
       if (blob) {
         address = URL.createObjectURL(blob);
         drawn_here.set(entry.id, address);
-        if (entry.entry && !entry.thumbnail) void fetch(service_path(`api/thumbnail/${encodeURIComponent(entry.entry)}`), { method: 'POST', body: blob }).catch(() => undefined);
+        if (entry.entry && !entry.thumbnail) void service_fetch(`api/thumbnail/${encodeURIComponent(entry.entry)}`, { method: 'POST', body: blob }).catch(() => undefined);
       } else {
         undrawable.add(entry.id);
       }

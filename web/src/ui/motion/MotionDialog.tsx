@@ -8,7 +8,7 @@ import type { With } from '../../core/motion/desk';
 import { find_operation, first_values, options_of, type Field, type Operation, type Value } from '../../core/motion/operations';
 import { describe_entry, from_service } from '../../core/library/words';
 import type { LibraryEntry, MechanismData } from '../../core/protocol';
-import { desk, service_path, session, useDesk, useStudio } from '../app';
+import { desk, service_fetch, session, useDesk, useStudio } from '../app';
 import { Backdrop } from '../dialogs';
 import { Icon } from '../icons';
 import { ChoiceField, NumberField, SwitchField } from '../NumberField';
@@ -125,7 +125,7 @@ function useEntries(kind: LibraryEntry['kind'], query: string): { entries: Libra
   useEffect(() => {
     const stop = new AbortController();
     const timer = setTimeout(() => {
-      fetch(service_path(`api/library?kind=${kind}&limit=50&q=${encodeURIComponent(query.trim())}`), { signal: stop.signal })
+      service_fetch(`api/library?kind=${kind}&limit=50&q=${encodeURIComponent(query.trim())}`, { signal: stop.signal })
         .then(async (response) => {
           if (!response.ok) throw new Error();
           const body = (await response.json()) as { entries: LibraryEntry[]; next: string | null };

@@ -1,0 +1,49 @@
+#pragma once
+// Probed values of a run, in memory that the guarded process shares with its parent. The rows survive a crash of the guarded process.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "ugoki/base/result.h"
+
+namespace ugoki::cli {
+
+/// A ring buffer of rows: a tick and the numbers of all probed pins. Open it before the fork; the child calls begin and add, and both
+/// processes read.
+class ProbeLog {
+ public:
+  static constexpr std::size_t max_rows = 100'000;  ///< that are kept; older ones are overwritten
+
+  ProbeLog() = default;
+  ProbeLog(const ProbeLog&) = delete;
+  ProbeLog& operator=(const ProbeLog&) = delete;
+  ~ProbeLog();
+
+  /// Error: the system has no memory file for it.
+  [[nodiscard]] Result<void> open();
+  /// Empties the log. @param width numbers of a row. Error: there is not enough memory.
+  [[nodiscard]] Result<void> begin(std::size_t width);
+  void add(std::uint64_t tick, std::span<const double> numbers);
+
+  /// Reads what another process has written. Call it after that process has ended. False: begin was never called.
+  [[nodiscard]] bool attach();
+  [[nodiscard]] std::size_t width() const { return header_ ? header_->width : 0; }  ///< 0: begin was never called
+  [[nodiscard]] std::size_t size() const;                                           ///< rows that are kept
+  [[nodiscard]] std::uint64_t tick(std::size_t row) const;                          ///< 0: the oldest row
+  [[nodiscard]] std::span<const double> numbers(std::size_t row) const;             ///< [width]
+
+ private:
+  struct Header {
+    std::uint64_t width, rows, written;  // rows: capacity; written: rows so far, including overwritten ones
+  };
+  [[nodiscard]] std::byte* row_at(std::uint64_t index) const;
+  [[nodiscard]] bool map(std::size_t bytes);
+  void unmap();
+
+  int file_ = -1;
+  Header* header_ = nullptr;  // begin of the mapping; the rows follow
+  std::size_t bytes_ = 0;     // of the mapping
+};
+
+}  // namespace ugoki::cli

@@ -1,0 +1,172 @@
+#include "ugoki/project/stamp.h"
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace ugoki::project {
+namespace {
+
+constexpr std::string_view mark = "ugoki stamp";  // makes the row recognisable in a page
+
+/// Big-endian u32.
+std::uint32_t big32(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint32_t>(bytes[at + i]);
+  return value;
+}
+
+/// Checksum of the write-ahead log, https://www.sqlite.org/fileformat2.html#checksum_algorithm
+struct LogChecksum {
+  bool big_endian = false;
+  std::uint32_t s0 = 0, s1 = 0;
+  void add(std::span<const std::byte> bytes) {
+    for (std::size_t i = 0; i + 8 <= bytes.size(); i += 8) {
+      std::uint32_t a = big32(bytes, i), b = big32(bytes, i + 4);
+      if (!big_endian) a = __builtin_bswap32(a), b = __builtin_bswap32(b);
+      s0 += a + s1;
+      s1 += b + s0;
+    }
+  }
+};
+
+/// The stamps of the committed transactions in a log.
+struct LogStamps {
+  bool has_transactions = false;
+  std::vector<StampRow> rows;
+};
+
+/// Reads a log as SQLite does: up to the first frame with another salt or a wrong checksum.
+/// Source: https://www.sqlite.org/fileformat2.html#the_write_ahead_log
+LogStamps read_log(const std::string& path) {
+  LogStamps out;
+  std::ifstream file(path, std::ios::binary);
+  const auto read = [&](std::span<std::byte> bytes) {
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    return file.gcount() == static_cast<std::streamsize>(bytes.size());
+  };
+  std::array<std::byte, 32> header{};
+  if (!read(header)) return out;
+  const std::span<const std::byte> head(header);
+  const std::uint32_t magic = big32(head, 0), page_size = big32(head, 8);
+  if ((magic & ~1u) != 0x377f0682u || page_size < 512 || page_size > 65536) return out;
+  LogChecksum sum{.big_endian = (magic & 1u) != 0};
+  sum.add(head.first(24));
+  if (sum.s0 != big32(head, 24) || sum.s1 != big32(head, 28)) return out;
+  std::array<std::byte, 24> frame{};
+  std::vector<std::byte> page(page_size);
+  std::vector<StampRow> uncommitted;
+  while (read(frame) && read(page)) {
+    const std::span<const std::byte> f(frame);
+    if (!std::equal(f.begin() + 8, f.begin() + 16, head.begin() + 16)) break;  // frame of an earlier use of the file
+    sum.add(f.first(8));
+    sum.add(page);
+    if (sum.s0 != big32(f, 16) || sum.s1 != big32(f, 20)) break;
+    if (const std::optional<StampRow> row = stamp_on_page(page)) uncommitted.push_back(*row);
+    if (big32(f, 4) == 0) continue;  // not the last frame of its transaction
+    out.has_transactions = true;
+    out.rows.insert(out.rows.end(), uncommitted.begin(), uncommitted.end());
+    uncommitted.clear();
+  }
+  return out;
+}
+
+bool belongs(const std::optional<StampRow>& file, const LogStamps& log) {
+  if (!log.has_transactions) return true;
+  if (!file) return log.rows.empty();  // version 1
+  if (log.rows.empty()) return false;
+  return file->stamp == log.rows.front().previous ||
+         std::any_of(log.rows.begin(), log.rows.end(), [&](const StampRow& row) { return row.stamp == file->stamp; });
+}
+
+/// The stamp in the database file without its log.
+Result<std::optional<StampRow>> stamp_in_file(const std::string& path) {
+  Result<store::Database> file = store::Database::open(path, store::OpenMode::main_file_only);
+  if (!file) return fail(std::move(file.error()));
+  return read_stamp(*file);
+}
+
+}  // namespace
+
+Result<void> advance_stamp(store::Database& database) {
+  Result<std::optional<StampRow>> now = read_stamp(database);
+  if (!now) return fail(std::move(now.error()));
+  std::array<std::byte, 32> value{};
+  if (*now) std::copy((*now)->stamp.begin(), (*now)->stamp.end(), value.begin() + 16);
+  if (::getrandom(value.data(), 16, 0) != 16)
+    return fail(ErrorCode::io, database.path(), "The system returned no random number.", "Try again.");
+  Result<store::Statement> put = database.prepare("INSERT OR REPLACE INTO stamp (number, mark, value) VALUES (1, ?1, ?2)");
+  if (!put) return fail(std::move(put.error()));
+  return put->bind(1, mark).bind_blob(2, value).run();
+}
+
+Result<std::optional<StampRow>> read_stamp(store::Database& database) {
+  const Result<std::int64_t> tables = database.integer("SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'stamp'");
+  if (!tables) return fail(tables.error());
+  if (*tables == 0) return std::nullopt;
+  Result<store::Statement> row = database.prepare("SELECT value FROM stamp WHERE number = 1");
+  if (!row) return fail(std::move(row.error()));
+  const Result<bool> found = row->step();
+  if (!found) return fail(found.error());
+  if (!*found) return std::nullopt;
+  const std::vector<std::byte> value = row->blob(0);
+  if (value.size() != 32) return std::nullopt;
+  StampRow out;
+  std::copy_n(value.begin(), 16, out.stamp.begin());
+  std::copy_n(value.begin() + 16, 16, out.previous.begin());
+  return out;
+}
+
+std::optional<StampRow> stamp_on_page(std::span<const std::byte> page) {
+  // A table leaf with one cell. The cell: payload size, rowid 1, record header (size and three types, each one byte: NULL for the rowid
+  // column, text, blob), mark, value. Source: https://www.sqlite.org/fileformat2.html#b_tree_pages
+  constexpr std::size_t header = 4, size = header + mark.size() + 32;
+  if (page.size() < 512 || page[0] != std::byte{0x0d} || page[3] != std::byte{0} || page[4] != std::byte{1}) return std::nullopt;
+  const std::size_t cell = static_cast<std::size_t>(page[8]) << 8 | static_cast<std::size_t>(page[9]);
+  if (cell + 2 + size > page.size()) return std::nullopt;
+  const std::array<std::byte, 2 + header> expected = {
+      std::byte{size}, std::byte{1}, std::byte{header}, std::byte{0}, std::byte{13 + 2 * mark.size()}, std::byte{12 + 2 * 32}};
+  if (!std::equal(expected.begin(), expected.end(), page.begin() + static_cast<std::ptrdiff_t>(cell))) return std::nullopt;
+  const std::span<const std::byte> text = page.subspan(cell + expected.size(), mark.size());
+  if (std::memcmp(text.data(), mark.data(), mark.size()) != 0) return std::nullopt;
+  const std::span<const std::byte> value = page.subspan(cell + expected.size() + mark.size(), 32);
+  StampRow out;
+  std::copy_n(value.begin(), 16, out.stamp.begin());
+  std::copy_n(value.begin() + 16, 16, out.previous.begin());
+  return out;
+}
+
+Result<void> check_log(const std::string& path) {
+  const std::string log = path + "-wal";
+  std::error_code missing;
+  if (std::filesystem::file_size(log, missing) == 0 || missing) return {};
+  // A program that edits the file may merge the log between the two reads. The comparison is then repeated.
+  constexpr int max_attempts = 20;
+  for (int attempt = 0;; ++attempt) {
+    const Result<std::optional<StampRow>> before = stamp_in_file(path);
+    const LogStamps stamps = read_log(log);
+    const Result<std::optional<StampRow>> after = stamp_in_file(path);
+    const bool stable = before && after && *before == *after;
+    if (stable && belongs(*before, stamps)) return {};
+    if (attempt + 1 < max_attempts && !stable) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      continue;
+    }
+    if (!after) return fail(after.error());
+    return fail(ErrorCode::conflict, path,
+                "The write-ahead log " + log +
+                    " belongs to another database file: the project was replaced or restored after a crash or while it was open.",
+                "To open the file as it is, move " + log + " and " + path +
+                    "-shm to another folder; to recover the unmerged edits, restore the file that was replaced. Nothing was changed.");
+  }
+}
+
+}  // namespace ugoki::project

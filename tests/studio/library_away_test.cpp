@@ -1,0 +1,149 @@
+// A studio whose library is on a PostgreSQL server that stops responding: everything else goes on, and nothing acknowledged is lost.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "../content/fixture.h"
+#include "../store/postgres_server.h"
+#include "client.h"
+#include "page.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+#include "ugoki/store/library.h"
+#include "ugoki/studio/studio.h"
+
+namespace ugoki::studio {
+namespace {
+
+using nlohmann::json;
+using test::Page;
+using test::Reply;
+
+class LibraryAwayTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    server_ = store::PostgresServer::get();
+    if (server_ == nullptr) GTEST_SKIP() << store::PostgresServer::unavailable_reason();
+    location_ = server_->fresh_library();
+    std::string name = (std::filesystem::temp_directory_path() / "ugoki-away-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    const auto bytes = [](const std::string& text) {
+      const auto* p = reinterpret_cast<const std::byte*>(text.data());
+      return std::vector<std::byte>(p, p + text.size());
+    };
+    Result<store::Library> library = store::Library::open(location_);
+    ASSERT_TRUE(library) << library.error().text();
+    store::LibraryItem body{
+        store::EntryKind::mechanism, "walker", "{}", {}, bytes(formats::write_mechanism(*content::testing::make_walker()))};
+    const std::string body_id = store::entry_id(store::EntryKind::mechanism, body.data);
+    store::LibraryItem motion{store::EntryKind::motion,
+                              "run",
+                              R"({"duration":1,"mechanism":")" + body_id + R"("})",
+                              {},
+                              formats::write_motion(content::testing::make_walk("run", 1, 3, 0, false))};
+    const auto put = library->put(std::vector{body, motion});
+    ASSERT_TRUE(put) << put.error().text();
+    motion_ = (*put)[1];
+    Result<project::Project> project =
+        project::Project::create(folder_ + "/park.ugoki", content::testing::make_scenario(), content::testing::make_resources());
+    ASSERT_TRUE(project) << project.error().text();
+    StudioOptions options;
+    options.library_path = location_;
+    options.interpreter = {"/proc/self/exe", {"interpret-fake"}};
+    Result<std::unique_ptr<Studio>> started = Studio::start(options, std::move(*project));
+    ASSERT_TRUE(started) << started.error().text();
+    studio_ = std::move(*started);
+  }
+  void TearDown() override {
+    if (server_ != nullptr) server_->thaw();
+    studio_.reset();
+    if (!folder_.empty()) std::filesystem::remove_all(folder_);
+  }
+  Reply api(const std::string& method, const std::string& target, const std::string& body = "") const {
+    return test::request(studio_->port(), method, target, {"Authorization: Bearer " + studio_->token()}, body);
+  }
+  json clip_add(double start) const {
+    return {{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", motion_}, {"start", start}}}};
+  }
+
+  store::PostgresServer* server_ = nullptr;
+  std::string location_, folder_, motion_;
+  std::unique_ptr<Studio> studio_;
+};
+
+TEST_F(LibraryAwayTest, DISABLED_OtherRequestsAreAnsweredAndTheLibraryComesBack) {
+  ASSERT_EQ(api("GET", "/api/library").status, 200);
+  Page page(studio_->port(), studio_->token());
+  ASSERT_TRUE(page.ask({{"op", "hello"}})["ok"]);
+  const Reply renamed = api("POST", "/api/entry/" + motion_, R"({"base": 1, "name": "run fast"})");
+  ASSERT_EQ(renamed.status, 200) << renamed.body;
+
+  server_->freeze();
+  std::vector<std::future<Reply>> lists;
+  for (int i = 0; i < 20; ++i) lists.push_back(std::async(std::launch::async, [this] { return api("GET", "/api/library"); }));
+  std::future<Reply> save =
+      std::async(std::launch::async, [this] { return api("POST", "/api/entry/" + motion_, R"({"base": 2, "name": "lost"})"); });
+  const int add = page.post(clip_add(6.5));  // reads the library
+  // None of these waits for the library. The lists are still waiting when they have been answered.
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(api("GET", "/api/reference-character").status, 200);
+    EXPECT_EQ(api("GET", "/api/mechanism/m-walker").status, 200);
+    EXPECT_EQ(api("GET", "/api/motion/n-walk").status, 200);
+    EXPECT_TRUE(page.ask({{"op", "hello"}})["ok"]);
+    EXPECT_TRUE(page.ask({{"op", "pause"}})["ok"]);
+  }
+  Page other(studio_->port(), studio_->token());
+  EXPECT_TRUE(other.ask({{"op", "command"}, {"command", {{"type", "scenario.set"}, {"name", "edited"}}}})["ok"]);
+  EXPECT_TRUE(lists.front().wait_for(std::chrono::seconds(0)) == std::future_status::timeout);
+  // All twenty are answered after one time limit, not one after another.
+  for (std::future<Reply>& list : lists) {
+    ASSERT_EQ(list.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+    const Reply reply = list.get();
+    EXPECT_EQ(reply.status, 503) << reply.body;
+    EXPECT_NE(reply.body.find("does not respond"), std::string::npos) << reply.body;
+  }
+  ASSERT_EQ(save.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  EXPECT_EQ(save.get().status, 503);
+  const json refused = page.reply(add);
+  EXPECT_FALSE(refused["ok"]) << refused;
+  EXPECT_NE(refused.dump().find("does not respond"), std::string::npos) << refused;
+
+  server_->thaw();
+  EXPECT_FALSE(other.event("library").is_null()) << "pages are notified when the library is back";
+  const Reply list = api("GET", "/api/library");
+  ASSERT_EQ(list.status, 200) << list.body;
+  EXPECT_NE(list.body.find("run fast"), std::string::npos) << "an acknowledged change is kept";
+  EXPECT_EQ(list.body.find("lost"), std::string::npos) << "a refused change is not stored";
+  EXPECT_TRUE(page.ask(clip_add(6.5))["ok"]);
+}
+
+TEST_F(LibraryAwayTest, ChangesOfOtherPeopleReachOpenPages) {
+  Page page(studio_->port(), studio_->token());
+  ASSERT_TRUE(page.ask({{"op", "hello"}})["ok"]);
+  ASSERT_EQ(api("GET", "/api/library").status, 200);
+  ::usleep(3'000'000);  // the first poll begins to observe the library
+  Result<store::Library> library = store::Library::open(location_);
+  ASSERT_TRUE(library);
+  ASSERT_TRUE(library->rename(motion_, "renamed elsewhere"));
+  EXPECT_FALSE(page.event("library").is_null());
+}
+
+TEST_F(LibraryAwayTest, EditsOfAPageAreAppliedInOrder) {
+  Page page(studio_->port(), studio_->token());
+  ASSERT_TRUE(page.ask({{"op", "hello"}})["ok"]);
+  const int add = page.post(clip_add(6.5)), undo = page.post({{"op", "undo"}});
+  EXPECT_TRUE(page.reply(add)["ok"]);
+  const json undone = page.reply(undo);
+  EXPECT_TRUE(undone["ok"]) << undone;
+}
+
+}  // namespace
+}  // namespace ugoki::studio
