@@ -16,7 +16,7 @@ if(UGOKI_SANITIZE)
   target_link_options(ugoki_settings INTERFACE -fsanitize=${UGOKI_SANITIZE})
 endif()
 
-# ugoki_module(<name> SOURCES <files>... [DEPENDS <modules>...] [PRIVATE_LIBS <targets>...]): the library ugoki_<name>.
+# ugoki_module(<name> SOURCES <files>... [DEPENDS <modules>...] [PRIVATE_LIBS <targets>...]): adds the library ugoki_<name>.
 function(ugoki_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_LIBS" ${ARGN})
   if(ARG_SOURCES)
@@ -35,7 +35,7 @@ function(ugoki_module name)
   set_property(GLOBAL PROPERTY UGOKI_DEPENDS_${name} "${ARG_DEPENDS}")
 endfunction()
 
-# ugoki_test(<module> SOURCES <files>... [DEPENDS <modules>...] [LIBS <targets>...]): one GoogleTest program for a module.
+# ugoki_test(<module> SOURCES <files>... [DEPENDS <modules>...] [LIBS <targets>...]): adds one GoogleTest program for a module.
 function(ugoki_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LIBS" ${ARGN})
   find_package(GTest REQUIRED)

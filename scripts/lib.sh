@@ -92,3 +92,13 @@ web_build() {
   [ "$wanted" != "$(cat "$stamp" 2>/dev/null || true)" ] || return 0
   step "web page (vite)" web-build npm --prefix "$root/web" run build && printf '%s' "$wanted" >"$stamp"
 }
+
+# Builds the player for exported pages: the engine as WebAssembly and the page around it, in build/release/share/ugoki.
+player_build() {
+  local folder="$root/build/release/share/ugoki" stamp wanted
+  stamp="$folder/.built"
+  configure wasm && build wasm ugoki_player_wasm && web_packages || return 1
+  wanted=$(web_sources_hash; sha256sum <"$root/build/wasm/bin/ugoki_player.wasm")
+  [ "$wanted" != "$(cat "$stamp" 2>/dev/null || true)" ] || return 0
+  step "player page (vite)" player-build node "$root/web/player/build.mjs" "$root/build/wasm/bin/ugoki_player.wasm" "$folder" && printf '%s' "$wanted" >"$stamp"
+}

@@ -174,6 +174,9 @@ def run_all(options):
         report(timed(vitest_suite, root, results))
     if options.e2e:
         report(timed(lines_suite, "e2e", ["npm", "run", "--silent", "e2e"], FAST_SECONDS, cwd=root / "web"))
+    if options.export:
+        report(timed(lines_suite, "export", ["node", "e2e/export.mjs"] + (["--slow"] if options.slow else []),
+                     SLOW_SECONDS if options.slow else FAST_SECONDS, cwd=root / "web"))
     if options.unbuilt:
         report(Outcome("build", failed=1, report="The build failed; see above."))
 
@@ -196,7 +199,7 @@ def main():
     runner.add_argument("--results", required=True)
     runner.add_argument("--pattern", default="")
     runner.add_argument("--programs", action="append", default=[], metavar="PRESET")
-    for flag in ("--slow", "--words", "--wasm", "--web", "--e2e", "--unbuilt"):
+    for flag in ("--slow", "--words", "--wasm", "--web", "--e2e", "--export", "--unbuilt"):
         runner.add_argument(flag, action="store_true")
     options = parser.parse_args()
     if options.verb == "list":

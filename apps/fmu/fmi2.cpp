@@ -14,7 +14,7 @@ using fmi::InterfaceType;
 
 fmi2Status status_of(bool good) { return good ? fmi2OK : fmi2Error; }
 
-/// guarded() for functions with other results than OK and Error. @param work (Instance&) -> fmi2Status
+/// Like guarded(), for functions that may also return another status, such as fmi2Discard. @param work (Instance&) -> fmi2Status
 template <class Work>
 fmi2Status guarded2(fmi2Component c, const char* function, Work work) {
   return guarded(c, function, fmi2Error, work);
@@ -23,12 +23,12 @@ fmi2Status guarded2(fmi2Component c, const char* function, Work work) {
 fmi2Status refused(fmi2Component c, const char* function, const char* why) {
   return guarded2(c, function, [&](Instance& self) { return status_of(self.refuse(why)); });
 }
-/// @return fmi2Discard: the requested status is not available
+/// Answers a query for a status that is not available. @return fmi2Discard
 fmi2Status discarded(fmi2Component c, const char* function) {
   return guarded2(c, function, [](Instance&) { return fmi2Discard; });
 }
 
-/// Implements fmi2GetReal, fmi2GetInteger and fmi2GetBoolean. @param types of variables that the function reads
+/// Implements fmi2GetReal, fmi2GetInteger and fmi2GetBoolean. @param types types of the variables that the function reads
 template <class T>
 fmi2Status get(fmi2Component c, const char* function, std::initializer_list<InterfaceType> types, const fmi2ValueReference* references,
                std::size_t n, T* values) {
@@ -50,7 +50,7 @@ fmi2Status get(fmi2Component c, const char* function, std::initializer_list<Inte
   }));
 }
 
-/// Implements fmi2SetReal, fmi2SetInteger and fmi2SetBoolean. @param truth values are booleans
+/// Implements fmi2SetReal, fmi2SetInteger and fmi2SetBoolean. @param truth true: the values are booleans
 template <class T>
 fmi2Status set(fmi2Component c, const char* function, std::initializer_list<InterfaceType> types, const fmi2ValueReference* references,
                std::size_t n, const T* values, bool truth = false) {

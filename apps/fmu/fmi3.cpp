@@ -1,5 +1,5 @@
-// The functions of FMI 3.0 co-simulation, on top of a Session. The functions of the other interface types exist, as the standard requires,
-// and return an error.
+// The functions of FMI 3.0 co-simulation, on top of a Session. The functions for model exchange and scheduled execution only return an
+// error; the standard requires that they exist.
 
 #include "ugoki/fmi/abi3.h"
 
@@ -17,18 +17,19 @@ fmi3Status unsupported(fmi3Instance instance, const char* function) {
   return status_of(
       guarded(instance, function, [&](Instance& self) { return self.refuse(std::string(function) + " is not supported by this FMU."); }));
 }
-/// @return fmi3OK if the instance exists
+/// Accepts a call that needs no action. @return fmi3OK if the instance exists, otherwise fmi3Error
 fmi3Status accepted(fmi3Instance instance, const char* function) {
   return status_of(guarded(instance, function, [](Instance&) { return true; }));
 }
 
-/// Index of the variable whose first value reference is `reference`, if it is of one of these types.
+/// Index of the variable that has one of these types and whose first value reference is `reference`; otherwise none.
 std::optional<std::size_t> find(const Instance& self, fmi3ValueReference reference, std::initializer_list<InterfaceType> types) {
   const std::optional<std::size_t> i = find_variable(self, reference, types);
   return i && self.session->interface().variables[*i].reference == reference ? i : std::nullopt;
 }
 
-/// Splits `count` values among the variables: calls work(variable, index of its first value, numbers) with room for its elements.
+/// Splits an array of `count` values among the variables. For each variable, calls work(variable, index of its first value in the array,
+/// buffer with one number for each element of the variable).
 template <class Work>
 bool for_variables(Instance& self, const char* function, std::initializer_list<InterfaceType> types,
                    std::span<const fmi3ValueReference> references, std::size_t count, Work work) {
@@ -46,7 +47,7 @@ bool for_variables(Instance& self, const char* function, std::initializer_list<I
   return at == count || self.refuse(std::string(function) + ": there are more values than the variables have elements.");
 }
 
-/// Implements fmi3Get<Type>. @param types of variables that the function reads; none: this FMU has no variable of the type
+/// Implements fmi3Get<Type>. @param types types of the variables that the function reads; empty: no variable of an FMU has them
 template <class T>
 fmi3Status get(fmi3Instance instance, const char* function, std::initializer_list<InterfaceType> types,
                const fmi3ValueReference* references, std::size_t n, T* values, std::size_t count) {
@@ -74,7 +75,7 @@ fmi3Status set(fmi3Instance instance, const char* function, std::initializer_lis
   }));
 }
 
-/// True if there are as many strings as value references; otherwise logs an error.
+/// True if the number of strings m equals the number of value references n; otherwise logs an error.
 bool as_many(fmi3Instance instance, const char* function, std::size_t n, std::size_t m) {
   return n == m || guarded(instance, function, [&](Instance& self) {
            return self.refuse(std::string(function) + ": there are " + std::to_string(m) + " values for " + std::to_string(n) +
@@ -216,7 +217,7 @@ UGOKI_FMI_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3By
   return status_of(read_state(c, "fmi3DeserializeFMUState", {reinterpret_cast<const std::byte*>(from), size}, state));
 }
 
-// Optional functions that this FMU does not support, and functions of the other interface types.
+// Optional functions that this FMU does not support, and functions for model exchange and scheduled execution.
 
 UGOKI_FMI_EXPORT fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference, std::size_t*) {
   return unsupported(c, "fmi3GetNumberOfVariableDependencies");

@@ -17,13 +17,13 @@
 
 namespace ugoki::fmu {
 
-/// An instance. The tool has its address as a handle.
+/// An instance of the FMU. The importing tool uses its address as a handle.
 struct Instance {
   std::function<void(const std::string&)> log;  ///< logs an error in the importing tool
   std::unique_ptr<Session> session;
   Registry<Snapshot> snapshots;
   std::vector<std::string> texts;  ///< strings returned by the last GetString; valid until the next one
-  bool failed = false;             ///< after an error; only reset, restoring a state and freeing are allowed
+  bool failed = false;             ///< an error occurred: only reset, restoring a state and freeing are allowed
 
   /// Logs a message. @return false
   bool refuse(const std::string& text) const {
@@ -76,7 +76,7 @@ bool may_get(const Instance& self, const char* function, std::size_t n, const vo
 bool may_set(const Instance& self, const char* function, std::size_t n, const void* references, const void* values);
 /// Logs that no variable of the function's type has this value reference. @return false
 bool unknown_reference(const Instance& self, const char* function, std::uint32_t reference);
-/// Index of the variable with a value reference, if it is of one of these types.
+/// Index of the variable that contains this value reference and has one of these types; otherwise none.
 [[nodiscard]] std::optional<std::size_t> find_variable(const Instance& self, std::uint32_t reference,
                                                        std::initializer_list<fmi::InterfaceType> types);
 bool get_texts(void* instance, const char* function, const std::uint32_t* references, std::size_t n, const char** values);

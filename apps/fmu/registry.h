@@ -1,5 +1,5 @@
 #pragma once
-// Registry of objects whose pointers are given to the other tool. A call with an unknown pointer, for example of a freed instance, is
+// Registry of objects whose pointers are given to the importing tool. A call with an unknown pointer, for example of a freed instance, is
 // refused instead of causing undefined behaviour.
 
 #include <algorithm>

@@ -17,8 +17,8 @@ using fmi::InterfaceRole;
 using fmi::InterfaceType;
 using fmi::InterfaceVariable;
 
-// Relative to a tick: communication points this close to a tick coincide with it. Other tools add up their steps, which accumulates
-// rounding.
+// Fraction of the tick length: a communication point this close to a tick coincides with the tick. Importing tools add up their steps,
+// which accumulates rounding errors.
 constexpr double slack = 1e-6;
 
 std::string first_problem(const Error& error) {
@@ -189,7 +189,7 @@ std::string Session::reset() {
   return {};
 }
 
-/// Why the circuit stopped.
+/// Message with the reason why the circuit stopped.
 std::string Session::stop_words() const {
   const circuit::Stop* stop = running_->stopped();
   return stop ? stop->text() : "The circuit did not compute the tick.";
@@ -251,7 +251,8 @@ std::uint64_t Session::ticks_until(double time, bool& due) const {
   return static_cast<std::uint64_t>(std::max(0.0, due ? whole : std::ceil(ticks)));
 }
 
-/// Updates seen_ to the outputs at now_: computes the tick at now_ ahead, if there is one, and refreshes outputs on demand.
+/// Updates seen_ to the outputs at now_. If there is a tick at now_, computes this tick ahead. Refreshes the outputs of LSIs that run on
+/// demand.
 std::string Session::update_outputs() {
   if (fresh_) return {};
   if (!running_)

@@ -42,8 +42,8 @@ struct Snapshot {
 
 /// An instance of the circuit. Its ticks have a fixed length; a communication step computes all ticks from its start up to, but not
 /// including, its end. Inputs are constant during a step. Outputs are those of the tick at the current communication point. This tick is
-/// computed ahead when an output is read for the first time. The next step keeps it, unless an input changes before: then it is undone (see
-/// ahead_). Functions with a string result return an error message; empty: success.
+/// computed ahead when an output is read for the first time. The next step keeps this tick. If an input changes before the step, the
+/// tick is undone (see ahead_). Functions with a string result return an error message; empty: success.
 class Session {
  public:
   /// Opens the circuit of an FMU.
@@ -78,7 +78,7 @@ class Session {
 
  private:
   Session() = default;
-  void to_start();  // the state after open()
+  void to_start();  // restores the state after open()
   [[nodiscard]] std::string may_set(const fmi::InterfaceVariable& v) const;
   [[nodiscard]] std::string build();
   void write_input(std::size_t variable);  // to the interpreter
@@ -97,14 +97,14 @@ class Session {
   Mode mode_ = Mode::instantiated;
   double start_ = 0, now_ = 0;
   std::optional<double> stop_;
-  std::vector<std::vector<double>> values_;  // [variables] of inputs and parameters
-  std::vector<std::string> texts_;           // [variables] of text parameters
+  std::vector<std::vector<double>> values_;  // [variables] values of inputs and parameters
+  std::vector<std::string> texts_;           // [variables] values of text parameters
   std::optional<circuit::Interpreter> running_;
   std::vector<std::byte> before_;  // state of the interpreter before the tick that was computed ahead
   std::vector<double> seen_;       // values of the outputs in the last tick
   bool ahead_ = false;             // the tick at now_ has been computed
   bool fresh_ = false;             // seen_ has the outputs at now_ for the current inputs
-  bool refreshes_ = false;         // some outputs are of LSIs that run on demand
+  bool refreshes_ = false;         // some outputs belong to LSIs that run on demand
 };
 
 }  // namespace ugoki::fmu

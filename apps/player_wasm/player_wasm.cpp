@@ -3,15 +3,17 @@
 //
 //   ugoki_allocate(size) -> address, ugoki_release(address)   memory for the bytes to open and for states
 //   ugoki_open(address, size) -> 1 opened, 0 refused          ugoki_message() is the reason
-//   ugoki_step(n) -> steps done                               fewer than n: it stopped, ugoki_message() is the reason
+//   ugoki_step(n) -> steps done                               fewer than n: the run stopped, ugoki_message() is the reason
 //   ugoki_time(), ugoki_step_size(), ugoki_duration(), ugoki_frame_rate()
 //   ugoki_hash_low(), ugoki_hash_high()                       state hash
 //   ugoki_frame(number, flags) -> address, ugoki_frame_size() a frame as in docs/studio-protocol.md
 //   ugoki_push, ugoki_grab, ugoki_drag, ugoki_drop            inputs, indices as in the frame
 //   ugoki_input(address, size) -> 1 accepted, 0 refused       keyboard, mouse and gamepads: the fields of `input` in that document, as JSON
 //   ugoki_devices() -> address, ugoki_message_size()          devices that the content reads, as JSON: the fields of the event `devices`
-//   ugoki_reset()
-//   ugoki_message() -> address, ugoki_message_size()          UTF-8
+//   ugoki_scene() -> address, ugoki_message_size()            what a page shows before the first frame: scene_json() of the content module
+//   ugoki_schedule(address, size) -> 1 accepted, 0 refused    recorded inputs, as JSON (docs/export.md); they act at their steps after a
+//   reset ugoki_inputs() -> address, ugoki_message_size()           the inputs since the last reset, in the same form ugoki_steps() steps
+//   since time 0 ugoki_reset() ugoki_message() -> address, ugoki_message_size()          UTF-8
 
 #include <cstdint>
 #include <cstdlib>
@@ -19,6 +21,8 @@
 #include <string>
 #include <vector>
 
+#include "ugoki/content/inputs.h"
+#include "ugoki/content/mechanism_display.h"
 #include "ugoki/content/player.h"
 
 #define PLAYER_EXPORT(name) extern "C" __attribute__((export_name(#name), used))
@@ -128,6 +132,30 @@ PLAYER_EXPORT(ugoki_devices) const char* ugoki_devices() {
   s.message = ugoki::circuit::write_device_use(s.player ? s.player->devices().use() : ugoki::circuit::DeviceUse{});
   return s.message.data();
 }
+
+PLAYER_EXPORT(ugoki_scene) const char* ugoki_scene() {
+  Session& s = session();
+  s.message = s.player ? ugoki::content::scene_json(s.player->content()) : "{}";
+  return s.message.data();
+}
+
+PLAYER_EXPORT(ugoki_schedule) std::int32_t ugoki_schedule(const char* json, std::uint32_t size) {
+  Session& s = session();
+  if (!s.player) return 0;
+  auto inputs = ugoki::content::read_inputs({json, size}, s.player->content(), "inputs");
+  if (!inputs) {
+    s.message = inputs.error().text();
+    return 0;
+  }
+  s.player->schedule(std::move(*inputs));
+  return 1;
+}
+PLAYER_EXPORT(ugoki_inputs) const char* ugoki_inputs() {
+  Session& s = session();
+  s.message = s.player ? ugoki::content::write_inputs(s.player->inputs(), s.player->content()) : "{}";
+  return s.message.data();
+}
+PLAYER_EXPORT(ugoki_steps) double ugoki_steps() { return session().player ? static_cast<double>(session().player->step_count()) : 0; }
 
 PLAYER_EXPORT(ugoki_message) const char* ugoki_message() { return session().message.data(); }
 PLAYER_EXPORT(ugoki_message_size) std::uint32_t ugoki_message_size() { return static_cast<std::uint32_t>(session().message.size()); }

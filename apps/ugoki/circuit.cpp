@@ -27,7 +27,7 @@ int guarded(const Options& o, int (*work)(const Options&)) {
   return done ? *done : print_error(done.error(), o.json);
 }
 
-/// Builds circuits without running them and reports their errors, and warnings, which do not change the exit status.
+/// Builds circuits without running them and reports their errors and warnings. Warnings do not change the exit status.
 int run_check(const Options& o) {
   return guarded(o, [](const Options& options) {
     const std::shared_ptr<plugin::LiveLibrary> live = open_libraries(options);

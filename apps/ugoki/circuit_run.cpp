@@ -88,10 +88,10 @@ Json numbers_json(std::span<const double> x) {
   return out;
 }
 
-/// Starts the probes. The rows that are in the log stay there if the width of a row is the same.
+/// Starts the probes. Rows that are already in the log are kept if the new rows have the same width.
 Result<void> start_probes(Interpreter& interpreter, const CircuitOptions& o, ProbeLog& log) {
   if (o.probes.empty()) return {};
-  // One row: it is copied to the log after each tick.
+  // The interpreter needs memory for one row only, because the row is copied to the log after each tick.
   if (Result<void> done = interpreter.set_probes(o.probes, 1, static_cast<std::uint32_t>(o.every)); !done) return done;
   std::size_t width = 0;
   for (const std::string& pin : o.probes)
@@ -208,7 +208,7 @@ int run_inside(const CircuitOptions& o, ProbeLog& log) {
   const auto begin = std::chrono::steady_clock::now();
   auto last_poll = begin;
   int hit = -1;
-  Error stopped;  // of an LSI
+  Error stopped;  // error of the LSI that stopped the circuit
   while (interpreter->ticks() < ticks && hit < 0 && stopped.empty() && !interrupted()) {
     if (osc) receive(*osc, *interpreter);
     const bool good = interpreter->tick();

@@ -23,7 +23,7 @@ struct CircuitOptions {
 };
 
 [[nodiscard]] Result<circuit::Circuit> load_circuit(const std::string& path);
-/// The standard library and the installed libraries. Prints messages about them to stderr.
+/// Opens the standard library and the installed libraries of LSIs. Prints messages about them to stderr.
 [[nodiscard]] std::shared_ptr<plugin::LiveLibrary> open_libraries(const CircuitOptions& o);
 
 /// Runs the circuit. @return the exit status

@@ -268,8 +268,7 @@ void add_convert_verb(CLI::App& app, Action& action) {
   verb->add_flag("--radians", o->radians, "CSV: angles in rad instead of degrees");
   verb->add_flag("--fill", o->fill, "Recordings of markers: fill gaps and remove spikes (default: as recorded)");
   verb->add_option("--mechanism", o->mechanism, "Mechanism of the coordinates in a CSV file");
-  verb->add_option("--unit", o->source.intake.unit, "Metres per unit of length of the input (default: as the file specifies, or estimated)")
-      ->check(CLI::Range(1e-6, 1000.0));
+  add_correction_options(*verb, o->source);
   verb->add_option("--rate", o->source.intake.rate, "Frames per second of AMC files, which do not store it")
       ->check(CLI::Range(1.0, 10000.0))
       ->capture_default_str();

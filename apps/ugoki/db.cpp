@@ -298,7 +298,7 @@ store::LibraryQuery query_of(const Options& options, store::LibraryOrder usual) 
 
 Json summary_of(const LibraryEntry& entry) {
   Json summary = Json::parse(entry.summary, nullptr, false);
-  json::rename_field(summary, "freedoms", "dofs");  // summaries of earlier versions
+  json::rename_field(summary, "freedoms", "dofs");  // summaries written by earlier versions
   return summary.is_object() ? summary : Json::object();
 }
 

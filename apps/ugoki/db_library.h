@@ -37,11 +37,11 @@ void declare_author(CLI::App& verb, Options& options);
 /// Adds the verbs for many entries or files: export, export-set, import-set, copy, add, collect, check, gc, empty-trash.
 void add_set_verbs(const Verbs& verbs);
 
-/// Checks that an entry of this kind can have these bytes. @param location of a problem in errors: the file's path
+/// Checks that the bytes are valid data of an entry of this kind. @param location the file's path, for error messages
 [[nodiscard]] Result<void> check_data(store::EntryKind kind, const std::string& bytes, const std::string& location);
 
 enum class Access { read, write };
-/// Opens the library and calls `work` with it; prints a problem. @return exit status
+/// Opens the library and calls `work` with it. Prints the error if one of them fails. @return exit status
 [[nodiscard]] int with_library(const Options& options, Access access, const std::function<Result<void>(store::Library&)>& work);
 /// Query from the filter options. @param usual order if --order is not given
 [[nodiscard]] store::LibraryQuery query_of(const Options& options, store::LibraryOrder usual);

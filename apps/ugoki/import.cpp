@@ -24,7 +24,7 @@ struct Options {
   bool dry = false, json = false;
 };
 
-/// Writes the measured motion as BVH and reads it again. @return m: maximum position error of a joint over all frames
+/// Writes the measured motion as BVH and reads it again. @return maximum position error of a joint over all frames, m
 Result<double> write_back(const MeasuredMotion& measured, const std::string& path) {
   const std::string text = formats::write_bvh(measured);
   formats::BvhOptions same_unit;
@@ -48,7 +48,8 @@ bool same_file(const std::string& a, const std::string& b) {
   return a == b || fs::equivalent(a, b, ignored);
 }
 
-/// Path of the BVH copy of a measured file. In a folder it has the file's name, numbered if this run has already written that name.
+/// Path of the BVH copy of a measured file. If --bvh names a folder, the copy has the name of the measured file, with a number if this run
+/// has already written that name.
 Result<std::string> copy_path(const std::string& path, const Options& options, const std::vector<std::string>& written) {
   std::error_code ignored;
   std::string out = options.bvh;
@@ -169,8 +170,7 @@ void add_import_verb(CLI::App& app, Action& action) {
       ->check(CLI::Range(0.1, 30.0));
   verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
       ->check(CLI::Range(0.01, 100000.0));
-  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (default: estimated)")
-      ->check(CLI::Range(1e-6, 1000.0));
+  add_correction_options(*verb, options->source);
   verb->add_option("--rate", options->source.intake.rate, "Frames per second of AMC files, which do not store it")
       ->check(CLI::Range(1.0, 10000.0))
       ->capture_default_str();

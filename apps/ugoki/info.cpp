@@ -236,6 +236,7 @@ void add_info_verb(CLI::App& app, Action& action) {
       ->required();
   verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (default: NN.asf in the folder of NN_MM.amc)");
   add_robot_options(*verb, options->source.robot);
+  add_correction_options(*verb, options->source);
   verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki info walk.bvh\n  ugoki info robot.urdf --base fixed\n  ugoki info park.ugoki --json");

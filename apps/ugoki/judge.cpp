@@ -8,6 +8,8 @@
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion/contact_labels.h"
+#include "ugoki/motion/foot_slip.h"
 #include "ugoki/motion/measures.h"
 #include "ugoki/project/project.h"
 #include "verb.h"
@@ -35,7 +37,7 @@ std::vector<Judgement> judge_motion(const ClipSource& clip, const Options& optio
   const Mechanism& mechanism = *clip.mechanism;
   const Motion& motion = *clip.motion;
   const std::vector<int> feet = find_feet(mechanism);
-  FootSkate skate(mechanism, feet);
+  FootSlip skate(mechanism, feet);
   GroundPenetration penetration(mechanism);
   std::vector<const ContactTrack*> tracks(feet.size(), nullptr);
   for (std::size_t i = 0; i < feet.size(); ++i)
@@ -49,11 +51,11 @@ std::vector<Judgement> judge_motion(const ClipSource& clip, const Options& optio
     skate.add(X_WB, on, 1 / motion.rate);
     penetration.add(X_WB);
   }
-  return {{"foot skate", "cm", skate.mean_per_stance_cm(), options.max_skate},
+  return {{"foot skate", "cm", skate.mean_cm(), options.max_skate},
           {"ground penetration", "mm", penetration.worst_mm(), options.max_penetration}};
 }
 
-/// Judges the measures of a run as dynamics.
+/// Compares the measures of a dynamics run with their limits.
 std::vector<Judgement> judge_run(const content::PlayerMeasures& m, const Options& options) {
   return {{"tracking error", "deg", m.tracking_rms_deg, options.max_tracking},
           {"root assist", "bw", m.assist_rms_bw, options.max_assist},
@@ -69,7 +71,7 @@ Json to_json(const std::vector<Judgement>& judgements) {
   return list;
 }
 
-/// All judgements, grouped: "motion" and "dynamics" of a clip, or the characters of content by name.
+/// All judgements in named groups. For a clip the groups are "motion" and "dynamics"; for content there is one group for each character.
 struct Verdict {
   std::string name;
   std::vector<std::pair<std::string, std::vector<Judgement>>> parts;
@@ -159,6 +161,7 @@ void add_judge_verb(CLI::App& app, Action& action) {
       ->check(CLI::Range(0.1, 30.0));
   verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
       ->check(CLI::Range(0.01, 100000.0));
+  add_correction_options(*verb, options->source);
   verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki judge walk.bvh\n  ugoki judge park.ugoki --strict");

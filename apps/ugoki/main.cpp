@@ -38,6 +38,8 @@ int main(int argc, char** argv) {
   add_db_verb(app, action);
   add_info_verb(app, action);
   add_run_verb(app, action);
+  add_export_verb(app, action);
+  add_bake_verb(app, action);
   add_judge_verb(app, action);
   add_lsi_verb(app, action);
   add_circuit_verb(app, action);

@@ -35,7 +35,7 @@ struct Common {
   bool json = false;
 };
 
-/// Loads a mechanism from a file or an entry of the library. For a measured file it is the body made for its skeleton.
+/// Loads a mechanism from a file or an entry of the library. For a measured file, the mechanism is the body made for the file's skeleton.
 Result<MechanismPtr> load_mechanism(const std::string& target, const SourceOptions& options) {
   const Result<TargetKind> kind = kind_of(target);
   if (!kind) return fail(kind.error());

@@ -19,7 +19,7 @@ std::string hash_text(std::uint64_t hash) {
   return out;
 }
 
-/// ms: duration of the call.
+/// Duration of the call, ms.
 template <class Call>
 double time_of(const Call& call) {
   const auto begin = std::chrono::steady_clock::now();

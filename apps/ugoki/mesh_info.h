@@ -7,8 +7,8 @@
 
 namespace ugoki::cli {
 
-/// For each geometry, by its hash: triangles, hull, sphere tree by depth with overlaps, preparation time on this machine, and problems.
-/// Null: no shape is a mesh. Takes the time of preparing all geometries.
+/// One row for each geometry: hash, triangles, hull, size and overlap of the sphere tree at each depth, preparation time on this machine,
+/// and problems. Null: no shape is a mesh. Slow, because it prepares all geometries.
 /// @param robot the description that the mechanism was read from, for names of files and repairs; may be null
 [[nodiscard]] Json meshes_json(const Mechanism& m, const robot_formats::RobotModel* robot);
 

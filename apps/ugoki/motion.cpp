@@ -76,7 +76,7 @@ Result<Json> describe(const MotionSet& set, const Motion& motion, const Common& 
   return json;
 }
 
-/// Sentence about a foot that could not be locked at its position; empty below 5 mm.
+/// Sentence about a foot that could not be locked at its position; empty if the error is below 5 mm.
 std::string missed(const Json& lock, double rate) {
   if (!lock.is_object() || lock["foot_missed_m"].get<double>() < 0.005) return {};
   return "Foot " + lock["missed_at"].get<std::string>() + " misses its position by " +
@@ -145,7 +145,7 @@ void add_out(CLI::App* command, const CommonPtr& c) {
   command->add_option("-o,--out", c->out, "Output: a .bvh or .glb file, or a name without a dot for an entry of the library");
 }
 
-/// Runs an operation on one motion.
+/// An operation on one motion. run_by() declares the command that runs it.
 using Operation = std::function<Result<Motion>(const Mechanism&, const Motion&, Json& report)>;
 void run_by(CLI::App* command, Action& action, const CommonPtr& c, Operation operation) {
   add_out(command, c);
@@ -159,7 +159,7 @@ void run_by(CLI::App* command, Action& action, const CommonPtr& c, Operation ope
     };
   });
 }
-/// Runs an operation on two motions.
+/// An operation on two motions. run_by_pair() declares the command that runs it.
 using Pair = std::function<Result<Motion>(const Mechanism&, const Motion&, const Motion&)>;
 void run_by_pair(CLI::App* command, Action& action, const CommonPtr& c, Pair operation) {
   add_out(command, c);
@@ -173,7 +173,7 @@ void run_by_pair(CLI::App* command, Action& action, const CommonPtr& c, Pair ope
   });
 }
 
-/// Index of the frame closest to a time [s]; far outside the motion for a time that is not in it.
+/// Index of the frame closest to a time [s]. For a time outside the motion, the index is outside the motion too.
 int frame_at(const Motion& m, double seconds) {
   const double frame = seconds * m.rate;
   return std::isnan(frame) ? -1 : static_cast<int>(std::lround(std::clamp(frame, -1e9, 1e9)));

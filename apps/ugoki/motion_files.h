@@ -1,5 +1,5 @@
 #pragma once
-// Loads the input motions of an operation onto one mechanism, and writes its result to a file or the library.
+// Loads the input motions of an operation onto one mechanism, and writes the result of the operation to a file or the library.
 
 #include <string>
 #include <vector>
@@ -16,8 +16,8 @@ struct MotionSet {
   std::vector<std::string> report;  ///< sentences about conversions that were needed
 };
 
-/// Loads motions from files or entries of the library, all onto the first one's mechanism. Recordings of one skeleton share a body whose
-/// joints allow all of them; motions of other bodies are retargeted.
+/// Loads motions from files or entries of the library, all onto the mechanism of the first motion. Recordings of the same skeleton share
+/// one body, whose joints allow all these recordings. Motions of other bodies are retargeted.
 [[nodiscard]] Result<MotionSet> load_motions(const std::vector<std::string>& targets, const SourceOptions& options);
 
 /// Writes the motion to a .bvh or .glb file. A name without a dot is the name of a new library entry, with mechanism and motion.

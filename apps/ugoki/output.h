@@ -40,7 +40,7 @@ class Progress {
 };
 
 /// From this call on the first Ctrl+C (or SIGTERM) only sets a flag, which interrupted() returns, so that the verb can finish cleanly. The
-/// second one ends the process at once.
+/// second signal ends the process at once.
 void catch_interrupt();
 [[nodiscard]] bool interrupted();
 [[nodiscard]] Error interrupted_error();

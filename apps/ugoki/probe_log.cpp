@@ -10,7 +10,7 @@
 namespace ugoki::cli {
 namespace {
 
-constexpr std::size_t max_bytes = std::size_t{1} << 30;  // of the log: as the probes of an interpreter (Interpreter::set_probes)
+constexpr std::size_t max_bytes = std::size_t{1} << 30;  // maximum size of the log, as for Interpreter::set_probes
 
 std::size_t row_bytes(std::uint64_t width) { return sizeof(std::uint64_t) + width * sizeof(double); }
 
@@ -41,7 +41,7 @@ void ProbeLog::add(std::uint64_t tick, std::span<const double> numbers) {
   std::byte* to = row_at(header_->written);
   std::memcpy(to, &tick, sizeof tick);
   std::memcpy(to + sizeof tick, numbers.data(), header_->width * sizeof(double));
-  // After the row: a crash must not leave a row that is counted and not written.
+  // Count the row only after it was written, so that a crash never leaves a counted row without data.
   __atomic_store_n(&header_->written, header_->written + 1, __ATOMIC_RELEASE);
 }
 

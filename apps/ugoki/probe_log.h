@@ -13,24 +13,24 @@ namespace ugoki::cli {
 /// processes read.
 class ProbeLog {
  public:
-  static constexpr std::size_t max_rows = 100'000;  ///< that are kept; older ones are overwritten
+  static constexpr std::size_t max_rows = 100'000;  ///< number of rows that are kept; older rows are overwritten
 
   ProbeLog() = default;
   ProbeLog(const ProbeLog&) = delete;
   ProbeLog& operator=(const ProbeLog&) = delete;
   ~ProbeLog();
 
-  /// Error: the system has no memory file for it.
+  /// Creates the shared memory. Error: the system could not create it.
   [[nodiscard]] Result<void> open();
-  /// Empties the log. @param width numbers of a row. Error: there is not enough memory.
+  /// Empties the log. @param width count of numbers in a row. Error: there is not enough memory.
   [[nodiscard]] Result<void> begin(std::size_t width);
   void add(std::uint64_t tick, std::span<const double> numbers);
 
   /// Reads what another process has written. Call it after that process has ended. False: begin was never called.
   [[nodiscard]] bool attach();
   [[nodiscard]] std::size_t width() const { return header_ ? header_->width : 0; }  ///< 0: begin was never called
-  [[nodiscard]] std::size_t size() const;                                           ///< rows that are kept
-  [[nodiscard]] std::uint64_t tick(std::size_t row) const;                          ///< 0: the oldest row
+  [[nodiscard]] std::size_t size() const;                                           ///< number of stored rows
+  [[nodiscard]] std::uint64_t tick(std::size_t row) const;                          ///< tick of a row; row 0 is the oldest
   [[nodiscard]] std::span<const double> numbers(std::size_t row) const;             ///< [width]
 
  private:
@@ -43,7 +43,7 @@ class ProbeLog {
 
   int file_ = -1;
   Header* header_ = nullptr;  // begin of the mapping; the rows follow
-  std::size_t bytes_ = 0;     // of the mapping
+  std::size_t bytes_ = 0;     // size of the mapping
 };
 
 }  // namespace ugoki::cli

@@ -10,7 +10,7 @@
 
 namespace ugoki::cli {
 
-/// Values of these options.
+/// Values of the options that add_robot_options() declares.
 struct RobotChoice {
   std::string base, meshes, inertias;  ///< words given to the options; empty: not given
   bool require_meshes = false;

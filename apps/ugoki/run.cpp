@@ -10,7 +10,6 @@
 #include "ugoki/base/hash.h"
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
-#include "ugoki/project/project.h"
 #include "verb.h"
 
 namespace ugoki::cli {
@@ -24,7 +23,8 @@ struct Options {
   std::string push_link = "chest";
   std::vector<double> push_direction = {1, 0};
   double assist_limit = -1;
-  std::string frames, executable;
+  std::string frames, executable, inputs;
+  std::uint64_t steps = 0;
   bool rate_given = false, json = false;
 };
 
@@ -83,25 +83,13 @@ Result<Content> load(const Options& options) {
     out.name = options.target;
     return out;
   }
-  content::Scenario scenario;
-  content::Resources resources;
-  if (*kind == TargetKind::project) {
-    const Result<project::Project> project = project::Project::open_read_only(options.target);
-    if (!project) return fail(project.error());
-    scenario = project->scenario();
-    resources = project->resources();
-    out.name = scenario.name;
-  } else {
-    const Result<ClipSource> clip = load_clip(options.target, options.source);
-    if (!clip) return fail(clip.error());
-    scenario = clip_scenario(*clip, 1 / options.rate);
-    resources = clip_resources(*clip);
-    out.name = clip->name;
-    out.frames = clip->motion->frames;
-    out.height = clip->height;
-  }
-  if (Result<void> done = apply_options(scenario, resources, options); !done) return fail(std::move(done.error()));
-  Result<std::vector<std::byte>> ugx = content::generate(scenario, resources);
+  Result<SceneSource> scene = load_scene(options.target, options.source, 1 / options.rate);
+  if (!scene) return fail(std::move(scene.error()));
+  out.name = scene->name;
+  out.frames = scene->frames;
+  out.height = scene->height;
+  if (Result<void> done = apply_options(scene->scenario, scene->resources, options); !done) return fail(std::move(done.error()));
+  Result<std::vector<std::byte>> ugx = content::generate(scene->scenario, scene->resources);
   if (!ugx) return fail(std::move(ugx.error()));
   out.ugx = std::move(*ugx);
   return out;
@@ -128,6 +116,7 @@ Json touch_json(const RunReport& report, const content::PlayerTouch& t) {
     const bool named = link >= 0 && static_cast<std::size_t>(link) < c.links.size();
     return {{"character", c.id}, {"link", named ? Json(c.links[static_cast<std::size_t>(link)]) : Json(nullptr)}};
   };
+  if (t.omitted > 0) return {{"time", t.time}, {"event", "omitted"}, {"count", t.omitted}, {"text", t.words}};
   return {{"time", t.time},
           {"event", t.ended ? "end" : "begin"},
           {"a", side(t.character_a, t.link_a)},
@@ -144,7 +133,7 @@ int run_run(const Options& options) {
   if (!options.executable.empty())
     if (Result<void> written = files::write_file(options.executable, std::span<const std::byte>(content->ugx)); !written)
       return print_error(written.error(), options.json);
-  Result<RunReport> report = simulate(content->ugx, content->name, {options.duration, options.frames});
+  Result<RunReport> report = simulate(content->ugx, content->name, {options.duration, options.frames, options.inputs, options.steps});
   if (!report) return print_error(report.error(), options.json);
   const content::PlayerMeasures worst = report->worst();
   double mass = 0;
@@ -206,6 +195,8 @@ void add_run_verb(CLI::App& app, Action& action) {
                           ->check(CLI::Range(250.0, 2000.0))
                           ->capture_default_str();
   verb->add_option("--duration", options->duration, "Seconds to run (default: to the end)")->check(CLI::Range(0.0005, 86400.0));
+  verb->add_option("--steps", options->steps, "Simulation steps to run (default: to the end)")->check(CLI::Range(1, 1'000'000'000));
+  verb->add_option("--inputs", options->inputs, "Recorded inputs, JSON (docs/export.md)");
   verb->add_option("--push", options->push, "Push with this force in N")->check(CLI::Range(-1e6, 1e6));
   verb->add_option("--push-time", options->push_time, "Time at which the push begins, s")
       ->check(CLI::Range(0.0, 86400.0))
@@ -226,8 +217,7 @@ void add_run_verb(CLI::App& app, Action& action) {
       ->check(CLI::Range(0.1, 30.0));
   verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
       ->check(CLI::Range(0.01, 100000.0));
-  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (default: estimated)")
-      ->check(CLI::Range(1e-6, 1000.0));
+  add_correction_options(*verb, options->source);
   verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki run walk.bvh --json\n  ugoki run 12_01.amc --push 150 --push-time 2 --push-direction 0,1");

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "output.h"
+#include "ugoki/content/inputs.h"
 #include "ugoki/files/files.h"
 #include "ugoki/lsi/standard_library.h"
 #include "ugoki/plugin/guard.h"
@@ -38,7 +39,7 @@ content::PlayerMeasures RunReport::worst() const {
 
 namespace {
 
-/// s: processor time used by this thread.
+/// Processor time used by this thread, s.
 double processor_time() {
   timespec t{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -47,24 +48,38 @@ double processor_time() {
 
 }  // namespace
 
-Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options) {
-  using Clock = std::chrono::steady_clock;
+Result<HostedPlayer> open_hosted(std::span<const std::byte> ugx, const std::string& name) {
   content::PlayerOptions host;
-  std::unique_ptr<plugin::LiveLibrary> libraries;
+  std::shared_ptr<plugin::LiveLibrary> libraries;
   if (!plugin::read_shelf(plugin::default_shelf()).empty()) {
-    libraries = std::make_unique<plugin::LiveLibrary>(lsi::standard_library(), plugin::default_shelf());
+    libraries = std::make_shared<plugin::LiveLibrary>(lsi::standard_library(), plugin::default_shelf());
     for (const std::string& m : libraries->take_messages()) std::cerr << "ugoki: " << m << '\n';
     host = {.library = libraries->library(), .activity = &plugin::process_activity()};
   }
   Result<content::Player> player = content::Player::open(ugx, name, host);
   if (!player) return fail(std::move(player.error()));
+  return HostedPlayer{std::move(libraries), std::move(*player)};
+}
+
+Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  Result<HostedPlayer> hosted = open_hosted(ugx, name);
+  if (!hosted) return fail(std::move(hosted.error()));
+  content::Player* const player = &hosted->player;
   const content::Executable& content = player->content();
   RunReport report;
   report.name = content.name;
   report.step = player->step_size();
   report.frame_rate = content.frame_rate;
   const double duration = options.duration > 0 ? options.duration : content.duration;
-  const auto steps = static_cast<std::uint64_t>(std::llround(duration / report.step));
+  const auto steps = options.steps > 0 ? options.steps : static_cast<std::uint64_t>(std::llround(duration / report.step));
+  if (!options.inputs.empty()) {
+    const Result<std::string> text = files::read_file(options.inputs);
+    if (!text) return fail(text.error());
+    Result<std::vector<content::PlayerInput>> inputs = content::read_inputs(*text, content, options.inputs);
+    if (!inputs) return fail(std::move(inputs.error()));
+    player->schedule(std::move(*inputs));
+  }
   const double frame_time = 1 / content.frame_rate;
   std::vector<std::byte> frames, encoded;
   content::DisplayFrame frame;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,33 +11,37 @@
 #include "ugoki/base/result.h"
 #include "ugoki/content/player.h"
 
+namespace ugoki::plugin {
+class LiveLibrary;
+}
+
 namespace ugoki::cli {
 
 /// Result of a run for one character.
 struct CharacterReport {
   std::string id, name;
   double mass = 0;      ///< kg
-  bool tracks = false;  ///< it follows a track by motion control
+  bool tracks = false;  ///< the character follows a track by motion control
   content::PlayerMeasures measures;
-  std::vector<std::string> links;  ///< names of its links
+  std::vector<std::string> links;  ///< names of the character's links
 };
 
 /// Result of a run.
 struct RunReport {
   std::string name;
-  double duration = 0;  ///< s: simulated time
+  double duration = 0;  ///< simulated time, s
   std::uint64_t steps = 0;
-  double step = 0;         ///< s: step size
+  double step = 0;         ///< step size, s
   double frame_rate = 60;  ///< display frames per second
-  double wall = 0;         ///< s: wall-clock time spent in steps
-  double processor = 0;    ///< s: processor time spent in steps; less than `wall` on a busy machine
+  double wall = 0;         ///< wall-clock time spent in steps, s
+  double processor = 0;    ///< processor time spent in steps, s; less than `wall` on a busy machine
   std::uint64_t state_hash = 0;
   std::vector<CharacterReport> characters;
   std::vector<content::PlayerTouch> touches;  ///< touches that began or ended; the first max_touches of them
   std::uint64_t touch_count = 0;              ///< number of all touches that began or ended
   static constexpr std::size_t max_touches = 10'000;
 
-  /// For each measure the worst value of the characters that follow a track; of all characters if none does.
+  /// For each measure, the worst value of all characters that follow a track. If none follows a track, the worst of all characters.
   [[nodiscard]] content::PlayerMeasures worst() const;
   [[nodiscard]] double steps_per_second() const { return wall > 0 ? static_cast<double>(steps) / wall : 0; }
   [[nodiscard]] double realtime_factor() const { return wall > 0 ? duration / wall : 0; }
@@ -44,15 +49,23 @@ struct RunReport {
 };
 
 struct RunOptions {
-  double duration = 0;  ///< s; 0: the duration of the content
-  std::string frames;   ///< file to which display frames are written; empty: none
+  double duration = 0;      ///< s; 0: the duration of the content
+  std::string frames;       ///< file to which display frames are written; empty: none
+  std::string inputs;       ///< file of recorded inputs (docs/export.md); empty: none
+  std::uint64_t steps = 0;  ///< number of steps, instead of `duration`; 0: use `duration`
 };
 
 /// Runs executable data from the beginning, with a progress bar. Ctrl+C stops the run and returns an error; no incomplete file is left.
 [[nodiscard]] Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options);
 
-/// Calls `work`. If libraries of LSIs are installed, which content may use, it is called in a child process, so that a crash of a library
-/// is reported.
+/// A player that may use the installed libraries of LSIs.
+struct HostedPlayer {
+  std::shared_ptr<plugin::LiveLibrary> libraries;  ///< null: none is installed
+  content::Player player;
+};
+[[nodiscard]] Result<HostedPlayer> open_hosted(std::span<const std::byte> ugx, const std::string& name);
+
+/// Calls `work`. If libraries of LSIs are installed, calls it in a child process, so that a crash of a library is reported.
 /// @return exit status of `work`
 int with_libraries(bool as_json, const std::function<int()>& work);
 

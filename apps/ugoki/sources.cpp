@@ -1,5 +1,6 @@
 #include "sources.h"
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 
@@ -8,6 +9,7 @@
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/motion/clip.h"
+#include "ugoki/project/project.h"
 #include "ugoki/project/project_file.h"
 #include "ugoki/store/sqlite.h"
 
@@ -67,6 +69,26 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
 }
 
 }  // namespace
+
+void add_correction_options(CLI::App& verb, SourceOptions& options) {
+  verb.add_option("--unit", options.intake.unit, "Metres per unit of length of the file (default: as the file specifies, or estimated)")
+      ->check(CLI::Range(1e-6, 1000.0));
+  verb.add_flag("--travel", options.intake.travel, "Give a character that walks in place (on a treadmill) the travel of its feet");
+  const auto axis = [&options](bool is_up) {
+    return [&options, is_up](const std::string& text) -> std::string {
+      const std::optional<intake::FileAxis> named = intake::file_axis_named(text);
+      if (!named) return "must be x, -x, y, -y, z or -z.";
+      intake::Orientation& o = options.intake.axes ? *options.intake.axes : options.intake.axes.emplace(intake::usual_orientation(false));
+      (is_up ? o.up : o.forward) = *named;
+      // Without an explicit forward axis: the axis after the up axis, as with Y up and Z forward, and Z up and X forward.
+      if (is_up) o.forward = {(named->axis + 1) % 3, false};
+      return {};
+    };
+  };
+  verb.add_option("--up", "Up axis of the file: x, -x, y, -y, z or -z (default: as the file specifies, or by the character's posture)")
+      ->check(axis(true));
+  verb.add_option("--forward", "Forward axis of the file, after --up (default: z for y up, x for z up, y for x up)")->check(axis(false));
+}
 
 std::string library_path(const std::string& option) { return option.empty() ? store::Library::default_path() : option; }
 
@@ -159,6 +181,44 @@ Result<ClipSource> load_clip(const std::string& target, const SourceOptions& opt
   Result<intake::Intake> loaded = take_in_file(target, options);
   if (!loaded) return fail(std::move(loaded.error()));
   return clip_of(std::move(*loaded));
+}
+
+Result<SceneSource> load_scene(const std::string& target, const SourceOptions& options, double step) {
+  const Result<TargetKind> kind = kind_of(target);
+  if (!kind) return fail(kind.error());
+  SceneSource out;
+  if (*kind == TargetKind::project) {
+    const Result<project::Project> project = project::Project::open_read_only(target);
+    if (!project) return fail(project.error());
+    out.scenario = project->scenario();
+    out.resources = project->resources();
+    out.name = out.scenario.name;
+    return out;
+  }
+  const Result<ClipSource> clip = load_clip(target, options);
+  if (!clip) return fail(clip.error());
+  out.scenario = clip_scenario(*clip, step);
+  out.resources = clip_resources(*clip);
+  out.name = clip->name;
+  out.frames = clip->motion->frames;
+  out.height = clip->height;
+  return out;
+}
+
+Result<ExecutableSource> load_executable(const std::string& target, const SourceOptions& options, double step) {
+  const Result<TargetKind> kind = kind_of(target);
+  if (!kind) return fail(kind.error());
+  if (*kind == TargetKind::executable) {
+    const Result<std::string> text = files::read_file(target);
+    if (!text) return fail(text.error());
+    const auto* p = reinterpret_cast<const std::byte*>(text->data());
+    return ExecutableSource{fs::path(target).stem().string(), {p, p + text->size()}};
+  }
+  const Result<SceneSource> scene = load_scene(target, options, step);
+  if (!scene) return fail(scene.error());
+  Result<std::vector<std::byte>> ugx = content::generate(scene->scenario, scene->resources);
+  if (!ugx) return fail(std::move(ugx.error()));
+  return ExecutableSource{scene->name, std::move(*ugx)};
 }
 
 content::Scenario clip_scenario(const ClipSource& clip, double step) {

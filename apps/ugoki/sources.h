@@ -26,6 +26,9 @@ struct SourceOptions {
   RobotChoice robot;  ///< for URDF, SDF and MJCF
 };
 
+/// Adds the options --unit, --up, --forward and --travel, which correct a motion file.
+void add_correction_options(CLI::App& verb, SourceOptions& options);
+
 /// Path of the library: `option`, or the default path if it is empty.
 [[nodiscard]] std::string library_path(const std::string& option);
 
@@ -52,5 +55,23 @@ struct ClipSource {
 /// @param step s: step size
 [[nodiscard]] content::Scenario clip_scenario(const ClipSource& clip, double step);
 [[nodiscard]] content::Resources clip_resources(const ClipSource& clip);
+
+/// What executable data are generated from.
+struct SceneSource {
+  std::string name;
+  content::Scenario scenario;
+  content::Resources resources;
+  int frames = 0;     ///< recorded frames of a clip; 0: a project
+  double height = 0;  ///< m, height of the person of a clip; 0: not known
+};
+/// Loads a project, or a clip as a scenario with one character. @param step s: step size of a clip's scenario
+[[nodiscard]] Result<SceneSource> load_scene(const std::string& target, const SourceOptions& options, double step);
+
+/// The executable data of a target: the bytes of a *.ugx file, or the data generated from a project or a clip.
+struct ExecutableSource {
+  std::string name;
+  std::vector<std::byte> ugx;
+};
+[[nodiscard]] Result<ExecutableSource> load_executable(const std::string& target, const SourceOptions& options, double step = 0.002);
 
 }  // namespace ugoki::cli

@@ -60,7 +60,7 @@ int run_studio(const Options& options) {
   studio::StudioOptions service;
   service.port = options.port;
   service.library_path = options.library.empty() ? store::Library::default_path() : options.library;
-  // Without a key the studio works, but pages that are open lose their access when it is restarted.
+  // Without a key the studio works, but open pages lose their access when the studio is restarted.
   if (Result<std::string> key = studio::read_or_make_key(studio::default_key_file())) service.key = std::move(*key);
   service.interpreter = {ec ? "/proc/self/exe" : program.string(), {"interpret"}};
   if (!options.web.empty()) {

@@ -14,6 +14,8 @@ void add_import_verb(CLI::App& app, Action& action);
 void add_db_verb(CLI::App& app, Action& action);
 void add_info_verb(CLI::App& app, Action& action);
 void add_run_verb(CLI::App& app, Action& action);
+void add_export_verb(CLI::App& app, Action& action);
+void add_bake_verb(CLI::App& app, Action& action);
 void add_judge_verb(CLI::App& app, Action& action);
 void add_lsi_verb(CLI::App& app, Action& action);
 void add_circuit_verb(CLI::App& app, Action& action);

@@ -79,7 +79,7 @@ void rows(Table& table) {
   for (const circuit::LsiClass& c : loaded->classes) library.add(c);
   circuit::Activity activity;
   for (const int n : {1, 100, 1000, 10000}) {
-    std::vector<Interpreter> ours;  // without probes, with probes, with timing
+    std::vector<Interpreter> ours;  // three interpreters: without probes, with probes, with timing
     for (int i = 0; i < 3; ++i) {
       Result<Interpreter> made = Interpreter::build(chain(n), library, nullptr, {.dt = 0.001, .check_finite = true, .activity = &activity});
       require(made.has_value(), made ? "" : made.error().text());
@@ -101,7 +101,7 @@ void rows(Table& table) {
       for (int k = 0; k < 200; ++k) i.tick();
     require(allocations_so_far() == before, "a tick allocated");
 
-    // Like a host, which runs several ticks for each displayed frame.
+    // Several ticks per call, as a host runs them for each displayed frame.
     constexpr int ticks = 16;
     std::vector<double> ns = measure({[&] { ours[0].run(ticks); }, [&] { ours[1].run(ticks); }, [&] { ours[2].run(ticks); },
                                       [&] {

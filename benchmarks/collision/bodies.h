@@ -14,7 +14,7 @@ struct PlainBody {
   double radius = 0, half_length = 0;   ///< m, capsule
 };
 
-/// Bodies 0 ... first_of_b - 1 are group a, the others group b.
+/// Motion of two groups of bodies: bodies 0 to first_of_b - 1 are group a, the others are group b.
 struct PlainMotion {
   std::vector<PlainBody> bodies;
   int first_of_b = 0;
@@ -23,7 +23,7 @@ struct PlainMotion {
   std::vector<double> translations;  ///< [steps][bodies][3] m
 };
 
-/// Signed distance [m] of bodies i and j at the present step; used for the pair lists of all libraries.
+/// Signed distance [m] of bodies i and j at the present step; the same function is used for the pair lists of all libraries.
 using PlainDistance = double (*)(void* context, int i, int j);
 
 /// The broad-phase structure of a library over all bodies.

@@ -36,7 +36,7 @@ std::vector<collision::TreeBody> tree_bodies(const Motion& motion) {
   return out;
 }
 
-/// The steps in order, periodically.
+/// Counter of steps: next() returns the steps 0 to count - 1 in order, periodically.
 struct Steps {
   int count, now = 0;
   int next() { return now = now + 1 < count ? now + 1 : 0; }
@@ -116,7 +116,7 @@ void characters_of_200(Table& table) { nearest_rows(table, 10); }
 const RowRegistration register_20(300, characters_of_20);
 const RowRegistration register_200(310, characters_of_200);
 
-/// For all pair lists the distances are calculated by our closed forms.
+/// Row of the pairs within a margin. For the pair lists of all libraries the distances are calculated by Ugoki's closed-form functions.
 void swarm(Table& table) {
   constexpr int bodies = 2000;
   constexpr double margin = 0.02;

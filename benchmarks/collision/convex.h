@@ -17,7 +17,7 @@ struct PlainPlace {
   double R[9], p[3];
 };
 
-/// Distance of two hulls by a library, with its own warm start from query to query.
+/// Calculates the distance of two hulls with one library, including the library's own warm start from query to query.
 class ConvexPeer {
  public:
   virtual ~ConvexPeer() = default;
@@ -27,7 +27,7 @@ class ConvexPeer {
 
 using ConvexPeers = std::vector<std::unique_ptr<ConvexPeer>>;
 
-/// Add the solvers of each library; nothing if it is not installed.
+/// Each function adds the solvers of one library; it adds nothing if the library is not installed.
 void add_fcl_convex(ConvexPeers& peers, const PlainHull& a, const PlainHull& b);
 void add_bullet_convex(ConvexPeers& peers, const PlainHull& a, const PlainHull& b);
 void add_coal_convex(ConvexPeers& peers, const PlainHull& a, const PlainHull& b);

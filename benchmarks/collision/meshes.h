@@ -17,7 +17,7 @@ struct PlainPose {
   double R[9], p[3];
 };
 
-/// Distance of two meshes by a library.
+/// Calculates the distance of two meshes with one library.
 class MeshPeer {
  public:
   virtual ~MeshPeer() = default;

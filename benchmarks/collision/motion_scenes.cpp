@@ -13,15 +13,15 @@ namespace {
 
 constexpr int steps_of_a_round = 360;
 
-/// Number of poses, small enough for a core's cache: a part of the circular path, forth and back.
+/// Number of steps, so small that all poses fit into a core's cache. The bodies move forth and back on a part of the circular path.
 int steps_for(int bodies) { return std::clamp(8000 / bodies, 20, steps_of_a_round); }
 int forth_and_back(int step, int steps) { return steps == steps_of_a_round || 2 * step < steps ? step : steps - step; }
 
 struct Bone {
   int parent;
-  Vec3 joint;    ///< m, in the parent's frame
+  Vec3 joint;    ///< m, position of the joint in the parent's frame
   Vec3 half;     ///< m, half extents of the link
-  Vec3 centre;   ///< m, in the link's frame
+  Vec3 centre;   ///< m, centre of the link's shape in the link's frame
   int rounds;    ///< oscillations of the joint during a complete round
   double angle;  ///< rad: amplitude
 };
@@ -69,7 +69,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// A hull of 32 points on a boxy ellipsoid.
+/// Adds a body: the hull of 32 random points on a surface between an ellipsoid and a box.
 void add_hull(Motion& motion, const Vec3& half, const Vec3& centre, Random& random) {
   std::vector<Vec3> points;
   for (int i = 0; i < 32; ++i) {

@@ -1,7 +1,7 @@
 // Bullet's dynamic trees of boxes (btDbvt), with its Gilbert distance of convex hulls in double precision.
 //
 // Bullet has no query for the closest pair. Instead, the boxes of one group are enlarged by the present distance of the previous closest
-// pair and collided with those of the other group. The distance of each pair of overlapping boxes is then calculated.
+// pair and collided with the boxes of the other group. The distance of each pair of overlapping boxes is then calculated.
 
 #include "bodies.h"
 

@@ -7,7 +7,8 @@
 namespace ugoki::benchmarks {
 namespace {
 
-/// Adds a link with a box of `size` [m] whose centre is at `along` [m] from its joint.
+/// Makes a link with a box of `size` [m]. The joint is at `at` [m] in the parent's frame; the box's centre is at `along` [m] in the link's
+/// frame.
 LinkSpec make_link(const std::string& name, const std::string& parent, JointType type, const Vec3& at, const Vec3& size,
                    const Vec3& along) {
   LinkSpec link;

@@ -41,7 +41,8 @@ struct World {
   }
 };
 
-/// One simulated second from the standing pose, repeated. With stiff joints the character stays upright; without drives it falls.
+/// Measures one simulated second from the standing pose, repeatedly. With stiff joints the character stays upright; without drives it
+/// falls.
 void one_second(benchmark::State& run, double stiffness, double lowest_pelvis, double highest_pelvis) {
   World world(stiffness);
   const State begin = world.state;

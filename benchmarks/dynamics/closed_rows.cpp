@@ -19,7 +19,7 @@ void put(const Mat3& R, double* to) {
   to[0] = q.w, to[1] = q.x, to[2] = q.y, to[3] = q.z;
 }
 
-/// Closes the loops at the state, projects its velocity onto the loops, and measures.
+/// Closes the loops in the state s, projects the velocity of s onto the loop constraints, and measures forward dynamics.
 void measure_closed(Table& table, const std::string& row, double per, const MechanismPtr& m, State s, const std::vector<Loop>& loops,
                     PlainTree tree) {
   dynamics::OpenSystemOptions options;
@@ -72,7 +72,7 @@ void humanoid_loops(Table& table) {
   dynamics::Workspace ws(*m);
   update_kinematics(*m, s.q, s.v, ws);
   // Ends of the four longest chains: hands and feet.
-  std::vector<std::pair<int, int>> leaves;  // depth, link
+  std::vector<std::pair<int, int>> leaves;  // (depth, link)
   for (int i = 0; i < m->link_count(); ++i) {
     bool leaf = true;
     for (const Link& l : m->links()) leaf = leaf && (l.parent < 0 || moving_link(*m, l.parent) != i || l.joint.nv() == 0);

@@ -1,4 +1,5 @@
-// Rows of open links, one instance per call: the humanoid and chains. All times include kinematics from q and v, ours and the peers'.
+// Rows of open links, one instance per call: the humanoid and chains. All times, of Ugoki and of the peers, include kinematics from q and
+// v.
 
 #include "scenes.h"
 #include "table.h"

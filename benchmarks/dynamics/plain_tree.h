@@ -11,7 +11,7 @@ namespace benchmarks {
 
 struct PlainLink {
   int parent = -1;        ///< -1: the world
-  bool floating = false;  ///< otherwise revolute
+  bool floating = false;  ///< joint type; true: floating, false: revolute
   double axis[3] = {};
   double p[3] = {};        ///< m: position of the joint in the parent's frame
   double mass = 0;         ///< kg
@@ -19,18 +19,18 @@ struct PlainLink {
   double inertia[3] = {};  ///< kg m^2: principal moments
 };
 
-/// A closed loop: link b welded to link a, or a ball joint between a point of each.
+/// A closed loop: link b welded to link a, or a ball joint between a point of a and a point of b.
 struct PlainLoop {
   int a = -1, b = -1;  ///< a -1: the world
   bool weld = true;
   double p[3] = {};          ///< weld: origin of b in a; ball: the point in a, in m
-  double rotation[4] = {1};  ///< weld: b in a, wxyz
+  double rotation[4] = {1};  ///< weld: orientation of b in a, wxyz
   double inverse_p[3] = {};  ///< m; weld: origin of a in b; ball: the point in b
   double inverse_rotation[4] = {1};
 };
 
-/// Tree and state. A floating link has q: position, quaternion wxyz; v: angular velocity in the link's frame, velocity in the world; its
-/// tau has the order of v and is 0.
+/// Tree and state. For a floating link q is position and quaternion wxyz, v is angular velocity in the link's frame and velocity in the
+/// world, and tau (in the order of v) is 0.
 struct PlainTree {
   std::vector<PlainLink> links;
   std::vector<PlainLoop> loops;
@@ -43,7 +43,8 @@ class Peer {
  public:
   virtual ~Peer() = default;
   virtual std::string name() const = 0;
-  /// Calculates from q, v and tau (inverse(): the accelerations of the last forward()), including kinematics.
+  /// Forward dynamics, inverse dynamics and mass matrix from q, v and tau, including kinematics. inverse() uses the accelerations of the
+  /// last forward().
   virtual bool forward() { return false; }
   virtual bool inverse() { return false; }
   virtual bool inertia() { return false; }

@@ -18,7 +18,8 @@ MechanismPtr make_chain(int links);
 /// A state in which all joints are bent, moving and driven; no force acts on a floating base. `which` selects one of many states.
 State lively_state(const Mechanism& m, int which = 0, double speed = 1);
 
-/// Converts for peers; fixed links are merged with their parents. Throws if a joint is neither floating, revolute nor fixed.
+/// Converts a mechanism and its state for peers; fixed links are merged with their parents. Throws if a joint is neither floating, revolute
+/// nor fixed.
 PlainTree plain(const Mechanism& m, const State& s);
 
 /// Selects from x [nv] the values of the revolute joints, in the order of links.

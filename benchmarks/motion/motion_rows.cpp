@@ -53,7 +53,7 @@ MeasuredMotion walk_with_fingers() {
   return m;
 }
 
-/// That walk, repeated for 60 s with a little noise, so that no two cycles are equal.
+/// walk_with_fingers() repeated for 60 s with a little noise, so that no two cycles are equal.
 MeasuredMotion minute() {
   const MeasuredMotion walk = walk_with_fingers();
   MeasuredMotion m = walk;

@@ -51,10 +51,10 @@ inline std::unique_ptr<btCollisionShape> make_shape(const StepShape& s) {
   return hull;
 }
 
-/// Implicit springs and dampers of the joints of one body, as torques:
+/// Implicit springs and dampers of the joints of one body, applied as torques tau for the positions q and velocities v:
 ///   (1 + dt (D + dt K) W) tau = -K (q - rest) - (D + dt K) v
 /// with stiffness K, damping D and the inverse inertia W of these joints in the initial pose. Explicit torques diverge with the dampers of
-/// some models; a step with implicit ones would need Bullet's inertia matrix in every step.
+/// some models; exact implicit torques would need Bullet's inertia matrix in every step.
 class BulletSprings {
  public:
   BulletSprings(btMultiBody& m, const std::vector<StepLink>& links, double dt) : body_(&m) {

@@ -52,13 +52,15 @@ class Writer {
  private:
   struct Carried {
     const StepLink* link;
-    Frame frame;  ///< of the joint, in the body that it moves
+    Frame frame;  ///< pose of the joint in the body that the joint moves
   };
 
   std::string name_of(int link) const { return prefix_ + body_->links[static_cast<std::size_t>(link)].name; }
   std::string both(int a, int b) const { return " body1=\"" + name_of(a) + "\" body2=\"" + name_of(b) + '"'; }
 
-  /// @param X pose of the link in the parent body @param joints of auxiliary links before it, frames in this link
+  /// Writes link i and its descendants.
+  /// @param X pose of the link in the parent body @param joints joints of the auxiliary links (without mass) before link i, with their
+  /// frames in link i
   void write_link(int i, const Frame& X, std::vector<Carried> joints) {
     const StepLink& l = body_->links[static_cast<std::size_t>(i)];
     joints.push_back({&l, {}});

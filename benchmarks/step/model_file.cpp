@@ -24,7 +24,8 @@ T value_of(Result<T> result) {
   return std::move(*result);
 }
 
-/// Removes all descendants with one of these names or with one of these attributes, and the attribute `material` of the others.
+/// Removes descendants that are only drawn (cameras, lights, sites, default materials) or that use a mesh. Removes the attribute `material`
+/// of all other nodes.
 void clean(pugi::xml_node node) {
   node.remove_attribute("material");
   for (pugi::xml_node child = node.first_child(); child;) {

@@ -1,5 +1,5 @@
 // Bullet (libbullet-dev, double precision): btMultiBody for linked bodies, btRigidBody for free ones, with the usual settings of its world.
-// Bullet has no armature (it is inertia of the links here), and no springs and dampers in joints (torques here).
+// Bullet has no armature; here it is part of the links' inertia. Bullet has no springs and dampers in joints; here they are torques.
 
 #include "scene.h"
 
@@ -22,7 +22,7 @@
 namespace ugoki::benchmarks {
 namespace {
 
-/// Links of one body that do not collide; user index of a collider: body; user index 2: link.
+/// Excludes pairs of links of one body from collision. A collider's user index is the body; its user index 2 is the link.
 struct Filter final : btOverlapFilterCallback {
   std::vector<std::set<std::pair<int, int>>> excluded;
   bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
@@ -153,7 +153,7 @@ class BulletWorld final : public StepWorld {
       const StepLink& l = b.links[static_cast<std::size_t>(i) + 1];
       const Frame joint =
           inverse(b.links[static_cast<std::size_t>(l.parent)].principal) * l.joint_frame;  // in the parent's principal frame
-      const Frame turn = inverse(joint * l.principal);                                     // parent to this
+      const Frame turn = inverse(joint * l.principal);                                     // from the parent to this link
       btQuaternion rotation;
       transform(turn).getBasis().getRotation(rotation);
       double axis[3], arm[3];
@@ -225,7 +225,7 @@ class BulletWorld final : public StepWorld {
     if (scene_.limits && (std::isfinite(l.lower) || std::isfinite(l.upper)))
       add(std::make_unique<btMultiBodyJointLimitConstraint>(&m, i, l.lower, l.upper));
     if (l.speed != 0) m.setJointVel(i, l.speed);
-    if (scene_.servo_gain > 0) {  // a motor, as its users do it: a velocity constraint towards the position, with bounded impulse
+    if (scene_.servo_gain > 0) {  // a motor, as is usual in Bullet: a velocity constraint towards the position, with bounded impulse
       auto motor = std::make_unique<btMultiBodyJointMotor>(&m, i, 0.0, 200 * scene_.dt);
       motor->setPositionTarget(0, 0.1);
       add(std::move(motor));

@@ -1,5 +1,5 @@
-// DART (libdart-dev) with ODE's collision detection (libdart-collision-ode-dev), which knows capsules; the default detector does not.
-// DART has no armature (it is inertia of the links here) and no ellipsoids.
+// DART (libdart-dev) with ODE's collision detection (libdart-collision-ode-dev), which knows capsules; the default detector does not. DART
+// has no armature; here it is part of the links' inertia. DART has no ellipsoids.
 
 #include "scene.h"
 
@@ -30,7 +30,7 @@ namespace {
 
 using namespace dart::dynamics;
 
-constexpr double smallest = 1e-9;  // kg, kg m^2: DART warns of links without mass
+constexpr double smallest = 1e-9;  // kg, kg m^2: minimum mass and moment, because DART warns of links without mass
 
 Eigen::Vector3d vector(const double* x) { return {x[0], x[1], x[2]}; }
 Eigen::Isometry3d transform(const Frame& X) {

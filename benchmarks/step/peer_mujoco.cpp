@@ -51,12 +51,12 @@ class MujocoWorld final : public StepWorld {
     mj_step(model_.get(), data_.get());
     const auto warned = [&](mjtWarning w) { return data_->warning[w].number > 0; };
     if (warned(mjWARN_CONTACTFULL) || warned(mjWARN_CNSTRFULL)) throw StepLimit("its memory for contacts is full");
-    // MuJoCo begins the simulation again after these.
+    // MuJoCo restarts the simulation after these warnings.
     if (warned(mjWARN_BADQPOS) || warned(mjWARN_BADQVEL) || warned(mjWARN_BADQACC)) throw std::runtime_error("it has diverged");
   }
   void poses(std::vector<Frame>& out) const override {
     const std::vector<double> q(data_->qpos, data_->qpos + model_->nq);
-    mj_kinematics(model_.get(), data_.get());  // of the positions after the step; it normalises the quaternions
+    mj_kinematics(model_.get(), data_.get());  // poses after the step; the call changes qpos by normalising quaternions
     std::copy(q.begin(), q.end(), data_->qpos);
     out.clear();
     for (const Place& p : places_) {

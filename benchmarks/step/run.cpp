@@ -12,15 +12,15 @@ namespace ugoki::benchmarks {
 namespace {
 
 constexpr int repetitions = 3;
-constexpr int sample_steps = 25;         // the energy is computed once in so many steps
+constexpr int sample_steps = 25;         // number of steps from one computation of the energy to the next
 constexpr double time_limit = 10;        // s: a repetition ends after this time
-constexpr double energy_slack = 0.05;    // of the initial energy: kinetic energy from springs, which the sum leaves out
-constexpr double fall_tolerance = 2e-4;  // m after 0.1 s: integrators and springs differ
+constexpr double energy_slack = 0.05;    // allowed growth, fraction of the initial energy: the sum leaves out the energy of springs
+constexpr double fall_tolerance = 2e-4;  // m, allowed difference to Ugoki after 0.1 s, because integrators and springs differ
 
 struct Engine {
   std::string name;
   std::function<StepWorldPtr(const StepSource&)> make;
-  bool armature;  ///< false: joints have none; inertia of the links takes its place, and none is in the check of the conversion
+  bool armature;  ///< true: joints have armature; false: it is part of the links' inertia, and the check of the conversion omits it
 };
 
 const std::vector<Engine>& engines() {
@@ -40,7 +40,7 @@ struct Run {
   std::vector<int> contacts;                                                         ///< [steps]
   double begin_energy = 0, lowest_energy = 0, last_kinetic = 0, last_potential = 0;  ///< J
   std::vector<Frame> end;                                                            ///< poses after the last step
-  bool repeats = true;                                                               ///< the repetitions end in the same poses
+  bool repeats = true;                                                               ///< true: all repetitions end in the same positions
   std::string failure;                                                               ///< empty: all checks passed
 };
 
@@ -61,7 +61,7 @@ Energy energy_of(const StepScene& scene, const std::vector<Frame>& before, const
       ++k;
       double v2 = 0;
       for (int i = 0; i < 3; ++i) v2 += (y.p[i] - x.p[i]) * (y.p[i] - x.p[i]);
-      Frame turn = inverse(x) * y;  // rotation vector in the link, small
+      Frame turn = inverse(x) * y;  // small rotation; w is its rotation vector in the link
       const double w[3] = {0.5 * (turn.R[7] - turn.R[5]), 0.5 * (turn.R[2] - turn.R[6]), 0.5 * (turn.R[3] - turn.R[1])};
       double spin = 0;
       for (int i = 0; i < 3; ++i) spin += l.moments[i] * w[i] * w[i];
@@ -121,7 +121,7 @@ void repeat(const StepSource& source, Run& run, int repetition) {
     }
     world->poses(after);
     if (repetition == 0) run.end = after;
-    if (i < static_cast<int>(run.ns.size())) return;  // slower than the first repetition
+    if (i < static_cast<int>(run.ns.size())) return;  // this repetition completed fewer steps than the first
     for (std::size_t k = 0; k < std::min(after.size(), run.end.size()); ++k)
       run.repeats = run.repeats && std::equal(after[k].p, after[k].p + 3, run.end[k].p);
   } catch (const StepLimit& limit) {
@@ -140,7 +140,8 @@ void repeat(const StepSource& source, Run& run, int repetition) {
   }
 }
 
-/// Compares mass, DOFs and the free fall of the first 0.1 s with ours. Returns the maximum distance of a centre of mass, m.
+/// Compares mass, DOFs and the free fall of the first 0.1 s of an engine with Ugoki's. Returns the maximum distance [m] between
+/// corresponding centres of mass.
 double check_conversion(const StepSource& source, const Engine& engine) {
   const StepSource probe = source.probe(0.5, 100, engine.armature);
   const StepWorldPtr ours = make_ugoki(probe), peer = engine.make(probe);
@@ -163,7 +164,7 @@ double check_conversion(const StepSource& source, const Engine& engine) {
       const Frame x = a.at(k) * l.principal, y = b.at(k) * l.principal;
       ++k;
       const double distance = std::hypot(x.p[0] - y.p[0], x.p[1] - y.p[1], x.p[2] - y.p[2]);
-      worst = distance <= worst ? worst : distance;  // keeps NaN
+      worst = distance <= worst ? worst : distance;  // a NaN distance stays NaN
     }
   return worst;
 }

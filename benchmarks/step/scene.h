@@ -18,35 +18,35 @@ enum class StepShapeType : unsigned char { sphere, capsule, box, cylinder, ellip
 
 /// A link with the joint to its parent. Links that are fixed to each other are one link here.
 struct StepLink {
-  std::string name;  ///< the name of its body in the MJCF file
-  int parent = -1;   ///< -1: the world; only a floating link
+  std::string name;  ///< name of the link's body in the MJCF file
+  int parent = -1;   ///< -1: the world (floating links only)
   StepJoint joint = StepJoint::floating;
-  Frame joint_frame;           ///< in the parent; equal to the link's frame in the neutral position
+  Frame joint_frame;           ///< pose in the parent link; in the neutral position also the pose of this link
   double axis[3] = {0, 0, 1};  ///< in the joint frame
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();  ///< rad | m
   double damping = 0;                                                                                        ///< N m s/rad | N s/m
   double stiffness = 0, rest = 0;                                                                            ///< N m/rad, rad | N/m, m
   double armature = 0;                                                                                       ///< kg m^2 | kg
-  double position = 0, speed = 0;          ///< rad, rad/s | m, m/s: initial ones of a joint with one DOF
+  double position = 0, speed = 0;          ///< rad, rad/s | m, m/s: initial values of a joint with one DOF
   double mass = 0;                         ///< kg; 0: an auxiliary link between two joints of one body
-  double centre[3] = {0, 0, 0};            ///< m, centre of mass
+  double centre[3] = {0, 0, 0};            ///< m, centre of mass in the link
   double inertia[6] = {0, 0, 0, 0, 0, 0};  ///< kg m^2 about the centre of mass: xx yy zz xy xz yz
-  Frame principal;                         ///< principal axes at the centre of mass
-  double moments[3] = {0, 0, 0};           ///< kg m^2: principal moments, with the armature about the joint axis
+  Frame principal;                         ///< pose of the principal axes, at the centre of mass, in the link
+  double moments[3] = {0, 0, 0};           ///< kg m^2: principal moments, including the armature about the joint axis
   Frame file_frame;                        ///< frame of the file's body in the link
 };
 
 struct StepShape {
   int link = 0;
   StepShapeType type = StepShapeType::sphere;
-  Frame frame;                 ///< in the link
+  Frame frame;                 ///< pose in the link
   double size[3] = {0, 0, 0};  ///< m: half sizes; sphere, capsule, cylinder: radius, half length along z
 };
 
 /// A point of link a that must coincide with a point of link b.
 struct StepLoop {
   int a = 0, b = 0;
-  double point_a[3] = {0, 0, 0}, point_b[3] = {0, 0, 0};  ///< m, in the links
+  double point_a[3] = {0, 0, 0}, point_b[3] = {0, 0, 0};  ///< m, in the frames of link a and of link b
 };
 
 /// A mechanism with a floating base.
@@ -73,12 +73,12 @@ struct StepScene {
   double gravity = 9.81;                     ///< m/s^2
   double friction = 0.9;                     ///< of all contacts
   double servo_gain = 0, servo_damping = 0;  ///< N m/rad, N m s/rad: servos that hold the neutral position; 0: none
-  double rest_energy = 0.01;  ///< kinetic energy at the end, as a fraction of the initial energy, below which the scene is at rest
-  double stands = 0;          ///< potential energy at the end, as a fraction of the initial energy, below which the scene has fallen
+  double rest_energy = 0.01;  ///< at rest: the final kinetic energy is at most this fraction of the initial energy
+  double stands = 0;          ///< fallen: the final potential energy is below this fraction of the initial energy
   double sunk = 0.02;         ///< m: a centre of mass deeper in the ground than this is a failure
-  int max_contacts = 500;     ///< memory for contacts that MuJoCo wants to know in advance
+  int max_contacts = 500;     ///< number of contacts for which MuJoCo reserves memory
   bool limits = true;         ///< joints have their limits
-  std::string mjcf;           ///< MuJoCo reads this text instead of one written from the bodies
+  std::string mjcf;           ///< if not empty: text that MuJoCo reads instead of one written from the bodies
   std::string mjcf_geom;      ///< attributes of MuJoCo's contacts in written text, for example solref
 
   [[nodiscard]] int steps() const {
@@ -88,12 +88,12 @@ struct StepScene {
   }
 };
 
-/// An engine cannot continue because of a limit of its memory or the like; the steps before are valid.
+/// Thrown if an engine cannot continue because of a limit, for example of its memory; the earlier steps are valid.
 struct StepLimit : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One world with the scene in one engine; step() computes one step. Only step() is timed.
+/// The scene in one engine. step() computes one step; only step() is timed.
 class StepWorld {
  public:
   virtual ~StepWorld() = default;

@@ -49,7 +49,7 @@ StepShape shape_of(const Shape& s, int link, const Pose& X) {
   return out;
 }
 
-/// Rotational inertia A about the axis a.
+/// Inertia tensor of a rotor with the moment A [kg m^2] about the unit axis a.
 Sym3 rotor(const Vec3& a, double A) { return {A * a.x * a.x, A * a.y * a.y, A * a.z * a.z, A * a.x * a.y, A * a.x * a.z, A * a.y * a.z}; }
 
 MechanismPtr made(MechanismSpec spec) {
@@ -58,7 +58,7 @@ MechanismPtr made(MechanismSpec spec) {
   return *m;
 }
 
-/// Principal axes and moments. The axes of the first shape are taken where they are principal, so that a peer need not turn the shape.
+/// Principal axes and moments. If the axes of the first shape are principal axes, they are used, so that a peer need not turn the shape.
 void set_principal(StepLink& link, const Inertia& inertia, const Mat3* shape_axes) {
   const Sym3 own = inertia.about_centre();
   link.mass = inertia.mass;
@@ -94,7 +94,7 @@ void StepSource::add(const MechanismPtr& mechanism, const Pose& base, const std:
   const Mechanism& m = *mechanism;
   struct Place {
     int link = -1;
-    Pose X;  ///< of the mechanism's link in the plain link
+    Pose X;  ///< pose of the mechanism's link in the plain link
   };
   std::vector<Place> places;
   std::vector<Inertia> inertias;

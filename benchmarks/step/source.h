@@ -16,13 +16,14 @@ struct StepSource : StepScene {
   std::vector<MechanismPtr> mechanisms;
   std::vector<State> states;            ///< initial, one for each mechanism
   std::vector<std::vector<int>> links;  ///< [bodies][StepBody::links] index of the link in the mechanism
-  int partly_excluded = 0;              ///< pairs of links of which we test some shapes; the peers, which exclude links, test none
+  int partly_excluded = 0;              ///< number of link pairs of which Ugoki tests some shapes and the peers none (they exclude links)
 
   /// Adds a mechanism with a floating base at the pose `base`, at rest. @param q [nq] positions of the joints; empty: neutral
   void add(const MechanismPtr& mechanism, const Pose& base, const std::map<std::string, Pose>& file_frames = {},
            std::span<const double> q = {});
-  /// The scene lifted by `height` m, without joint limits and servos. Joints with one DOF have initial velocities of up to `speed`
-  /// rad/s | m/s, unless the body has loops, which they would open. @param armature false: joints have no armature
+  /// The scene lifted by `height` m, without joint limits and servos. Joints with one DOF have initial velocities of up to `speed` rad/s |
+  /// m/s, unless the body has loops, which the velocities would open.
+  /// @param armature false: joints have no armature
   [[nodiscard]] StepSource probe(double speed, double height, bool armature) const;
 };
 
@@ -40,8 +41,8 @@ bool have_model(const std::string& path);
 /// attached to them; revolute loops become ball loops. Throws std::runtime_error where the file cannot be read.
 StepModel read_model(const std::string& path, double friction, const std::vector<std::string>& without = {});
 
-/// The text of an MJCF file for MuJoCo, reduced to bodies, joints and geoms with their defaults: the pose, the shapes, the solver
-/// parameters are those of the file. Adds a floor, the time step and the excluded pairs of bodies.
+/// The text of an MJCF file for MuJoCo, reduced to bodies, joints and geoms with their defaults: pose, shapes and solver parameters remain
+/// those of the file. Adds a floor, the time step and the excluded pairs of bodies.
 std::string reduce_mjcf(const std::string& text, const std::vector<std::string>& without);
 
 /// Completes the text with the parts that depend on the scene: sizes, time step, excluded pairs. `source` has one body.

@@ -11,7 +11,7 @@
 namespace ugoki::benchmarks {
 namespace {
 
-constexpr int second = 500;  // steps of 2 ms
+constexpr int second = 500;  // number of steps of 2 ms in 1 s
 
 MechanismPtr made(MechanismSpec spec) {
   Result<MechanismPtr> m = Mechanism::make(std::move(spec));
@@ -19,7 +19,7 @@ MechanismPtr made(MechanismSpec spec) {
   return *m;
 }
 
-/// Pose of the base that has the lowest point of the mechanism at `height` m above the ground.
+/// Pose of the base at which the lowest point of the mechanism is `height` m above the ground.
 Pose above_ground(const Mechanism& m, const Quat& turn, double x, double y, double height) {
   State s(m);
   const Pose base{to_matrix(turn), {x, y, 0}};
@@ -40,7 +40,7 @@ struct File {
   std::string path;
   double friction;
   std::vector<std::string> without = {};
-  bool own_text = true;  ///< MuJoCo reads the file itself, and not our text of the same model
+  bool own_text = true;  ///< true: MuJoCo reads the file's own text; false: text that we write from the model
 };
 
 bool is_missing(const File& f) {
@@ -171,7 +171,7 @@ MechanismPtr body_of(Shape shape, double density, double friction) {
 void chain(Table& table) {
   const std::string row = "chain of 100 links";
   if (!is_selected(row)) return;
-  constexpr int links = 100, root = 50;  // from the middle to both ends: TinyXML of MuJoCo refuses a depth of 100
+  constexpr int links = 100, root = 50;  // the base is in the middle, because MuJoCo's TinyXML refuses a depth of 100
   MechanismSpec spec;
   spec.name = "chain";
   for (int k = 0; k < links; ++k) {
@@ -246,7 +246,7 @@ void spheres(Table& table) {
   source.name = row;
   source.friction = 0.8;
   source.max_contacts = 1700;  // more need more memory than MuJoCo 2.2 can address
-  source.rest_energy = 1;      // they still fall
+  source.rest_energy = 1;      // rest is not required: the bodies still fall at the end
   source.phases = {{row, second}};
   const MechanismPtr ball = body_of(Shape::sphere(0.05), 1000, 0.8);
   for (int i = 0; i < 1000; ++i) {

@@ -1,4 +1,5 @@
-// Our step, as the LSIs of collision analysis and of dynamics take it (src/ugoki/lsi/collision_lsi.cpp, dynamics_lsi.cpp).
+// Ugoki's simulation step, computed like the LSIs of collision analysis and of dynamics (src/ugoki/lsi/collision_lsi.cpp,
+// dynamics_lsi.cpp).
 
 #include <algorithm>
 #include <cmath>
@@ -115,7 +116,7 @@ class UgokiWorld final : public StepWorld {
     return false;
   }
 
-  /// Implicit servos: gain (target - v') = stiffness (0 - q - dt v') - damping v'.
+  /// Implicit servos, with the velocity v' after the step: gain (target - v') = stiffness (0 - q - dt v') - damping v'.
   void update_servos() {
     for (std::size_t s = 0; s < states_.size(); ++s)
       for (const Link& l : source_.mechanisms[s]->links()) {

@@ -32,7 +32,7 @@ class Table {
   std::vector<Row> rows_;
 };
 
-/// Whether the option --rows PATTERN (a part of the name, with * and ?) selects this row. True without the option.
+/// True if the option --rows PATTERN (a part of the row's name, with * and ?) selects this row, or if there is no such option.
 [[nodiscard]] bool is_selected(const std::string& row);
 
 using RowMaker = void (*)(Table&);
@@ -42,7 +42,8 @@ struct RowRegistration {
   RowRegistration(int order, RowMaker maker);
 };
 
-/// ns: minimum time of one call of each function. The functions alternate in batches of at least 0.1 ms, for about `seconds` each.
+/// Returns for each function the minimum time of one call, in ns. The functions alternate in batches of at least 0.1 ms, for about
+/// `seconds` each.
 [[nodiscard]] std::vector<double> measure(const std::vector<std::function<void()>>& functions, double seconds = 0.4);
 
 /// Throws if two results differ by more than `relative` times their maximum magnitude (at least 1).

@@ -10,7 +10,7 @@ std::atomic<long> count{0};
 
 long ugoki::allocations_so_far() { return count.load(); }
 
-// The thread sanitizer has its own operator new; then nothing is counted.
+// The thread sanitizer has its own operator new. In programs with this sanitizer no allocations are counted.
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 #define UGOKI_COUNTS_NOTHING

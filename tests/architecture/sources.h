@@ -8,8 +8,8 @@
 namespace ugoki::architecture {
 
 struct SourceFile {
-  std::string path;    ///< from the project's root, "src/ugoki/base/result.h"
-  std::string module;  ///< "base"; empty outside src/ugoki
+  std::string path;    ///< relative to the project's root: "src/ugoki/base/result.h"
+  std::string module;  ///< name of the module, such as "base"; empty outside src/ugoki
   bool header = false;
   std::vector<std::string> lines;
 

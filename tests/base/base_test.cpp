@@ -39,7 +39,7 @@ TEST(Number, RejectsTextThatIsNotOneFiniteNumber) {
   EXPECT_EQ(parse_double(std::string_view("1\0 2", 4)), std::nullopt);
   EXPECT_EQ(parse_double(std::string(1000, '9')), std::nullopt);  // overflows
   const char tail[] = {'7', '7', '8'};
-  EXPECT_EQ(parse_double(std::string_view(tail, 2)), 77.0);  // does not read past the end
+  EXPECT_EQ(parse_double(std::string_view(tail, 2)), 77.0);  // the parser does not read past the end of the text
 }
 
 TEST(Number, ParsesIntegersAndRejectsOverflow) {
@@ -115,7 +115,7 @@ TEST(Hash, DependsOnEveryBitOfADouble) {
   Hash64 d;
   d.add(std::uint64_t{0x3ff0000000000000ULL});
   d.add(std::uint64_t{0});
-  EXPECT_EQ(d.value(), c.value());  // the bits of 1.0 and 0.0
+  EXPECT_EQ(d.value(), c.value());  // d hashes the bits of 1.0 and 0.0
 }
 
 TEST(Result, ErrorTextHasLocationMessageAndRemedy) {

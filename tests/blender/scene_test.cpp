@@ -83,7 +83,7 @@ void expect_reader_agrees(const std::string& ending, int seed) {
       const int joint = joint_named(m.skeleton, name_in(ending, expected.names[i]));
       ASSERT_GE(joint, 0) << expected.names[i];
       const Vec3& p = expected.frames[static_cast<std::size_t>(f)][i];
-      // COLLADA from Blender keeps Blender's axes (Z up). Its FBX has Y up; its Z is Blender's -Y, which is forward for us.
+      // COLLADA from Blender keeps Blender's axes (Z up). FBX from Blender has Y up; its Z axis is Blender's -Y axis, our forward axis.
       const Vec3 ours = ending == ".dae" ? p : Vec3{-p.y, p.x, p.z};
       worst = std::max(worst, norm(X[static_cast<std::size_t>(joint)].p - ours));
     }

@@ -98,7 +98,7 @@ TEST(BodyShapes, MeasuredCharactersStandOnTheFloorAtTheirHeight) {
     // While walking, the top of the head is about the body's height above the floor.
     calc_poses(m, std::span(motion.frame(motion.frames / 2), static_cast<std::size_t>(m.nq())), X);
     const auto [low, high] = extent_z(m, X, [](const Shape& s) { return s.visible; });
-    // Tolerance: BVH files of this collection lack the bone of the upper chest, about 10 cm.
+    // The tolerance is large because BVH files of this collection lack the bone of the upper chest, which is about 10 cm long.
     EXPECT_NEAR(high, body->height, 0.23);
     EXPECT_GT(low, -0.04);
   }

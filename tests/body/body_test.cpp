@@ -67,7 +67,7 @@ void check_human(const MeasuredMotion& measured, const Body& body) {
   const Motion motion = to_motion(body, measured);
   EXPECT_TRUE(check_motion(motion, m).empty()) << check_motion(motion, m).text();
   EXPECT_LT(calc_position_error(body, measured, motion), 1e-6);
-  // Limits contain the motion.
+  // The joint limits contain the measured motion.
   for (int f = 0; f < motion.frames; ++f)
     for (const Link& l : m.links()) {
       double x[6];
@@ -139,7 +139,7 @@ TEST(Body, SegmentsHaveTheMassesOfTheTable) {
   EXPECT_NEAR(labelled(m, "thigh left")->inertia.mass, 100 * t.thigh.mass, 0.1);
   EXPECT_NEAR(labelled(m, "shank left")->inertia.mass, 100 * t.shank.mass, 0.1);
   EXPECT_NEAR(labelled(m, "foot left")->inertia.mass + labelled(m, "toes left")->inertia.mass, 100 * t.foot.mass, 0.1);
-  // The thigh (hip to knee 0.43 m) has the table's centre of mass and radii of gyration.
+  // Centre of mass and radii of gyration of the thigh are those of the segment table, times the length of 0.43 m from hip to knee.
   const Inertia& thigh = labelled(m, "thigh left")->inertia;
   EXPECT_NEAR(norm(thigh.centre()), t.thigh.centre * 0.43, 1e-9);
   EXPECT_NEAR(std::sqrt(thigh.about_centre().yy / thigh.mass), t.thigh.transverse * 0.43, 1e-9);
@@ -174,7 +174,7 @@ TEST(Body, RestPostureMayFaceAnyDirection) {
   const Link* b = labelled(*turned->mechanism, "foot left");
   ASSERT_TRUE(a && b);
   EXPECT_EQ(a->name, b->name);
-  EXPECT_NEAR(norm(rotate(turn, a->inertia.centre()) - b->inertia.centre()), 0, 1e-9);
+  EXPECT_NEAR(norm(a->inertia.centre() - b->inertia.centre()), 0, 1e-9);  // both bodies have the canonical rest pose
   EXPECT_LT(calc_position_error(*turned, measured, to_motion(*turned, measured)), 1e-9);
 }
 
@@ -224,7 +224,7 @@ TEST(Body, ShiftingJointIsReported) {
   ASSERT_TRUE(body.has_value());
   EXPECT_TRUE(std::any_of(body->report.begin(), body->report.end(),
                           [](const std::string& s) { return s.find("Joint Chest is measured to shift by up to 10.0 mm") == 0; }));
-  // A constant position that differs from the skeleton's offset is reproduced exactly.
+  // A joint at a constant position that differs from the skeleton's offset is reproduced exactly.
   measured = testing::made_character(20);
   for (std::size_t f = 0; f < 20; ++f) measured.translations[f * measured.skeleton.joints.size() + 2].z += 0.01;
   const auto held = make_body(measured);

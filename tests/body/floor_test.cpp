@@ -19,7 +19,7 @@ TEST(Floor, HeightIsFoundAndTheMotionIsShiftedToZero) {
   const auto a = make_body(low), b = make_body(high);
   ASSERT_TRUE(a && b);
   EXPECT_NEAR(calc_floor_pose(*a, low).p.z - calc_floor_pose(*b, high).p.z, -1.25, 1e-9);
-  // The soles of the synthetic character are 0.03 m below the ball; the nominal value is 1.9 % of the height.
+  // The soles of the synthetic character are 0.03 m below the ball of the foot. The body model assumes 1.9 % of the height.
   EXPECT_NEAR(calc_floor_pose(*a, low).p.z, -0.25 - 0.02 - 0.03 + 0.019 * a->height, 0.021);
   EXPECT_EQ(calc_floor_pose(*a, low).R, Mat3::identity());
 }
@@ -141,7 +141,7 @@ TEST(Measures, ARollingFootDoesNotSkate) {
   FootSkate skate(*h.mechanism, find_feet(*h.mechanism));
   const std::uint8_t on = 1;
   for (int f = 0; f < 100; ++f) {
-    const double turn = 0.001 * f;  // rolls without slipping: x = r * turn
+    const double turn = 0.001 * f;  // the ball rolls without slipping: x = r * turn
     const Pose X{rotation_about({0, 1, 0}, turn), {0.1 * turn, 0, 0.1}};
     skate.add(std::span(&X, 1), std::span(&on, 1), 0.01);
   }
@@ -151,7 +151,7 @@ TEST(Measures, ARollingFootDoesNotSkate) {
 TEST(Measures, PenetrationIsTheDepthBelowTheGround) {
   const Hopper h = hopper();
   GroundPenetration penetration(*h.mechanism, 0.02);
-  for (const double z : {0.5, 0.11, 0.12}) {  // one frame above the ground, one 10 mm deep, one just touching
+  for (const double z : {0.5, 0.11, 0.12}) {  // m: one frame above the ground, one 10 mm deep, one touching the ground
     const Pose X{Mat3::identity(), {0, 0, z}};
     penetration.add(std::span(&X, 1));
   }

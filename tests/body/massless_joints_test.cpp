@@ -55,7 +55,7 @@ MeasuredMotion under_a_root(bool moves) {
   return m;
 }
 
-/// Checks that every movable link carries mass on its subtree, and that the total mass is the body's.
+/// Checks that the subtree of every movable link has mass, and that the total mass equals the mass of the body.
 void check_masses(const MeasuredMotion& measured) {
   const Result<Body> body = make_body(measured);
   ASSERT_TRUE(body) << body.error().text();
@@ -99,9 +99,9 @@ TEST(MasslessJoints, SiblingOfTheHipsGetsMass) {
   for (const bool moves : {false, true}) {
     MeasuredMotion m = under_a_root(moves);
     check_masses(m);
-    insert_moving_joint(m, m.joint_count(), "Prop", 0, {0.3, 0, 0});  // behind the hips in the file
+    insert_moving_joint(m, m.joint_count(), "Prop", 0, {0.3, 0, 0});  // after the hips in the order of joints
     check_masses(m);
-    insert_moving_joint(m, 1, "Tracker", 0, {0.3, 0, 0});  // before them
+    insert_moving_joint(m, 1, "Tracker", 0, {0.3, 0, 0});  // before the hips
     check_masses(m);
   }
 }

@@ -13,7 +13,7 @@ namespace ugoki::body::testing {
 namespace {
 const std::string root = std::string(UGOKI_SHARED_DATA) + "/human/";
 
-/// The value; aborts with the error's text if there is none.
+/// Value of a result; aborts the program with the error's text if the result is an error.
 template <class T>
 T must(Result<T> result) {
   if (!result) {

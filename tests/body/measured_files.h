@@ -8,7 +8,7 @@
 
 namespace ugoki::body::testing {
 
-/// "bvh/x.bvh", "asf_amc/x.amc": every file under the shared human data; empty if the data are absent.
+/// Relative paths of all files of the shared human data, such as "bvh/x.bvh"; empty if the data are absent.
 std::vector<std::string> all_files();
 /// The files with human motion (skeletons of 30 or 31 joints).
 std::vector<std::string> human_files();

@@ -154,7 +154,7 @@ TEST(Capture, AnimalMotionIsRecovered) {
 TEST(Capture, ResidualsNameMarkerAndFrame) {
   Known k = make_known(human_markers(), 1, 3, 0);
   const int knee = k.markers.find("LKNE");
-  k.markers.positions[k.markers.index(120, knee)] += Vec3{0, 0.015, 0};  // small enough not to be removed as a spike
+  k.markers.positions[k.markers.index(120, knee)] += Vec3{0, 0.015, 0};  // this error is too small to be removed as a spike
   const auto c = solve_markers(k.markers, {.cutoff = -1});
   ASSERT_TRUE(c.has_value());
   for (const MarkerResidual& r : c->residuals)

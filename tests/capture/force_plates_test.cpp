@@ -54,7 +54,7 @@ MarkerMotion recording(const PlateVariant& b) {
   std::vector<std::vector<double>> rows(2000);
   const double depth = 0.04, a = 0.12, s = 0.2;  // Kistler's sensors at (+-a, +-s)
   for (int p = 0; p < 2; ++p) {
-    // Plate's axes in the world: z down, x by its heading.
+    // Axes of the plate in the world: z points down, x in the direction of `heading`.
     const Vec3 x{std::cos(b.heading), std::sin(b.heading), 0}, z{0, 0, -1}, y = cross(z, x);
     const Mat3 R = Mat3::columns(x, y, z);
     const Vec3 middle{0.2 + 0.7 * p, 0.2, 0};
@@ -64,7 +64,7 @@ MarkerMotion recording(const PlateVariant& b) {
     const double signs[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
     for (int c = 0; c < 4; ++c) plate.corners[c] = middle + R * Vec3{signs[c][0] * half_x, signs[c][1] * half_y, 0};
     plate.origin = b.type == 3 ? Vec3{a, s, -depth} : Vec3{0.002, -0.001, -depth};
-    const Vec3 sensor = b.type == 3 ? Vec3{0, 0, depth} : Vec3{-0.002, 0.001, depth};  // from the surface's middle
+    const Vec3 sensor = b.type == 3 ? Vec3{0, 0, depth} : Vec3{-0.002, 0.001, depth};  // relative to the middle of the surface
     if (b.origin_up) plate.origin = b.type == 3 ? Vec3{a, s, depth} : -plate.origin;
     const int count = b.type == 3 ? 8 : 6;
     for (int k = 0; k < count; ++k) {
@@ -110,7 +110,7 @@ MarkerMotion recording(const PlateVariant& b) {
   }
   for (const std::vector<double>& row : rows) m.samples.insert(m.samples.end(), row.begin(), row.end());
   for (int f = 0; f < m.frames; ++f)
-    for (int k = 0; k < 4; ++k) {  // left foot on the first plate, right foot on the second; heel behind, toe ahead
+    for (int k = 0; k < 4; ++k) {  // heel and toe of the left foot on the first plate, of the right foot on the second
       m.positions.push_back({0.1 + 0.7 * (k / 2) + 0.24 * (k % 2), k < 2 ? 0.25 : 0.15, 0.03});
       m.residuals.push_back(0);
     }
@@ -221,7 +221,7 @@ TEST(ForcePlates, StepsAreAssignedToFeet) {
     EXPECT_NEAR(s.first, 30 + 50 * k, 2);
     EXPECT_NEAR(s.last, 90 + 50 * k, 2);
   }
-  // With both feet on the first plate the step is shared; with no foot near it has no foot.
+  // With both feet on the first plate, the step is marked as shared. With no foot near the plate, the step has no foot (-1).
   for (Vec3& p : feet[1].points) p.x -= 0.7;
   EXPECT_TRUE(find_plate_steps(m, forces, feet)[0].shared);
   for (SolePoints& foot : feet)

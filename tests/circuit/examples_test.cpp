@@ -1,4 +1,4 @@
-// examples/lsi: a circuit for each signal LSI, which documents and tests it.
+// Runs the circuits in examples/lsi. There is one for each signal LSI, which documents and tests the LSI.
 
 #include <filesystem>
 #include <fstream>

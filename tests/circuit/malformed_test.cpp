@@ -36,7 +36,7 @@ Error refuse(const std::string& text) {
 /// Whether the path "circuit/lsis/5(arm)/lsis/0/type" exists in the document; " 'arm/g'" may follow it. The last part may name a missing
 /// field.
 bool path_exists(const Json& top, std::string path) {
-  if (path.starts_with("circuit:")) return true;  // a line of a text that is not JSON
+  if (path.starts_with("circuit:")) return true;  // location "circuit:line" in a text that is not JSON
   if (const auto name = path.find(" '"); name != std::string::npos) path.resize(name);
   if (path == "circuit") return true;
   if (!path.starts_with("circuit/")) return false;
@@ -154,7 +154,7 @@ TEST_F(Malformed, AllAreRefusedWithPathAndRemedy) {
     const bool needed = f == "id" || (f == "type" && (o.contains("id") || pin)) || f == "to" || f == "from" || (pin && f == "name") ||
                         f == "version" || (where == "circuits" && f == "name") || where == "values";
     if (!needed) return false;
-    if (f == "from" && !o.contains("to")) return false;  // an output of the circuit may wait for its wire
+    if (f == "from" && !o.contains("to")) return false;  // an output of the circuit may be without a wire
     o.erase(f);
     return true;
   });

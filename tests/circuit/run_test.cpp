@@ -57,7 +57,7 @@ TEST(Run, EveryTenthTickHoldsOutputBetween) {
   }
 }
 
-/// LSIs that use the time between their runs, all with this `every`, fed by the input x.
+/// LSIs that use the time since their last run. All of them run every `every` ticks and have the circuit's input x as input.
 std::string timed_lsis(int every) {
   std::string lsis, ends;
   const auto add = [&](const std::string& id, const std::string& type, const std::string& input, const std::string& parameters) {
@@ -143,7 +143,7 @@ TEST(Run, RestoreRefusesForeignOrDamagedBytesAndChangesNothing) {
   EXPECT_FALSE(a->restore(foreign));
   EXPECT_FALSE(a->restore({}));
   EXPECT_FALSE(a->restore(std::span<const std::byte>(good).first(good.size() - 1)));
-  for (const std::size_t at : {std::size_t{16}, std::size_t{60}, good.size() - 1}) {  // ticks, arena, parameters
+  for (const std::size_t at : {std::size_t{16}, std::size_t{60}, good.size() - 1}) {  // a byte of the ticks, the arena, the parameters
     std::vector<std::byte> damaged = good;
     damaged[at] ^= std::byte{1};
     EXPECT_FALSE(a->restore(damaged)) << at;
@@ -247,7 +247,7 @@ TEST(Run, TimingCountsEachLsi) {
   const auto timings = i->timings();
   ASSERT_EQ(timings.size(), 5u);
   for (const Timing& t : timings) {
-    EXPECT_EQ(t.runs, t.lsi == "slow" ? 2u : t.lsi == "smooth" ? 40u : 20u) << t.lsi;  // the filter has a step and an advance
+    EXPECT_EQ(t.runs, t.lsi == "slow" ? 2u : t.lsi == "smooth" ? 40u : 20u) << t.lsi;  // `smooth` has a step and an advance function
     EXPECT_EQ(t.total, 3 * t.runs);
   }
 }
@@ -301,7 +301,7 @@ TEST(Run, PayloadsOfDifferentSizesAreWiredCorrectly) {
 }
 
 TEST(Run, DelayedOutputMayFeedDirectInputOfTheSameLsi) {
-  // y = a + 1 in the same tick; z is y of the previous tick; z is wired to a.
+  // The LSI `both`: y = a + 1 in the same tick, and z is y of the previous tick. Its output z is wired to its input a.
   Library library;
   LsiClass c;
   c.name = "both";
@@ -331,7 +331,7 @@ TEST(Run, DelayedOutputMayFeedDirectInputOfTheSameLsi) {
       nullptr, {}));
 }
 
-// A library with an LSI that has state in its object, a resource, a subject, and an input for several wires of any size.
+// A library with the LSI "tank". Its state is in an object; it uses a resource and a subject; its input accepts several wires of any size.
 struct Tank {
   static constexpr const char* resource_kind = "tank";
   std::uint32_t size;

@@ -21,7 +21,7 @@ Json load(const std::string& path) {
 class Validator {
  public:
   explicit Validator(const Json& schema) : top_(schema) {}
-  /// The first violation; empty: valid.
+  /// Text of the first violation of the schema; empty: the value is valid.
   std::string check(const Json& value) { return check(value, top_, "circuit"); }
 
  private:

@@ -147,7 +147,7 @@ TEST_F(CliTest, LibraryIsListedShownAndDamageReported) {
   const Json ids = json({"import", walk()})["files"][0]["ids"];
   const std::string motion = ids["motion"], mechanism = ids["mechanism"], measured = ids["measured"];
   EXPECT_EQ(json({"db", "show", motion})["name"], "walk");
-  fails({"db", "show", "walk"}, "library.db");  // three entries have this name
+  fails({"db", "show", "walk"}, "library.db");  // refused, because three entries have this name
   json({"db", "rename", motion, "stroll"});
   EXPECT_EQ(json({"db", "find", "stroll"})["entries"][0]["id"], motion);
   json({"db", "tag", "stroll", mechanism, "--add", "a,b"});
@@ -245,13 +245,14 @@ TEST_F(CliTest, InterruptLeavesNoIncompleteFile) {
 }
 
 /// Starts a verb that waits for data of a pipe, sends it the signal up to twice, and returns its exit status.
-int ended_by(const std::vector<std::string>& arguments, const std::string& pipe, const std::vector<std::string>& environment, int signal) {
+int ended_by(const std::vector<std::string>& arguments, const std::string& pipe, const std::vector<std::string>& environment, int signal_number) {
   EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   const int writer = ::open(pipe.c_str(), O_RDWR | O_CLOEXEC);  // the verb's open succeeds, and its read waits
+  ::signal(signal_number, SIG_DFL);  // a shell starts programs in the background with SIGINT ignored, which children inherit
   const pid_t child = start_program(arguments, environment);
   ::usleep(500'000);  // the verb has begun to read; an earlier signal ends it too
   for (int k = 0; k < 2; ++k) {
-    ::kill(child, signal);
+    ::kill(child, signal_number);
     ::usleep(300'000);
   }
   const std::jthread rescue([child](const std::stop_token& stop) {  // a verb that ignores the signals fails the test and does not hang it

@@ -71,9 +71,9 @@ class ContactCli : public CliTest {
     };
     const auto number = [&] { return static_cast<double>(take(0.0F)); };
     while (at < bytes.size()) {
-      at += 24;  // magic, version, time, number, flags
+      at += 24;  // skip magic, version, time, number, flags
       const auto characters = take(std::uint32_t{}), contacts = take(std::uint32_t{});
-      at += 32;  // grab point and target, number of closest pairs, flag of normals
+      at += 32;  // skip grab point and target, number of closest pairs, flag of normals
       std::vector<Pose>& poses = out.emplace_back();
       for (std::uint32_t c = 0; c < characters; ++c) {
         const auto links = take(std::uint32_t{});
@@ -95,7 +95,7 @@ class ContactCli : public CliTest {
     return out;
   }
 
-  /// m: maximum distance of a body from its position in the first frame.
+  /// Maximum distance of a body from its position in the first frame, m.
   static double drift(const std::vector<std::vector<Pose>>& frames) {
     double maximum = 0;
     for (const auto& poses : frames)
@@ -103,7 +103,7 @@ class ContactCli : public CliTest {
     return maximum;
   }
 
-  /// m: maximum overlap between bodies or with the ground, over all frames.
+  /// Maximum overlap between bodies or with the ground, over all frames, m.
   double depth(const std::vector<std::vector<Pose>>& frames) const {
     const collision::Scene scene(bodies_, {scenario_.ground.height, scenario_.ground.friction, scenario_.ground.restitution});
     collision::Workspace workspace(scene);
@@ -125,7 +125,7 @@ class ContactCli : public CliTest {
            {0.01 * std::sin(3.0 * static_cast<double>(bodies_.size())), 0, 0.1 + 0.2 * static_cast<double>(bodies_.size())}});
   }
 
-  /// Bodies of six shapes, 0.1 to 0.5 m.
+  /// Adds random bodies of six shapes with sizes of 0.1 to 0.5 m.
   void add_heap(int count, unsigned seed, double height) {
     std::mt19937_64 engine(seed);
     const auto uniform = [&](double low, double high) { return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53; };

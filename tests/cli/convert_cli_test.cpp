@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 class ConvertCliTest : public CliTest {
  protected:
-  /// m: maximum distance, over all frames, between joints of the sample walk and joints of the same name in `m`.
+  /// Maximum distance [m], over all frames, between joints of the sample walk and joints of the same name in `m`.
   static double off(const MeasuredMotion& m) {
     const MeasuredMotion walk = samples::make_human_walk();
     EXPECT_EQ(m.frames, walk.frames);
@@ -52,7 +52,7 @@ TEST_F(ConvertCliTest, FillClosesGapsOfARecording) {
   const Json filled = json({"convert", markers(), path("filled.trc"), "--fill"});
   const auto back = formats::read_trc(read(path("filled.trc")), "m");
   ASSERT_TRUE(back && back->seen(1, 1));
-  EXPECT_LT(norm(back->at(1, 1) - Vec3{0.205, 0.4005, 0.9005}), 1e-6);  // the middle of the gap; Z up
+  EXPECT_LT(norm(back->at(1, 1) - Vec3{0.205, 0.4005, 0.9005}), 1e-6);  // interpolated in the middle of the gap; z is up
   EXPECT_NE(filled["report"].dump().find("1 positions in short gaps"), std::string::npos) << filled;
 }
 
@@ -174,7 +174,7 @@ TEST_F(ConvertCliTest, InputsAndNeededSkeletonsAreNotOverwritten) {
                                   "1 0\n}\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.01\n0 0 0 0 0 0 0 0 0\n0 0 0 9 0 0 9 0 0\n");
   fails({"convert", other, path("man_2.amc")}, "man.asf");
   does({"convert", clip, path("man_1.amc")});  // identical files may be written again
-  does({"convert", clip, path("man_3.amc")});  // needs the same skeleton
+  does({"convert", clip, path("man_3.amc")});  // man_3.amc needs the same skeleton as man_1.amc
   fails({"convert", path("man_1.amc"), path("man_1.amc")}, "man_1.amc");
 }
 

@@ -38,7 +38,7 @@ TEST_F(DbCliTest, VersionsNotesAndConflicts) {
   const Json versions = json({"db", "history", "stroll"})["versions"];
   ASSERT_EQ(versions.size(), 3u);
   for (const Json& v : versions) EXPECT_EQ(v["by"], "anna");
-  fails({"db", "rename", "stroll", "march", "--based-on", "1"}, "anna");  // the author of the later version
+  fails({"db", "rename", "stroll", "march", "--based-on", "1"}, "anna");  // the error names the author of the later version
   json({"db", "restore", "stroll", "1"});
   EXPECT_EQ(json({"db", "show", motion_})["name"], "walk");
   EXPECT_EQ(json({"db", "show", motion_})["version"], 4);

@@ -1,4 +1,4 @@
-// What the program leaves beside the files that it reads, and its errors for wrong paths and for files that cannot grow.
+// Files that the program leaves beside the files that it reads; errors for wrong paths and for files that cannot grow.
 #include <sys/resource.h>
 #include <sys/stat.h>
 

@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 class LsiCliTest : public ShelfTest {
  protected:
-  /// Runs the program on a terminal on which `typed` is typed. @return what it printed; `out` has stdout and stderr
+  /// Runs the program on a pseudo-terminal and types `typed`. @return its exit status and output; `out` has both stdout and stderr
   Output on_terminal(const std::vector<std::string>& arguments, const std::string& typed) const {
     Output output;
     int terminal = -1;
@@ -40,7 +40,7 @@ class LsiCliTest : public ShelfTest {
         write("evil.c", "#include <stdio.h>\n__attribute__((constructor)) static void early(void) { FILE* f = fopen(\"" + marker() +
                             "\", \"w\"); if (f) fclose(f); }\ndouble f(double x) { return x; }\n");
     const std::string library = json({"lsi", "build", source})["output"];
-    fs::remove(marker());  // building opens the user's own library
+    fs::remove(marker());  // a build also loads the built library, which writes the marker
     return library;
   }
   [[nodiscard]] std::string marker() const { return folder_ + "/marker"; }
@@ -156,7 +156,7 @@ TEST_F(LsiCliTest, NothingOfALibraryRunsBeforeConsent) {
   EXPECT_FALSE(fs::exists(marker()));
   fails({"lsi", "install", library, "--hash", std::string(64, '0')}, "not the one given with --hash");
   EXPECT_FALSE(fs::exists(marker()));
-  for (const char* typed : {"n\n", "\n", "\x04"}) {  // the last one ends the input
+  for (const char* typed : {"n\n", "\n", "\x04"}) {  // \x04 (Ctrl+D) ends the input
     const Output refused = on_terminal({"lsi", "install", library}, typed);
     EXPECT_EQ(refused.status, 1);
     EXPECT_NE(refused.out.find("The library 'evil' with the LSI 'f' is a program that runs with all your rights."), std::string::npos)
@@ -169,6 +169,35 @@ TEST_F(LsiCliTest, NothingOfALibraryRunsBeforeConsent) {
   EXPECT_EQ(accepted.status, 0) << accepted.out;
   EXPECT_TRUE(fs::exists(marker()));
   EXPECT_EQ(json({"lsi", "list"})["libraries"].size(), 1u);
+}
+
+TEST_F(LsiCliTest, NothingOfALibraryIsMappedBeforeConsent) {
+  if (std::system("strace -o /dev/null true 2> /dev/null") != 0) GTEST_SKIP() << "strace cannot be used here (apt-get install strace)";
+  const std::string library = evil(), log = folder_ + "/calls";
+  // File descriptors are printed with their paths (-y), so that a mapping of the library shows its name. Copies that are loaded have the
+  // name of the library too.
+  const auto mappings = [&](const std::string& arguments, const char* answer) {
+    const std::string command = "printf '" + std::string(answer) + "' | UGOKI_LSI=" + folder_ + "/shelf strace -f -y -e trace=openat,mmap,execve -o " +
+                                log + " script -qec '" UGOKI_PROGRAM " lsi install " + library + arguments + "' /dev/null > /dev/null 2>&1";
+    (void)std::system(command.c_str());
+    std::ifstream in(log);
+    int opened = 0, mapped = 0, processes = 0;
+    for (std::string line; std::getline(in, line);) {
+      const bool names = line.find("evil.so") != std::string::npos;
+      opened += names && line.find("openat(") != std::string::npos;
+      mapped += names && line.find("mmap(") != std::string::npos;
+      processes += line.find("execve(") != std::string::npos && line.find("describe") != std::string::npos;
+    }
+    EXPECT_GT(opened, 0) << "the file is read for its hash";
+    return std::pair(mapped, processes);
+  };
+  const std::pair<int, int> none;
+  EXPECT_EQ(mappings("", "n\\n"), none);
+  EXPECT_EQ(mappings("", ""), none);
+  EXPECT_EQ(mappings(" --hash " + std::string(64, '0'), "y\\n"), none);
+  const auto [mapped, processes] = mappings("", "y\\n");
+  EXPECT_GT(mapped, 0) << "the check must see the mapping after consent";
+  EXPECT_GT(processes, 0);
 }
 
 TEST_F(LsiCliTest, LibraryThatEndsItsProcessWhileLoadingIsNotInstalled) {

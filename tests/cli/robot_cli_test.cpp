@@ -29,7 +29,7 @@ TEST_F(RobotCliTest, InfoReportsDegreesOfFreedomLeftByLoops) {
   const std::string file = four_bar("bars.urdf", 1);
   EXPECT_EQ(json({"info", file})["dofs"], 3);
   EXPECT_TRUE(json({"info", file})["loops"].empty());
-  write("bars.yaml", "closed_loop: [[end, tip]]\ntype: [revolute]\nname_mot: [to_a]\n");  // same name and folder: used automatically
+  write("bars.yaml", "closed_loop: [[end, tip]]\ntype: [revolute]\nname_mot: [to_a]\n");  // used automatically: same name and folder
   const Json j = json({"info", file});
   ASSERT_EQ(j["loops"].size(), 1u);
   EXPECT_EQ(j["loops"][0]["type"], "revolute");

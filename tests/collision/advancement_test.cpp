@@ -28,7 +28,7 @@ TEST(Advancement, TwoBallsMeetAtTheRootOfTheQuadratic) {
   for (int i = 0; i < 3000; ++i) {
     const double ra = random.in(0.01, 0.5), rb = random.in(0.01, 0.5);
     const Vec3 gap = random.unit() * (ra + rb + random.in(0.01, 1)), v = random.unit() * random.in(0.1, 300);
-    const Vec3 common = random.vec(10);  // spinning and flying together change nothing
+    const Vec3 common = random.vec(10);  // a common velocity, and spins, do not change the time of impact
     const Impact found =
         impact(Shape::sphere(ra), moving(gap, v + common, random.vec(50)), Shape::sphere(rb), moving({}, common, random.vec(50)), 1.0);
     const double b = dot(gap, v), c = dot(gap, gap) - (ra + rb) * (ra + rb), d = b * b - dot(v, v) * c;
@@ -298,7 +298,7 @@ TEST(ImpactSearch, FastBallHitsPlateOfAnotherSystem) {
   EXPECT_EQ(found.contact.system_b, 1);
   EXPECT_NEAR(found.contact.n.z, 1, 1e-9);
   EXPECT_NEAR(found.contact.p.z, 1.0025, 1e-5);
-  // A time step that ends before the impact finds none.
+  // In a time step that ends before the impact, no impact is found.
   EXPECT_EQ(search.find(s.motions, 0.9 / 300, 1e-3).status, ImpactStatus::none);
 }
 

@@ -1,4 +1,4 @@
-// Exact distances of meshes, compared with brute force over all pairs of triangles. fcl_mesh_test.cpp compares them with FCL.
+// Exact distances between meshes, compared with brute force over all pairs of triangles. fcl_mesh_test.cpp compares them with FCL.
 
 #include "ugoki/collision/bubble.h"
 
@@ -45,7 +45,7 @@ double distance_from(const std::vector<TriangleCorners>& mesh, const Vec3& p) {
 struct Case {
   Mesh a, b;
   Pose A, B;
-  double scale;  // max_count coordinate in the computation, for tolerances
+  double scale;  // maximum coordinate in the computation, for tolerances
 };
 
 /// Two small meshes of random kind and size: far apart, near, touching or piercing; sometimes far from the origin.
@@ -89,7 +89,7 @@ TEST_P(EachWidth, DistanceMatchesBruteForce) {
     const SphereTree a = tree_of(c.a), b = tree_of(c.b);
     const double expected = std::ranges::min(all_distances(c.a, c.A, c.b, c.B)), tolerance = 1e-14 * c.scale;
     TrianglePair warm;
-    if (random.below(2) == 0) warm = {random.below(200) - 50, random.below(200) - 50};  // invalid or arbitrary triangles
+    if (random.below(2) == 0) warm = {random.below(200) - 50, random.below(200) - 50};  // start from invalid or arbitrary triangles
     const BubbleDistance d = find_distance(a, c.A, b, c.B, warm, workspace);
     ASSERT_NEAR(d.distance, expected, tolerance) << "case " << i;
     ASSERT_EQ(d.lower, d.distance);
@@ -105,7 +105,7 @@ TEST_P(EachWidth, DistanceMatchesBruteForce) {
     }
     ASSERT_EQ(warm, d.nearest);
     (expected > tolerance ? apart : meeting) += 1;
-    // A warm start from the own result gives the same distance.
+    // A warm start from the result of the same query gives the same distance.
     const BubbleDistance again = find_distance(a, c.A, b, c.B, warm, workspace);
     ASSERT_EQ(again.distance, d.distance);
     ASSERT_LE(again.triangle_tests, d.triangle_tests + 8);

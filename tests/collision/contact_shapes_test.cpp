@@ -266,7 +266,8 @@ TEST(ContactShapes, HoleOfAMeshIsFreeOfContacts) {
   for (const ManifoldPoint& q : points(wall)) EXPECT_LT(norm(q.n - Vec3{-1, 0, 0}), 1e-6);
 }
 
-/// Also on the sides and corners of a curved mesh; the body is slightly outside, or penetrates slightly.
+/// A body touches a curved mesh at a random point, which may be on the side or corner of a triangle. The body is then moved slightly
+/// outwards or inwards.
 TEST(ContactShapes, ClosestPointOfACurvedMeshIsAContact) {
   Random random(11);
   const test::Mesh torus = test::bumpy_torus(1500);
@@ -287,7 +288,7 @@ TEST(ContactShapes, ClosestPointOfACurvedMeshIsAContact) {
     PairCache cache;
     const double farthest = 1e9;
     double distance = 1;
-    for (int k = 0; k < 200 && distance > 1e-6; ++k) {  // advance until the body touches the mesh
+    for (int k = 0; k < 200 && distance > 1e-6; ++k) {  // move the body until it touches the mesh
       distance = find_pair_distance(body, X, mesh, Pose{}, farthest, cache, distances).distance;
       X.p += direction * distance;
     }

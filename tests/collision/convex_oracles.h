@@ -13,7 +13,7 @@
 
 namespace ugoki::collision::test {
 
-/// Maximum of n . x over the core [m], computed over all vertices.
+/// Maximum of n . x [m] over all points x of the core (the shape without its radius). For hulls computed over all vertices.
 inline double reach(const Support& s, const Pose& X, const Vec3& n) {
   const Vec3 m = transpose_times(X.R, n);
   double r = 0;
@@ -32,7 +32,7 @@ inline double reach(const Support& s, const Pose& X, const Vec3& n) {
   return r + dot(n, X.p);
 }
 
-/// Lower bound [m] of the distance from p (world) to the core; at most 0 if p is inside.
+/// Lower bound [m] of the distance from p (world) to the core (the shape without its radius); at most 0 if p is inside.
 inline double outside(const Support& s, const Pose& X, const Vec3& p) {
   const Vec3 q = transpose_times(X.R, p - X.p), h = s.size;
   switch (s.kind) {

@@ -1,4 +1,4 @@
-// find_contacts() of a crowd, which gets its pairs from the superior tree, compared with testing all pairs.
+// Compares find_contacts() for a crowd of mechanisms, which gets its pairs from the superior tree, with a test of all pairs.
 
 #include <gtest/gtest.h>
 

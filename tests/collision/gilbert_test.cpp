@@ -12,7 +12,7 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr double allowed = 1e-9;  // error relative to the sum of the sizes
+constexpr double allowed = 1e-9;  // error relative to the sum of the sizes of both shapes
 
 /// Random pairs at distances of up to 2.5 m, a tenth of them far from the origin: every distance must be certified.
 void certify_random_pairs(int pairs, unsigned seed) {
@@ -24,7 +24,7 @@ void certify_random_pairs(int pairs, unsigned seed) {
     const Support a = test::random_support(random, hulls), b = test::random_support(random, hulls);
     Pose A = random.pose(0.3), B = random.pose(0.3);
     B.p += random.unit() * random.in(0, 2.5);
-    if (i % 10 == 0) {  // far from the origin
+    if (i % 10 == 0) {  // every tenth pair is far from the origin
       const Vec3 far = random.vec(1000);
       A.p += far;
       B.p += far;

@@ -8,7 +8,7 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr double allowed = 1e-9;  // error relative to the sum of the sizes
+constexpr double allowed = 1e-9;  // error relative to the sum of the sizes of both hulls
 
 /// Hulls of 2 ... 3000 vertices, scaled by `scale`: round ones, plates 1e-4 thick, needles, boxes, flat ones, a fan, a segment.
 std::vector<Hull> all_kinds(test::Random& random, double scale) {
@@ -36,7 +36,7 @@ std::vector<Hull> all_kinds(test::Random& random, double scale) {
   return out;
 }
 
-/// Distance of p from the points, segment or triangle of `count` corners.
+/// Distance of p from the point, segment or triangle with these corners.
 double distance_from(const Vec3& p, const std::vector<Vec3>& corners) {
   double minimum = norm(p - corners[0]);
   for (std::size_t i = 0; i < corners.size(); ++i)
@@ -61,7 +61,7 @@ double off_features(const GilbertCache& cache, const Support& a, const Pose& A, 
   return std::max(distance_from(r.pa + r.n * a.radius, on_a), distance_from(r.pb - r.n * b.radius, on_b));
 }
 
-/// A random cache: empty; with a fast-motion trend; or with an arbitrary or invalid trend.
+/// A random cache: empty; marked as fast motion; or with an arbitrary or invalid predicted motion (trend).
 GilbertCache any_cache(test::Random& random) {
   GilbertCache cache;
   const int kind = random.below(4);
@@ -78,11 +78,11 @@ GilbertCache any_cache(test::Random& random) {
 
 /// Statistics over all queries.
 struct Tally {
-  int separated = 0, quick = 0, maximum = 0;  // separated results; of these after at most 2 support points; maximum of support points
+  int separated = 0, quick = 0, maximum = 0;  // separated results; those after at most 2 support points; maximum of these points
   double worst = 0, off = 0;                  // maximum relative error, and maximum relative distance from the cached features
 };
 
-/// Moves one pair in steps of 1e-6 to 0.3 (of the size, and rad), sometimes 0. Every result must be certified.
+/// Moves one pair in steps of 1e-6 to 0.3 (times the size, and in rad), or 0. Every result must be certified.
 void certify_motion(test::Random& random, const Support& a, const Support& b, double scale, Tally& tally) {
   const double gaps[] = {1, 0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 0};
   const double gap = gaps[random.below(9)] * scale, offset = random.below(4) == 0 ? 1000 * scale : 0;
@@ -170,7 +170,7 @@ TEST(HullSearch, HandlesSlowMotionWithoutGeneralSearch) {
   }
 }
 
-/// In fast motion, which passes vertices at nearly every query, HullLeap finds the closest points in at least 90 % of the queries.
+/// In fast motion the closest vertices change at nearly every query. HullLeap finds the closest points in at least 90 % of the queries.
 TEST(HullLeap, HandlesFastMotionOfLargeHulls) {
   test::Random random(33);
   for (const int n : {1000, 4000, 16000}) {
@@ -208,7 +208,7 @@ bool same(const GilbertResult& r, const GilbertResult& s) {
          r.pb == s.pb && r.n == s.n;
 }
 
-/// Compares every variant that this machine can run with the portable one.
+/// Compares every SIMD variant that this machine can run with the portable variant.
 TEST(HullSearch, SameBitsForEveryRegisterWidth) {
   test::Random random(32);
   const std::vector<Hull> hulls = all_kinds(random, 1);

@@ -54,7 +54,7 @@ TEST(Manifold, MinimumDistanceEqualsTrueDistance) {
       EXPECT_LT(p.distance, margin);
       EXPECT_TRUE(features.insert(p.feature).second);
       EXPECT_LT(p.feature, 1U << 24);
-      // half way between the surfaces
+      // The contact point p.p is half way between the surfaces; pa and pb are the points on the surfaces.
       const Vec3 pa = p.p + p.n * (0.5 * p.distance), pb = p.p - p.n * (0.5 * p.distance);
       EXPECT_LT(norm(test::project(a, A, pa) - pa), boxes ? 1e-6 : 1e-9);
       EXPECT_LT(norm(test::project(b, B, pb) - pb), boxes ? 1e-6 : 1e-9);
@@ -95,7 +95,7 @@ TEST(Manifold, ParallelCapsulesTouchAtTwoPoints) {
   EXPECT_NEAR(crossed.points[0].p.x, 0.1 - 0.02 / std::tan(0.1), 1e-9);
   EXPECT_NEAR(crossed.points[1].p.x, 0.1 + 0.3 * std::cos(0.1), 0.01);
   EXPECT_EQ(manifold(short_one, turned({0, 0, 1}, 1, {0.1, 0, 0.19}), long_one, {}, 0.05).count, 1);
-  EXPECT_EQ(manifold(short_one, at(1.49, 0, 0), long_one, {}, 0.05).count, 1);  // in line, cap on cap
+  EXPECT_EQ(manifold(short_one, at(1.49, 0, 0), long_one, {}, 0.05).count, 1);  // capsules in line touch with their caps
 }
 
 TEST(Manifold, CapsuleOnBoxHasTwoPoints) {
@@ -113,10 +113,10 @@ TEST(Manifold, CapsuleOnBoxHasTwoPoints) {
   };
   expect_two(at(0, 0, 0.62), -0.5, 0.5, 0.02);                                             // above
   expect_two(at(0, 0, 0.58), -0.5, 0.5, -0.02);                                            // pressed in
-  expect_two(at(0, 0, 0.45), -0.5, 0.5, -0.15);                                            // its axis is inside the box
+  expect_two(at(0, 0, 0.45), -0.5, 0.5, -0.15);                                            // the capsule's axis is inside the box
   expect_two(at(0.8, 0, 0.58), 0.3, 1.0, -0.02);                                           // overhanging
   EXPECT_EQ(manifold(capsule, turned({0, 1, 0}, 1, {0, 0, 0.9}), box, {}, 0.2).count, 1);  // on one end
-  // Parallel to an edge and pressed on it diagonally.
+  // The capsule is parallel to an edge of the box and overlaps the edge diagonally.
   EXPECT_EQ(manifold(capsule, at(0, 1.05, 0.55), box, {}, 0.05).count, 2);
   // Exchanged shapes: the normal is reversed.
   const Manifold mirrored = manifold(box, {}, capsule, at(0, 0, 0.58), 0.05);
@@ -141,7 +141,7 @@ TEST(Manifold, BoxOnBoxHasFourCorners) {
       EXPECT_LT(norm(middle - Vec3{0.1, 0.2, 0.5 + gap / 2}), 1e-12);
     }
   }
-  // Tilted by at most 1e-5 rad: the face contact remains, although an edge separates the boxes slightly better.
+  // If the upper box is tilted by at most 1e-5 rad, the face contact remains, although an edge separates the boxes slightly better.
   for (const double angle : {0.0, 0.2, 0.6}) {
     for (const double tilt : {1e-9, 1e-7, 1e-5}) {
       Pose A = turned({0, 0, 1}, angle, {0.85, 0.9, 0.595});  // overhangs a corner
@@ -185,7 +185,7 @@ TEST(Manifold, GroundContactPoints) {
   ASSERT_EQ(m.count, 4);
   for (const ManifoldPoint& p : points(m)) EXPECT_NEAR(p.distance, 0, 1e-15);
   find_ground_manifold(box, at(0, 0, 0.5), 0.5, 0.11, m);
-  EXPECT_EQ(m.count, 8);  // every corner within the margin
+  EXPECT_EQ(m.count, 8);  // every corner is within the margin
 }
 
 TEST(Manifold, GroundMinimumDistanceEqualsTrueDistance) {
@@ -203,8 +203,8 @@ TEST(Manifold, GroundMinimumDistanceEqualsTrueDistance) {
   }
 }
 
-// A box slides across another box and over its rim, turning slowly. Contact points whose feature persists move no faster than the box, up
-// to a factor; the depth is continuous even where features change.
+// A box slides across another box and over its rim, turning slowly. A contact point whose feature persists moves at most 20 times as far
+// as the box in each step. The depth is continuous even where features change.
 TEST(Manifold, SlidingBoxMovesItsPointsContinuously) {
   const Shape box = Shape::box({0.2, 0.15, 0.1}), table = Shape::box({0.5, 0.5, 0.5});
   const double step = 1e-4;

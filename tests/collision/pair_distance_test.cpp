@@ -1,4 +1,4 @@
-// Distances of all kinds of shapes: the methods compared with each other; the switch between hulls and triangles.
+// Distances between all kinds of shapes: comparison of the methods, and the switch between hulls and triangles.
 
 #include "ugoki/collision/pair_distance.h"
 
@@ -83,8 +83,8 @@ TEST(PairDistance, ClosedFormsAgreeWithGilbert) {
   EXPECT_GT(overlaps, 500);
 }
 
-/// Boxes, and capsules and boxes, turned against each other by 1e-9 ... 1e-4 rad, at gaps from 1e-9 m to 1000 m: the direction n certifies
-/// the distance to 1e-9 of the size.
+/// Two boxes, or a capsule and a box, turned relative to each other by 1e-9 ... 1e-4 rad, at gaps from 1e-9 m to 1000 m. The direction n
+/// certifies the distance with an error below 1e-9 of the size.
 TEST(PairDistance, ClosedFormsAreAccurateForNearlyParallelFaces) {
   test::Random random(31);
   for (int i = 0; i < 40000; ++i) {
@@ -128,7 +128,7 @@ TEST(PairDistance, NonConvexMeshesMatchTheirConvexParts) {
       ASSERT_LT(norm(d.pa - d.pb - d.n * d.distance), 1e-9);
     }
   }
-  EXPECT_GT(by_method[static_cast<int>(DistanceMethod::hulls)], 50);  // exact where vertices of the hulls are nearest
+  EXPECT_GT(by_method[static_cast<int>(DistanceMethod::hulls)], 50);  // hulls give the exact distance where hull vertices are nearest
   EXPECT_GT(by_method[static_cast<int>(DistanceMethod::bubble)], 500);
 }
 
@@ -200,7 +200,7 @@ TEST(PairDistance, SwitchHasHysteresis) {
   bool last = false;
   test::Random random(1);
   for (int i = 0; i < 2000; ++i) {
-    const double height = 0.9 + 0.2 + cutoff + random.in(-0.002, 0.002);  // tops of the horseshoe and the jack's arm
+    const double height = 0.9 + 0.2 + cutoff + random.in(-0.002, 0.002);  // m: top of the horseshoe + half length of the jack + cutoff
     const PairDistance d = find_pair_distance(b.collider, {Mat3::identity(), {0, 0, height}}, a.collider, {}, cutoff, cache, workspace);
     ASSERT_TRUE(d.method == DistanceMethod::bubble || d.lower >= cutoff);
     changes += cache.near != last ? 1 : 0;
@@ -209,7 +209,7 @@ TEST(PairDistance, SwitchHasHysteresis) {
   }
   EXPECT_LE(changes, 1);
   EXPECT_GT(steps_near, 1900);
-  // The switch returns: for distant shapes the hulls suffice again.
+  // For distant shapes the hulls suffice again: the pair switches back from triangles to hulls.
   const PairDistance far = find_pair_distance(b.collider, {Mat3::identity(), {0, 0, 3}}, a.collider, {}, cutoff, cache, workspace);
   EXPECT_FALSE(cache.near);
   EXPECT_GE(far.lower, cutoff);
@@ -241,7 +241,7 @@ TEST(PairDistance, NonFinitePosesGiveNoResult) {
     EXPECT_FALSE(d.exact);
     EXPECT_EQ(d.method, DistanceMethod::none);
     EXPECT_EQ(d.lower, -infinity);
-    // The pair's cache is still usable.
+    // The pair's cache is still usable after a failed query.
     const PairDistance good = find_pair_distance(*x, {Mat3::identity(), {3, 0, 0}}, *y, {}, infinity, cache, workspace);
     EXPECT_TRUE(good.exact);
     EXPECT_GT(good.distance, 1);

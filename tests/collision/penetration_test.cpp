@@ -206,7 +206,7 @@ TEST(Penetration, AllSizesAndRatiosAreFiniteAndBounded) {
     const double apart = -test::reach(a, A, -s.n) - test::reach(b, B, s.n) - a.radius - b.radius;
     // If the search did not converge (needles as thin as 1e-7 of their length), `lower` may belong to an earlier direction.
     const double allowed = s.status == DistanceStatus::not_converged ? 1e-7 : 1e-9;
-    ASSERT_LE(s.lower, apart + allowed * digits) << i;  // n proves the lower bound: the slab along n is at least as thick
+    ASSERT_LE(s.lower, apart + allowed * digits) << i;  // n proves the bound: the slab with normal n is at least as thick
     ASSERT_GE(s.upper, s.lower - 1e-12 * digits) << i;
     if (s.status != DistanceStatus::not_converged) ASSERT_LE(s.upper - s.lower, 1e-9 * digits) << i;
   }

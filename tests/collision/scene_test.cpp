@@ -71,7 +71,7 @@ MechanismPtr character() {
     for (int f = 0; f < 4; ++f)
       add("finger" + std::to_string(f), side + "hand", JointType::revolute, at(0, -0.03 + 0.02 * f, -0.13), capsule(0.009, 0.07));
   }
-  // A fixed link that completes the 31.
+  // The 31st link, which is fixed.
   spec.links.push_back(link("pack", "chest", JointType::fixed, at(-0.14, 0, 0), {Shape::box({0.06, 0.12, 0.15})}));
   return make(std::move(spec));
 }
@@ -130,7 +130,7 @@ TEST(Scene, BetweenSystems) {
   EXPECT_EQ(found[0].system_a, 0);
   EXPECT_EQ(found[0].system_b, 1);
   EXPECT_NEAR(found[0].distance, 0.01, 1e-12);
-  EXPECT_LT(norm(found[0].n - Vec3{0, 0, -1}), 1e-12);  // from b, the ball above, towards a
+  EXPECT_LT(norm(found[0].n - Vec3{0, 0, -1}), 1e-12);  // normal from the upper ball b towards a
   EXPECT_LT(norm(found[0].p - Vec3{0, 0, 5.505}), 1e-12);
   SceneOptions apart;
   apart.between_systems = false;
@@ -240,7 +240,7 @@ TEST(Scene, SelfCollisionCanBeSwitchedAtRunTime) {
   EXPECT_TRUE(contacts(scene, posed, 0.02).empty());
 }
 
-// Compared with brute force over all pairs of shapes, without bounds.
+// Compares the broad phase with brute force over all pairs of shapes, without bounding volumes.
 TEST(Scene, BroadPhaseMissesNothing) {
   test::Random random(41);
   for (int i = 0; i < 300 && !testing::Test::HasFailure(); ++i) {

@@ -78,7 +78,7 @@ TEST(SceneTree, MatchesFindContactsAndBruteForce) {
         return std::array<int, 4>{c.system_a, c.link_a, c.system_b, c.link_b} == links(p);
       })) << step;
     }
-    // Closest pairs by measuring all pairs.
+    // Expected closest pairs, found by measuring all pairs.
     for (const auto& [a, b] : std::vector<std::pair<int, int>>{{0, 1}, {2, 0}, {2, 2}}) {
       double minimum = infinity;
       for (int i = scene.first_shape(a); i < scene.first_shape(a + 1); ++i)

@@ -25,7 +25,7 @@ Vec3 lane(const float (*v)[block_lanes], int i) {
   return {static_cast<double>(v[0][i]), static_cast<double>(v[1][i]), static_cast<double>(v[2][i])};
 }
 
-/// Checks that the bounds of a lane contain all triangles below it, and appends the indices of these triangles to `below`.
+/// Checks that the bounds in lane i of a block contain all triangles below the lane, and appends the indices of these triangles to `below`.
 void check_below(const SphereTree& tree, std::int32_t block, int i, std::vector<std::int32_t>& below) {
   const BoundBlock& b = tree.blocks[at(block)];
   std::vector<std::int32_t> mine;
@@ -191,7 +191,7 @@ TEST(SphereTree, DamagedBytesAreRefused) {
   EXPECT_GT(accepted, 1000);
 }
 
-// Nearly the maximum count of triangles, and more than the maximum.
+// Builds a tree with nearly the maximum number of triangles. A mesh with more than the maximum is refused.
 TEST(Slow_SphereTree, MaximumSizeIsAcceptedAndLargerSizesAreRefused) {
   const SphereTree tree = tree_of(test::bumpy_torus(1'990'000));
   EXPECT_GT(tree.triangles.size(), 1'900'000U);

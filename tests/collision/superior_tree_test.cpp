@@ -243,7 +243,7 @@ TEST(SuperiorTree, CoherentStepsExamineFewPairs) {
     front += nearest.counts().front;
   }
   EXPECT_LT(examined, 200 * 200);
-  EXPECT_LT(front, 200 * 4000);  // 40000 pairs in each step
+  EXPECT_LT(front, 200 * 4000);  // of 40000 pairs in each step
 }
 
 TEST(SuperiorTree, DistantPairsAtRestAreNotMeasuredAgain) {
@@ -257,7 +257,7 @@ TEST(SuperiorTree, DistantPairsAtRestAreNotMeasuredAgain) {
     tree.update(w.poses);
     f.calls = g.calls = 0;
     (void)nearest.find(tree, f);
-    within.find(tree, step < 3 ? -1 : 0.05, g, found);  // the margin of the last steps is first used when the bodies are already at rest
+    within.find(tree, step < 3 ? -1 : 0.05, g, found);  // the margin becomes 0.05 when the bodies are at rest
   }
   EXPECT_EQ(f.calls, 1);
   EXPECT_EQ(g.calls, static_cast<int>(found.size()));

@@ -39,7 +39,8 @@ double distance_from(const TriangleCorners& triangle, const Vec3& point) {
   if (dot(n, n) > 0) {
     bool inside = true;
     for (std::size_t k = 0; k < 3; ++k) inside = inside && dot(cross(n, t[(k + 1) % 3] - t[k]), p - t[k]) >= 0;
-    // The normal of a needle is inaccurate by rounding divided by its relative thickness. This part of the height is not counted.
+    // The error of a needle's normal is the rounding error divided by the needle's relative thickness. The resulting error of the height is
+    // not counted.
     const Long up = n * (dot(n, p - t[0]) / dot(n, n));
     const long double longest =
         std::sqrt(std::max({dot(t[1] - t[0], t[1] - t[0]), dot(t[2] - t[1], t[2] - t[1]), dot(t[0] - t[2], t[0] - t[2])}));
@@ -49,7 +50,8 @@ double distance_from(const TriangleCorners& triangle, const Vec3& point) {
   return static_cast<double>(std::sqrt(best2));
 }
 
-/// Error of a distance that its closest points and its separating slab prove, as a fraction of the maximum coordinate.
+/// Upper bound of the error of d.distance, as a fraction of the maximum coordinate. It is computed from the closest points d.pa and d.pb
+/// and the separating slab between them.
 double proved_error(const TriangleCorners& a, const TriangleCorners& b, const TriangleDistance& d) {
   const double size = size_of(a, b), reach = size + norm(a[0]);
   const double error = std::max({distance_from(a, d.pa), distance_from(b, d.pb), std::fabs(norm(d.pa - d.pb) - d.distance)});
@@ -58,7 +60,7 @@ double proved_error(const TriangleCorners& a, const TriangleCorners& b, const Tr
   double lower = 1e300;
   for (const Vec3& v : a)
     for (const Vec3& w : b) lower = std::min(lower, dot(n, v - w));
-  // The error of the normal is that of the closest points divided by the distance; its effect grows with the size of the triangles.
+  // The error of the normal is the error of the closest points divided by the distance. Its effect grows with the size of the triangles.
   const double known = 1e-15 * reach * std::max(1.0, size / d.distance);
   return std::max(error, d.distance - lower - known) / reach;
 }

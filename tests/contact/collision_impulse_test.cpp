@@ -1,4 +1,5 @@
-// The paper's impulse (6)-(19): closed forms, the paper's own matrices, and conservation on random mechanisms.
+// The collision impulse, equations (6)-(19) of the paper (collision_impulse.h), compared with closed forms and with the paper's matrices;
+// conservation laws on random mechanisms.
 
 #include "ugoki/contact/collision_impulse.h"
 
@@ -164,7 +165,8 @@ TEST(CollisionImpulse, PlasticCollisionsEndWithoutApproach) {
   }
 }
 
-/// Compares with the paper's matrices M_G = H^T M H and J H, calculated as dense matrices.
+/// Compares with the paper's matrices M_G = H^T M H and J H, calculated as dense matrices. The columns of H are a basis of the velocities
+/// that the loops allow.
 TEST(CollisionImpulse, ClosedSystemsMatchGeneralizedInertia) {
   RandomSource random(5);
   int compared = 0;
@@ -172,7 +174,7 @@ TEST(CollisionImpulse, ClosedSystemsMatchGeneralizedInertia) {
     RandomParty party(random, seed, 1, 0.7, false, 1, true);
     ContactPoint& c = party.contacts[0];
     if (party.approach(c) < 0) c.n = -c.n;
-    double open = 0;  // m/s | rad/s: maximum |J v| of the loops; cases with nearly dependent rows are skipped
+    double open = 0;  // maximum |J v| of the loops, m/s | rad/s; cases with nearly dependent rows are skipped
     for (std::size_t i = 0; i < party.loops[0]->loops().size(); ++i) {
       dynamics::LoopRows rows(party.loops[0]->loops());
       dynamics::update_loop_rows(*party.mechanisms[0], *party.workspaces[0], party.loops[0]->loops(), party.states[0].q, party.states[0].v,
@@ -189,7 +191,8 @@ TEST(CollisionImpulse, ClosedSystemsMatchGeneralizedInertia) {
     if (open > 1e-9) continue;
     ++compared;
     const double u = -party.approach(c);
-    // v' of the closed system minimises the kinetic energy of the change dv subject to J_loops dv = 0. Solved here on a dense basis H.
+    // The velocity change dv of the closed system has the minimum kinetic energy subject to J_loops dv = 0. Solved here with a dense
+    // basis H of the changes that the loops allow.
     double inverse_mass = 0;
     std::vector<std::vector<double>> response(2);
     for (std::size_t s = 0; s < 2; ++s) {

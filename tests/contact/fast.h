@@ -26,7 +26,7 @@ inline Shape any_shape(testing::RandomSource& random, double r) {
   return shapes[random.below(6)];
 }
 
-/// Steps as the dynamics LSI does: contacts by distance, swept contacts, guarded step.
+/// A world that is stepped as the dynamics LSI does: contacts by distance, swept contacts, guarded step.
 struct Fast {
   World w;
   SweptContacts swept;

@@ -71,7 +71,7 @@ void add_system(Party& party, RandomSource& random, unsigned seed, Kind kind) {
     testing::randomize(random, *r.m, r.state);
     some.assign(r.m->loops().begin(), r.m->loops().end());
   } else {
-    MechanismSpec spec = testing::without_armature(r.m->spec());  // armatures store momentum that link momentum does not include
+    MechanismSpec spec = testing::without_armature(r.m->spec());  // the momentum of the links does not include that of armatures
     if (kind == Kind::unequal) make_unequal(random, spec);
     r.m = *Mechanism::make(std::move(spec));
     const std::size_t every = kind == Kind::many_loops ? 1 : 3;
@@ -93,7 +93,7 @@ struct Errors {
   double momentum = 0, energy = 0, approach = 0;
 };
 
-/// J: kinetic energy, summed link by link, because v^T M v has larger rounding errors for very unequal masses.
+/// Kinetic energy [J], summed link by link, because v^T M v has larger rounding errors for very unequal masses.
 double energy_of(Party& party) {
   party.update();
   double sum = 0;

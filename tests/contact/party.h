@@ -92,7 +92,7 @@ struct RandomParty : Party {
       const bool closed = kind == 2 || (kind == 1 && side == 0);
       if (closed) {
         testing::RandomLoops r(seed + static_cast<unsigned>(side) * 1000);
-        r.m = *Mechanism::make(testing::without_armature(r.m->spec()));  // armatures store momentum that link momentum does not include
+        r.m = *Mechanism::make(testing::without_armature(r.m->spec()));  // the momentum of the links does not include that of armatures
         std::vector<Loop> some;
         if (one_loop) some.push_back(r.loops[seed % r.loops.size()]);
         for (std::size_t i = 0; i < r.loops.size() && !one_loop; i += 3)

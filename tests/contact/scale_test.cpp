@@ -112,7 +112,7 @@ TEST(Scale, RollingResistanceStopsBallAtExpectedDistance) {
   w.states[0].v[3] = 1;
   w.states[0].v[1] = 10;  // rad/s: rolling
   for (int i = 0; i < 3000; ++i) ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
-  // M = c r N:  deceleration c g / (1 + 2/5)
+  // The moment of rolling resistance c r N (c = 0.05, radius r, normal force N) decelerates a solid ball by c g / (1 + 2/5).
   EXPECT_NEAR(w.states[0].q[0], 0.5 / (0.05 * 9.81 / 1.4), 0.01);
   EXPECT_LT(std::fabs(w.states[0].v[3]), 1e-6);
 }
@@ -140,7 +140,7 @@ TEST(Scale, SpinningBodyConservesEnergyAndMomentum) {
   EXPECT_NEAR(energy(), before, 1e-9 * before);
 }
 
-/// The body's frame is not at its centre of mass and turns about it by radians in a step.
+/// The origin of the body's frame is not at the centre of mass. The body turns by 0.7 to 83 rad in a step.
 TEST(Scale, FastSpinWithOffsetFrameConservesMomentum) {
   StepperOptions options;
   options.gravity = {};
@@ -270,7 +270,7 @@ TEST(Slow_Scale, HeapOfTwoHundredHasNoDeepOverlap) {
   falls_and_rests(200, 3, 1, 0.001, 5);
 }
 
-/// Includes seeds in which six passes left overlaps of 14 mm, and overlaps that grew slowly in every step.
+/// Includes seeds in which six solver passes left overlaps of 14 mm, and seeds with overlaps that grew slowly in every step.
 TEST(Slow_Scale, HeapsOfTwoHundredHaveNoDeepOverlapWhileFalling) {
   for (unsigned seed = 11; seed < 15; ++seed)
     for (const double height : {0.1, 1.0, 3.0}) {

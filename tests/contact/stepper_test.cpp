@@ -37,7 +37,7 @@ TEST(Stepper, BoxComesToRestAndStays) {
   EXPECT_NEAR(z, 0.1, 6e-4);
   for (int i = 0; i < 5000; ++i) ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
   EXPECT_NEAR(w.states[0].q[0], x, 1e-5);
-  EXPECT_NEAR(w.states[0].q[2], z, 5e-4);  // m: it may sink by the compliance of the contact, not deeper
+  EXPECT_NEAR(w.states[0].q[2], z, 5e-4);  // m: the box may sink by the compliance of the contact, not deeper
   EXPECT_GT(w.lowest(), -6e-4);
   Vec3 force;
   for (const Vec3& f : w.stepper.contact_forces()) force += f;
@@ -150,7 +150,7 @@ TEST(Stepper, StiffImplicitDamperIsStable) {
   World w({Mechanism::make(spec).value()}, {-10, 0, 0}, {});
   w.states[0].q[0] = 1;
   for (int i = 0; i < 500; ++i) ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
-  EXPECT_NEAR(w.states[0].q[0], std::exp(-10.0), 1e-3);  // overdamped: rate k/d = 10
+  EXPECT_NEAR(w.states[0].q[0], std::exp(-10.0), 1e-3);  // overdamped: the decay rate is k/d = 10 per second
 }
 
 TEST(Stepper, SteadyStepsDoNotAllocateAndAreBitwiseReproducible) {

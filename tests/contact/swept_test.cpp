@@ -81,7 +81,7 @@ TEST(Swept, BallDoesNotPassFreePlate) {
             motions.push_back({w.states[i].q, w.states[i].v});
           }
           const Vec3 at = w.poses[1][0].inverse() * w.poses[0][0].p;
-          if (std::max(std::fabs(at.y), std::fabs(at.z)) > 0.5) break;  // m: it has left the plate over its edge
+          if (std::max(std::fabs(at.y), std::fabs(at.z)) > 0.5) break;  // m: the ball has left the plate over its edge
           ASSERT_LT(at.x, -0.0025 - radius + 2e-3) << "radius " << radius << " e " << e << " slant " << slant << " step " << step;
           collision::find_contacts(w.scene, w.spans, 0.02, w.workspace, w.contacts);
           swept.add(motions, w.spans, 0.002, 0.02, w.contacts);
@@ -118,7 +118,7 @@ TEST(Swept, TwoFastBallsMatchClosedForm) {
   put(w.states[2], {0, 5, 0});
   w.states[0].v[3] = 250;
   w.states[1].v[3] = -100;
-  w.states[2].v[5] = -400;  // into the ground far below: at z = -100
+  w.states[2].v[5] = -400;  // m/s: body 2 flies into the ground, which is at z = -100 m
   for (int k = 0; k < 200; ++k) ASSERT_EQ(swept_step(w, swept, 0.002).status, StepStatus::ok);
   EXPECT_NEAR(w.states[0].v[3], -100, 1e-9);
   EXPECT_NEAR(w.states[1].v[3], 250, 1e-9);

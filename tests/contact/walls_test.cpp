@@ -18,7 +18,7 @@ enum class Wall { bent, bowl, holed, tube };
 /// A test wall.
 struct TestWall {
   Shape shape;
-  /// m: signed distance of a point [m, wall's frame] from the middle surface of the wall; NaN: no wall near the point
+  /// Signed distance [m] of a point [m, wall's frame] from the middle surface of the wall; NaN: no wall near the point.
   std::function<double(const Vec3&)> side;
   /// A point [m, wall's frame] of the middle surface and the normal at that point, for two parameters in 0 ... 1.
   std::function<std::pair<Vec3, Vec3>(double, double)> at;
@@ -32,7 +32,7 @@ GeometryPtr prepared(const std::vector<Vec3>& vertices, const std::vector<Triang
   return geometry::prepare(made, "wall").value();
 }
 
-/// A sheet of thickness `thick` [m] on both sides of the surface at(u, v), made of a grid of cells; cells may be left out.
+/// A sheet of thickness `thick` [m], with the surface at(u, v) in its middle, made of a grid of n x n cells. Cells may be left out.
 template <class At>
 Shape make_sheet(int n, double thick, At&& at, const std::function<bool(int, int)>& is_left_out = {}) {
   Geometry g;
@@ -219,14 +219,14 @@ TEST(Walls, BodiesAimedAtTheHolePassUndisturbed) {
   }
 }
 
-/// The blade turns about the axis of a cylindrical sheet, and about a parallel axis.
+/// A turning blade hits a fixed, bent sheet: part of a cylinder whose axis is parallel to the blade at that moment.
 TEST(Walls, SwordDoesNotPassBentSheet) {
   for (const double speed : {5.0, 20.0, 60.0, 150.0})
     for (const double dt : {1.0 / 60, 0.002})
       for (const double angle : {0.9, 1.7, 2.6})
         for (const double thick : {0.001, 0.005}) {
           const TestWall wall = make_wall(Wall::bent, thick);
-          // the middle of the sheet is in the path of the blade, its axis along the world's x
+          // The middle of the sheet is in the path of the blade.
           MechanismSpec spec = body("wall", wall.shape, 5000)->spec();
           spec.links[0].joint.type = JointType::fixed;
           const Mat3 R = rotation_about({0, 0, 1}, angle) * rotation_about({0, 1, 0}, 0.5 * 3.14159265358979) *

@@ -71,8 +71,8 @@ TEST(ContactForces, MatchesIndependentOptimizer) {
     std::vector<Vec3> forces(feet.size());
     const Vec6 missing = problem.solve(feet, origin, w, lever, eps, forces);
     EXPECT_LT(problem.iterations(), 30);
-    // The primal objective cannot be calculated from the forces, because beta is not unique. It follows from the missing wrench instead:
-    // y = missing / lever is the dual optimum, and the optimal value is w.y/2.
+    // The primal objective cannot be calculated from the forces, because the multipliers beta of the friction pyramids are not unique. The
+    // objective follows from the missing wrench: y = missing (moments / lever) is the dual optimum, and the optimal value is w.y / 2.
     const double value = 0.5 * (dot(w.w, missing.w) / (lever * lever) + dot(w.v, missing.v));
     const double wanted = primal_optimum(feet, origin, w, lever, eps);
     EXPECT_NEAR(value, wanted, 1e-6 * (1 + std::fabs(wanted))) << "trial " << trial;

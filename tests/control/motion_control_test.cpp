@@ -106,7 +106,7 @@ TEST(MotionControl, ReleasesControlAboveTheCapWithoutHiddenAssist) {
   }
   EXPECT_TRUE(s.last.released);
   EXPECT_LT(s.state.q[2], 0.4);  // m: the character has fallen to the ground
-  // Put back on its feet at rest, the character remains a ragdoll.
+  // The character is put back on its feet at rest, but remains a ragdoll.
   s.state.q = s.m->neutral();
   s.state.q[2] = 0.91;
   s.state.v.assign(s.state.v.size(), 0.0);
@@ -121,7 +121,7 @@ TEST(MotionControl, AssistStaysBelowCapAndCarriesUnsupportedCharacter) {
   ControlOptions options;
   options.assist_limit = 1.2;
   Simulation s(options);
-  s.state.q[2] = s.reference[2] = 2.0;  // m: in the air; the assist carries the weight and reports it
+  s.state.q[2] = s.reference[2] = 2.0;  // m: in the air; the assist carries and reports the weight
   for (int i = 0; i < 500; ++i) {
     s.step({});
     EXPECT_LE(s.last.size_bw, 1.2 + 1e-12);
@@ -136,7 +136,7 @@ TEST(MotionControl, FallsFreelyWithoutSupportAndStandsAgain) {
   s.reference[2] = 1.11;
   for (int i = 0; i < 50; ++i) {
     s.step({});
-    if (i < 30) EXPECT_LT(s.last.size_bw, 0.01) << i;  // later the assist slows the fall a little
+    if (i < 30) EXPECT_LT(s.last.size_bw, 0.01) << i;  // later the assist slows the fall slightly
   }
   EXPECT_NEAR(s.state.q[2], 1.11 - 0.5 * 9.81 * 0.1 * 0.1, 0.002);
   for (int i = 0; i < 1500; ++i) s.step({});

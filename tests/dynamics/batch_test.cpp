@@ -1,4 +1,4 @@
-// Batches compared with single-instance functions; independence of lanes; identical bits for every SIMD register width.
+// Batched dynamics: results compared with the functions for one instance, independence of lanes, same bits for every SIMD register width.
 
 #include "ugoki/dynamics/batch.h"
 

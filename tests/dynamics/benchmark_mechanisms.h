@@ -216,7 +216,7 @@ inline ClosedCase bricard() {
   LoopSpec last;
   last.name = "last hinge";
   last.type = LoopType::revolute;
-  last.X_AJ.p = -along[5];  // start of the ground's edge, whose end is the origin
+  last.X_AJ.p = -along[5];  // start of the edge of the ground; the origin is the end of this edge
   last.link_b = "bar4";
   last.X_BJ.p = along[4];
   last.axis = cross(along[4], along[5]);
@@ -236,7 +236,7 @@ struct Governor {
     for (double& t : tau) t = 0;
     for (std::size_t rod = 2; rod < 4; ++rod) {
       const double s = std::sin(q[rod]), c = std::cos(q[rod]);
-      const double x = arm * c, z = top - arm * s - q[1];  // from the slider to the rod's middle
+      const double x = arm * c, z = top - arm * s - q[1];  // vector from the slider to the middle of the rod
       const double length = std::sqrt(x * x + z * z), x_rate = -arm * s, z_rate = -arm * c;
       const double along = (x * x_rate + z * z_rate) / length;  // d length / d angle
       const double rate = along * v[rod] - z / length * v[1];

@@ -76,7 +76,7 @@ TEST(CentroidalMatrix, TimesVelocityIsMomentumAndRateMatchesExternalForces) {
     const Centroidal g = calc_centroidal(*c.m, c.ws);
     EXPECT_LT(size(h - g.momentum), 1e-12 * (1 + size(h))) << "seed " << seed;
 
-    // The momentum about the centre of mass changes by gravity and external wrenches, not by joint forces
+    // The momentum about the centre of mass is changed by gravity and external wrenches, not by joint forces
     std::vector<double> vdot(n);
     ASSERT_TRUE(calc_forward_dynamics(*c.m, c.ws, c.s.tau, gravity, c.s.external, vdot));
     const Vec6 bias = calc_centroidal_momentum_rate(*c.m, c.ws, {});

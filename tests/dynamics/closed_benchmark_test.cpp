@@ -29,7 +29,8 @@ std::vector<std::vector<double>> read_curve(const std::string& name) {
 }
 
 // `q`, `v`, `a`: published solution of the IVP test set, computed with PSIDE at tolerance 1e-14. `extended_q`, `extended_v`: the textbook's
-// equations integrated in extended precision with 60,000 steps of order 4. The published values agree with those 1e-12 s later.
+// equations integrated in extended precision with 60,000 steps of order 4. The published values agree with the integrated ones 1e-12 s
+// later.
 TEST(ClosedBenchmark, AndrewsMechanismMatchesPublishedStateAt30Milliseconds) {
   const double q[7] = {15.81077119629904,   -15.75637105984298, 0.04082224013073101, 0.5244099658805304,
                        -0.5347301163226948, 1.048080741042263,  0.5347301163226948};
@@ -48,7 +49,7 @@ TEST(ClosedBenchmark, AndrewsMechanismMatchesPublishedStateAt30Milliseconds) {
   ClosedMotion motion(c, options, [](const auto& at, const auto&, auto& tau) { Andrews::forces(at, tau); });
   const double start = motion.energy() + Andrews::spring_energy(c.q) - Andrews::drive * c.q[0];
   ASSERT_TRUE(motion.advance(0.03));
-  for (int i = 0; i < 7; ++i) {  // eight digits, or a time shift of 2e-12 s
+  for (int i = 0; i < 7; ++i) {  // tolerance: eight digits, or a time shift of 2e-12 s
     EXPECT_NEAR(motion.q(i), q[i], std::max(1e-9, 2e-12 * std::fabs(v[i]))) << i;
     EXPECT_NEAR(motion.v(i), v[i], std::max(1e-8 * std::fabs(v[i]), 2e-12 * std::fabs(a[i]))) << i;
     EXPECT_NEAR(motion.q(i), extended_q[i], 2e-11) << i;
@@ -90,7 +91,7 @@ std::pair<double, double> ladder_as_pendulum(int n, double angle, double speed, 
   return {angle, speed};
 }
 
-// The motion starts exactly at the change point, where J has rank 2 less and permits three DOFs.
+// The motion starts exactly at the change point, where the rank of J is lower by 2, so that the loops permit three DOFs.
 TEST(ClosedBenchmark, MotionStartedAtChangePointStaysOnItsBranch) {
   ClosedCase c = n_four_bar(2);
   for (std::size_t i = 0; i < c.q.size(); ++i) {
@@ -152,7 +153,7 @@ TEST(ClosedBenchmark, BricardsMechanismKeepsItsEnergy) {
   EXPECT_GT(std::fabs(motion.q(0)), 0.1);  // the mechanism moves
 }
 
-/// A rotating crank with heavy bars, in steps of 1 ms.
+/// Integrates a rotating crank with heavy bars in steps of 1 ms, and expects no drift of energy and gaps.
 void expect_long_run_without_drift(int steps) {
   ClosedMotion motion(four_bar({}, 0.5, 3), 1e-3);
   const Drift drift(motion, steps * 1e-3, 100);
@@ -204,7 +205,7 @@ TEST(ClosedBenchmark, SliderCrankPassesItsChangePoints) {
   }
 }
 
-// Crank and rod are in line. The slider cannot move the crank there, so theta_G must not be the slider.
+// Crank and rod are in line. The slider cannot move the crank there, so the slider must not be the independent DOF (theta_G).
 TEST(ClosedBenchmark, SliderCrankMovesThroughItsDeadPoint) {
   const double l = 1, r = 0.3;
   ClosedCase c = slider_crank(r, l, 0, 4, {});
@@ -222,7 +223,7 @@ TEST(ClosedBenchmark, SliderCrankMovesThroughItsDeadPoint) {
   EXPECT_LT(drift.gap, 1e-13);
 }
 
-// The motion does not depend on the choice of theta_G, and a new choice changes neither q nor v.
+// The motion does not depend on the choice of the independent DOFs theta_G. A new choice changes neither q nor v.
 TEST(ClosedBenchmark, ChoiceOfThetaGDoesNotAffectMotion) {
   const ClosedCase c = four_bars_in_series(2);
   ClosedMotion kept(c, 1e-3);
@@ -230,7 +231,7 @@ TEST(ClosedBenchmark, ChoiceOfThetaGDoesNotAffectMotion) {
   int choices = 0;
   for (int k = 1; k <= 250; ++k) {
     ASSERT_TRUE(kept.advance(1e-3 * k));
-    // Every seven steps, exchange one DOF of theta_G with one of theta_S
+    // Every seven steps, exchange one independent DOF (theta_G) with a dependent one (theta_S)
     ClosedWorkspace& cw = changed.system.closed;
     if (k % 7 == 0 && cw.rank == 4) {
       const auto other = static_cast<std::size_t>(k) % 4;

@@ -160,7 +160,7 @@ TEST(LoopClosure, ProjectionDoesNotMoveThetaG) {
   ClosedWorkspace cw(*c.mechanism);
   std::vector<double> q = c.q, v = c.v;
   ASSERT_TRUE(project_closed_state(*c.mechanism, q, v, cw).closed);
-  EXPECT_EQ(q, c.q);  // already closed to rounding: nothing moves
+  EXPECT_EQ(q, c.q);  // the loops are already closed to rounding, so nothing moves
   const std::vector<int> G(cw.theta_G().begin(), cw.theta_G().end());
   for (std::size_t i = 0; i < q.size(); ++i) q[i] += 1e-3 * static_cast<double>(i % 3);
   const std::vector<double> before = q;
@@ -255,7 +255,7 @@ TEST(LoopDiagnosis, BracedFourBarHasNoDof) {
   EXPECT_NE(describe(d, cw).find("0 degrees of freedom"), std::string::npos);
 }
 
-// Each opened loop of the ladder gives back its two planar degrees of freedom.
+// Opening one loop of the ladder restores two planar degrees of freedom.
 TEST(LoopDiagnosis, OpeningLoopsRestoresDofs) {
   const ClosedCase c = n_four_bar(3);
   ClosedWorkspace cw(*c.mechanism);

@@ -42,7 +42,7 @@ TEST(ClosedLinks, LinksFixedToTheWorldMatchDenseSolution) {
     Workspace ws(*m);
     update_kinematics(*m, s.q, s.v, ws);
     pairs += ws.twins.pairs.size();
-    if (seed % 4 != 0) std::ranges::fill(s.external, Vec6{});  // without external wrenches, twins run in lanes
+    if (seed % 4 != 0) std::ranges::fill(s.external, Vec6{});  // without external wrenches, equal subtrees are computed in SIMD lanes
     std::vector<Loop> loops;
     for (int i = 0, n = 1 + random.below(5); i < n; ++i) {
       Loop l{.type = random.below(2) == 0 ? LoopType::weld : LoopType::ball, .link_b = random.below(m->link_count())};
@@ -60,7 +60,7 @@ TEST(ClosedLinks, LinksFixedToTheWorldMatchDenseSolution) {
     EXPECT_EQ(links.rank(), dense.rank) << "seed " << seed;
     EXPECT_LT(max_difference(vdot, dense.vdot), 1e-8) << "seed " << seed;
     if (links.rank() < links.rows().count()) continue;
-    ++full;  // full rank: the multipliers are unique. Apply them to link b as wrenches along the axes of J_A
+    ++full;  // full rank: the multipliers are unique. Apply them to link b as wrenches along the loop's axes
     std::vector<Vec6> external = s.external;
     for (std::size_t i = 0; i < loops.size(); ++i)
       for (int r = 0; r < loops[i].rows(); ++r) {

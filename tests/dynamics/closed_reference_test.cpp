@@ -78,7 +78,8 @@ TEST(ClosedReference, RandomSystemsMatchMaximalCoordinates) {
   }
 }
 
-// Motion along a column of H keeps the loops closed to first order: the gap grows with the square of the displacement.
+// The columns of H are velocities that the loops allow. Motion along a column keeps the loops closed to first order: the gap grows with
+// the square of the displacement.
 TEST(ClosedReference, ColumnsOfHKeepLoopsClosed) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
@@ -111,7 +112,7 @@ TEST(ClosedReference, AccelerationsKeepLoopsClosed) {
     std::vector<double> vdot(c.s.v.size()), q(c.s.q.size()), mean(vdot.size());
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.m, c.cw, c.s.tau, gravity, c.s.external, vdot));
     double gap[2];
-    for (int half = 0; half < 2; ++half) {  // move to second order in time: the gap must be of third order
+    for (int half = 0; half < 2; ++half) {  // the motion is exact to second order in time: the gap is of third order
       const double t = half ? 1e-4 : 2e-4;
       for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = c.s.v[i] + 0.5 * t * vdot[i];
       integrate(*c.m, c.s.q, mean, t, q);
@@ -130,13 +131,13 @@ TEST(ClosedReference, InverseDynamicsInvertsForwardDynamicsWithMinimumNorm) {
     const std::size_t n = c.s.v.size();
     std::vector<double> vdot(n), tau(n), again(n), weights;
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.m, c.cw, c.s.tau, gravity, c.s.external, vdot));
-    // Drives at all DOFs of theta_G: the resulting forces reproduce the accelerations
+    // Drives at all independent DOFs (theta_G): the resulting forces reproduce the accelerations
     std::vector<int> driven(c.cw.theta_G().begin(), c.cw.theta_G().end());
     ASSERT_TRUE(calc_closed_inverse_dynamics(*c.m, c.cw, vdot, gravity, c.s.external, {}, driven, {}, tau));
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.m, c.cw, tau, gravity, c.s.external, again));
     for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(again[i], vdot[i], 1e-8 * std::max(1.0, maximum(vdot)));
-    // Drives at all DOFs: the forces have the minimum weighted norm among all forces with the same effect. Hence tau^T W x = 0 for all x
-    // with S^T x = 0.
+    // Drives at all DOFs: the forces have the minimum norm, weighted by W, among all forces with the same effect. Hence tau^T W x = 0 for
+    // all x with H^T x = 0.
     RandomSource source(seed);
     driven.clear();
     for (int i = 0; i < static_cast<int>(n); ++i) {
@@ -172,7 +173,7 @@ TEST(ClosedReference, LoopForcesBalanceEveryJoint) {
     std::vector<double> vdot(n), force(rows), tau(n), row(n);
     ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.m, c.cw, c.s.tau, gravity, c.s.external, vdot));
     calc_loop_forces(*c.m, c.cw, c.s.tau, gravity, c.s.external, vdot, force);
-    // Applied to the links as wrenches, the loop forces make the joint forces of the open system equal to tau
+    // If the loop forces act on the links as external wrenches, inverse dynamics of the open system gives the joint forces tau
     std::vector<Vec6> external = c.s.external;
     const Vec3 p0 = c.cw.open.p0;
     for (std::size_t i = 0; i < c.closed.size(); ++i)

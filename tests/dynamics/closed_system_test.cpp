@@ -119,7 +119,7 @@ TEST(Slow_ClosedSystem, LaddersAndBricardKeepTheirEnergyForTenSeconds) {
   EXPECT_LT(drift.energy, 1e-6);
 }
 
-/// Linear momentum, and angular momentum about the world's origin.
+/// Momentum of the mechanism: linear [N s], and angular about the world's origin [N m s].
 Vec6 momentum_of(const Mechanism& m, std::span<const double> q, std::span<const double> v) {
   Workspace ws(m);
   update_kinematics(m, q, v, ws);
@@ -165,7 +165,7 @@ TEST(ClosedSystem, GraspingARailLosesImpactEnergyAndReleasingLosesNone) {
   EXPECT_LT(report.gap, 1e-14);
   EXPECT_GT(report.energy_lost, 0.01);
 
-  // The energy lost is half the product of the impulse and the hand's speed before closing.
+  // The lost energy is half the product of the impulse on the hand and the hand's velocity before the loop was closed.
   const double hanging = system.calc_energy(q, v);
   EXPECT_NEAR(swinging - hanging, report.energy_lost, 1e-10);
   update_kinematics(*m, q, v_before, ws);

@@ -37,7 +37,7 @@ struct Case {
   }
 
   /// Derivative of tau with respect to one variable by complex steps, [n * n] row-major.
-  /// @param variable 0: q, 1: v, 2: vdot @param pushed with external wrenches
+  /// @param variable 0: q, 1: v, 2: vdot @param pushed true: with external wrenches
   std::vector<double> reference(int variable, bool pushed) const {
     const std::size_t n = s.v.size();
     std::vector<double> out(n * n);
@@ -64,7 +64,7 @@ double relative_error(std::span<const double> a, std::span<const double> b) {
   return out / std::max(maximum(b), 1.0);
 }
 
-/// Maximum relative error of both derivatives and of M, compared with the reference.
+/// Maximum relative error of the derivatives of tau with respect to q and v, and of M, compared with the reference.
 double inverse_error(const Case& c, bool pushed) {
   const std::size_t n = c.s.v.size();
   Workspace ws(*c.m);

@@ -34,7 +34,8 @@ double order_of(Method method) {
   }
 }
 
-/// Angle at time t of a pendulum released at rest from `amplitude` (Whittaker, Analytical dynamics, section 44). rad, m, s
+/// Angle [rad] at time t [s] of a pendulum of this length [m], released at rest from `amplitude` [rad] (Whittaker, Analytical dynamics,
+/// section 44).
 double pendulum_angle(double length, double amplitude, double t) {
   const double k = std::sin(amplitude / 2);
   return 2 * std::asin(k * testing::jacobi(testing::elliptic_K(k) + std::sqrt(g / length) * t, k).sn);

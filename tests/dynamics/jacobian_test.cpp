@@ -33,7 +33,7 @@ struct Scene {
   std::size_t n() const { return s.v.size(); }
   Vec3 point(const Workspace& at) const { return at.X_WB[static_cast<std::size_t>(b)] * local; }
 
-  /// Kinematics at time t of the motion q (+) (v + vdot t / 2) t. Its velocity and acceleration at t = 0 are those of the scene.
+  /// Kinematics at time t of a motion: q displaced by (v + vdot t / 2) t. Velocity and acceleration at t = 0 are v and vdot of the scene.
   Workspace at_time(double t) const {
     Workspace out(*m);
     std::vector<double> q(s.q.size()), v(n()), mean(n());

@@ -162,7 +162,8 @@ TEST(OpenSystem, JacobianIsTheSlopeOfItsAcceleration) {
   }
 }
 
-// A mass rebounds from a joint limit with the restitution of Hunt and Crossley, 1 - 2/3 c v for small c v.
+// A mass rebounds from a joint limit with the restitution of Hunt and Crossley: 1 - 2/3 c v for small c v, where c is the dissipation
+// [s/m] and v the impact speed [m/s].
 TEST(JointForces, LimitRestitutionMatchesHuntCrossley) {
   Dof f;
   f.upper = 0.5;

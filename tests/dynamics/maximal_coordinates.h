@@ -59,7 +59,7 @@ class MaximalCoordinates {
     return out;
   }
 
-  /// Number of independent conditions in the last call, those of the joints included.
+  /// Number of independent conditions (joints and loops) in the last call of accelerations().
   [[nodiscard]] int rank() const { return rank_; }
 
   /// The accelerations that result from q, v, vdot, by finite differences along the motion; for comparison with accelerations().
@@ -133,7 +133,7 @@ class MaximalCoordinates {
     return out;
   }
 
-  /// Adds sign times the wrench f (moment about p, force) to the wrench in F on a body about its centre of mass.
+  /// Adds `sign` times the wrench f (moment about p; force) to the wrench on a link in F. Wrenches in F are about the centres of mass.
   void add_wrench(std::vector<double>& F, int link, const Vec3& p, const Vec6& f, double sign) const {
     if (link < 0) return;
     const auto k = static_cast<std::size_t>(6 * link);
@@ -276,7 +276,7 @@ class MaximalCoordinates {
     rows.push_back(std::move(row));
   }
 
-  /// (d condition / dt) V, by finite differences of order 4 along the motion.
+  /// (dC/dt) V, where the rows of C are the conditions and V are the velocities of the bodies; by finite differences of order 4.
   std::vector<double> rates_of_conditions(const State& s, const std::vector<double>& V) {
     constexpr double h = 3e-4, weight[4] = {1.0 / 12, -8.0 / 12, 8.0 / 12, -1.0 / 12};
     constexpr int offset_of[4] = {-2, -1, 1, 2};

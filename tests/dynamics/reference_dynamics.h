@@ -86,7 +86,8 @@ struct ReferenceDynamics {
     return out;
   }
 
-  /// Pose of the moving frame B in the joint frame J at q (+) dq, as a function of time with velocity v and acceleration a.
+  /// Pose of the moving frame B in the joint frame J at q (+) dq (q displaced by dq), as a function of time with velocity v and
+  /// acceleration a.
   static Frame joint_frame(const Joint& joint, const double* q, const T* dq, const T* v, const T* a) {
     std::array<J, 6> x;
     for (int k = 0; k < joint.nv(); ++k) {
@@ -146,7 +147,7 @@ struct ReferenceDynamics {
   struct LinkMotion {
     Plain centre, velocity, acceleration;  // centre of mass, its velocity and its acceleration
     Plain w, alpha;                        // angular velocity and acceleration
-    std::array<Plain, 3> inertia;          // about the centre of mass, world axes
+    std::array<Plain, 3> inertia;          // rows of the inertia matrix about the centre of mass, world axes
   };
 
   static LinkMotion motion_of(const Frame& X, const Inertia& inertia) {
@@ -157,7 +158,7 @@ struct ReferenceDynamics {
       out.velocity[i] = c[i].d;
       out.acceleration[i] = c[i].dd;
     }
-    // R' R^T = [w x],  R'' R^T + R' R'^T = [alpha x]
+    // Cross-product matrices of the angular velocity w and acceleration alpha: R' R^T = [w x],  R'' R^T + R' R'^T = [alpha x]
     const auto entry = [&](std::size_t i, std::size_t j, bool rate) {
       T sum(0);
       for (std::size_t k = 0; k < 3; ++k) sum += rate ? X.R[i][k].dd * X.R[j][k].x + X.R[i][k].d * X.R[j][k].d : X.R[i][k].d * X.R[j][k].x;
@@ -176,7 +177,7 @@ struct ReferenceDynamics {
     return out;
   }
 
-  /// Joint forces tau at the configuration q (+) dq. [nv] N | N m
+  /// Joint forces tau at the configuration q (+) dq (q displaced by dq). [nv] N | N m
   static std::vector<T> inverse(const Mechanism& m, std::span<const double> q, const std::vector<T>& dq, const std::vector<T>& v,
                                 const std::vector<T>& vdot, const Vec3& gravity, std::span<const Vec6> external) {
     const std::vector<Frame> X = frames(m, q, dq, v, vdot);
@@ -195,7 +196,7 @@ struct ReferenceDynamics {
       if (!external.empty()) {
         const Vec6& e = external[i];
         push_force = {T(e.v.x), T(e.v.y), T(e.v.z)};
-        const Plain shift = cross_of(b.centre, push_force);  // about the world origin -> about the centre
+        const Plain shift = cross_of(b.centre, push_force);  // converts the moment about the world origin to that about the centre
         push_moment = {T(e.w.x) - shift[0], T(e.w.y) - shift[1], T(e.w.z) - shift[2]};
       }
       for (std::size_t k = 0; k < 3; ++k) {

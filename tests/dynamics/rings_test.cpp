@@ -98,8 +98,8 @@ Ring make_ring(unsigned seed, RingKind kind, LoopType type, bool floating, bool 
 /// Relative errors of the forward dynamics of a ring.
 struct Errors {
   double to_dense = 0;  ///< accelerations, compared with the dense solution
-  double row = 0;       ///< acceleration along the independent rows, which must be zero
-  double balance = 0;   ///< joint forces, when the loop forces are included
+  double row = 0;       ///< acceleration along the independent rows; should be zero
+  double balance = 0;   ///< error of the joint forces, with the loop forces included
   int rank = 0;         ///< rank found by the function that starts from q and v
   int dense_rank = 0;   ///< rank found by the dense solution
   int staged_rank = 0;  ///< rank found by factor_closed_links()

@@ -131,7 +131,7 @@ TEST_F(FmiTest, BrokenBinariesAreReportedAtFirstUse) {
     return i ? "built" : i.error().text();
   };
   EXPECT_NE(reported("not a library").find("The FMU's binary cannot be opened"), std::string::npos);
-  const std::string wrong = reported(code_of("dahlquist", 2));  // functions of the other version
+  const std::string wrong = reported(code_of("dahlquist", 2));  // a binary with the functions of FMI 2.0
   EXPECT_NE(wrong.find("lacks functions: fmi3GetVersion"), std::string::npos) << wrong;
 }
 

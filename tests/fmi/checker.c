@@ -5,8 +5,9 @@
  * STEP is the communication step, s. SAVES and SERIALIZES are 1 if the FMU can save and serialise its state, otherwise 0. Each line of the
  * table describes a variable: type causality variability reference count start.
  *
- * It is written from the text of the standards with its own declarations and uses no code of the project. Exit status 0: the FMU behaves as
- * the standard requires; 1: it does not, with a line for each failed check; 2: wrong arguments. A crash of the binary also fails the check.
+ * This program is written from the text of the standards with its own declarations and uses no code of the project. Exit status 0: the
+ * FMU behaves as the standard requires; 1: it does not, with a line for each failed check; 2: wrong arguments. A crash of the binary also
+ * fails the check.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -315,7 +316,7 @@ int main(int argc, char** argv) {
             real_of(&variables[i]));
     }
 
-  /* A second instance gives the same values and is independent. */
+  /* A second instance gives the same values and is independent of the first. */
   void* other = instantiate("two", token, resources);
   CHECK(other && other != c, "a second instance");
   CHECK(enter_initialization(other, 0, true, 8 * size) == OK && simple(other, "ExitInitializationMode") == OK, "its start");

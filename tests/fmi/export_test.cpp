@@ -90,7 +90,7 @@ TEST_P(Export, PassesAnIndependentCheckOfTheStandard) {
   check(exported(R"({"version": 1, "name": "", "lsis": []})", 0.5));
 }
 
-/// The example circuits of every signal LSI.
+/// Exports the example circuits of every signal LSI.
 TEST_P(ExampleExport, PassesAnIndependentCheckOfTheStandard) {
   int count = 0;
   for (const auto& e : std::filesystem::directory_iterator(std::string(UGOKI_SOURCE_DIR) + "/examples/lsi")) {
@@ -176,7 +176,7 @@ TEST_P(Export, ParametersTextsAndChoicesReachTheCircuit) {
   }
 }
 
-/// Compared with the closed form of a damped oscillator.
+/// Compares both pendulums with the closed form of a damped oscillator.
 TEST_P(Export, TwoPendulumsExampleMatchesClosedForm) {
   const std::string folder = std::string(UGOKI_SOURCE_DIR) + "/examples/fmu/";
   const std::string fmu = exported(text_of(folder + "pendulum.json"), 0.001);
@@ -270,7 +270,8 @@ TEST_P(Export, LsisOfMathematicsNeedNoContent) {
   EXPECT_NEAR(value(*i, "u.x"), std::cos(0.5), 1e-15);
 }
 
-/// Each standard LSI: either a circuit with it alone is exported, or the message names what it needs. Only LSIs of content need content.
+/// For each standard LSI, a circuit with this LSI alone is exported, or the message names what the LSI needs. Only LSIs that use
+/// mechanisms and motions of content need content.
 TEST_P(Export, OnlyLsisThatUseContentAreRefusedWithoutContent) {
   int exported = 0;
   for (const circuit::LsiClass& c : lsi::standard_library().classes()) {

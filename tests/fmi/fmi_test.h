@@ -17,7 +17,7 @@ inline std::string text_of(const std::string& path) {
   EXPECT_TRUE(text) << path;
   return text ? *text : "";
 }
-/// modelDescription.xml of a model. @param version of FMI: 2 or 3
+/// modelDescription.xml of a model. @param version version of FMI: 2 or 3
 inline std::string description_of(const std::string& model, int version) {
   return text_of(std::string(UGOKI_SOURCE_DIR) + "/tests/fmi/units/" + model + ".fmi" + std::to_string(version) + ".xml");
 }
@@ -45,7 +45,7 @@ class FmiTest : public plugin::FolderTest {
                                                                 {"binaries/" + system + "/" + identifier + ".so", code_of(model, version)},
                                                                 {"resources/note.txt", "read me"}});
   }
-  /// The signal LSIs and those of an FMU.
+  /// A library of the signal LSIs and the LSIs of an FMU.
   plugin::LiveLibrary library(const std::string& fmu) const { return plugin::LiveLibrary(signals_, {}, {fmu}); }
 
   /// A circuit with one LSI, "u". @param rest JSON appended to the instance @param of_circuit JSON appended to the circuit

@@ -15,7 +15,7 @@ using circuit::Interpreter;
 class Import : public FmiTest, public ::testing::WithParamInterface<int> {};
 INSTANTIATE_TEST_SUITE_P(Versions, Import, ::testing::Values(2, 3), [](const auto& each) { return "Fmi" + std::to_string(each.param); });
 
-/// Height, m, and velocity, m/s, at time t, s, of a ball dropped from 1 m, from its successive parabolas. @param g gravity, m/s^2
+/// Height, m, and velocity, m/s, at time t, s, of a ball dropped from 1 m, computed from successive parabolas. @param g gravity, m/s^2
 /// @param e coefficient of restitution
 std::pair<double, double> ball(double t, double g, double e) {
   double begin = std::sqrt(2 / g), v = std::sqrt(2 * g);
@@ -129,9 +129,9 @@ TEST_P(Import, EverySetsTheCommunicationStep) {
   ASSERT_TRUE(i) << i.error().text();
   i->run(11);
   const double first = value(*i, "u.x");
-  EXPECT_NEAR(first, std::exp(-0.2), 1e-4);  // at its tick it computes up to its next tick
+  EXPECT_NEAR(first, std::exp(-0.2), 1e-4);  // each run of the LSI (every 10th tick) computes up to the next run
   i->run(9);
-  EXPECT_EQ(value(*i, "u.x"), first);  // constant between its ticks
+  EXPECT_EQ(value(*i, "u.x"), first);  // the output is constant between these runs
 }
 
 TEST_P(Import, StairCountsAndEndsTheSimulation) {
@@ -202,7 +202,7 @@ TEST_P(Import, WiresParametersAndTextsReachTheFmu) {
   ASSERT_TRUE(i->set_parameter("u.Float64_tunable_parameter", 3));
   i->tick();
   EXPECT_EQ(value(*i, "u.Float64_continuous_output"), 2.6 + 0.5 + 30);
-  EXPECT_EQ(value(*i, "u.Float64_discrete_output"), 5000);  // 1000 times the length of the text
+  EXPECT_EQ(value(*i, "u.Float64_discrete_output"), 5000);  // the model returns 1000 times the length of the text
   EXPECT_EQ(value(*i, "u.Int32_output"), 3);                // rounded to the nearest integer
   EXPECT_EQ(value(*i, "u.Boolean_output"), 1);
   const double huge = 3e9;

@@ -78,7 +78,7 @@ TEST(AmcReader, RotatesABoneAboutItsOwnAxes) {
   // In file axes: the thigh (0, -4, 0), rotated by 90 degrees about x, is (0, 0, -4); the rotation of the root about z does not change it.
   expect_near(X[2].p, Vec3{3 - 4, 1, 2} * unit, 1e-14, "knee");
   m.calc_joint_poses(1, X);
-  // The shin rotates about the file's y, its own direction: only its frame rotates.
+  // The shin rotates about the file's y axis. This is the direction of the shin, so only its frame rotates and the foot stays.
   expect_near(X[2] * m.skeleton.joints[2].end_sites[0], Vec3{0, 0, -7} * unit, 1e-14, "foot");
   expect_near(X[2].R * Vec3{1, 0, 0}, {0, 1, 0}, 1e-14, "frame of the shin");
 }
@@ -86,7 +86,7 @@ TEST(AmcReader, RotatesABoneAboutItsOwnAxes) {
 TEST(AmcReader, FirstDofIsAppliedFirst) {
   const Asf asf = read(units + root + two_bones + tree);
   const MeasuredMotion m = read_motion("1\nroot 0 0 0 0 0 0\nthigh 10 20 30\nshin 0\n", asf);
-  // Expected: Rz(30) Ry(20) Rx(10) in file axes.
+  // Expected rotation: Rz(30) Ry(20) Rx(10) in file axes, degrees. R is this rotation in our axes.
   const Mat3 R = rotation_about({1, 0, 0}, 30 * degree) * rotation_about({0, 0, 1}, 20 * degree) * rotation_about({0, 1, 0}, 10 * degree);
   const Mat3 actual = to_matrix(m.rotations[1]);
   for (int i = 0; i < 3; ++i) expect_near(actual.row(i), R.row(i), 1e-15, "row");

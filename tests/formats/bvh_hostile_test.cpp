@@ -120,7 +120,7 @@ TEST(BvhHostile, EachFaultIsReportedAtItsLine) {
 }
 
 TEST(BvhHostile, FrameCountBeyondTheTextIsRejectedBeforeAllocation) {
-  const auto result = read(with("Frames: 2", "Frames: 40000000"));  // 360 million numbers
+  const auto result = read(with("Frames: 2", "Frames: 40000000"));  // would need 360 million numbers
   expect_refused_at(result, 18, "40 million frames");
   EXPECT_NE(result.error().problems[0].message.find("too short"), std::string::npos) << result.error().text();
 }

@@ -88,7 +88,7 @@ TEST(BvhReader, PositionChannelsReplaceComponentsOfOffset) {
   const MeasuredMotion all = read(arm("CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation", "0 0 0 0 0 0 4 5 6 0 0 0"));
   EXPECT_EQ(all.translations[1], (Vec3{6, 4, 5}));
   const MeasuredMotion one = read(arm("CHANNELS 2 Zposition Zrotation", "0 0 0 0 0 0 4 0"));
-  EXPECT_EQ(one.translations[1], (Vec3{4, 0, 1}));  // the measured z; x and y of the OFFSET
+  EXPECT_EQ(one.translations[1], (Vec3{4, 0, 1}));  // z from the frame; x and y from the OFFSET
   EXPECT_TRUE(one.skeleton.joints[1].translates);
   const MeasuredMotion only = read(arm("CHANNELS 3 Xposition Yposition Zposition", "0 0 0 0 0 0 1 2 3"));
   EXPECT_EQ(only.translations[1], (Vec3{3, 1, 2}));

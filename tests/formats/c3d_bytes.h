@@ -16,7 +16,7 @@ struct C3dBytes {
   enum class Kind { intel = 84, dec = 85, mips = 86 };
   Kind kind = Kind::intel;
   bool real = true;              ///< floating-point data; otherwise 16-bit integers
-  bool unsigned_analog = false;  ///< analog samples are unsigned words of 40000
+  bool unsigned_analog = false;  ///< analog samples are unsigned 16-bit integers with the value 40000
   bool not_a_number = false;     ///< marker 0 has x = NaN in frame 0
   std::string units = "mm", y_screen = "+Z";
 

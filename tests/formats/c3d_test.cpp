@@ -192,7 +192,7 @@ TEST(C3d, AnyWrongByteGivesFiniteDataOrError) {
     for (const int value : {0, 1, 127, 128, 255}) {
       std::vector<std::byte> bytes = good;
       bytes[at] = static_cast<std::byte>(value);
-      const auto m = read_c3d(bytes, "bad.c3d");  // no crash, and every accepted value is finite
+      const auto m = read_c3d(bytes, "bad.c3d");  // the reader must not crash, and every accepted value is finite
       if (!m) continue;
       ASSERT_EQ(m->positions.size(), static_cast<std::size_t>(m->frames) * m->labels.size());
       for (const Vec3& x : m->positions) ASSERT_TRUE(is_finite(x));

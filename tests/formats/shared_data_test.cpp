@@ -125,7 +125,7 @@ struct BvhPositions {
         channel_count += n;
       }
     }
-    for (int i = 0; i < 5; ++i) in >> w;  // Frames: n Frame Time: t
+    for (int i = 0; i < 5; ++i) in >> w;  // skip "Frames: n Frame Time: t"
     while (in >> w) numbers.push_back(std::strtod(w.c_str(), nullptr));
   }
   [[nodiscard]] std::size_t frames() const { return numbers.size() / channel_count; }
@@ -192,7 +192,7 @@ void check_bvh(const std::string& name, int stride) {
   EXPECT_LT(max_distance(m, *back, stride), 1e-6) << "round trip";
 }
 
-// ---- independent kinematics of ASF/AMC by the formula of the CMU motion capture database: C R_dof C^-1 for each bone
+// ---- independent kinematics of ASF/AMC by the formula of the CMU motion capture database: C R_dof C^-1 for each bone, C: its axes
 
 struct CmuBone {
   std::string parent;

@@ -40,7 +40,7 @@ class Changes {
   Changes(const Changes&) = delete;
   Changes& operator=(const Changes&) = delete;
 
-  /// @param line see is_change
+  /// Applies one change. @param line a change, see changed_database.h
   void make(std::string_view line) {
     const std::string_view first = next_word(line);
     if (first == "-") {
@@ -94,7 +94,7 @@ class Changes {
   store::Database& database_;
 };
 
-/// Whether a line is a valid change.
+/// Whether a line is a valid change (syntax: changed_database.h).
 bool is_change(std::string_view line) {
   const std::string_view first = next_word(line);
   if (first == "-") return is_identifier(next_word(line));

@@ -41,7 +41,7 @@ void check_points(std::string_view text) {
   for (const Vec3& x : m->positions) UGOKI_CHECK(is_finite(x));
   if (m->positions.size() > 20'000) return;
   const auto back = formats::read_csv(formats::write_csv(*m), "again.csv");
-  if (!back) return check_error(back.error());  // two names may become equal in the form that the writer uses
+  if (!back) return check_error(back.error());  // allowed: the writer may make two names equal
   UGOKI_CHECK(back->frames == m->frames && back->labels.size() == m->labels.size());
 }
 

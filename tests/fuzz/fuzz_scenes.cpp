@@ -1,5 +1,5 @@
 // Fuzz targets of the FBX and COLLADA readers. They run in this process, without the guard of read_scene, which turns crashes of the assimp
-// library into errors. scripts/fuzz separates faults of assimp from ours by their stack.
+// library into errors. scripts/fuzz separates faults of assimp from ours by their call stack.
 #include <cmath>
 #include <span>
 

@@ -25,7 +25,11 @@ void fuzz_fbx(const std::uint8_t* data, std::size_t size);
 void fuzz_collada(const std::uint8_t* data, std::size_t size);
 void fuzz_circuit(const std::uint8_t* data, std::size_t size);
 void fuzz_ugx(const std::uint8_t* data, std::size_t size);
+void fuzz_ugx_run(const std::uint8_t* data, std::size_t size);
+/// Number of inputs that fuzz_ugx_run() has accepted and run. A fuzz target whose inputs are all refused checks nothing.
+extern long ugx_runs;
 void fuzz_project(const std::uint8_t* data, std::size_t size);
+void fuzz_skeleton(const std::uint8_t* data, std::size_t size);
 void fuzz_set(const std::uint8_t* data, std::size_t size);
 
 }  // namespace ugoki

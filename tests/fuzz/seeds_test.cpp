@@ -48,7 +48,9 @@ TEST(FuzzSeeds, Fbx) { run("fbx", fuzz_fbx); }
 TEST(FuzzSeeds, Collada) { run("collada", fuzz_collada); }
 TEST(FuzzSeeds, Circuit) { run("circuit", fuzz_circuit); }
 TEST(FuzzSeeds, Ugx) { run("ugx", fuzz_ugx); }
+TEST(FuzzSeeds, UgxRun) { run("ugx_run", fuzz_ugx_run); }
 TEST(FuzzSeeds, Project) { run("project", fuzz_project); }
+TEST(FuzzSeeds, Skeleton) { run("skeleton", fuzz_skeleton); }
 TEST(FuzzSeeds, Set) { run("set", fuzz_set); }
 
 }  // namespace

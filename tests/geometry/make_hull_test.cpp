@@ -30,7 +30,7 @@ class Points {
   std::mt19937_64 engine_;
 };
 
-/// Largest signed distance of a point from a face plane of the hull; positive outside. m
+/// Maximum signed distance [m] of a point from a face plane of the hull; positive outside.
 double outside(const collision::Hull& h, const std::vector<Vec3>& points) {
   double worst = -1e300;
   for (const Vec3& p : points)
@@ -83,7 +83,7 @@ TEST(MakeHull, CoplanarFacetsAreMerged) {
 
 TEST(MakeHull, NearlyFlatFacetsAndCylinders) {
   Points random(2);
-  std::vector<Vec3> points;  // first a plate 2e-9 thick, then a cylinder of 500 sides with rounding errors
+  std::vector<Vec3> points;  // points of a plate 2e-9 thick, later of a cylinder of 500 sides with rounding errors
   for (int i = 0; i < 2000; ++i) points.push_back({random.in(-1, 1), random.in(-1, 1), random.in(-1e-9, 1e-9)});
   const Result<collision::Hull> plate = make_hull(points);
   ASSERT_TRUE(plate.has_value()) << plate.error().text();

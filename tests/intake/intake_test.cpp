@@ -102,7 +102,7 @@ TEST(Intake, CancelledImportsGiveTheirError) {
 }
 
 TEST(Intake, TwoCharactersInOneFileAreReported) {
-  const auto nodes = [](int characters) {  // chains of five
+  const auto nodes = [](int characters) {  // each character is a chain of five nodes
     std::string list;
     for (int i = 0; i < 5 * characters; ++i) {
       const std::string next = i % 5 < 4 ? R"(, "children": [)" + std::to_string(i + 1) + "]" : "";

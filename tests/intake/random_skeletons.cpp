@@ -16,7 +16,7 @@ constexpr std::array names = {"Hips",       "pelvis",   "LeftUpLeg", "RightUpLeg
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// One motion in the making.
+/// Builds one random motion.
 class Maker {
  public:
   explicit Maker(std::uint64_t seed) : random_(seed) {}
@@ -124,7 +124,7 @@ class Maker {
     }
   }
 
-  /// One random change of the skeleton and of all frames.
+  /// Makes one random change of the skeleton and of all frames.
   void change() {
     const int n = m_.joint_count(), i = random_.below(n);
     SkeletonJoint& j = m_.skeleton.joints[at(i)];

@@ -1,4 +1,4 @@
-// Every builder that takes a skeleton or a mechanism, on random skeletons: it ends, and gives a usable result or an error with a location.
+// Runs every builder that takes a skeleton or a mechanism on random skeletons. Each must end with a usable result or a located error.
 // UGOKI_RANDOM_SEED and UGOKI_RANDOM_COUNT in the environment select other skeletons.
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ void check_error(const Error& error) {
   for (const Problem& p : error.problems) EXPECT_FALSE(p.message.empty()) << p.text();
 }
 
-/// Checks that all numbers of the mechanism are usable, and that it can be stored.
+/// Checks that all numbers of the mechanism are usable, and that the mechanism can be stored.
 void check_mechanism(const Mechanism& m) {
   EXPECT_TRUE(std::isfinite(m.mass()) && m.mass() >= 0) << m.mass();
   for (const Link& l : m.links()) {

@@ -108,7 +108,7 @@ TEST(LinkDynamics, GeneralDynamicsOfClosedLoopsGivesSameBitsFromEverySavedState)
   }
   EXPECT_GT(maximum - minimum, 3.2) << "the crank must pass the dead points, where bars are in line";
   std::vector<std::byte> repeated;
-  for (std::size_t i = saved.size() - 1; i-- > 0;) {  // backwards, so that memory of later positions would give other bits
+  for (std::size_t i = saved.size() - 1; i-- > 0;) {  // backwards: state kept from later times would change the bits
     ASSERT_TRUE(b->restore(saved[i]));
     b->run(23);
     b->save(repeated);

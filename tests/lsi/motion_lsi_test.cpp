@@ -1,4 +1,4 @@
-// The LSIs for motion operations: they play the result of the operation; the intermediate motion follows its weight.
+// The LSIs for motion operations play the result of their operation. The LSI for intermediate motions follows changes of the weight.
 #include "ugoki/lsi/motion_lsi.h"
 
 #include <gtest/gtest.h>

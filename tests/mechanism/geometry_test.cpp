@@ -79,9 +79,9 @@ TEST(Geometry, HeightFieldInertiaIsTheSumOfPrisms) {
 TEST(Geometry, DefectsOfMeshesAreRepairedAndCounted) {
   std::vector<Vec3> p = box_points({1, 1, 1});
   std::vector<Triangle> t = box_triangles();
-  p.push_back(p[3]);         // 8: equal to 3
+  p.push_back(p[3]);         // vertex 8: equal to vertex 3
   p.push_back({5, 5, 5});    // 9: unused
-  p.push_back({0, -1, -1});  // 10: on the edge from 0 to 1
+  p.push_back({0, -1, -1});  // vertex 10: on the edge from 0 to 1
   t[1] = {1, 2, 8};
   t.push_back({0, 10, 1});  // corners are collinear
   t.push_back({3, 8, 1});   // two corners are equal

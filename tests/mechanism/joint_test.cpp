@@ -17,7 +17,7 @@ double difference(const Pose& a, const Pose& b) {
   return norm(e.row(0)) + norm(e.row(1)) + norm(e.row(2)) + norm(a.p - b.p);
 }
 
-/// Velocity of B relative to J, in B's axes, by central differences of the poses at t - dt, t and t + dt.
+/// Velocity of the moving frame B relative to the joint frame J, in B's axes, by central differences of the poses at t - dt, t and t + dt.
 Vec6 velocity(const Pose& before, const Pose& now, const Pose& after, double dt) {
   const Mat3 dR = (after.R - before.R) * (0.5 / dt);
   const Vec3 dp = (after.p - before.p) * (0.5 / dt);
@@ -73,7 +73,7 @@ TEST(Joint, NeutralIsTheIdentity) {
   }
 }
 
-// Compares S(q) v with the finite difference of the pose while q moves with velocity v.
+// Compares S(q) v (S: motion subspace) with the finite difference of the pose while q moves with velocity v.
 TEST(Joint, SubspaceIsTheDerivativeOfThePose) {
   Random random;
   const double dt = 1e-5;
@@ -94,7 +94,7 @@ TEST(Joint, SubspaceIsTheDerivativeOfThePose) {
   }
 }
 
-// Compares the bias (dS/dt) v with the finite difference of S v while q moves with constant v.
+// Compares the bias (dS/dt) v (S: motion subspace) with the finite difference of S v while q moves with constant v.
 TEST(Joint, BiasIsTheDerivativeOfTheSubspace) {
   Random random;
   const double dt = 1e-5;
@@ -129,7 +129,7 @@ TEST(Joint, DifferenceIsTheInverseOfIntegrate) {
       joint_difference(j, q0, q1, v);
       joint_integrate(j, q0, v, 1, back);
       ASSERT_LT(difference(joint_pose(j, back), joint_pose(j, q1)), 1e-13) << name_of(type);
-      // The converse holds for rotations of less than half a turn.
+      // Conversely, joint_difference() recovers the step of joint_integrate() for rotations of less than half a turn.
       double w[6], q2[7], again[6];
       for (double& x : w) x = random.in(-1.7, 1.7);
       joint_integrate(j, q0, w, 1, q2);

@@ -15,7 +15,7 @@ using testing::RandomSource;
 constexpr JointType keeps_coordinates[] = {JointType::fixed,   JointType::revolute,    JointType::prismatic,
                                            JointType::helical, JointType::cylindrical, JointType::universal};
 
-/// Checks X'(q') X(q) = 1 with q' as documented for reversed().
+/// Checks that the pose of the reversed joint at q' is the inverse of the pose of the joint at q. reversed() documents q' for each type.
 TEST(Reversed, IsTheInverseForEveryType) {
   test::Random random;
   for (const JointType type : test::all_joint_types)

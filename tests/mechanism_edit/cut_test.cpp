@@ -67,7 +67,7 @@ TEST(Cut, ReportsDroppedLoopsAndVirtualLinks) {
 
   const auto part = cut(*m, "arm", {.keep = Keep::part});
   ASSERT_TRUE(part.has_value());
-  EXPECT_TRUE(reports(*part, "gear gears was dropped"));  // it drives the joint at which the cut was made
+  EXPECT_TRUE(reports(*part, "gear gears was dropped"));  // the gear drives the joint at which the cut was made
   EXPECT_EQ(part->mechanism->find_loop("rail"), 0);
   EXPECT_TRUE(reports(*part, "loop at the virtual link twin was dropped"));
 }

@@ -90,7 +90,7 @@ TEST(MeshInertia, TorusConvergesToItsClosedForm) {
     const double error =
         std::max({std::fabs(m->volume / (2 * pi * pi * R * r * r) - 1), std::fabs(m->inertia.I.zz / (3 * (R * R + 0.75 * r * r)) - 1),
                   std::fabs(m->inertia.I.xx / (3 * (R * R / 2 + 0.625 * r * r)) - 1)});
-    EXPECT_LT(error, 0.3 * before);  // second order in the size of the triangles
+    EXPECT_LT(error, 0.3 * before);  // the error is of second order in the size of the triangles
     before = error;
   }
   EXPECT_LT(before, 1e-3);
@@ -121,7 +121,7 @@ TEST(MeshInertia, AgreesWithMonteCarlo) {
     xx += p.y * p.y + p.z * p.z;
   }
   const double cell = 1.12 * 1.12 * 0.32 / n;
-  EXPECT_NEAR(inside * cell / m->volume, 1, 0.02);  // about four standard deviations
+  EXPECT_NEAR(inside * cell / m->volume, 1, 0.02);  // tolerance: about four standard deviations
   EXPECT_NEAR(zz * cell / m->inertia.I.zz, 1, 0.02);
   EXPECT_NEAR(xx * cell / m->inertia.I.xx, 1, 0.03);
 }

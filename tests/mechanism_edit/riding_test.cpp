@@ -35,7 +35,7 @@ std::string labelled(const Mechanism& m, std::string_view label) {
   return {};
 }
 
-/// Rider and horse, without armature.
+/// A human combined with a horse, without armature at the joints.
 MechanismPtr rider_on_horse(Attachment attachment, LoopType type) {
   const MechanismPtr man = human(), mount = horse();
   CombineOptions options{.name = "rider on horse",
@@ -47,7 +47,7 @@ MechanismPtr rider_on_horse(Attachment attachment, LoopType type) {
   options.prefix_b = "rider ";
   auto made = combine(*mount, *man, options);
   EXPECT_TRUE(made.has_value()) << made.error().text();
-  return *Mechanism::make(testing::without_armature(made->mechanism->spec()));  // so that momentum is the sum over the links
+  return *Mechanism::make(testing::without_armature(made->mechanism->spec()));  // without armature the momentum is the sum over the links
 }
 
 TEST(Riding, HasMassAndLinksOfBoth) {

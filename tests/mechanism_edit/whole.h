@@ -26,7 +26,7 @@ inline double difference(const Inertia& a, const Inertia& b) {
   return error / size;
 }
 
-/// A link with a name, a parent and a joint type, otherwise default.
+/// A link with a name, a parent and a joint type; all other values are defaults.
 inline LinkSpec link_of(std::string name, std::string parent, JointType type) {
   LinkSpec l;
   l.name = std::move(name);

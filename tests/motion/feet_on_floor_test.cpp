@@ -99,7 +99,7 @@ TEST(FeetOnFloor, FeetBelowTheFloorAreRaisedAndStayLevel) {
   const MechanismPtr m = walker();
   Motion motion = standing(*m, 60);
   for (int f = 0; f < motion.frames; ++f) {
-    pose(*m, 0.6, 0.5, leg_length(0.5) - 0.02, motion.frame(f));  // left foot 20 mm below the floor, right foot less
+    pose(*m, 0.6, 0.5, leg_length(0.5) - 0.02, motion.frame(f));  // left foot 20 mm below the floor, right foot less deep
     for (int k = 0; k < 3; ++k) motion.frame(f)[k] += k == 2 ? 0.1 : 0.0;
   }
   const Motion out = with_feet_on_floor(motion, *m, 0.1);

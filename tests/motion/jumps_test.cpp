@@ -10,7 +10,7 @@
 namespace ugoki {
 namespace {
 
-/// A fixed body, a link on it with a ball joint, and a link on that with a hinge.
+/// A fixed body, a link attached to the body by a ball joint, and a second link attached to the first by a hinge.
 MechanismPtr arm() {
   MechanismSpec spec;
   spec.name = "arm";

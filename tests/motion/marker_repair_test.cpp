@@ -73,7 +73,7 @@ TEST(MarkerRepair, NeighboursOnARigidBodyFillExactly) {
   for (int f = 0; f < m.frames; ++f) {
     const Pose X{to_matrix(exp_map({0.02 * f, -0.01 * f, 0.03 * f})), {0.01 * f, 0.2, 1}};
     for (int i = 0; i < 4; ++i) m.positions[m.index(f, i)] = X * body[i];
-    m.positions[m.index(f, 4)] = {std::sin(0.3 * f), 0, 0};  // does not move with the body
+    m.positions[m.index(f, 4)] = {std::sin(0.3 * f), 0, 0};  // marker 4 does not move with the body
     truth.push_back(X * body[3]);
   }
   hide(m, 3, 30, 79);

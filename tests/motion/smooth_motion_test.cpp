@@ -9,7 +9,7 @@
 namespace ugoki {
 namespace {
 
-/// A floating link, a link on it with a ball joint, and a link on that with a hinge.
+/// A floating link, a second link attached to it by a ball joint, and a third link attached to the second by a hinge.
 MechanismPtr character() {
   MechanismSpec spec;
   spec.name = "character";

@@ -51,7 +51,7 @@ TEST(Curves, SeveralFullTurnsAreWithinTheBounds) {
   motion.rate = 100;
   motion.frames = 301;
   motion.nq = ball->nq();
-  for (int f = 0; f < motion.frames; ++f) {  // about five turns about a slowly rotating axis
+  for (int f = 0; f < motion.frames; ++f) {  // the joint makes about five turns about a slowly rotating axis
     const double t = f / 100.0;
     const Quat q = exp_map(Vec3{std::cos(0.4 * t), std::sin(0.4 * t), 0.3} * 3.0) * axis_angle({0, 0, 1}, 10 * t);
     for (const double x : {t, 0.0, 1 + t - t * t, q.w, q.x, q.y, q.z}) motion.q.push_back(x);

@@ -13,8 +13,8 @@
 namespace ugoki::motion_edit {
 namespace {
 
-/// Maximum acceleration (velocity difference between consecutive frames times the rate) of any DOF except the root's, at the seam and
-/// elsewhere. rad/s^2
+/// Maximum acceleration [rad/s^2] of any DOF except the root's, in all frames and at the seam of the cycle: velocity difference between
+/// consecutive frames times the frame rate.
 struct Steps {
   double anywhere = 0, seam = 0;
 };

@@ -45,7 +45,7 @@ TEST(Edit, ResampleKeepsTheMotion) {
   const Motion there = resample(character.m(), walk, 4 * walk.rate).value();
   EXPECT_EQ(there.frames, 4 * (walk.frames - 1) + 1);
   const Motion back =
-      resample(character.m(), there, walk.rate).value();  // filtered at 0.4 of the rate, far above the frequencies of a walk
+      resample(character.m(), there, walk.rate).value();  // cut-off frequency 0.4 times the rate, far above the frequencies of a walk
   EXPECT_LT(max_difference(character.m(), back, walk), 0.03);
   const Motion around = resample(character.m(), character.motion, 77).value();
   EXPECT_NEAR(around.duration(), character.motion.duration(), 1e-12);

@@ -136,7 +136,7 @@ TEST(FootLock, JointsStaySmooth) {
     }
     return maximum;
   };
-  EXPECT_LT(max_acceleration(locked), 4 * max_acceleration(walk) + 300);  // rad/s^2: a knee that snaps straight exceeds this
+  EXPECT_LT(max_acceleration(locked), 4 * max_acceleration(walk) + 300);  // rad/s^2: a knee that becomes straight in one frame exceeds it
 }
 
 TEST(FootLock, LegTooShortLowersThePelvis) {

@@ -28,7 +28,7 @@ void check_weights(const Mechanism& m, const Motion& a, const Motion& b, const s
     const Motion motion = made->blend(weights, &report).value();
     ASSERT_TRUE(check_motion(motion, m).empty());
     EXPECT_TRUE(motion.cyclic);
-    // Cyclic: the last frame equals the first, displaced.
+    // The motion is cyclic: the last frame equals the first frame, displaced by one cycle.
     std::vector<double> last(motion.frame(motion.frames - 1), motion.frame(motion.frames - 1) + motion.nq), d(at(m.nv()));
     displace_root(m, inverse(cycle_of(motion, m)), last);
     difference(m, {motion.frame(0), at(m.nq())}, last, d);
@@ -40,7 +40,7 @@ void check_weights(const Mechanism& m, const Motion& a, const Motion& b, const s
     // The speed changes monotonically from one source to the other.
     if (w > 0) EXPECT_GT((facts.speed - before) * (to >= from ? 1 : -1), -1e-9);
     before = facts.speed;
-    // Exact at both ends.
+    // At the weights 0 and 1 the result is exactly one of the sources.
     if (w == 0) EXPECT_EQ(motion.q, made->cycle(0).q);
     if (w == 1) EXPECT_EQ(motion.q, made->cycle(1).q);
   }
@@ -90,7 +90,7 @@ TEST(Intermediate, StartPhaseHasNoEffect) {
   const Intermediate made = Intermediate::make(human.m(), sources).value();
   const double half[] = {0.5, 0.5};
   const Motion mixed = made.blend(half).value();
-  // Compared by speed and by the vertical range of the pelvis, which do not depend on the start phase.
+  // Compare the speed and the vertical range of the pelvis, which do not depend on the start phase.
   const CycleFacts facts = made.facts(mixed);
   EXPECT_NEAR(facts.speed, made.facts(made.cycle(0)).speed, 1e-3);
   EXPECT_LT(facts.skate.worst_cm, 0.5);

@@ -292,6 +292,49 @@ TEST(Player, StepsWithoutAllocation) {
   EXPECT_EQ(allocations_so_far(), before);
 }
 
+/// The small scenario with an assist limit of 0 and without events.
+Scenario balancing_scenario() {
+  Scenario s = small_scenario();
+  s.characters[0].control.assist_limit = 0;
+  s.events.clear();
+  return s;
+}
+
+TEST(Player, CharacterWithoutAssistBalances) {
+  Player player = open(small_content(balancing_scenario()));
+  run(player, 1400);
+  const PlayerMeasures m = player.measures(0);
+  EXPECT_FALSE(m.fell);
+  EXPECT_EQ(m.assist_max_bw, 0);
+  EXPECT_LT(m.release_time, 0);
+  EXPECT_LT(m.tracking_rms_deg, 4);
+  EXPECT_LT(m.foot_skate_worst_cm, 1);
+  EXPECT_EQ(m.feet_on_ground, 2);
+}
+
+TEST(Player, BalanceGivesTheSameBitsAfterRestore) {
+  const std::vector<std::byte> content = small_content(balancing_scenario());
+  Player a = open(content), b = open(content);
+  run(a, 500);
+  a.push(0, 0, {0, 60, 0}, 0.2);  // makes the character step
+  run(a, 100);
+  std::vector<std::byte> saved;
+  a.save(saved);
+  ASSERT_TRUE(b.restore(saved));
+  run(a, 500);
+  run(b, 500);
+  EXPECT_EQ(a.state_hash(), b.state_hash());
+}
+
+TEST(Player, BalanceStepsWithoutAllocation) {
+  Player player = open(small_content(balancing_scenario()));
+  run(player, 400);
+  const long before = allocations_so_far();
+  for (int k = 0; k < 300; ++k)
+    if (!player.step()) break;
+  EXPECT_EQ(allocations_so_far(), before);
+}
+
 TEST(Player, DivergedSimulationStopsAndKeepsTheLastValidState) {
   Scenario s = small_scenario();
   s.events[1].link = "foot left";

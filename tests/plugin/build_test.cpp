@@ -198,5 +198,40 @@ TEST_F(PluginTest, MissingCompilerNamesThePackageToInstall) {
   EXPECT_NE(found.error().text().find("apt-get install clang-19"), std::string::npos);
 }
 
+TEST_F(PluginTest, PointerWithACountIsNoOutput) {
+  for (const char* declaration : {"double mean(double* v, int n)", "double mean(double* v, size_t size)", "double mean(float* v, int v_count)",
+                                  "double mean(double* v, const unsigned numValues)"}) {
+    write("mean.c", std::string("#include <stddef.h>\n") + declaration + " { return v[0]; }\ndouble good(double x) { return x; }\n");
+    const auto report = build_library({folder_ + "/mean.c", {}, {}, {}});
+    ASSERT_TRUE(report) << report.error().text();
+    ASSERT_EQ(report->notes.size(), 1u) << declaration;
+    EXPECT_NE(report->notes[0].find("its parameter 'v' may be an array of"), std::string::npos) << report->notes[0];
+  }
+  for (const char* text : {"/// @out v\ndouble mean(double* v, int n) { *v = n; return 1; }\n", "double mean(double* v, int mode) { *v = mode; return 1; }\n"}) {
+    write("mean.c", text);
+    const auto report = build_library({folder_ + "/mean.c", {}, {}, {}});
+    ASSERT_TRUE(report) << report.error().text();
+    EXPECT_TRUE(report->notes.empty()) << report->notes[0];
+  }
+}
+
+TEST_F(PluginTest, WarningsPointIntoTheFile) {
+  for (const char* name : {"few.c", "few.cpp"})
+    for (const char* compiler : {"clang", "gcc"}) {
+      const bool cpp = std::string(name).ends_with("cpp");
+      write(name, "struct memory { float f; unsigned char c; long n; };\nlong f(struct memory* m, float a, unsigned b, long c, double y[2])\n"
+                  "{ y[0] = y[1] = a; m->n += b; return c; }\n");
+      const std::string program = std::string(compiler) == "gcc" ? (cpp ? "g++" : "gcc") : "";
+      const auto report = build_library({folder_ + "/" + name, {}, {}, program});
+      if (!report && !program.empty()) continue;  // not installed
+      ASSERT_TRUE(report) << report.error().text();
+      for (const std::string& warning : report->warnings) {
+        const auto colon = warning.find(':');
+        EXPECT_LE(std::atoi(warning.c_str() + colon + 1), 3) << warning;
+        EXPECT_TRUE(warning.starts_with(folder_ + "/" + name)) << warning;
+      }
+    }
+}
+
 }  // namespace
 }  // namespace ugoki::plugin

@@ -138,7 +138,7 @@ TEST_F(CrashTest, LibraryThatHangsOrCrashesWhileLoadingIsReported) {
 }
 
 TEST_F(CrashTest, LongRunsAndIdleTimeAreNotHangs) {
-  // Many short ticks, which together take longer than the patience.
+  // Many short ticks, which together take longer than the time limit of 250 ms for a hang.
   const Result<int> done = run_guarded(
       [&] {
         LiveLibrary live(signals_, {}, {library_});

@@ -77,12 +77,12 @@ TEST_F(GuardTest, ForkedSleepersAreEndedAndDoNotHang) {
   EXPECT_EQ(run("forks"), "status 5");
   ::close(ends[1]);
   char c;
-  EXPECT_EQ(::read(ends[0], &c, 1), 0);  // end of file: no process holds it any more
+  EXPECT_EQ(::read(ends[0], &c, 1), 0);  // end of file: no process has the writing end open
   ::close(ends[0]);
 }
 TEST_F(GuardTest, CrashInAThreadNamesTheLibrary) {
-  expect_part(run("threads", 2000), "A thread of the library 'bad.so' used a null pointer (SIGSEGV).");
-  expect_part(run("joined"), "A thread of the library 'bad.so' used a null pointer (SIGSEGV).");
+  expect_part(run("threads", 2000), "A thread of the library 'bad' used a null pointer (SIGSEGV).");
+  expect_part(run("joined"), "A thread of the library 'bad' used a null pointer (SIGSEGV).");
 }
 
 TEST(RunProgram, ProcessThatKeepsThePipesOpenDoesNotHang) {

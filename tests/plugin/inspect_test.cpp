@@ -91,14 +91,14 @@ TEST_F(InspectTest, OtherFilesAreRefused) {
 TEST_F(InspectTest, TruncatedAndDamagedFilesDoNotCrash) {
   const std::string good = bytes(build("good.c", "int n;\ndouble f(double x) { return x + n++; }"));
   for (std::size_t size = 0; size < good.size(); size += 1 + size / 64)
-    EXPECT_FALSE(inspect_elf(std::string_view(good).substr(0, size), "it.so")) << size;  // the table of sections is at the end
+    EXPECT_FALSE(inspect_elf(std::string_view(good).substr(0, size), "it.so")) << size;  // the table of sections at the end is missing
   const unsigned seed = 7;
   std::mt19937 random(seed);
   Elf64_Ehdr header;
   std::memcpy(&header, good.data(), sizeof header);
   for (int i = 0; i < 3000; ++i) {
     std::string damaged = good;
-    for (int k = 0; k < 4; ++k) {  // mostly in the header and the table of sections, where offsets and sizes are
+    for (int k = 0; k < 4; ++k) {  // change bytes mostly in the header and the table of sections, which contain offsets and sizes
       const bool table = random() % 3 != 0;
       const std::size_t at = table ? header.e_shoff + random() % (damaged.size() - header.e_shoff) : random() % sizeof header;
       damaged[at] = static_cast<char>(random());

@@ -10,7 +10,7 @@ namespace ugoki::plugin {
 
 class PluginTest : public FolderTest {
  protected:
-  /// Builds a library. @param name of the source file @param text of the source file @return path of the library
+  /// Builds a library. @param name name of the source file @param text text of the source file @return path of the library
   std::string build(const std::string& name, const std::string& text, const std::string& compiler = {}) const {
     const Result<BuildReport> report = build_library({write(name, text), {}, {}, compiler});
     EXPECT_TRUE(report) << (report ? "" : report.error().text());

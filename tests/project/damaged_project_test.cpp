@@ -25,7 +25,7 @@ class DamagedProjectTest : public ProjectFixture {
     ASSERT_TRUE(done) << done.error().text();
     ASSERT_TRUE(database->run("PRAGMA wal_checkpoint(TRUNCATE)"));
   }
-  /// Opening must fail with message and remedy, and must not change the file.
+  /// Opening must fail with a message and a remedy, and must not change the file.
   void expect_refused(ErrorCode code) const {
     const std::string before = read(path_);
     for (const bool read_only : {false, true}) {

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <functional>
+#include <random>
 
 #include "project_fixture.h"
 #include "random_commands.h"
@@ -15,6 +17,84 @@ namespace {
 namespace fs = std::filesystem;
 using content::testing::make_resources;
 using content::testing::make_scenario;
+
+/// In each round a child process applies commands and is killed at a random time. Every acknowledged command must be in the file
+/// afterwards.
+void kill_editors(const std::string& path, const std::function<void()>& make, int rounds, unsigned seed) {
+  constexpr int rounds_per_project = 20;  // checking a round undoes the whole history
+  std::mt19937 random_time(seed);
+  std::size_t count = 0;
+  for (int round = 0; round < rounds; ++round) {
+    if (round % rounds_per_project == 0) {
+      for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(path + suffix);
+      make();
+    }
+    int ends[2];
+    ASSERT_EQ(::pipe(ends), 0);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      auto project = Project::open(path);
+      content::testing::RandomCommands random(seed + static_cast<unsigned>(round));
+      for (int i = 0; project; ++i) {
+        if (i % 5 == 4)
+          (void)project->undo();
+        else if (i % 11 == 10)
+          (void)project->save();
+        else
+          (void)project->execute(random.next(project->scenario()));
+        const std::string& document = project->document();
+        const std::uint64_t size = document.size();
+        if (::write(ends[1], &size, sizeof size) != sizeof size || ::write(ends[1], document.data(), size) != static_cast<ssize_t>(size))
+          break;
+      }
+      ::_exit(0);
+    }
+    ::close(ends[1]);
+    std::vector<std::string> acknowledged;
+    const auto receive = [&] {
+      std::uint64_t size = 0;
+      if (::read(ends[0], &size, sizeof size) != sizeof size) return false;
+      std::string document(size, '\0');
+      for (std::size_t got = 0; got < size;) {
+        const ssize_t n = ::read(ends[0], document.data() + got, size - got);
+        if (n <= 0) return false;
+        got += static_cast<std::size_t>(n);
+      }
+      acknowledged.push_back(std::move(document));
+      return true;
+    };
+    for (unsigned i = 0, n = 1 + static_cast<unsigned>(random_time() % 20); i < n && receive(); ++i) {
+    }
+    ::usleep(static_cast<useconds_t>(random_time() % 5000));
+    ::kill(child, SIGKILL);
+    while (receive()) {
+    }
+    ::close(ends[0]);
+    ::waitpid(child, nullptr, 0);
+    ASSERT_FALSE(acknowledged.empty());
+    count += acknowledged.size();
+    auto project = Project::open(path);
+    ASSERT_TRUE(project) << project.error().text();
+    // The child may have been killed after writing a change but before acknowledging it. One undo or redo then leads to the acknowledged
+    // state.
+    bool found = project->document() == acknowledged.back();
+    if (!found && project->can_undo()) {
+      ASSERT_TRUE(project->undo());
+      found = project->document() == acknowledged.back();
+      ASSERT_TRUE(project->redo());
+    }
+    if (!found && project->can_redo()) {
+      ASSERT_TRUE(project->redo());
+      found = project->document() == acknowledged.back();
+    }
+    EXPECT_TRUE(found) << "round " << round;
+    if ((round + 1) % rounds_per_project != 0 && round + 1 != rounds) continue;
+    while (project->can_undo()) ASSERT_TRUE(project->undo());
+    while (project->can_redo()) ASSERT_TRUE(project->redo());
+  }
+  std::printf("%d kills, %zu commands acknowledged, seed %u\n", rounds, count, seed);
+}
 
 class ProjectTest : public ProjectFixture {};
 
@@ -195,75 +275,13 @@ TEST_F(ProjectTest, CommandFetchesItsResourcesFromTheLibrary) {
   EXPECT_FALSE(project.execute(R"({"type": "clip.add", "character": "human", "motion": ")" + measured + R"(", "start": 7})", &*library));
 }
 
-/// A child process applies commands and is killed at a random time. Every acknowledged command must be in the file afterwards.
 TEST_F(ProjectTest, KilledEditorLosesNothingAcknowledged) {
-  {
-    const Project project = make();
-  }
-  std::string last;
-  for (int round = 0; round < 6; ++round) {
-    int ends[2];
-    ASSERT_EQ(::pipe(ends), 0);
-    const pid_t child = ::fork();
-    ASSERT_GE(child, 0);
-    if (child == 0) {
-      auto project = Project::open(path_);
-      content::testing::RandomCommands random(static_cast<unsigned>(round));
-      for (int i = 0; project; ++i) {
-        if (i % 5 == 4)
-          (void)project->undo();
-        else if (i % 11 == 10)
-          (void)project->save();
-        else
-          (void)project->execute(random.next(project->scenario()));
-        const std::string& document = project->document();
-        const std::uint64_t size = document.size();
-        if (::write(ends[1], &size, sizeof size) != sizeof size || ::write(ends[1], document.data(), size) != static_cast<ssize_t>(size))
-          break;
-      }
-      ::_exit(0);
-    }
-    ::close(ends[1]);
-    std::vector<std::string> acknowledged;
-    const auto receive = [&] {
-      std::uint64_t size = 0;
-      if (::read(ends[0], &size, sizeof size) != sizeof size) return false;
-      std::string document(size, '\0');
-      for (std::size_t got = 0; got < size;) {
-        const ssize_t n = ::read(ends[0], document.data() + got, size - got);
-        if (n <= 0) return false;
-        got += static_cast<std::size_t>(n);
-      }
-      acknowledged.push_back(std::move(document));
-      return true;
-    };
-    for (int i = 0; i < 3 + 3 * round && receive(); ++i) {
-    }
-    ::usleep(static_cast<useconds_t>(137 * round));
-    ::kill(child, SIGKILL);
-    while (receive()) {
-    }
-    ::close(ends[0]);
-    ::waitpid(child, nullptr, 0);
-    ASSERT_FALSE(acknowledged.empty());
-    auto project = Project::open(path_);
-    ASSERT_TRUE(project) << project.error().text();
-    // The child may have been killed after writing a change but before acknowledging it. One undo or redo then leads to the acknowledged
-    // state.
-    bool found = project->document() == acknowledged.back();
-    if (!found && project->can_undo()) {
-      ASSERT_TRUE(project->undo());
-      found = project->document() == acknowledged.back();
-      ASSERT_TRUE(project->redo());
-    }
-    if (!found && project->can_redo()) {
-      ASSERT_TRUE(project->redo());
-      found = project->document() == acknowledged.back();
-    }
-    EXPECT_TRUE(found) << "round " << round;
-    while (project->can_undo()) ASSERT_TRUE(project->undo());
-    while (project->can_redo()) ASSERT_TRUE(project->redo());
-  }
+  kill_editors(path_, [this] { const Project project = make(); }, 6, 1);
+}
+
+class Slow_ProjectKillTest : public ProjectTest {};
+TEST_F(Slow_ProjectKillTest, FiveHundredKillsLoseNothing) {
+  kill_editors(path_, [this] { const Project project = make(); }, 500, 20260503);
 }
 
 }  // namespace

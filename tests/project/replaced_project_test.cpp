@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <functional>
+#include <map>
 
 #include "project_fixture.h"
 #include "ugoki/store/sqlite.h"
@@ -199,7 +200,7 @@ TEST_F(ReplacedProjectTest, LogOfALaterStateOfTheProjectIsRefused) {
   const std::string log = read(path_ + "-wal");
   write(path_, first);
   expect_foreign_log(Project::open(path_));
-  write(path_, second);  // the state on which the log is based
+  write(path_, second);  // restore the file to which the log belongs
   ASSERT_EQ(read(path_ + "-wal"), log);
   const auto project = Project::open(path_);
   ASSERT_TRUE(project) << project.error().text();
@@ -244,6 +245,32 @@ TEST_F(ReplacedProjectTest, OpensFileOfEnvironment) {
   const char* path = std::getenv("UGOKI_TEST_OPEN");
   if (path == nullptr) GTEST_SKIP() << "only for HardLinkSharesTheLock";
   ASSERT_TRUE(Project::open(path));
+}
+
+/// A crash while the log is merged leaves a database file with some pages of the log. Without its log, this file is not a valid database.
+TEST_F(ReplacedProjectTest, CrashDuringTheMergeOfTheLogLosesNothing) {
+  make_closed();
+  const std::string document = make_crashed(3);
+  const std::string file = read(path_), log = read(path_ + "-wal");
+  constexpr std::size_t page_size = 4096, frame_size = 24 + page_size;
+  std::map<std::uint32_t, std::string> pages;  // the newest version of each page in the log
+  for (std::size_t at = 32; at + frame_size <= log.size(); at += frame_size) {
+    std::uint32_t number = 0;
+    for (std::size_t i = 0; i < 4; ++i) number = number << 8 | static_cast<unsigned char>(log[at + i]);
+    pages[number] = log.substr(at + 24, page_size);
+  }
+  ASSERT_GT(pages.size(), 3u);
+  std::string merged = file;
+  for (const auto& [number, page] : pages) {
+    merged.resize(std::max(merged.size(), number * page_size));
+    merged.replace((number - 1) * page_size, page_size, page);
+    write(path_, merged);
+    write(path_ + "-wal", log);
+    fs::remove(path_ + "-shm");
+    const auto project = Project::open(path_);
+    ASSERT_TRUE(project) << "after page " << number << ": " << project.error().text();
+    EXPECT_EQ(project->document(), document);
+  }
 }
 
 TEST_F(ReplacedProjectTest, ReadingLeavesNoSideFiles) {

@@ -33,7 +33,7 @@ void check_clips(const MechanismPtr& character, const More& more) {
 
 void check_all(const MechanismPtr& character) {
   check_clips(character, [](const std::string& path, const retarget::Retargeted& out) {
-    double lost = 0, standing = 0;  // frames in which a standing foot misses the ground; frames with a standing foot
+    double lost = 0, standing = 0;  // number of frames in which a standing foot misses the ground, and of all frames with a standing foot
     for (const retarget::Miss& miss : out.report.misses)
       for (const ContactTrack& track : out.motion.contacts)
         if (track.link == miss.link) lost += miss.frames;

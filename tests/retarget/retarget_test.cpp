@@ -36,7 +36,7 @@ MechanismPtr scaled(const Mechanism& m, double s) {
   return *Mechanism::make(std::move(spec));
 }
 
-/// Maximum distance [m], over all frames, of a link of `b` from the position of the link of `a` times `scale`.
+/// Maximum distance [m], over all frames, of a link of `b` from `scale` times the position of the same link of `a`.
 double worst_distance(const Mechanism& a, const Motion& x, const Mechanism& b, const Motion& y, double scale) {
   double worst = 0;
   std::vector<Pose> X(at(a.link_count())), Y(at(b.link_count()));
@@ -273,7 +273,7 @@ TEST(Retarget, HoldingHandStaysAtItsPoint) {
   const int hand = child->find_link("LeftHand");
   double path = 0;
   Vec3 before;
-  for (int f = 60; f < 180; ++f) {  // the middle of the motion, where the hips are fast
+  for (int f = 60; f < 180; ++f) {  // in the middle of the motion the hips are fast
     calc_poses(*child, {out->motion.frame(f), at(out->motion.nq)}, Y);
     if (f > 60) path += norm(Y[at(hand)].p - before);
     before = Y[at(hand)].p;

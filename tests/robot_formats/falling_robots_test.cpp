@@ -18,8 +18,8 @@ namespace {
 /// Results of one simulation.
 struct Fall {
   contact::StepStatus status = contact::StepStatus::ok;
-  double rise = 0;  ///< m: maximum increase of the total energy, divided by the weight
-  double gap = 0;   ///< m | rad: maximum gap of the loops
+  double rise = 0;  ///< maximum increase of the total energy, divided by the weight, m
+  double gap = 0;   ///< maximum gap of the loops, m | rad
 };
 
 Fall fall(const MechanismPtr& m, double dt, double seconds) {
@@ -70,7 +70,7 @@ void check_all_robots(double seconds, double max_rise) {
         RobotOptions options = options_for(path);
         if (path.ends_with(".urdf")) options.base = base;
         const Result<RobotModel> model = read_robot_file(load_robot(path), path, options);
-        if (!model) continue;  // files that only other files include, and files that readers refuse
+        if (!model) continue;  // skip files that only other files include, and files that readers refuse
         const Fall f = fall(model->mechanism, dt, seconds);
         const std::string which = path + (base == Base::fixed ? ", fixed base" : "");
         EXPECT_EQ(f.status, contact::StepStatus::ok) << which;
@@ -83,11 +83,11 @@ void check_all_robots(double seconds, double max_rise) {
 
 TEST(FallingRobots, EnergyAndLoopGapsStayBounded) {
   NEEDS_ROBOT_DATA();
-  check_all_robots(0.6, 0.15);
+  check_all_robots(0.6, 0.03);
 }
 TEST(Slow_FallingRobots, EnergyAndLoopGapsStayBoundedForThreeSeconds) {
   NEEDS_ROBOT_DATA();
-  check_all_robots(3, 0.3);
+  check_all_robots(3, 0.03);
 }
 
 }  // namespace

@@ -27,18 +27,18 @@ namespace {
 TEST(MjcfPeer, SharedFiles) { GTEST_SKIP() << "MuJoCo (libmujoco-dev) is not installed"; }
 #else
 
-/// Maximum differences, relative to the largest value of their kind.
+/// Maximum differences between our results and MuJoCo's, relative to the largest value of their kind.
 struct Worst {
   double pose = 0, inertia = 0, moments = 0, M = 0, inverse = 0, forward = 0, methods = 0, gap = 0, jacobian = 0;
 };
 
 struct Tolerances {
   double mass = 1e-12;
-  double inertia = 3e-6;   ///< inertia of each body
-  double moments = 1e-11;  ///< principal moments and centre of mass of each body
-  double dynamics = 1e-8;  ///< inertia matrix, inverse dynamics
+  double inertia = 3e-6;   ///< for the inertia of each body
+  double moments = 1e-11;  ///< for principal moments and centre of mass of each body
+  double dynamics = 1e-8;  ///< for inertia matrix and inverse dynamics
   double forward = 1e-8;
-  double methods = 1e-9;  ///< differences between our three methods of forward dynamics
+  double methods = 1e-9;  ///< for differences between our three methods of forward dynamics
 };
 
 /// Our and MuJoCo's model of one file, matched DOF by DOF.
@@ -111,7 +111,8 @@ class Pair {
       Inertia& ours = spec.links[link].inertia;
       const Sym3 own = rotated(ours.about_centre(), model_.X_BF[link].R.transposed()), d = own - about_centre;
       const double error = std::max({std::fabs(d.xx), std::fabs(d.yy), std::fabs(d.zz), std::fabs(d.xy), std::fabs(d.xz), std::fabs(d.yz)});
-      // moments about the centre are differences of moments about the link's origin, so rounding is relative to the latter
+      // Moments about the centre are differences of moments about the link's origin. Errors are therefore relative to the moments about
+      // the origin.
       const double scale = std::max({I[0], I[1], I[2], ours.I.xx, ours.I.yy, ours.I.zz, 1e-30});
       worst.inertia = std::max(worst.inertia, std::max(0.0, error - 4e-12) / scale);
       for (const double moment : {I[0], I[1], I[2]}) {  // an eigenvalue: det(own - moment 1) = 0
@@ -419,7 +420,7 @@ void check_with_stand_ins(const std::string& name, int states, const Tolerances&
   check(*model, peer, std::filesystem::path(name).filename().string() + " (boxes for meshes)", states, tolerance);
 }
 
-// Files whose masses do not come from missing meshes, and that attach no missing model.
+// Complete files: no mass depends on a missing mesh, and no attached model is missing.
 const char* const complete_files[] = {
     "mechanism/closed_loop/mujoco/model__slider_crank__slider_crank.xml",
     "mechanism/closed_loop/mujoco/test__engine__testdata__connect.xml",
@@ -497,7 +498,7 @@ TEST(MjcfPeer, HumanoidAndAHundredBodies) {
   PeerModel peer = open_text_with_mujoco(alone);
   check(*bodies, peer, "model__humanoid__humanoid100.xml (the bodies)", 2);
 
-  // the remaining links are those of the humanoid's own file, with a prefix
+  // The remaining links are those of the file of the humanoid; their names have a prefix.
   const std::string humanoid_name = folder + "model__humanoid__humanoid.xml";
   const auto humanoid = read_mjcf(load_data(humanoid_name), humanoid_name);
   ASSERT_TRUE(humanoid.has_value());

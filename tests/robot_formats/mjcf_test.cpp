@@ -36,7 +36,7 @@ bool has_note(const RobotModel& m, const std::string& part) {
   return std::ranges::any_of(m.notes, [&](const std::string& n) { return n.find(part) != std::string::npos; });
 }
 
-/// Options with a file reader that knows these files.
+/// Options whose file reader finds only these files.
 RobotOptions with_files(const std::map<std::string, std::string>& files) {
   RobotOptions options;
   options.read_asset = [files](const std::string& path) -> Result<std::string> {
@@ -91,7 +91,7 @@ TEST(Mjcf, SeveralJointsBecomeAChain) {
   ASSERT_EQ(m.joints.size(), 2U);
   EXPECT_EQ(m.joints[0].link, "leg:swing");
   EXPECT_EQ(m.joints[1].link, "leg");
-  // the body's frame at q = 0, and after quarter turns
+  // The frame of the body `leg` at q = 0, and after quarter turns.
   std::vector<Pose> X(4);
   std::vector<double> q = k.neutral();
   calc_poses(k, q, X);
@@ -99,7 +99,8 @@ TEST(Mjcf, SeveralJointsBecomeAChain) {
   EXPECT_NEAR(norm((X[3] * m.X_BF[3]).p - Vec3{0, 0, 0}), 0, 1e-15);
   q = {pi / 2, 0.2, pi / 2};
   calc_poses(k, q, X);
-  // the twist about (0.1, 0) moves the origin to (0.1, -0.1, 0), the slide to (0.3, -0.1, 0); the swing turns z to x, and x down
+  // The last joint (a hinge at (0.1, 0)) moves the body's origin to (0.1, -0.1, 0). The slide moves it to (0.3, -0.1, 0). The first hinge
+  // turns z to x, and x down.
   EXPECT_NEAR(norm((X[2] * m.X_BF[2]).p - Vec3{-0.1, -0.1, 0.8}), 0, 1e-15);
   EXPECT_NEAR(norm((X[2] * m.X_BF[2]) * Vec3{0.3, 0, 0} - Vec3{-0.1, 0.2, 0.8}), 0, 1e-15);
 }
@@ -155,7 +156,8 @@ TEST(Mjcf, DefaultClassesInheritAndOverride) {
 }
 
 TEST(Mjcf, OutermostDefaultClassMayHaveAName) {
-  // Exported models name the outermost class after the robot, and give bodies and elements this name.
+  // In exported models the outermost default class often has the robot's name instead of "main". Bodies and elements select the class
+  // by this name.
   const std::string tree = world(
       "<body name='one' childclass='ed209'><joint/><geom/><body name='two'><joint class='leg'/><geom/></body>"
       "<body name='three'><joint class='main'/><geom class='ed209'/></body></body>"
@@ -399,7 +401,7 @@ TEST(MjcfMesh, InertiaOfACube) {
   const Inertia shell = mesh_inertia(points, cube_faces, MeshInertia::shell);
   EXPECT_NEAR(shell.mass, 6, 1e-14);
   expect_moments(shell.about_centre(), 5.0 / 3, 5.0 / 3, 5.0 / 3);  // hollow cube: 5/18 m a^2 with m = 6, a = 1
-  // one triangle with the wrong orientation affects `exact`, but not `legacy`
+  // One triangle with reversed orientation changes the result of the mode `exact`, but not of the mode `legacy`.
   std::vector<MeshTriangle> wrong = cube_faces;
   std::swap(wrong[3][0], wrong[3][1]);
   EXPECT_NEAR(mesh_inertia(points, wrong, MeshInertia::legacy).mass, 1, 1e-14);
@@ -408,7 +410,7 @@ TEST(MjcfMesh, InertiaOfACube) {
 
 TEST(MjcfMesh, HullOfPoints) {
   std::vector<Vec3> points = cube(0.5, {});
-  for (int i = 0; i < 200; ++i) {  // inside, on the faces, on the edges, and duplicates
+  for (int i = 0; i < 200; ++i) {  // adds points inside, on faces, on edges, and duplicates
     const double t = -0.5 + i / 200.0;
     points.push_back({t * 0.9, t * t - 0.1, 0.3 * t});
     points.push_back({0.5, t, -t});

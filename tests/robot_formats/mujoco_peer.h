@@ -1,5 +1,5 @@
 #pragma once
-// Opens MJCF files with the installed MuJoCo 2.2.2, which does not know all of the MJCF dialect that the files use.
+// Opens MJCF files with the installed MuJoCo 2.2.2. The files use some newer MJCF elements and attributes, which this MuJoCo does not know.
 
 #ifdef UGOKI_HAVE_MUJOCO
 #include <mujoco/mujoco.h>
@@ -24,9 +24,10 @@ struct PeerOptions {
   std::function<std::string(const std::string& file)> stand_in;  ///< contents used for mesh files that do not exist
 };
 
-/// Opens a file as MuJoCo would if it knew the current MJCF: includes are spliced in, frames and replicates are expanded with MuJoCo's own
-/// functions, sites of equalities become anchors, limits are automatic, unknown attributes are removed one by one. Everything except the
-/// rigid bodies is switched off: contacts, limits, springs, dampers, friction, fluids, actuators, and equalities until a test enables them.
+/// Opens a file as MuJoCo would if it knew the current MJCF. Includes are spliced in, frames and replicates are expanded with MuJoCo's own
+/// functions, and sites of equalities become anchors. A joint with a range is limited (autolimits). Unknown attributes are removed one by
+/// one. In the opened model, everything except rigid-body dynamics is disabled: contacts, joint limits, springs, dampers, friction, fluids,
+/// actuators and equalities. Tests can enable equalities again (mjOption::disableflags).
 [[nodiscard]] PeerModel open_with_mujoco(const std::string& path, const PeerOptions& options = {});
 /// As open_with_mujoco(), for a text that is not stored in a file.
 [[nodiscard]] PeerModel open_text_with_mujoco(const std::string& text, const PeerOptions& options = {});

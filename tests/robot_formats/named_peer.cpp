@@ -121,7 +121,7 @@ void NamedPeer::compare_dynamics(std::mt19937& random, Disagreement& worst) {
   dynamics::calc_inverse_dynamics(m_, ws_, vdot, gravity, {}, tau);
   grow(worst.inverse, to_theirs(tau), data_->qfrc_inverse);
 
-  // MuJoCo's matrix is P M P^T: convert the columns, then the rows.
+  // MuJoCo's matrix is P M P^T, where P reorders our DOFs to MuJoCo's order. Convert the columns, then the rows.
   dynamics::calc_inertia_matrix(m_, ws_, M);
   mj_fullM(&peer_, full.data(), data_->qM);
   for (int pass = 0; pass < 2; ++pass) {
@@ -136,7 +136,7 @@ void NamedPeer::compare_dynamics(std::mt19937& random, Disagreement& worst) {
   }
   grow(worst.inertia, M, full.data());
 
-  // With the forces of the inverse dynamics, so that accelerations are of order one for any masses.
+  // Forward dynamics with the forces of the inverse dynamics, so that accelerations are of order one for any masses.
   theirs = to_theirs(tau);
   std::copy(theirs.begin(), theirs.end(), data_->qfrc_applied);
   mj_forward(&peer_, data_.get());

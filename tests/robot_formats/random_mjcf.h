@@ -43,7 +43,8 @@ class RandomMjcf {
   }
   std::string angle(double reach) { return to_text(in(-reach, reach) * (degrees_ ? 180 / pi : 1)); }
 
-  /// @param over_euler the default class has `euler`: in MuJoCo 2.2.2 then only quat or euler have the expected effect
+  /// A random orientation attribute. @param over_euler true: the default class sets `euler`. MuJoCo 2.2.2 then accepts only `quat` and
+  /// `euler` with the expected effect.
   std::string orientation(bool over_euler = false) {
     switch (over_euler ? below(2) : below(6)) {
       case 0: return "quat='" + numbers(4, 1) + "'";

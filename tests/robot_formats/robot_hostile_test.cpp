@@ -468,7 +468,7 @@ TEST(RobotHostile, AssetSearchPaths) {
   EXPECT_TRUE(has("/home/robot/meshes/a.stl"));
   EXPECT_TRUE(has("/home/robot/robot/meshes/a.stl"));
   EXPECT_TRUE(has("/home/robot/urdf/a.stl"));
-  EXPECT_FALSE(has("/a.stl"));  // a bare name is only searched in the folder of the description
+  EXPECT_FALSE(has("/a.stl"));  // a file name without its folders is only searched in the description's folder
   std::string many = "package://";
   for (int i = 0; i < 10'000; ++i) many += "a/";
   EXPECT_LT(candidate_paths(many, many).size(), 200u);

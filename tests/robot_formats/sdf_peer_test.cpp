@@ -106,7 +106,7 @@ class PlainSdf {
       mjtNum axis[3] = {0, 0, 1}, turned[3];
       in >> axis[0] >> axis[1] >> axis[2];
       mju_rotVecQuat(turned, axis,
-                     X_CJ.q);  // files that express the axis in the model frame have model and joint frames with parallel axes
+                     X_CJ.q);  // also for axes in the model frame, because in such files model and joint frame are parallel
       joint_text = std::string("<joint type='") + (std::string(joint.attribute("type").value()) == "ball" ? "ball" : "hinge") + "' pos='" +
                    text_of(X_CJ.p, 3) + "' axis='" + text_of(turned, 3) + "'/>";
     }

@@ -38,7 +38,7 @@ void expect_near(const Vec3& a, const Vec3& b, double tolerance = 1e-14) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << "component " << i;
 }
 
-/// Pose in the world of the link frame of the file, at q.
+/// World pose, at q, of the link frame that the file defines.
 Pose file_pose(const RobotModel& m, const std::string& name, const std::vector<double>& q) {
   dynamics::Workspace ws(*m.mechanism);
   dynamics::update_kinematics(*m.mechanism, q, std::vector<double>(static_cast<std::size_t>(m.mechanism->nv())), ws);
@@ -64,7 +64,7 @@ TEST(Sdf, FramesAreResolvedRelativeToEachOther) {
                                   "<frame name='f' attached_to='a'><pose relative_to='g'>0 2 0 0 0 0</pose></frame>"
                                   "<frame name='g' attached_to='a'/>" +
                                   joint("j", "revolute", "a", "b")));
-  // g is at a = (1, 0, 10), rotated a quarter turn about z; f is 2 m along its y, at (-1, 0, 10); b is 1 m along f's x.
+  // g is at a = (1, 0, 10), rotated a quarter turn about z; f is 2 m along g's y, at (-1, 0, 10); b is 1 m along f's x.
   expect_near(file_pose(m, "b", m.mechanism->neutral()).p, {-1, 1, 10});
   expect_near(file_pose(m, "a", m.mechanism->neutral()).p, {1, 0, 10});
 }
@@ -154,7 +154,7 @@ TEST(Sdf, JointsCanBeReversed) {
   for (const char* type : {"revolute", "prismatic", "screw"}) {
     const std::string words = pose + "<axis><xyz>0 0.6 0.8</xyz></axis><screw_thread_pitch>0.5</screw_thread_pitch>";
     const RobotModel back = read(model(link("a") + link("b", "2 0 0 0 0 0.2") + joint("j", type, "b", "a", words)), fixed);
-    // Not reversed: b is the base and the parent of a.
+    // The same joint without reversal: b is the base and the parent of a.
     const RobotModel forth = read(model(link("b", "2 0 0 0 0 0.2") + link("a") + joint("j", type, "b", "a", words)), fixed);
     ASSERT_EQ(back.mechanism->link(1).name, "b");
     ASSERT_EQ(forth.mechanism->link(1).name, "a");

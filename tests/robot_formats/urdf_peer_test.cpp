@@ -24,8 +24,8 @@ std::string text_of(const pugi::xml_document& document) {
   return out.str();
 }
 
-/// Changes what MuJoCo cannot read, for both readers: shapes are removed, massless bodies get a mass, physically impossible inertias become
-/// those of a sphere.
+/// Changes parts of a URDF that MuJoCo cannot read: shapes are removed, massless bodies get a mass, physically impossible inertias become
+/// those of a sphere. Both readers get the changed URDF.
 void make_readable(pugi::xml_node robot) {
   for (pugi::xml_node link : robot.children("link")) {
     while (link.remove_child("visual") || link.remove_child("collision")) {
@@ -36,7 +36,7 @@ void make_readable(pugi::xml_node robot) {
     const auto I = [&](const char* name) { return inertia.attribute(name).as_double(); };
     const double a = I("ixx"), b = I("iyy"), c = I("izz");
     const bool weightless = inertial.child("mass").attribute("value").as_double() < 1e-6;
-    // Sylvester's criterion: tr(I)/2 1 - I must be positive definite
+    // The matrix tr(I)/2 E - I (E: identity) must be positive definite. Sylvester's criterion.
     const double t = 0.5 * (a + b + c), p = t - a, q = t - b, r = t - c, xy = -I("ixy"), xz = -I("ixz"), yz = -I("iyz");
     const double det = p * (q * r - yz * yz) - xy * (xy * r - yz * xz) + xz * (xy * yz - q * xz);
     const bool impossible = p <= 0 || p * q - xy * xy <= 0 || det <= 0;

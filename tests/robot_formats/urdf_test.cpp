@@ -76,7 +76,7 @@ TEST(Urdf, LimitsAndDynamics) {
   EXPECT_EQ(f.damping, 0.5);
   EXPECT_EQ(f.friction, 0.25);
   EXPECT_TRUE(has_note(m, "velocities"));
-  // If only one limit is given, the other is 0, the default of the format. Without any, and for continuous joints, there is no limit.
+  // If only one limit is given, the other is 0, the default of the format. Joints without limits, and continuous joints, are unlimited.
   EXPECT_EQ(read_joint("revolute", "<limit upper='2'/>").mechanism->link(1).joint.dofs[0].lower, 0);
   EXPECT_EQ(read_joint("prismatic", "<limit effort='1'/>").mechanism->link(1).joint.dofs[0].upper, INFINITY);
   EXPECT_EQ(read_joint("continuous", "<limit lower='0' upper='0'/>").mechanism->link(1).joint.dofs[0].upper, INFINITY);
@@ -110,7 +110,7 @@ TEST(Urdf, ImpossibleInertiaIsRepairedOrRefused) {
                                  joint("j", "revolute", "fine", "flat"));
   const RobotModel m = read(text);
   EXPECT_TRUE(has_note(m, "The moments of inertia of flat are not physically possible"));
-  // P = tr/2 - I = (1.5, 1.5, -0.5) becomes (1.5, 1.5, 0): I = (1.5, 1.5, 3).
+  // The second moments tr(I) / 2 - I = (1.5, 1.5, -0.5) must not be negative. They become (1.5, 1.5, 0), so that I = (1.5, 1.5, 3).
   const Sym3 I = m.mechanism->link(1).inertia.about_centre();
   expect_near({I.xx, I.yy, I.zz}, {1.5, 1.5, 3}, 1e-14);
   const Result<RobotModel> strict = read_urdf(text, "r.urdf", {.base = Base::fixed, .inertias = Inertias::strict});
@@ -211,7 +211,7 @@ TEST(Urdf, MeshOptions) {
   const RobotModel m = read(text, options);
   expect_near(m.mechanism->link(0).shapes.at(0).half_extents, {1, 2, 3});
   expect_near(m.mechanism->link(0).shapes.at(0).X_BS.p, {1, 2, -3});
-  options.meshes = Meshes::exact;  // points without faces
+  options.meshes = Meshes::exact;  // the mesh has points without faces: the hull is used
   EXPECT_TRUE(read(text, options).mechanism->link(0).shapes.at(0).geometry->convex);
   options.meshes = Meshes::none;
   EXPECT_TRUE(read(text, options).mechanism->link(0).shapes.empty());

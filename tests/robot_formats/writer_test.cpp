@@ -377,7 +377,8 @@ bool same_pose(const Shape& a, const Shape& b) {
   return axis && norm(a.X_BS.p - b.X_BS.p) < 1e-9;
 }
 
-/// Compares what the formats can store of real mechanisms: poses, axes, masses, limits, damping, friction, effort limits, shapes.
+/// Compares the properties of real mechanisms that the formats can store: poses, axes, masses, limits, damping, friction, effort limits
+/// and shapes.
 void expect_kept(const Mechanism& m, const Mechanism& back, bool mjcf) {
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count())), Y(static_cast<std::size_t>(back.link_count()));
   calc_poses(m, m.neutral(), X);

@@ -102,7 +102,7 @@ TEST(Samples, LimitsContainTheMotions) {
 TEST(Human, HasMassAndHeightOfTheSkeleton) {
   EXPECT_NEAR(mechanism("human").mass(), 70, 70e-9);
   const MeasuredMotion walk = make_human_walk();
-  EXPECT_NEAR(rest_height(walk.skeleton), 1.75 - 0.019 * 1.75, 0.003);  // measured down to the ball of the foot
+  EXPECT_NEAR(rest_height(walk.skeleton), 1.75 - 0.019 * 1.75, 0.003);  // rest_height() measures down to the ball of the foot
   const auto body = body::make_body(walk);
   ASSERT_TRUE(body.has_value());
   EXPECT_TRUE(body->human);

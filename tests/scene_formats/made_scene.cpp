@@ -171,7 +171,7 @@ std::string make_scene_file(const MeasuredMotion& motion, const MadeOptions& opt
   scene.mNumAnimations = 1;
   scene.mAnimations = new aiAnimation*[1]{animation};
 
-  // Exported to a file, because that is the exporters' usual code path.
+  // Export to a file, because this is the exporters' usual code path.
   std::string folder = (std::filesystem::temp_directory_path() / "ugoki-scene-XXXXXX").string();
   UGOKI_CHECK(::mkdtemp(folder.data()) != nullptr);
   const std::string path = folder + (options.format == "collada" ? "/made.dae" : "/made.fbx");

@@ -7,7 +7,7 @@
 
 namespace ugoki::scene_formats {
 
-/// A random motion of a skeleton of a dozen joints. Rest poses follow the convention of the readers.
+/// A random motion of a skeleton of a dozen joints. Rest poses follow the convention of the file readers.
 [[nodiscard]] MeasuredMotion random_motion(unsigned seed, int frames = 20);
 
 /// Options of make_scene_file().

@@ -17,7 +17,7 @@ int joint_named(const MeasuredMotion& m, const std::string& name) {
   return -1;
 }
 
-/// Expects equal joint positions (to `tolerance`, m) and rotations since the rest pose (to 3 `tolerance`) in all frames.
+/// Expects equal joint positions (to `tolerance`, m) and rotations relative to the rest pose (to 3 * `tolerance`) in all frames.
 void expect_same(const MeasuredMotion& m, const MeasuredMotion& back, double tolerance) {
   ASSERT_EQ(back.frames, m.frames);
   EXPECT_NEAR(back.rate, m.rate, 1e-6);
@@ -49,7 +49,7 @@ TEST(Scene, FbxReadsBackEqual) {
       ASSERT_TRUE(back.has_value()) << back.error().text();
       ASSERT_EQ(back->size(), 1u);
       EXPECT_EQ(notes.metres_per_unit, 0.01);
-      expect_same(m, back->front(), 2e-5);  // single precision, angles as Euler degrees
+      expect_same(m, back->front(), 2e-5);  // tolerance: the file has single precision and Euler angles in degrees
     }
 }
 
@@ -91,7 +91,8 @@ TEST(Scene, ColladaReadsBackEqual) {
   }
 }
 
-/// Expected positions by hand: hip at (1, 2, 3), arm 4 along y from it, tip 5 along z from the arm, which rotates about x by 90 degrees.
+/// Expected positions, calculated by hand: the hip at (1, 2, 3), the arm 4 units along y from the hip, the tip 5 units along z from the
+/// arm. The arm rotates about x by 90 degrees.
 TEST(Scene, ColladaAxesAndUnitAreRead) {
   for (const std::string& up : {std::string("Y_UP"), std::string("Z_UP")}) {
     SCOPED_TRACE(up);
@@ -312,7 +313,7 @@ TEST(Scene, DefectiveFbxIsRefused) {
   }
 }
 
-/// A binary file of one record with one array, whose header fields can be wrong.
+/// A binary FBX file of one record with one array. The parameters set the fields of the headers, also to wrong values.
 std::string binary_fbx(std::uint32_t count, std::uint32_t packed, std::uint32_t bytes, std::uint32_t end) {
   std::string out("Kaydara FBX Binary  \0\x1a\0", 23);
   const auto put = [&](std::uint32_t x) { out.append(reinterpret_cast<const char*>(&x), sizeof x); };

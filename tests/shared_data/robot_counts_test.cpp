@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The XML document with its included files inserted.
+/// Inserts the included files into the XML document.
 void resolve_includes(pugi::xml_node node, const fs::path& folder) {
   for (pugi::xml_node child = node.first_child(); child;) {
     const pugi::xml_node next = child.next_sibling();
@@ -38,7 +38,7 @@ int count(const pugi::xml_node& root, const char* what) { return static_cast<int
 
 int loops_of(const Mechanism& m) { return static_cast<int>(m.loops().size()); }
 
-// URDF: UrdfShared.CountsAndMassMatchAPlainScan in tests/robot_formats.
+// URDF files are counted by the test UrdfShared.CountsAndMassMatchAPlainScan in tests/robot_formats.
 
 TEST(SharedCounts, Sdf) {
   NEEDS_SHARED_FILES();
@@ -91,7 +91,7 @@ TEST(SharedCounts, Mjcf) {
   for (const std::string& path : shared_files({".xml"})) {
     SCOPED_TRACE(path);
     const auto robot = read_robot(path);
-    if (!robot) continue;  // SharedFiles.AreOpenedOrRefusedForTheRightReason
+    if (!robot) continue;  // refusals are checked by SharedFiles.AreOpenedOrRefusedForTheRightReason
     ++opened;
     const Mechanism& m = *robot->mechanism;
     const pugi::xml_document document = document_of(path);

@@ -18,7 +18,7 @@
 namespace ugoki {
 namespace {
 
-/// m: maximum distance between joints of equal name in `a` and `b`, in frames 0, stride, 2 stride ...; infinity if a joint is missing.
+/// Maximum distance [m] between joints of equal name in `a` and `b`, in frames 0, stride, 2 stride ...; infinity if a joint is missing.
 /// @param name_of_root name of the root in `b`, if it differs
 double max_distance(const MeasuredMotion& a, const MeasuredMotion& b, int stride, const std::string& name_of_root = {}) {
   constexpr double other = std::numeric_limits<double>::infinity();
@@ -47,7 +47,7 @@ double max_distance(const MeasuredMotion& a, const MeasuredMotion& b, int stride
   return worst;
 }
 
-/// m: maximum absolute coordinate of any joint.
+/// Maximum absolute coordinate [m] of any joint; at least 1.
 double reach_of(const MeasuredMotion& m, int stride) {
   double reach = 1;
   std::vector<Pose> X;

@@ -17,7 +17,7 @@
 
 namespace ugoki {
 
-/// All files of the folders human, animal, gltf and mechanism, as paths relative to the data's folder, in order.
+/// All files of the folders human, animal, gltf and mechanism, as paths relative to the data's folder, sorted by path.
 [[nodiscard]] std::vector<std::string> shared_files();
 /// Files with one of these extensions (lower case, with the dot).
 [[nodiscard]] std::vector<std::string> shared_files(std::initializer_list<const char*> endings);

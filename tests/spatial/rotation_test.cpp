@@ -88,7 +88,7 @@ TEST(Rotation, ExponentialAndLogarithm) {
   EXPECT_EQ(log_map(Quat{}), Vec3{});
   EXPECT_EQ(exp_map(Vec3{}), Quat{});
   EXPECT_NEAR(norm(log_map(axis_angle({0, 0, 1}, pi))), pi, 1e-15);
-  EXPECT_NEAR(norm(log_map(axis_angle({0, 0, 1}, 1.5 * pi))), 0.5 * pi, 1e-14);  // the shorter of the two directions
+  EXPECT_NEAR(norm(log_map(axis_angle({0, 0, 1}, 1.5 * pi))), 0.5 * pi, 1e-14);  // the rotation vector of the shorter direction, 0.5 pi
 }
 
 TEST(Rotation, SlerpIsAGreatArcAtConstantSpeed) {
@@ -99,7 +99,7 @@ TEST(Rotation, SlerpIsAGreatArcAtConstantSpeed) {
     ASSERT_LT(difference(slerp(a, b, 1), b), 5e-15);
     const double angle = norm(log_map(a.conjugate() * b));
     ASSERT_LE(angle, pi + 1e-15);
-    if (angle > pi - 1e-3) continue;  // nearly opposite: by rounding, either of the two arcs may be the shorter one
+    if (angle > pi - 1e-3) continue;  // nearly opposite: rounding decides which of the two arcs is shorter
     const double t = random.in(0, 1);
     const Quat c = slerp(a, b, t);
     ASSERT_NEAR(norm(log_map(a.conjugate() * c)), t * angle, 1e-14);

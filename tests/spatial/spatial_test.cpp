@@ -41,9 +41,9 @@ Matrix6 blocks(const Mat3& a, const Mat3& b, const Mat3& c, const Mat3& d) {
     }
   return out;
 }
-/// Matrix that converts motions from B to A: [R 0; p x R, R].
+/// Matrix that converts motion vectors from frame B to frame A: [R 0; p x R, R]. X = (R, p) is the pose of B in A.
 Matrix6 motion_matrix(const Pose& X) { return blocks(X.R, {}, Mat3::skew(X.p) * X.R, X.R); }
-/// Matrix that converts forces from B to A: [R, p x R; 0, R].
+/// Matrix that converts force vectors from frame B to frame A: [R, p x R; 0, R]. X = (R, p) is the pose of B in A.
 Matrix6 force_matrix(const Pose& X) { return blocks(X.R, Mat3::skew(X.p) * X.R, {}, X.R); }
 Matrix6 matrix(const Inertia& i) { return blocks(i.I.matrix(), Mat3::skew(i.h), Mat3::skew(i.h).transposed(), Mat3::identity() * i.mass); }
 Vec6 times(const Matrix6& m, const Vec6& v) {

@@ -72,7 +72,7 @@ TEST_P(CopyTest, CopyingALibraryThereAndBackChangesNothing) {
   ASSERT_TRUE(again);
   EXPECT_EQ(again->added + again->versions + again->blobs + again->continued, 0u);
   EXPECT_EQ(again->equal, 4u);
-  // To the other kind of database and back.
+  // A copy to the other kind of database and back changes nothing.
   if (PostgresServer* server = PostgresServer::get(); server != nullptr && !on_postgres()) {
     Result<Library> team = Library::open(server->fresh_library());
     ASSERT_TRUE(team && copy_entries(here, *team));
@@ -123,7 +123,7 @@ TEST_P(CopyTest, AddsNewerVersionsAndNeverOverwritesDifferences) {
   EXPECT_EQ(there->data(ids[1]), bytes_of("W3"));
   EXPECT_EQ(there->data(ids[2]), bytes_of("R2"));
   EXPECT_FALSE(there->get(ids[1])->thumbnail);
-  // An entry changed in both libraries is reported and unchanged, or its newest version is added.
+  // An entry changed in both libraries is reported and not copied. With the option save_differing its newest version is added.
   ASSERT_TRUE(here.save({.id = ids[2], .base = 1, .data = bytes_of("R2 of here")}));
   const auto left = copy_entries(here, *there);
   ASSERT_TRUE(left);

@@ -42,7 +42,7 @@ class DamagedLibraryTest : public ::testing::Test {
       items.push_back({EntryKind::motion, "motion " + std::to_string(i), "{}", {"tag"}, std::vector<std::byte>(3000, std::byte(i))});
     ASSERT_TRUE(library->put(items));
   }
-  /// Opening must fail with message and remedy, and must not change the file.
+  /// Opening must fail with a message and a remedy, and must not change the file.
   void expect_refused(ErrorCode code) const {
     const std::string before = read();
     const auto library = Library::open(path_);

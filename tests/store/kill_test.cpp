@@ -135,7 +135,7 @@ class KillTest : public OnBoth {
         if (!pid.empty()) ::kill(std::stoi(pid), SIGKILL);
         ++server_kills;
       }
-      // Gives the writer time to notice the lost connection and to reconnect. It must not acknowledge a change that is not saved.
+      // Gives the writer time to notice the lost connection and to reconnect. The writer must not acknowledge a change that is not saved.
       if (kill_backend || kill_postmaster) std::this_thread::sleep_for(std::chrono::milliseconds(random() % 400));
       ::kill(child, SIGKILL);
       drain(true);
@@ -153,7 +153,7 @@ class KillTest : public OnBoth {
                 server_kills, known.steps, unacknowledged, seed);
   }
 
-  /// Waits until the server has finished the last statement of the killed writer. It may save a change that was not acknowledged.
+  /// Waits until the server has finished the last statement of the killed writer, which may save a change that was not acknowledged.
   static void wait_for_the_writers_session() {
     for (int attempt = 0; attempt < 300; ++attempt) {
       if (PostgresServer::get()->psql("SELECT count(*) FROM pg_stat_activity WHERE application_name = 'ugoki'") == "0") return;

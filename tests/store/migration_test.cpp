@@ -1,5 +1,7 @@
 // Upgrade of libraries of schema version 1, which had one table of data and no versions.
 
+#include <fstream>
+
 #include "on_both.h"
 #include "ugoki/store/sqlite.h"
 
@@ -41,8 +43,15 @@ class MigrationTest : public ::testing::Test {
 };
 
 TEST_F(MigrationTest, UpgradeKeepsAllEntries) {
-  const auto read_only = Library::open_read_only(path());  // also upgrades the library
-  ASSERT_TRUE(read_only) << read_only.error().text();
+  std::ifstream before(path(), std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(before), {});
+  {
+    const auto read_only = Library::open_read_only(path());
+    ASSERT_TRUE(read_only) << read_only.error().text();
+    EXPECT_EQ(read_only->find()->entries.size(), 250u);
+  }
+  std::ifstream after(path(), std::ios::binary);
+  EXPECT_TRUE(bytes == std::string(std::istreambuf_iterator<char>(after), {})) << "reading must not change the file";
   auto library = Library::open(path());
   ASSERT_TRUE(library) << library.error().text();
   EXPECT_EQ(library->find()->entries.size(), 250u);

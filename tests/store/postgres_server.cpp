@@ -102,7 +102,7 @@ pid_t PostgresServer::pid() const {
 void PostgresServer::signal_all(int signal) const {
   const pid_t postmaster = pid();
   if (postmaster <= 1) return;
-  if (signal == SIGSTOP) ::kill(postmaster, signal);  // first, so that it starts no further process
+  if (signal == SIGSTOP) ::kill(postmaster, signal);  // the postmaster first, so that it starts no further process
   const std::string main_thread = "/proc/" + std::to_string(postmaster) + "/task/" + std::to_string(postmaster) + "/children";
   std::ifstream children(main_thread);
   for (pid_t child = 0; children >> child;) ::kill(child, signal);

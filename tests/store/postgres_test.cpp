@@ -89,7 +89,7 @@ TEST_F(PostgresTest, FrozenServerGivesAnErrorAndNothingIsLost) {
   EXPECT_TRUE(ends_while_frozen(*server_, [&] { expect_refused(library->put(std::vector{make_item(EntryKind::motion, "run", "2")})); }));
   EXPECT_TRUE(ends_while_frozen(*server_, [&] { expect_refused(Library::open(location_)); })) << "a new connection";
   EXPECT_EQ(names_of(library->find()), std::vector<std::string>{"walk"}) << "a change that was refused is not stored";
-  const std::string large(32 << 20, 'x');  // more than the buffers of the socket hold
+  const std::string large(32 << 20, 'x');  // bytes; larger than the socket's buffers
   EXPECT_TRUE(ends_while_frozen(*server_, [&] { EXPECT_FALSE(library->put(std::vector{make_item(EntryKind::motion, "jump", large)})); }));
   EXPECT_TRUE(library->put(std::vector{make_item(EntryKind::motion, "jump", large)}));
   EXPECT_EQ(library->data(id->front()), bytes_of("1"));

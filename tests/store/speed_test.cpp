@@ -36,8 +36,8 @@ LibraryItem motion_number(int i, std::mt19937& random) {
 class SpeedTest : public OnBoth {
  protected:
   struct Pages {
-    double first = 0, deep = 0;        ///< ms: time of the first page, and of the slowest later page
-    std::size_t found = 0, total = 0;  ///< entries on all pages; LibraryPage::total of the first page
+    double first = 0, deep = 0;        ///< time of the first page, and of the slowest later page, ms
+    std::size_t found = 0, total = 0;  ///< found: entries on all pages; total: LibraryPage::total of the first page
   };
   /// Minimum time of `repeats` runs, ms.
   static double ms_of(const std::function<void()>& work, int repeats) {

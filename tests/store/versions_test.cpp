@@ -151,7 +151,7 @@ TEST_P(VersionsTest, ConcurrentWritersLoseNoSave) {
         else
           ++failures[static_cast<std::size_t>(w)];
         if (failures[static_cast<std::size_t>(w)] > 3) return;
-        // Tags and new entries at the same time.
+        // Each writer also sets tags and adds entries.
         const std::vector<std::string> tag = {"w" + std::to_string(w) + "-" + std::to_string(i)};
         if (!library->set_tags(id, tag, {})) ++failures[static_cast<std::size_t>(w)];
         if (!library->put(std::vector{make_item(EntryKind::motion, "shared", "shared " + std::to_string(i))}))

@@ -110,7 +110,7 @@ class CircuitStudioTest : public testing::Test {
     return {{"op", "command"}, {"command", {{"type", "circuit.edit"}, {"label", "Edit"}, {"changes", changes}}}};
   }
   static json put(const std::string& list, json item) { return {{"list", list}, {"put", std::move(item)}}; }
-  /// Changes that add a clock `k` and a gain `g` of its time.
+  /// Changes that add a clock `k` and a gain `g` whose input is the time of the clock.
   static json clock_and_gain() {
     return json::array({put("lsis", {{"id", "k"}, {"type", "clock"}}), put("lsis", {{"id", "g"}, {"type", "gain"}}),
                         put("wires", {{"from", "k.time"}, {"to", "g.in"}})});
@@ -175,7 +175,7 @@ TEST_F(CircuitStudioTest, KeysReachTheCircuitAndAreReplayedAfterAnEdit) {
   ASSERT_FALSE(p.event("values", [&](const json& e) { return pin(e, 0) == 1 && pin(e, 1) == 0; }).is_null());
   ASSERT_EQ(p.ask({{"op", "pause"}})["ok"], true);
   const double head = p.ask({{"op", "hello"}})["transport"]["simulated"].get<double>();
-  // An edit that does not affect the counter: the content is recomputed up to the shown time with the recorded key.
+  // After an edit that does not affect the counter, the content is recomputed up to the shown time with the recorded key.
   ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "k"}, {"type", "clock"}})})))["ok"], true);
   const json again = p.event("values", [&](const json& e) { return e["time"].get<double>() > head - 0.01; });
   ASSERT_FALSE(again.is_null());

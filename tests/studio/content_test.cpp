@@ -115,7 +115,7 @@ TEST_F(ContentTest, ReplayAfterReloadAndPastPushIsBitIdentical) {
   settle();
   EXPECT_DOUBLE_EQ(interpreter.simulated(), head);
   EXPECT_EQ(interpreter.head_digest(), digest);
-  // A push before the head changes the result; the same push gives the same bits twice.
+  // A push before the end of the recording (the head) changes the result. The same push gives the same bits twice.
   std::uint64_t digests[2];
   for (std::uint64_t& d : digests) {
     ASSERT_TRUE(interpreter.seek(0.75));

@@ -61,8 +61,8 @@ TEST_F(ImportServiceTest, StageIsShownCorrectedAndStored) {
   ASSERT_TRUE(first) << first.error().text();
   Json shown = Json::parse(*first);
   EXPECT_EQ(shown["file"], "walk.bvh");
-  EXPECT_EQ(shown["settings"]["up"], "y");
-  EXPECT_FALSE(shown["report"]["check"].empty()) << "the file is Z up but is read as Y up, so the character must be reported as lying";
+  EXPECT_EQ(shown["settings"]["up"], "z") << "up follows from the posture of the character";
+  EXPECT_FALSE(shown["report"]["guessed"].empty());
   EXPECT_EQ(entries(), 0u);
 
   const std::string id = shown["stage"];

@@ -322,7 +322,7 @@ TEST_F(InterpreterTest, InputBeforeHeadReplacesLaterRecording) {
   ASSERT_TRUE(interpreter.seek(2));
   settle();
   const std::uint64_t digest = interpreter.head_digest();
-  // The same push without the replaced recording.
+  // The same push gives the same result if nothing was recorded before.
   ASSERT_TRUE(interpreter.restart());
   ASSERT_TRUE(interpreter.seek(0.8));
   settle();
@@ -391,7 +391,7 @@ TEST_F(InterpreterTest, PlayingContinuesAfterLoad) {
   ASSERT_TRUE(interpreter.seek(static_cast<double>(steps) * 0.002));
   settle();
   EXPECT_EQ(interpreter.head_digest(), digest);
-  // Loading content that is shorter than the shown time.
+  // After loading content that is shorter than the shown time, the shown time is within the content.
   open(R"({"duration":0.5,"cast":[{"id":"a","links":3}]})");
   settle();
   EXPECT_LE(interpreter.time(), 0.5);

@@ -147,7 +147,8 @@ TEST(MotionEdits, MirrorTwiceRestoresTheMotion) {
 TEST(MotionEdits, WarpAppliesRequestedSpeeds) {
   const MotionEdit same = make_edit("warp", {{"speeds", {100, 100, 100}}}, 0.1, 0.8);
   EXPECT_LT(max_difference(shown(run(same)), shown(same)), 2e-3);
-  // The speed rises linearly from 50 to 100 per cent along the motion: the integral of ds / v is T ln 2 / 0.5.
+  // The speed v rises linearly from 50 to 100 per cent along the motion of length T = 0.8 s. The new length is the integral of ds / v over
+  // the motion: T ln 2 / 0.5.
   const MotionEdit rising = make_edit("warp", {{"speeds", {50, 100}}}, 0.1, 0.8);
   EXPECT_NEAR(run(rising).clip.length, 0.8 * std::log(2) / 0.5, 0.02);
 }

@@ -17,8 +17,10 @@ namespace ugoki::studio::test {
 
 class Page {
  public:
-  Page(std::uint16_t port, const std::string& token) : socket_(port, "/ws", {"Authorization: Bearer " + token}) {
-    EXPECT_EQ(socket_.status(), 101);
+  Page(std::uint16_t port, const std::string& token) : Page(port, token, 101) {}
+  /// @param status expected status of the handshake; 0: any
+  Page(std::uint16_t port, const std::string& token, int status) : socket_(port, "/ws", {"Authorization: Bearer " + token}) {
+    if (status != 0) EXPECT_EQ(socket_.status(), status);
     socket_.on_frame = [this](const std::string& bytes) {
       frames.push_back(parse_frame(std::as_bytes(std::span(bytes.data(), bytes.size()))));
       EXPECT_TRUE(frames.back().good);
@@ -28,6 +30,8 @@ class Page {
       if (message.contains("event")) events.push_back(std::move(message));
     };
   }
+  /// True if the handshake succeeded.
+  [[nodiscard]] bool open() const { return socket_.status() == 101; }
   /// Sends a request and waits for its reply. Events and frames that arrive before the reply are kept in `events` and `frames`.
   nlohmann::json ask(nlohmann::json message) { return reply(post(std::move(message))); }
   /// Sends a request. @return its id

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../content/fixture.h"
+#include "../plugin/misbehaving.h"
 #include "page.h"
 #include "ugoki/plugin/build.h"
 #include "ugoki/plugin/shelf.h"
@@ -211,6 +212,74 @@ TEST_F(PluginFaultsTest, InstalledAndRepairedLibrariesLoadWithoutRestart) {
   const json values = p.event("values", [](const json& e) { return e["time"] > 0.3; });
   ASSERT_FALSE(values.is_null());
   EXPECT_NEAR(values["pins"][0][2][0].get<double>(), 3 * values["time"].get<double>(), 0.02);
+}
+
+TEST_F(PluginFaultsTest, RestartGivesGlobalVariablesTheirInitialValues) {
+  install("/// @library faulty\nstatic double sum;\ndouble good(double t) { sum += 1; return sum + 0 * t; }\n");
+  start();
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(use("good"))["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "watch"}, {"pins", {"x.out"}}, {"probes", json::array()}, {"timing", false}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  std::vector<double> first;  // calls of the LSI before the first tick of each round
+  for (int round = 0; round < 3; ++round) {
+    ASSERT_EQ(p.ask({{"op", "restart"}})["ok"], true);
+    ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+    const json values = p.event("values", [](const json& e) { return e["time"] > 0.05 && e["time"] < 5; });
+    ASSERT_FALSE(values.is_null());
+    constexpr double step = 0.002;  // s, time of one tick
+    first.push_back(values["pins"][0][2][0].get<double>() - values["time"].get<double>() / step);
+    ASSERT_EQ(p.ask({{"op", "pause"}})["ok"], true);
+  }
+  EXPECT_NEAR(first[1], first[0], 1.5);
+  EXPECT_NEAR(first[2], first[0], 1.5);
+}
+
+// The forty LSIs of tests/plugin/misbehaving.h: each is named, the studio and its project stay alive.
+class Slow_MisbehavingStudioTest : public PluginFaultsTest {
+ protected:
+  void install_rogue(const plugin::Misbehaving& m) const {
+    const std::string source = folder_ + (m.cpp ? "/rogue.cpp" : "/rogue.c");
+    std::ofstream(source) << plugin::rogue_source(m);
+    const auto built = plugin::build_library({source, {}, {}, {}});
+    ASSERT_TRUE(built) << m.name << built.error().text();
+    const auto described = plugin::describe_library(built->output);
+    ASSERT_TRUE(described) << described.error().text();
+    const auto put = plugin::put_on_shelf(shelf_, built->output, *described);
+    ASSERT_TRUE(put) << put.error().text();
+  }
+};
+
+TEST_F(Slow_MisbehavingStudioTest, EachIsNamedAndTheStudioStaysAlive) {
+  install_rogue(plugin::misbehaving[0]);
+  start();
+  Page p = page();
+  ASSERT_EQ(p.ask({{"op", "hello"}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "command"},
+                   {"command",
+                    {{"type", "circuit.edit"},
+                     {"label", "Add rogue"},
+                     {"changes",
+                      {{{"list", "lsis"}, {"put", {{"id", "clock"}, {"type", "clock"}}}},
+                       {{"list", "lsis"}, {"put", {{"id", "x"}, {"type", "rogue/f"}}}},
+                       {{"list", "wires"}, {"put", {{"from", "clock.time"}, {"to", "x.t"}}}}}}}}})["ok"],
+            true);
+  for (const plugin::Misbehaving& m : plugin::misbehaving) {
+    install_rogue(m);
+    if (&m != plugin::misbehaving.data()) ASSERT_FALSE(p.event("lsis").is_null()) << m.name;  // the new library is loaded
+    ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "edit"}})["ok"], true) << m.name;
+    (void)p.ask({{"op", "restart"}});
+    ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true) << m.name;
+    EXPECT_EQ(p.ask({{"op", "play"}})["ok"], true) << m.name;
+    const json stopped = p.event("stopped");
+    ASSERT_TRUE(stopped.contains("problems")) << m.name;
+    const std::string message = stopped["problems"][0]["message"];
+    EXPECT_NE(message.find("rogue"), std::string::npos) << m.name << ": " << message;
+    EXPECT_NE(message.find(m.report), std::string::npos) << m.name << ": " << message;
+    EXPECT_EQ(p.ask({{"op", "hello"}})["unsaved"], true) << m.name;
+  }
+  EXPECT_EQ(p.ask({{"op", "undo"}})["label"], "Add rogue");
 }
 
 }  // namespace

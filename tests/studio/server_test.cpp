@@ -174,7 +174,7 @@ TEST_F(ServerTest, RejectsUnauthorisedRequestsWithRemedy) {
   EXPECT_EQ(problem(r)["location"], "Origin");
   EXPECT_EQ(request(port(), "GET", "/", {bearer(), "Origin: null"}).status, 403);
 
-  // A browser that opens the address of an API request shows the same sentence in a page.
+  // If a browser opens the address of an API request, it gets the same error sentence as an HTML page.
   r = request(port(), "GET", "/api/library", {"Accept: text/html,*/*"});
   EXPECT_EQ(r.status, 401);
   EXPECT_EQ(r.headers.at("content-type"), "text/html; charset=utf-8");

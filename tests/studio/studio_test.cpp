@@ -250,7 +250,7 @@ TEST_F(StudioTest, InvalidMessagesAreAnsweredWithProblems) {
                        R"({"op":"grab"})",
                        R"({"op":"grab","character":"human","link":0,"point":[0,0],"target":[0,0,0]})",
                        R"({"op":"grab","character":"human","link":{},"point":[0,0,0],"target":[0,0,0]})",
-                       R"({"op":"grab","character":"human","link":0,"point":[0,0,0],"target":[0,0,0]})",  // not in Simulate mode
+                       R"({"op":"grab","character":"human","link":0,"point":[0,0,0],"target":[0,0,0]})",  // the mode is not Simulate
                        R"({"op":"drag","target":["a",0,0]})",
                        R"({"op":"push","character":"human","link":0,"force":[1,2,3]})",
                        R"({"op":"save","path":7})",
@@ -268,6 +268,15 @@ TEST_F(StudioTest, InvalidMessagesAreAnsweredWithProblems) {
     EXPECT_NE(r["error"]["problems"][0]["message"], "") << text;
   }
   EXPECT_EQ(p.ask({{"op", "hello"}})["document"].dump(), document);
+}
+
+TEST_F(StudioTest, ModesOfOtherTypesAreRefused) {
+  Page p = page();
+  for (const json& wrong : {json(7), json(nullptr), json::array(), json::object(), json("fly")}) {
+    const json refused = p.ask({{"op", "mode"}, {"mode", wrong}});
+    EXPECT_EQ(refused["ok"], false) << wrong;
+    EXPECT_EQ(refused["error"]["problems"][0]["code"], "syntax") << refused;
+  }
 }
 
 TEST_F(StudioTest, ValuesOutOfRangeAreRefusedWithTheirLocation) {

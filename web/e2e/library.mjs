@@ -83,10 +83,12 @@ const journeys = [
     },
   },
   {
-    name: 'library: a lying character is reported, and corrected up axis, unit and frame rate are applied',
+    name: 'library: the up axis is guessed, a lying character is reported, and corrected up axis, unit and frame rate are applied',
     async run({ page }) {
       await choose(page, [['lying.bvh', leg_swing_bvh({ z_up: true })]]);
       await all_read(page);
+      assert.equal((await files(page))[0].settings.up, 'z'); // guessed from the posture
+      await page.getByLabel('Up axis').selectOption('y');
       await page.locator('.import-check', { hasText: 'another axis points up' }).waitFor({ timeout: patience });
       await page.screenshot({ path: `${pictures}import-lying.png` });
       await page.getByLabel('Up axis').selectOption('z');

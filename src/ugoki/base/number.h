@@ -12,7 +12,8 @@ namespace ugoki {
 /// No allocation for texts of up to 63 characters.
 [[nodiscard]] std::optional<double> parse_double(std::string_view text);
 
-/// Parses the whole of `text` as a decimal integer with an optional sign. Empty optional if it is not one or does not fit into a long.
+/// Parses the whole of `text` as a decimal integer with an optional sign. Empty optional if the text is not an integer or the value
+/// does not fit into a long.
 [[nodiscard]] std::optional<long> parse_long(std::string_view text);
 
 /// The shortest decimal text from which parse_double() restores the same bits (for finite values).

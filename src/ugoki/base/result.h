@@ -13,9 +13,9 @@ enum class ErrorCode {
   truncated,    ///< the data ends too early
   range,        ///< a value is outside its allowed range, or not finite
   unknown,      ///< a name refers to nothing
-  duplicate,    ///< two items have the same name, or several match it
+  duplicate,    ///< two items have the same name, or several items match one name
   structure,    ///< the items are inconsistent (impossible mechanism, wire between incompatible pins)
-  unsupported,  ///< valid, but not supported by this program
+  unsupported,  ///< the data is valid, but not supported by this program
   io,           ///< the file, database or socket failed
   conflict,     ///< another program or user changed or locked the data
   cancelled,    ///< stopped by the user

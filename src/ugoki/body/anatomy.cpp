@@ -12,7 +12,7 @@ constexpr std::array<const char*, 16> part_names = {"",     "pelvis", "trunk",  
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Lower case, without a namespace prefix ("mixamorig:") and without blanks.
+/// The name in lower case, without a namespace prefix ("mixamorig:") and without blanks.
 std::string normalized_name(const std::string& name) {
   const std::size_t colon = name.rfind(':');
   std::string out;
@@ -373,7 +373,7 @@ Vec3 Anatomy::symmetric_bone(int i) const {
   const int other = mirror[at(i)];
   if (other < 0) return bone[at(i)];
   const Vec3 b = bone[at(other)];
-  // The sum has the same order for both sides, so that both get the same bits.
+  // The sum has the same order for both sides, so that the results are bitwise equal.
   const Vec3 l = parts[at(i)].side > 0 ? bone[at(i)] : b, r = parts[at(i)].side > 0 ? b : bone[at(i)];
   const Vec3 mean = {0.5 * (l.x + r.x), 0.5 * (l.y - r.y), 0.5 * (l.z + r.z)};
   return parts[at(i)].side > 0 ? mean : Vec3{mean.x, -mean.y, mean.z};

@@ -26,18 +26,19 @@ struct Limb {
 /// Result of find_anatomy. Joint indices are those of the skeleton.
 struct Anatomy {
   bool human = false;
-  std::string why_not;                     ///< sentence with the reason if `human` is false
+  std::string why_not;                     ///< if `human` is false: a sentence with the reason
   Mat3 R_WA = Mat3::identity();            ///< world orientation of the anatomical frame A at rest: x forward, y left, z up
-  std::vector<Vec3> p;                     ///< [joints] m, rest positions in A's axes
+  std::vector<Vec3> p;                     ///< [joints] m, rest positions in the axes of A
   std::vector<std::vector<int>> children;  ///< [joints]
   std::vector<SidedPart> parts;            ///< [joints]; `other` everywhere if not human
   std::vector<int> trunk;                  ///< joints of the trunk from the pelvis upwards
   std::vector<int> neck;                   ///< neck joints upwards, the head last
   std::array<Limb, 2> legs, arms;          ///< left, right
   std::vector<int> mirror;                 ///< [joints] mirrored joint on the other side; -1: none (joints in the middle)
-  std::vector<Vec3> bone;                  ///< [joints] m, vector from the joint to the far end of its bone, in A's axes
+  std::vector<Vec3> bone;                  ///< [joints] m, vector from the joint to the far end of its bone, in the axes of A
+  std::vector<char> helper;                ///< [joints] 1: the joint only follows and gets no mass of its own; empty: none
 
-  /// Bone [m] of joint i averaged with the mirrored joint's bone. Both sides get the same bits except for the sign of y.
+  /// Bone [m] of joint i averaged with the mirrored joint's bone. The results for both sides are bitwise equal except for the sign of y.
   [[nodiscard]] Vec3 symmetric_bone(int i) const;
 };
 

@@ -6,7 +6,9 @@
 #include "ugoki/base/check.h"
 #include "ugoki/base/number.h"
 #include "ugoki/body/build.h"
+#include "ugoki/body/creature.h"
 #include "ugoki/body/joints.h"
+#include "ugoki/body/recognise.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
 #include "ugoki/motion/jumps.h"
@@ -15,7 +17,7 @@ namespace ugoki::body {
 namespace {
 
 constexpr double degree = pi / 180;
-constexpr double nominal_ball = 0.019;       // height of the ball's joint above the ground, share of the body's height
+constexpr double nominal_ball = 0.019;       // height of the joint at the ball of the foot above the ground, share of the body's height
 constexpr double foot_length = 0.152;        // share of the height (Drillis and Contini 1966, in Winter 2009, fig. 4.1)
 constexpr double leg_share = 0.245 + 0.246;  // thigh and shank, share of the height (same source)
 
@@ -52,15 +54,63 @@ Shape turned(Shape s, const Mat3& R) {
   return s;
 }
 
+Pose floor_pose_at_rest(const Body& body, const MeasuredMotion& motion);
+Motion convert(const Body& body, const MeasuredMotion& m);
+double position_error(const Body& body, const MeasuredMotion& measured, const Motion& motion);
+
+/// A measured motion with the anatomy of its character, in the rest pose of its body.
+struct Subject {
+  MeasuredMotion motion;
+  std::vector<Mat3> turns;  ///< [joints] from the file's rest pose; empty: the file's own
+  Anatomy anatomy;
+  Character character;
+};
+
+/// True if the file's rest pose is a T pose already: trunk and limbs differ from the canonical pose by less than 8 degrees. Such a pose
+/// stays, because it is more exactly symmetric than a pose that was estimated from the motion.
+bool is_canonical(const Character& c, std::span<const Mat3> turns) {
+  if (c.plan != BodyPlan::human || turns.empty()) return false;
+  std::vector<int> joints = c.trunk;
+  for (const std::array<Limb, 2>* limbs : {&c.legs, &c.arms})
+    for (const Limb& l : *limbs) joints.insert(joints.end(), {l.proximal, l.distal});
+  return std::ranges::all_of(joints, [&](int i) { return norm(log_map(to_quat(turns[at(i)]))) < 8 * degree; });
+}
+
+/// Recognises the character and gives it its canonical rest pose. If only the file's rest pose shows a human, that pose stays.
+Subject make_subject(const MeasuredMotion& motion) {
+  Subject s;
+  s.character = recognise_character(motion);
+  if (s.character.plan == BodyPlan::other) {
+    s.anatomy = find_anatomy(motion.skeleton);
+    if (s.anatomy.human) {
+      s.motion = motion;
+      s.character.confidence = 0.5;
+      s.character.decisions = {"A human, recognised from the rest pose of the file."};
+      return s;
+    }
+  }
+  s.turns = canonical_turns(motion, s.character);
+  if (is_canonical(s.character, s.turns)) s.turns.clear();
+  s.motion = s.turns.empty() ? motion : with_rest_pose(motion, s.turns);
+  s.anatomy = anatomy_of(s.character, s.motion.skeleton);
+  return s;
+}
+
 /// Makes one body in steps, each of which adds its findings to Body::report.
 class Maker {
  public:
-  Maker(const MeasuredMotion& motion, const BodyOptions& options) : m_(motion), o_(options), anatomy_(find_anatomy(motion.skeleton)) {}
+  Maker(const MeasuredMotion& motion, const BodyOptions& options)
+      : subject_(make_subject(motion)), m_(subject_.motion), o_(options), anatomy_(subject_.anatomy) {}
 
   Result<Body> run() {
     auto body = build(false);
-    // Hinges were accepted by the error at their own children. If these errors accumulate to 0.9e-6 m, build again with strict hinges.
-    if (body && calc_position_error(*body, m_, to_motion(*body, m_)) > 0.9e-6) body = build(true);
+    // Hinges were accepted by the error at their own children. If these errors accumulate to more than 0.9e-6 m, build again with strict
+    // hinges (fit_joint).
+    if (body && position_error(*body, m_, convert(*body, m_)) > 0.9e-6) body = build(true);
+    if (body) {
+      body->rest = subject_.turns;
+      body->confidence = subject_.character.confidence;
+    }
     return body;
   }
 
@@ -76,7 +126,7 @@ class Maker {
     if (anatomy_.human)
       build_human();
     else
-      build_generic();
+      build_creature();
     reset_root_frames();
     auto made = Mechanism::make(spec_);
     if (!made) return fail(std::move(made.error()));
@@ -88,6 +138,25 @@ class Maker {
   }
 
   void note(std::string sentence) { body_.report.push_back(std::move(sentence)); }
+
+  /// Rotation of joint i's frame in its parent's at which the file's DOFs are zero.
+  [[nodiscard]] Mat3 zero_of(std::size_t i) const {
+    if (subject_.turns.empty()) return Mat3::identity();
+    const int parent = m_.skeleton.joints[i].parent;
+    return (parent < 0 ? Mat3::identity() : subject_.turns[at(parent)]) * subject_.turns[i].transposed();
+  }
+  [[nodiscard]] bool is_helper(std::size_t i) const { return !anatomy_.helper.empty() && anatomy_.helper[i] != 0; }
+  /// Fixed joint of a link that only follows, at its mean position and first orientation relative to its parent.
+  [[nodiscard]] Joint follower(std::size_t i) const {
+    Joint joint;
+    joint.X_PJ.p = m_.skeleton.joints[i].offset;
+    if (m_.frames == 0) return joint;
+    const std::size_t n = m_.skeleton.joints.size();
+    joint.X_PJ.p = {};
+    for (int f = 0; f < m_.frames; ++f) joint.X_PJ.p += m_.translations[at(f) * n + i] / m_.frames;
+    joint.X_PJ.R = to_matrix(m_.rotations[i]);
+    return joint;
+  }
 
   /// Creates a link for each joint, with unique names.
   void name_links() {
@@ -115,7 +184,8 @@ class Maker {
       link.label = label_of(anatomy_, static_cast<int>(i));
       link.inertia = inertias[i].in_parent(rest_axes(anatomy_));
       for (const Shape& s : human_shapes(build, static_cast<int>(i))) link.shapes.push_back(turned(s, anatomy_.R_WA));
-      link.joint = fit_joint(m_, static_cast<int>(i), o_, strict_, body_.report);
+      link.joint = is_helper(i) ? follower(i) : fit_joint(m_, static_cast<int>(i), o_, strict_, zero_of(i), body_.report);
+      free_ankle(i, link.joint);
       set_joint_properties(link.joint, anatomy_, m_.skeleton.joints[i], static_cast<int>(i), build.mass);
       moved += link.joint.nv() > 0 ? 1 : 0;
     }
@@ -126,7 +196,17 @@ class Maker {
              : std::to_string(moved) + " of " + std::to_string(spec_.links.size()) + " joints move in this motion; the others are fixed.");
   }
 
-  /// Sets height, mass and breadth: given, from the file, or estimated.
+  /// Gives an ankle three axes if the file measures two. Capture systems measure pitch and yaw of a foot but not its inversion. A foot
+  /// without inversion stands on one edge of its sole, because the leg decides how the sole is inclined.
+  void free_ankle(std::size_t i, Joint& joint) const {
+    if (anatomy_.parts[i].part != Part::foot || joint.type != JointType::universal) return;
+    joint.X_PJ.R = Mat3::identity();  // the ranges of spherical joints are relative to the rest pose, not to the zero of the file (zero_of)
+    joint.type = JointType::spherical;
+    joint.axis = {0, 0, 1};
+    joint.axis2 = {0, 1, 0};
+  }
+
+  /// Sets height, mass and breadth, which are given in the options, taken from the file, or estimated.
   void find_size(Build& build) {
     const auto leg = [&](const Limb& l) {
       return norm(anatomy_.p[at(l.distal)] - anatomy_.p[at(l.proximal)]) + norm(anatomy_.p[at(l.end)] - anatomy_.p[at(l.distal)]);
@@ -208,7 +288,7 @@ class Maker {
       return;
     }
     if (!o_.level_floor) return;
-    const Pose X = calc_floor_pose(body_, m_);
+    const Pose X = floor_pose_at_rest(body_, m_);
     note("The floor was found at " + to_fixed(-X.p.z * 100, 1) + " cm in the measured data" +
          (fit.tilt > 1e-9 ? ", tilted by " + to_fixed(fit.tilt / degree, 2) + " degrees; the motion is levelled and shifted onto z = 0."
                           : "; the motion is shifted onto z = 0."));
@@ -242,38 +322,40 @@ class Maker {
     return static_cast<std::size_t>(heaviest - spec_.links.begin());
   }
 
-  /// Links of a skeleton that is not human: capsules along the bones.
-  void build_generic() {
-    note("No human anatomy was recognised: " + anatomy_.why_not + " The body is made of capsules of density 1000 kg/m^3 along the bones" +
-         (o_.mass > 0 ? ", scaled to the given mass." : "."));
-    const std::vector<Vec3> p = rest_positions(m_.skeleton);
-    double length = 0;
-    std::vector<std::vector<Vec3>> bones(p.size());
-    for (std::size_t i = 0; i < p.size(); ++i) {
-      for (const Vec3& e : m_.skeleton.joints[i].end_sites) bones[i].push_back(e);
-      if (const int parent = m_.skeleton.joints[i].parent; parent >= 0) bones[at(parent)].push_back(m_.skeleton.joints[i].offset);
-    }
-    for (const auto& list : bones)
-      for (const Vec3& b : list) length = std::max(length, norm(b));
-    const double height = rest_height(m_.skeleton);
-    body_.height = o_.height > 0 ? o_.height : height;
-    const double minimum = std::max(0.02 * length, 0.005);
-    for (std::size_t i = 0; i < p.size(); ++i) {
+  /// Links of a character that is not human.
+  void build_creature() {
+    const Creature creature = make_creature(subject_.character, m_, o_);
+    if (subject_.character.plan == BodyPlan::four_legs)
+      note("A four-legged animal with a trunk of " + to_fixed(subject_.character.trunk_length, 3) + " m and legs of " +
+           to_fixed(subject_.character.leg_length, 3) + " m (thigh and shank) was recognised.");
+    else
+      note("No human anatomy was recognised: " + subject_.character.why_not + " The body is made of capsules along the bones.");
+    for (const std::string& sentence : creature.notes) note(sentence);
+    body_.height = creature.height;
+    for (std::size_t i = 0; i < spec_.links.size(); ++i) {
       LinkSpec& link = spec_.links[i];
-      for (const Vec3& b : bones[i])
-        if (norm(b) > minimum) link.shapes.push_back(Shape::capsule(std::max(0.1 * norm(b), 0.4 * minimum), {}, b));
-      if (link.shapes.empty()) link.shapes.push_back(Shape::sphere(std::max(0.08 * length, minimum)));
-      for (const Shape& s : link.shapes) link.inertia += solid_inertia(s, 1000);
-      link.joint = fit_joint(m_, static_cast<int>(i), o_, strict_, body_.report);
-      const double scale = link.inertia.mass;
-      set_joint_properties(link.joint, anatomy_, m_.skeleton.joints[i], static_cast<int>(i), std::max(0.1, scale));
+      const CreatureLink& made = creature.links[i];
+      link.label = made.label;
+      link.inertia = made.inertia;
+      link.shapes = made.shapes;
+      const bool root = m_.skeleton.joints[i].parent < 0;
+      link.joint = made.follows && !root ? follower(i) : fit_joint(m_, static_cast<int>(i), o_, strict_, zero_of(i), body_.report);
+      if (root) continue;
+      const SkeletonJoint& source = m_.skeleton.joints[i];
+      const bool limited = static_cast<int>(source.dofs.size()) == link.joint.nv() && link.joint.type != JointType::spherical &&
+                           std::ranges::all_of(source.dofs, [](const MeasuredDof& d) { return d.limited; });
+      for (int k = 0; k < link.joint.nv(); ++k) {
+        Dof& f = link.joint.dofs[at(k)];
+        f.effort = made.strength;
+        f.damping = made.damping;
+        f.armature = made.armature;
+        if (limited) {
+          f.lower = source.dofs[at(k)].lower;
+          f.upper = source.dofs[at(k)].upper;
+        }
+      }
     }
-    if (o_.mass > 0) {
-      double sum = 0;
-      for (const LinkSpec& l : spec_.links) sum += l.inertia.mass;
-      for (LinkSpec& l : spec_.links)
-        l.inertia = {l.inertia.mass * o_.mass / sum, l.inertia.h * (o_.mass / sum), l.inertia.I * (o_.mass / sum)};
-    }
+    give_mass_to_massless_ends();
   }
 
   /// Floating roots start at the world's origin.
@@ -298,7 +380,7 @@ class Maker {
   /// Spherical joints that turn by more than 165 degrees get no limits and no spring: their rotation vector wraps around.
   void fit_limits() {
     if (m_.frames < 1) return;
-    const Motion motion = to_motion(body_, m_);
+    const Motion motion = convert(body_, m_);
     const Mechanism& mech = *body_.mechanism;
     report_jumps(motion, mech);
     MechanismSpec spec = mech.spec();
@@ -346,9 +428,10 @@ class Maker {
     body_.mechanism = *made;
   }
 
+  Subject subject_;
   const MeasuredMotion& m_;
   const BodyOptions& o_;
-  Anatomy anatomy_;
+  const Anatomy& anatomy_;
   MechanismSpec spec_;
   bool strict_ = false;
   Body body_;
@@ -385,8 +468,30 @@ Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options)
   return body;
 }
 
-Pose calc_floor_pose(const Body& body, const MeasuredMotion& motion) {
-  if (!body.human || !body.level_floor) return {};
+namespace {
+/// Height [m] of the floor under a character that is not human: in most frames its lowest point touches the floor.
+double lowest_level(const Body& body, const MeasuredMotion& motion) {
+  std::vector<double> lows;
+  std::vector<Pose> X;
+  const int step = std::max(1, motion.frames / 1000);
+  std::vector<std::vector<SupportPoint>> points;
+  for (const int link : body.link_of_joint) points.push_back(support_points(body.mechanism->link(link)));
+  for (int f = has_calibration_frame(motion) ? 1 : 0; f < motion.frames; f += step) {
+    motion.calc_joint_poses(f, X);
+    double low = 1e300;
+    for (std::size_t i = 0; i < X.size(); ++i)
+      for (const SupportPoint& s : points[i]) low = std::min(low, (X[i] * s.p).z - s.radius);
+    lows.push_back(low);
+  }
+  if (lows.empty()) return 0;
+  const auto middle = lows.begin() + static_cast<std::ptrdiff_t>(lows.size() / 10);
+  std::nth_element(lows.begin(), middle, lows.end());
+  return *middle < 1e200 ? *middle : 0;
+}
+
+Pose floor_pose_at_rest(const Body& body, const MeasuredMotion& motion) {
+  if (!body.level_floor) return {};
+  if (!body.human) return {Mat3::identity(), {0, 0, -lowest_level(body, motion)}};
   const FloorFit fit = fit_floor(motion, body.soles, body.height);
   if (!fit.found) return {};
   double floor = 0;
@@ -399,7 +504,7 @@ Pose calc_floor_pose(const Body& body, const MeasuredMotion& motion) {
   return {fit.R_level, {0, 0, standing > 0 ? -floor / standing : 0}};
 }
 
-Motion to_motion(const Body& body, const MeasuredMotion& m) {
+Motion convert(const Body& body, const MeasuredMotion& m) {
   const Mechanism& mech = *body.mechanism;
   const std::size_t n = m.skeleton.joints.size();
   UGOKI_CHECK(n == body.link_of_joint.size());
@@ -411,7 +516,7 @@ Motion to_motion(const Body& body, const MeasuredMotion& m) {
   out.frames = m.frames;
   out.nq = mech.nq();
   out.q.assign(at(m.frames) * at(out.nq), 0.0);
-  const Pose X_WM = calc_floor_pose(body, m);
+  const Pose X_WM = floor_pose_at_rest(body, m);
   std::vector<Pose> measured, made(n);
   for (int f = 0; f < m.frames; ++f) {
     m.calc_joint_poses(f, measured);
@@ -433,7 +538,7 @@ Motion to_motion(const Body& body, const MeasuredMotion& m) {
         made[i] = wanted;
         continue;
       }
-      // Relative to the parent's reproduced pose, so that the errors of hinges do not accumulate along a limb.
+      // The rotation is taken relative to the parent's reproduced pose, so that the errors of hinges do not accumulate along a limb.
       const Pose& base = made[at(parent)];
       find_coordinates(link.joint, base.R.transposed() * wanted.R, before, own);
       made[i] = base * (link.joint.X_PJ * joint_pose(link.joint, own));
@@ -449,8 +554,8 @@ Motion to_motion(const Body& body, const MeasuredMotion& m) {
   return out;
 }
 
-double calc_position_error(const Body& body, const MeasuredMotion& measured, const Motion& motion) {
-  const Pose X_WM = calc_floor_pose(body, measured);
+double position_error(const Body& body, const MeasuredMotion& measured, const Motion& motion) {
+  const Pose X_WM = floor_pose_at_rest(body, measured);
   std::vector<Pose> wanted, made(at(body.mechanism->link_count()));
   double worst = 0;
   for (int f = has_calibration_frame(measured) ? 1 : 0; f < measured.frames; ++f) {
@@ -459,6 +564,17 @@ double calc_position_error(const Body& body, const MeasuredMotion& measured, con
     for (std::size_t i = 0; i < wanted.size(); ++i) worst = std::max(worst, norm(X_WM * wanted[i].p - made[at(body.link_of_joint[i])].p));
   }
   return worst;
+}
+
+/// The motion in the body's rest pose.
+MeasuredMotion at_rest_of(const Body& body, const MeasuredMotion& m) { return body.rest.empty() ? m : with_rest_pose(m, body.rest); }
+
+}  // namespace
+
+Pose calc_floor_pose(const Body& body, const MeasuredMotion& motion) { return floor_pose_at_rest(body, at_rest_of(body, motion)); }
+Motion to_motion(const Body& body, const MeasuredMotion& m) { return convert(body, at_rest_of(body, m)); }
+double calc_position_error(const Body& body, const MeasuredMotion& measured, const Motion& motion) {
+  return position_error(body, at_rest_of(body, measured), motion);
 }
 
 }  // namespace ugoki::body

@@ -12,7 +12,7 @@
 
 namespace ugoki::body {
 
-/// Selects de Leva's table; mean: the average of both.
+/// Selects de Leva's table; mean: the average of the female and the male table.
 enum class Sex { mean, female, male };
 
 /// Options of make_body; the defaults estimate everything from the motion.
@@ -41,15 +41,17 @@ struct Body {
   double mass = 0;                       ///< kg, = mechanism->mass()
   bool human = false;                    ///< false: no human anatomy was recognised; the links are capsules of 1000 kg/m^3 along the bones
   bool level_floor = true;               ///< BodyOptions::level_floor
-  std::vector<Sole> soles;               ///< left, right; empty if not human
+  std::vector<Mat3> rest;                ///< [joints] turns from the file's rest pose to the body's (canonical_turns); empty: the same pose
+  std::vector<Sole> soles;               ///< left, right; empty if not human; in the body's rest pose
+  double confidence = 0;                 ///< 0 ... 1 that the anatomy is right
   std::vector<std::string> report;       ///< sentences for display: what was recognised, estimated, widened, shifted
 };
 
 /// Makes the body of a measured skeleton. Each joint of the skeleton becomes a link of the same name. A link's frame has its origin at
-/// the joint and is parallel to the world at rest. `motion` decides which joints are fixed, hinges, universal or spherical, and how
-/// thick the soles are. Labels (Link::label): "pelvis", "abdomen", "abdomen upper", "chest", "neck", "head", and with
-/// " left" or " right": "thigh", "shank", "foot", "toes", "shoulder", "upper arm", "forearm", "hand", "fingers", "thumb".
-/// Errors: the skeleton has no joints or no extent; a value is not finite; parents do not precede children.
+/// the joint and is parallel to the world at rest, in the canonical rest pose (recognise.h). `motion` decides which joints are fixed,
+/// hinges, universal or spherical, and how thick the soles are. Labels (Link::label): "pelvis", "abdomen", "abdomen upper", "chest",
+/// "neck", "head", and with " left" or " right": "thigh", "shank", "foot", "toes", "shoulder", "upper arm", "forearm", "hand", "fingers",
+/// "thumb". Errors: the skeleton has no joints or no extent; a value is not finite; parents do not precede children.
 [[nodiscard]] Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options = {});
 
 /// True if the first frame is a calibration pose (many converters put a T pose before the motion): from the first to the second frame
@@ -62,8 +64,8 @@ struct Body {
 /// `motion` must have the skeleton of the body. Ground contacts are labelled.
 [[nodiscard]] Motion to_motion(const Body& body, const MeasuredMotion& motion);
 
-/// Pose of the measured motion's world in our world: moves the floor found under the standing feet to z = 0 and levels it if the
-/// standing feet show that the capture volume was tilted. Identity if the body is not human or level_floor is false.
+/// Pose of the measured motion's world in the world of to_motion's result: moves the floor found under the standing feet to z = 0 and
+/// levels it if the standing feet show that the capture volume was tilted. Identity if the body is not human or level_floor is false.
 [[nodiscard]] Pose calc_floor_pose(const Body& body, const MeasuredMotion& motion);
 
 /// Maximum distance [m] between any joint of `measured` (moved by calc_floor_pose) and its link in `motion`, over all frames.

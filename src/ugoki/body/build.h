@@ -13,8 +13,8 @@ namespace ugoki::body {
 struct SoleShape {
   int foot = -1, toes = -1;    ///< skeleton joints; toes -1: none
   Vec3 foot_up, foot_forward;  ///< unit, in the foot's frame: ground normal, direction of the toes along the ground
-  Vec3 toes_up, toes_forward;  ///< the same in the toes' frame
-  Vec3 ball;                   ///< m, from the ankle
+  Vec3 toes_up, toes_forward;  ///< unit, in the toes' frame: ground normal, direction of the toes along the ground
+  Vec3 ball;                   ///< m, ball of the foot relative to the ankle
   double tip = 0;              ///< m, from the ball to the tip of the toes along the ground
   double heel = 0;             ///< m, from the ankle back to the heel along the ground
   double thickness = 0;        ///< m, height of the ball above the ground
@@ -25,7 +25,7 @@ struct SoleShape {
 struct Build {
   const Anatomy& anatomy;
   double height = 0, mass = 0;   ///< m, kg
-  double breadth = 1;            ///< thickness of the limbs relative to a person of 1.75 m and 70 kg at the same height scale
+  double breadth = 1;            ///< thickness of the limbs relative to that of a person of 1.75 m and 70 kg scaled to this height
   std::vector<SoleShape> soles;  ///< left, right
 
   /// Sole whose foot or toes is `joint`; null: none.
@@ -36,15 +36,16 @@ struct Build {
   }
 };
 
-/// Heights [trunk joints + 1] (m, rest, A's axes) that divide the trunk: joint i of Anatomy::trunk carries the part from [i] to [i + 1].
+/// Heights [trunk joints + 1] that divide the trunk, in m at rest, along z of the anatomical frame A (Anatomy). Joint i of Anatomy::trunk
+/// carries the part from height i to height i + 1.
 [[nodiscard]] std::vector<double> trunk_heights(const Build& build);
-/// Height [m] of the top of the head at rest, in A's axes.
+/// Height [m] of the top of the head at rest, along z of the anatomical frame A.
 [[nodiscard]] double head_top(const Build& build);
 
-/// Mass properties [joints] of the links, in A's axes at the joint: de Leva's segments, distributed over the links of a segment.
-/// Left and right are exactly mirrored. The masses sum to build.mass.
+/// Mass properties [joints] of the links, with the joint as origin and the axes of the anatomical frame A. De Leva's segments are
+/// distributed over the links of each segment. Left and right are exactly mirrored. The masses sum to build.mass.
 [[nodiscard]] std::vector<Inertia> human_inertias(const Build& build, Sex sex);
-/// Shapes of joint i's link in A's axes at the joint.
+/// Shapes of joint i's link, with the joint as origin and the axes of the anatomical frame A.
 [[nodiscard]] std::vector<Shape> human_shapes(const Build& build, int i);
 
 }  // namespace ugoki::body

@@ -49,9 +49,9 @@ std::vector<Track> track_feet(const MeasuredMotion& m, std::span<const Sole> sol
   return tracks;
 }
 
-/// Slope of the floor (dz/dx, dz/dy, 0) by least squares through the balls' stance positions, along their two principal directions.
-/// A direction gets slope zero if the stances span less than 1 m, or if the slope exceeds 0.035 (2 degrees). The same applies if the line
-/// does not reduce the rms error by a quarter, or leaves more than 12 mm.
+/// Slope of the floor (dz/dx, dz/dy, 0) by least squares through the balls' stance positions, along their two principal directions. A
+/// direction gets slope zero if the stances span less than 1 m, or if the slope exceeds 0.035 (2 degrees). It also gets slope zero if the
+/// line does not reduce the rms error by a quarter, or leaves an rms error above 12 mm.
 Vec3 find_slope(const std::vector<Track>& tracks, const std::vector<Stance>& stances) {
   struct Sample {
     double x, y, z;
@@ -96,7 +96,7 @@ Vec3 find_slope(const std::vector<Track>& tracks, const std::vector<Stance>& sta
   return slope;
 }
 
-/// Componentwise median of the direction `up` in the frames R over the given frames, normalized.
+/// Expresses the world direction `up` in the axes R[f] of each motion frame f of `frames`, and returns the normalized componentwise median.
 Vec3 median_direction(const std::vector<Mat3>& R, const std::vector<int>& frames, const Vec3& up) {
   std::vector<double> x, y, z;
   for (const int f : frames) {

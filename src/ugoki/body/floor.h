@@ -12,7 +12,7 @@ namespace ugoki::body {
 struct Stance {
   std::vector<int> frames;  ///< indices of these frames
   double ball_height = 0;   ///< m, median height of the ball along the floor's normal
-  Vec3 foot_up, toes_up;    ///< unit, floor normal in the frames of foot and toes, median over these frames
+  Vec3 foot_up, toes_up;    ///< unit, floor normal in the link frames of foot and toes, median over `frames`
 };
 
 /// Result of fit_floor.
@@ -24,9 +24,10 @@ struct FloorFit {
 };
 
 /// Finds the frames in which each foot stands, and the floor's tilt if the stance positions determine it.
-/// A foot stands if ankle and ball are slower than 0.2 m/s (0.4 or 0.8 m/s if too few frames qualify; speeds scale with height / 1.7 m)
-/// and the ball is near the lowest such height. If feet go below that floor (walking on the spot), the lowest frames count instead.
-/// Ball heights are measured after levelling. @param height m, of the person
+/// A foot stands if ankle and ball are slower than 0.2 m/s (0.4 or 0.8 m/s if too few frames qualify; speeds scale with height / 1.7 m) and
+/// the ball is low: at most 4 cm (for 1.7 m) above the 10th percentile of the slow balls' heights. If feet go below the floor found from
+/// slow feet (walking on the spot), the frames with the lowest feet count instead. Ball heights are measured after levelling.
+/// @param height m, of the person
 [[nodiscard]] FloorFit fit_floor(const MeasuredMotion& motion, std::span<const Sole> soles, double height);
 
 }  // namespace ugoki::body

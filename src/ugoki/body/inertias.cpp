@@ -8,11 +8,11 @@
 namespace ugoki::body {
 namespace {
 
-constexpr double neck_share = 0.22;       // share of the mass of head and neck
+constexpr double neck_share = 0.22;       // mass of the neck as a share of the mass of head and neck
 constexpr double shoulder_share = 0.008;  // share of the body's mass, moved from the upper trunk to each shoulder link
-constexpr double toes_share = 0.17;       // share of the foot's mass
-constexpr double thumb_share = 0.08;      // share of the hand's mass
-constexpr double palm_share = 0.62;       // share of the hand's mass without thumbs
+constexpr double toes_share = 0.17;       // mass of the toes as a share of the foot's mass
+constexpr double thumb_share = 0.08;      // mass of the thumb as a share of the hand's mass
+constexpr double palm_share = 0.62;       // mass of the palm as a share of the hand's mass without the thumb
 constexpr double hand_length = 0.108;     // share of the height, wrist to fingertip (Drillis and Contini 1966)
 constexpr double min_moment = 3e-5;       // kg m^2 about each axis, for 70 kg: smaller moments would make the mass matrix ill-conditioned
 
@@ -37,7 +37,12 @@ Inertia box_inertia(double mass, const Vec3& centre, const Vec3& edges, const Ma
 class Distributor {
  public:
   Distributor(const Build& build, Sex sex)
-      : b_(build), a_(build.anatomy), t_(segment_table(sex)), wide2_(build.breadth * build.breadth), out_(a_.p.size()) {}
+      : b_(build),
+        a_(build.anatomy),
+        t_(segment_table(sex)),
+        wide2_(build.breadth * build.breadth),
+        s2_(build.height * build.height / (1.75 * 1.75)),
+        out_(a_.p.size()) {}
 
   std::vector<Inertia> run() {
     trunk();
@@ -52,10 +57,10 @@ class Distributor {
       for (const int i : joints_of(Part::shoulder, side))
         if (i == joints_of(Part::shoulder, side).front()) {
           const Vec3 bone = a_.symmetric_bone(i);
-          put(i, round_inertia(shoulder_share, bone * 0.6, normalized(bone, {0, 1, 0}), dot(bone, bone) / 16 + 0.0006, 0.001));
+          put(i, round_inertia(shoulder_share, bone * 0.6, normalized(bone, {0, 1, 0}), dot(bone, bone) / 16 + 0.0006 * s2_, 0.001 * s2_));
         }
     }
-    // Copy the left side to the right, so that both have the same bits.
+    // Copy the left side to the right, so that both sides are bitwise equal.
     for (std::size_t i = 0; i < out_.size(); ++i)
       if (a_.mirror[i] >= 0 && a_.parts[i].side > 0) out_[at(a_.mirror[i])] = mirrored(out_[i]);
     double sum = 0;
@@ -65,7 +70,7 @@ class Distributor {
       i = {i.mass * scale, i.h * scale, i.I * scale};
       if (i.mass <= 0) continue;
       const Sym3 c = i.about_centre();
-      const double lack = std::max(0.0, min_moment * b_.mass / 70 - std::min({c.xx, c.yy, c.zz}));
+      const double lack = std::max(0.0, min_moment * std::min(1.0, 4 * s2_) * b_.mass / 70 - std::min({c.xx, c.yy, c.zz}));
       i.I = i.I + Sym3{lack, lack, lack, 0, 0, 0};
     }
     return std::move(out_);
@@ -130,10 +135,10 @@ class Distributor {
     put(head, Inertia::from_centre(m, centre, Sym3{m * x * x, m * y * y, m * z * z, 0, 0, 0}));
     double length = 0;
     for (std::size_t k = 0; k + 1 < a_.neck.size(); ++k) length += norm(a_.p[at(a_.neck[k + 1])] - a_.p[at(a_.neck[k])]);
-    if (length <= 0 && neck_mass > 0) put(a_.neck.front(), round_inertia(neck_mass, {}, {0, 0, 1}, 0.002, 0.0016));
+    if (length <= 0 && neck_mass > 0) put(a_.neck.front(), round_inertia(neck_mass, {}, {0, 0, 1}, 0.002 * s2_, 0.0016 * s2_));
     for (std::size_t k = 0; length > 0 && k + 1 < a_.neck.size(); ++k) {
       const Vec3 bone = a_.p[at(a_.neck[k + 1])] - a_.p[at(a_.neck[k])];
-      const double l = norm(bone), r2 = 0.0016 * wide2_;
+      const double l = norm(bone), r2 = 0.0016 * s2_ * wide2_;
       if (l > 0) put(a_.neck[k], round_inertia(neck_mass * l / length, bone * 0.5, bone / l, r2 + l * l / 12, 2 * r2));
     }
   }
@@ -226,7 +231,7 @@ class Distributor {
       const std::vector<int> forearm = joints_of(Part::forearm, side);
       const Vec3 bone = a_.symmetric_bone(forearm.back());
       const double l = 0.5 * hand_length * b_.height;
-      put(forearm.back(), round_inertia(t_.hand.mass, bone + normalized(bone) * (0.8 * l), normalized(bone), l * l / 3, 0.0008));
+      put(forearm.back(), round_inertia(t_.hand.mass, bone + normalized(bone) * (0.8 * l), normalized(bone), l * l / 3, 0.0008 * s2_));
       return;
     }
     // The palm is the first joint whose bone is longer than 0.006 of the height.
@@ -238,7 +243,7 @@ class Distributor {
       const double m = thumb_share * t_.hand.mass / static_cast<double>(thumbs.size());
       for (const int i : thumbs) {
         const Vec3 bone = a_.symmetric_bone(i);
-        put(i, round_inertia(m, bone * 0.5, normalized(bone), dot(bone, bone) / 12 + 3e-5, 6e-5));
+        put(i, round_inertia(m, bone * 0.5, normalized(bone), dot(bone, bone) / 12 + 3e-5 * s2_, 6e-5 * s2_));
       }
       left_over *= 1 - thumb_share;
     }
@@ -247,12 +252,12 @@ class Distributor {
     const Vec3 bone = a_.symmetric_bone(joints[palm]);
     const Vec3 u = normalized(bone, {0, side > 0 ? 1.0 : -1.0, 0});
     const double l = finger_count > 0 ? 0.55 * length : length;
-    put(joints[palm], round_inertia(palm_mass, u * (0.5 * l), u, l * l / 12 + 0.0003, 0.0006));
+    put(joints[palm], round_inertia(palm_mass, u * (0.5 * l), u, l * l / 12 + 0.0003 * s2_, 0.0006 * s2_));
     for (std::size_t k = palm + 1; k < joints.size(); ++k) {
       const Vec3 f = a_.symmetric_bone(joints[k]);
       const double fl = std::max(norm(f), 0.45 * length / static_cast<double>(finger_count));
       put(joints[k], round_inertia((left_over - palm_mass) / static_cast<double>(finger_count), normalized(f, u) * (0.5 * fl),
-                                   normalized(f, u), fl * fl / 12 + 0.0001, 0.0003));
+                                   normalized(f, u), fl * fl / 12 + 0.0001 * s2_, 0.0003 * s2_));
     }
   }
 
@@ -260,6 +265,7 @@ class Distributor {
   const Anatomy& a_;
   SegmentTable t_;
   double wide2_;
+  double s2_;  // squared ratio of the height to 1.75 m; radii of gyration below are those of a person of 1.75 m
   std::vector<Inertia> out_;
 };
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double degree = pi / 180;
 constexpr double unmoved = 0.01 * degree;    // rad, joints that turn less count as fixed
 constexpr double position_tolerance = 2e-7;  // m, position error that one joint may add for its descendants
-constexpr double hinge_tolerance = 8e-7;     // m, the same for a hinge and its children only
+constexpr double hinge_tolerance = 8e-7;     // m, position error that a hinge may add for its children
 constexpr double reported_shift = 5e-5;      // m, smaller shifts are rounding in the file and are not reported
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -102,7 +102,8 @@ std::optional<Joint> fit_hinge(const MeasuredMotion& m, int i, const Joint& base
 
 }  // namespace
 
-Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool strict, std::vector<std::string>& report) {
+Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool strict, const Mat3& zero,
+                std::vector<std::string>& report) {
   const SkeletonJoint& source = m.skeleton.joints[at(i)];
   Joint joint;
   if (source.parent < 0) {
@@ -145,16 +146,21 @@ Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool
     if (angle_of(rotation(m, 0, i)) > 1e-9) joint.X_PJ.R = to_matrix(rotation(m, 0, i));
     return joint;
   }
-  if (source.dofs.size() == 1) {
+  // The DOFs of the file, if they have limits or if their zero position is the rest pose.
+  const bool at_rest = zero == Mat3::identity();
+  const bool use_dofs = at_rest || std::ranges::all_of(source.dofs, [](const MeasuredDof& d) { return d.limited; });
+  if (use_dofs) joint.X_PJ.R = zero;
+  if (source.dofs.size() == 1 && use_dofs) {
     joint.type = JointType::revolute;
     joint.axis = source.dofs[0].axis;
     if (worst_misfit(m, i, joint) <= tolerance) return joint;
-  } else if (source.dofs.size() == 2 && norm(cross(source.dofs[0].axis, source.dofs[1].axis)) > 0.1) {
+  } else if (source.dofs.size() == 2 && use_dofs && norm(cross(source.dofs[0].axis, source.dofs[1].axis)) > 0.1) {
     joint.type = JointType::universal;
     joint.axis = source.dofs[0].axis;
     joint.axis2 = source.dofs[1].axis;
     if (worst_misfit(m, i, joint) <= tolerance) return joint;
   }
+  joint.X_PJ.R = Mat3::identity();
   if (!options.keep_unmoved && !unknown)
     if (const auto hinge = fit_hinge(m, i, joint, strict ? tolerance : near_tolerance)) return *hinge;
   joint.type = JointType::spherical;

@@ -13,8 +13,10 @@ namespace ugoki::body {
 /// roots. Limits and passive properties are not set.
 /// @param strict true: a hinge must preserve the positions of all its descendants; false: only of its children, because joints further
 ///               down compensate the error
+/// @param zero rotation of the joint's frame in its parent's at which the DOFs of the file are zero; identity if the file's rest pose is
+/// used
 /// @param report receives a sentence if the joint's position shifts
-[[nodiscard]] Joint fit_joint(const MeasuredMotion& motion, int i, const BodyOptions& options, bool strict,
+[[nodiscard]] Joint fit_joint(const MeasuredMotion& motion, int i, const BodyOptions& options, bool strict, const Mat3& zero,
                               std::vector<std::string>& report);
 
 /// Computes the coordinates with which the joint rotates its link by R_PB relative to the parent link; for hinges and universal joints

@@ -14,8 +14,8 @@ struct Segment {
   double mass;          ///< share of the body's mass, one side
   double centre;        ///< distance of the centre of mass from the first end point, share of the length
   double sagittal;      ///< radius of gyration about the front-to-back axis through the centre of mass, share of the length
-  double transverse;    ///< the same about the side-to-side axis
-  double longitudinal;  ///< the same about the long axis
+  double transverse;    ///< radius of gyration about the side-to-side axis through the centre of mass, share of the length
+  double longitudinal;  ///< radius of gyration about the long axis, share of the length
   double length;        ///< share of the body's height
 };
 
@@ -24,7 +24,7 @@ struct SegmentTable {
   Segment head, upper_trunk, middle_trunk, lower_trunk, upper_arm, forearm, hand, thigh, shank, foot;
 };
 
-/// Table for one sex, or the average of both. The masses (limbs counted twice) sum to 1 within 0.002.
+/// Table for one sex, or the average of both sexes. The masses (limbs counted twice) sum to 1 within 0.002.
 [[nodiscard]] SegmentTable segment_table(Sex sex);
 
 }  // namespace ugoki::body

@@ -60,7 +60,7 @@ class Modeller {
   void along_bone(double radius, double from, double to) {
     if (norm(bone()) > 0.02 * h_) out_.push_back(Shape::capsule(radius * w_, bone() * from, bone() * to));
   }
-  /// The same, visible only (muscles).
+  /// Visible capsule without collision (a muscle) along the bone between the shares `from` and `to` of its length.
   void bulge(double radius, double from, double to) {
     if (norm(bone()) > 0.1 * h_) out_.push_back(decoration(Shape::capsule(radius * w_, bone() * from, bone() * to)));
   }
@@ -91,7 +91,7 @@ class Modeller {
       return;
     }
     const double low = z[k], high = z[k + 1];
-    const auto half_width = [&](double level) {  // m: hips 0.065, waist 0.05, chest 0.085
+    const auto half_width = [&](double level) {  // half the trunk's width in m: hips 0.065, waist 0.05, chest 0.085
       const double t = (level - z.front()) / height;
       return t < 0.45 ? 0.05 + 0.015 * (0.45 - t) / 0.45 : 0.05 + 0.035 * std::min(1.0, (t - 0.45) / 0.35);
     };
@@ -114,7 +114,7 @@ class Modeller {
                  to = middle(top) + Vec3{0, side * half_width(top) * w_, 0};
       out_.push_back(decoration(Shape::capsule(0.985 * depth(middle_level) * w_, from - own, to - own)));
     }
-    if (chest) {  // the slope of the shoulders
+    if (chest) {  // slanted capsules for the shoulders
       const Vec3 neck = a_.p[at(a_.neck.front())];
       for (const double s : {1.0, -1.0}) {
         const Vec3 end =

@@ -8,7 +8,7 @@
 namespace ugoki::capture {
 namespace {
 
-/// True for the same segment or parent and child.
+/// True if a and b are the same segment, or if one is the parent of the other.
 bool neighbours(const MarkerSet& set, int a, int b) {
   const auto parent = [&](int i) { return set.segments[static_cast<std::size_t>(i)].parent; };
   return a == b || parent(a) == b || parent(b) == a;
@@ -52,7 +52,7 @@ Shared shared_unknowns(const Subject& s) {
 
 Vec3 flip(const Vec3& v, char flipped) { return flipped != 0 ? Vec3{v.x, -v.y, v.z} : v; }
 
-/// Difference [unknowns] [m] of every shared unknown from the marker set's value.
+/// Difference [unknowns] [m] of every shared unknown from the marker set's value, scaled to the subject's size.
 std::vector<double> departures(const Subject& s, const Shared& shared) {
   std::vector<double> out(static_cast<std::size_t>(shared.count));
   const auto put = [&](int at, const Vec3& v) {
@@ -93,8 +93,9 @@ void shared_blocks(const Subject& s, const Shared& shared, const Kinematics& k, 
   }
 }
 
-/// Normal equations of the shared unknowns with all poses eliminated. Each frame adds S += C - B^T H^-1 B and r += c - B^T H^-1 g.
-/// H and g belong to the frame's pose, C and c to the shared unknowns; B couples both.
+/// Normal equations S x = -r for the step x of the shared unknowns, with all poses eliminated (Schur complement). Each frame adds
+/// S += C - B^T H^-1 B and r += c - B^T H^-1 g. H and g are matrix and gradient of the frame's pose, C and c those of the shared
+/// unknowns; B couples pose and shared unknowns.
 class Reduction {
  public:
   explicit Reduction(const Shared& shared) : shared_(shared), n_(static_cast<std::size_t>(shared.count)), S(n_ * n_), r(n_) {}
@@ -129,7 +130,7 @@ class Reduction {
     eliminate(solver, nf, s.dofs);
   }
 
-  /// Step [unknowns] of the shared unknowns; empty if the matrix is not positive definite. The poses are at their optimum, so g is zero.
+  /// Step [unknowns] of the shared unknowns; empty if S is not positive definite. g is zero, because the poses are at their optimum.
   std::vector<double> solve(const std::vector<double>& departure) {
     std::vector<double> step(n_);
     for (std::size_t i = 0; i < n_; ++i) {
@@ -146,7 +147,7 @@ class Reduction {
     L_.assign(solver.normal_matrix().begin(), solver.normal_matrix().end());
     for (std::size_t f = 0; f < nf; ++f) L_[f * nf + f] += 1e-6 * (1 + L_[f * nf + f]);
     if (!dynamics::factor_cholesky(L_, dofs, 1e-14)) return;
-    // Y = L^-1 B, row by row; then S -= Y^T Y.
+    // With H = L L^T, B is replaced by Y = L^-1 B row by row; then S -= Y^T Y.
     for (std::size_t f = 0; f < nf; ++f) {
       for (std::size_t g = 0; g < f; ++g) {
         const double l = L_[f * nf + g];
@@ -203,6 +204,8 @@ double estimate_size(const MarkerSet& set, const std::vector<int>& match, const 
       if (match[a] < 0 || match[b] < 0) continue;
       const auto ma = static_cast<std::size_t>(match[a]), mb = static_cast<std::size_t>(match[b]);
       if (!neighbours(set, set.markers[ma].segment, set.markers[mb].segment)) continue;
+      // Markers of clusters are placed anywhere on their segment, so that their distances contain no information about the size.
+      if (set.markers[ma].sigma >= 0.06 || set.markers[mb].sigma >= 0.06) continue;
       const double own = norm(marker_position(model, k, ma) - marker_position(model, k, mb));
       double sum = 0;
       int count = 0;
@@ -211,7 +214,7 @@ double estimate_size(const MarkerSet& set, const std::vector<int>& match, const 
         sum += norm(motion.at(f, static_cast<int>(a)) - motion.at(f, static_cast<int>(b)));
         ++count;
       }
-      // Ratios of distances below 2 cm are dominated by noise.
+      // Distances below 2 cm are not used, because noise dominates their ratios.
       if (count > 0 && own > 0.02) ratios.push_back(sum / count / own);
     }
   }
@@ -278,7 +281,7 @@ double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std
   const Shared shared = shared_unknowns(subject);
   const PoseOptions options;
   PoseSolver solver;
-  // Solves all poses; returns their cost plus that of the shared unknowns.
+  // Solves the poses of all frames; returns their cost plus the cost of the priors of the shared unknowns.
   const auto solve_poses = [&](Subject& s, std::vector<ModelPose>& p, Reduction* reduction) {
     double cost = 0;
     for (std::size_t f = 0; f < frames.size(); ++f) {

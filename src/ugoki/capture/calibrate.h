@@ -5,20 +5,21 @@
 
 namespace ugoki::capture {
 
-/// Size of the subject relative to the model: median ratio of measured to model distance over all pairs of markers on the same or
-/// adjacent segments. 0 if no such pair was ever seen together.
+/// Size of the subject relative to the model: the median, over all pairs of markers on the same or adjacent segments, of the ratio of
+/// measured distance to model distance. 0 if no such pair was ever seen together.
 [[nodiscard]] double estimate_size(const MarkerSet& set, const std::vector<int>& match, const MarkerMotion& motion);
 
-/// At most `count` frames spread over the recording: of each part the frame with the most markers seen, if more than half are seen.
+/// Indices of at most `count` frames spread over the recording. The recording is divided into `count` parts. Of each part the frame with
+/// the most seen markers is chosen, if more than half of the used markers are seen in it.
 [[nodiscard]] std::vector<int> choose_frames(const MarkerMotion& motion, const Subject& subject, int count);
 
-/// Finds a pose without an initial guess: the best of eight headings, each with arms sideways and arms hanging.
-/// @param pose out @return its cost (PoseSolver::solve)
+/// Finds a pose without an initial guess. Fits from eight headings, each with arms sideways and arms hanging, and keeps the best fit.
+/// @param pose [out] the pose @return its cost (PoseSolver::solve)
 double find_first_pose(PoseSolver& solver, const Subject& subject, const MeasuredFrame& frame, ModelPose& pose);
 
 /// Fits segment lengths (equal on both sides), marker offsets and the poses of all `frames` simultaneously: Gauss-Newton with the poses
-/// eliminated by the Schur complement; the marker set's sigmas are priors.
-/// @param poses [frames, in and out] start and result
+/// eliminated by the Schur complement; the marker set's standard deviations are the priors.
+/// @param poses [frames, in and out] initial and fitted poses
 /// @return root mean square of the marker errors, m
 double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses);
 

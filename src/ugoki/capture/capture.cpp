@@ -19,10 +19,22 @@ struct Choice {
   std::vector<int> match;  // [labels] match_labels
   int known = 0;           // number of matched labels
 };
-Choice choose_set(const std::vector<std::string>& labels) {
+Choice choose_set(const MarkerMotion& motion) {
+  const std::size_t n = motion.labels.size();
+  std::vector<int> seen(n, 0);
+  for (std::size_t k = 0; k < motion.residuals.size(); ++k) seen[k % n] += motion.residuals[k] >= 0 ? 1 : 0;
   Choice best;
-  for (const MarkerSet* set : {&human_markers(), &quadruped_key_points()}) {
-    Choice c{set, match_labels(*set, labels), 0};
+  for (const MarkerSet* set : {&human_markers(), &human_key_points(), &quadruped_key_points()}) {
+    Choice c{set, match_labels(*set, motion.labels), 0};
+    // Labels that were prepared but never filled (an upper body that was not captured) are not markers of the recording. A few unseen ones
+    // stay, because their places follow from the body.
+    std::size_t matched = 0, unseen = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      matched += c.match[k] >= 0 ? 1 : 0;
+      unseen += c.match[k] >= 0 && seen[k] == 0 ? 1 : 0;
+    }
+    for (std::size_t k = 0; k < n; ++k)
+      if (seen[k] == 0 && 3 * unseen > matched) c.match[k] = -1;
     for (const int i : c.match) c.known += i >= 0 ? 1 : 0;
     if (c.known > best.known) best = std::move(c);
   }
@@ -147,7 +159,7 @@ class Solver {
   std::vector<long> seen_;
 };
 
-/// True if all markers of the recording lie in one plane to within 1 mm (a projection): a body in space cannot be reconstructed from it.
+/// True if all seen marker positions are within 1 mm of one plane, as in a projected recording, which does not determine a body in space.
 bool is_planar(const MarkerMotion& m) {
   Vec3 middle;
   double count = 0;
@@ -196,9 +208,9 @@ struct Fit {
   std::vector<std::string> unused;  // labels unknown to the set
 };
 
-/// @param motion the recording @param markers the same after clean()
+/// Chooses a marker set and fits a subject to the recording. @param motion the recording @param markers the recording after clean()
 Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers, const CaptureOptions& options) {
-  const Choice choice = choose_set(motion.labels);
+  const Choice choice = choose_set(motion);
   if (choice.set == nullptr || choice.known < 8 || marked_segments(choice) < 4)
     return fail(ErrorCode::unsupported, motion.source,
                 std::to_string(choice.known) + " of " + std::to_string(motion.labels.size()) +
@@ -240,7 +252,36 @@ Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers,
   return out;
 }
 
-/// Fills long gaps from the body's pose. @param report receives the counts
+/// First and last frame of the longest part in which the body's pose is known: interruptions of up to half a second are bridged.
+std::pair<int, int> known_part(const MarkerMotion& markers, const Subject& subject) {
+  const int bridge = static_cast<int>(0.5 * markers.rate);
+  int best_from = 0, best_to = -1, from = -1, last = -1;
+  for (int f = 0; f < markers.frames; ++f) {
+    if (!enough_markers_seen(markers, subject, f)) continue;
+    if (from < 0 || f - last > bridge + 1) from = f;
+    last = f;
+    if (last - from > best_to - best_from) {
+      best_from = from;
+      best_to = last;
+    }
+  }
+  return {best_from, best_to};
+}
+
+/// Cuts the converted motion to the frames from ... to.
+void trim(Capture& out, int from, int to) {
+  const std::size_t n = out.measured.skeleton.joints.size();
+  const auto cut = [&](auto& list, std::size_t width) {
+    list.erase(list.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(to + 1) * width), list.end());
+    list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(from) * width));
+  };
+  cut(out.measured.translations, n);
+  cut(out.measured.rotations, n);
+  cut(out.frame_rms, 1);
+  out.measured.frames = to - from + 1;
+}
+
+/// Fills long gaps from the body's pose. @param report receives the numbers of frames and positions
 void fill_by_body(MarkerMotion& markers, const Fit& fit, std::vector<std::string>& report) {
   int unknown = 0;
   for (int f = 0; f < markers.frames; ++f) unknown += enough_markers_seen(markers, fit.subject, f) ? 0 : 1;
@@ -284,6 +325,7 @@ Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& 
   MarkerMotion markers = clean(motion, options, out.report);
   Result<Fit> fit = fit_subject(motion, markers, options);
   if (!fit) return fail(std::move(fit.error()));
+  const auto [from, to] = known_part(markers, fit->subject);
   fill_by_body(markers, *fit, out.report);
   out.marker_set = fit->set_name;
   out.measured.name = motion.name;
@@ -292,6 +334,12 @@ Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& 
   out.size = fit->subject.size;
   out.unused = std::move(fit->unused);
   Solver(motion, markers, std::move(fit->subject), out).run(fit->first, fit->from);
+  if (to >= from && to - from + 1 < motion.frames) {
+    trim(out, from, to);
+    out.report.push_back("The motion was cut to the frames " + std::to_string(motion.first_frame + from) + " to " +
+                         std::to_string(motion.first_frame + to) + ", in which enough markers are seen; the recording has " +
+                         std::to_string(motion.frames) + " frames.");
+  }
   out.report.insert(out.report.begin(), "The markers were matched to the set '" + out.marker_set + "' on a body of " +
                                             to_fixed(out.size, 3) + " times its size; the rms distance is " + millimetres(out.rms) + ".");
   if (out.rms > 0.04 * out.size)

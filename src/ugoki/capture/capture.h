@@ -13,7 +13,7 @@ namespace ugoki::capture {
 /// Options of solve_markers and fill_markers.
 struct CaptureOptions {
   int calibration_frames = 40;  ///< number of frames from which segment lengths and marker offsets are calibrated
-  double longest_gap = 0.2;     ///< s: shorter gaps are filled by splines, longer ones from the other markers
+  double longest_gap = 0.2;     ///< s; shorter gaps are filled by splines, longer gaps from the other markers
   double cutoff = 0;            ///< Hz, low-pass filter of the markers; 0: chosen by residual analysis, negative: none
 };
 
@@ -30,7 +30,7 @@ struct Capture {
   MeasuredMotion measured;                ///< the skeleton and its motion
   std::string marker_set;                 ///< name for display
   double size = 1;                        ///< size of the subject relative to the model
-  double rms = 0;                         ///< m, over all seen markers and frames, relative to the recorded positions
+  double rms = 0;                         ///< m, root mean square distance to the recorded positions, over all seen markers and frames
   std::vector<MarkerResidual> residuals;  ///< one for each used marker
   std::vector<double> frame_rms;          ///< [frames] m, root mean square over the markers
   std::vector<std::string> unused;        ///< labels that the marker set does not contain
@@ -39,13 +39,13 @@ struct Capture {
 
 /// Result of fill_markers.
 struct FilledMarkers {
-  MarkerMotion markers;             ///< recorded positions unchanged; filled positions have residual 0, open ones -1
+  MarkerMotion markers;             ///< recorded positions unchanged; filled positions have residual 0, those still missing -1
   std::vector<std::string> report;  ///< sentences for display
 };
 
 /// Fills the gaps of a recording. Short gaps are filled by splines, longer ones from the body pose that the other markers determine.
-/// A marker that is never seen gets the mirrored offset of its partner on the other side. Markers unknown to the marker set, and recordings
-/// without a recognisable body, are filled from markers that move with them as one rigid body. Remaining gaps stay unseen and are reported.
+/// A marker that is never seen gets the mirrored offset of its partner on the other side of the body. Markers unknown to the marker set are
+/// filled from markers that move with them as one rigid body; so are all markers if no body is recognised. Remaining gaps are reported.
 [[nodiscard]] FilledMarkers fill_markers(const MarkerMotion& motion, const CaptureOptions& options = {});
 
 /// Chooses the marker set that contains most of the labels, fits it to the recording, and solves every frame.

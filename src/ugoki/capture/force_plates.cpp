@@ -18,7 +18,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string plate_name(std::size_t i) { return "force plate " + std::to_string(i + 1); }
 
-/// Lower case, letters and digits only.
+/// `s` in lower case, without characters other than letters and digits.
 std::string folded(std::string s) {
   std::erase_if(s, [](unsigned char c) { return std::isalnum(c) == 0; });
   for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -35,7 +35,7 @@ double length_unit(const std::string& unit, double otherwise) {
   const std::string u = folded(unit);
   return u == "m" ? 1 : u == "cm" ? 0.01 : u == "mm" ? 0.001 : u == "in" || u == "inch" ? metre_of_inch : otherwise;
 }
-/// Newton metres per unit; `length` (newtons times the file's length unit) if the unit is unknown.
+/// Newton metres per unit. If the unit is unknown, `length`, the file's length unit [m], because the moment is then in N times this unit.
 double moment_unit(const std::string& unit, double length) {
   const std::string u = folded(unit);
   if (u == "nm") return 1;
@@ -46,7 +46,7 @@ double moment_unit(const std::string& unit, double length) {
   return length;
 }
 
-/// Pose of a plate: axes of the C3D convention from its corners (+x +y, -x +y, -x -y, +x -y).
+/// Pose of a plate. Its axes follow from its corners, which C3D stores in the order (+x +y), (-x +y), (-x -y), (+x -y).
 struct PlatePose {
   Mat3 R;       ///< plate to world
   Vec3 middle;  ///< m, world
@@ -167,7 +167,7 @@ class Plate {
     return {Mat3::columns(x, cross(z, x), z), (c[0] + c[1] + c[2] + c[3]) / 4};
   }
 
-  /// Appends force and moment [N, N m] of one sample about the centre of the surface, plate's axes.
+  /// Appends the wrench of one sample: force [N] and moment [N m] about the centre of the plate's surface, in the plate's axes.
   void find_wrench(std::size_t s, const Vec3& to_surface) {
     const double* v = values_.data() + s * channels_;
     Vec3 F, M;

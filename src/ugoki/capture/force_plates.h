@@ -33,7 +33,7 @@ struct ForceRecording {
 
 /// Contact forces of all plates for each frame of the markers. Plate types: 1 force and centre of pressure, 2 force and moment, 3 eight
 /// channels of four sensors, 4 like 2 with a calibration matrix. Signs are chosen so that the mean vertical force points up and the sensor
-/// is below the surface. Units are those of the channels (N, kN, lbf; Nm, Nmm, lbf in; m, cm, mm); moments and positions without a unit use
+/// is below the surface. The channels' units are used (N, kN, lbf; Nm, Nmm, lbf in; m, cm, mm). Moments and positions without a unit use
 /// the file's length unit. Errors: no plates; unknown type; missing channels; analog rate below the frame rate; samples that are not
 /// finite; corners without area; a type 4 plate without matrix.
 [[nodiscard]] Result<ForceRecording> calc_contact_forces(const MarkerMotion& motion, const ForcePlateOptions& options = {});
@@ -46,10 +46,10 @@ struct SolePoints {
 
 /// A range of frames in which a plate is loaded, and the foot on it.
 struct PlateStep {
-  int plate = 0, first = 0, last = 0;  ///< index of the plate; frames, both included
-  int foot = -1;                       ///< foot with the smallest mean distance from the centre of pressure; -1: none within `near`
+  int plate = 0, first = 0, last = 0;  ///< index of the plate; first and last frame, both included
+  int foot = -1;                       ///< index of the foot closest (mean distance) to the centre of pressure; -1: none within `near`
   double distance = 0;                 ///< m, load-weighted mean horizontal distance of the centre of pressure from the foot
-  bool shared = false;                 ///< another foot was also on the plate for more than 20 % of the load: the force belongs to both
+  bool shared = false;                 ///< another foot was on the plate under more than 20 % of the summed load: the force belongs to both
 };
 
 /// Finds the steps on the plates and assigns them to feet.

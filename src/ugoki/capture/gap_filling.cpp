@@ -12,7 +12,7 @@ struct BodyPoses {
   std::size_t segments;             // count
   std::vector<ModelPose> poses;     // [frames]
   std::vector<Pose> segment_poses;  // [frames][segments]
-  std::vector<char> known;          // [frames] enough_markers_seen
+  std::vector<char> known;          // [frames] 1: enough_markers_seen() was true
 
   [[nodiscard]] const Pose& at(int frame, std::size_t segment) const {
     return segment_poses[static_cast<std::size_t>(frame) * segments + segment];
@@ -32,7 +32,7 @@ BodyPoses find_body_poses(const MarkerMotion& markers, const Subject& subject, c
   return out;
 }
 
-/// Difference [m, segment's frame] of used marker m from its calibrated offset if the pose is solved without this marker.
+/// Recorded position of used marker m in the segment's frame, minus its calibrated offset [m]. The pose is solved without this marker.
 Vec3 offset_from_others(const MarkerMotion& markers, const Subject& subject, const BodyPoses& bodies, std::size_t m, int frame) {
   MeasuredFrame measured = measured_frame(markers, subject, frame);
   measured.seen[m] = 0;

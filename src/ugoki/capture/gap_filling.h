@@ -5,8 +5,9 @@
 
 namespace ugoki::capture {
 
-/// Solves the poses of all frames: from frame `from` to the end, then back to the start. Each frame starts from its neighbour's pose.
-/// @param first start of the iteration in frame `from`
+/// Solves the poses of all frames: forwards from frame `from` to the end, then backwards from `from` to 0. Each frame starts from
+/// its neighbour's pose.
+/// @param first initial pose of the iteration in frame `from`
 /// @param visit called after each frame as visit(frame, solver, pose)
 template <class Visit>
 void solve_frames(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from, const Visit& visit) {
@@ -29,13 +30,13 @@ void solve_frames(const MarkerMotion& markers, const Subject& subject, const Mod
 /// True if at least a third of the subject's markers is seen in the frame. With fewer markers the pose is dominated by the priors.
 [[nodiscard]] bool enough_markers_seen(const MarkerMotion& markers, const Subject& subject, int frame);
 
-/// Fills every gap of the subject's markers from the pose of the marker's segment, which the other markers determine. The differences at
-/// the two ends of the gap are interpolated over the gap, so that the filled trajectory joins the recorded one without a jump.
+/// Fills every gap of the subject's markers from the pose of the marker's segment, which the other markers determine. At each end of
+/// the gap this position differs from the recorded one. The two differences are interpolated over the gap, so that there is no jump.
 /// Frames without enough_markers_seen are not filled.
 /// @param first, from as for solve_frames @return number of filled positions
 int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from);
 
-/// Gives markers that are seen in no frame of `seen` the mirrored offset of their partner on the other side.
+/// Gives markers that are seen in no frame of `seen` the mirrored offset of their partner on the other side of the body.
 void mirror_unseen_offsets(Subject& subject, const std::vector<MeasuredFrame>& seen);
 
 }  // namespace ugoki::capture

@@ -8,10 +8,10 @@ namespace {
 constexpr double deg = 3.14159265358979323846 / 180;
 
 Vec3 mirrored(const Vec3& v) { return {v.x, -v.y, v.z}; }
-/// Rotation axes are pseudovectors: the mirror plane keeps y and inverts x and z.
+/// Mirror image of a rotation axis in the plane y = 0. The axis is a pseudovector: y is kept, x and z are inverted.
 Vec3 mirrored_axis(const Vec3& a) { return {-a.x, a.y, -a.z}; }
 
-/// Builds a marker set from middle segments and from mirrored pairs.
+/// Builds a marker set from segments in the middle of the body and from pairs of left and right segments.
 class Builder {
  public:
   explicit Builder(std::string name) { set_.name = std::move(name); }
@@ -21,8 +21,8 @@ class Builder {
     set_.segments.push_back(std::move(s));
     return static_cast<int>(set_.segments.size()) - 1;
   }
-  /// Adds `left` and its mirror image, which gets the next index. In the mirror image "Left" in the name becomes "Right", and a parent with
-  /// sides is replaced by its right one. @return index of the left segment
+  /// Adds `left` and its mirror image, which gets the next index. In the mirror image "Left" in the name becomes "Right", and a left
+  /// parent is replaced by the right one. @return index of the left segment
   int pair(ModelSegment left) {
     const int index = static_cast<int>(set_.segments.size());
     ModelSegment right = left;
@@ -75,10 +75,13 @@ ModelSegment hinge(std::string name, int parent, const Vec3& offset, const Vec3&
   return s;
 }
 
-/// A person of 1.75 m. Segment lengths: de Leva (1996). Marker positions on the skin relative to the joint centres: palpation rules of the
-/// Plug-in Gait model.
-MarkerSet make_human() {
-  Builder b("human, Plug-in Gait and CMU labels");
+/// Indices of the (left) segments of a person.
+struct Person {
+  int hips = 0, thigh = 0, shank = 0, ankle = 0, chest = 0, head = 0, collar = 0, arm = 0, forearm = 0, hand = 0;
+};
+
+/// Adds the segments of a person of 1.75 m. Segment lengths: de Leva (1996).
+Person add_person(Builder& b) {
   ModelSegment root = ball("Hips", -1, {}, {}, 1e3);
   root.joint = ModelJoint::root;
   const int hips = b.middle(root);
@@ -113,37 +116,100 @@ MarkerSet make_human() {
   wrist.stiffness_sigma = 0.6;
   wrist.end_sites = {{0, 0.17, 0}};
   const int hand = b.pair(wrist);
+  return {hips, thigh, shank, ankle, chest, head, collar, arm, forearm, hand};
+}
 
-  b.markers({"<ASI", "<FWT", "<ASIS", "ASIS<", "<IAS"}, hips, {0.06, 0.12, 0.105}, 0.006);
-  b.markers({"<PSI", "<BWT", "<PSIS", "PSIS<", "<IPS"}, hips, {-0.115, 0.045, 0.11}, 0.006);
-  b.marker({"SACR", "SAC"}, hips, {-0.1, 0, 0.09}, 0.015);
-  b.markers({"<FHD"}, head, {0.1, 0.065, 0.09}, 0.03);
-  b.markers({"<BHD"}, head, {-0.08, 0.065, 0.09}, 0.03);
-  b.marker({"ARIEL", "HTOP", "HEADTOP"}, head, {0, 0, 0.18}, 0.03);
-  b.marker({"C7"}, chest, {-0.075, 0, 0.235}, 0.02);
-  b.marker({"T10"}, chest, {-0.105, 0, 0.0}, 0.03);
+/// A person with markers on the skin. Marker positions relative to the joint centres: palpation rules of the Plug-in Gait model, and for
+/// the labels of other sets the bony landmarks that they name (van Sint Jan 2007, Colour Atlas of Skeletal Landmark Definitions).
+MarkerSet make_human() {
+  Builder b("human, markers on the skin");
+  const auto [hips, thigh, shank, ankle, chest, head, collar, arm, forearm, hand] = add_person(b);
+  // Plug-in Gait, CGM2, Helen Hayes, IOR (Leardini), CAST and ISB landmarks, OpenSim's gait models, CMU, OptiTrack Baseline.
+  b.markers({"<ASI", "<FWT", "<ASIS", "ASIS<", "<IAS", "WAIST<FRONT"}, hips, {0.06, 0.12, 0.105}, 0.006);
+  b.markers({"<PSI", "<BWT", "<PSIS", "PSIS<", "<IPS", "WAIST<BACK"}, hips, {-0.115, 0.045, 0.11}, 0.006);
+  b.marker({"SACR", "SAC", "VSACRAL", "SACRUM", "SACRAL"}, hips, {-0.1, 0, 0.09}, 0.015);
+  b.markers({"<ILC", "<ICT", "<IC", "<CREST"}, hips, {-0.01, 0.145, 0.16}, 0.02);
+  b.markers({"<FHD", "<HEADFRONT"}, head, {0.1, 0.065, 0.09}, 0.03);
+  b.markers({"<BHD", "<HEADBACK"}, head, {-0.08, 0.065, 0.09}, 0.03);
+  b.markers({"<TEMPLE", "<HEAD", "<TRAGION"}, head, {0.04, 0.075, 0.07}, 0.03);
+  b.marker({"ARIEL", "HTOP", "HEADTOP", "TOPHEAD", "VERTEX"}, head, {0, 0, 0.18}, 0.03);
+  b.marker({"HEADFRONT", "FOREHEAD"}, head, {0.1, 0, 0.1}, 0.03);
+  b.marker({"C7", "CV7", "BACKTOP"}, chest, {-0.075, 0, 0.235}, 0.02);
+  b.marker({"T10", "TV10", "MAI", "T8", "TV8"}, chest, {-0.105, 0, 0.0}, 0.03);
   b.marker({"CLAV", "IJ", "SJN"}, chest, {0.06, 0, 0.185}, 0.02);
-  b.marker({"STRN", "PX", "XIPH"}, chest, {0.1, 0, 0.04}, 0.03);
-  b.marker({"RBAC", "RBAK"}, chest, {-0.1, -0.07, 0.12}, 0.04);
-  b.markers({"<SHO", "<ACR", "<SAE", "<ACROMION"}, collar, {0, 0.135, 0.045}, 0.015);
-  b.markers({"<UPA", "<UPARM"}, arm, {0, 0.14, 0.045}, 0.05);
-  b.markers({"<ELB", "<LEE", "<LEL", "<ELBOW"}, arm, {0, 0.28, 0.048}, 0.008);
-  b.markers({"<FRM", "<FRA"}, forearm, {0, 0.13, 0.03}, 0.05);
-  b.markers({"<WRA"}, forearm, {0, 0.25, 0.045}, 0.02);
-  b.markers({"<WRB"}, forearm, {0, 0.25, -0.045}, 0.02);
-  b.markers({"<FIN", "<HAND"}, hand, {-0.015, 0.085, 0}, 0.02);
-  b.markers({"<THI", "<THIGH"}, thigh, {0.02, 0.085, -0.22}, 0.05, 6);
-  b.markers({"<KNE", "<LFC", "<KNEE"}, shank, {-0.02, 0.055, 0.012}, 0.002, 4);
-  b.markers({"<SHN", "<TIB", "<SHANK"}, shank, {0.01, 0.055, -0.2}, 0.05, 3);
-  b.markers({"<ANK", "<ANKLE", "<LMAL"}, shank, {0, 0.04, -0.405}, 0.006, 0.6);
-  b.markers({"<HEE", "<HEEL", "<CAL"}, ankle, {-0.055, 0, -0.045}, 0.015);
-  b.markers({"<TOE", "<MT2"}, ankle, {0.13, 0, -0.035}, 0.02);
-  b.markers({"<MT5", "<5TH"}, ankle, {0.1, 0.05, -0.055}, 0.02);
-  b.markers({"<MT1", "<1ST"}, ankle, {0.13, -0.03, -0.05}, 0.02);
+  b.marker({"STRN", "PX", "XIPH", "SXS", "CHEST"}, chest, {0.1, 0, 0.04}, 0.03);
+  b.marker({"STERNUM"}, chest, {0.09, 0, 0.11}, 0.06);
+  b.marker({"RBAC", "RBAK", "BACKRIGHT"}, chest, {-0.1, -0.07, 0.12}, 0.04);
+  b.marker({"LBAC", "LBAK", "BACKLEFT"}, chest, {-0.1, 0.07, 0.12}, 0.04);
+  b.markers({"<SHO", "<ACR", "<SAE", "<ACROMION", "<ACROMIUM", "<CAJ", "<SHOULDERTOP", "<SHOULDER"}, collar, {0, 0.135, 0.045}, 0.015);
+  b.markers({"<SHOULDERBACK", "<SIA"}, collar, {-0.07, 0.11, -0.03}, 0.04);
+  b.markers({"<UPA", "<UPARM", "<BICEP", "<UARMHIGH", "<UARM"}, arm, {0, 0.14, 0.045}, 0.05);
+  b.markers({"<ELB", "<LEE", "<LEL", "<ELBOW", "<HLE", "<ELBOWLAT", "<ELBOWLATERAL", "<ELBOWOUT", "<LATELBOW", "<ELBL"}, arm,
+            {0, 0.28, 0.048}, 0.008);
+  b.markers({"<HME", "<ELBOWMED", "<ELBOWMEDIAL", "<MEDELBOW", "<ELBM", "<MEE", "<MEL", "<ELBOWIN"}, arm, {0, 0.28, -0.045}, 0.01);
+  b.markers({"<FRM", "<FRA", "<FARM"}, forearm, {0, 0.13, 0.03}, 0.05);
+  b.markers({"<WRA", "<RSP", "<WRISTLAT", "<WRISTLATERAL", "<LATWRIST", "<WRISTIN", "<RS"}, forearm, {0, 0.25, 0.045}, 0.02);
+  b.markers({"<WRB", "<USP", "<WRISTMED", "<WRISTMEDIAL", "<MEDWRIST", "<WRISTOUT", "<US"}, forearm, {0, 0.25, -0.045}, 0.02);
+  b.markers({"<WRI", "<WRIST"}, forearm, {-0.02, 0.25, 0}, 0.03);
+  b.markers({"<FIN", "<HAND", "<HM2", "<HANDIN"}, hand, {-0.015, 0.085, 0}, 0.02);
+  b.markers({"<HM5", "<HANDOUT"}, hand, {-0.01, 0.08, -0.04}, 0.02);
+  b.markers({"<GT", "<GTR", "<FTC", "<TROCH", "<TROCHANTER"}, thigh, {0, 0.075, 0}, 0.02);
+  b.markers({"<THI", "<THIGH", "<THAP"}, thigh, {0.02, 0.085, -0.22}, 0.05, 6);
+  b.markers({"<THIGHUPPER", "<TH1", "<THIGH1", "<THIA"}, thigh, {0.02, 0.08, -0.2}, 0.09, 6);
+  b.markers({"<THIGHFRONT", "<TH2", "<THIGH2", "<THIB"}, thigh, {0.06, 0.05, -0.25}, 0.09, 6);
+  b.markers({"<THIGHREAR", "<TH3", "<THIGH3", "<THIC"}, thigh, {0, 0.08, -0.28}, 0.09, 6);
+  b.markers({"<TH4", "<THIGH4", "<THID"}, thigh, {0.02, 0.08, -0.25}, 0.09, 6);
+  b.markers({"<KNE", "<LFC", "<KNEE", "<FLE", "<LE", "<LFE", "<KNEELAT", "<KNEELATERAL", "<LATKNEE", "<KNEEOUT", "<LKNE"}, shank,
+            {-0.02, 0.055, 0.012}, 0.002, 4);
+  b.markers({"<KNM", "<MFC", "<FME", "<ME", "<MFE", "<KNEEMED", "<KNEEMEDIAL", "<MEDKNEE", "<KNEEIN", "<MKNE"}, shank,
+            {-0.02, -0.055, 0.012}, 0.004, 4);
+  b.markers({"<HF", "<FAX"}, shank, {-0.03, 0.05, -0.045}, 0.015, 3);
+  b.markers({"<TT", "<TTC"}, shank, {0.045, 0, -0.055}, 0.015, 3);
+  b.markers({"<SHN", "<TIB", "<SHANK", "<SHIN", "<TIBIA", "<TIAP"}, shank, {0.01, 0.055, -0.2}, 0.05, 3);
+  b.markers({"<SHANKUPPER", "<SK1", "<SHANK1", "<TIBA", "<TB1"}, shank, {0.02, 0.05, -0.18}, 0.09, 3);
+  b.markers({"<SHANKFRONT", "<SK2", "<SHANK2", "<TIBB", "<TB2"}, shank, {0.04, 0.03, -0.22}, 0.09, 3);
+  b.markers({"<SHANKREAR", "<SK3", "<SHANK3", "<TIBC", "<TB3"}, shank, {0, 0.05, -0.24}, 0.09, 3);
+  b.markers({"<SK4", "<SHANK4", "<TIBD", "<TB4"}, shank, {0.02, 0.05, -0.24}, 0.09, 3);
+  b.markers({"<ANK", "<ANKLE", "<LMAL", "<FAL", "<LM", "<ANKLELAT", "<ANKLELATERAL", "<LATANKLE", "<ANKLEOUT"}, shank, {0, 0.04, -0.405},
+            0.006, 0.6);
+  b.markers({"<MED", "<MMAL", "<TAM", "<MM", "<MMA", "<ANKLEMED", "<ANKLEMEDIAL", "<MEDANKLE", "<ANKLEIN"}, shank, {0.005, -0.037, -0.4},
+            0.008, 0.6);
+  b.markers({"<HEE", "<HEEL", "<CAL", "<CA", "<FCC", "<CALC"}, ankle, {-0.055, 0, -0.045}, 0.015);
+  b.markers({"<TOE", "<MT2", "<FM2", "<SM", "<TOEB"}, ankle, {0.13, 0, -0.035}, 0.02);
+  b.markers({"<TOETIP", "<HALLUX", "<TOEEND"}, ankle, {0.195, 0, -0.06}, 0.02);
+  b.markers({"<MT5", "<5TH", "<FM5", "<VM", "<VMH", "<TOELAT", "<LATTOE", "<TOEOUT", "<5MT", "<M5"}, ankle, {0.1, 0.05, -0.055}, 0.02);
+  b.markers({"<MT1", "<1ST", "<FM1", "<FM", "<FMH", "<TOEMED", "<MEDTOE", "<TOEIN", "<1MT", "<M1"}, ankle, {0.13, -0.03, -0.05}, 0.02);
+  b.markers({"<MIDFOOTSUP"}, ankle, {0.07, 0, -0.01}, 0.03);
+  b.markers({"<MIDFOOTLAT"}, ankle, {0.06, 0.045, -0.055}, 0.03);
   return b.finish();
 }
 
-/// A rat-like animal of 0.2 m from snout to tail; other sizes are scaled.
+/// A person with key points at the joint centres, as video systems give them (COCO, OpenPose, HALPE, Theia and Xsens exports).
+MarkerSet make_human_key_points() {
+  Builder b("human, key points on the joints");
+  const auto [hips, thigh, shank, ankle, chest, head, collar, arm, forearm, hand] = add_person(b);
+  (void)collar;
+  const double on_joint = 0.012;
+  b.marker({"MIDHIP", "HIP", "PELVIS", "HIPS", "CHIP"}, hips, {}, 0.02);
+  b.marker({"NECK", "THORAX", "SPINESHOULDER"}, chest, {0, 0, 0.22}, 0.03);
+  b.marker({"HEAD", "HEADTOP"}, head, {0, 0, 0.17}, 0.04);
+  b.marker({"NOSE"}, head, {0.11, 0, 0.05}, 0.03);
+  b.markers({"<EYE"}, head, {0.085, 0.032, 0.08}, 0.02);
+  b.markers({"<EAR"}, head, {0, 0.075, 0.06}, 0.02);
+  b.markers({"<SHOULDER", "SHOULDER<", "<SJC", "<SHO"}, arm, {}, on_joint);
+  b.markers({"<ELBOW", "ELBOW<", "<EJC"}, forearm, {}, on_joint);
+  b.markers({"<WRIST", "WRIST<", "<WJC"}, hand, {}, on_joint);
+  b.markers({"<HAND", "HAND<"}, hand, {0, 0.08, 0}, 0.03);
+  b.markers({"<HIP", "HIP<", "<HJC"}, thigh, {}, on_joint);
+  b.markers({"<KNEE", "KNEE<", "<KJC"}, shank, {}, on_joint);
+  b.markers({"<ANKLE", "ANKLE<", "<AJC"}, ankle, {}, on_joint);
+  b.markers({"<BIGTOE", "<TOE", "<FOOT", "TOE<"}, ankle, {0.175, -0.015, -0.06}, 0.02);
+  b.markers({"<SMALLTOE"}, ankle, {0.14, 0.05, -0.06}, 0.02);
+  b.markers({"<HEEL", "HEEL<"}, ankle, {-0.05, 0, -0.05}, 0.02);
+  return b.finish();
+}
+
+/// A rat-like animal of 0.2 m from snout to tail. For animals of other sizes all lengths are scaled.
 MarkerSet make_quadruped() {
   Builder b("four-legged animal, key points on the joints");
   ModelSegment root = ball("Pelvis", -1, {}, {}, 1e3);
@@ -200,6 +266,36 @@ std::string normalized_label(const std::string& label) {
   return out;
 }
 
+/// The label in the forms in which sets write it: as it is; with the side as first letter ("left_knee", "Knee Left", "knee.L" -> "LKNEE").
+std::vector<std::string> forms_of(const std::string& label) {
+  const std::string plain = normalized_label(label);
+  std::vector<std::string> out = {plain};
+  for (const auto& [word, letter] : {std::pair<std::string_view, char>{"LEFT", 'L'}, {"RIGHT", 'R'}}) {
+    if (plain.size() > word.size() && plain.starts_with(word)) out.push_back(letter + plain.substr(word.size()));
+    if (plain.size() > word.size() && plain.ends_with(word)) out.push_back(letter + plain.substr(0, plain.size() - word.size()));
+  }
+  const std::size_t mark = label.find_last_of("_-. ");
+  if (mark != std::string::npos && mark > 0 && mark + 2 == label.size()) {
+    const std::string side = normalized_label(label.substr(mark + 1));
+    if (side == "L" || side == "R") out.push_back(side + normalized_label(label.substr(0, mark)));
+  }
+  return out;
+}
+
+/// Length of a prefix that all labels share up to a separator ("Jim_LASI", "Subject1.RKNE"); 0: none. At least four labels are needed.
+std::size_t common_prefix(const std::vector<std::string>& labels) {
+  if (labels.size() < 4) return 0;
+  std::size_t length = labels[0].size();
+  for (const std::string& label : labels) {
+    if (label.starts_with('*')) continue;  // unlabelled
+    std::size_t k = 0;
+    while (k < length && k < label.size() && label[k] == labels[0][k]) ++k;
+    length = k;
+  }
+  const std::size_t mark = labels[0].substr(0, length).find_last_of("_-. :");
+  return mark == std::string::npos ? 0 : mark + 1;
+}
+
 }  // namespace
 
 const MarkerSet& human_markers() {
@@ -212,18 +308,26 @@ const MarkerSet& quadruped_key_points() {
   return set;
 }
 
+const MarkerSet& human_key_points() {
+  static const MarkerSet set = make_human_key_points();
+  return set;
+}
+
 std::vector<int> match_labels(const MarkerSet& set, const std::vector<std::string>& labels) {
+  const std::size_t prefix = common_prefix(labels);
   std::vector<int> out(labels.size(), -1);
   std::vector<char> used(set.markers.size());
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    std::string label = normalized_label(labels[i]);
-    if (const std::size_t colon = label.rfind(':'); colon != std::string::npos) label.erase(0, colon + 1);
-    for (std::size_t k = 0; k < set.markers.size(); ++k) {
-      const auto& names = set.markers[k].labels;
-      if (used[k] != 0 || std::find(names.begin(), names.end(), label) == names.end()) continue;
-      out[i] = static_cast<int>(k);
-      used[k] = 1;
-      break;
+    std::string text = labels[i].substr(std::min(prefix, labels[i].size()));
+    if (const std::size_t colon = text.rfind(':'); colon != std::string::npos) text.erase(0, colon + 1);
+    for (const std::string& label : forms_of(text)) {
+      for (std::size_t k = 0; k < set.markers.size() && out[i] < 0; ++k) {
+        const auto& names = set.markers[k].labels;
+        if (used[k] != 0 || std::find(names.begin(), names.end(), label) == names.end()) continue;
+        out[i] = static_cast<int>(k);
+        used[k] = 1;
+      }
+      if (out[i] >= 0) break;
     }
   }
   return out;

@@ -15,25 +15,25 @@ enum class ModelJoint : unsigned char { root, ball, hinge, universal, fixed };
 /// At rest all frames are parallel to the world: X forward, Y left, Z up. Lengths refer to the model's own size.
 struct ModelSegment {
   std::string name;
-  int parent = -1;    ///< index; -1: root
-  Vec3 offset;        ///< m, from the parent's joint, in the parent's frame
+  int parent = -1;    ///< index in MarkerSet::segments; -1: root
+  Vec3 offset;        ///< m, position of the segment's joint relative to the parent's joint, in the parent's frame
   Vec3 offset_sigma;  ///< m, standard deviation over people (or animals) of this size; 0: the offset is exact
   ModelJoint joint = ModelJoint::ball;
   Vec3 axis, second_axis;            ///< unit; hinge: axis; universal: axis (outer) and second_axis (inner)
   double lower = 0, upper = 0;       ///< rad, limits of the first axis
   double lower2 = 0, upper2 = 0;     ///< rad, limits of the second axis
-  double stiffness_sigma = 1e3;      ///< rad, standard deviation from rest: distributes a bend over joints that the markers do not separate
-  int mirror = -1;                   ///< index of the segment on the other side; -1: none
+  double stiffness_sigma = 1e3;      ///< rad, standard deviation from rest; shares a rotation among joints that markers cannot distinguish
+  int mirror = -1;                   ///< index of the segment on the other side of the body; -1: none
   std::vector<Vec3> end_sites = {};  ///< m, in the segment's frame
 };
 
 /// A marker of a marker set.
 struct ModelMarker {
   std::vector<std::string> labels;  ///< labels in use, in capital letters; the first is the usual one
-  int segment = 0;                  ///< index
+  int segment = 0;                  ///< index in MarkerSet::segments
   Vec3 at;                          ///< m, in the segment's frame
   double sigma = 0;                 ///< m, standard deviation of the placement
-  double noise = 1;                 ///< factor of PoseOptions::marker_sigma for motion of the skin relative to the bone
+  double noise = 1;                 ///< factor on PoseOptions::marker_sigma: motion of the skin relative to the bone at this marker
 };
 
 /// A model skeleton with its markers.
@@ -43,13 +43,16 @@ struct MarkerSet {
   std::vector<ModelMarker> markers;
 };
 
-/// Human body with the labels of Plug-in Gait, CMU and similar sets.
+/// Human body with markers on the skin: labels of Plug-in Gait, CGM2, Helen Hayes, IOR, CAST, OpenSim, CMU, OptiTrack Baseline.
 [[nodiscard]] const MarkerSet& human_markers();
+/// Human body with key points at the joint centres: labels of COCO, OpenPose, HALPE and similar sets.
+[[nodiscard]] const MarkerSet& human_key_points();
 /// Four-legged animal with key points on its joints (Snout, SpineF, ShoulderL, HipR ...).
 [[nodiscard]] const MarkerSet& quadruped_key_points();
 
-/// Index into set.markers [labels] for each label of the recording; -1: not in the set. Case, blanks, '_', '-', '.' and a prefix before ':'
-/// are ignored.
+/// Index into set.markers [labels] for each label of the recording; -1: not in the set. Case, blanks, '_', '-', '.', a prefix before ':'
+/// and a prefix that all labels share are ignored. "Left" and "right" may be written out, in front or behind ("left_knee", "Knee Left",
+/// "knee.L").
 [[nodiscard]] std::vector<int> match_labels(const MarkerSet& set, const std::vector<std::string>& labels);
 
 }  // namespace ugoki::capture

@@ -11,7 +11,7 @@ namespace ugoki::capture {
 /// Joint coordinates of a subject in one frame.
 struct ModelPose {
   Vec3 p;                       ///< m, position of the root
-  std::vector<Quat> rotations;  ///< [segments] ball joints and the root: rotation in the parent's frame
+  std::vector<Quat> rotations;  ///< [segments] rotation in the parent's frame; used for ball joints and the root
   std::vector<double> angles;   ///< [2 * segments] rad; hinge i: angles[2 i]; universal joint i: angles[2 i], angles[2 i + 1]
 };
 
@@ -19,11 +19,11 @@ struct ModelPose {
 struct Subject {
   const MarkerSet* set = nullptr;    ///< not owned
   double size = 1;                   ///< size relative to the model
-  std::vector<Vec3> offsets;         ///< [segments] m, from the parent's joint
+  std::vector<Vec3> offsets;         ///< [segments] m, position of the joint relative to the parent's joint, in the parent's frame
   std::vector<int> markers;          ///< [used markers] index into set->markers
   std::vector<int> columns;          ///< [used markers] index of the marker in the recording
   std::vector<Vec3> marker_offsets;  ///< [used markers] m, position in the segment's frame
-  std::vector<int> first_dof;        ///< [segments] index of the joint's first DOF
+  std::vector<int> first_dof;        ///< [segments] index of the joint's first DOF among all DOFs
   int dofs = 0;                      ///< total number of DOFs
 
   [[nodiscard]] const ModelSegment& segment(std::size_t i) const { return set->segments[i]; }

@@ -26,7 +26,7 @@ struct PoseOptions {
   int max_iterations = 30;
 };
 
-/// Weight [1/m^2] of a marker in the normal equations. @param distance m, from its measured position @param noise ModelMarker::noise
+/// Weight [1/m^2] of a marker in the normal equations. @param distance m, marker to its measured position @param noise ModelMarker::noise
 [[nodiscard]] double marker_weight(const PoseOptions& options, double noise, double distance);
 
 /// Minimises marker errors, deviation from rest (weighted by stiffness_sigma) and deviation from `near` by the Levenberg-Marquardt method.
@@ -34,13 +34,13 @@ struct PoseOptions {
 class PoseSolver {
  public:
   /// @param pose [in and out] start and result
-  /// @return the cost: half the sum of squares, each in units of its sigma
+  /// @return the cost: half the sum of squared deviations, each divided by its standard deviation (Huber loss for markers)
   double solve(const Subject& subject, const MeasuredFrame& frame, const PoseOptions& options, ModelPose& pose);
 
-  /// Normal equations at the last solution: H [DOFs^2] (lower triangle valid) without damping.
+  /// Matrix of the normal equations at the last solution, [DOFs][DOFs], without damping. Only its lower triangle is valid.
   [[nodiscard]] std::span<const double> normal_matrix() const { return H_; }
   [[nodiscard]] const Kinematics& kinematics() const { return k_; }
-  /// Derivative (m per m | rad) of the used marker's world position with respect to a DOF at the last solution; zero if it has no effect.
+  /// Derivative (m per m or rad) of the used marker's world position with respect to a DOF at the last solution; zero without effect.
   [[nodiscard]] Vec3 jacobian(const Subject& subject, std::size_t used, std::size_t dof) const;
 
  private:

@@ -7,7 +7,7 @@
 namespace ugoki::circuit {
 namespace {
 
-/// Appends text to a buffer of the caller; truncates at its end.
+/// Appends text to the caller's buffer and truncates the text at the end of the buffer.
 class Text {
  public:
   explicit Text(std::span<char> buffer) : buffer_(buffer) {}

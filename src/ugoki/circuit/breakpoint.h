@@ -8,8 +8,8 @@
 
 namespace ugoki::circuit {
 
-/// The breakpoint written as "id.pin > 3" (one of > < == != or =), "id.pin becomes true" (above 0) or "id.pin changes". A pin of several
-/// numbers is compared by number 0, or by the one in brackets: "id.pin[2] > 3" (counted from 0). Errors have the location "condition".
+/// Reads a breakpoint: "id.pin > 3" (operators > < == != =), "id.pin becomes true" (rises above 0) or "id.pin changes". Of a pin with
+/// several numbers, number 0 is compared, or the one in brackets: "id.pin[2] > 3" (counted from 0). Errors have the location "condition".
 [[nodiscard]] Result<Breakpoint> read_breakpoint(std::string_view text);
 
 }  // namespace ugoki::circuit

@@ -1,5 +1,5 @@
 #pragma once
-// A circuit as data: the form that users edit and save. Interpreter::build checks it against a library; nothing in this file does.
+// A circuit as data: the form that users edit and save. Only Interpreter::build checks it against a library.
 
 #include <cstdint>
 #include <optional>
@@ -30,8 +30,8 @@ struct Instance {
   std::string label;                   ///< title shown in the editor; may be empty
   std::string note;                    ///< comment of the user; may be empty
   Position at;                         ///< position of the LSI's box in the editor
-  std::uint32_t every = 1;             ///< runs at each `every`-th tick; 0: only in Interpreter::refresh
-  std::vector<NamedValue> parameters;  ///< by parameter name
+  std::uint32_t every = 1;             ///< runs at each `every`-th tick; 0: runs only in Interpreter::refresh
+  std::vector<NamedValue> parameters;  ///< values of parameters, by parameter name
   std::vector<NamedValue> values;      ///< fixed values of inputs without a wire, by pin name
   friend bool operator==(const Instance&, const Instance&) = default;
 };
@@ -49,12 +49,12 @@ struct BoundaryPin {
   std::string unit;
   std::string doc;
   /// Input: the inner inputs "id.pin" that receive the pin's value. Output: the single inner output "id.pin" whose value the pin passes
-  /// on; empty: the circuit is unfinished, and building it reports an error.
+  /// on. Empty for an output: the circuit is unfinished, and building it reports an error.
   std::vector<std::string> ends;
   friend bool operator==(const BoundaryPin&, const BoundaryPin&) = default;
 };
 
-/// A parameter of the circuit itself. Its value is given to all inner parameters in `ends`.
+/// A parameter of the circuit itself. All inner parameters in `ends` receive its value.
 struct BoundaryParameter {
   std::string name;
   std::string doc;
@@ -88,8 +88,8 @@ struct Circuit {
   std::vector<BoundaryParameter> parameters;
   std::vector<Instance> lsis;
   std::vector<Wire> wires;
-  std::vector<Note> notes;        ///< not run
-  std::vector<ProbeMark> probes;  ///< not run
+  std::vector<Note> notes;        ///< for the editor; no effect on the run
+  std::vector<ProbeMark> probes;  ///< for the editor; no effect on the run
   std::vector<Circuit> circuits;  ///< definitions that `lsis` use by name
   friend bool operator==(const Circuit&, const Circuit&) = default;
 };
@@ -99,7 +99,8 @@ struct Circuit {
 /// @param location  start of the JSON paths in errors, for example "circuit"
 [[nodiscard]] Result<Circuit> read_circuit(std::string_view text, std::string_view location = "circuit");
 
-/// The canonical JSON text: same order as in `circuit`, one pin, LSI or wire per line, final newline. Numbers read back to the same bits.
+/// Writes the canonical JSON text: entries in the order of `circuit`, one pin, LSI or wire per line, and a final newline. Numbers read back
+/// to the same bits.
 [[nodiscard]] std::string write_circuit(const Circuit& circuit);
 
 }  // namespace ugoki::circuit

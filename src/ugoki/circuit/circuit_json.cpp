@@ -14,7 +14,7 @@ namespace {
 
 using json::Json;
 
-constexpr int max_depth = 32;           // of circuits inside circuits; bounds the recursion of the reader
+constexpr int max_depth = 32;           // maximum nesting of circuits; bounds the recursion of the reader
 constexpr std::size_t max_shown = 100;  // bytes of a wrong name that are printed in a message
 
 bool is_id(std::string_view text) {
@@ -26,7 +26,7 @@ bool is_id(std::string_view text) {
   return true;
 }
 
-/// Whether the text is "id.pin" with a valid id and a pin name that is not empty.
+/// Whether the text is "id.pin" with a valid id and a non-empty pin name.
 bool is_end(std::string_view text) {
   const auto dot = text.find('.');
   return dot != std::string_view::npos && is_id(text.substr(0, dot)) && dot + 1 < text.size();

@@ -8,7 +8,8 @@
 
 namespace ugoki::circuit {
 
-/// The declaration as an object {"name", "doc", "group", "from", "version", "inputs", "outputs", "parameters", "fields", "state_bytes"}.
+/// Writes the declaration as a JSON object
+/// {"name", "doc", "group", "from", "version", "inputs", "outputs", "parameters", "fields", "state_bytes"}.
 [[nodiscard]] json::Json class_json(const LsiClass& c);
 /// Reads the object that class_json writes; the functions of the class stay null. Each problem has its JSON path, which begins with
 /// `location`.

@@ -46,7 +46,7 @@ inline LsiClass lsi(std::string name, std::string doc, std::vector<InputPin> inp
   return c;
 }
 
-/// A scalar input that needs no wire; without a wire its value is `value`.
+/// Makes a scalar input that needs no wire. Without a wire, the input has the value `value`.
 inline InputPin optional(std::string name, double value = 0, std::string doc = {}) {
   InputPin pin = in(std::move(name), PinTypeId::scalar, std::move(doc));
   pin.required = false;
@@ -54,7 +54,7 @@ inline InputPin optional(std::string name, double value = 0, std::string doc = {
   return pin;
 }
 
-/// Called by add_signal_lsis.
+/// Add groups of signal LSIs to the library. add_signal_lsis calls both functions.
 void add_logic_lsis(Library& library);
 void add_machine_lsis(Library& library);
 

@@ -11,14 +11,14 @@ namespace {
 
 using json::Json;
 
-// Limits of a message from the page, far above the values of real devices: beyond them it is refused (lists, names of keys) or clamped.
+// Limits of an `input` message, far above the values of real devices. Longer lists and key names are refused, larger numbers clamped.
 constexpr std::size_t max_keys = 64, max_code_length = 32, max_axes = 32, max_buttons = 64;
 constexpr double max_notches = 1000;
 
 struct MousePin {
   const char* name;
   double (*value)(const MouseState&);
-  bool press;  ///< a button: DeviceFeed::presses observes it
+  bool press;  ///< true: the pin is a button, which DeviceFeed::presses observes
 };
 constexpr MousePin mouse_pins[] = {
     {"x", [](const MouseState& m) { return m.x; }, false},
@@ -29,7 +29,7 @@ constexpr MousePin mouse_pins[] = {
     {"wheel", [](const MouseState& m) { return m.wheel; }, false},
 };
 
-/// 1 if the button is pressed at least half-way, otherwise 0.
+/// Returns 1 if the button is pressed at least half-way, otherwise 0.
 double down(double button) { return button >= 0.5 ? 1 : 0; }
 
 struct GamepadPin {
@@ -89,7 +89,7 @@ void read_mouse(json::Fields& f, DeviceChange& out) {
   mouse.wheel = std::clamp(mouse.wheel, -max_notches, max_notches);
 }
 
-/// Copies the list into the first elements of `to`, clamped to [minimum, 1]. Elements beyond the size of `to` are ignored.
+/// Copies the list in field `key` into the first elements of `to`, clamped to [minimum, 1]. Further elements of the list are ignored.
 void read_list(json::Fields& f, const char* key, std::size_t maximum, double minimum, std::span<double> to) {
   const Json* list = f.list(key, maximum, key);
   if (!list) return;

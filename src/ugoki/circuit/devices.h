@@ -1,6 +1,6 @@
 #pragma once
-// State of the user's input devices, and how it reaches the LSIs keyboard, mouse and gamepad of a circuit. The text form is the message
-// `input` of docs/studio-protocol.md.
+// State of the user's input devices, and its transfer to the LSIs keyboard, mouse and gamepad of a circuit. The text form of the state is
+// the message `input` of docs/studio-protocol.md.
 
 #include <array>
 #include <cstddef>
@@ -41,7 +41,7 @@ struct DeviceState {
 struct DeviceChange {
   std::optional<std::vector<std::string>> keys;
   std::optional<MouseState> mouse;  ///< its `wheel` is the change since the previous message, notches
-  bool mouse_moved[2] = {};         ///< whether `mouse` specifies x and y; if not, the coordinate keeps its value
+  bool mouse_moved[2] = {};         ///< whether `mouse` specifies x and y; an unspecified coordinate keeps its value
   std::optional<std::array<GamepadState, max_gamepads>> gamepads;
 };
 
@@ -76,11 +76,11 @@ class DeviceFeed {
 
  private:
   struct Slot {
-    std::string key;  // KeyboardEvent.code, if it is a key of the keyboard
+    std::string key;  // KeyboardEvent.code of a key; empty: not a keyboard slot
     bool mouse = false;
-    std::size_t gamepad = max_gamepads;  // index; max_gamepads: the slot is not a gamepad's
+    std::size_t gamepad = max_gamepads;  // index of the gamepad; max_gamepads: not a gamepad slot
     std::size_t pin = 0;                 // mouse or gamepad: index into mouse_pins or gamepad_pins of devices.cpp
-    double* number = nullptr;            // the output of the LSI
+    double* number = nullptr;            // the output of the device LSI that the slot writes
     [[nodiscard]] double value(const DeviceState& state) const;
     [[nodiscard]] bool is_press() const;
   };

@@ -1,5 +1,5 @@
 #pragma once
-// An example: a circuit with inputs at given ticks and the outputs expected. It documents an LSI and is also a test.
+// An example is a circuit with inputs at given ticks and the expected outputs. It documents an LSI and is also a test.
 
 #include <string>
 #include <string_view>
@@ -14,18 +14,18 @@ namespace ugoki::circuit {
 
 struct Activity;
 
-/// Numbers that a pin is set to before a tick (given), or must have after it (expected).
+/// Numbers of a pin: values written to it before a tick (given), or required of it after the tick (expected).
 struct ExampleMoment {
   std::uint64_t tick = 0;  ///< index from 0
   std::string pin;         ///< given: an input of the circuit, "id.pin" of a device, or "id.parameter"; expected: "id.pin"
   std::vector<double> numbers;
-  double tolerance = 0;  ///< absolute, in the unit of the pin; unused if given
+  double tolerance = 0;  ///< expected: absolute tolerance, in the unit of the pin; given: unused
 };
 
 struct Example {
   std::string doc;
   Circuit circuit;
-  double dt = 0.01;  ///< s, between ticks
+  double dt = 0.01;  ///< s: time between two ticks
   std::vector<ExampleMoment> given, expected;
 };
 
@@ -33,9 +33,9 @@ struct Example {
 /// number or a list of numbers.
 [[nodiscard]] Result<Example> read_example(std::string_view text, std::string_view location);
 
-/// Runs the example up to its last expected tick. The error names every pin whose value at the first wrong tick differs.
+/// Runs the example up to the last tick with expected numbers. The error names every pin with a wrong value at the first wrong tick.
 /// @param resources objects that the LSIs request from the host; null: none
-/// @param activity receives which LSI runs; null: nobody asks
+/// @param activity receives the LSI that is running; null: none
 [[nodiscard]] Result<void> check_example(const Example& example, const Library& library, std::string_view location,
                                          const Resources* resources = nullptr, Activity* activity = nullptr);
 

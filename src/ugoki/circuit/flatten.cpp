@@ -11,12 +11,12 @@
 namespace ugoki::circuit {
 namespace {
 
-// Limits against small files that expand without bound: nested circuits multiply LSIs and wires. Beyond them the circuit is refused.
-constexpr std::size_t max_items = 200000;      // LSIs and circuits after expansion
-constexpr std::size_t max_searches = 1000000;  // inputs visited while wires are followed into nested circuits
-constexpr std::uint32_t max_every = 1000000;   // ticks; products of nested `every` are clamped to it
+// Limits for circuits that grow without bound when nested circuits are expanded. A circuit beyond these limits is refused.
+constexpr std::size_t max_items = 200000;      // number of LSIs and circuits after expansion
+constexpr std::size_t max_searches = 1000000;  // number of inputs visited while wires are followed into nested circuits
+constexpr std::uint32_t max_every = 1000000;   // ticks; products of nested `every` are clamped to this value
 
-/// The class that represents an input of the outermost circuit: one output, no functions.
+/// The class of the placeholder LSI for an input of the outermost circuit: it has one output and no functions.
 const LsiClass& input_class(PinTypeId type) {
   static const std::vector<LsiClass> classes = [] {
     std::vector<LsiClass> all;
@@ -52,7 +52,7 @@ struct Sink {
   int lsi, pin;
 };
 
-/// A value given to a parameter, by the LSI itself or by the circuit around it.
+/// A value given to a parameter, either by the LSI itself or by a circuit around the LSI.
 struct Override {
   std::string end;  ///< "id.parameter"
   Value value;
@@ -114,7 +114,7 @@ class Flattener {
     return nullptr;
   }
 
-  /// Reports entries of a list with the same name: wires and parameters could not refer to one of them.
+  /// Reports two entries of one list that have the same name, because the name would not identify an entry.
   template <class Parts>
   void check_names(const std::string& location, const char* field, const Parts& parts) {
     std::set<std::string_view> names;
@@ -124,7 +124,7 @@ class Flattener {
                 std::string("Two ") + field + " are called '" + parts[i].name + "'.", "Rename one.");
   }
 
-  /// Adds the LSIs and nested circuits of a level.
+  /// Adds the LSIs and nested circuits of a level to the flat circuit.
   void expand(Level& level, std::uint32_t every, const std::vector<Override>& overrides) {
     const Circuit& circuit = *level.circuit;
     check_names(level.location, "inputs", circuit.inputs);
@@ -228,7 +228,7 @@ class Flattener {
             "Install it with `ugoki lsi install " + library + ".so` (or .fmu), or replace '" + id + "'; the circuit keeps it until then.");
   }
 
-  /// Translates values for parameters of a nested circuit to values for the inner parameters that they set.
+  /// Converts values given to parameters of a nested circuit to values for the inner parameters that these parameters set.
   std::vector<Override> pass_on(const Circuit& inner, const std::vector<Override>& given, const std::string& id) {
     std::vector<Override> out;
     for (const Override& o : given) {
@@ -343,7 +343,8 @@ class Flattener {
     return i;
   }
 
-  /// The output of an LSI that "id.pin" of this level refers to, through nested circuits. If there is none: reports it, and returns lsi -1.
+  /// Finds the output of an LSI to which "id.pin" of this level refers, also inside nested circuits. If there is none, reports this and
+  /// returns a Source with lsi -1.
   Source find_source(const Level& level, const std::string& end, const std::string& location) {
     const auto [id, pin] = split(end);
     const auto item = level.items.find(id);
@@ -368,7 +369,7 @@ class Flattener {
     return {};
   }
 
-  /// The output of an LSI that feeds this output of a circuit.
+  /// Finds the output of an LSI that feeds the output `boundary` of the circuit `level`.
   Source boundary_source(const Level& level, const BoundaryPin& boundary, const std::string& location) {
     if (boundary.ends.empty()) {
       problem(ErrorCode::structure, location + "/from", "Nothing is wired to the circuit's output '" + level.prefix + boundary.name + "'.",
@@ -390,7 +391,7 @@ class Flattener {
             "Declare it as " + std::string(pin_type(type).name) + ".");
   }
 
-  /// Adds the inputs of LSIs that "id.pin" of this level refers to, through nested circuits.
+  /// Adds to `sinks` the inputs of LSIs to which "id.pin" of this level refers, also inside nested circuits.
   void find_sinks(const Level& level, const std::string& end, const std::string& location, std::vector<Sink>& sinks) {
     if (searched_ >= max_searches) {
       if (searched_++ == max_searches)
@@ -439,7 +440,7 @@ class Flattener {
     return std::any_of(lsis.begin(), lsis.end(), [&](const Instance& lsi) { return lsi.id == id; });
   }
 
-  /// Checks that the parameters of the circuit of this level refer to inner parameters of one kind.
+  /// Checks each parameter of this level's circuit: the inner parameters that it sets must exist and be of one kind.
   void check_parameters(const Level& level) {
     for (std::size_t i = 0; i < level.circuit->parameters.size(); ++i) {
       const Parameter* first = nullptr;

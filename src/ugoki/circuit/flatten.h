@@ -18,22 +18,22 @@ struct Source {
 };
 
 struct FlatInput {
-  std::vector<Source> sources;  ///< at most one; pins declared `multiple`: any number, sorted by (lsi, pin)
+  std::vector<Source> sources;  ///< at most one source; for pins declared `multiple` any number, sorted by (lsi, pin)
   std::vector<double> value;    ///< fixed value that the circuit specifies instead of a wire; empty: none
 };
 
 struct FlatLsi {
   std::string id;  ///< id with the ids of the enclosing circuits: "arm/elbow/gain"
   const LsiClass* lsi_class = nullptr;
-  std::string location;           ///< JSON path
+  std::string location;           ///< JSON path of the LSI in the circuit
   std::uint32_t every = 1;        ///< runs at each `every`-th tick; 0: on demand only
   std::vector<Value> parameters;  ///< [parameters of the class], in the order of declaration
-  std::vector<FlatInput> inputs;  ///< [inputs of the class]
+  std::vector<FlatInput> inputs;  ///< [inputs of the class] sources or fixed value of each input
 };
 
 struct FlatPort {
   std::string name;
-  Source source;  ///< output that provides the value; for an input of the circuit: of a placeholder LSI without functions in `lsis`
+  Source source;  ///< output that provides the value; an input of the circuit has a placeholder LSI without functions
 };
 
 struct FlatCircuit {
@@ -42,7 +42,7 @@ struct FlatCircuit {
   std::vector<FlatPort> outputs;
 };
 
-/// The flat form of the circuit. All errors are added to `problems`; if there are any, the result must not be used.
+/// Returns the flat form of the circuit. All errors are added to `problems`; if there are any, the result must not be used.
 /// @param library  must outlive the result
 [[nodiscard]] FlatCircuit flatten(const Circuit& circuit, const Library& library, Error& problems);
 

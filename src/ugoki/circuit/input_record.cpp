@@ -43,7 +43,8 @@ bool read_hex(const std::string& text, std::vector<std::byte>& bytes) {
   return true;
 }
 
-/// "[1, 2.5]"; empty if the bytes are not 1 to max_readable finite doubles that decimal text keeps exactly (subnormals excluded).
+/// Writes the bytes as numbers: "[1, 2.5]".
+/// Returns an empty text if the bytes are not 1 to max_readable finite doubles that decimal text keeps exactly (subnormals excluded).
 std::string numbers_text(const std::vector<std::byte>& bytes) {
   const std::size_t n = bytes.size() / sizeof(double);
   if (n == 0 || n > max_readable || bytes.size() % sizeof(double) != 0) return {};

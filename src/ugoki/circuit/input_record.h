@@ -23,12 +23,13 @@ struct InputChange {
 struct InputRecord {
   std::uint64_t layout = 0;          ///< hash of the circuit that was recorded
   double dt = 0;                     ///< s
-  std::uint64_t ticks = 0;           ///< ticks computed when the recording ended
+  std::uint64_t ticks = 0;           ///< number of ticks computed when the recording ended
   std::vector<InputChange> changes;  ///< sorted by tick
   friend bool operator==(const InputRecord&, const InputRecord&) = default;
 };
 
-/// JSON text, one change per line. Numbers read back to the same bits; payloads that are not a few finite numbers are hexadecimal bytes.
+/// Writes the record as JSON text, one change per line. Numbers read back to the same bits. Payloads of up to 7 finite numbers are written
+/// as numbers, all others as hexadecimal bytes.
 [[nodiscard]] std::string write_input_record(const InputRecord& record);
 [[nodiscard]] Result<InputRecord> read_input_record(std::string_view text, std::string_view location = "record");
 

@@ -121,7 +121,7 @@ const LsiClass* Library::find(std::string_view name) const {
   if (found || name.find('/') != std::string_view::npos) return found;
   for (const LsiClass& c : classes_) {
     if (c.from.empty() || c.name.size() != c.from.size() + 1 + name.size() || !c.name.ends_with(name)) continue;
-    if (found) return nullptr;  // two libraries have it: the circuit must write "library/name"
+    if (found) return nullptr;  // two libraries have a class of this name: the circuit must write "library/name"
     found = &c;
   }
   return found;

@@ -1,11 +1,11 @@
 #pragma once
 // Declaration of a software LSI: its pins, parameters, state and functions.
 //
-// An LSI has two functions that run at every tick of the interpreter:
+// An LSI has two functions; the interpreter calls both at every tick:
 //   step     reads the `direct` inputs and writes the feed-through outputs (those not marked `delayed`);
 //   advance  runs after all steps, reads all inputs, updates the state and writes the `delayed` outputs. Consumers see the new values of
 //            all delayed outputs from the end of the tick on.
-// During a tick a delayed output therefore has its value of the previous tick, and feedback is possible through it.
+// During a tick a delayed output therefore has its value of the previous tick. This makes feedback possible.
 
 #include <cstddef>
 #include <cstdint>
@@ -29,11 +29,11 @@ using Call = ugoki_call;
 /// Returns 0 on success. Any other value stops the interpreter; Call::reason then contains the reason as text.
 using StepFunction = ugoki_step_function;
 
-/// Payload of input wire i as doubles; null if nothing is wired to a pin whose size is not fixed.
+/// Payload of input wire i as doubles; null for an unwired pin without a fixed size.
 inline const double* input(const Call* call, std::size_t i) { return static_cast<const double*>(call->in[i]); }
 /// Payload of output pin i as doubles.
 inline double* output(const Call* call, std::size_t i) { return static_cast<double*>(call->out[i]); }
-/// Writes `reason` into the call, truncated to its buffer, and returns 1. Use: `return stop(call, "...")`.
+/// Writes `reason` into the buffer Call::reason, truncated to the size of the buffer, and returns 1. Use: `return stop(call, "...")`.
 std::int32_t stop(const Call* call, std::string_view reason);
 
 struct InputPin {
@@ -43,10 +43,10 @@ struct InputPin {
   std::string doc;
   bool required = true;     ///< a circuit without a wire or a fixed value for this pin is refused
   bool direct = true;       ///< read by `step`; false: read by `advance` only, and so never part of an algebraic loop
-  bool multiple = false;    ///< accepts any number of wires, sorted by the ids of their sources; declared after all other inputs
-  std::uint32_t count = 0;  ///< elements; 0: the type's own number, or that of the wired output
-  double value = 0;         ///< every number of an optional numeric pin without a wire (rotations and poses: the identity)
-  double minimum = 0;       ///< lower bound of fixed values, which are refused outside [minimum, maximum]; minimum == maximum: no bounds
+  bool multiple = false;    ///< true: accepts any number of wires, sorted by the ids of their sources; declared after all other inputs
+  std::uint32_t count = 0;  ///< number of elements; 0: the number of the type, or that of the wired output
+  double value = 0;         ///< value of every number of an optional pin without a wire (rotations and poses: the identity instead)
+  double minimum = 0;       ///< lower bound of fixed values; values out of bounds are refused; minimum == maximum: no bounds
   double maximum = 0;       ///< upper bound of fixed values
 };
 
@@ -56,7 +56,7 @@ struct OutputPin {
   std::string unit;
   std::string doc;
   bool delayed = false;     ///< written by `advance`, seen by consumers from the next tick on
-  std::uint32_t count = 0;  ///< elements; 0: the type's own number, or that of input `like`, or set by `configure`
+  std::uint32_t count = 0;  ///< number of elements; 0: the number of the type, or of input `like`, or set by `configure`
   double minimum = 0;       ///< lower end of the usual values, for plots; minimum == maximum: unknown
   double maximum = 0;       ///< upper end of the usual values
   int like = -1;            ///< index of the input that has the same number of elements; -1: none
@@ -75,17 +75,18 @@ struct Parameter {
   std::vector<std::string> choices;
   std::string unit;
   std::string doc;
-  bool live = true;  ///< may be changed while the circuit runs; ignored for text, which never may
+  bool live = true;  ///< may be changed while the circuit runs; a text parameter never may, whatever this value is
 };
 
 enum class FieldType : std::uint8_t { f64 = 1, f32, i64, i32, u64, u32, i8, u8 };  // same values as ugoki_field_type
 [[nodiscard]] std::size_t bytes_of(FieldType type);
 
-/// A declared part of the state. Editors show it; it keeps its value when a library is rebuilt with another layout of the state.
+/// A declared part of the state of an LSI. Editors show its value. The value is kept when a library is rebuilt with another layout of the
+/// state.
 struct StateField {
   std::string name;
   FieldType type = FieldType::f64;
-  std::uint32_t offset = 0;  ///< from the beginning of the state, bytes
+  std::uint32_t offset = 0;  ///< bytes from the beginning of the state
   std::uint32_t count = 1;   ///< elements
   std::string unit;
   std::string doc;
@@ -97,9 +98,9 @@ class Setup;
 
 /// A kind of software LSI. Documentation, editor widgets, the save format and checks are derived from this declaration.
 struct LsiClass {
-  std::string name;           ///< "motion control"; unique in a library; of an installed library: "library/name"
-  std::string doc;            ///< one or two sentences
-  std::string group;          ///< heading in the editor's list of LSIs: "signal"
+  std::string name;           ///< "motion control", or "library/name" in an installed library; unique in a Library
+  std::string doc;            ///< description in one or two sentences
+  std::string group;          ///< heading in the editor's list of LSIs, for example "signal"
   std::string from;           ///< name of the installed library; empty: built in
   std::uint32_t version = 1;  ///< version of the state's layout and meaning; a state saved with another version is not restored
   std::vector<InputPin> inputs;
@@ -107,22 +108,23 @@ struct LsiClass {
   std::vector<Parameter> parameters;
   std::vector<StateField> fields;  ///< declared parts of the state; may be empty
   std::size_t state_bytes = 0;     ///< minimum size of the state; `configure` may set a larger one
-  /// Name of the device ("keyboard"). If not empty, the host writes the outputs between ticks, and they are recorded as inputs.
+  /// Name of the device ("keyboard"). If not empty, the host writes the outputs between ticks, and the outputs are recorded as inputs.
   std::string device;
 
-  /// Sets the sizes of the state and of outputs without a fixed size, from parameters, resources and the sizes of inputs. It may be called
-  /// several times while sizes become known, and must not keep anything between calls. Null: all pins have the sizes of their types.
+  /// Sets the sizes of the state and of outputs without a fixed size, from parameters, resources and the sizes of inputs. May be called
+  /// several times while sizes become known, and must not store anything between calls. Null: all pins have the sizes of their types.
   void (*configure)(Setup&) = nullptr;
-  /// Creates Call::object, for data that is not plain bytes. Called once, when all sizes are known. To refuse the circuit, it reports a
-  /// problem and returns null.
+  /// Creates Call::object, for data that is not plain bytes. Called once, when all sizes are known. To refuse the circuit, the
+  /// function reports a problem and returns null.
   void* (*make)(Setup&) = nullptr;
   void (*destroy)(void* object) = nullptr;
-  const ugoki_class* abi = nullptr;  ///< the declaration of a plug-in, used by its `make`
-  /// Sets the initial state and the initial values of delayed outputs (both zeroed before). Called at build and at reset.
+  const ugoki_class* abi = nullptr;  ///< the declaration of the class by its plug-in, which `make` reads
+  /// Sets the initial values of the state and of delayed outputs, which are zero before the call. Called at build and at reset.
   StepFunction init = nullptr;
   StepFunction step = nullptr;
   StepFunction advance = nullptr;
-  /// For an `object` that has state of its own: `store` copies it into `state` before a save, `recall` copies it back after a restore.
+  /// For an object (see `make`) with its own state: `store` copies this state into Call::state before a save, `recall` copies it back after
+  /// a restore.
   void (*store)(const Call*) = nullptr;
   void (*recall)(const Call*) = nullptr;
 

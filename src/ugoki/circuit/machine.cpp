@@ -31,7 +31,7 @@ class Placer {
  public:
   Placer(Layout& layout, std::vector<Fence>& fences) : layout_(layout), fences_(fences) {}
 
-  /// Places the outputs of one kind (delayed or not). Numeric outputs come first, so that one range contains all numbers that must be
+  /// Places the delayed or the direct outputs of an LSI. Numeric outputs come first, so that one range contains all numbers that must be
   /// finite. @return this range
   Range outputs(Unit& unit, std::uint32_t lsi, bool delayed) {
     const auto is_here = [delayed](const OutputPin& pin) { return pin.delayed == delayed; };
@@ -95,7 +95,7 @@ std::uint64_t hash_layout(const std::vector<Unit>& units, double dt) {
   return hash.value();
 }
 
-/// Sets all elements of a declared field to its initial value. @param state  of the LSI
+/// Sets all elements of a declared field to its initial value. @param state  the LSI's state
 void set_field(const StateField& field, std::byte* state) {
   const auto fill = [&]<class T>(T value) {
     for (std::uint32_t i = 0; i < field.count; ++i) std::memcpy(state + field.offset + i * sizeof(T), &value, sizeof(T));
@@ -338,7 +338,7 @@ void Interpreter::Machine::set_fences() {
   for (const Fence& f : fences) std::memcpy(bytes() + f.at, &Fence::intact, sizeof Fence::intact);
 }
 
-/// Returns false and stops the interpreter if an LSI has written outside its own memory. It is checked after each run of ticks, so the
+/// Returns false and stops the interpreter if an LSI has written outside its own memory. The check follows each run of ticks, so the
 /// write may have happened some ticks earlier than the tick in `stop`.
 bool Interpreter::Machine::are_fences_intact() {
   const auto is_intact = [this](const Fence& f) {

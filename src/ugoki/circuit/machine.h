@@ -1,5 +1,5 @@
 #pragma once
-// Executable form of a circuit: one arena, calls with bound addresses, lists of jobs. Private to the interpreter.
+// Executable form of a circuit: one arena (memory of all values), calls with bound addresses, lists of jobs. Private to the interpreter.
 
 #include <memory>
 #include <span>
@@ -18,18 +18,18 @@ struct Job {
   StepFunction run = nullptr;
   Call* call = nullptr;
   const RunningLsi* who = nullptr;
-  const double* check = nullptr;  ///< numbers that it writes and that must be finite; null: unchecked
+  const double* check = nullptr;  ///< first of the numbers that the job writes and that must be finite; null: unchecked
   std::uint32_t check_count = 0;
   std::uint32_t every = 1;  ///< runs at each `every`-th tick
   std::uint32_t lsi = 0;    ///< index into Machine::units
 };
 
-/// Jobs [begin, end) that do not depend on each other: first those of built-in LSIs, from own_end on those of plug-ins.
+/// Independent jobs: [begin, own_end) belong to built-in LSIs, [own_end, end) to plug-ins. Indices into Machine::wave_jobs.
 struct Wave {
   std::uint32_t begin = 0, own_end = 0, end = 0;
 };
 
-/// A part of the arena: offsets in bytes.
+/// A part of the arena, given by offsets in bytes.
 struct Range {
   std::size_t begin = 0, end = 0;
   [[nodiscard]] std::size_t size() const { return end - begin; }
@@ -41,17 +41,17 @@ struct Unit {
   const LsiClass* lsi_class = nullptr;
   std::uint32_t every = 1;
   std::vector<Shape> outputs;
-  std::vector<std::size_t> output_offsets;  ///< [outputs] in the arena, where consumers read; bytes
+  std::vector<std::size_t> output_offsets;  ///< [outputs] bytes: offsets in the arena of the payloads that consumers read
   Range state;
-  Range direct_numbers, delayed_numbers;  ///< numeric outputs to check, where the LSI writes them (delayed ones: in Machine::back)
-  std::size_t parameters = 0;             ///< index of the first one in Machine::parameters
-  std::string address;                    ///< value of the LSI's first text parameter or choice; empty: it has none. Devices use it
+  Range direct_numbers, delayed_numbers;  ///< memory of numeric outputs that is checked to be finite (delayed ones in Machine::back)
+  std::size_t parameters = 0;             ///< index of its first parameter in Machine::parameters
+  std::string address;                    ///< value of the LSI's first text or choice parameter, which a device uses; empty: none
 };
 
 /// A guard word before or after the memory that an LSI of an installed library writes. A changed word proves that the LSI wrote outside
 /// its own memory.
 struct Fence {
-  static constexpr std::uint64_t intact = 0x5AFE5AFE5AFE5AFE;  // finite as a double: the range checked for finite numbers contains fences
+  static constexpr std::uint64_t intact = 0x5AFE5AFE5AFE5AFE;  // finite as a double, because the check for finite numbers includes fences
   enum class Side : std::uint8_t { before_outputs, after_output, before_state, after_state };
   std::size_t at = 0;  ///< offset in the arena, bytes
   std::uint32_t lsi = 0, pin = 0;
@@ -62,7 +62,7 @@ struct ProbeBuffer {
   std::vector<const double*> sources;  ///< [width] numbers to copy at the end of a tick
   std::vector<double> rows;            ///< [capacity][width]
   std::vector<std::uint64_t> ticks;
-  std::uint64_t written = 0;  ///< rows written so far, including overwritten ones
+  std::uint64_t written = 0;  ///< number of rows written so far, including overwritten ones
   std::size_t next = 0;       ///< index of the row to write next
   std::uint32_t every = 1;
 
@@ -73,14 +73,14 @@ struct ActiveBreakpoint {
   Breakpoint condition;
   const double* number = nullptr;
   double last = 0;     ///< value at the previous tick
-  bool armed = false;  ///< Comparison::changed: `last` is set; others: the condition was false at the previous tick
+  bool armed = false;  ///< whether `last` is set (Comparison::changed), or the condition was false at the previous tick (others)
 };
 
 /// A value that the host writes: an input of the circuit or an output of a device.
 struct RecordedSlot {
   std::string name;
-  std::span<std::byte> now;       ///< its payload in the arena
-  std::vector<std::byte> before;  ///< its payload at the previous tick
+  std::span<std::byte> now;       ///< the value's payload in the arena
+  std::vector<std::byte> before;  ///< the value's payload at the previous tick
 };
 
 struct InputLog {
@@ -94,37 +94,37 @@ struct InputLog {
 struct Interpreter::Machine {
   ~Machine();
 
-  std::vector<Unit> units;             ///< [lsis], sorted by id
-  std::vector<RunningLsi> running;     ///< [lsis]
+  std::vector<Unit> units;             ///< [lsis] sorted by id
+  std::vector<RunningLsi> running;     ///< [lsis] description of each LSI for `activity`
   std::vector<Call> calls;             ///< [lsis] in the order of the schedule
-  std::vector<std::uint32_t> call_of;  ///< [lsis] index into calls
-  std::vector<const void*> in;         ///< inputs of all calls; each call points into this and the following vectors
+  std::vector<std::uint32_t> call_of;  ///< [lsis] index of each LSI's call in `calls`
+  std::vector<const void*> in;         ///< input addresses of all calls; each call points into this vector and the next five
   std::vector<void*> out;
   std::vector<std::uint32_t> in_first, in_count, out_count;
   std::vector<double> parameters;
   Arena arena;
   std::vector<Fence> fences;
-  Range front, back;           ///< delayed outputs: `front` is what consumers read, `back` what LSIs write; same layout
+  Range front, back;           ///< delayed outputs: consumers read `front`, LSIs write `back`; both have the same layout
   std::vector<Job> jobs;       ///< calls of a tick: all `step` calls, then all `advance` calls
   std::size_t step_count = 0;  ///< number of steps at the beginning of `jobs`
   std::vector<Job> on_demand;
-  std::vector<std::uint32_t> wave_ends;  ///< one-past-end indices in `jobs` of the steps of each depth (plan.h)
+  std::vector<std::uint32_t> wave_ends;  ///< [depths] end index in `jobs` of the steps of each depth (plan.h)
   std::vector<int> order;                ///< indices of LSIs in the order in which their steps run
   std::vector<FlatPort> inputs, outputs;
   std::uint64_t layout = 0;               ///< hash of ids, classes, versions and sizes
-  Tick tick{};                            ///< of the circuit
+  Tick tick{};                            ///< present tick of the circuit
   std::vector<std::uint32_t> slow_rates;  ///< the values of `every` above 1, sorted
-  std::vector<Tick> slow_ticks;           ///< [slow_rates] ticks with the same time and index, and with dt multiplied by `every`
+  std::vector<Tick> slow_ticks;           ///< [slow_rates] copies of `tick` with dt multiplied by `every`
   Activity* activity = nullptr;
   Activity own_activity;  ///< used if the host gives none
 
   // Optional features; they cost nothing while they are off.
-  bool plain = true;  ///< all of them are off
-  bool fast = true;   ///< at most timing, and probes at each tick, are on: run_fast can run
+  bool plain = true;  ///< true: all optional features are off
+  bool fast = true;   ///< true: only timing and probes at each tick may be on, so that run_fast can run
   Clock clock = nullptr;
   std::uint32_t timed_one_in = 1;
   std::uint64_t timed_ticks = 0;
-  std::vector<Timing> timings;  ///< [lsis], id empty
+  std::vector<Timing> timings;  ///< [lsis] without ids
   Executor* executor = nullptr;
   std::vector<std::vector<char>> reasons;  ///< [workers] buffers for Call::reason
   std::vector<Job> wave_jobs;              ///< `jobs` grouped by `waves`
@@ -133,7 +133,7 @@ struct Interpreter::Machine {
   std::vector<ActiveBreakpoint> breakpoints;
   int breakpoint_hit = -1;
   InputLog log;
-  std::uint32_t cursor = 0;  ///< jobs of the current tick already run by step_lsi
+  std::uint32_t cursor = 0;  ///< number of jobs of the current tick that step_lsi has run
 
   bool is_stopped = false;
   Stop stop;
@@ -142,7 +142,7 @@ struct Interpreter::Machine {
   [[nodiscard]] std::byte* bytes() { return reinterpret_cast<std::byte*>(arena.data()); }
   [[nodiscard]] const std::byte* bytes() const { return reinterpret_cast<const std::byte*>(arena.data()); }
   [[nodiscard]] Call& call_at(std::size_t lsi) { return calls[call_of[lsi]]; }
-  /// The tick that LSIs with this `every` see: dt is the time between two of their runs.
+  /// The tick given to LSIs that run at each `every`-th tick: its dt is the time between two runs of such an LSI.
   [[nodiscard]] const Tick& tick_of(std::uint32_t every) const;
   void set_tick(std::uint64_t index);
   void initialise();

@@ -11,7 +11,7 @@ namespace {
 
 using json::Json;
 
-/// The text of a string field, or null.
+/// Returns the text of a string field; null if there is none.
 std::string* find_text(Json& object, const char* key) {
   if (!object.is_object()) return nullptr;
   const auto it = object.find(key);

@@ -11,8 +11,8 @@ namespace ugoki::circuit {
 /// unchanged, so that the reader can report it with its path.
 using Migration = void (*)(json::Json& circuit);
 
-/// Migrations in order: item k converts version k + 1 to version k + 2. To change the form, increase circuit_version, add the migration
-/// here, and keep a file of the former version in tests/circuit/versions.
+/// All migrations: item k converts version k + 1 to version k + 2. To change the format of circuits, increase circuit_version, add the
+/// migration here, and keep a file of the former version in tests/circuit/versions.
 [[nodiscard]] std::span<const Migration> migrations();
 
 /// Applies `steps` from `version` (at least 1) to the last one, and sets the field "version".

@@ -30,7 +30,7 @@ const double* Interpreter::Machine::find_number(std::string_view pin, std::size_
 
 Result<void> Interpreter::set_probes(std::span<const std::string> pins, std::size_t rows, std::uint32_t every) {
   Machine& m = *machine_;
-  constexpr std::size_t max_numbers = std::size_t{1} << 27;  // 1 GiB of doubles: bounds condition a request can allocate
+  constexpr std::size_t max_numbers = std::size_t{1} << 27;  // 1 GiB of doubles: bounds the memory of the probes
   Error problems;
   ProbeBuffer probes;
   for (const std::string& pin : pins) {

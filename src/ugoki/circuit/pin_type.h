@@ -2,7 +2,7 @@
 // Pin types: the kinds of values that wires carry, and their memory layout.
 //
 // The payload of a pin (the value in memory) is `header_bytes` followed by `count` elements of `element_bytes`, 8-byte aligned. `count` is
-// fixed by the type (1 for a scalar), or resolved for each pin when the circuit is built (the joint values of a certain mechanism).
+// fixed by the type (1 for a scalar), or resolved for each pin when the circuit is built (for example for the joint values of a mechanism).
 
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace ugoki::circuit {
 
-/// The values are part of the binary interface of plug-ins: do not change them.
+/// Type of the values at a pin. The numbers are part of the binary interface of plug-ins: do not change them.
 enum class PinTypeId : std::uint16_t {
   scalar = 1,        ///< f64
   vector = 2,        ///< f64 x, y, z
@@ -31,8 +31,8 @@ struct PinType {
   std::string_view color;  ///< "#rrggbb", for editors
   std::uint32_t header_bytes = 0;
   std::uint32_t element_bytes = 8;
-  std::uint32_t default_count = 1;  ///< elements of a pin that declares no count; 0: resolved when the circuit is built
-  bool numeric = true;              ///< the payload is f64 only: it can be checked to be finite, plotted, and given as a fixed value
+  std::uint32_t default_count = 1;  ///< number of elements of a pin that declares none; 0: resolved when the circuit is built
+  bool numeric = true;              ///< true: f64 only, so that the payload can be plotted, checked to be finite, or given as fixed value
   std::string_view doc;
 };
 

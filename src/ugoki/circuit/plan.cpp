@@ -11,7 +11,7 @@ const OutputPin& output_of(const FlatCircuit& flat, const Source& s) {
   return at(flat, s.lsi).lsi_class->outputs[static_cast<std::size_t>(s.pin)];
 }
 
-/// "circuit/lsis/3 'arm'"
+/// Location for messages: "circuit/lsis/3 'arm'".
 std::string location_of(const FlatLsi& lsi) { return lsi.location + " '" + lsi.id + "'"; }
 
 /// Calls visit(lsi, pin, source) for every wire: indices of the consuming LSI and its input, and the output that feeds it.
@@ -46,7 +46,7 @@ void resolve_sizes(const FlatCircuit& flat, std::vector<Setup>& setups, Error& p
     setup.follow_inputs();
     if (lsi.lsi_class->configure) lsi.lsi_class->configure(setup);
     if (setup.outputs() == before) continue;
-    if (++visits[i] > 64) {  // sizes usually change once or twice; in a cycle of wires they could change without end
+    if (++visits[i] > 64) {  // a size usually changes once or twice; in a cycle of wires it could change without end
       problems.add(ErrorCode::structure, location_of(lsi),
                    "The output sizes of '" + lsi.id + "' depend on themselves through a cycle of wires.",
                    "Insert a delay whose parameter 'count' is set into this cycle.");
@@ -91,7 +91,8 @@ void check_sizes(const FlatCircuit& flat, const std::vector<Setup>& setups, Erro
                    "'" + lsi.id + "' has a state that changes at every tick, so it cannot run on demand only.", "Set \"every\" to 1.");
 }
 
-/// A cycle among the LSIs that could not be ordered, starting at its smallest id: pairs of an output and (LSI, input) that it feeds.
+/// Finds a cycle among the LSIs that could not be ordered.
+/// @return wires of the cycle, from its LSI with the smallest id on: each is an output and the (LSI, input) that the output feeds
 std::vector<std::pair<Source, std::pair<int, int>>> find_cycle(const FlatCircuit& flat, const std::vector<int>& open_edges) {
   // Walk backwards from the first unordered LSI along unordered producers until an LSI is reached for the second time.
   const auto n = flat.lsis.size();
@@ -123,7 +124,7 @@ std::vector<std::pair<Source, std::pair<int, int>>> find_cycle(const FlatCircuit
   return path;
 }
 
-/// The LSIs sorted by depth, then by id. @param wave_ends  receives the one-past-end index of each depth
+/// Returns the LSIs sorted by depth (plan.h), then by id. @param wave_ends  receives the end index of each depth in the result
 std::vector<int> order_steps(const FlatCircuit& flat, std::vector<std::uint32_t>& wave_ends, Error& problems) {
   const std::size_t n = flat.lsis.size();
   std::vector<int> open_edges(n, 0);

@@ -1,4 +1,4 @@
-// Execution of ticks. The cost of this code is added to every LSI, so it is optimised.
+// Execution of ticks. This code runs for every LSI in every tick, so it is optimised.
 
 #include <algorithm>
 #include <cstring>
@@ -12,7 +12,7 @@ namespace {
 
 inline bool is_due(const Job& job, std::uint64_t index) { return job.every <= 1 || index % job.every == 0; }
 
-/// Runs the jobs in order, and `after(job)` after each successful one.
+/// Runs the jobs in order, and calls `after(job)` after each successful one.
 /// @param not_finite [out]  true: the job failed because it wrote a number that is not finite; false: it returned an error
 /// @return the job that failed, or null
 template <class AfterJob>
@@ -55,7 +55,7 @@ const Job* run_timed(std::span<const Job> jobs, std::uint64_t index, Activity& a
   return timed(clock);
 }
 
-/// Whether tick `index` is timed: one tick in `one_in`, spread so that the choice does not correlate with LSIs that run at every n-th tick.
+/// Whether tick `index` is timed: one tick in `one_in`, spread so that LSIs that run at every n-th tick are timed as often as others.
 /// The index is multiplied by an odd constant near 2^64 / golden ratio: Knuth, The Art of Computer Programming, vol. 3, 6.4.
 inline bool is_timed(std::uint64_t index, std::uint32_t one_in) {
   return one_in <= 1 || ((index * 0x9E3779B97F4A7C15u) >> 32) * one_in >> 32 == 0;
@@ -291,7 +291,7 @@ bool Interpreter::refresh() {
   bool good = true;
   for (const Job& job : m.on_demand) {
     Job due = job;
-    due.every = 1;  // on-demand jobs have 0
+    due.every = 1;  // on-demand jobs have `every` 0
     good = good && m.run_one_by_one({&due, 1});
   }
   set_running(*m.activity, nullptr);

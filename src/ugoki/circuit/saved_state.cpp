@@ -1,4 +1,4 @@
-// Save and restore of the state of a circuit, and copying it into a rebuilt circuit.
+// Saves and restores the state of a circuit, and copies it into a rebuilt circuit.
 
 #include <algorithm>
 #include <cstring>
@@ -12,11 +12,11 @@ constexpr std::uint64_t saved_magic = 0x3253434b4f4755ULL;  // "UGOKCS2"
 
 struct SavedHeader {
   std::uint64_t magic, layout, ticks;
-  std::uint64_t done;  ///< Machine::cursor: jobs of the current tick already run by step_lsi
+  std::uint64_t done;  ///< Machine::cursor: number of jobs of the current tick that step_lsi has run
   std::uint64_t arena_words, parameters, checksum;
 };
 
-/// Hash of the tick count and the content (FNV-1a by words of 8 bytes). It is fast, because states are saved during playback.
+/// Hash of the tick count and the content (FNV-1a by words of 8 bytes, which is fast: states are saved during playback).
 std::uint64_t checksum_of(std::uint64_t ticks, std::span<const std::byte> content) {
   std::uint64_t hash = 0xcbf29ce484222325ULL ^ ticks;
   for (std::size_t at = 0; at + sizeof hash <= content.size(); at += sizeof hash) {

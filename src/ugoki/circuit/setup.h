@@ -12,11 +12,11 @@
 
 namespace ugoki::circuit {
 
-/// Size and subject of a payload. The subject is the object that the payload describes, as an index defined by the LSIs of a library (the
-/// index of a character). It is passed along the wires with the sizes, so that building the circuit refuses a wire from the wrong
-/// character.
+/// Size and subject of a payload. The subject is the object that the payload describes, for example a character. It is an index whose
+/// meaning the LSIs of a library define. Subjects are passed along the wires with the sizes, so that building the circuit refuses a wire
+/// from the wrong character.
 struct Shape {
-  std::uint32_t count = 0;  ///< elements; 0: not known yet
+  std::uint32_t count = 0;  ///< number of elements; 0: not known yet
   int subject = -1;         ///< -1: no particular subject
   friend bool operator==(const Shape&, const Shape&) = default;
 };
@@ -26,7 +26,7 @@ class Setup {
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] double number(std::string_view parameter) const;
   [[nodiscard]] bool boolean(std::string_view parameter) const;
-  [[nodiscard]] const std::string& text(std::string_view parameter) const;  ///< text or choice
+  [[nodiscard]] const std::string& text(std::string_view parameter) const;  ///< value of a text or choice parameter
 
   [[nodiscard]] const LsiClass& lsi_class() const { return *class_; }
 
@@ -36,10 +36,10 @@ class Setup {
   [[nodiscard]] Shape in(std::size_t pin, std::size_t wire = 0) const { return wire < inputs_[pin].size() ? inputs_[pin][wire] : Shape{}; }
   void set_out(std::size_t pin, std::uint32_t count, int subject = -1);
   void set_state(std::size_t bytes) { state_bytes_ = bytes; }
-  [[nodiscard]] double dt() const { return every_ > 1 ? dt_ * every_ : dt_; }  ///< s, between two runs of the LSI: Tick::dt of its calls
+  [[nodiscard]] double dt() const { return every_ > 1 ? dt_ * every_ : dt_; }  ///< s: time between two runs of the LSI
   [[nodiscard]] std::uint32_t every() const { return every_; }                 ///< the LSI runs at each `every`-th tick; 0: on demand only
 
-  /// The host's object of type T named `name`. If there is none: reports a problem and returns null. T::resource_kind names the kind.
+  /// Returns the host's object of kind T::resource_kind named `name`. If there is none, reports a problem and returns null.
   template <class T>
   const T* resource(std::string_view name) {
     return static_cast<const T*>(find_resource(T::resource_kind, name));
@@ -54,12 +54,12 @@ class Setup {
   void set_in(std::size_t pin, std::vector<Shape> wires) { inputs_[pin] = std::move(wires); }
   [[nodiscard]] const std::vector<Shape>& outputs() const { return outputs_; }
   [[nodiscard]] std::size_t state_bytes() const { return state_bytes_ > class_->state_bytes ? state_bytes_ : class_->state_bytes; }
-  /// Sets the sizes of outputs declared with OutputPin::like.
+  /// Gives each output declared with OutputPin::like the size of its input.
   void follow_inputs();
   /// The value of the first text or choice parameter; empty if there is none.
   [[nodiscard]] std::string first_word() const;
   [[nodiscard]] const std::vector<Value>& parameters() const { return parameters_; }
-  /// Parameters as numbers, in the layout of Call::parameters: a vector has 3 numbers, a choice is its index, a text is left out.
+  /// Parameters as numbers, in the layout of Call::parameters: a vector gives 3 numbers, a choice its index, a text none.
   [[nodiscard]] std::vector<double> numbers() const;
 
  private:

@@ -21,7 +21,7 @@ StateField field(std::string name, std::uint32_t offset, FieldType type = FieldT
   return f;
 }
 
-/// Gives an LSI a state of doubles with these names. They are declared as fields, so that a rebuilt circuit keeps their values.
+/// Gives an LSI a state of doubles with these names. The doubles are declared as fields, so that a rebuilt circuit keeps their values.
 LsiClass with_state(LsiClass c, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     c.fields.push_back(field(name, static_cast<std::uint32_t>(c.state_bytes)));
@@ -198,7 +198,7 @@ void add_time(Library& l) {
                       number("ahead", 0, "Time in the first period at which the circuit starts.", -1e9, 1e9, "s")};
   l.add(std::move(pulse));
 
-  // xorshift64*, Vigna, An experimental exploration of Marsaglia's xorshift generators, scrambled (2016)
+  // Generator: xorshift64* (Vigna, 2016, An experimental exploration of Marsaglia's xorshift generators, scrambled).
   LsiClass noise = lsi("noise", "A random number at each tick; the same seed gives the same sequence.", {}, {out("out")},
                        [](const Call* c) -> std::int32_t {
                          auto& s = *static_cast<std::uint64_t*>(c->state);
@@ -245,7 +245,7 @@ struct CurvePoint {
   double x, y;
 };
 
-/// Reads points "0:0, 0.5:2, 1:0" with strictly increasing x. False if the text is anything else.
+/// Reads points "x:y" such as "0:0, 0.5:2, 1:0". Returns false if the text has another form or x does not strictly increase.
 bool read_points(const std::string& text, std::vector<CurvePoint>& points) {
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find(',', at), text.size());

@@ -9,7 +9,7 @@
 namespace ugoki::circuit {
 namespace {
 
-/// out = f(a, b)
+/// Step function: out = f(a, b).
 template <double (*f)(double, double)>
 std::int32_t binary(const Call* c) {
   *output(c, 0) = f(*input(c, 0), *input(c, 1));
@@ -78,7 +78,7 @@ void add_scalar_parts(Library& library) {
                   }));
 }
 
-/// LSIs with one scalar state y, kept in the state bytes so that it is saved and restored.
+/// Adds LSIs with one scalar state y, kept in the state bytes so that y is saved and restored.
 void add_scalar_dynamics(Library& library) {
   LsiClass integrator =
       lsi("integrator", "Integral of its input over time (explicit Euler): out' = in.", {in("in")}, {out("out")}, nullptr);
@@ -141,8 +141,8 @@ void add_vector_parts(Library& library) {
                   }));
 }
 
-/// "delay" for scalars, "delay vector", ...: the value of the previous tick. A type without a fixed size takes it from the input, or from
-/// the parameter `count` if the input depends on the delay's own output (a cycle of wires).
+/// "delay" for scalars, "delay vector", ...: the value of the previous tick. For a type without a fixed size, the input gives the size; if
+/// the input depends on the delay's own output (a cycle of wires), the parameter `count` gives it.
 void add_delays(Library& library) {
   for (const PinType& type : pin_types()) {
     const std::string name = type.id == PinTypeId::scalar ? "delay" : "delay " + std::string(type.name);

@@ -19,7 +19,7 @@ struct Transition {
   int from = -1;  ///< -1: any state other than `to`
   int to = 0;
   std::size_t input = 0;  ///< index of the input pin
-  bool above = true;      ///< false: below
+  bool above = true;      ///< true: the input must be above `level`; false: below
   double level = 0;
   double after = 0;  ///< s
 };
@@ -151,7 +151,7 @@ Parameter word(std::string name, std::string initial, std::string doc) {
   p.live = false;
   return p;
 }
-/// An output with the range of its usual values, for plots.
+/// Declares a scalar output with the range of its usual values, for plots.
 OutputPin ranged_out(std::string name, std::string doc, double minimum, double maximum) {
   OutputPin pin = out(std::move(name), PinTypeId::scalar, std::move(doc));
   pin.minimum = minimum;

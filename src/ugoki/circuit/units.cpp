@@ -10,7 +10,7 @@ namespace {
 
 struct KnownUnit {
   std::string_view name;
-  Dimension dimension;  // m, kg, s, A, K, mol, cd
+  Dimension dimension;  // exponents of m, kg, s, A, K, mol, cd
 };
 
 constexpr KnownUnit known_units[] = {
@@ -86,8 +86,8 @@ class UnitReader {
   }
 
  private:
-  static constexpr int max_depth = 8;      // of parentheses
-  static constexpr int max_exponent = 99;  // of one factor
+  static constexpr int max_depth = 8;      // maximum nesting of parentheses
+  static constexpr int max_exponent = 99;  // maximum exponent of one factor
 
   bool take(std::string_view token) {
     if (!rest_.starts_with(token)) return false;
@@ -99,7 +99,7 @@ class UnitReader {
     }
   }
 
-  /// True if a character of a unit's name begins here, or a UTF-8 character of it continues.
+  /// True if the text begins with a character of a unit's name, or with a later byte of such a UTF-8 character.
   static bool is_letter(std::string_view text) {
     const char c = text[0];
     if (static_cast<unsigned char>(c) >= 0x80) return !text.starts_with("·") && !text.starts_with("²") && !text.starts_with("³");
@@ -139,7 +139,7 @@ class UnitReader {
     return out;
   }
 
-  /// "^2", "^-1", "²", or the 2 of "m2"; 1 if there is none.
+  /// Reads an exponent: "^2", "^-1", "²", or the 2 of "m2". Returns 1 if there is none.
   std::optional<int> exponent() {
     if (take("²")) return 2;
     if (take("³")) return 3;
@@ -187,7 +187,7 @@ std::vector<Problem> check_units(const Circuit& circuit, const Library& library)
   const FlatCircuit flat = flatten(circuit, library, errors);
   std::vector<Problem> out;
   if (!errors.empty()) return out;
-  // Inputs of the circuit are placeholder LSIs, whose pins have no unit: the circuit declares it.
+  // Inputs of the circuit are placeholder LSIs, whose pins have no unit: the circuit declares the unit.
   std::vector<const BoundaryPin*> ports(flat.lsis.size(), nullptr);
   for (const FlatPort& port : flat.inputs)
     for (const BoundaryPin& pin : circuit.inputs)

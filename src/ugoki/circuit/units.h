@@ -1,5 +1,5 @@
 #pragma once
-// Dimensions of the units that pins state, to find wires between different quantities.
+// Physical dimensions of the units of pins. They serve to find wires between pins of different quantities.
 
 #include <array>
 #include <cstdint>
@@ -21,12 +21,12 @@ using Dimension = std::array<int, 7>;
 /// @return one dimension for each alternative; nothing if the text is empty or has an unknown unit
 [[nodiscard]] std::optional<std::vector<Dimension>> read_dimensions(std::string_view unit);
 
-/// True if values of one unit may be wired to a pin of the other unit: they have a dimension in common, one of them is dimensionless, or
-/// one of them is not known.
+/// True if values of one unit may be wired to a pin of the other unit: they have a dimension in common, one unit is dimensionless, or
+/// one unit is unknown.
 [[nodiscard]] bool fit(std::string_view from, std::string_view to);
 
-/// Warnings about wires between pins whose units do not fit. The circuit runs all the same. Empty if the circuit cannot be built: then
-/// Interpreter::build reports why.
+/// Warnings about wires between pins whose units do not fit. Such a circuit can still run. The list is empty if the circuit cannot be
+/// built; Interpreter::build then reports the reason.
 [[nodiscard]] std::vector<Problem> check_units(const Circuit& circuit, const Library& library);
 
 }  // namespace ugoki::circuit

@@ -12,20 +12,20 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// State of a body at one time, as needed by the bound of the approach.
+/// Motion of a body at one time, as needed to bound the approach of two bodies.
 struct Mover {
   const Collider& shape;
   Pose X_WS;
-  Vec3 v, w;     // m/s of the bounding sphere's centre, rad/s; world
-  double a = 0;  // m/s^2 of the centre; alpha: rad/s^2. Upper bounds until the end of the step
+  Vec3 v, w;     // world; v: m/s, of the bounding sphere's centre; w: rad/s
+  double a = 0;  // m/s^2, of the centre; alpha: rad/s^2; both are upper bounds until the end of the step
   double alpha = 0;
 };
 
-/// Maximum distance [m] of the body's points from its centre. For convex bodies without the radius around the core: the approach is bounded
-/// for the cores, and rotation does not change the radius.
+/// Maximum distance [m] of the body's points from its centre. For convex bodies, of the points of its core (support.h): the approach is
+/// bounded for the cores, because rotation does not change the radius around them.
 double reach(const Mover& m, bool convex) { return convex ? m.shape.bound - m.shape.support.radius : m.shape.bound; }
 
-/// Bound of the approach of two bodies within a time s: d(t + s) >= d(t) - (speed s + acceleration s^2 / 2).
+/// Bound of the approach of two bodies. Their distance d decreases within a time s at most to d(t) - (speed s + acceleration s^2 / 2).
 struct Approach {
   double speed = 0;         // m/s
   double acceleration = 0;  // m/s^2, not negative
@@ -40,7 +40,7 @@ struct Approach {
   }
 };
 
-/// Bound of the approach of a and b along n.
+/// Computes the bound of the approach of bodies a and b along n.
 /// @param n unit, world: from b towards a, separates the bodies or their convex hulls; null: bound for every direction
 Approach approach_of(const Mover& a, const Mover& b, const Vec3* n) {
   const double ra = reach(a, n != nullptr && a.shape.convex), rb = reach(b, n != nullptr && b.shape.convex);
@@ -56,12 +56,12 @@ Approach approach_of(const Mover& a, const Mover& b, const Vec3* n) {
 /// Result of check_pair().
 struct PairCheck {
   PairDistance near;
-  double safe = 0;     ///< s from now in which they do not come closer than half the tolerance; infinite: until the end of the step
+  double safe = 0;     ///< s: for this time the bodies stay farther apart than half the tolerance; infinite: until the end of the step
   bool known = false;  ///< false: a pose or velocity is not finite, or a shape has no surface
 };
 
-/// Measures the distance of a and b, and computes the time in which they cannot touch.
-/// @param remaining s until the end of the step
+/// Measures the distance of bodies a and b, and computes a time in which they cannot touch.
+/// @param remaining s: time until the end of the step
 PairCheck check_pair(const Mover& a, const Mover& b, double remaining, double tolerance, PairCache& cache, DistanceWorkspace& workspace) {
   PairCheck out;
   const double maximum = approach_of(a, b, nullptr).within(remaining);
@@ -147,9 +147,11 @@ ImpactSearch::ImpactSearch(const Scene& scene, const AdvancementOptions& options
   for (const SceneShape& shape : scene.shapes()) half_width_.push_back(half_width_of(shape));
 }
 
-/// Computes poses and velocities at the beginning of the step, and upper bounds of the motion at constant joint velocities:
+/// Computes poses and velocities at the beginning of the step, and upper bounds of the motion of each link at constant joint velocities:
 ///   |w| <= |w_parent| + |w_joint|,   |w'| <= |w'_parent| + |w_parent| |w_joint|,
-///   |a| <= |a_parent| + (|w'_parent| + |w_parent|^2) L + 2 |w_parent| |v_joint|,   L: maximum distance of the two origins
+///   |a| <= |a_parent| + (|w'_parent| + |w_parent|^2) L + 2 |w_parent| |v_joint|
+/// w: angular velocity of the link; w': its rate of change; a: acceleration of the link's origin; w_joint, v_joint: angular and linear
+/// velocity of the joint; L: maximum distance between the origins of the link and its parent.
 void ImpactSearch::prepare(std::size_t system, const SystemMotion& motion, double dt) {
   System& s = systems_[system];
   const Mechanism& m = *scene_.systems()[system];
@@ -196,7 +198,7 @@ ImpactSearch::Moving ImpactSearch::moving(int shape, double time) {
   move_to(k, time);
   const System& s = systems_[k];
   const Pose& X = s.X_WB[link];
-  const Vec3 at = part.shape.X_BS * part.centre;  // in the link's frame
+  const Vec3 at = part.shape.X_BS * part.centre;  // m, link's frame: centre of the bounding sphere
   const LinkBound& bound = s.bounds[link];
   Moving out;
   out.X_WS = X * part.shape.X_BS;
@@ -282,7 +284,7 @@ void ImpactSearch::prepare_all(double dt, double min_travel) {
   for (std::size_t i = 0; i < sweeps_.size(); ++i) {
     const Moving m = moving(static_cast<int>(i), 0);
     const SceneShape& shape = scene_.shapes()[i];
-    // The sphere is centred at the midpoint of the centre's path at constant velocity.
+    // The swept sphere is centred at the midpoint of the path of the shape's centre at constant velocity.
     const double travel = norm(m.v) * dt + 0.5 * m.a * dt * dt;
     sweeps_[i] = {m.X_WS * shape.centre + m.v * (0.5 * dt), shape.bound + 0.5 * dt * norm(m.v) + 0.5 * m.a * dt * dt,
                   travel + (norm(m.w) * dt + 0.5 * m.alpha * dt * dt) * shape.bound};
@@ -292,7 +294,7 @@ void ImpactSearch::prepare_all(double dt, double min_travel) {
 SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt, double margin) {
   UGOKI_CHECK(systems.size() == systems_.size());
   motions_ = systems;
-  prepare_all(dt, margin);  // pairs nearer than margin are skipped; pairs farther apart cannot touch if they travel less than margin
+  prepare_all(dt, margin);  // pairs that start closer than margin are skipped; others cannot touch if they travel less than margin
   find_candidates();
   // The candidate with the earliest safe time is checked next. The first candidate that touches is therefore the first impact.
   const auto later = [&](std::uint32_t x, std::uint32_t y) {
@@ -333,12 +335,12 @@ SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt,
   return out;
 }
 
-/// True if the depth of two convex bodies may exceed its limit before `end` [s]; c.time is then a time before which it does not.
-/// Valid because the signed distance of convex bodies decreases at most as fast as their points approach along its normal, also while they
-/// overlap. `both` is the sum of the half widths. The search stops 2 % of `both` before the limit, and each step aims at 1 % before it, so
-/// that the number of steps stays small.
+/// True if the penetration depth of two convex bodies may exceed the limit of find_passage() before `end` [s]. The depth stays below the
+/// limit until c.time. This holds because the signed distance of convex bodies decreases at most as fast as their points approach along its
+/// normal, also while they overlap. `both` is the sum of the half widths. The search stops 2 % of `both` before the limit. Each iteration
+/// aims at 1 % of `both` before the limit, so that the number of iterations stays small.
 bool ImpactSearch::passes_through(Candidate& c, double end, double dt) {
-  constexpr int max_checks = 20000;  // bounds the loop; a pair that reaches it is reported as unsafe
+  constexpr int max_checks = 20000;  // limits the loop; a pair that reaches this count is reported as unsafe
   const SceneShape &sa = scene_.shapes()[static_cast<std::size_t>(c.a)], &sb = scene_.shapes()[static_cast<std::size_t>(c.b)];
   const double both = half_width_[static_cast<std::size_t>(c.a)] + half_width_[static_cast<std::size_t>(c.b)];
   double deepest = 0.5 * both;
@@ -350,7 +352,7 @@ bool ImpactSearch::passes_through(Candidate& c, double end, double dt) {
     if (!(maximum < infinity) || (c.time == 0 && maximum < both)) return false;
     const PairDistance d = find_pair_distance(sa, a.X_WS, sb, b.X_WS, maximum + options_.tolerance, c.cache, workspace_);
     if (!(d.lower > -infinity)) return false;
-    if (c.time == 0) deepest = std::max(deepest, -d.distance + 0.1 * both);  // a pair that overlaps at the beginning may stay at its depth
+    if (c.time == 0) deepest = std::max(deepest, -d.distance + 0.1 * both);  // a pair that overlaps at the beginning may keep its depth
     if (maximum < d.lower + deepest) return false;
     const double left = d.lower + deepest;
     if (!(left > 0.02 * both)) return true;
@@ -360,14 +362,14 @@ bool ImpactSearch::passes_through(Candidate& c, double end, double dt) {
   return true;  // max_checks reached: the rest of the step is not proved safe
 }
 
-/// True if the core of the convex shape of the pair comes closer to the other's surface than the tolerance before `end` [s].
+/// True if, before `end` [s], the core of the pair's convex shape may come closer to the surface of the other shape than `tolerance`.
 bool ImpactSearch::core_touches(Candidate& c, double end, double dt) {
-  constexpr int max_checks = 20000;  // bounds the loop; a pair that reaches it is reported as unsafe
+  constexpr int max_checks = 20000;  // limits the loop; a pair that reaches this count is reported as unsafe
   const SceneShape &sa = scene_.shapes()[static_cast<std::size_t>(c.a)], &sb = scene_.shapes()[static_cast<std::size_t>(c.b)];
   const Core* const core = (sa.convex ? sa : sb).core.get();
   if (core == nullptr) return false;
   const double depth = core->depth;
-  double tolerance = 0.1 * depth;  // m: stop before the core touches, so that the next step knows on which side of the surface it is
+  double tolerance = 0.1 * depth;  // m: stop before the core touches, so that its side of the surface is known in the next step
   for (int check_count = 0; check_count < max_checks; ++check_count) {
     const Moving at_a = moving(c.a, c.time), at_b = moving(c.b, c.time);
     const Mover a =

@@ -1,11 +1,12 @@
 #pragma once
-// Conservative advancement: the time at which two moving bodies first touch, found from true distances. No impact of a fast or thin
-// body is missed.
+// Conservative advancement: finds the time at which two moving bodies first touch, from their true distances. No impact of a fast or
+// thin body is missed.
 //
-// At time t two bodies are d apart along the unit vector n. They cannot touch before they have approached each other by d. Their speed
-// of approach at t is at most n (v_b - v_a) + |n x w_a| r_a + |n x w_b| r_b. It grows at most by the maximum acceleration of their
-// points until the end of the step. These two bounds give a time before which the bodies cannot touch. The search advances to that time
-// and measures the distance again.
+// At time t the distance of bodies a and b is d, along the unit vector n from b towards a. They cannot touch before they have approached
+// each other by d. Their approach speed at t is at most n . (v_b - v_a) + |n x w_a| r_a + |n x w_b| r_b. For each body, v is the velocity
+// of its centre, w its angular velocity, and r the maximum distance of its points from its centre. The maximum acceleration of the points
+// bounds the growth of the approach speed until the end of the step. These two bounds give a time before which the bodies cannot
+// touch. The search advances to that time and measures the distance again.
 // Sources: Mirtich, Impulse-based dynamic simulation of rigid body systems (1996); Zhang, Lee, Kim, Interactive continuous collision
 // detection for non-convex polyhedra (2006); Zhang, Redon, Lee, Kim, Continuous collision detection for articulated models (2007).
 
@@ -20,23 +21,23 @@
 namespace ugoki::collision {
 
 struct AdvancementOptions {
-  double tolerance = 1e-5;   ///< m: bodies closer than this are touching
+  double tolerance = 1e-5;   ///< m: bodies closer than this count as touching
   int max_iterations = 500;  ///< maximum count of distances measured for one pair
 };
 
 enum class ImpactStatus : std::uint8_t {
   none,           ///< the bodies do not touch until the end of the step
-  impact,         ///< they touch at `time`
-  touching,       ///< they touch or overlap at the beginning (time 0)
-  not_converged,  ///< max_iterations was reached: they do not touch before `time`; unknown afterwards
+  impact,         ///< the bodies touch at Impact::time
+  touching,       ///< the bodies touch or overlap at time 0
+  not_converged,  ///< max_iterations was reached: no contact before `time`, unknown afterwards
   not_finite,     ///< a pose or velocity is NaN or infinite: the result is undefined
 };
 
 /// Result of find_impact().
 struct Impact {
   ImpactStatus status = ImpactStatus::none;
-  double time = 0;     ///< s from the beginning, never after the true impact; status none: the length of the step
-  PairDistance near;   ///< distance at `time`; status none: the last measured distance, at an earlier time
+  double time = 0;     ///< s from the start of the step, never after the true impact; status none: the step length
+  PairDistance near;   ///< distance of the bodies at `time`; status none: the last measured distance, at an earlier time
   int iterations = 0;  ///< count of distances measured
 };
 
@@ -59,8 +60,8 @@ struct BodyMotion {
 [[nodiscard]] Impact find_impact(const Collider& a, const BodyMotion& motion_a, const Collider& b, const BodyMotion& motion_b, double dt,
                                  PairCache& cache, DistanceWorkspace& workspace, const AdvancementOptions& options = {});
 
-/// Motion of one system of a scene within a step: q(t) = q (+) v t, where (+) integrates on the joints' manifolds. The spans refer to
-/// memory of the caller. q: [nq] m | rad | unit quaternions; v: [nv] m/s | rad/s.
+/// Motion of one system (mechanism) of a scene within a step, at constant joint velocities: q(t) = q (+) v t, where (+) integrates on the
+/// joints' manifolds. The spans refer to memory of the caller. q: [nq] m | rad | unit quaternions; v: [nv] m/s | rad/s.
 struct SystemMotion {
   std::span<const double> q, v;
 };
@@ -68,14 +69,15 @@ struct SystemMotion {
 /// Result of ImpactSearch.
 struct SceneImpact {
   ImpactStatus status = ImpactStatus::none;  ///< never `touching`: pairs that touch at the beginning are skipped as contacts
-  double time = 0;                           ///< s, never after the true impact; status none: the length of the step
-  ContactPoint contact;                      ///< the two links (-1, -1: the ground), point, normal, friction; key = 0
+  double time = 0;                           ///< s from the start, never after the true impact; status none: the step length
+  ContactPoint contact;                      ///< links (-1, -1: the ground), point, normal and friction of the impact; key = 0
   int shape_a = -1, shape_b = -1;            ///< indices into Scene::shapes(); -1: the ground
   int pairs = 0;                             ///< count of pairs whose swept spheres overlap within the step
   int distances = 0;                         ///< count of distances measured
 };
 
-/// Finds the first impact of a scene within a step, for motion in joint space. Owns scratch memory: use one object per thread.
+/// Finds the first impact between shapes of a scene within a step. The motion is given in joint space. Owns scratch memory: use one
+/// object per thread.
 class ImpactSearch {
  public:
   /// The scene must outlive this object.
@@ -85,49 +87,49 @@ class ImpactSearch {
   /// skipped: they are contacts, and the contact solver keeps them apart. Use a margin below that of find_contacts, so that every pair
   /// is either a contact or tested here.
   /// No allocation, unless the number of pairs grows.
-  /// @param systems [systems of the scene]
+  /// @param systems [systems of the scene] motion of each system
   /// @param dt s
   /// @param margin m, at least options.tolerance
   [[nodiscard]] SceneImpact find(std::span<const SystemMotion> systems, double dt, double margin);
 
-  /// Checks whether a shape may pass through another one within the step. Pairs with the ground and pairs of two shapes that are not
-  /// convex are skipped. The time of the result is a time up to which no pair has passed the limit:
-  /// - two convex shapes: a penetration depth of half the sum of their half widths (half_width_of, core.h), or, if they overlap more
-  ///   deeply than 0.4 of the sum at the beginning, of the initial depth plus a tenth of the sum;
-  /// - a convex shape and a surface of triangles: the core of the convex shape comes close to the surface (core.h).
-  /// Measures no distance of convex pairs that approach by less than the sum of their half widths.
-  /// @return status impact with that time [s], or status none with the length of the step
+  /// Checks whether a shape may pass through another one within the step. Pairs with the ground and pairs of two non-convex shapes are
+  /// skipped. The returned time is one up to which no pair has exceeded its limit. The limits are:
+  /// - Two convex shapes: a penetration depth of half the sum of their half widths (half_width_of(), core.h). If their depth at the start
+  ///   exceeds 0.4 of that sum, the limit is this depth plus a tenth of the sum.
+  /// - A convex shape and a surface of triangles: the core of the convex shape (core.h) comes close to the surface.
+  /// Convex pairs that approach by less than the sum of their half widths are skipped without measuring a distance.
+  /// @return status impact with the time [s] up to which no limit is exceeded, or status none with the length of the step
   [[nodiscard]] SceneImpact find_passage(std::span<const SystemMotion> systems, double dt);
 
  private:
-  /// State of a shape at one time.
+  /// Pose and velocity of a shape at one time, and bounds of its acceleration.
   struct Moving {
     Pose X_WS;
-    Vec3 v, w;         // m/s of the bounding sphere's centre, rad/s; world
+    Vec3 v, w;         // world; v: m/s, of the bounding sphere's centre; w: rad/s
     double a = 0;      // m/s^2: upper bound of the centre's acceleration during the step
     double alpha = 0;  // rad/s^2: upper bound of the angular acceleration during the step
   };
   /// Upper bounds of a link's motion during the step.
   struct LinkBound {
-    double w = 0, alpha = 0, a = 0;  // rad/s, rad/s^2; m/s^2 of the origin of the link's frame
+    double w = 0, alpha = 0, a = 0;  // w: rad/s; alpha: rad/s^2; a: m/s^2, of the origin of the link's frame
   };
   struct System {
     std::vector<double> q;
     std::vector<Pose> X_WB;
-    std::vector<Vec6> V;  // spatial velocities, each in its link's frame
+    std::vector<Vec6> V;  // [links] spatial velocity of each link, in the link's frame
     std::vector<LinkBound> bounds;
-    double time = -1;  // s: time of X_WB and V; -1: none
+    double time = -1;  // s: time for which X_WB and V were computed; -1: none
   };
   struct Candidate {
-    int a, b;     // indices of shapes; b = -1: the ground
-    double time;  // s: the pair does not touch before
+    int a, b;     // indices into Scene::shapes(); b = -1: the ground
+    double time;  // s: the pair does not touch before this time
     int iterations = 0;
     PairCache cache;
   };
   struct Sweep {
     Vec3 centre;
     double radius = 0;  // m: the sphere about `centre` contains the shape during the whole step
-    double travel = 0;  // m: upper bound of the path length of any point of the shape
+    double travel = 0;  // m: upper bound of the path length of any point of the shape during the step
   };
 
   void prepare(std::size_t system, const SystemMotion& motion, double dt);
@@ -145,10 +147,10 @@ class ImpactSearch {
   Collider ground_;
   std::span<const SystemMotion> motions_;
   std::vector<System> systems_;
-  double min_travel_ = 0;                      // m: pairs whose summed travel is below this are skipped
+  double min_travel_ = 0;                      // m: pairs of shapes whose summed Sweep::travel is below this are skipped
   std::vector<Sweep> sweeps_;                  // [shapes]
-  std::vector<double> half_width_;             // m [shapes] half_width_of() of each shape
-  std::vector<std::pair<double, int>> order_;  // [shapes] minimum x [m, world] of the swept sphere, index of the shape
+  std::vector<double> half_width_;             // [shapes] m: half_width_of() of each shape
+  std::vector<std::pair<double, int>> order_;  // [shapes] sorted: minimum x [m, world] of a swept sphere, index of its shape
   std::vector<Candidate> candidates_;
   std::vector<std::uint32_t> queue_;  // heap of indices into candidates_, the earliest time first
   DistanceWorkspace workspace_;

@@ -14,18 +14,18 @@ double smallest(const Vec3& e) { return std::min({e.x, e.y, e.z}); }
 /// Source: Gottschalk, Lin, Manocha, OBBTree (1996).
 struct Axes {
   double face = -1e300;        // separation along the best face normal
-  int face_axis = 0;           // 0 ... 2: of a, 3 ... 5: of b
+  int face_axis = 0;           // axis of the best face normal: 0 ... 2 of a, 3 ... 5 of b
   bool face_out = true;        // true: the face's outward normal is +axis; false: -axis
   double edge = -1e300;        // separation along the best cross product
-  int edge_a = 0, edge_b = 0;  // axes 0 ... 2 of a and of b whose cross product it is
-  Vec3 edge_n;                 // unit, in a's frame, from b towards a
+  int edge_a = 0, edge_b = 0;  // axes (0 ... 2) of a and of b with the best cross product
+  Vec3 edge_n;                 // unit, a's frame: best cross product, from b towards a
 
   [[nodiscard]] double best() const { return std::max(face, edge); }
 };
 
-/// Computes the separations along the axes.
+/// Computes the separations of two boxes along their face normals and the cross products of their edges.
 /// @param stop m: return as soon as a separation is at least this
-/// @param bias m: use a face of b only if its separation exceeds that of a's face by this, so that contacts do not alternate
+/// @param bias m: a face of b is used only if its separation exceeds that of a's best face by this, so that contacts do not alternate
 Axes calc_axes(const Box& a, const Box& b, double stop, double bias) {
   const Mat3 R = a.X.R.transposed() * b.X.R;  // b's axes in a's frame, as columns
   const Vec3 p = transpose_times(a.X.R, b.X.p - a.X.p);
@@ -102,7 +102,7 @@ BoxPair nearest_on_edges(const Box& a, const Box& b, const Axes& axes, std::uint
   return out;
 }
 
-/// Closest points of two separate boxes. One of them lies on an edge of a, or is a corner of b.
+/// Closest points of two separate boxes. Either the point of a is on an edge of a, or the point of b is a corner of b.
 /// @param feature [out] identifies the edge or corner
 BoxPair nearest_apart(const Box& a, const Box& b, std::uint32_t& feature) {
   BoxPair out;
@@ -110,7 +110,7 @@ BoxPair nearest_apart(const Box& a, const Box& b, std::uint32_t& feature) {
   const double size = a.e.x + a.e.y + a.e.z + b.e.x + b.e.y + b.e.z;
   const auto nearer = [&](double d) {
     return d < out.distance - 1e-9 * std::min(out.distance, size);
-  };  // if distances are equal, the first is used
+  };  // if distances are equal, the first feature is used
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     for (std::uint32_t c = 0; c < 4; ++c) {
@@ -138,8 +138,8 @@ BoxPair nearest_apart(const Box& a, const Box& b, std::uint32_t& feature) {
   return out;
 }
 
-/// A corner of the clipped face: coordinates u, v [m] along the reference face's axes, height h [m] above it, and the labels of the two
-/// lines that meet in it (0 ... 3: edges of the incident face, 4 ... 7: sides of the reference face).
+/// A corner of the clipped face. u, v: m, coordinates along the reference face's axes; h: m, height above the reference face; in, out:
+/// labels of the two lines that meet at the corner (0 ... 3: edges of the incident face, 4 ... 7: sides of the reference face).
 struct Corner {
   double u, v, h;
   std::uint8_t in, out;
@@ -205,7 +205,7 @@ void keep_four(Polygon& polygon) {
   polygon = kept;
 }
 
-/// Clips the incident face of the other box against the best face and adds the corners below `margin` to `out`.
+/// Clips the incident face of one box against the best face of the other box. Adds the corners below `margin` [m] to `out`.
 /// @return minimum height [m] of the clipped corners above the best face; 1e300 if none is left
 double add_face(const Box& a, const Box& b, const Axes& axes, double margin, Manifold& out) {
   const bool of_a = axes.face_axis < 3;
@@ -230,7 +230,7 @@ double add_face(const Box& a, const Box& b, const Axes& axes, double margin, Man
     const Vec3 local = transpose_times(reference.X.R, incident.X * corner - reference.X.p);
     one.add({local[u], local[v], up * local[w] - reference.e[w], static_cast<std::uint8_t>((i + 3) & 3), i});
   }
-  const double slack = 1 + 1e-6;  // stacked boxes of equal size keep their own corners, despite rounding
+  const double slack = 1 + 1e-6;  // widens the reference face, so that stacked boxes of equal size keep their own corners
   clip(one, true, 1, reference.e[u] * slack, 4, two);
   clip(two, true, -1, reference.e[u] * slack, 5, one);
   clip(one, false, 1, reference.e[v] * slack, 6, two);
@@ -265,7 +265,7 @@ BoxPair nearest(const Box& a, const Box& b, std::uint32_t& feature) {
   }
   if (axes.edge > axes.face + 1e-12 * size) return nearest_on_edges(a, b, axes, feature);
 
-  // The shortest separating translation is along a face normal. The points are at the mean of the deepest corners.
+  // The shortest separating translation is along a face normal. The deepest points are at the mean of the deepest corners.
   feature = 16384U + 64 + static_cast<std::uint32_t>(axes.face_axis);
   Manifold manifold;
   const double minimum = add_face(a, b, axes, 1e300, manifold);

@@ -3,7 +3,7 @@
 namespace ugoki::collision {
 namespace {
 
-// Up to this count of pairs, testing all of them is as fast as scanning the tree's front (docs/design/superior-tree.md: 140 bodies).
+// Up to this count of pairs (140 bodies), testing all pairs is as fast as scanning the tree's front (docs/design/superior-tree.md).
 constexpr std::size_t max_all_pairs = 10000;
 
 }  // namespace

@@ -15,12 +15,13 @@ class BroadPhase {
  public:
   /// True if find() is faster for this scene than testing all pairs. O(systems)
   [[nodiscard]] static bool is_faster(const Scene& scene);
-  /// True if find() includes the pairs inside this system. If false, testing all of Scene::self_pairs() is as fast.
+  /// True if find() includes the pairs of shapes inside this system. If false, testing all of Scene::self_pairs() is as fast.
   [[nodiscard]] static bool covers(const Scene& scene, int system);
 
-  /// Returns the pairs (a, b), a < b, of shapes whose spheres are closer than `margin` [m], sorted by (a, b). The shapes belong to
-  /// different systems and one of them is movable, or they belong to one covered system. The list may include pairs that are farther apart.
-  /// The span is valid until the next call. No allocation in coherent motion.
+  /// Returns pairs (a, b), a < b, of indices into Scene::shapes(), sorted by (a, b). The list contains all pairs whose spheres are closer
+  /// than `margin` [m] and of which at least one shape is movable. Pairs of movable shapes of the same system are contained only if
+  /// covers() is true for this system. Some pairs in the list may be farther apart. The span is valid until the next call. No allocation in
+  /// coherent motion.
   /// @param balls [shapes] m, world: bounding spheres; spheres that are not finite are in no pair
   [[nodiscard]] std::span<const BodyPair> find(const Scene& scene, std::span<const Workspace::Ball> balls, double margin);
 
@@ -29,7 +30,7 @@ class BroadPhase {
 
   std::uint64_t content_ = 0;          // Scene::content() of the scene that tree_ was built for
   std::vector<std::uint8_t> covered_;  // [systems] result of covers()
-  std::vector<Pose> centres_;          // [shapes] world; identity rotations at the spheres' centres
+  std::vector<Pose> centres_;          // [shapes] world: unrotated poses at the centres of the bounding spheres
   SuperiorTree tree_;
   BoxesWithin within_{PairFilter{}};
   std::vector<BodyPair> found_;

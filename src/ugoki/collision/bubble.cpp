@@ -44,7 +44,7 @@ std::size_t stack_size(const SphereTree& a, const SphereTree& b) {
   return (block_lanes - 1) * (levels(a.triangles.size()) + levels(b.triangles.size())) + block_lanes;
 }
 
-/// Two trees at their poses. The frames A and B of this struct have their origins at the trees' centres.
+/// Two sphere trees at their poses. The origins of the frames A and B of this struct are at the trees' centres.
 struct Placed {
   const SphereTree& a;
   const SphereTree& b;
@@ -64,10 +64,10 @@ struct Placed {
     return triangle_distance({a.corner(pair.a, 0), a.corner(pair.a, 1), a.corner(pair.a, 2)},
                              {X_AB * b.corner(pair.b, 0), X_AB * b.corner(pair.b, 1), X_AB * b.corner(pair.b, 2)});
   }
-  /// The distance, or 0 if it is at most 1e-14 of the bodies' size: smaller values are rounding.
+  /// Returns the distance, or 0 if it is at most 1e-14 of the summed bounding radii: such values are rounding errors.
   [[nodiscard]] double snapped(double distance) const { return distance <= 1e-14 * (a.radius + b.radius) ? 0 : distance; }
 
-  /// Query of the SIMD kernel.
+  /// Makes the query for the SIMD kernel.
   /// @param best m: search radius
   [[nodiscard]] KernelQuery query(BubbleWorkspace& workspace, double best) const {
     KernelQuery q{};

@@ -2,8 +2,9 @@
 // Interface of the mesh search of bubble.h, which is compiled once per SIMD width (bubble_width.h). Plain data only, for the reason given
 // in spatial/lanes.h.
 //
-// Bounds are tested in float: a block of eight bounds against one bound, in the block's frame. `slack` covers the rounding of these tests:
-// a pair is dropped only if its true distance is not below the limit. Triangles are tested in double.
+// Bounds (spheres and boxes of the trees) are tested in float: a block of eight bounds against one bound, in the block's frame.
+// KernelQuery::slack covers the rounding errors of these tests, so that no pair closer than the search radius is dropped. Triangles are
+// tested in double.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +20,8 @@ struct KernelTree {
   const std::int32_t* triangles;  ///< [3 * triangles] indices of vertices
 };
 
-/// A pair of bounds on the stack of the search. a, b: block * block_lanes + lane; gap2: m^2, squared lower bound of their distance.
+/// A pair of bounds on the stack of the search, one of each tree. a, b: index of a bound, block * block_lanes + lane; gap2: m^2, squared
+/// lower bound of the distance between the bounds.
 struct KernelEntry {
   std::int32_t a, b;
   float gap2;
@@ -39,15 +41,15 @@ struct KernelPose {
 struct KernelQuery {
   KernelTree a, b;
   KernelPose<double> X_AB;           ///< pose of b in a; the frames' origins are the centres of the trees
-  KernelPose<float> X_AB_f, X_BA_f;  ///< the same and its inverse, for tests of bounds
-  float slack;                       ///< m: bound of the rounding errors of tests of bounds
+  KernelPose<float> X_AB_f, X_BA_f;  ///< X_AB in float, and its inverse, for the tests of bounds
+  float slack;                       ///< m: upper bound of the rounding errors in the tests of bounds
   float towards_b[3];  ///< unit, a's frame: estimated direction from a's closest point to b's; zero: unknown. A good estimate saves tests
   double best2;        ///< m^2 [in, out]: squared search radius; afterwards the squared distance of `nearest`
   double shrink;       ///< 1 / (1 + relative_error): factor of the search radius once `nearest` is set
   KernelPair nearest;  ///< [in, out] the pair of triangles with squared distance best2; -1, -1: none
   KernelEntry* stack;  ///< [stack_size()] scratch memory
-  KernelPair* pairs;   ///< [out, room] all pairs closer than the initial search radius; null: search only for the closest pair
-  std::size_t room, found;                   ///< found [out]: count of pairs; room + 1: there are more than `room`
+  KernelPair* pairs;   ///< [out, room] all pairs of triangles closer than the initial search radius; null: find only the closest pair
+  std::size_t room, found;                   ///< room: capacity of `pairs`; found: [out] count of pairs, room + 1 if they do not fit
   std::int32_t bound_tests, triangle_tests;  ///< [out] counts of tests
 };
 

@@ -12,7 +12,7 @@ using Floats = Lanes<float, UGOKI_FLOAT_LANES>;
 using Doubles = Lanes<double, UGOKI_DOUBLE_LANES>;
 using F1 = Lanes<float, 1>;
 
-/// The mask as an integer: bit i is set if lane i is.
+/// Converts a lane mask to an integer: bit i is set if lane i is set.
 template <class Real, int N>
 unsigned bits(LaneMask<Real, N> m) {
 #ifdef __clang__
@@ -32,7 +32,7 @@ unsigned bits(LaneMask<Real, N> m) {
 struct Single {
   Vec3T<F1> sphere, box, axis[3];  ///< centre of the sphere, centre and axes of the box
   F1 radius, half[3];
-  Vec3T<F1> towards;  ///< unit: from this bound towards the block, along the closest pair found so far; zero: none
+  Vec3T<F1> towards;  ///< unit: from this bound towards the block, along the closest pair of points found so far; zero: none
 };
 
 /// Vector `lane` of the block's array v, rotated by X.
@@ -42,8 +42,9 @@ Vec3T<F1> turned(const KernelPose<float>& X, const float (*v)[block_lanes], int 
           F1(X.R[2][0] * x + X.R[2][1] * y + X.R[2][2] * z)};
 }
 
-/// @param X pose of the bound's tree in the frame of the block
-/// @param towards unit or zero, frame of the block: see Single::towards
+/// Makes a Single from lane `lane` of `block`, in the frame of the other tree.
+/// @param X pose of the tree of `block` in the frame of the other tree
+/// @param towards unit or zero, frame of the other tree: see Single::towards
 Single make_single(const BoundBlock& block, int lane, const KernelPose<float>& X, const Vec3T<F1>& towards) {
   Single s;
   const Vec3T<F1> p{F1(X.p[0]), F1(X.p[1]), F1(X.p[2])};
@@ -58,12 +59,12 @@ Single make_single(const BoundBlock& block, int lane, const KernelPose<float>& X
   return s;
 }
 
-/// The vector in all lanes.
+/// Copies a vector to all lanes.
 template <class T>
 Vec3T<T> spread(const Vec3T<F1>& v) {
   return {T(v.x.v), T(v.y.v), T(v.z.v)};
 }
-/// Vectors of the lanes from i on.
+/// Loads the vectors of the lanes that start at lane i of the block's array v.
 template <class T>
 Vec3T<T> load3(const float (*v)[block_lanes], int i) {
   return {T::load(v[0] + i), T::load(v[1] + i), T::load(v[2] + i)};
@@ -74,7 +75,8 @@ T magnitude(T x) {
   return maximum(x, -x);
 }
 
-/// Separation [m] of the boxes along s.towards: a lower bound of their distance; may be negative.
+/// Separation [m] of two boxes along s.towards: the box of s and, in each lane, the box given by centre, axes and half extents. It is a
+/// lower bound of the distance of the boxes and may be negative.
 template <class T>
 T gap_along(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* half) {
   F1 reach_s(0);
@@ -85,7 +87,7 @@ T gap_along(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T*
   return gap;
 }
 
-/// True if the boxes are farther apart than `limit` [m] along the line of their centres; false if the centres coincide.
+/// True if two boxes (as in gap_along()) are farther apart than `limit` [m] along the line of their centres; false if the centres coincide.
 template <class T>
 typename T::Mask beyond_along_centres(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* half, T limit) {
   const Vec3T<T> line = box - spread<T>(s.box);
@@ -98,12 +100,12 @@ typename T::Mask beyond_along_centres(const Single& s, const Vec3T<T>& box, cons
   return length2 > reach;
 }
 
-/// Lower bound [m^2] of the squared distance of the boxes: the maximum of two bounds. Each is the distance of one box from the bounding
-/// box of the other along the axes of the first.
+/// Lower bound [m^2] of the squared distance of two boxes (as in gap_along()): the larger of two squared distances. Each is that of one box
+/// from the bounding box of the other box along the axes of the first box.
 template <class T>
 T box_gap2(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* half) {
   const Vec3T<T> apart = box - spread<T>(s.box);
-  T reach_s[3] = {T(s.half[0].v), T(s.half[1].v), T(s.half[2].v)};  // summed half extents along the axes of s
+  T reach_s[3] = {T(s.half[0].v), T(s.half[1].v), T(s.half[2].v)};  // m: summed half extents of both boxes along the axes of s
   T gap2_block(0);
   const Vec3T<T> sa[3] = {spread<T>(s.axis[0]), spread<T>(s.axis[1]), spread<T>(s.axis[2])};
   for (int i = 0; i < 3; ++i) {
@@ -124,7 +126,7 @@ T box_gap2(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* 
   return maximum(gap2_block, gap2_s);
 }
 
-/// Depth-first search of two trees, nearest bounds first.
+/// Depth-first search of two sphere trees, closest bounds first.
 class Search {
  public:
   explicit Search(KernelQuery& query) : q_(query) {}
@@ -155,7 +157,7 @@ class Search {
   }
 
  private:
-  /// Updates the float search radius from best2. The factor 1.000001 covers the rounding of the conversion to float.
+  /// Updates the search radius (float) from KernelQuery::best2. The factor 1.000001 covers the rounding of the conversion to float.
   void set_limit() {
     const double reach = __builtin_sqrt(q_.best2) * (q_.nearest.a >= 0 ? q_.shrink : 1.0);
     limit_ = static_cast<float>(reach) * 1.000001F + q_.slack;
@@ -168,10 +170,10 @@ class Search {
             F1(R[2][0]) * v.x + F1(R[2][1]) * v.y + F1(R[2][2]) * v.z};
   }
 
-  /// Tests all lanes of a block against one bound. Lanes that may be within the limit are pushed on the stack, the closest on top; pairs of
-  /// leaves are passed to add_leaf().
+  /// Tests all lanes of a block against the bound s. Lanes that may be closer than the search radius are pushed on the stack, the closest
+  /// on top. Pairs of leaves are passed to add_leaf().
   /// @param block_of_a true: the block belongs to tree a and the bound to tree b
-  /// @param single, single_child lane index (KernelEntry) and BoundBlock::child of the bound
+  /// @param single, single_child index (as in KernelEntry) and BoundBlock::child of the bound s
   template <bool block_of_a>
   void expand(std::int32_t block_index, const Single& s, std::int32_t single, std::int32_t single_child) {
     const BoundBlock& block = (block_of_a ? q_.a : q_.b).blocks[block_index];
@@ -222,7 +224,7 @@ class Search {
     if (++leaf_count_ == leaf_room) flush();
   }
 
-  /// Tests the collected pairs that are still within the limit.
+  /// Tests the collected pairs of triangles whose bounds are still closer than the search radius.
   void flush() {
     int kept = 0;
     for (int i = 0; i < leaf_count_; ++i)
@@ -231,7 +233,7 @@ class Search {
     for (int i = 0; i < kept && !done_; i += Doubles::count) test_leaves(i, kept - i < Doubles::count ? kept - i : Doubles::count);
   }
 
-  /// Tests `count` pairs of triangles from leaves_[first] on, one per lane.
+  /// Measures the distances of `count` pairs of triangles, starting at leaves_[first], one pair per lane.
   void test_leaves(int first, int count) {
     double corners[18][Doubles::count];
     for (int lane = 0; lane < Doubles::count; ++lane) {
@@ -279,11 +281,11 @@ class Search {
   static constexpr int leaf_room = 8;
   KernelQuery& q_;
   Vec3T<F1> towards_b_;           // unit or zero, a's frame: KernelQuery::towards_b
-  float limit_ = 0, limit2_ = 0;  // m, m^2: search radius of bounds and its square
+  float limit_ = 0, limit2_ = 0;  // m: search radius for bounds, including the slack; m^2: its square
   std::int32_t top_ = 0;          // count of entries on the stack
   int leaf_count_ = 0;
   KernelPair leaves_[leaf_room];
-  float leaf_gap2_[leaf_room];  // m^2: lower bounds of the squared distances
+  float leaf_gap2_[leaf_room];  // m^2: lower bound of the squared distance of each pair in leaves_
   bool done_ = false;           // `pairs` is full, or the closest pair has distance 0
 };
 

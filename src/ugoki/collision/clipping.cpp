@@ -6,7 +6,7 @@
 namespace ugoki::collision {
 namespace {
 
-/// A corner of the polygon during clipping. in, out: labels of the two lines that meet in it.
+/// A corner of the polygon during clipping. in, out: labels of the two edges that meet at the corner.
 struct Clipped {
   Vec3 p;
   std::uint32_t in, out;
@@ -42,7 +42,7 @@ void clip(const Polygon& from, const Vec3& m, double limit, std::uint32_t label,
 
 constexpr double same_direction_cos = 0.95;  // cosine of 18 degrees: normals within this angle form one group
 
-/// Indices of the four outermost points in the projection along n; -1 for missing ones, if the points are collinear.
+/// Sets `chosen` to the indices of the four outermost points in the projection along n; -1 replaces missing points (collinear points).
 /// The tolerances (1e-9, 1e-6, relative) keep the choice stable when points differ only by rounding.
 void outermost(std::span<const ManifoldPoint> points, const Vec3& n, int (&chosen)[4]) {
   const Vec3 u = any_perpendicular(n), v = cross(n, u);

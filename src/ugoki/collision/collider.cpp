@@ -5,7 +5,7 @@
 namespace ugoki::collision {
 namespace {
 
-/// Prepared data of the geometry; if it is declared convex but is not, those of its surface.
+/// Prepared data of the geometry. A geometry that is declared convex but is not is prepared as a surface of triangles.
 PreparedPtr prepared_of(const Geometry& geometry) {
   if (geometry.prepared) return geometry.prepared;
   Result<PreparedPtr> made = make_prepared(geometry, {}, {}, "mesh");

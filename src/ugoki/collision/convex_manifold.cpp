@@ -9,7 +9,7 @@ namespace {
 
 constexpr double parallel_sin2 = 0.03;  // squared sine of 10 degrees: edges at a smaller angle touch along a line, others at a point
 
-/// Adds four of the candidates below the margin to `out`: the deepest, the one farthest from it, and, in the projection along n, the
+/// Adds up to four of the candidates below the margin to `out`: the deepest, the one farthest from it, and, in the projection along n, the
 /// farthest on both sides of the line between them.
 void add_four(const Candidates& c, const Vec3& n, double margin, const Vec3& contact_normal, Manifold& out) {
   int chosen[4] = {-1, -1, -1, -1};
@@ -51,7 +51,8 @@ void add_four(const Candidates& c, const Vec3& n, double margin, const Vec3& con
 }
 
 /// True if the separation along one direction proves that the shapes overlap by at most -`margin` [m] (margin < 0). The direction is the
-/// last separating direction, or the line of their centres. Avoids the exact penetration depth when only deep overlaps are requested.
+/// last separating direction, or the line of their centres. The test avoids the exact penetration depth when only deep overlaps are
+/// requested.
 bool is_depth_below(const Support& a, const Pose& X_a, const Support& b, const Pose& X_b, double margin, const GilbertCache& cache) {
   const bool known = dot(cache.n, cache.n) > 0.5;
   const Vec3 n = known ? X_a.R * cache.n : normalized(X_a * centre_of(a) - X_b * centre_of(b));
@@ -62,7 +63,7 @@ bool is_depth_below(const Support& a, const Pose& X_a, const Support& b, const P
 }
 
 bool has_face(const Patch& p) { return p.count > 2; }
-/// True if both patches are edges that are almost parallel.
+/// True if both patches are edges, and these are parallel to within 10 degrees.
 bool are_parallel_edges(const Patch& a, const Patch& b) {
   if (a.count != 2 || b.count != 2) return false;
   const Vec3 u = normalized(a.at(1).p - a.at(0).p), v = normalized(b.at(1).p - b.at(0).p), s = cross(u, v);
@@ -86,8 +87,8 @@ void add_convex_convex(const Collider& a, const Pose& X_a, const Collider& b, co
   find_patch(a, X_a, -d.n, cache.count > 0 ? cache.a[0] : 0, on_a);
   find_patch(b, X_b, d.n, cache.count > 0 ? cache.b[0] : 0, on_b);
   Candidates points;
-  // The reference is the face whose normal is closer to d.n. The face of b is used only if its sine is smaller by 1e-4, so that rounding
-  // does not make the contacts alternate between the two faces.
+  // The reference is the face whose normal is closer to d.n. The face of b is used only if the sine of its angle to
+  // d.n is smaller by 1e-4, so that rounding does not make the contacts alternate between the two faces.
   const auto lean = [&](const Patch& p) { return norm(cross(p.normal, d.n)); };
   const bool b_first = has_face(on_b) && has_face(on_a) && lean(on_b) < lean(on_a) - 1e-4;
   for (const bool of_b : {b_first, !b_first}) {
@@ -129,7 +130,7 @@ void add_convex_ground(const Collider& a, const Pose& X, double height, double m
     add(X * Vec3{0, r, z}, end + 1);
     add(X * Vec3{-r, 0, z}, end + 2);
     add(X * Vec3{0, -r, z}, end + 3);
-    if (horizontal > 1e-6) {  // tilted (sine of the angle above 1e-6): also the ends of the lowest line of the side
+    if (horizontal > 1e-6) {  // tilted (sine of the angle above 1e-6): also both ends of the lowest line on the side
       add(X * Vec3{r * down.x / horizontal, r * down.y / horizontal, z}, end + 4);
       add(X * Vec3{r * down.x / horizontal, r * down.y / horizontal, -z}, end + 5);
     }

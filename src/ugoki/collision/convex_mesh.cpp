@@ -8,7 +8,7 @@ namespace ugoki::collision {
 namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-/// Vector of lane i.
+/// Vector in lane i of the block's array v.
 Vec3 lane3(const float (*v)[block_lanes], int i) {
   return {static_cast<double>(v[0][i]), static_cast<double>(v[1][i]), static_cast<double>(v[2][i])};
 }
@@ -28,7 +28,7 @@ class Search {
     best.distance = above;
   }
 
-  /// Measures the distance of the shape and triangle t, and keeps it if it is the minimum so far.
+  /// Measures the distance of the shape and triangle t, and stores the result in `best` if it is the minimum so far.
   /// @param cache warm start, possibly from another triangle
   void try_triangle(std::int32_t t, const GilbertCache& cache) {
     Hull& h = work_.corners;
@@ -67,14 +67,14 @@ class Search {
     }
   }
 
-  GilbertResult best;  // best.distance: m, minimum so far, or the search radius while triangle == -1
+  GilbertResult best;  // best.distance: m, minimum distance so far; the search radius while triangle == -1
   GilbertCache gilbert;
   std::int32_t triangle = -1;
   int bound_tests = 0, triangle_tests = 0;
   [[nodiscard]] double shrink() const { return shrink_; }
 
  private:
-  /// Bounds at this distance [m] or farther are skipped.
+  /// Search radius: bounds at this distance [m] or farther are skipped.
   [[nodiscard]] double limit() const { return triangle >= 0 ? best.distance * shrink_ : best.distance; }
 
   /// Lower bound [m] of the distance of the shape from a bound's box, by Gilbert's method with a coarse tolerance.
@@ -88,8 +88,8 @@ class Search {
     return d.status == GilbertStatus::touching ? 0 : d.lower - slack_;
   }
 
-  /// Pushes the bounds of a block on the stack, the closest on top. Their lower bounds are the distance of the bounding spheres and the
-  /// separation along the direction of the closest pair so far.
+  /// Pushes the bounds of a block on the stack, the closest on top. The lower bound of each distance is the larger of two values: the
+  /// distance of the bounding spheres, and the separation along the direction of the closest pair of points so far.
   void expand(std::int32_t index) {
     const BoundBlock& block = tree_.blocks[at(index)];
     const std::size_t first = work_.stack.size();
@@ -112,7 +112,7 @@ class Search {
   Pose X_;
   const SphereTree& tree_;
   Vec3 centre_;
-  double radius_, slack_, shrink_;  // m: bounding radius of the shape; m: rounding of the float bounds; 1 / (1 + relative error)
+  double radius_, slack_, shrink_;  // radius_: m, bounding radius; slack_: m, rounding of bounds; shrink_: 1 / (1 + relative_error)
   double reach_ = 0;                // m: maximum coordinate of the shape along -best.n
   ConvexMeshWorkspace& work_;
 };
@@ -123,7 +123,7 @@ bool is_bounded(const Support& s) {
   return s.kind != SupportKind::half_space && sum < 1e9;
 }
 
-/// Distance of a sphere: that of its centre, less the radius.
+/// Distance of a sphere from a mesh: the distance of its centre, less the radius.
 BubbleDistance point_distance(double radius, const Pose& X_WA, const SphereTree& b, const Pose& X_WB, ConvexMeshCache& cache,
                               ConvexMeshWorkspace& workspace, const BubbleOptions& options) {
   BubbleDistance out;

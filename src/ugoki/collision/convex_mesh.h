@@ -13,26 +13,26 @@ namespace ugoki::collision {
 /// wrong.
 struct ConvexMeshCache {
   std::int32_t triangle = -1;  ///< index of the closest triangle in the tree; -1: none
-  GilbertCache gilbert;        ///< warm start of the shape and that triangle
+  GilbertCache gilbert;        ///< warm start of the distance between the shape and that triangle
 };
 
 /// Scratch memory of find_distance; one object per thread, for any pairs. Grows with the depth of the trees and is then reused.
 class ConvexMeshWorkspace {
  public:
-  /// A bound on the stack of the search.
+  /// A bound (node of the sphere tree) on the stack of the search.
   struct Entry {
-    std::int32_t lane;  ///< block * block_lanes + lane
-    double lower;       ///< m: a lower bound of the distance
+    std::int32_t lane;  ///< index of the bound: block * block_lanes + lane
+    double lower;       ///< m: lower bound of the distance of the shape from the triangles in the bound
   };
   std::vector<Entry> stack;
   Hull corners;              ///< the current triangle, as a flat hull
-  BubbleWorkspace of_point;  ///< search for the point of the mesh closest to a sphere's centre
+  BubbleWorkspace of_point;  ///< memory of the search for the mesh point closest to a sphere's centre
   ConvexMeshWorkspace();
 };
 
-/// Distance of shape a (bounded: no half-space) at pose X_WA and mesh b at pose X_WB. The error is at most 1e-12 of the sizes for
-/// polytopes; for curved shapes it is the duality gap of Gilbert's method (distance - lower). Options as for two meshes. Status touching:
-/// the shape intersects the surface, distance 0. nearest.a of the result is always -1.
+/// Distance of shape a at pose X_WA (bounded: no half-space) and mesh b at pose X_WB. For polytopes the error is at most 1e-12 of the
+/// sizes; for curved shapes it is the duality gap of Gilbert's method (distance - lower). The options are those for two meshes (bubble.h).
+/// Status touching: the shape intersects the surface, and the distance is 0. BubbleDistance::nearest.a is always -1.
 /// @param cache [in, out] warm start of this pair
 [[nodiscard]] BubbleDistance find_distance(const Support& a, const Pose& X_WA, const SphereTree& b, const Pose& X_WB,
                                            ConvexMeshCache& cache, ConvexMeshWorkspace& workspace, const BubbleOptions& options = {});

@@ -6,7 +6,7 @@
 namespace ugoki::collision {
 namespace {
 
-/// The face whose plane is closest above p, and the depth [m] of p below it (negative: outside).
+/// Index of the face whose plane is closest to p, and the depth [m] of p below this plane; negative: p is outside the hull.
 std::pair<std::size_t, double> nearest_face(const Hull& hull, const Vec3& p) {
   std::size_t face = 0;
   double minimum = HUGE_VAL;
@@ -20,8 +20,8 @@ std::pair<std::size_t, double> nearest_face(const Hull& hull, const Vec3& p) {
   return {face, minimum};
 }
 
-/// Moves p inwards by alternating projection: each round moves it to `depth` [m] below its closest face, until it is deep enough below all
-/// faces or `rounds` is reached.
+/// Moves p inwards by alternating projection. Each round moves p to `depth` [m] below the face closest to p. Ends when p is deep enough
+/// below all faces, or after `rounds` rounds.
 Vec3 moved_inwards(const Hull& hull, Vec3 p, double depth, int rounds) {
   for (int k = 0; k < rounds; ++k) {
     const auto [face, behind] = nearest_face(hull, p);
@@ -31,8 +31,9 @@ Vec3 moved_inwards(const Hull& hull, Vec3 p, double depth, int rounds) {
   return p;
 }
 
-/// Hull of the vertices, each moved inwards to `depth` [m]. A vertex that is not deep enough after all rounds is moved towards a deep
-/// point. Hulls with more than 200 vertices are scaled about the deep point instead, because the projections would be slow.
+/// Hull of the vertices, each moved inwards to `depth` [m] below all faces. A vertex that is not deep enough after all rounds is moved
+/// towards a deep point of the hull. Hulls with more than 200 vertices are scaled about the deep point instead, because the projections
+/// would be slow.
 std::unique_ptr<Hull> core_of(const Hull& hull, double depth) {
   constexpr int rounds = 100;
   constexpr std::size_t max_projected = 200;
@@ -41,7 +42,7 @@ std::unique_ptr<Hull> core_of(const Hull& hull, double depth) {
   const Vec3 deep = moved_inwards(hull, hull.centre, 1.1 * depth, rounds);
   const double at_deep = nearest_face(hull, deep).second;
   for (const Vec3& v : hull.vertices) {
-    if (hull.vertices.size() > max_projected) {  // scaled about the deep point
+    if (hull.vertices.size() > max_projected) {  // too many vertices: scaled about the deep point
       out->vertices.push_back(deep + (v - deep) * std::max(1 - depth / at_deep, 0.0));
       continue;
     }

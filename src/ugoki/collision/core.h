@@ -12,7 +12,8 @@ namespace ugoki::collision {
 /// or to two axes of the shape's frame are considered.
 [[nodiscard]] double half_width_of(const Collider& c);
 
-/// Core of a convex shape. Its points are at least `depth` below the surface; those of ellipsoids and hulls may be slightly deeper.
+/// Core of a convex shape. All points of the core are at least `depth` below the shape's surface. For ellipsoids and hulls the core may be
+/// slightly smaller than the set of all such points.
 struct Core {
   Collider collider;
   double depth = 0;            ///< m: depth below the shape's surface

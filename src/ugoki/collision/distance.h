@@ -6,11 +6,11 @@
 namespace ugoki::collision {
 
 /// Signed distance [m] between the surfaces of two shapes. Negative: penetration depth, the length of the shortest translation that
-/// separates them. Exact up to rounding for spheres, capsules and boxes; the error is at most 1e-9 of the sizes for other convex shapes.
-/// Surfaces of triangles that intersect have distance 0.
+/// separates them. Exact up to rounding for spheres, capsules and boxes; the error is at most 1e-9 of the shapes' sizes for other convex
+/// shapes. Surfaces of triangles that intersect have distance 0.
 /// @param X_WA, X_WB world poses of the LINKS that carry the shapes; each shape's own X_BS is applied here
 /// @param pa, pb [out, may be null] m, world: closest (deepest) points on a and b, pa - pb = n * distance
-/// @param n [out, may be null] unit, world: from b towards a; one of them if symmetry allows several
+/// @param n [out, may be null] unit, world: normal from b towards a; if symmetry allows several normals, one of them
 /// O(1) and no allocation for spheres, capsules and boxes. Otherwise allocates scratch memory, and prepares geometry that is not prepared.
 [[nodiscard]] double distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Vec3* pa = nullptr, Vec3* pb = nullptr,
                               Vec3* n = nullptr);

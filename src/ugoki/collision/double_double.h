@@ -7,7 +7,7 @@
 
 namespace ugoki::collision {
 
-/// The value high + low.
+/// A number stored as the unevaluated sum high + low.
 struct DoubleDouble {
   double high = 0, low = 0;
 

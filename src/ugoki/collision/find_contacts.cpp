@@ -25,9 +25,9 @@ void reset_if_other_scene(const Scene& scene, Workspace& work) {
 /// Row z of a rotation matrix: the world's up direction in the link's frame.
 Vec3 heights(const Mat3& R) { return {R.zx, R.zy, R.zz}; }
 
-/// Height [m, world] of a shape's lowest point, computed without the shape's full pose; of a mesh or height field, that of its bounding
-/// box.
-/// @param origin m: height of the shape's origin
+/// Height [m, world] of a shape's lowest point, computed without the shape's full pose. For a mesh or height field it is the lowest point
+/// of the bounding box.
+/// @param origin m, world: height of the shape's origin
 /// @param up_B unit: the world's up direction in the link's frame
 double lowest_height(const SceneShape& shape, double origin, const Vec3& up_B) {
   const Shape& s = shape.shape;
@@ -140,7 +140,7 @@ struct Search {
 
   /// Contacts between the shapes of one system.
   void within(int system) {
-    // The few pairs with close bounds are first collected in chunks without a branch per pair, then tested exactly.
+    // In chunks: the few pairs with close bounding spheres are first collected without a branch per pair, then tested exactly.
     constexpr std::size_t chunk = 64;
     const std::span<const ShapePair> pairs = scene.self_pairs(system);
     for (std::size_t begin = 0; begin < pairs.size(); begin += chunk) {
@@ -249,7 +249,7 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
   reset_if_other_scene(scene, work);
   if (work.extents.size() < X_WB.size()) work.extents.resize(X_WB.size());
   out.clear();
-  // Per shape: the 8 corners of a box on the ground, and four points with other shapes. More contacts make `out` grow.
+  // Memory for 12 points per shape: the 8 corners of a box on the ground, and four points with other shapes. More contacts make `out` grow.
   if (out.capacity() < 12 * scene.shapes().size()) out.reserve(12 * scene.shapes().size());
 
   Search search{scene, X_WB, margin, work, out, moved, {}};

@@ -19,23 +19,23 @@ namespace ugoki::collision {
 /// Predicted direction between two hulls, used in fast motion, when the closest vertices change at nearly every query (hull_leap.h). All
 /// zero at the start.
 struct GilbertTrend {
-  std::int32_t pace = 0;                   ///< smoothed rate: 1024 times the mean count of closest vertices (0 ... 2) that change per query
-  double inverse_distance = 0;             ///< 1/m, of the previous query; 0: no prediction yet
-  std::array<double, 4> next{}, change{};  ///< world: predicted direction from b towards a, length about 1; its change per query
+  std::int32_t pace = 0;                   ///< 1024 times the smoothed count of closest vertices (0 ... 2) that change per query
+  double inverse_distance = 0;             ///< 1/m: inverse of the distance of the previous query; 0: no prediction yet
+  std::array<double, 4> next{}, change{};  ///< world: predicted direction from b towards a (length about 1), and its change per query
 };
 
 /// Warm start of a pair of shapes, kept from one query to the next; all zero at the first query. Use one cache per pair, as vertices are
 /// indices into the hulls of that pair. Content from another pair makes a query slower but not wrong.
 struct GilbertCache {
-  std::array<std::int32_t, 3> a{}, b{};  ///< vertices of the closest features of a and b
+  std::array<std::int32_t, 3> a{}, b{};  ///< indices of the vertices that span the closest features of a and b
   std::int32_t count = 0;                ///< count of entries of a and b in use; 0: none
-  Vec3 n;                                ///< unit or zero, shape a's frame, from b towards a: separating direction of the previous query
+  Vec3 n;                                ///< separating direction of the previous query, from b towards a: unit or zero, a's frame
   GilbertTrend trend;
 };
 
 enum class GilbertStatus : std::uint8_t {
-  separated,      ///< the cores are apart, and distance - lower <= the tolerance
-  touching,       ///< the cores overlap or touch (to 1e-14 of their size): no separating direction; see penetration.h
+  separated,      ///< the cores (support.h) are apart, and distance - lower <= the tolerance
+  touching,       ///< the cores overlap, or touch to 1e-14 of the coordinates: no separating direction; see penetration.h
   beyond,         ///< lower > options.farthest; the other results are estimates
   not_converged,  ///< stopped by max_iterations or by rounding: `distance` and `lower` are valid bounds with a larger gap
   not_finite,     ///< a pose or size is NaN or infinite: the result is undefined
@@ -43,16 +43,16 @@ enum class GilbertStatus : std::uint8_t {
 };
 
 struct GilbertOptions {
-  double tolerance = 1e-10;  ///< relative to the sum of both bounding radii: accepted duality gap (distance - lower)
+  double tolerance = 1e-10;  ///< accepted duality gap (distance - lower), relative to the sum of both bounding radii
   double farthest = std::numeric_limits<double>::infinity();  ///< m: stop as soon as the distance is proved to be larger
-  int max_iterations = 200;                                   ///< the penetration search of penetration.h allows twice as many
+  int max_iterations = 200;                                   ///< limit of GilbertResult::iterations; penetration.h allows twice as many
 };
 
-/// Result of gilbert_distance(). If separated: pa - pb = n * distance. The distance is that of the cores less both radii; it is negative if
+/// Result of gilbert_distance(). If separated: pa - pb = n * distance. The distance is that of the cores less both radii. It is negative if
 /// the shapes overlap but their cores do not.
 struct GilbertResult {
   GilbertStatus status = GilbertStatus::not_finite;
-  double distance = 0;  ///< m, between the surfaces: upper bound, attained by pa and pb. touching: minus the sum of the radii
+  double distance = 0;  ///< m, between pa and pb: upper bound of the true distance. touching: minus the sum of the radii
   double lower = 0;     ///< m: lower bound of the true distance, proved by the direction n
   Vec3 pa, pb;          ///< m, world: closest points on a and b
   Vec3 n;               ///< unit, world: from b towards a

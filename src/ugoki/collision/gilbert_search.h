@@ -12,8 +12,8 @@
 namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see above
 
-constexpr double rounding = 1e-15;  ///< relative to the coordinates: error of a difference of support points
-constexpr double touch = 1e-14;     ///< relative to the coordinates: closer cores are touching
+constexpr double rounding = 1e-15;  ///< relative to the coordinates: rounding error of a difference of support points
+constexpr double touch = 1e-14;     ///< relative to the coordinates: cores closer than this are touching
 
 constexpr int max_restarts = 5;  ///< restarts from a single point before the search returns not_converged
 
@@ -33,20 +33,20 @@ struct HullCore {
     const std::int32_t v = walk_to_extreme(h, d, hint);
     return {h.vertices[static_cast<std::size_t>(v)], v};
   }
-  /// @param p [out] m: corner v. @return false: there is no corner v
+  /// Sets p [m] to the position of vertex v. @return false if the hull has no vertex v
   [[nodiscard]] bool corner(std::int32_t v, Vec3& p) const {
     if (static_cast<std::size_t>(v) >= h.vertices.size()) return false;
     p = h.vertices[static_cast<std::size_t>(v)];
     return true;
   }
-  /// Start vertex for the direction d.
+  /// Vertex at which a search along the direction d starts.
   [[nodiscard]] std::int32_t seed(const Vec3& d) const { return seed_vertex(h, d); }
   [[nodiscard]] Vec3 centre() const { return h.centre; }
   /// Radius [m] of the sphere about centre() that contains the core.
   [[nodiscard]] double extent() const { return h.radius; }
 };
 
-/// Interface of the search to any other bounded core.
+/// Interface of the search to any other bounded core, with the members of HullCore.
 struct AnyCore {
   const Support& s;
   explicit AnyCore(const Support& of) : s(of) {}
@@ -58,8 +58,9 @@ struct AnyCore {
   [[nodiscard]] double extent() const { return bounding_radius(s) - s.radius; }
 };
 
-/// One query. The search runs in the frame of a, on the difference a - b of the cores. v_ is the point of the current simplex closest to
-/// the origin; its length is an upper bound of the distance. Each support point along -v_ gives a lower bound and a new corner.
+/// One query. The search runs in the frame of a, on the Minkowski difference a - b of the cores. v_ is the point of the current simplex
+/// closest to the origin; its length is an upper bound of the distance. Each support point along -v_ gives a lower bound of the distance
+/// and a new corner of the simplex.
 template <class A, class B>
 class Search {
  public:
@@ -123,7 +124,7 @@ class Search {
       v_ = v;
       if (out.status == GilbertStatus::beyond) break;
       if (simplex_.count > 1 && !(next < vv) && out.iterations > 1) {
-        // The simplex is so small that rounding prevents progress: restart from this point, which is almost the closest.
+        // The simplex is so small that rounding prevents progress: restart from the last support point, which is almost the closest.
         if (++restarts > max_restarts) break;
         simplex_.count = 1;
         simplex_.corner[0] = c;
@@ -152,7 +153,7 @@ class Search {
     return false;
   }
 
-  /// Sets simplex_ and v_ from the closest features of the previous query at the new poses; without them, only a first direction v_.
+  /// Sets simplex_ and v_ from the closest features of the previous query at the new poses. If the cache has none, sets only v_.
   /// @return true if the simplex was set
   bool start(const Vec3& between) {
     simplex_.count = 0;
@@ -177,7 +178,7 @@ class Search {
     return false;
   }
 
-  /// Start vertices on both hulls: those of the corner with the maximum weight.
+  /// Sets the start vertices ha of a and hb of b to those of the simplex corner with the maximum weight.
   void nearest_hints(std::int32_t& ha, std::int32_t& hb) const {
     int best = 0;
     for (int k = 1; k < simplex_.count; ++k)
@@ -202,7 +203,7 @@ class Search {
     }
     const double d = norm(v_);
     const Vec3 n = v_ / d;
-    // v_ comes from the normal of a face, which is wrong for slivers. If it differs from the weighted sum of the corners, use that sum.
+    // v_ comes from the normal of a face, which is wrong for slivers. If v_ differs from the weighted sum w of the corners, w is used.
     const Vec3 off = w - v_;
     const double reached = dot(off, off) <= tolerance * tolerance ? d : norm(w);
     if (out.status != GilbertStatus::beyond)
@@ -231,11 +232,11 @@ class Search {
   GilbertCache& cache_;
   const GilbertOptions& options_;
   Mat3 R_;      ///< rotation of b in a
-  Vec3 p_, v_;  ///< m, frame of a: position of b; closest point of the difference so far (directed from b towards a)
+  Vec3 p_, v_;  ///< m, frame of a; p_: position of b; v_: point of the difference closest to the origin so far
   Simplex simplex_;
-  double radii_ = 0;  ///< m: sum of the radii around the cores
+  double radii_ = 0;  ///< m: sum of the radii by which the cores are inflated
   double size_ = 0;   ///< m: sum of the bounding radii of the cores
-  double scale_ = 0;  ///< m: bound of the coordinates, the unit of rounding errors
+  double scale_ = 0;  ///< m: upper bound of the coordinates, to which rounding errors are relative
 };
 
 }  // namespace

@@ -18,14 +18,14 @@ struct HullWalk {
     double x[8], y[8], z[8];  ///< m: coordinates of the neighbours
     std::int32_t vertex[8];   ///< indices of the neighbours
     double own[3];            ///< m: coordinates of the vertex
-    std::int32_t more;        ///< index of its first entry in `overflow`
+    std::int32_t more;        ///< index into `overflow` of the ninth neighbour
     std::int32_t more_count;  ///< count of neighbours beyond eight
   };
   std::vector<Node> nodes;             ///< [vertices]
-  std::vector<Node> scan;              ///< hulls of at most 16 vertices: one or two nodes whose neighbours are all vertices; else empty
-  std::vector<std::int32_t> overflow;  ///< indices of neighbours beyond eight
+  std::vector<Node> scan;              ///< hulls of at most 16 vertices: one or two nodes that list all vertices; else empty
+  std::vector<std::int32_t> overflow;  ///< vertex indices: neighbours of each vertex after the eighth
   std::vector<std::int32_t> seeds;  ///< [6 * cells^2] extreme vertex along the central direction of each cell of a cube map of directions
-  std::int32_t cells = 0;           ///< count of cells along an edge of the cube; 0: no seeds
+  std::int32_t cells = 0;           ///< count of cells along an edge of the cube map; 0: no seeds
 };
 
 /// Convex hull of a set of points: a solid (dimension 3), flat (2), a segment (1) or a point (0).
@@ -34,7 +34,8 @@ struct Hull {
   int dimension = 0;
   std::vector<Vec3> vertices;  ///< m, shape's frame; the order keeps neighbours close together in memory
 
-  /// Faces as polygons, corners counter-clockwise seen from outside: corners[first_corner[f]] ... corners[first_corner[f + 1] - 1].
+  /// Faces as polygons. Face f has the vertices corners[first_corner[f]] ... corners[first_corner[f + 1] - 1], counter-clockwise seen from
+  /// outside.
   /// A flat hull has two faces (one per side), a segment or a point has none.
   std::vector<std::int32_t> first_corner, corners;  ///< [faces + 1], [sum of corners]
   std::vector<Vec3> normals;                        ///< [faces] unit, outward
@@ -63,19 +64,20 @@ struct Hull {
   }
 };
 
-/// Builds a hull from its vertices and faces; their order is kept. To build a hull from arbitrary points, use geometry::make_hull.
+/// Builds a hull from its vertices and faces, and keeps their order. To build a hull from arbitrary points, use geometry::make_hull.
 /// Without faces: one vertex makes a point, two a segment. Two opposite faces make a flat hull.
 /// Error: an index or coordinate is out of range, the faces do not form a closed surface, or the surface is not convex (tolerance: 1e-9 of
 /// the radius). O(vertices log vertices).
 [[nodiscard]] Result<Hull> assemble_hull(std::vector<Vec3> vertices, std::vector<std::int32_t> first_corner,
                                          std::vector<std::int32_t> corners);
 
-/// Index of the vertex with the maximum d . x, found by hill climbing along edges from `start`. A hull without `walk` is scanned.
+/// Index of the vertex with the maximum d . x, found by hill climbing along edges from `start`. For a hull without `walk` all vertices are
+/// tested.
 /// O(steps * neighbours), no allocation.
 /// @param start index of a vertex; a vertex close to the result makes the search fast
 [[nodiscard]] std::int32_t find_extreme_vertex(const Hull& hull, const Vec3& d, std::int32_t start);
 
-/// Index of a vertex close to the extreme one along d, from the table of seeds; 0 without a table. O(1).
+/// Index of a vertex close to the extreme vertex along d, from the table HullWalk::seeds; 0 if the hull has no table. O(1).
 [[nodiscard]] std::int32_t seed_vertex(const Hull& hull, const Vec3& d);
 
 }  // namespace ugoki::collision

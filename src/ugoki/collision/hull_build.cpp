@@ -12,7 +12,7 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr std::size_t max_scanned = 16;  ///< hulls of at most this count of vertices are scanned: two nodes of eight, no hill climbing
+constexpr std::size_t max_scanned = 16;  ///< hulls of at most this many vertices are scanned (two nodes of eight), without hill climbing
 constexpr double slack = 1e-9;           ///< relative to the radius: how far a vertex may be outside a face's plane
 
 /// Directed edge from one corner of a face to the next. from, to: vertices; corner: index into Hull::corners.
@@ -23,7 +23,7 @@ struct HalfEdge {
 
 std::string vertex_name(std::size_t i) { return "vertex " + std::to_string(i); }
 
-/// Errors in the arrays: empty, out of range, not finite.
+/// Returns the errors in the arrays of a hull: empty, out of range, not finite.
 Error find_bad_arrays(const Hull& h) {
   Error error;
   const auto n = static_cast<std::int64_t>(h.vertices.size());
@@ -93,7 +93,7 @@ bool make_neighbours(Hull& h, const std::vector<HalfEdge>& edges, const std::vec
   return static_cast<std::int64_t>(n) - static_cast<std::int64_t>(edges.size() / 2) + faces == 2;
 }
 
-/// Outward normal of face f with the face's area [m^2] as length, summed over the triangles at its first corner.
+/// Outward normal of face f with the face's area [m^2] as length: the sum over the triangles of a fan at the face's first corner.
 Vec3 face_area_vector(const Hull& h, std::size_t f) {
   Vec3 sum;
   const auto corner = [&](std::int32_t c) { return h.vertices[static_cast<std::size_t>(h.corners[static_cast<std::size_t>(c)])]; };
@@ -143,12 +143,12 @@ void make_measures(Hull& h) {
   h.radius = std::sqrt(r2);
 }
 
-/// True if, at each edge, the neighbouring face is below the plane of the face, and the centre is below all planes.
+/// True if, at each edge of each face, the adjacent face is below the plane of the face, and the hull's centre is below all planes.
 bool is_convex(const Hull& h, const std::vector<HalfEdge>& edges, const std::vector<HalfEdge>& opposite) {
   const double allowed = slack * h.radius;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const auto f = static_cast<std::size_t>(edges[i].face), g = static_cast<std::size_t>(opposite[i].face);
-    // c: the corner of the neighbouring face that follows the edge.
+    // c: the corner of the adjacent face that follows the edge's two corners.
     std::int32_t c = opposite[i].corner + 2;
     const std::int32_t first = h.first_corner[g], last = h.first_corner[g + 1];
     if (c >= last) c = first + (c - last);

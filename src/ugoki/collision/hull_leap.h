@@ -1,8 +1,8 @@
 #pragma once
 // Gilbert's method for two hulls in fast motion, when the closest vertices change at nearly every query. The direction between the hulls is
-// predicted. One step along it gives a corner of the difference of the hulls and the edges at this corner that most likely contain the
-// closest point. The prediction affects only the speed, not the result. Internal linkage on purpose: see gilbert_search.h.
-// Design: docs/design/convex-distance.md.
+// predicted. One step along this direction gives a corner of the Minkowski difference of the hulls. The edges at this corner that most
+// likely contain the closest point are tested. The prediction affects only the speed, not the result. Internal linkage on purpose: see
+// gilbert_search.h. Design: docs/design/convex-distance.md.
 //
 // Ring: a vertex and its neighbours. Fan: a corner of the difference with four edges that start at it (lane_fan.h).
 
@@ -14,7 +14,7 @@ namespace {  // NOLINT(google-build-namespaces): see gilbert_search.h
 
 constexpr int max_fans = 4;  ///< count of rings inspected, including the predicted step, before search_rings() is used
 
-/// Stores lanes 0 to 2.
+/// Stores lanes 0 to 2 of x in `out`.
 static inline void store3(Vec3& out, const Four& x) { __builtin_memcpy(static_cast<void*>(&out), &x, sizeof out); }
 
 /// Search of two hulls in fast motion.
@@ -22,7 +22,7 @@ class HullLeap : public HullSearch {
  public:
   using HullSearch::HullSearch;
 
-  /// Returns false if the general search must be used.
+  /// Returns false if the general search (gilbert_search.h) must be used.
   bool run(GilbertResult& out) {
     a0_[0] = cache_.a[0];
     b0_[0] = cache_.b[0];
@@ -72,18 +72,19 @@ class HullLeap : public HullSearch {
  private:
   /// Edges from a vertex to its first eight neighbours.
   struct Edges {
-    Four3 low, high;  ///< m: to neighbours 0 ... 3 and 4 ... 7
+    Four3 low, high;  ///< m: edges to neighbours 0 ... 3 and 4 ... 7
   };
 
-  /// Positions of neighbours 0 ... 3.
+  /// Positions [m, hull's frame] of neighbours 0 ... 3 of the node's vertex.
   static Four3 low(const HullWalk::Node& node) { return {four_at(node.x), four_at(node.y), four_at(node.z)}; }
-  /// Positions of neighbours 4 ... 7.
+  /// Positions [m, hull's frame] of neighbours 4 ... 7 of the node's vertex.
   static Four3 high(const HullWalk::Node& node) { return {four_at(node.x + 4), four_at(node.y + 4), four_at(node.z + 4)}; }
-  /// Position of the vertex, in all lanes.
+  /// Position [m, hull's frame] of the node's vertex, in all lanes.
   static Four3 own(const HullWalk::Node& node) { return {all(node.own[0]), all(node.own[1]), all(node.own[2])}; }
 
-  /// One descent step: the neighbour with the minimum v . x, or the vertex itself if no neighbour is lower by more than slack.
-  /// @param at m, frame of a: position of the vertex
+  /// One descent step from vertex i: returns the neighbour at which v . (a - b) is minimal, or i if no neighbour is lower by more than
+  /// slack [m^2].
+  /// @param at m, frame of a: position of vertex i
   /// @param sign +1 for hull a, -1 for hull b: sign of the edges in the difference a - b
   template <class Make>
   static std::int32_t step(const Hull& h, const Edges& e, const Four3& at, double sign, const Four3& v, double slack,
@@ -112,10 +113,10 @@ class HullLeap : public HullSearch {
     return UGOKI_UNPREDICTABLE(lower[0] != 0) ? next : i;
   }
 
-  /// The two edges e with the minimum p . e: a step along them brings p closer to the origin fastest at first.
+  /// The two edges e with the lowest p . e: from corner p, the distance from the origin decreases fastest along them.
   static TwoLowest two_steepest(const Edges& e, const Four3& p) { return two_lowest_with_lanes(dot(p, e.low), dot(p, e.high)); }
 
-  /// Edges of the fan in its lanes: two of a in lanes 0 and 2, two of b in lanes 1 and 3.
+  /// Edges of a fan: two edges of a in lanes 0 and 2, two edges of b in lanes 1 and 3.
   static Four3 fan_of(const Edges& a, const TwoLowest& in_a, const Edges& b, const TwoLowest& in_b) {
     const FourInts front = {-1, -1, 0, 0};
     const Four at_a = front ? in_a.first : in_a.second, at_b = front ? in_b.first : in_b.second;
@@ -123,7 +124,7 @@ class HullLeap : public HullSearch {
                   {pick(b.low.x, b.high.x, at_b), pick(b.low.y, b.high.y, at_b), pick(b.low.z, b.high.z, at_b)});
   }
 
-  /// Vertices of the fan's feature closest to the origin: its corner and the ends of its two edges.
+  /// Vertices of a and b that form the fan's feature closest to the origin: at its corner [0], and at the ends of its two edges [1], [2].
   struct Corners {
     std::int32_t a[3], b[3];
     bool parallelogram;  ///< the face is spanned by an edge of a and an edge of b
@@ -157,7 +158,7 @@ class HullLeap : public HullSearch {
     store3(out.pa, pa);
     store3(out.pb, pa - n * all(d - radii));
     cache_.n = Vec3{v.x[0], v.y[0], v.z[0]} * inverse;
-    // Normalised with the previous distance, because the square root and division of this query are not yet available.
+    // The direction is normalised with the previous distance, because the square root and division of this query are not yet available.
     predict_next(cache_.trend, along * all(cache_.trend.inverse_distance));
     cache_.trend.inverse_distance = inverse;
   }
@@ -173,25 +174,25 @@ class HullLeap : public HullSearch {
     cache_.count = t > 0 ? 3 : s > 0 ? 2 : 1;
   }
 
-  /// Closest feature of a fan, in all lanes. m, frame of a.
+  /// Edge or face of a fan that is closest to the origin: m, frame of a, the same in all lanes.
   struct Feature {
-    Four3 first, second, p, v;  ///< its two edges, its corner, its point closest to the origin
+    Four3 first, second, p, v;  ///< two edges, corner, and point closest to the origin of the feature
   };
 
-  /// Continues with search_rings() from a feature: makes the simplex of its corners.
-  /// @param s, t coordinates of the closest point along the two edges
-  /// @param ia, ib vertices of the next rings
+  /// Continues with search_rings() from the simplex of the corners of `feature`.
+  /// @param s, t coordinates (0 ... 1) of the closest point along the two edges of the feature
+  /// @param ia, ib vertices of a and b whose rings are inspected next
   /// @param k count of rings inspected so far
   [[gnu::noinline]] bool continue_from(Feature feature, double s, double t, Corners corners, std::int32_t ia, std::int32_t ib,
                                        GilbertResult& out, Measures measures, int k) {
     const LanePose X = between(X_WA_, X_WB_);
-    const bool beyond = corners.parallelogram && s + t > 1;  // in the triangle at the parallelogram's opposite corner
+    const bool beyond = corners.parallelogram && s + t > 1;  // closest point in the half of the parallelogram opposite to p
     LaneSimplex simplex;
     const Four3 first = feature.p + feature.first, second = feature.p + feature.second,
                 corner = beyond ? first + feature.second : feature.p;
     const FourInts one = {-1, 0, 0, 0}, two = {0, -1, 0, 0};
     simplex.w = select(one, first, select(two, second, corner));
-    // The opposite corner consists of the ends of both edges.
+    // The opposite corner is formed by the end vertex of the edge of a and the end vertex of the edge of b.
     const std::int32_t ca = beyond ? (corners.a[1] != corners.a[0] ? corners.a[1] : corners.a[2]) : corners.a[0];
     const std::int32_t cb = beyond ? (corners.b[1] != corners.b[0] ? corners.b[1] : corners.b[2]) : corners.b[0];
     simplex.ia = FourInts{corners.a[1], corners.a[2], ca, ca};
@@ -206,15 +207,15 @@ class HullLeap : public HullSearch {
   }
 };
 
-/// Distance of two hulls with `walk`, by the general search.
+/// Distance of two hulls with Hull::walk, by the general search (gilbert_search.h).
 [[gnu::noinline]] static GilbertResult general_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB,
                                                         GilbertCache& cache, const GilbertOptions& options) {
   if (!all_finite(X_WA) || !all_finite(X_WB)) return {};
   return Search<HullCore, HullCore>(a, X_WA, b, X_WB, cache, options).run();
 }
 
-/// Distance of two hulls that moved far since the previous query, with `walk`. Not inlined, so that it takes no registers from the code
-/// for hulls that moved little.
+/// Distance of two hulls with Hull::walk that moved far since the previous query. Not inlined, so that this function takes no registers
+/// from the code for hulls that moved little.
 [[gnu::noinline]] static GilbertResult fast_motion_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB,
                                                             GilbertCache& cache, const GilbertOptions& options) {
   GilbertResult out;
@@ -222,7 +223,7 @@ class HullLeap : public HullSearch {
   return general_distance(a, X_WA, b, X_WB, cache, options);
 }
 
-/// Distance of two hulls with `walk`.
+/// Distance of two hulls with Hull::walk. Selects the search for fast or slow motion; the general search is the fallback.
 static inline GilbertResult hull_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
                                           const GilbertOptions& options) {
   if (cache.trend.pace > fast_pace) [[unlikely]]

@@ -20,8 +20,8 @@ namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see above
 
 constexpr int max_rings = 24;           ///< count of rings inspected before the general search is used
-constexpr double min_apart = 1e-5;      ///< relative to the coordinates: for closer pairs the general search is used
-constexpr double equal_height = 1e-15;  ///< relative to the coordinates: smaller differences of height are rounding
+constexpr double min_apart = 1e-5;      ///< relative to the coordinates: pairs closer than this use the general search
+constexpr double equal_height = 1e-15;  ///< relative to the coordinates: smaller differences of height are rounding errors
 
 /// The identity transform.
 struct Identity {
@@ -50,7 +50,7 @@ static inline Four row_of(const Pose& X, int row) {
   return out;
 }
 
-/// Pose of b in a.
+/// Pose of frame B in frame A, from the world poses of both frames.
 static inline LanePose between(const Pose& X_WA, const Pose& X_WB) {
   const Four a0 = row_of(X_WA, 0), a1 = row_of(X_WA, 1), a2 = row_of(X_WA, 2);
   const Four b0 = row_of(X_WB, 0), b1 = row_of(X_WB, 1), b2 = row_of(X_WB, 2);
@@ -69,7 +69,7 @@ struct VertexStep {
   bool moved;
 };
 
-/// Makers of the transform from a hull's frame to that of a: the identity for a, the pose of b in a for b.
+/// Function objects that make the transform from a hull's frame to the frame of a: MakeIdentity for hull a, MakePose for hull b.
 struct MakeIdentity {
   Identity operator()() const { return {}; }
 };
@@ -78,7 +78,7 @@ struct MakePose {
   LanePose operator()() const { return between(X_WA, X_WB); }
 };
 
-/// Continues a step with the neighbours beyond eight (HullWalk::overflow).
+/// Continues a descent step with the neighbours after the eighth (HullWalk::overflow).
 /// @param make makes the transform again, so that the caller need not keep it in memory for this rare case
 /// @param best result among the first eight neighbours
 template <class Make>
@@ -98,10 +98,10 @@ template <class Make>
 struct Ring {
   std::int32_t vertex;
   const HullWalk::Node* node;
-  Four3 low, high;  ///< m, frame of a: neighbours 0 ... 3 and 4 ... 7
+  Four3 low, high;  ///< m, frame of a: positions of neighbours 0 ... 3 and 4 ... 7
 };
 
-/// The ring of a vertex.
+/// The ring of a vertex (the vertex and its first eight neighbours) in the frame of a.
 /// @param move transform from the hull's frame to that of a
 template <class Move>
 static inline Ring ring_at(const Hull& h, std::int32_t vertex, const Move& move) {
@@ -129,7 +129,7 @@ static inline VertexStep step_down(const Hull& h, const Ring& ring, const Four3&
 }
 
 constexpr std::int32_t fast_pace = 400;  ///< GilbertTrend::pace above which the motion is fast: 0.4 changed vertices per query
-constexpr double level_gain = 0.65;      ///< smoothing gain of the direction; the rest of a prediction error is attributed to the facets
+constexpr double level_gain = 0.65;      ///< smoothing gain of the direction; the rest of a prediction error is attributed to hull facets
 constexpr double change_gain = 0.1;      ///< smoothing gain of the direction's change per query
 
 /// Updates the predicted direction with the direction n (length about 1) of this query, by double exponential smoothing (Holt 1957).
@@ -141,7 +141,7 @@ static inline void predict_next(GilbertTrend& trend, const Four& n) {
   __builtin_memcpy(trend.change.data(), &turned, sizeof turned);
 }
 
-/// Updates the rate of changed vertices and, in fast motion, the predicted direction.
+/// Updates GilbertTrend::pace and, in fast motion, the predicted direction.
 /// @param passed count of hulls (0 ... 2) whose closest vertex changed in this query
 static inline void update_trend(GilbertTrend& trend, std::int32_t passed, const Vec3& n, double distance) {
   trend.pace += 32 * passed - (trend.pace >> 5);
@@ -180,7 +180,7 @@ class HullSearch {
  protected:
   /// Tolerance and scale of a query.
   struct Measures {
-    double tolerance, scale;  ///< m: accepted duality gap; bound of the coordinates, the unit of rounding errors
+    double tolerance, scale;  ///< m; tolerance: accepted duality gap; scale: upper bound of the coordinates
     Measures(const HullSearch& of, const LanePose& X) {
       const double size = of.a_.radius + of.b_.radius;
       tolerance = of.options_.tolerance * (size + of.sa_.radius + of.sb_.radius);
@@ -190,9 +190,10 @@ class HullSearch {
 
   /// Gilbert's iteration: each step inspects the rings of two vertices, descends on both hulls, and adds the new corner to the simplex. It
   /// ends when no neighbour is lower and the duality gap is within the tolerance.
-  /// @param a, b vertices to start from
+  /// @param a, b vertices of hulls a and b at which the search starts
   /// @param is_new true: the corner (a, b) is not yet in the simplex
   /// @param k count of rings inspected so far, including the first of this call
+  /// @return false if the general search must be used
   [[gnu::always_inline]] bool search_rings(GilbertResult& out, const LanePose& X, const Measures& measures, LaneSimplex simplex,
                                            VertexStep a, VertexStep b, bool is_new, int k) {
     const double tolerance = measures.tolerance, scale = measures.scale, minimum = min_apart * scale;
@@ -217,13 +218,13 @@ class HullSearch {
     return false;
   }
 
-  /// Lane 2 in all lanes.
+  /// Copies lane 2 to all lanes.
   static Four3 lane_2(const Four3& q) {
     const auto lane = [](const Four& x) { return __builtin_shufflevector(x, x, 2, 2, 2, 2); };
     return {lane(q.x), lane(q.y), lane(q.z)};
   }
 
-  /// Loads the vertices of the cache; entries beyond its count repeat the first. @return false if it is empty or has invalid vertices
+  /// Loads the vertices of the cache; entries beyond its count repeat the first. @return false if the cache is empty or invalid
   bool is_cached() {
     const std::int32_t count = cache_.count;
     if (count <= 0 || count > 3) return false;
@@ -272,7 +273,7 @@ class HullSearch {
     return true;
   }
 
-  /// Stores the vertices of the simplex in the cache. The vertices (ia, ib) of the last rings become its first entry.
+  /// Stores the vertices of the simplex in the cache. The vertices (ia, ib) of the last rings become the first entry of the cache.
   [[gnu::always_inline]] void remember(const LaneSimplex& simplex, std::int32_t ia, std::int32_t ib) {
     std::size_t count = 0, middle = 0;
     for (int k = 0; k < 3; ++k) {

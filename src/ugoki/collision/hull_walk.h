@@ -27,7 +27,7 @@ static inline std::int32_t direction_cell(const Vec3& d, std::int32_t cells) {
 }
 
 /// Index of the neighbour in `node` with the maximum d . x, if that exceeds `highest`; otherwise `fallback`.
-/// @param highest [in, out] the value to exceed; set to that of the returned neighbour
+/// @param highest [in, out] the value to exceed; set to d . x of the returned neighbour
 static inline std::int32_t highest_of(const HullWalk::Node& node, const Vec3& d, double& highest, std::int32_t fallback) {
   Four x, y, z, x2, y2, z2;
   __builtin_memcpy(&x, node.x, sizeof x);
@@ -48,10 +48,11 @@ static inline std::int32_t highest_of(const HullWalk::Node& node, const Vec3& d,
   return fallback;
 }
 
-/// The same for the neighbours beyond eight (HullWalk::overflow).
+/// Same as highest_of(), for the neighbours of the node's vertex after the eighth (HullWalk::overflow).
 std::int32_t highest_of_overflow(const Hull& hull, const HullWalk::Node& node, const Vec3& d, double& highest, std::int32_t fallback);
 
-/// find_extreme_vertex for a hull with `walk`. It terminates, because each step strictly increases the computed value d . x.
+/// Inline find_extreme_vertex() (hull.h) for a hull with `walk`; v: start vertex. The loop ends, because each step increases the computed
+/// value d . x.
 static inline std::int32_t walk_to_extreme(const Hull& hull, const Vec3& d, std::int32_t v) {
   const HullWalk::Node* nodes = hull.walk.nodes.data();
   if (!hull.walk.scan.empty()) {

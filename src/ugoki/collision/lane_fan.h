@@ -1,13 +1,13 @@
 #pragma once
 // A fan: a corner of the difference of two hulls with four edges that start at it, in SIMD lanes, for hull_leap.h. Computes the point of
-// its edges and faces that is closest to the origin.
+// the fan's edges and faces that is closest to the origin.
 
 #include "ugoki/collision/lane_simplex.h"
 
 namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see gilbert_search.h
 
-/// Lanes i, j, k, l of x.
+/// Permutes lanes: the result consists of lanes i, j, k, l of x.
 template <int i, int j, int k, int l, class T>
 static inline T shuffle(const T& x) {
   return __builtin_shufflevector(x, x, i, j, k, l);
@@ -17,13 +17,13 @@ static inline Four greater(const Four& a, const Four& b) { return b > a ? b : a;
 static inline Four3 operator+(const Four3& a, const Four3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 static inline Four3 operator*(const Four3& a, const Four& s) { return {a.x * s, a.y * s, a.z * s}; }
 
-/// Whether any lane is set.
+/// True if any lane of the mask is set.
 static inline bool any_of(const FourInts& mask) {
   const FourInts two = mask | shuffle<2, 3, 0, 1>(mask);
   return (two[0] | two[1]) != 0;
 }
 
-/// The minimum and the second lowest of eight values, in all lanes; their lowest bits are lane indices as in lowest_with_lane().
+/// The lowest and the second lowest of eight values, in all lanes. Their lowest three bits are lane indices, as in lowest_with_lane().
 struct TwoLowest {
   Four first, second;
 };
@@ -48,7 +48,8 @@ static inline __m256i halves_of(const Four& named) {
 }
 #endif
 
-/// In each lane: the value of the eight lanes of x and y whose index is in the lowest three bits of that lane of `named`.
+/// Selects, for each lane, one of the eight lanes of x and y. Its index (0 ... 3 in x, 4 ... 7 in y) is in the lowest three bits of the
+/// lane of `named`.
 static inline Four pick(const Four& x, const Four& y, const Four& named) {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
   return (Four)_mm256_permutex2var_pd((__m256d)x, (__m256i)named, (__m256d)y);
@@ -62,7 +63,7 @@ static inline Four pick(const Four& x, const Four& y, const Four& named) {
   return Four{both[i[0]], both[i[1]], both[i[2]], both[i[3]]};
 #endif
 }
-/// In all lanes: the value of the lane of x whose index is in the lowest two bits of `named`.
+/// Copies one lane of x to all lanes. Its index is in the lowest two bits of `named`.
 static inline Four take(const Four& x, const Four& named) {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
   return (Four)_mm256_permutexvar_pd((__m256i)named, (__m256d)x);
@@ -79,23 +80,24 @@ static inline Four3 take(const Four3& x, const Four& named) { return {take(x.x, 
 /// the four edges and the four faces of the lane pairs (0, 1), (1, 3), (2, 0) and (3, 0). Edges of different hulls span a parallelogram,
 /// edges of one hull a triangle.
 struct LaneFan {
-  Four named;  ///< its lowest two bits are the lane of the closest feature (of its first edge)
+  Four named;  ///< lowest two bits: lane of the closest feature (of its first edge, if it is a face)
   Four s, t;   ///< per lane: coordinates 0 ... 1 of the closest point along the first and the second edge
-  Four3 v;     ///< m: the closest point, the same in all lanes
-  Four3 f;     ///< m: the second edge of each lane's face
+  Four3 v;     ///< m: the point closest to the origin, the same in all lanes
+  Four3 f;     ///< m: in each lane, the second edge of the lane's face
 
   /// Masks of the lanes whose first, or second, edge belongs to hull a.
   static constexpr FourInts first_of_a = {-1, 0, -1, 0}, second_of_a = {0, 0, -1, -1};
 
-  /// @param e m: edges from p
-  /// @param p m: corner, the same in all lanes
+  /// @param e m: the four edges that start at p, one per lane
+  /// @param p m: corner of the fan, the same in all lanes
   LaneFan(const Four3& e, const Four3& p) : f{seconds(e.x), seconds(e.y), seconds(e.z)} {
     const Four zero = all(0.0), one = all(1.0), far = all(1e300);
     const FourInts parallelogram = {-1, 0, 0, -1};
     const Four3 n = cross(e, f);
     const Four nn = dot(n, n), height = dot(n, p), ee = dot(e, e), ff = seconds(ee), ef = dot(e, f);
     const Four along = -dot(e, p), along_f = seconds(along);
-    // Coordinates of the projected origin along both edges, times n . n. A face is skipped if its edges are parallel to 1e-14 (sine).
+    // ws, wt: coordinates of the projected origin along both edges of a face, times n . n. A face is skipped if the sine of the angle
+    // between its edges is below 1e-14.
     const Four ws = along * ff - along_f * ef, wt = along_f * ee - along * ef, maximum = parallelogram ? greater(ws, wt) : ws + wt;
     const FourInts face_ok = (ws >= zero) & (wt >= zero) & (maximum <= nn) & (nn > 1e-28 * ee * ff);
     const Four scale = one / nn, face_vv = face_ok ? (height * height) * scale : far;
@@ -118,11 +120,11 @@ struct LaneFan {
   }
   /// Lane of the second edge of the face whose first edge is in `lane`.
   static int second_lane(int lane) { return lane == 0 ? 1 : lane == 1 ? 3 : 0; }
-  /// Lane of the closest feature.
+  /// Lane of the closest feature (of its first edge, if it is a face).
   [[nodiscard]] int lane() const { return static_cast<int>(((FourInts)named)[0] & 3); }
 
  private:
-  /// Values of the faces' second edges.
+  /// Lane k of the result: the value of x for the second edge of the face in lane k.
   static Four seconds(const Four& x) { return shuffle<1, 3, 0, 0>(x); }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 // The simplex of Gilbert's method in SIMD lanes, for hull_search.h. It computes the same as `reduce` in simplex.h, without branches. It is
-// less accurate for slivers and for points close to the origin; the duality gap then stays open, and the general search is used.
+// less accurate for slivers and for points close to the origin; the duality gap then stays too large, and the general search is used.
 
 #include <cstdint>
 
@@ -14,7 +14,7 @@
 namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see gilbert_search.h
 
-/// The value in all lanes.
+/// Copies a value to all lanes.
 static inline Four all(double x) { return Four{x, x, x, x}; }
 static inline FourInts all(std::int64_t x) { return FourInts{x, x, x, x}; }
 static inline Four four_at(const double* p) {
@@ -38,7 +38,7 @@ static inline Four3 cross(const Four3& a, const Four3& b) { return {a.y * b.z - 
 static inline Four3 operator-(const Four3& a, const Four3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 static inline Four3 select(const FourInts& m, const Four3& a, const Four3& b) { return {m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z}; }
 static inline Four3 all(const Vec3& v) { return {all(v.x), all(v.y), all(v.z)}; }
-/// Lanes 0, 1 and 2, each in all lanes of one coordinate.
+/// Vector with coordinates x, y, z = lanes 0, 1, 2 of the argument, each copied to all lanes.
 static inline Four3 spread(const Four& x) {
   return {__builtin_shufflevector(x, x, 0, 0, 0, 0), __builtin_shufflevector(x, x, 1, 1, 1, 1), __builtin_shufflevector(x, x, 2, 2, 2, 2)};
 }
@@ -62,7 +62,7 @@ static inline Four lowest_with_lane(const Four& x, const Four& y) {
 }
 /// The lane index in the result of lowest_with_lane().
 static inline int lane_in(const Four& named) { return static_cast<int>(((FourInts)named)[0] & 7); }
-/// The value of that lane of x and y, in all lanes.
+/// Copies one of the eight lanes of x and y to all lanes; lane_in(named) is its index.
 static inline Four lane_of(const Four& x, const Four& y, const Four& named) {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
   return (Four)_mm256_permutex2var_pd((__m256d)x, (__m256i)named, (__m256d)y);
@@ -75,9 +75,9 @@ static inline Four lane_of(const Four& x, const Four& y, const Four& named) {
 /// A simplex of up to three corners (lanes 0 ... 2) and its point closest to the origin.
 struct LaneSimplex {
   Four3 w;                 ///< m: corners of the difference a - b
-  FourInts ia, ib, alive;  ///< vertices of the corners; mask of the corners in use
+  FourInts ia, ib, alive;  ///< ia, ib: vertices of a and b at each corner; alive: mask of the corners in use
   Four weight;             ///< barycentric weights: v is the weighted sum of the corners
-  Four3 v;                 ///< m: the closest point, the same in all lanes
+  Four3 v;                 ///< m: the point closest to the origin, the same in all lanes
 
   /// Adds the corner p (vertices pa, pb) and reduces the simplex to the feature that contains its point closest to the origin. Only
   /// features that contain p are tested, as the simplex without p was reduced before. A feature has at most two other corners, so one lane
@@ -87,11 +87,12 @@ struct LaneSimplex {
     const Four3 e = w - p, f{next(e.x), next(e.y), next(e.z)}, n = cross(e, f);
     const Four nn = dot(n, n), height = dot(n, p), ee = dot(e, e), ff = next(ee), ef = dot(e, f), pp = dot(p, p);
     const Four along = -dot(e, p), along_f = next(along);
-    // Faces (p, k, k + 1): barycentric weights times n . n. A face is skipped if its edges are parallel to 1e-14 (sine).
+    // Faces of p and the corners k and k + 1: barycentric weights times n . n. A face is skipped if the sine of the angle between its edges
+    // is below 1e-14.
     const Four wq = along * ff - along_f * ef, wr = along_f * ee - along * ef, wp = nn - wq - wr;
     const FourInts face_ok = alive & next(alive) & (wp >= zero) & (wq >= zero) & (wr >= zero) & (nn > 1e-28 * ee * ff);
     const Four scale = one / nn, hs = height * scale, face_vv = face_ok ? height * hs : far;
-    // Edges (p, k).
+    // Edges from p to corner k.
     Four t = along / ee;
     t = t > zero ? t : zero;
     t = alive ? (t < one ? t : one) : zero;
@@ -99,8 +100,8 @@ struct LaneSimplex {
     const FourInts is_face = face_vv < edge_vv;
     const Four minimum = is_face ? face_vv : edge_vv;
     const Four3 point{is_face ? n.x * hs : p.x + e.x * t, is_face ? n.y * hs : p.y + e.y * t, is_face ? n.z * hs : p.z + e.z * t};
-    // Select the minimum of three features; the lane index in the last bits makes it unique. best, second: masks of the corners that it
-    // keeps; newest: mask of the lane that receives p.
+    // Select the closest of the three features; the lane index in the last bits makes the minimum unique. best, second: masks of the old
+    // corners that the closest feature keeps; newest: mask of the lane that receives p.
     const Four named = (Four)(((FourInts)minimum & ~FourInts{3, 3, 3, 3}) | FourInts{0, 1, 2, 3});
     const FourInts best = (named < next(named)) & (named < after_next(named));
     const FourInts second = after_next(best & is_face), newest = next(best);

@@ -1,6 +1,6 @@
 #pragma once
-// Vectors of four doubles, as a compiler extension: two registers of SSE2, one of AVX2, scalar code on other processors. Same bits in all
-// cases.
+// Vectors of four doubles, as a compiler extension: two registers of SSE2, one of AVX2, scalar code on other processors. Results have
+// the same bits in all cases.
 
 #include <cstdint>
 

@@ -9,9 +9,9 @@
 namespace ugoki::collision {
 namespace {
 
-// sin^2 of 10 degrees: segments within this angle of each other, or of a box face, have two contact points, others one.
+// sin^2 of 10 degrees: a segment within this angle of another segment or of a box face has two contact points with it, otherwise one.
 constexpr double parallel_sin2 = 0.03;
-// Overlaps of parallel segments shorter than this fraction of the half length have one contact point.
+// Parallel segments have one contact point if they overlap by less than this fraction of the shorter half length.
 constexpr double min_overlap = 0.01;
 
 void add_round_round(const Round& a, const Round& b, double margin, Manifold& out) {
@@ -29,7 +29,7 @@ void add_round_round(const Round& a, const Round& b, double margin, Manifold& ou
                             high - low > min_overlap * std::min(a.half, b.half);
   if (!side_by_side) return add(deepest, 0);
 
-  // Normally the contact points are the two ends of the overlap. If the deepest point is between them, it replaces the nearer end.
+  // Normally the contact points are the two ends of the overlap. If the deepest point is between the ends, it replaces the nearer end.
   const auto end = [&](double s) { return round_pair_at(a, b, s, clamp_to(dot(b.d, a.at(s) - b.c), b.half), nearest.sin2); };
   const RoundPair first = end(low), second = end(high);
   if (std::min(first.distance, second.distance) <= deepest.distance + 1e-6 * (a.radius + b.radius)) {
@@ -44,7 +44,8 @@ void add_round_round(const Round& a, const Round& b, double margin, Manifold& ou
   }
 }
 
-/// Contact points of a sphere or capsule and a box. The normals point from the box to the round shape; reversed if `flip`.
+/// Contact points of a sphere or capsule and a box. The normals point from the box to the round shape; if `flip`, from the round shape to
+/// the box.
 void add_round_box(const Round& world, const Box& box, bool flip, double margin, Manifold& out) {
   const Round s = in_box(world, box.X);
   const SegmentBox nearest = nearest_on_segment_and_box(s, box.e);
@@ -58,7 +59,7 @@ void add_round_box(const Round& world, const Box& box, bool flip, double margin,
   const double along = dot(nearest.n, s.d);
   double low = -s.half, high = s.half;
   bool parallel = s.half > 0 && nearest.edge < 0 && along * along < parallel_sin2;
-  // The segment is parallel to a face or an edge: clip it to the box along the axes of that face or edge.
+  // For a segment parallel to a face or an edge: clip the segment to the box along the axes of that face or edge.
   for (int i = 0; i < 3 && parallel; ++i)
     if (std::fabs(nearest.n[i]) < 0.1) parallel = cut_to_slab(s, box.e, i, low, high);
   parallel = parallel && high - low > min_overlap * s.half;

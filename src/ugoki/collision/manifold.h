@@ -10,8 +10,8 @@ namespace ugoki::collision {
 
 struct ManifoldPoint {
   Vec3 p;                     ///< m, half way between the surfaces along n; in the frame of the poses (usually the world)
-  Vec3 n;                     ///< unit, from b towards a; same frame
-  double distance = 0;        ///< m, between the surfaces along n; negative: depth of penetration
+  Vec3 n;                     ///< unit, from b towards a; in the frame of the poses
+  double distance = 0;        ///< m, between the surfaces along n; negative: minus the depth of penetration
   std::uint32_t feature = 0;  ///< < 2^24: identifies the corner, edge or end of the two shapes; stable from step to step
 };
 
@@ -28,12 +28,12 @@ struct Manifold {
 
 /// Contact points of two spheres, capsules or boxes with distances below `margin` [m], in the frame of the poses. Replaces the
 /// content of `out`. Closed forms, independent of the previous step. Other shapes: no points.
-/// @param X_WS, X_WT poses of the SHAPES themselves (their X_BS is not used)
+/// @param X_WS, X_WT poses of shape a (frame S) and shape b (frame T); their X_BS is not used
 void find_manifold(const Shape& a, const Pose& X_WS, const Shape& b, const Pose& X_WT, double margin, Manifold& out);
 
 /// Contact points of a sphere, capsule or box with the plane z = height [m], with normal +z and distances below `margin` [m].
 /// Replaces the content of `out`. Other shapes: no points.
-/// @param X_WS pose of the shape itself
+/// @param X_WS pose of the shape (frame S); its X_BS is not used
 void find_ground_manifold(const Shape& a, const Pose& X_WS, double height, double margin, Manifold& out);
 
 /// True for shapes whose manifolds have a closed form: sphere, capsule, box.

@@ -22,7 +22,7 @@ Vec3 pseudo_normal(const SphereTree& tree, std::int32_t t, TriangleFeature featu
   return feature == TriangleFeature::face ? n : normalized(n + face_normal(tree, tree.across[at(t)][f - 1]), n);
 }
 
-/// Squared lower bounds [m^2] of the distances from point p to the boxes of a block. All lanes are computed, used or not.
+/// Squared lower bounds [m^2] of the distances from point p to the boxes of a block. Lanes that are not in use are computed too.
 void point_gaps(const BoundBlock& b, const float (&p)[3], float (&gap2)[block_lanes]) {
   for (int i = 0; i < block_lanes; ++i) {
     const float x = p[0] - b.box[0][i], y = p[1] - b.box[1][i], z = p[2] - b.box[2][i];
@@ -36,7 +36,7 @@ void point_gaps(const BoundBlock& b, const float (&p)[3], float (&gap2)[block_la
   }
 }
 
-/// Depth-first search (nearest bounds first) for the triangle nearest to a point p, which is given relative to the tree's centre.
+/// Depth-first search (nearest bounds first) for the triangle nearest to a point p; p is relative to the tree's centre.
 class PointSearch {
  public:
   PointSearch(const SphereTree& tree, const Vec3& p, double farthest, std::vector<KernelEntry>& stack)
@@ -128,7 +128,8 @@ class DeepestVertex {
     found = find_nearest_point(other_, p + other_.centre, warm_, workspace_);
     return found.inside ? found.distance : -found.distance;
   }
-  /// Pushes a bound with an upper bound of the depth of its points (stored in KernelEntry::gap2), unless it cannot beat `depth`.
+  /// Pushes a bound on the stack, unless no point of it can be deeper than `depth`. KernelEntry::gap2 stores the upper bound [m] of the
+  /// depth.
   void push(std::int32_t block, std::int32_t lane) {
     const BoundBlock& b = tree_.blocks[at(block)];
     const Vec3 c =
@@ -156,7 +157,7 @@ class DeepestVertex {
   std::int32_t warm_ = -1;
 
  public:
-  double depth;  // m: the maximum so far; only deeper vertices are recorded
+  double depth;  // m: the maximum depth found so far; only deeper vertices are recorded
   Vec3 vertex, surface;
   bool any = false;
   int points = 0;

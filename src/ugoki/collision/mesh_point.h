@@ -1,6 +1,6 @@
 #pragma once
-// Queries of a mesh: the surface point nearest to a given point, with the side on which that point is; and the penetration depth of
-// two closed meshes.
+// Queries of meshes: the surface point nearest to a given point, with a flag whether the given point is inside; and the penetration
+// depth of two closed meshes.
 
 #include <cstdint>
 #include <limits>
@@ -12,12 +12,12 @@ namespace ugoki::collision {
 
 /// Result of find_nearest_point(): nearest point of a surface, in the mesh's frame.
 struct SurfacePoint {
-  std::int32_t triangle = -1;  ///< index into SphereTree::triangles; -1: nothing closer than `farthest`, or p is not finite
-  TriangleFeature feature = TriangleFeature::face;  ///< feature of the triangle on which q is
-  Vec3 q;                                           ///< m, the nearest point
-  double distance = 0;                              ///< m, |p - q|, never negative
-  bool inside = false;                              ///< closed meshes only: p is enclosed
-  Vec3 n;  ///< closed meshes only: unit outward normal; on a side or a corner the pseudonormal (mean over the adjacent faces)
+  std::int32_t triangle = -1;  ///< index into SphereTree::triangles; -1: no point closer than `farthest`, or p is not finite
+  TriangleFeature feature = TriangleFeature::face;  ///< face, side or corner of the triangle on which q is
+  Vec3 q;                                           ///< m: nearest point of the surface
+  double distance = 0;                              ///< m, from the given point to q; never negative
+  bool inside = false;                              ///< closed meshes only: the given point is inside the mesh
+  Vec3 n;  ///< closed meshes only: unit outward normal at q; on a side or corner the pseudonormal (mean over the adjacent faces)
 };
 
 /// Nearest point of the mesh surface to p. Exact up to rounding; `inside` is correct for meshes without self-intersections.
@@ -39,16 +39,17 @@ enum class PenetrationStatus : std::uint8_t {
 struct MeshPenetration {
   PenetrationStatus status = PenetrationStatus::not_finite;
   double depth = 0;  ///< m
-  Vec3 pa, pb;       ///< m, world: the vertex, and the nearest point of the other mesh's surface; pa belongs to mesh a, pb to mesh b
-  Vec3 n;            ///< unit, world: from b towards a. Moving a by n * depth brings that vertex to the surface
+  Vec3 pa, pb;       ///< m, world: pa on mesh a, pb on mesh b; one is the vertex, the other the nearest surface point of the other mesh
+  Vec3 n;            ///< unit, world: from b towards a. Moving a by n * depth brings the vertex to the surface
   int points = 0;    ///< count of nearest-point queries, for tuning
 };
 
 /// Depth of the deepest VERTEX of two closed meshes inside each other, exact up to rounding.
-/// This is the depth that a contact needs at one moment. It is not the shortest translation that separates the meshes: that can be
-/// longer (hooks, several overlapping regions), and it can be non-zero where only edges pierce faces and no vertex is inside.
-/// The difference is small if the triangles are small compared with the depth.
-/// Method: branch and bound over the spheres; no point of a sphere is deeper than the depth of its centre plus its radius.
+/// This depth is suitable for a contact at one moment. The shortest translation that separates the meshes can be longer (hooks, several
+/// overlapping regions). The shortest translation is also non-zero if only edges pierce faces and no vertex is inside. The difference
+/// between the two is small if the triangles are small compared with the depth.
+/// Method: branch and bound over the spheres of the sphere tree. No point of a sphere is deeper than the depth of its centre plus its
+/// radius.
 [[nodiscard]] MeshPenetration find_penetration(const SphereTree& a, const Pose& X_WA, const SphereTree& b, const Pose& X_WB,
                                                BubbleWorkspace& workspace);
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Fractions of the smaller bounding radius, for the switch between hulls and triangles:
 constexpr double hysteresis = 0.02;  // extra hull distance before the switch returns to the hulls
-constexpr double far_apart = 0.25;   // replaces larger cutoffs, so that the switch returns to the hulls even if the cutoff is infinite
+constexpr double far_apart = 0.25;   // replaces larger cutoffs, so that even with an infinite cutoff the switch returns to the hulls
 
 BoxPair nearest_round_box(const Round& round, const Box& box) {
   const Round s = in_box(round, box.X);
@@ -32,9 +32,9 @@ Support core_of(const Shape& s) {
   return s.type == ShapeType::capsule ? Support::capsule(s.radius, s.half_length) : Support::sphere(s.radius);
 }
 
-/// Replaces a closed-form distance by that of Gilbert's method if it is inaccurate and Gilbert's is more accurate. The closed forms lose
-/// digits for edges that are almost parallel and almost touch. The error is bounded by the gap between the distance and the lower bound
-/// that the direction d.n proves.
+/// Replaces the closed-form distance d by the result of Gilbert's method if d is inaccurate and that result is more accurate. The closed
+/// forms lose digits for edges that are almost parallel and almost touch. The error of d is bounded by the gap between the distance and the
+/// lower bound that the direction d.n proves.
 void certify(const Shape& a, const Pose& X_WS, const Shape& b, const Pose& X_WT, PairDistance& d) {
   const Support sa = core_of(a), sb = core_of(b);
   const Vec3 low = X_WS * find_support(sa, transpose_times(X_WS.R, -d.n)).p, high = X_WT * find_support(sb, transpose_times(X_WT.R, d.n)).p;
@@ -65,14 +65,14 @@ PairDistance of_convex(const Collider& a, const Pose& X_WS, const Collider& b, c
   return {d.distance, std::min(d.lower, d.distance), d.pa, d.pb, d.n, d.status != DistanceStatus::beyond, DistanceMethod::gilbert};
 }
 
-/// True if the nearest point found on the support is a point of the shape: always for a convex shape; for the hull of a non-convex shape
-/// only if the nearest feature is a single vertex.
+/// True if the closest point that was found on the support (hull) is a point of the shape. This is always so for a convex shape. For the
+/// hull of a non-convex shape it requires that the closest feature is a single vertex.
 bool on_shape(const Collider& c, const std::array<std::int32_t, 3>& vertices, int count) {
   if (c.convex) return true;
   return count > 0 && std::all_of(vertices.begin(), vertices.begin() + count, [&](std::int32_t v) { return v == vertices[0]; });
 }
 
-/// Distance of the convex hulls; `lower` = -infinity if a hull is not known or the hulls overlap.
+/// Distance of the convex hulls of two shapes; `lower` = -infinity if a hull is not known or the hulls overlap.
 PairDistance of_hulls(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double cutoff, PairCache& cache) {
   const auto known = [](const Collider& c) { return c.convex || (c.support.hull != nullptr && !c.support.hull->vertices.empty()); };
   if (!known(a) || !known(b)) return unknown();
@@ -83,7 +83,7 @@ PairDistance of_hulls(const Collider& a, const Pose& X_WS, const Collider& b, co
   return {h.distance, std::min(h.lower, h.distance), h.pa, h.pb, h.n, exact, DistanceMethod::hulls};
 }
 
-/// The same distance with a and b exchanged.
+/// Exchanges the bodies a and b in the result d.
 BubbleDistance swapped(BubbleDistance d) {
   std::swap(d.pa, d.pb);
   d.n = -d.n;

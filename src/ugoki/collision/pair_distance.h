@@ -1,7 +1,7 @@
 #pragma once
-// Signed distance of any two shapes: closed forms for spheres, capsules and boxes, Gilbert's method for other convex shapes, and for
-// non-convex shapes the switch between Gilbert's method on the convex hulls (far apart) and the bubble method, a search of sphere trees
-// over the triangles (near). Source: Nagashima (1999) section 6.1.
+// Signed distance of any two shapes: closed forms for spheres, capsules and boxes, and Gilbert's method for other convex shapes. For
+// non-convex shapes there is a switch between two methods. Far apart: Gilbert's method on the convex hulls. Near: the bubble method, a
+// search of sphere trees over the triangles. Source: Nagashima (1999) section 6.1.
 
 #include <cstdint>
 #include <limits>
@@ -25,8 +25,8 @@ enum class DistanceMethod : std::uint8_t {
 
 /// Distance of two shapes a and b. pa - pb = n * distance.
 struct PairDistance {
-  double distance = 0;  ///< m, between the surfaces; negative: depth of penetration. Infinite where nothing is known
-  double lower = 0;     ///< m: proved lower bound of the true distance; -infinity where nothing is known
+  double distance = 0;  ///< m, between the surfaces; negative: minus the penetration depth; infinite: unknown
+  double lower = 0;     ///< m: proved lower bound of the true distance; -infinity: unknown
   Vec3 pa, pb;          ///< m, world: a closest (deepest) pair of points on a and b
   Vec3 n;               ///< unit, world: from b towards a; zero where surfaces of triangles pierce each other
   bool exact = false;   ///< false: only `lower` is valid
@@ -38,11 +38,11 @@ struct PairDistance {
 struct PairCache {
   GilbertCache gilbert;
   TrianglePair triangles;       ///< two meshes: the closest triangles of the last query
-  ConvexMeshCache convex_mesh;  ///< convex shape and mesh
-  bool near = false;            ///< state of the switch; true: the next query starts with the triangles, false: with the hulls
+  ConvexMeshCache convex_mesh;  ///< a convex shape and a mesh: the closest triangle of the last query
+  bool near = false;            ///< state of the switch; true: the next query starts with the triangles; false: with the convex hulls
 };
 
-/// Scratch memory; one for each thread, any pair may use it. Grows to what is needed, then keeps its size.
+/// Scratch memory of find_pair_distance(); one for each thread, any pair may use it. It grows as needed and is then reused.
 struct DistanceWorkspace {
   PenetrationWorkspace penetration;
   BubbleWorkspace bubble;
@@ -50,16 +50,16 @@ struct DistanceWorkspace {
 };
 
 /// Signed distance of a at pose X_WS and b at pose X_WT, poses of the SHAPES (X_WB * shape.X_BS).
-/// Depth of penetration: for convex shapes the shortest translation that separates them; for two closed meshes the depth of the deepest
-/// vertex (mesh_point.h); otherwise 0 where surfaces pierce each other. A body that is wholly inside a mesh has a positive distance
-/// from the mesh's surface.
+/// Depth of penetration: for convex shapes the length of the shortest translation that separates them; for two closed meshes the depth of
+/// the deepest vertex (mesh_point.h); for other shapes 0 if their surfaces pierce each other. A body that is wholly inside a mesh has a
+/// positive distance from the mesh's surface.
 ///
-/// The switch, for pairs with a non-convex shape: if the convex hulls are farther apart than `cutoff`, their distance is the result.
-/// It is exact where the closest features of the hulls are single vertices, which belong to the shapes too; otherwise exact = false and
-/// `lower` >= cutoff. If the hulls are closer than `cutoff`, the triangles are compared. Later queries keep comparing triangles until
-/// the hulls are farther apart than min(cutoff, 0.25 r) + 0.02 r, where r is the smaller bounding radius (hysteresis).
+/// The switch, for pairs with a non-convex shape: the distance of the convex hulls is the result if it is exact or at least `cutoff`. It is
+/// exact if the closest feature of each non-convex shape's hull is a single vertex, which belongs to the shape too. Otherwise the triangles
+/// are compared. Later queries keep comparing triangles until the hulls are farther apart than min(cutoff, 0.25 r) + 0.02 r, where r is
+/// the smaller bounding radius (hysteresis).
 /// No allocation after the workspace has grown.
-/// @param cutoff m: a larger distance need not be exact: the result may be exact = false with `lower` >= cutoff. Infinity: always exact
+/// @param cutoff m: for a larger distance the result may be exact = false with `lower` >= cutoff; infinity: always exact
 [[nodiscard]] PairDistance find_pair_distance(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double cutoff,
                                               PairCache& cache, DistanceWorkspace& workspace);
 

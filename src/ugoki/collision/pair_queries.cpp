@@ -27,8 +27,8 @@ double size_of(const SuperiorTree::Box& b) {
   return d.x + d.y + d.z;
 }
 
-/// Margin [m] added to the limit of a distance query, so that the resulting bound rules the pair out for about the next eight steps at the
-/// present speed (permanently if nothing moves).
+/// Margin [m] added to the limit of a distance query. The resulting bound then rules the pair out for about the next eight steps at the
+/// present speed, or permanently if nothing moves.
 double bound_margin(const SuperiorTree& tree, const PairFront::Entry& e) {
   return 8 * (tree.last_travel(e.a) + tree.last_travel(e.b)) + 4 * tree.slack();
 }
@@ -77,7 +77,8 @@ void PairFront::expand(SuperiorTree& tree, int a, int b, double limit, const Sto
   }
 }
 
-/// Copies the entries of two bodies to old_, sorted. Bounds of an earlier epoch are dropped; entries without a bound and a cache too.
+/// Copies the entries of two bodies to old_, sorted by (a, b). If the epoch has changed, their bounds are dropped, and entries without a
+/// cache are not copied.
 void PairFront::keep_old_bounds(const SuperiorTree& tree) {
   old_.clear();
   const bool bounds_valid = made_ && epoch_ == tree.epoch();
@@ -119,7 +120,7 @@ void PairFront::make(SuperiorTree& tree, int a, int b, double limit) {
 }
 
 /// Reserves memory so that later queries do not allocate. A front never has more than bodies^2 entries: one for each pair of bodies, and
-/// at most as many that were split. Large fronts get memory for four times their present number of entries, plus 4096.
+/// at most as many entries that were split. Large fronts get memory for four times their present number of entries, plus 4096.
 void PairFront::reserve(std::size_t bodies) {
   const std::size_t capacity = std::min(bodies * bodies, 4 * entries_.size() + 4096);
   if (capacity <= entries_.capacity()) return;
@@ -137,7 +138,7 @@ void PairFront::reserve_caches() {
 
 void PairFront::scan(const SuperiorTree& tree, double limit) {
   const double* travel = tree.travel();
-  limit = std::min(limit + tree.slack(), std::numeric_limits<double>::max());  // finite: entries with infinite bounds never qualify
+  limit = std::min(limit + tree.slack(), std::numeric_limits<double>::max());  // finite, so that entries with infinite bounds never qualify
   candidates_.clear();
   const std::size_t count = entries_.size();
   candidates_.resize(count);
@@ -154,7 +155,7 @@ void PairFront::scan(const SuperiorTree& tree, double limit) {
 
 void PairFront::refine(SuperiorTree& tree, std::size_t index, double limit) {
   const Entry old = entries_[index];
-  entries_[index].key = infinity;  // remains infinite if the entry is split
+  entries_[index].key = infinity;  // stays infinite if the entry is split, so that the entry is ruled out
   expand(tree, old.a, old.b, limit, [&](int a, int b, double apart) {
     const Entry e = make_entry(tree, a, b, apart);
     if (e.a == old.a && e.b == old.b)
@@ -200,7 +201,9 @@ ClosestPair::ClosestPair(int group_a, int group_b, PairFilter filter) : PairFron
   filter_.inside_group[g] = 1;
 }
 
-/// Makes (e, d) the best pair if it is closer, or equally close and first in order. @return whether it did
+/// Makes the bodies of e, at distance d, the best pair if they are closer than the best pair so far, or equally close and earlier
+/// in the order of body indices.
+/// @return true if the best pair was replaced
 bool ClosestPair::consider(const Entry& e, const PairDistance& d) {
   const BodyPair bodies{e.a, e.b};
   if (!d.exact || d.distance > best_.near.distance || (d.distance == best_.near.distance && bodies > best_.bodies)) return false;
@@ -208,7 +211,7 @@ bool ClosestPair::consider(const Entry& e, const PairDistance& d) {
   return true;
 }
 
-/// A near pair of bodies, by greedy descent to the nearer child. Bodies -1 if the descent ends at an excluded pair.
+/// Guesses a close pair of bodies by greedy descent to the closer child node. Returns bodies -1 if the descent ends at an excluded pair.
 BodyPair ClosestPair::first_guess(SuperiorTree& tree) const {
   int a = tree.group_root(group_a_), b = tree.group_root(group_b_);
   if (group_a_ == group_b_) {

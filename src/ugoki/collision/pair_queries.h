@@ -54,45 +54,45 @@ class PairFilter {
   [[nodiscard]] bool excluded(int a, int b) const;
 
  private:
-  std::vector<BodyPair> excluded_;  // sorted, a < b
+  std::vector<BodyPair> excluded_;  // excluded pairs with a < b, sorted by (a, b)
 };
 
 /// Work of the last find() of a query, for tuning.
 struct QueryCounts {
   int front = 0;       ///< pairs of nodes in the front
-  int candidates = 0;  ///< pairs of these that their bounds did not rule out
+  int candidates = 0;  ///< pairs of the front that their distance bounds did not rule out
   int distances = 0;   ///< calls of PairFunction::distance
 };
 
-/// The front of pairs of nodes: common base of the queries.
+/// Common base of the queries: holds the front, a list of pairs of nodes.
 class PairFront {
  public:
   /// A pair of nodes of the tree.
   struct Entry {
-    double key;          ///< m: lower bound of the distance, plus SuperiorTree::travel() of both nodes when it was computed
-    std::int32_t a, b;   ///< nodes
-    std::int32_t cache;  ///< index of its PairCache; -1: none yet
+    double key;          ///< m: lower bound of the distance, plus SuperiorTree::travel() of both nodes when this bound was computed
+    std::int32_t a, b;   ///< nodes of the tree
+    std::int32_t cache;  ///< index of the pair's PairCache; -1: none yet
   };
 
   explicit PairFront(PairFilter filter) : filter_(std::move(filter)) {}
 
  protected:
-  /// True while the front fits the tree; otherwise make() must rebuild it.
+  /// True while the front fits the tree; if false, make() must rebuild the front.
   [[nodiscard]] bool is_valid(const SuperiorTree& tree) const { return made_ && epoch_ == tree.epoch() && topology_ == tree.topology(); }
-  /// True when the front has doubled since make() and should be rebuilt. 64: small fronts may grow by this many entries more.
+  /// True when the front has doubled since make() and should be rebuilt. The constant 64 lets small fronts grow further.
   [[nodiscard]] bool has_grown() const { return entries_.size() > 2 * size_when_made_ + 64; }
-  /// Rebuilds the front from the pair of nodes (a, b), split until each entry is two bodies or farther apart than `limit` [m]. Bounds and
-  /// caches of pairs of bodies are kept where they are still valid.
+  /// Rebuilds the front from the pair of nodes (a, b), which is split until each entry is a pair of bodies or is farther apart than `limit`
+  /// [m]. Bounds and caches of pairs of bodies are kept if they are still valid.
   void make(SuperiorTree& tree, int a, int b, double limit);
-  /// Fills candidates_ with the indices, ascending, of the entries whose distance may be up to `limit` [m].
+  /// Fills candidates_ with the indices of the entries whose distance may be `limit` [m] or less, in ascending order.
   void scan(const SuperiorTree& tree, double limit);
-  /// Recomputes the bound of an entry from its boxes. If the boxes are not farther apart than `limit` [m] and a node can be split, the
-  /// entry's key becomes infinite, which rules it out permanently. Finer entries, each of two bodies or farther apart than `limit`, are
-  /// appended.
+  /// Recomputes the bound of an entry from the boxes of its nodes. If the boxes are not farther apart than `limit` [m] and a node can be
+  /// split, finer entries are appended, each of two bodies or farther apart than `limit`. The key of the old entry becomes infinite, which
+  /// rules this entry out permanently.
   void refine(SuperiorTree& tree, std::size_t index, double limit);
-  /// Computes the distance of an entry of two bodies and stores its `lower` as the new bound.
+  /// Computes the distance of an entry of two bodies and stores PairDistance::lower as the entry's new bound.
   PairDistance measure(SuperiorTree& tree, std::size_t index, double cutoff, PairFunction& distance);
-  /// m: lower bound of the entry's distance at the present poses.
+  /// Lower bound [m] of the entry's distance at the present poses.
   [[nodiscard]] double bound(const SuperiorTree& tree, const Entry& e) const {
     const double* travel = tree.travel();
     return e.key - travel[e.a] - travel[e.b];
@@ -111,14 +111,14 @@ class PairFront {
   void visit_within(SuperiorTree& tree, double margin, std::vector<Found>& out, std::vector<Found>& late, const Visit& visit);
   /// Reserves caches for measure(); called after make().
   void reserve_caches();
-  /// Sorts the entries from index sorted_ on into the others, and removes split entries that have no cache.
+  /// Merges the entries from index sorted_ on into the sorted entries before them. Removes split entries that have no cache.
   void sort_new();
 
   PairFilter filter_;
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> candidates_;  // indices of entries, ascending; result of scan()
   QueryCounts counts_;
-  std::size_t sorted_ = 0;  // entries before this are in the order of (a, b)
+  std::size_t sorted_ = 0;  // entries before this index are in the order of (a, b)
 
  private:
   template <class Store>
@@ -133,7 +133,7 @@ class PairFront {
   std::size_t size_when_made_ = 0;
   std::uint32_t epoch_ = 0, topology_ = 0;
   bool made_ = false;
-  bool symmetric_ = false;  // built from the pair of a node with itself: entries have a < b
+  bool symmetric_ = false;  // the front was built from a node paired with itself: entries have a < b
 };
 
 /// Query: the closest pair of bodies of two groups, or inside one group (group_a == group_b).
@@ -174,8 +174,8 @@ class PairsWithin : private PairFront {
 class BoxesWithin : private PairFront {
  public:
   explicit BoxesWithin(PairFilter filter) : PairFront(std::move(filter)) {}
-  /// Finds all pairs with a box_distance() <= `margin` [m] at the poses of the tree's last update. A pair may be missing if one of its
-  /// bodies has turned, which enlarges its box; then the motion bound proves that the bodies themselves are farther apart than `margin`.
+  /// Finds all pairs with a box_distance() <= `margin` [m] at the poses of the tree's last update. A pair may be missing if a rotation
+  /// enlarged the box of one of its bodies. The motion bound then proves that the bodies themselves are farther apart than `margin`.
   /// @param out cleared, then filled in the order of (a, b), with a < b; keeps its memory
   void find(SuperiorTree& tree, double margin, std::vector<BodyPair>& out);
   [[nodiscard]] const QueryCounts& counts() const { return counts_; }

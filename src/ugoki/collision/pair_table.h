@@ -12,7 +12,7 @@ namespace ugoki::collision {
 /// Looking up a known pair does not allocate.
 class PairTable {
  public:
-  /// The pair's cache; created empty at the first call with this key. The reference is valid until the next call.
+  /// Returns the cache of a pair; it is created empty at the first call with this key. The reference is valid until the next call.
   /// @param key not 0
   [[nodiscard]] GilbertCache& at(std::uint64_t key) {
     if (2 * (used_ + 1) > slots_.size()) grow();

@@ -5,7 +5,7 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr double side_sine = 0.17;  // sin 10 degrees: a side at most this far from perpendicular to d is the patch
+constexpr double side_sine = 0.17;  // sin 10 degrees: a straight side is the patch if it is perpendicular to d within 10 degrees
 
 /// Adds the face of a box (half extents e, pose X) whose normal is closest to `local` (shape's frame).
 void add_box_face(const Vec3& e, const Pose& X, const Vec3& local, Patch& out) {
@@ -25,7 +25,7 @@ void add_box_face(const Vec3& e, const Pose& X, const Vec3& local, Patch& out) {
   out.face = static_cast<std::uint32_t>(2 * w) + (up < 0 ? 1 : 0);
 }
 
-/// Adds the face, among those around the vertex farthest along `local`, whose normal is closest to `local`.
+/// Adds one of the faces around the hull's vertex farthest along `local` (shape's frame): the face whose normal is closest to `local`.
 void add_hull_face(const Hull& hull, const PreparedGeometry& around, const Pose& X, const Vec3& local, std::int32_t hint, Patch& out) {
   const std::int32_t vertex = find_extreme_vertex(hull, local, hint);
   const auto v = static_cast<std::size_t>(vertex);
@@ -47,7 +47,7 @@ void add_hull_face(const Hull& hull, const PreparedGeometry& around, const Pose&
   const auto at = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), vertex) - corners.begin());
   const std::size_t n = corners.size(), stride = (n + Patch::max_corners - 1) / Patch::max_corners;
   for (std::size_t i = 0; i < n;
-       i += stride) {  // starts at the farthest corner; of faces with more than 32 corners, only every `stride`-th is added
+       i += stride) {  // starts at the farthest corner; of faces with more than 32 corners, only every `stride`-th corner is added
     const std::int32_t c = corners[(at + i) % n];
     out.add(X * hull.vertices[static_cast<std::size_t>(c)], static_cast<std::uint32_t>(c));
   }
@@ -55,7 +55,7 @@ void add_hull_face(const Hull& hull, const PreparedGeometry& around, const Pose&
   out.face = static_cast<std::uint32_t>(best);
 }
 
-/// Adds the flat end of a cylinder as an octagon of fixed rim points, plus the rim point farthest along `local` if the end is tilted.
+/// Adds the flat end of a cylinder as an octagon of fixed rim points. If the end is tilted, adds the rim point farthest along `local` too.
 void add_end(const Vec3& size, const Pose& X, const Vec3& local, Patch& out) {
   const double z = local.z < 0 ? -size.z : size.z, r = size.x, sign = local.z < 0 ? -1.0 : 1.0;
   constexpr double h = 0.7071067811865476;
@@ -73,7 +73,7 @@ void add_end(const Vec3& size, const Pose& X, const Vec3& local, Patch& out) {
   out.face = local.z < 0 ? 1 : 0;
 }
 
-/// Adds the straight side of a cylinder that faces `local`.
+/// Adds the straight line on the side of a cylinder that faces `local` (shape's frame).
 void add_side(const Vec3& size, const Pose& X, const Vec3& local, Patch& out) {
   const double radial = std::sqrt(local.x * local.x + local.y * local.y);
   const double x = size.x * local.x / radial, y = size.x * local.y / radial;

@@ -19,14 +19,14 @@ PenetrationWorkspace& PenetrationWorkspace::operator=(PenetrationWorkspace&& oth
 
 namespace {
 
-/// Relative to the size of the coordinates: a difference of shapes thinner than this counts as flat, without an interior.
+/// Relative to the size of the coordinates: a Minkowski difference thinner than this counts as flat, without an interior.
 constexpr double flat = 1e-14;
 
 /// Result of the expansion: the shortest translation that moves the origin out of the Minkowski difference of the cores.
 struct MinimumTranslation {
   Vec3 n;            ///< unit, frame of a: outward from the difference, that is from a towards b
   double depth = 0;  ///< m: extent of the difference along n, measured from the origin
-  double lower = 0;  ///< m: lower bound of that extent over all directions
+  double lower = 0;  ///< m: lower bound of the extent in every direction
   Vec3 on_a;         ///< m, frame of a: deepest point on the core of a
   int iterations = 0;
   bool converged = false;
@@ -75,15 +75,15 @@ class Expansion {
     return c;
   }
 
-  /// Finds on_a: the point of the polytope's surface closest to n * depth. All faces as near to the origin as the nearest are tried,
-  /// because several faces may be in the same plane.
+  /// Finds on_a, the point of a that belongs to the point of the polytope's surface closest to n * depth. Several faces may be in the same
+  /// plane. Therefore all faces that are as close to the origin as the closest face are tried.
   void find_point() {
     const Vec3 foot = best_.n * best_.depth;
     double min_off2 = 1e300;
     for (std::int32_t f = 0; f < polytope_.face_count(); ++f) {
       const PolytopeFace& face = polytope_.face(f);
       if (!face.alive || face.d > best_.depth + tolerance_) continue;
-      for (int turn = 0; turn < 3; ++turn) {  // reduce() considers only features with the last corner: each corner is last once
+      for (int turn = 0; turn < 3; ++turn) {  // reduce() considers only features with the last corner, so each corner is the last one once
         Simplex s;
         s.count = 3;
         for (int k = 0; k < 3; ++k) {
@@ -102,8 +102,8 @@ class Expansion {
     exit_count_ = 3;
   }
 
-  /// Finishes for a flat difference: a point, segment or polygon spanned by `count` (1 to 3) points, with n perpendicular to it.
-  /// @return false
+  /// Completes best_ for a flat difference: a point, segment or polygon spanned by `count` (1 to 3) points. n is perpendicular to it.
+  /// @return always false
   bool end_flat(const Vec3& n, const Corner* c, int count) {
     const double up = dot(n, support(n).w), down = -dot(n, support(-n).w);
     best_.n = down < up ? -n : n;
@@ -130,8 +130,8 @@ class Expansion {
     return best;
   }
 
-  /// Builds the first tetrahedron from the points of the last query and some extreme points. False if the difference is flat; then
-  /// best_ is complete.
+  /// Builds the first tetrahedron from the points of the last query and some extreme points. Returns false if the difference is flat;
+  /// best_ is then complete.
   bool start() {
     best_.depth = 1e300;
     collect_cached();
@@ -178,7 +178,7 @@ class Expansion {
     collect(support(-v));
   }
 
-  /// Collects the corners that Gilbert's method, or the last query, stored in the cache, and the extreme points along the cached normal.
+  /// Collects the corners in the cache, which Gilbert's method or the last query stored, and the extreme points along the cached normal.
   void collect_cached() {
     for (int k = 0; k < cache_.count && k < 3; ++k) {
       const auto i = static_cast<std::size_t>(k);

@@ -9,7 +9,7 @@ namespace ugoki::collision {
 
 class Polytope;
 
-/// Scratch memory of signed_distance(); one for each thread, any pair may use it. Grows to what is needed, then keeps its size.
+/// Scratch memory of signed_distance(); one for each thread, any pair may use it. It grows as needed and is then reused.
 class PenetrationWorkspace {
  public:
   PenetrationWorkspace();
@@ -26,7 +26,7 @@ class PenetrationWorkspace {
 enum class DistanceStatus : std::uint8_t {
   separated,      ///< distance > 0
   penetrating,    ///< distance <= 0
-  beyond,         ///< farther apart than options.farthest
+  beyond,         ///< the shapes are farther apart than options.farthest
   not_converged,  ///< stopped by the iteration limit or by rounding: the true value is between `lower` and `upper`
   not_finite,     ///< a pose or size is NaN or infinite: nothing is known
   not_bounded,    ///< two half-spaces: their distance is not defined
@@ -40,7 +40,7 @@ struct SignedDistance {
   double lower = 0, upper = 0;  ///< m: bounds of the true value; they differ by rounding and options.tolerance
   Vec3 pa, pb;                  ///< m, world: closest (deepest) points on a and b
   Vec3 n;                       ///< unit, world: from b towards a
-  int iterations = 0;           ///< support points computed in each shape
+  int iterations = 0;           ///< count of support points computed in each shape
 };
 
 /// Signed distance of a at pose X_WA and b at pose X_WB. Polytopes: exact up to rounding; curved shapes: to options.tolerance (a

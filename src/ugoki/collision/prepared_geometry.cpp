@@ -9,7 +9,7 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// Fills first_face and faces from the hull.
+/// Fills PreparedGeometry::first_face and faces from the hull.
 void list_faces(PreparedGeometry& out) {
   const Hull& hull = out.hull;
   out.first_face.assign(hull.vertices.size() + 1, 0);
@@ -21,7 +21,7 @@ void list_faces(PreparedGeometry& out) {
     for (const std::int32_t v : hull.face(f)) out.faces[at(next[at(v)]++)] = f;
 }
 
-/// Fills `across`. A side shared by more than two triangles has no neighbour.
+/// Fills PreparedGeometry::across. A side shared by more than two triangles has no adjacent triangle.
 void find_neighbours(PreparedGeometry& out) {
   struct Side {
     std::int32_t low, high, triangle, k;

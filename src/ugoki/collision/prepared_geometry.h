@@ -1,5 +1,5 @@
 #pragma once
-// Data that collision analysis computes once from a geometry and that is stored with the geometry.
+// Collision data that are computed once from a geometry and stored with the geometry.
 
 #include <array>
 #include <cstdint>
@@ -27,11 +27,11 @@ struct PreparedGeometry {
 using PreparedPtr = std::shared_ptr<const PreparedGeometry>;
 
 /// Makes the prepared data of a geometry.
-/// @param hull convex hull; without vertices: not known. Then convex geometry gets the hull formed by its own triangles, and other
-///   geometry none
+/// @param hull convex hull; without vertices: not known. If not known, a convex geometry gets the hull formed by its own triangles, a
+///   non-convex geometry gets none
 /// @param spheres sphere tree; empty: built here, unless the geometry is convex
-/// Errors (at `location`): the geometry is marked as convex but is not; hull or tree belong to another geometry; errors of
-/// make_sphere_tree().
+/// Errors (at `location`): the geometry is marked as convex but is not; `hull` or `spheres` belongs to another geometry; the
+/// errors of make_sphere_tree().
 [[nodiscard]] Result<PreparedPtr> make_prepared(const Geometry& geometry, Hull hull, SphereTree spheres, std::string_view location);
 
 /// A copy of the geometry that refers to the prepared data.

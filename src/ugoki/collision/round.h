@@ -16,7 +16,7 @@ struct Round {
   [[nodiscard]] Vec3 at(double t) const { return c + d * t; }
 };
 
-/// Round shape of a sphere or capsule whose own frame is at pose X.
+/// Makes the Round of a sphere or capsule; X is the pose of the shape's own frame.
 inline Round make_round(const Shape& s, const Pose& X) {
   return {X.p, X.R.column(2), s.type == ShapeType::capsule ? s.half_length : 0.0, s.radius};
 }
@@ -29,12 +29,12 @@ struct SegmentPair {
   double sin2 = 0;      ///< square of the sine of the angle between the segments
 };
 
-/// Closest points of the segments of a and b; for parallel segments the middle of all closest pairs.
+/// Closest points of the segments of a and b; for parallel segments the middle one of all closest pairs.
 /// Source: Ericson, Real-Time Collision Detection (2005), 5.1.9, with cross products in place of
 /// differences of squares, so that segments close to parallel lose no digits.
 [[nodiscard]] SegmentPair nearest_on_segments(const Round& a, const Round& b);
 
-/// Interval [low, high] of a's parameter [m] that b covers: b's ends projected on a, clipped to a's length. False if it is empty.
+/// Interval [low, high] of a's parameter [m] that b covers: b's ends projected on a, clipped to a's length. False if the interval is empty.
 [[nodiscard]] bool overlap_on(const Round& a, const Round& b, double& low, double& high);
 
 }  // namespace ugoki::collision

@@ -9,10 +9,10 @@ namespace ugoki::collision {
 struct RoundPair {
   Vec3 pa, pb;          ///< m
   Vec3 n;               ///< unit, from b towards a
-  double distance = 0;  ///< m; negative: depth of penetration
+  double distance = 0;  ///< m, between the surfaces; negative: minus the penetration depth
 };
 
-/// Surface points that belong to the points at parameters s and t [m] on the segments of a and b. If the two points coincide, the normal is
+/// Surface points of a and b for given points on their segments, at parameters s and t [m]. If these two points coincide, the normal is
 /// perpendicular to both segments, or to the only one of non-zero length; for two spheres it is +z.
 /// @param sin2 square of the sine of the angle between the segments
 [[nodiscard]] inline RoundPair round_pair_at(const Round& a, const Round& b, double s, double t, double sin2) {

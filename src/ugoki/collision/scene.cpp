@@ -16,14 +16,14 @@ namespace {
 /// The bodies of a mechanism (links welded together) and the joints between them.
 struct Bodies {
   static constexpr int no_body = -2;
-  std::vector<int> body;                    // [links] index of the first link of its body; -1: the world
+  std::vector<int> body;                    // [links] body of the link: index of the body's first link; -1: the world
   std::vector<std::pair<int, int>> joined;  // pairs of bodies that a joint or a loop joint connects, smaller index first
-  std::vector<Vec3> joint_origin;           // [links] m, origin of its body's joint, in the frame of the parent body's first link
-  std::vector<int> parent_of;               // [links] body to which its body's joint is attached; no_body: it floats
+  std::vector<Vec3> joint_origin;           // [links] m: origin of the joint of the link's body, in the frame of the parent's first link
+  std::vector<int> parent_of;               // [links] body to which the joint of the link's body is attached; no_body: floating
 
   explicit Bodies(const Mechanism& m) {
     const auto count = static_cast<std::size_t>(m.link_count());
-    std::vector<Pose> X_body(count);  // pose of the link in its body's first link
+    std::vector<Pose> X_body(count);  // pose of each link in the frame of its body's first link
     for (std::size_t i = 0; i < count; ++i) {
       const Link& link = m.links()[i];
       const auto p = static_cast<std::size_t>(link.parent);
@@ -42,7 +42,7 @@ struct Bodies {
       if (link.real >= 0) join(parent_of[i], body[static_cast<std::size_t>(link.real)]);
       join(parent_of[i], body[i]);
     }
-    for (const Loop& loop : m.loops())  // links connected by a loop joint touch there; gears and distances do not join links
+    for (const Loop& loop : m.loops())  // a loop joint joins its two links; a gear or a distance constraint does not
       if (loop.type != LoopType::gear && loop.type != LoopType::distance && loop.link_a >= 0 && loop.link_b >= 0)
         join(body[static_cast<std::size_t>(loop.link_a)], body[static_cast<std::size_t>(loop.link_b)]);
     for (std::size_t i = 0; i < count; ++i) {

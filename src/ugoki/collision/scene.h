@@ -1,6 +1,6 @@
 #pragma once
-// Scene: the shapes of all mechanisms and the pairs that can collide, prepared once. find_contacts() finds all contact points at given
-// poses.
+// Scene: the shapes of all mechanisms and the pairs of shapes that can collide, prepared once. find_contacts() finds all contact points
+// at given poses.
 
 #include <cstdint>
 #include <memory>
@@ -21,10 +21,10 @@ struct SceneOptions {
   bool self_collision = false;  ///< initial value of Scene::self_collision(): links of one system collide with each other
 };
 
-/// A shape that can collide, in the form used at run time.
+/// A shape that can collide: its Collider, its link, and its coefficients with the ground.
 struct SceneShape : Collider {
   int system = 0, link = 0;                            ///< indices of its system in the scene and of its link in the mechanism
-  bool movable = true;                                 ///< false: only fixed joints between it and the world
+  bool movable = true;                                 ///< false: only fixed joints are between the shape and the world
   double ground_friction = 0, ground_restitution = 0;  ///< combined coefficients of this shape and the ground
 };
 
@@ -37,7 +37,8 @@ struct ShapePair {
 class Scene {
  public:
   Scene() = default;
-  /// Takes every shape with `collides` of every mechanism. Two shapes of one mechanism can collide unless one of these is true:
+  /// Takes all shapes of all mechanisms for which Shape::collides is true. Two shapes of one mechanism can collide unless one of these is
+  /// true:
   ///   - their links are the same body (welded by fixed joints, or a virtual link and its real link);
   ///   - a joint or a loop joint connects their bodies;
   ///   - their joints are attached to the same body at the same point (to 1e-6 m);
@@ -49,7 +50,7 @@ class Scene {
   [[nodiscard]] const Ground& ground() const { return ground_; }
   [[nodiscard]] const SceneOptions& options() const { return options_; }
   [[nodiscard]] std::span<const SceneShape> shapes() const { return shapes_; }
-  /// Shapes of system s are shapes()[first_shape(s)] ... shapes()[first_shape(s + 1) - 1].
+  /// The shapes of system s are shapes()[first_shape(s)] ... shapes()[first_shape(s + 1) - 1].
   [[nodiscard]] int first_shape(int system) const { return first_shape_[static_cast<std::size_t>(system)]; }
   /// The pairs inside a system that can collide while its self-collision is on.
   [[nodiscard]] std::span<const ShapePair> self_pairs(int system) const { return self_pairs_[static_cast<std::size_t>(system)]; }
@@ -72,7 +73,8 @@ class Scene {
 
 class BroadPhase;
 
-/// Scratch memory and warm starts of find_contacts(); one for each thread. Any scene may use it; it grows to the largest.
+/// Scratch memory and warm starts of find_contacts(); one for each thread. Any scene may use it; the memory grows to the needs of the
+/// largest scene.
 struct Workspace {
   /// Bounding sphere.
   struct Ball {
@@ -88,7 +90,7 @@ struct Workspace {
   std::vector<Extent> extents;       ///< [systems] boxes that contain all bounding spheres of a system
   std::vector<ShapePair> near;       ///< candidate pairs from the broad phase
   PairTable pairs;                   ///< warm start of each pair of convex shapes
-  std::vector<std::int32_t> lowest;  ///< [shapes] hull vertex that was nearest to the ground
+  std::vector<std::int32_t> lowest;  ///< [shapes] index of the hull vertex that was nearest to the ground
   std::uint64_t content = 0;         ///< Scene::content() of the scene to which `pairs` and `lowest` belong
   ManifoldWorkspace manifold;
   std::unique_ptr<BroadPhase> broad_phase;  ///< created for scenes with many possible pairs
@@ -98,13 +100,13 @@ struct Workspace {
   Workspace(Workspace&&) noexcept;
   Workspace& operator=(Workspace&&) noexcept;
   ~Workspace();
-  /// Resets all warm starts; keeps the memory. Warm starts change the last bits of distances: call this after a state was restored if the
-  /// simulation must repeat bit by bit.
+  /// Resets all warm starts; keeps the memory. Warm starts change the last bits of distances. Call forget() after a state was restored, if
+  /// the simulation must repeat bit by bit.
   void forget();
 };
 
-/// Sets the warm starts of pairs of convex shapes: the normal of the first contact of each pair, as found at the poses X_WB. A following
-/// find_contacts() with a negative margin then usually need not compute the depth of pairs that have hardly moved.
+/// Sets the warm starts of pairs of convex shapes from `contacts`, which were found at the poses X_WB: the normal of the first contact of
+/// each pair. A following find_contacts() with a negative margin then usually need not compute the depth of pairs that have hardly moved.
 /// @param X_WB [systems][links] m, world
 void begin_from(const Scene& scene, std::span<const std::span<const Pose>> X_WB, std::span<const ContactPoint> contacts,
                 Workspace& workspace);
@@ -112,20 +114,23 @@ void begin_from(const Scene& scene, std::span<const std::span<const Pose>> X_WB,
 /// Finds all contact points with a distance below `margin`, in an order that depends only on the scene: ground contacts by shape, then
 /// pairs inside each system, then pairs between systems.
 ///
-/// Points for each pair of shapes: sphere or ellipsoid with any convex shape: 1; capsule with ground, capsule or box: up to 2; box with
-/// ground: every corner within the margin; other convex shapes with each other: up to 4, with the ground: up to 6; pairs with a
-/// non-convex shape: up to 16.
-/// The minimum distance over the points of a pair is the true distance of the two shapes, if it is below the margin. For overlapping
-/// boxes, cylinders and meshes it is accurate to 1e-4 of the minimum half extent, because faces are preferred to edges. Surfaces of
-/// triangles that pierce each other: see surface_manifold.h. Shapes at poses that are not finite have no contacts.
+/// Count of points for each pair of shapes:
+/// - sphere or ellipsoid with any convex shape: 1;
+/// - capsule with ground, capsule or box: up to 2;
+/// - box with ground: every corner within the margin;
+/// - other convex shapes: up to 4 with each other, up to 6 with the ground;
+/// - pairs with a non-convex shape: up to 16.
+/// The minimum distance over the points of a pair is the true distance of the two shapes, if that is below the margin. For overlapping
+/// boxes, cylinders and meshes the minimum is accurate to 1e-4 of the smallest half extent, because faces are preferred to edges. For
+/// surfaces of triangles that pierce each other, see surface_manifold.h. Shapes at poses that are not finite have no contacts.
 ///
 /// Scenes with few possible pairs test all pairs; larger scenes (crowds, mechanisms with hundreds of links) get candidate pairs from the
-/// superior tree (broad_phase.h). The contacts are the same. No allocation after the first calls with the same workspace and `out`, unless
-/// new pairs come near or the count of contacts grows.
+/// superior tree (broad_phase.h). Both methods give the same contacts. No allocation after the first calls with the same workspace and
+/// `out`, unless new pairs come near or the count of contacts grows.
 /// @param X_WB [systems][links] m, world
 /// @param margin m, may be negative
 /// @param out cleared and filled; keeps its memory
-/// @param moved [systems] not 0: the system has moved. Only pairs (also with the ground) with a moved system are tested; empty: all pairs
+/// @param moved [systems] not 0: the system has moved. Only pairs with a moved system are tested, also with the ground; empty: all pairs
 void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& workspace,
                    std::vector<ContactPoint>& out, std::span<const char> moved = {});
 

@@ -13,7 +13,7 @@ std::vector<TreeBody> bodies_of(const Scene& scene) {
   return out;
 }
 
-/// The pairs of shapes inside a system that cannot collide, ordered.
+/// The pairs (a, b), a < b, of shapes inside a system that cannot collide, sorted by (a, b).
 std::vector<BodyPair> non_colliding_pairs(const Scene& scene, int system) {
   std::vector<BodyPair> colliding, out;
   for (const ShapePair& p : scene.self_pairs(system)) colliding.push_back({std::min(p.a, p.b), std::max(p.a, p.b)});

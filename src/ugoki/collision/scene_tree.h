@@ -21,7 +21,7 @@ class SceneTree {
   /// @param X_WB [systems][links] m, world
   void update(std::span<const std::span<const Pose>> X_WB);
 
-  /// Closest pair of shapes of two systems. If both are the same system, only pairs that can collide count. Bodies -1: no pair.
+  /// Closest pair of shapes of two systems. If system_a == system_b, only pairs that can collide are considered. Bodies -1: no pair.
   /// Each pair of systems has its own query, warm-started from step to step; the first call for a pair allocates it.
   [[nodiscard]] const NearPair& nearest(int system_a, int system_b);
 

@@ -5,8 +5,8 @@
 namespace ugoki::collision {
 namespace {
 
-/// Half the derivative of the squared distance to the box with respect to the segment's parameter t. It is a non-decreasing function of t,
-/// linear between the parameters at which a coordinate crosses a face plane.
+/// Half the derivative of the squared distance to the box with respect to the segment's parameter t. This derivative never decreases with
+/// t. It is linear between the parameters at which a coordinate crosses a face plane.
 double half_slope(const Round& s, const Vec3& e, double t) {
   const Vec3 p = s.at(t);
   return dot(p - clamp_to(p, e), s.d);
@@ -30,7 +30,7 @@ double nearest_parameter(const Round& s, const Vec3& e) {
   }
   knots[count++] = s.half;
 
-  // Slopes below this are rounding. A segment parallel to a face has such a slope over the whole width of the box.
+  // Slopes below this value are rounding errors. A segment parallel to a face has such a slope over the whole width of the box.
   const double zero = 1e-14 * (std::fabs(s.c.x) + std::fabs(s.c.y) + std::fabs(s.c.z) + s.half);
   double low = s.half, high = s.half;
   double before = 0;
@@ -69,7 +69,8 @@ SegmentBox minimum_translation(const Round& s, const Vec3& e) {
     }
   }
   if (s.half > 0) {
-    // An edge must be shorter by a margin, so that the result for a segment along a face does not alternate between face and edge.
+    // The translation across an edge must be shorter by a margin, so that the result for a segment along a face does not alternate between
+    // face and edge.
     double best = out.distance + 1e-9 * std::min({e.x, e.y, e.z});
     for (int i = 0; i < 3; ++i) {
       Vec3 a;
@@ -89,7 +90,7 @@ SegmentBox minimum_translation(const Round& s, const Vec3& e) {
   }
   if (out.edge < 0) {
     const int i = out.n.x != 0 ? 0 : out.n.y != 0 ? 1 : 2;
-    // The deepest end; or, for a segment parallel to the face, the middle of the part over the face.
+    // The deepest end of the segment; if it is parallel to the face, the middle of its part over the face.
     const double tilt = s.d[i] * out.n[i];
     double low = -s.half, high = s.half;
     const bool over = cut_to_slab(s, e, (i + 1) % 3, low, high) && cut_to_slab(s, e, (i + 2) % 3, low, high);

@@ -7,11 +7,11 @@ namespace ugoki::collision {
 
 /// Closest points of a segment and a solid box, or the deepest points if they overlap.
 struct SegmentBox {
-  double t = 0;         ///< m, parameter on the segment
-  Vec3 on_box;          ///< m, in the box's frame, on its surface
-  Vec3 n;               ///< unit, in the box's frame: from the box towards the segment
+  double t = 0;         ///< m: parameter of the point on the segment (Round::at())
+  Vec3 on_box;          ///< m, box's frame: point on the surface of the box
+  Vec3 n;               ///< unit, box's frame: from the box towards the segment
   double distance = 0;  ///< m; negative: minus the length of the shortest translation that takes the segment out of the box
-  int edge = -1;        ///< if that translation is across an edge of the box: the axis of that edge (0, 1, 2); otherwise -1
+  int edge = -1;        ///< axis (0, 1, 2) of the edge across which the segment leaves the box; -1: across a face, or no overlap
 };
 
 /// Closest or deepest points of a segment and a box.

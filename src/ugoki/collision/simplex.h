@@ -25,9 +25,9 @@ struct Simplex {
 };
 
 /// Reduces the simplex to the corners that span its point nearest to the origin, and returns this point [m]. Only features that contain the
-/// newest corner (the last) are considered: the other corners were reduced before, so that no other feature can be nearer. All these
-/// features are computed side by side and the nearest is selected. Hence the result does not depend on the sign of a volume that may be
-/// rounding error only.
+/// newest corner (the last) are considered: the other corners were reduced before, so that no other feature can be nearer. The
+/// points of all these features are computed, and the nearest is selected. Hence the result does not depend on the sign of a volume that
+/// may be only a rounding error.
 /// @param noise m: rounding error of the origin's distance from a plane
 /// @param inside [out] the origin is inside the tetrahedron; the weights are then its barycentric coordinates
 static inline Vec3 reduce(Simplex& s, double noise, bool& inside) {
@@ -57,7 +57,8 @@ static inline Vec3 reduce(Simplex& s, double noise, bool& inside) {
       return {};
     }
   }
-  // Faces: barycentric coordinates of the foot of the origin, times n . n. Faces with sine below 1e-14 between their edges are skipped.
+  // Faces: barycentric coordinates of the projected origin, times n . n. A face is skipped if the sine of the angle between its edges is
+  // below 1e-14.
   const Four mx = ny * p.z - nz * p.y, my = nz * p.x - nx * p.z, mz = nx * p.y - ny * p.x;
   const Four wr = ex * mx + ey * my + ez * mz, wq = -(fx * mx + fy * my + fz * mz), wp = nn - wq - wr;
   const Four ee = ex * ex + ey * ey + ez * ez, ff = fx * fx + fy * fy + fz * fz;

@@ -41,7 +41,7 @@ void copy_surface(SphereTree& tree, std::span<const Vec3> vertices, std::span<co
   }
 }
 
-/// Fills tree.across. @return whether every side has exactly one partner of opposite direction; otherwise tree.across is empty
+/// Fills tree.across. @return true if every side has exactly one partner side of opposite direction; if not, tree.across is empty
 bool find_partners(SphereTree& tree) {
   struct Side {
     std::uint64_t from_to;

@@ -1,6 +1,6 @@
 #pragma once
-// Sphere tree: a hierarchy of spheres over the triangles of a mesh, each with an oriented box, in flat arrays. For exact distances
-// (bubble.h).
+// Sphere tree: a hierarchy of spheres over the triangles of a mesh, each with an oriented box, in flat arrays. Used for exact
+// distances (bubble.h).
 // Source: Quinlan, Efficient distance computation between non-convex objects (1994): spheres with centres on the surface;
 // Gottschalk, Lin, Manocha, OBBTree (1996): boxes along the principal axes of the surface.
 
@@ -25,24 +25,24 @@ struct SphereTree {
 
   std::vector<BoundBlock> blocks;           ///< block 0 has one lane, the root; parents are before their children
   std::vector<Vec3> vertices;               ///< m, relative to `centre`, in the order in which the triangles first use them
-  std::vector<Triangle> triangles;          ///< neighbours in space are near each other in this list; longest side first
+  std::vector<Triangle> triangles;          ///< triangles close in space are close in this list; the longest side is side 0
   std::vector<std::int32_t> source;         ///< [triangles] index of the triangle in the mesh from which the tree was made
   std::vector<std::int32_t> vertex_source;  ///< [vertices] index of the vertex in that mesh
 
-  /// Closed meshes only: pseudonormals, which separate inside from outside where the nearest point is on a side or a corner.
+  /// Closed meshes only: pseudonormals, which separate inside from outside if the nearest surface point is on a side or a corner.
   /// Source: Baerentzen, Aanaes, Signed distance computation using the angle weighted pseudonormal (2005).
   std::vector<Vec3> vertex_normals;                 ///< [vertices] unit, outward
   std::vector<std::array<std::int32_t, 3>> across;  ///< [triangles] adjacent triangle at side k (from corner k to k + 1)
 
   [[nodiscard]] bool empty() const { return triangles.empty(); }
-  /// m, relative to `centre`.
+  /// Position of corner k of a triangle, m, relative to `centre`.
   [[nodiscard]] Vec3 corner(std::int32_t triangle, int k) const {
     return vertices[static_cast<std::size_t>(triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)])];
   }
 };
 
 /// Builds the sphere tree of a mesh (m, mesh's frame). The tree is the same on every machine. O(n log n) time, at most 600 bytes of
-/// memory for each triangle. Triangles without area are accepted; Geometry contains none.
+/// memory for each triangle. Triangles without area are accepted.
 /// Errors (at `location`): no triangle; more than max_triangles; an index out of range; a coordinate not finite or beyond 1e6 m.
 [[nodiscard]] Result<SphereTree> make_sphere_tree(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                                                   std::string_view location = "mesh");
@@ -59,9 +59,9 @@ struct SphereTreeReport {
 /// Statistics of a tree. O(spheres)
 [[nodiscard]] SphereTreeReport report_of(const SphereTree& tree);
 
-/// The tree as bytes (little-endian, with version and checksum), to be stored with the mesh's hash.
+/// Returns the tree as bytes (little-endian, with version and checksum), to be stored with the mesh's hash.
 [[nodiscard]] std::vector<std::uint8_t> write_bytes(const SphereTree& tree);
-/// Reads the bytes of write_bytes(). A tree that is returned is safe to search, whatever the bytes were.
+/// Reads the bytes of write_bytes(). A returned tree is safe to search, whatever the bytes were.
 /// Errors (at `location`): not a sphere tree; another version; damaged or truncated; inconsistent indices.
 [[nodiscard]] Result<SphereTree> read_sphere_tree(std::span<const std::uint8_t> bytes, std::string_view location = "sphere tree");
 

@@ -15,20 +15,20 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 struct Part {
   std::size_t begin, count;
 };
-/// The parts into which a part is split: one for each lane of a block.
+/// The result of split(): the parts into which a part is split, one for each lane of a block.
 struct Parts {
   std::array<Part, block_lanes> part;
   std::size_t count = 1;
 };
 
-/// Splits a part into at most eight: repeatedly splits the largest near its middle, at a multiple of the triangle count of a full
-/// subtree, so that the blocks below are full. The split positions depend only on the count of triangles. `divide(part, left)` must move
-/// the triangles that belong to the first `left` of the part to its front.
+/// Splits a part into at most eight. Repeatedly splits the largest of them near its middle, at a multiple of the triangle count of a full
+/// subtree, so that the blocks below are full. The split positions depend only on the count of triangles. `divide(part, left)` must reorder
+/// the part so that the triangles of the first half of the split come first; `left` is their count.
 template <class Divide>
 Parts split(const Part& whole, Divide divide) {
   Parts out;
   out.part[0] = whole;
-  std::size_t grain = 1;  // count of triangles in a full subtree: a power of eight below the count of the part, at most 512
+  std::size_t grain = 1;  // count of triangles in a full subtree: a power of eight below whole.count, at most 512
   while (grain * block_lanes < whole.count && grain < 512) grain *= block_lanes;
   while (out.count < block_lanes) {
     std::size_t largest = 0;
@@ -205,7 +205,7 @@ class Fit {
     return sum;
   }
 
-  /// Fits the oriented box with the given axes, then the sphere, to a part.
+  /// Fits the oriented box with the given axes, and then the sphere, to the triangles of a part.
   void fit(std::size_t block, int lane, const Part& part, const std::array<Vec3, 3>& axes) {
     BoundBlock& out = tree_.blocks[block];
     Vec3 axis[3];

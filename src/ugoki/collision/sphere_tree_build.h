@@ -9,8 +9,8 @@
 
 namespace ugoki::collision::build {
 
-/// Returns the indices of the triangles, ordered so that triangles near each other in space are near each other in the list. fit_bounds()
-/// splits the list at the same indices.
+/// Returns the indices of the triangles, ordered so that triangles near each other in space are near each other in the list. Both stages
+/// split the list at the same indices.
 [[nodiscard]] std::vector<std::int32_t> order_triangles(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                                                         const Vec3& centre);
 

@@ -1,4 +1,5 @@
-// A sphere tree as bytes: magic, version, checksum of the remaining bytes, centre, radius, closed, then each array with its count.
+// Writes and reads a sphere tree as bytes: magic, version, checksum of the bytes that follow, centre, radius, closed, then each array with
+// its count.
 
 #include <bit>
 #include <cstring>
@@ -86,7 +87,7 @@ bool is_tree(const SphereTree& tree) {
         seen[static_cast<std::size_t>(t)] = 1;
         ++leaves;
       } else {
-        // Blocks are visited in order and must have a depth by then: this ensures that parents are before their children.
+        // Blocks are visited in the order of their indices and must have a depth when visited, so that parents are before their children.
         if (at(child) >= blocks || depth[at(child)] != 0) return false;
         depth[at(child)] = depth[b] + 1;
         ++linked;

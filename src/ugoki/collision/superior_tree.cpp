@@ -9,15 +9,16 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr std::uint64_t updates_between_checks = 64;  // between two checks of the total size of the boxes
-constexpr double rebuild_growth = 1.5;                // the hierarchy is rebuilt when the total size has grown by this factor
-constexpr double max_travel = 1e5;                    // m: travel is reset to 0 above this, so that its rounding error stays small
+constexpr std::uint64_t updates_between_checks = 64;  // count of updates between two checks of the total size of the boxes
+constexpr double rebuild_growth = 1.5;                // the hierarchy is rebuilt when the total size of the boxes has grown by this factor
+constexpr double max_travel = 1e5;                    // m: limit at which update() resets travel to 0, to keep its rounding error small
 constexpr double rounding = 4e-15;                    // rounding error relative to the coordinates: about 18 units of 2^-52
 
 double sum_of_magnitudes(const Vec3& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); }
 
 /// Upper bound [m] of the motion of a body's points between two poses. Not finite if a pose is not finite.
-/// A rotation by the angle t moves points of a sphere by at most 2 sin(t/2) radius; the Frobenius norm |R - R'| is 2 sqrt(2) sin(t/2).
+/// A rotation from R to R' by the angle t moves points of a sphere by at most 2 sin(t/2) radius. The Frobenius norm |R - R'| is
+/// 2 sqrt(2) sin(t/2).
 double bound_of_motion(const TreeBody& body, const Pose& from, const Pose& to) {
   const Mat3 D{to.R.xx - from.R.xx, to.R.xy - from.R.xy, to.R.xz - from.R.xz, to.R.yx - from.R.yx, to.R.yy - from.R.yy,
                to.R.yz - from.R.yz, to.R.zx - from.R.zx, to.R.zy - from.R.zy, to.R.zz - from.R.zz};
@@ -160,7 +161,7 @@ void SuperiorTree::make_topology() {
   std::ranges::fill(box_made_, 0);
   std::fill(travel_.begin() + bodies(), travel_.end(), 0.0);
   std::fill(step_.begin() + bodies(), step_.end(), 0.0);
-  // Bodies sorted by group, then by index.
+  // The bodies are sorted by group, then by index.
   items_.clear();
   for (int i = 0; i < bodies(); ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -171,7 +172,7 @@ void SuperiorTree::make_topology() {
     const int ga = group_of(a.node), gb = group_of(b.node);
     return ga != gb ? ga < gb : a.node < b.node;
   });
-  // Parents must be before their children: the nodes above the groups take the first indices, so the groups are counted first.
+  // Parents must be before their children. The nodes above the groups take the first indices, so the groups are counted first.
   std::size_t with_bodies = 0;
   for (std::size_t first = 0, last = 0; first < items_.size(); first = last, ++with_bodies)
     while (last < items_.size() && group_of(items_[last].node) == group_of(items_[first].node)) ++last;

@@ -2,8 +2,8 @@
 // The superior tree: a hierarchy of boxes over groups of links. It also bounds the motion of its nodes, so that bounds of distances stay
 // usable in later steps.
 //
-// Each node (one link, or several) accumulates an upper bound of the motion of its points, its travel. A lower bound of the distance of two
-// nodes, computed once, remains valid in all later steps after the travel of both nodes since then is subtracted (PairFront in
+// Each node (one link, or several) accumulates an upper bound of the motion of its points, called travel. A lower bound of the distance of
+// two nodes, computed once, remains valid in all later steps after the travel of both nodes since then is subtracted (PairFront in
 // pair_queries.h). Boxes are recomputed only on demand.
 // Sources: Nagashima (1999) section 6.2; Mirtich, Timewarp rigid body simulation (2000): bounds from motion; Li, Chen (1998): fronts.
 
@@ -20,7 +20,7 @@ struct TreeBody {
   Vec3 centre;        ///< m, body's frame: centre of the box
   Vec3 half_extents;  ///< m, along the axes of the body's frame: the box contains the body
   double radius = 0;  ///< m: radius of a sphere about `centre` that contains the body
-  int group = 0;      ///< 0, 1, ...: for example one group for the links of each character
+  int group = 0;      ///< index of its group: 0, 1, ...; for example, the links of each character form one group
 };
 
 /// Bounds of a shape in the frame of the SHAPE: SuperiorTree::update() must then get X_WB * shape.X_BS. O(vertices) for meshes.
@@ -45,9 +45,9 @@ class SuperiorTree {
   [[nodiscard]] int bodies() const { return static_cast<int>(bodies_.size()); }
   [[nodiscard]] int groups() const { return static_cast<int>(group_root_.size()); }
   [[nodiscard]] int group_of(int body) const { return bodies_[static_cast<std::size_t>(body)].group; }
-  /// Node over all bodies of a group; -1 if the group has none.
+  /// Index of the node over all bodies of a group; -1 if the group has no bodies.
   [[nodiscard]] int group_root(int group) const { return group_root_[static_cast<std::size_t>(group)]; }
-  /// Node over all bodies; -1 without bodies.
+  /// Index of the node over all bodies; -1 if the tree has no bodies.
   [[nodiscard]] int root() const { return root_; }
   [[nodiscard]] bool is_body(int node) const { return node < bodies(); }
   [[nodiscard]] int left(int node) const { return children_[static_cast<std::size_t>(node - bodies())].left; }
@@ -55,7 +55,7 @@ class SuperiorTree {
   /// Index of the group of all bodies of the node; -1 if the bodies belong to more than one group.
   [[nodiscard]] int group_of_node(int node) const { return node_group_[static_cast<std::size_t>(node)]; }
 
-  /// [nodes] m: accumulated bound of motion. Between two times no point of a node moves farther than the difference of its travel.
+  /// [nodes] m: accumulated bound of motion. Between two times no point of a node moves farther than the node's travel grows.
   [[nodiscard]] const double* travel() const { return travel_.data(); }
   /// m: upper bound of the motion of the node's points in the last update.
   [[nodiscard]] double last_travel(int node) const { return step_[static_cast<std::size_t>(node)]; }
@@ -64,11 +64,11 @@ class SuperiorTree {
     if (box_made_[static_cast<std::size_t>(node)] != updates_) make_box(node);
     return boxes_[static_cast<std::size_t>(node)];
   }
-  /// Changes when earlier bounds of distances are no longer valid.
+  /// Counter that changes when lower bounds of distances from earlier steps are no longer valid.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
-  /// Changes when the hierarchy is rebuilt. Bounds of pairs of bodies are still valid then, bounds of other nodes are not.
+  /// Counter that changes when the hierarchy is rebuilt. Bounds of pairs of bodies remain valid, bounds of other pairs of nodes do not.
   [[nodiscard]] std::uint32_t topology() const { return topology_; }
-  /// m: rounding error of bounds.
+  /// Upper bound [m] of the rounding error in the bounds of distances.
   [[nodiscard]] double slack() const { return slack_; }
 
  private:
@@ -86,9 +86,9 @@ class SuperiorTree {
 
   std::vector<TreeBody> bodies_;
   std::vector<Pose> poses_;              // [bodies] last finite pose
-  std::vector<double> reaches_;          // [bodies] m, upper bound of the distance of its points from the body frame's origin
+  std::vector<double> reaches_;          // [bodies] m: upper bound of the distance of a body's points from the origin of its frame
   std::vector<std::uint8_t> present_;    // [bodies] 1: the pose is finite
-  std::vector<Children> children_;       // [bodies - 1] of node bodies + i; parents are before their children
+  std::vector<Children> children_;       // [bodies - 1] entry i: children of node bodies + i; parents are before their children
   std::vector<double> travel_, step_;    // [nodes] m: travel(), last_travel()
   std::vector<Box> boxes_;               // [nodes]
   std::vector<std::uint64_t> box_made_;  // [nodes] value of updates_ when the box was computed
@@ -101,8 +101,8 @@ class SuperiorTree {
   double slack_ = 0, size_when_made_ = 0;
 };
 
-/// Lower bound [m] of the signed distance of bodies in two boxes: the distance of the boxes, or, if they overlap, minus the minimum
-/// overlap over the three axes.
+/// Lower bound [m] of the signed distance of two bodies from the boxes that contain them: the distance of the boxes or, if the boxes
+/// overlap, minus the minimum overlap over the three axes.
 [[nodiscard]] inline double box_distance(const SuperiorTree::Box& a, const SuperiorTree::Box& b) {
   const auto gap = [](double low_a, double high_a, double low_b, double high_b) {
     const double x = low_a - high_b, y = low_b - high_a;

@@ -14,16 +14,16 @@ enum class SupportKind : std::uint8_t { point, segment, box, hull, cylinder, ell
 /// so that spheres and capsules are exact.
 struct Support {
   SupportKind kind = SupportKind::point;
-  double radius = 0;           ///< m: by which the core is inflated
-  Vec3 size;                   ///< m; segment: (0, 0, half length); box: half extents; cylinder: (radius, radius, half length);
-                               ///<   ellipsoid: semi-axes; else unused
+  double radius = 0;           ///< m: distance by which the core is inflated
+  Vec3 size;                   ///< m, size of the core; segment: (0, 0, half length); box: half extents; ellipsoid: semi-axes;
+                               ///<   cylinder: (radius, radius, half length); other kinds of core: unused
   const Hull* hull = nullptr;  ///< kind hull only; not owned, must outlive this object
 
   static Support sphere(double radius) { return {SupportKind::point, radius, {}, nullptr}; }
-  /// Along z; half_length from the centre to the centre of a cap.
+  /// Capsule along z; half_length is the distance from its centre to the centre of a cap.
   static Support capsule(double radius, double half_length) { return {SupportKind::segment, radius, {0, 0, half_length}, nullptr}; }
   static Support box(const Vec3& half_extents, double radius = 0) { return {SupportKind::box, radius, half_extents, nullptr}; }
-  /// Along z; half_length from the centre to a flat end.
+  /// Cylinder along z; half_length is the distance from its centre to a flat end.
   static Support cylinder(double r, double half_length, double radius = 0) {
     return {SupportKind::cylinder, radius, {r, r, half_length}, nullptr};
   }
@@ -43,10 +43,10 @@ struct SupportPoint {
 
 /// Point of the core with the maximum d . p. Not defined for half-spaces (assertion).
 /// @param d shape's frame, not zero, any length
-/// @param hint hulls: result vertex of a similar direction, which starts the search
+/// @param hint hulls: vertex at which the search starts, for example the result for a similar direction
 [[nodiscard]] SupportPoint find_support(const Support& s, const Vec3& d, std::int32_t hint = 0);
 
-/// A point inside the core, m, shape's frame.
+/// Returns a point inside the core: m, shape's frame.
 [[nodiscard]] Vec3 centre_of(const Support& s);
 /// Radius [m] of the sphere about centre_of(s) that contains the shape, including its `radius`; infinite for a half-space.
 [[nodiscard]] double bounding_radius(const Support& s);

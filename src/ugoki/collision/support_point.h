@@ -19,7 +19,7 @@ static inline void support_of_disc(double r, double x, double y, double& px, dou
   px = u * s, py = v * s;
 }
 
-/// Same as find_support().
+/// Same result as find_support() (support.h).
 static inline SupportPoint support_point(const Support& s, const Vec3& d, std::int32_t hint) {
   const Vec3& h = s.size;
   switch (s.kind) {
@@ -50,7 +50,8 @@ static inline SupportPoint support_point(const Support& s, const Vec3& d, std::i
   return {};
 }
 
-/// Corner of a polytope with the index `vertex` that support_point() returned, in p. False for curved shapes and for invalid indices.
+/// Sets p [m, shape's frame] to the corner of a polytope with the index `vertex` (SupportPoint::vertex). Returns false for curved shapes
+/// and for invalid indices.
 static inline bool corner_of(const Support& s, std::int32_t vertex, Vec3& p) {
   const Vec3& h = s.size;
   switch (s.kind) {

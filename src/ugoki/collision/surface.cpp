@@ -5,24 +5,25 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr double side_tolerance = 1e-7;  // fraction of the longest side: a point nearer to a side than this is on the side
+constexpr double side_tolerance = 1e-7;  // fraction of the longest side: a point closer to a side than this is on the side
 constexpr double sine_tolerance = 1e-6;  // rad: directions within this angle count as equal
-constexpr int max_around = 1000;         // triangles around a corner that are visited in each sense, to bound the time
+constexpr int max_around = 1000;         // maximum count of triangles visited around a corner in each sense, to bound the time
 
 double square(double x) { return x * x; }
 
-/// True if n is between the normals m and other of the two triangles that share a convex side.
+/// True if n is between m and `other`, the normals of two triangles that share a convex side.
 bool between(const Vec3& m, const Vec3& other, const Vec3& n) {
   const Vec3 turn = cross(m, other);
   return dot(cross(m, n), turn) >= -sine_tolerance * norm(turn) && dot(cross(n, other), turn) >= -sine_tolerance * norm(turn);
 }
 
-/// True if corner k of the facet is farther along n than all corners of the triangles around it, so that a body in direction n touches it.
+/// True if corner k of the facet is farther along n than all corners of the triangles around it, so that a body in direction n can touch
+/// the corner.
 /// @param is_first [in, out] set to false if a triangle around the corner has a smaller index than the facet
 bool corner_is_extreme(const Surface& surface, const Surface::Facet& facet, int k, const Vec3& n, bool& is_first) {
   const Vec3 v = facet.p[static_cast<std::size_t>(k)];
   const auto rises = [&](const Vec3& p) { return dot(n, p - v) > sine_tolerance * norm(p - v); };
-  for (const int sense : {0, 1}) {  // around the corner in one sense; if the surface has a border there, in the other sense too
+  for (const int sense : {0, 1}) {  // goes around the corner in one sense; if the surface has a border there, in the other sense too
     Surface::Facet here = facet;
     int corner = k;
     for (int step = 0; step < max_around; ++step) {
@@ -62,12 +63,12 @@ Surface::Facet Surface::facet(std::int32_t t) const {
 std::int32_t Surface::across(std::int32_t t, int k) const {
   if (field_ == nullptr) return prepared_->across[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
   const int columns = field_->columns - 1, rows = field_->rows - 1, cell = t / 2, column = cell % columns, row = cell / columns;
-  if (t % 2 == 0) {  // sides: below, right, diagonal
+  if (t % 2 == 0) {  // adjacent triangles at sides 0, 1, 2: below, right, diagonal
     if (k == 0) return row > 0 ? 2 * (cell - columns) + 1 : -1;
     if (k == 1) return column + 1 < columns ? 2 * (cell + 1) + 1 : -1;
     return t + 1;
   }
-  if (k == 0) return t - 1;  // diagonal, above, left
+  if (k == 0) return t - 1;  // adjacent triangles at sides 0, 1, 2: diagonal, above, left
   if (k == 1) return row + 1 < rows ? 2 * (cell + columns) : -1;
   return column > 0 ? 2 * (cell - 1) : -1;
 }
@@ -129,15 +130,15 @@ bool touches_from(const Surface& surface, const Surface::Facet& f, const Vec3& q
     if (dot(inward, q - from) < side_tolerance * size) sides[count++] = k;
   }
   if (count == 0)
-    return !surface.closed() || along > 0.999;  // q is inside the triangle: out of a solid only along its normal (2.6 degrees)
+    return !surface.closed() || along > 0.999;  // q is inside the triangle: a solid needs n within 2.6 degrees of the triangle's normal
   if (count == 1) {
     const std::int32_t next = surface.across(f.index, sides[0]);
     if (next < 0) return !surface.closed() || along > -sine_tolerance;
     if (next < f.index) return false;
     const Surface::Facet other = surface.facet(next);
-    // The side is convex only if the other triangle is below the plane of this one.
+    // The side is convex only if the other triangle is below the plane of facet f.
     const Vec3 from = f.p[static_cast<std::size_t>(sides[0])];
-    // `lowest` is a minimum, not the height of largest magnitude: clang 19 loses the second fabs of
+    // `lowest` is a minimum of heights, not the height h of largest magnitude. Reason: clang 19 loses the second fabs of
     // "if (fabs(h) > fabs(height)) height = h" when it unrolls the loop.
     double lowest = 0, far = 0;
     for (const Vec3& p : other.p) {

@@ -9,7 +9,8 @@
 
 namespace ugoki::collision {
 
-/// View of a collider that is a surface of triangles (a mesh or a height field); in the frame of its shape. The collider must outlive it.
+/// View of a collider that is a surface of triangles (a mesh or a height field), in the frame of its shape. The collider must outlive the
+/// view.
 class Surface {
  public:
   explicit Surface(const Collider& collider)
@@ -38,9 +39,9 @@ class Surface {
   const HeightField* field_;
 };
 
-/// True if a contact at point q of the facet with normal n (unit, from the surface towards the body) is geometrically possible. It is not
-/// possible if q is on a side or corner and n points away from the range of normals there: sides between coplanar triangles, and sides
-/// of dents, are not edges that a body can touch. If several facets share q, only the one with the minimum index returns true.
+/// True if a body can touch point q of the facet with the contact normal n (unit, from the surface towards the body). If q is on a side or
+/// a corner, n must be in the range of the normals of the adjacent triangles. A body touches no side between coplanar triangles and no side
+/// of a dent. If several facets share q, only the facet with the minimum index returns true.
 [[nodiscard]] bool touches_from(const Surface& surface, const Surface::Facet& facet, const Vec3& q, const Vec3& n);
 
 }  // namespace ugoki::collision

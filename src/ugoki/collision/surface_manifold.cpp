@@ -8,10 +8,10 @@
 namespace ugoki::collision {
 namespace {
 
-constexpr std::size_t max_points = 4096, max_pairs = 2048;  // bounds of memory and time for one pair of shapes
-/// Penetration, as a fraction of the shape's thickness, above which the core is tested too (add_contact_of_core).
+constexpr std::size_t max_points = 4096, max_pairs = 2048;  // limits of memory and time for one pair of shapes
+/// Penetration depth, as a fraction of the shape's thickness, above which the core is tested too (add_contact_of_core()).
 constexpr double deep_penetration = 0.02;
-/// Cosine of 1.1 degrees: a contact normal nearer to a triangle's normal than this is a face contact.
+/// Cosine of 1.1 degrees: a contact is a face contact if its normal is within this angle of the triangle's normal.
 constexpr double face_cosine = 0.9998;
 
 /// Sets the flat hull to the triangle f.
@@ -56,7 +56,7 @@ struct Collector {
     if (distance < margin && points.size() < max_points) points.push_back({p, n, distance, feature});
   }
 
-  /// Adds the patch of `a` that faces the facet, clipped to the facet. @return the minimum height of the clipped points, m
+  /// Clips the patch of `a` that faces the facet f to f, and adds its corners. @return minimum height [m] of the clipped corners above f
   double add_clipped(const Patch& patch, const Surface::Facet& f, const Vec3& n, double margin_of_face) {
     Candidates cut_points;
     cut(patch_of(f), patch, n, 7, cut_points);
@@ -92,15 +92,16 @@ ManifoldWorkspace::ManifoldWorkspace() {
 
 namespace {
 
-/// Fallback contact for a pair in which no triangle yields one. If the shapes are apart it is the closest pair; if the shape pierces
-/// triangles, it is the exit through the plane of the triangle with the smallest depth. The exit along the shortest translation would be
-/// wrong for a corner that pierces a triangle near one of its sides: the corner would move sideways into the next triangle.
+/// Fallback contact for a pair in which no triangle yields a contact. If the shapes are apart, the contact is at the closest points. If
+/// the shape pierces triangles, the contact is the exit through the plane of the triangle with the smallest depth. The shortest translation
+/// would be wrong for a corner that pierces a triangle near one of its sides, as it would move the corner sideways into the next triangle.
 struct FallbackContact {
   ManifoldPoint apart{{}, {}, 1e300, 0}, pierced{{}, {}, -1e300, 0};
   double nearest = 1e300;  // m: minimum signed distance over the triangles
 
   /// Considers the triangle f with the signed distance d.
-  /// @param lowest point of the shape that is deepest below the plane of f, and `height` its height above the plane, m
+  /// @param lowest m: point of the shape that is deepest below the plane of f
+  /// @param height m: height of this point above the plane
   void update(const Surface::Facet& f, bool closed, const SignedDistance& d, const Vec3& lowest, double height) {
     const auto feature = feature_hash(11, static_cast<std::uint32_t>(f.index), 0, 0);
     nearest = std::min(nearest, d.distance);
@@ -120,8 +121,9 @@ struct FallbackContact {
   }
 };
 
-/// Adds a contact where the core of the shape (core.h) is nearest to the surface, unless a collected contact is as deep. Single triangles
-/// give no reliable depth for a deep shape; the core does, and it is on the correct side of a wall that is thinner than the shape.
+/// Adds a contact at the surface point closest to the core of the shape (core.h), unless a collected contact is as deep. For deep
+/// penetration the core gives a reliable depth, and single triangles do not. The core is on the correct side of a wall that is thinner than
+/// the shape.
 void add_contact_of_core(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double bias, ManifoldWorkspace& work) {
   ConvexMeshCache cache;
   const BubbleDistance d =
@@ -164,7 +166,7 @@ void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, 
     if (d.status == DistanceStatus::beyond || d.status == DistanceStatus::not_finite || !(d.distance < margin)) continue;
     const double along = dot(d.n, f.n);
     fallback.update(f, closed, d, X * low.p - f.n * a.support.radius, height);
-    // The shape is behind a triangle of a closed surface: push it back out through the triangle, unless the whole shape is behind it.
+    // A shape behind a triangle of a closed surface is pushed back out through the triangle, unless the whole shape is behind it.
     const bool behind = closed && along < -face_cosine && d.distance < 0 && height > -2 * a.thickness;
     const bool flat = along > face_cosine || (!closed && along < -face_cosine);
     const bool touches = !behind && touches_from(surface, f, d.pb, d.n);
@@ -198,7 +200,7 @@ void add_surface_surface(const Collider& a, const Pose& X_WS, const Collider& b,
   for (std::size_t i = 0; i < pairs.count; ++i) {
     const TriangleContact& c = work.pairs[i];
     const Surface::Facet fb = on_b.facet(c.pair.b), local = on_a.facet(c.pair.a);
-    Surface::Facet fa = local;  // in b's frame
+    Surface::Facet fa = local;  // triangle of a in b's frame
     for (Vec3& p : fa.p) p = X * p;
     fa.n = X.R * fa.n;
     const std::uint32_t feature = feature_hash(13, static_cast<std::uint32_t>(c.pair.a), static_cast<std::uint32_t>(c.pair.b), 0);

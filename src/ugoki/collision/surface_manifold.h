@@ -11,7 +11,7 @@
 
 namespace ugoki::collision {
 
-/// Scratch memory; one for each thread, any pair may use it. Grows to what is needed, then keeps its size.
+/// Scratch memory for contact points; one for each thread, any pair may use it. It grows as needed and is then reused.
 struct ManifoldWorkspace {
   PenetrationWorkspace penetration;
   BubbleWorkspace bubble;
@@ -25,19 +25,20 @@ struct ManifoldWorkspace {
 };
 
 /// Adds to `out` the contact points of the convex shape a and the surface b with a distance below `margin` [m]. Each triangle within reach
-/// gives its closest points; if a face of `a` rests on the triangle, the face clipped to the triangle. add_spanning() (clipping.h) then
-/// keeps few of the points.
-/// @param X_WS, X_WT poses of the shapes themselves
-/// @param flip normals point from a to b instead of from b to a
+/// gives a point at its closest points. If a face of `a` rests on the triangle, it gives the corners of the face, clipped to the triangle.
+/// add_spanning() (clipping.h) then keeps few of the points.
+/// @param X_WS, X_WT world poses of shape a (frame S) and shape b (frame T), not of their links
+/// @param flip true: normals point from a to b instead of from b to a
 void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double margin, bool flip,
                         ManifoldWorkspace& workspace, Manifold& out);
 
-/// Adds to `out` the contact points of two meshes with a distance below `margin` [m]. For triangles that pierce each other the depth is
-/// that of the corners of one triangle below the plane of the other, whichever order gives the smaller depth.
+/// Adds to `out` the contact points of two meshes with a distance below `margin` [m]. For two triangles that pierce each other, the depth
+/// is the maximum depth of the corners of one triangle below the plane of the other. Of the two choices, the smaller depth is used.
 void add_surface_surface(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double margin,
                          ManifoldWorkspace& workspace, Manifold& out);
 
-/// Adds to `out` the corners of the surface that are closer than `margin` [m] to the plane z = height; of many corners few that span them.
+/// Adds to `out` the corners of the surface that are closer than `margin` [m] to the plane z = height. Of many corners only a few are kept
+/// (add_spanning(), clipping.h).
 void add_surface_ground(const Collider& a, const Pose& X_WS, double height, double margin, ManifoldWorkspace& workspace, Manifold& out);
 
 }  // namespace ugoki::collision

@@ -9,7 +9,7 @@ namespace {
 
 using One = Lanes<double, 1>;
 
-/// Loads the corners in an order that starts with the longest side; the orientation is kept.
+/// Loads the corners so that the side from corner 0 to 1 is the longest; the orientation is kept.
 void load(const TriangleCorners& t, Vec3T<One>* out) {
   const double l[3] = {dot(t[1] - t[0], t[1] - t[0]), dot(t[2] - t[1], t[2] - t[1]), dot(t[0] - t[2], t[0] - t[2])};
   const std::size_t first = l[0] >= l[1] && l[0] >= l[2] ? 0 : l[1] >= l[2] ? 1 : 2;

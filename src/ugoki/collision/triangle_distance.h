@@ -12,8 +12,8 @@ using TriangleCorners = std::array<Vec3, 3>;  ///< m
 
 /// Distance of two triangles a and b.
 struct TriangleDistance {
-  double distance = 0;  ///< m; exactly 0 where the triangles pierce each other
-  Vec3 pa, pb;          ///< m: a closest pair of points
+  double distance = 0;  ///< m; exactly 0 if the triangles pierce each other
+  Vec3 pa, pb;          ///< m: closest points on a and b
 };
 
 /// Distance and closest points of two triangles. The error is below 1e-14 of the maximum difference of coordinates between the corners,
@@ -28,7 +28,7 @@ struct TriangleDistance {
 /// Feature of a triangle: its interior, side k (from corner k to k + 1), or corner k.
 enum class TriangleFeature : std::uint8_t { face, side_0, side_1, side_2, corner_0, corner_1, corner_2 };
 
-/// A point of a triangle, and the feature on which it is.
+/// A point of a triangle, and the feature of the triangle that contains the point.
 struct TrianglePoint {
   Vec3 p;  ///< m
   TriangleFeature feature = TriangleFeature::face;

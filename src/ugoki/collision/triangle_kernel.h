@@ -1,8 +1,8 @@
 #pragma once
-// Distance of triangle pairs in SIMD lanes, one pair a lane: the template behind triangle_distance.h and the leaves of bubble.h. Internal
+// Distance of triangle pairs in SIMD lanes, one pair per lane: the template behind triangle_distance.h and the leaves of bubble.h. Internal
 // to collision/.
 //
-// Every candidate is the distance of two points on the triangles, so that its error is a few units in the last place. The code has a
+// Every candidate distance is computed from two points on the triangles, so that its error is a few units in the last place. The code has a
 // single branch: it skips the piercing test if no lane can pierce.
 
 #include "ugoki/spatial/lanes.h"
@@ -11,7 +11,7 @@
 namespace ugoki::collision {
 namespace {
 
-/// Squared distance, m^2, and the points a and b that attain it, m (set only if with_points).
+/// Squared distance d2 [m^2], and the closest points a and b [m] (set only if with_points).
 template <class T>
 struct ClosestPoints {
   T d2;
@@ -41,8 +41,8 @@ Vec3T<T> select(typename T::Mask m, const Vec3T<T>& a, const Vec3T<T>& b) {
   return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
 }
 
-/// A triangle in the form used to project points on it: p + x c + v g, with g perpendicular to c. If c is the longest side, needles and
-/// caps lose no accuracy.
+/// A triangle, prepared for the projection of points on its plane p + x c + y g. c is the side from corner 0 to 1; g, perpendicular to c,
+/// is the height to corner 2. If c is the longest side, needles and caps lose no accuracy.
 template <class T>
 struct Face {
   Vec3T<T> p, c, g;
@@ -60,8 +60,8 @@ struct Face {
 /// Projection of a point on the plane of a face.
 template <class T>
 struct Foot {
-  Vec3T<T> up;  // from the foot to the point, m
-  T w1, w2;     // barycentric coordinates of the foot for the corners 1 and 2
+  Vec3T<T> up;  // m: from the foot (the projected point) to the point
+  T w1, w2;     // barycentric coordinates of the foot for corners 1 and 2
 
   Foot() = default;
   Foot(const Face<T>& f, const Vec3T<T>& q) {
@@ -72,11 +72,12 @@ struct Foot {
     w1 = x - w2 * f.slant;
     up = across - f.g * w2;
   }
-  /// Lanes whose foot is in the triangle.
+  /// Mask of the lanes whose foot is in the triangle.
   [[nodiscard]] typename T::Mask inside() const { return !((w1 < T(0)) | (w2 < T(0)) | (w1 + w2 > T(1))); }
 };
 
-/// Tests the triangle q against the face f: corners of q above the face, and sides of q that pierce the face.
+/// Tests triangle q against face f of the other triangle, and updates `best`: corners of q above the face, and sides of q that pierce it.
+/// swapped: f belongs to triangle b.
 template <bool with_points, bool swapped, class T>
 void try_face(const Face<T>& f, const Vec3T<T>* q, ClosestPoints<T>& best) {
   Foot<T> feet[3];
@@ -108,7 +109,7 @@ void try_face(const Face<T>& f, const Vec3T<T>* q, ClosestPoints<T>& best) {
   }
 }
 
-/// Tests all nine pairs of sides. Source: Ericson (2005), 5.1.9.
+/// Tests all nine pairs of sides of the triangles p and q, and updates `best`. Source: Ericson (2005), 5.1.9.
 template <bool with_points, class T>
 void try_sides(const Vec3T<T>* p, const Vec3T<T>* q, ClosestPoints<T>& best) {
   Vec3T<T> f[3];

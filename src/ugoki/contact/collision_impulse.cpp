@@ -6,9 +6,9 @@
 namespace ugoki::contact {
 namespace {
 
-// All thresholds are relative.
-constexpr double held = 1e-12;           // to the response with open loops: a smaller response along the loops is rounding
-constexpr double max_correction = 1e-6;  // to an impulse: maximum energy correction of elastic impulses; rounding stays below it
+// Relative thresholds.
+constexpr double held = 1e-12;           // fraction of the response with open loops; a smaller response with closed loops is rounding
+constexpr double max_correction = 1e-6;  // fraction of an impulse: maximum energy correction of elastic impulses; rounding stays below it
 constexpr double tied = 1e-9;            // approach speeds that differ by less count as equal, and their collisions as simultaneous
 
 bool same_pair(const collision::ContactPoint& a, const collision::ContactPoint& b) {
@@ -34,7 +34,7 @@ bool factor_system(const LinkSystem& s) {
   return dynamics::factor(*s.workspace, {}) < 0;
 }
 
-/// y = M x. @param x, y [nv]; must not alias
+/// Calculates y = M x with the inertia matrix M. @param x, y [nv]; must not alias
 void multiply_by_inertia(const dynamics::Workspace& ws, std::span<const double> x, std::span<double> y) {
   std::ranges::fill(y, 0.0);
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -47,8 +47,9 @@ void multiply_by_inertia(const dynamics::Workspace& ws, std::span<const double> 
   }
 }
 
-/// Change of the kinetic energy by a velocity change s d: `rate` s + `square` s^2 / 2 [J]. It is summed link by link, because in products
-/// with the inertia matrix the energy of light links would be lost in the rounding of heavy ones.
+/// Change of the kinetic energy by a velocity change s d (s: factor): `rate` s + `square` s^2 / 2 [J].
+/// It is summed link by link, because in products with the inertia matrix the energy of light links would be lost in the rounding of heavy
+/// ones.
 struct EnergyChange {
   double rate = 0, square = 0;  // J
 
@@ -77,7 +78,8 @@ struct EnergyChange {
 
 }  // namespace
 
-/// Adds the row r^T J of both sides and its velocity u. @return false if no DOF moves the contact
+/// Adds a contact: the row r^T J of both sides (r: normal, J: Jacobian) and the separation velocity u.
+/// @return false if no DOF moves the contact
 bool CollisionImpulse::add_row(std::span<const LinkSystem> systems, const collision::ContactPoint& c, int index) {
   Row row;
   row.contact = index;
@@ -107,7 +109,8 @@ bool CollisionImpulse::add_row(std::span<const LinkSystem> systems, const collis
   return true;
 }
 
-/// Calculates MJ, eqs. (15) (16), of a row, once. @return false: an inertia is singular (see `report`)
+/// Calculates the velocity change MJ per unit impulse of a row, eqs. (15) (16), if not yet known.
+/// @return false: an inertia is singular (see `report`)
 bool CollisionImpulse::make_jump(std::span<const LinkSystem> systems, Row& row, ImpactReport& report) {
   if (row.has_jump) return true;
   for (const Side& side : row.sides) {
@@ -135,7 +138,8 @@ bool CollisionImpulse::make_jump(std::span<const LinkSystem> systems, Row& row, 
   return true;
 }
 
-/// Recalculates u. @param plain true: from the motion of the two points; false: only from the component that the loops allow
+/// Recalculates the separation velocity u of a row.
+/// @param plain true: u is computed from all of v; false: only from the component of v that the loops allow
 void CollisionImpulse::update_velocity(std::span<const LinkSystem> systems, Row& row, bool plain) const {
   row.u = 0;
   for (const Side& side : row.sides) {
@@ -166,7 +170,7 @@ void CollisionImpulse::solve_nonnegative(std::size_t n) {
   double scale = 0;
   for (std::size_t i = 0; i < n; ++i) scale = std::max(scale, std::fabs(b_[i]));
   const auto a = [&](int i, int j) { return A_[static_cast<std::size_t>(i) * n + static_cast<std::size_t>(j)]; };
-  // Factors A_PP = L L^T over the passive set P. @return false if its last row depends on the others
+  // Factors A_PP = L L^T over the passive set P. @return false if the last row of A_PP depends on the others
   const auto factor = [&] {
     const std::size_t m = passive_.size();
     L_.resize(m * m);
@@ -249,14 +253,15 @@ void CollisionImpulse::solve_nonnegative(std::size_t n) {
   }
 }
 
-/// Collides the pair with the fastest approach and all pairs of equal speed; with `plastic`, all contacts simultaneously.
+/// Collides the contacts of the pair of links that approaches fastest, and of all pairs that approach equally fast. With `plastic`,
+/// collides all contacts simultaneously.
 /// @return false if no contact approaches, or on an error (see `report`)
 bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::span<const collision::ContactPoint> contacts,
                                      const ImpactOptions& options, bool plastic, ImpactReport& report) {
   const auto takes_part = [&](const Row& r) {
     return r.u < 0 && (options.reach == 0 || contacts[static_cast<std::size_t>(r.contact)].distance + options.reach * r.u <= 0);
   };
-  if (plastic)  // include the rounding errors of the loops' velocities, so that the points do not approach
+  if (plastic)  // u also counts velocities that violate the loops by rounding, so that the points really do not approach afterwards
     for (Row& r : list_) update_velocity(systems, r, true);
   double fastest = 0;
   for (const Row& r : list_)
@@ -275,7 +280,7 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
   }
   for (const int i : group_)
     if (!make_jump(systems, list_[static_cast<std::size_t>(i)], report)) return false;
-  std::erase_if(group_, [&](int i) {  // no velocity that the loops allow moves the contact
+  std::erase_if(group_, [&](int i) {  // drop a contact if the loops allow no relative velocity along its normal
     const Row& r = list_[static_cast<std::size_t>(i)];
     return coupling(systems, r, r) <= held * r.open;
   });
@@ -297,7 +302,9 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
   return true;
 }
 
-/// Applies eqs. (18) (19). If all collisions are elastic, the impulses are scaled so that the kinetic energy is conserved to rounding.
+/// Adds the velocity changes MJ p to the velocities v of the systems, eqs. (18) (19) of the paper (see collision_impulse.h). The p are the
+/// impulses of the contacts in the group. If all collisions of the group are elastic, the p are scaled so that the kinetic energy is
+/// conserved to rounding.
 void CollisionImpulse::apply(std::span<const LinkSystem> systems) {
   struck_.assign(systems.size(), 0);
   struck_list_.clear();

@@ -1,5 +1,5 @@
 #pragma once
-// Contact events: begin and end of every touch between two links, with its impulse.
+// Contact events: begin and end of every touch between two links, with the impulse of the touch.
 
 #include <cstdint>
 #include <span>
@@ -11,24 +11,24 @@ namespace ugoki::contact {
 
 /// A current touch between two links. Plain data, so that it can be saved with a simulation.
 struct Touch {
-  std::int32_t system_a = -1, link_a = -1, system_b = -1, link_b = -1;  ///< as in ContactPoint; -1, -1: the ground
+  std::int32_t system_a = -1, link_a = -1, system_b = -1, link_b = -1;  ///< indices as in ContactPoint; both -1: the ground
   Vec3 point;                                                           ///< m, world: first point of contact
   Vec3 impulse;                                                         ///< N s, world: impulse on link a since the touch began
   double duration = 0;                                                  ///< s: since the touch began
-  double apart = 0;                                                     ///< s: time since the last force
+  double apart = 0;                                                     ///< s: time since a contact force last acted
 };
 
 enum class TouchPhase : std::uint8_t { begin, end };
 
 struct TouchEvent {
   TouchPhase phase = TouchPhase::begin;
-  Touch touch;  ///< impulse at `begin`: of the first step; at `end`: of the complete touch
+  Touch touch;  ///< at `begin`, impulse is that of the first step; at `end`, that of the complete touch
 };
 
 /// Tracks touches from step to step, in the order in which they began, so that every run yields the same events.
 class ContactEvents {
  public:
-  /// @param patience s: a touch ends after this time without a force; a chattering contact then is one touch
+  /// @param patience s: a touch ends after this time without a force, so that a chattering contact is one touch
   explicit ContactEvents(double patience = 0.05) : patience_(patience) {}
 
   /// Updates the touches after a step of dt [s]. @param forces [contacts] N, world @return touches that began or ended; valid until the
@@ -41,7 +41,7 @@ class ContactEvents {
  private:
   double patience_;
   std::vector<Touch> touches_;
-  std::vector<Vec3> now_;  // [touches] N s: impulse of this step
+  std::vector<Vec3> now_;  // [touches] N s: impulse of each touch in the present step
   std::vector<TouchEvent> events_;
 };
 

@@ -24,8 +24,8 @@ inline void multiply(const double* S, const double* x, double* out) {
 }
 
 /// Solves a sliding contact whose friction acts on the normal velocity about as strongly as the normal impulse does. The alternating
-/// iteration of solve_contact() may oscillate there and end at p = 0 with the contact still closing. Here friction is at its bound and
-/// opposed to the sliding velocity c_t, so that the normal impulse is the only unknown:
+/// iteration of solve_contact() may then oscillate and end at p = 0 with the contact still closing. Here friction is at its bound and
+/// opposed to c_t, so that the normal impulse p_n is the only unknown (c: velocity without the contact's impulse; B: inverse inertia):
 ///   0 = c_n + (B_nn - mu B_nt . c_t / |c_t|) p_n
 void slide(const RowBlock& b, const double* c, double* p) {
   const double speed = std::sqrt(c[1] * c[1] + c[2] * c[2]);
@@ -68,12 +68,12 @@ void solve_contact(const RowBlock& b, const double* c, double* p) {
 
 }  // namespace
 
-void next_impulse(const RowBlock& b, const double* u, const double* p, double compliance, double normal, double* next) {
+void next_impulse(const RowBlock& b, const double* u, const double* p, double normal, double* next) {
   switch (b.kind) {
     case RowKind::contact: {
       double own[3], c[3];
       multiply(b.B, p, own);
-      own[0] -= compliance * b.B[0] * p[0];  // B includes the compliance, u does not
+      own[0] -= b.compliance * b.B[0] * p[0];  // the diagonal B[0] includes the compliance, the velocity u does not
       for (int r = 0; r < 3; ++r) {
         c[r] = u[r] - own[r];
         next[r] = p[r];

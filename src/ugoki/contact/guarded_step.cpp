@@ -9,8 +9,8 @@
 namespace ugoki::contact {
 namespace {
 
-/// Position at the beginning of the step of the surface point that is at p [m, world] at its end. For round shapes, rotation about their
-/// axis of symmetry is ignored, because it does not change the contact.
+/// Maps a surface point from its position p [m, world] at the end of the step back to its position at the beginning. @return m, world.
+/// For round shapes, rotation about their axis of symmetry is ignored, because it does not change the contact.
 /// @param now, end poses of the link at the beginning and at the end
 Vec3 carry_back(const Shape& shape, const Pose& now, const Pose& end, const Vec3& p) {
   const Pose X_now = now * shape.X_BS, X_end = end * shape.X_BS;
@@ -24,7 +24,7 @@ Vec3 carry_back(const Shape& shape, const Pose& now, const Pose& end, const Vec3
   return now * (end.inverse() * p);
 }
 
-/// Frobenius norm |T - R| = 2 sqrt(2) sin(angle / 2), a measure of the rotation between two orientations.
+/// Frobenius norm |T - R| = 2 sqrt(2) sin(angle / 2), where `angle` is the rotation angle between the two orientations.
 double turn_between(const Mat3& R, const Mat3& T) {
   double square = 0;
   for (int k = 0; k < 3; ++k) {
@@ -87,20 +87,20 @@ void GuardedStep::update_end_poses(std::span<const StepSystem> systems) {
     calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
     double motion = 0;
     for (std::size_t i = 0; i < end_[s].size(); ++i, ++size) {
-      constexpr double inv_sqrt2 = 0.7071067811865476;  // |T - R| / sqrt(2) is the chord that a point at unit distance from the axis moves.
+      constexpr double inv_sqrt2 = 0.7071067811865476;  // |T - R| / sqrt(2): distance that a point at unit distance from the axis moves.
       motion = std::max(motion, norm(end_[s][i].p - begin[i].p) + inv_sqrt2 * turn_between(begin[i].R, end_[s][i].R) * *size);
     }
     moved_[s] = motion > options_.depth ? 1 : 0;
   }
 }
 
-/// @return whether contacts were added
+/// Adds contacts for the overlaps at the end of the pass. @return whether contacts were added
 bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, double dt) {
   collision::find_contacts(*scene_, views_, -options_.depth, workspace_, found_, moved_);
   depth_ = 0;
   bool added = false;
   for (collision::ContactPoint& c : found_) {
-    // An overlap that exists since the beginning is pushed out at the recovery speed, not within this step.
+    // An overlap that exists since the beginning of the step is pushed out at the recovery speed, not within this step.
     double before = 0, along = -1;
     bool known = false;
     for (const collision::ContactPoint& g : given) {
@@ -109,13 +109,15 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
       along = std::max(along, dot(g.n, c.n));
       known = true;
     }
-    // A body that has gone through a thin non-convex wall has the opposite normal: do not push it further through.
+    // A body that has gone through a thin non-convex wall has the opposite contact normal: do not push it further through.
     if (known && along < -0.5 && c.distance < -too_deep && !is_convex_pair(c)) continue;
+    // Deep overlaps exist from the beginning of the simulation. Further passes cannot remove contradictions between them.
+    if (before < -StepperOptions::deep_overlap && c.distance > before - too_deep) continue;
     if (c.distance > before - (before < -options_.depth ? 0.02 : 0.25) * options_.depth) continue;
-    depth_ = std::max(depth_, -c.distance);
+    depth_ = std::max(depth_, before - c.distance);
     if (passes_ == options_.passes) continue;
     const double gap = c.distance;
-    // Map the point back on the body that turns more, because an error of its position has the larger effect there.
+    // Map the point back with the body that turns more, because an error of the point's position has the larger effect on that body.
     const Vec3 end_point = c.p;
     double u = 0, turned = -1;
     for (int side = 0; side < 2; ++side) {
@@ -146,7 +148,7 @@ bool GuardedStep::is_convex_pair(const collision::ContactPoint& c) const {
   return c.system_b < 0 || (convex(44) && convex(24));
 }
 
-/// Whether the depth of this pair of shapes is expensive to compute, unlike their distance.
+/// Whether the penetration depth of this pair of shapes is expensive to compute, while the distance is cheap.
 bool GuardedStep::needs_gap(const collision::ContactPoint& c) const {
   if (c.system_b < 0) return false;
   const collision::SceneShape &a = scene_->shapes()[static_cast<std::size_t>(c.key >> 44) & shape_mask],
@@ -168,7 +170,7 @@ void GuardedStep::States::restore(std::span<const StepSystem> systems) const {
   }
 }
 
-/// Solves the step without substeps and repeats it while bodies overlap at its end.
+/// Solves the step without substeps, and repeats the solution while bodies overlap at the end of the step.
 StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
   attempt_begin_.save(systems);
   contacts_.assign(contacts.begin(), contacts.end());
@@ -196,7 +198,7 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
   return report;
 }
 
-/// @return s: time from attempt_begin_, with the present velocities, until which no body passes through another; dt: no body passes
+/// Finds when a body first passes through another at the present velocities. @return s: time from attempt_begin_ until then; dt: never
 double GuardedStep::find_passage(std::span<const StepSystem> systems, double dt) {
   // A link can pass only if it moves by more than its half thickness. The motion is estimated from the velocities of the links at the
   // beginning, plus a quarter for links that accelerate within the step.
@@ -230,13 +232,14 @@ void GuardedStep::find_contacts(std::span<const StepSystem> systems, double dt) 
   swept_.add(motions_, views_, dt, options_.margin, near_);
 }
 
-/// Sets the positions to those at `time` [s] after the beginning of the substep. The velocities stay; the next substep or step stops them.
+/// Sets the positions to those at `time` [s] after the beginning of the substep. The velocities stay;
+/// contacts of the next substep or step stop the bodies.
 void GuardedStep::stop_at(std::span<const StepSystem> systems, double time) {
   for (std::size_t s = 0; s < systems.size(); ++s)
     integrate(stepper_->mechanism(static_cast<int>(s)), attempt_begin_.q[s], systems[s].v, time, systems[s].q);
 }
 
-/// Adds the contact forces of a substep to the mean over the step. @param fraction of the step that the substep lasts
+/// Adds the contact forces of a substep to the mean over the step. @param fraction length of the substep / length of the step
 void GuardedStep::add_forces(double fraction) {
   const std::span<const Vec3> forces = stepper_->contact_forces();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
@@ -268,7 +271,7 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
       return report;
     }
     const double safe = find_passage(systems, h);
-    const bool deep = depth_ > too_deep && length > units / 8;  // a wedged body stays deep in any substep, so do not halve further for it
+    const bool deep = depth_ > too_deep && length > units / 8;  // a wedged body stays deep in any substep, so further halving is useless
     if ((deep || (safe < h && length > 1)) && attempts < max_attempts) {
       attempt_begin_.restore(systems);
       length /= 2;

@@ -4,14 +4,15 @@
 // Overlaps. The stepper keeps the given contacts apart to first order, with their normals and positions at the beginning of the step. Two
 // bodies can still overlap at the end: by a feature that was not the closest one, or because a body turned or slid by a large part of its
 // size. Collision analysis of the end positions finds such overlaps, with gap g < 0 [m] and normal n. Each becomes a contact, and the step
-// is repeated. With v the velocities of this pass and g0 <= 0 the gap of the pair at the beginning, the next pass requires
+// is repeated. With v the velocities of this pass, v' those of the next pass and g0 <= 0 the gap of the pair at the beginning, the next
+// pass requires
 //   u(v') >= u(v) - (g - g0) / dt,   u = n . (velocity of a - velocity of b) [m/s]
 // at the contact point, mapped back to its position at the beginning on the body that turns more. This is Newton's method on the gap at
 // the end. Positions are not corrected afterwards: they remain the integral of the velocities.
 //
-// Passage. Bodies that move by more than their own thickness are also followed during the step (collision/advancement.h). If a body would
-// get so deep into another one that it may leave it on the other side, the step is split into substeps. A substep is halved until nothing
-// passes, and each has contacts of its own. After 256 attempts, or at 1/1024 of the step, a body that would still pass stops there.
+// Passage. Bodies that move by more than half their thickness are also followed during the step (collision/advancement.h). If a body would
+// penetrate another one so deeply that it may exit on the far side, the step is split into substeps. A substep is halved until no body
+// passes through. Each substep has its own contacts. After 256 attempts, or at 1/1024 of the step, a body that would still pass stops.
 //
 // Sources: Anitescu, Potra (1997) for steps with linearised gaps; Stewart (1998) for the errors of the linearisation.
 
@@ -27,10 +28,10 @@ namespace ugoki::contact {
 struct GuardOptions {
   double depth = 4e-4;   ///< m: smaller overlaps at the end of a step are accepted
   int passes = 12;       ///< maximum number of times that a step or substep is solved, including the first
-  double margin = 0.02;  ///< m: pairs of shapes up to this gap at the beginning of a substep become its contacts
+  double margin = 0.02;  ///< m: pairs of shapes closer than this at the beginning of a substep become contacts of the substep
 };
 
-/// Steps a Stepper so that no bodies overlap at the end or pass through each other; see the top of this file.
+/// Advances a Stepper by steps in which bodies neither overlap at the end nor pass through each other; see the top of this file.
 class GuardedStep {
  public:
   /// Scene and stepper must have the same systems in the same order, and must outlive this object.
@@ -47,9 +48,9 @@ class GuardedStep {
   [[nodiscard]] std::span<const collision::ContactPoint> contacts() const { return all_contacts_; }
   /// [contacts()] N, world: mean force over the step on body a of each contact.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
-  [[nodiscard]] int passes() const { return passes_; }      ///< how often the last step was solved; if it was split: its last substep
-  [[nodiscard]] int substeps() const { return substeps_; }  ///< number of substeps of the last step; 1: it was not split
-  /// m: maximum depth of the overlaps that are new, or deeper than before, at the end of the last step or substep; 0: none.
+  [[nodiscard]] int passes() const { return passes_; }      ///< how often the last step, or its last substep, was solved
+  [[nodiscard]] int substeps() const { return substeps_; }  ///< number of substeps of the last step; 1: the step was not split
+  /// m: maximum depth, at the end of the last step or substep, of overlaps that appeared or grew in it; 0: none.
   [[nodiscard]] double depth() const { return depth_; }
 
  private:
@@ -76,12 +77,12 @@ class GuardedStep {
   collision::Workspace workspace_;
   collision::ImpactSearch search_;
   SweptContacts swept_;
-  States attempt_begin_, step_begin_;  // at the beginning of the present step or substep; of the complete step
+  States attempt_begin_, step_begin_;  // states at the beginning of the present step or substep; of the complete step
   std::vector<collision::SystemMotion> motions_;
-  std::vector<std::vector<Pose>> end_;        // [systems][links] poses at the end; those at the beginning are the stepper's
+  std::vector<std::vector<Pose>> end_;        // [systems][links] poses at the end of the step; stepper_ has those at its beginning
   std::vector<std::span<const Pose>> views_;  // views of the poses in end_
-  std::vector<double> size_;                  // m [links of all systems] maximum distance of a link's shapes from its origin
-  std::vector<Vec6> speeds_;                  // rad/s, m/s, world [links of one system] velocities
+  std::vector<double> size_;                  // m [links of all systems] radius about the link's origin that contains all its shapes
+  std::vector<Vec6> speeds_;                  // [links of one system] rad/s, m/s, world: spatial velocity of each link
   std::vector<char> moved_;                   // [systems] 1: a point moved by more than GuardOptions::depth in this pass
   std::vector<double> half_thickness_;        // m [links of all systems] half thickness of the link's thinnest shape
   std::vector<collision::ContactPoint> found_, contacts_, near_;

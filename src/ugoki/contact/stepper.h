@@ -1,11 +1,12 @@
 #pragma once
 // One step of several link systems with contact, friction, joint limits, springs, dampers and dry joint friction.
 //
-// 1. Impacts (collision_impulse.h): contacts hit with restitution receive their impulse, eqs. (12)-(19); v becomes the velocity after it.
+// 1. Impacts (collision_impulse.h): contacts hit with restitution receive their impulse, eqs. (12)-(19).
+//    From here on, v is the velocity after the impacts.
 // 2. The remaining impulses p [N s | N m s] act on the velocities. With the step dt [s], the inertia M [kg | kg m^2], implicit dampers D
 //    and springs K, M' = M + dt D + dt^2 K, drive forces tau, bias forces b, and passive joint forces:
-//      v' = v + M'^-1 (dt (tau - b - passive) + J^T p),   q' = q (+) v' dt
-//    where p solves, for every contact (normal n, tangents t), with the velocity u = J v' [m/s | rad/s] (velocity_solver.h):
+//      v' = v + M'^-1 (dt (tau - b - passive) + J^T p),   q' = q (+) v' dt   ((+): integration of the positions)
+//    where p satisfies, for every contact (normal n, tangents t), with the velocity u = J v' [m/s | rad/s] (velocity_solver.h):
 //      normal:        p_n >= 0,  u_n >= target,  p_n (u_n - target) = 0
 //      friction:      |p_t| <= mu p_n, opposed to the sliding velocity u_t
 //      joint limits:  p >= 0, opposed to the velocity into the limit
@@ -13,10 +14,10 @@
 //      loops:         u = -gap / dt, p unbounded (closed link systems)
 //
 // `target` of a gap is -distance / dt: a contact is predicted one step ahead. `target` of a penetration is a bounded recovery speed.
-// The solver needs whitened rows y = D^-1/2 L^-T J^T, where M' = L^T D L; a row has entries only on the chains of its two links. In these
-// coordinates the inverse inertia seen by a row is simply y . y. Loops are eliminated exactly before contacts are solved: every other
-// row is projected onto the velocities that the loops allow. Dependent loop rows are left out. After the step the positions of closed
-// loops are corrected until their gap is rounding.
+// The solver needs whitened rows y = D^-1/2 L^-T J^T, where M' = L^T D L (this D is a diagonal matrix, not the dampers). A row has entries
+// only on the chains of its two links. In these coordinates the inverse inertia seen by a row is y . y. Loops are eliminated exactly before
+// contacts are solved: every other row is projected onto the velocities that the loops allow. Dependent loop rows are left out. After the
+// step the positions of closed loops are corrected until their gap is at the level of rounding.
 // Sources: Nagashima (1999) section 6.3; Hwangbo, Lee, Hutter (2018), Per-contact iteration; Featherstone (2008) ch. 8, 11.
 
 #include <cstddef>
@@ -28,14 +29,19 @@
 
 #include "ugoki/collision/contact_point.h"
 #include "ugoki/contact/collision_impulse.h"
+#include "ugoki/contact/inertial_motion.h"
 #include "ugoki/contact/velocity_solver.h"
 #include "ugoki/contact/warm_start.h"
+#include "ugoki/dynamics/articulated_factor.h"
 #include "ugoki/dynamics/closed_links.h"
 #include "ugoki/dynamics/dynamics.h"
 
 namespace ugoki::contact {
 
 struct StepperOptions {
+  /// m: a deeper overlap is not made by a step (GuardedStep splits the step at a fifth of it); it was there at the beginning.
+  static constexpr double deep_overlap = 5e-3;
+
   Vec3 gravity{0, 0, -9.81};     ///< m/s^2
   int iterations = 200;          ///< maximum number of sweeps over an island
   double tolerance = 1e-7;       ///< m/s: sweeps end when no velocity changes by more than this
@@ -43,17 +49,17 @@ struct StepperOptions {
   double recovery_speed = 0.6;   ///< m/s | rad/s: maximum speed of penetration recovery and of loop closing
   double impact_speed = 0.05;    ///< m/s: slower approaches do not bounce
   double softness =
-      1e-4;  ///< compliance: fraction of a contact's normal inverse inertia added to it; redundant contacts then share the load
+      1e-4;  ///< contact compliance, as a fraction of the contact's normal inverse inertia; redundant contacts then share the load
   double rolling = 0.02;  ///< rolling resistance of free round bodies: moment / (radius * normal force)
 };
 
 /// State and inputs of one system for a step. All spans refer to the caller's memory.
 struct StepSystem {
-  std::span<double> q, v;                  ///< [nq], [nv] in: before the step, out: after it
+  std::span<double> q, v;                  ///< [nq], [nv] in: state before the step, out: after the step
   std::span<const double> tau;             ///< [nv] N | N m: drive forces
   std::span<const Vec6> external;          ///< [links] N m, N: wrenches about the world origin, world axes; empty: none
-  std::span<const double> servo_gain;      ///< [nv] N m s/rad: the drive adds gain (servo_velocity - v'); empty: none.
-  std::span<const double> servo_velocity;  ///< [nv] rad/s; the new velocity v' is implicit, so that any gain is stable
+  std::span<const double> servo_gain;      ///< [nv] N m s/rad: the drive adds gain * (servo_velocity - v'); empty: none
+  std::span<const double> servo_velocity;  ///< [nv] rad/s; v', the velocity after the step, is implicit, so that any gain is stable
 };
 
 enum class StepStatus {
@@ -65,14 +71,15 @@ enum class StepStatus {
 struct StepReport {
   StepStatus status = StepStatus::ok;
   int system = -1, dof = -1;
-  int sweeps = 0;        ///< sweeps over the island that needed the most
+  int sweeps = 0;        ///< maximum number of sweeps over one island
   int newton_steps = 0;  ///< Newton steps, summed over all islands
   int handed_over = 0;   ///< small islands that the dense solver did not finish (velocity_solver.h)
   int islands = 0;       ///< groups of systems joined by contacts, and single systems with rows (limits, dry friction, ground contacts)
   double residual = 0;   ///< m/s: maximum change of velocity in the last sweep
-  int contacts = 0;      ///< contacts that had rows
-  int limits = 0;        ///< rows of joint limits and dry friction
-  int impacts = 0;       ///< collisions of the impact phase
+  int contacts = 0;      ///< number of contacts that received rows
+  int limits = 0;        ///< number of rows of joint limits and dry friction
+  int impacts = 0;       ///< number of collisions in the impact phase
+  int failed_motions = 0;  ///< fast systems that InertialMotion could not move; they moved at constant velocity instead
   double loop_gap = 0;   ///< m | rad: maximum gap of a closed loop after the step
 };
 
@@ -83,14 +90,13 @@ class Stepper {
 
   /// Advances all systems by dt [s]. On failure every q and v keeps its value from before the step.
   /// @param contacts  result of collision analysis at the present positions; their system and link indices refer to the constructor's list
-  /// @param forced    contacts from this index on always get rows. An earlier contact gets rows only if it can close within the step
-  /// Allocates nothing after warm-up, unless the number of contacts grows. Exception: the first time that a joint of a system turns by
-  /// more than 0.02 rad in a step, that system allocates its stepper for inertial substeps.
+  /// @param forced    index into `contacts`: from there on, contacts always get rows; earlier ones only if they can close within the step
+  /// Allocates nothing after warm-up, unless the number of contacts grows.
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt,
                   std::size_t forced = SIZE_MAX);
 
   /// Repeats the last step from the same positions and velocities with additional contacts. Only islands that contain a new contact are
-  /// solved again, with 0.3 times the coarse tolerance of step() (SolverOptions::coarse) and 4 times its sweeps.
+  /// solved again, with 0.3 times the coarse tolerance of step() (SolverOptions::coarse) and 4 times the sweeps.
   /// @param contacts contacts of the last call of step() or repeat(), followed by the new ones; the new ones are forced contacts
   StepReport repeat(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
   /// Whether the last call of repeat() may have changed the result of a system. Meaningful only after repeat().
@@ -108,7 +114,8 @@ class Stepper {
   [[nodiscard]] int system_count() const { return static_cast<int>(mechanisms_.size()); }
   [[nodiscard]] const StepperOptions& options() const { return options_; }
 
-  /// Impulses [N s] kept to start the next step's solver. They are the only memory between steps: save and restore them with a simulation.
+  /// Impulses of the last step, from which the next step's solver starts. They are the only memory between
+  /// steps: save and restore them with a simulation.
   using Warm = contact::Warm;
   [[nodiscard]] std::span<const Warm> warm() const { return warm_.records(); }
   void set_warm(std::span<const Warm> warm) { warm_.set(warm); }
@@ -120,49 +127,48 @@ class Stepper {
   void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
   void prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report);
   void move_freely(std::size_t s, const StepSystem& system, double dt);
-  bool integrate_inertially(std::size_t s, StepSystem& system, double dt, StepReport& report);
-  double turn(std::size_t s, std::span<const double> v, double dt) const;
+  void integrate_system(std::size_t s, StepSystem& system, double dt, StepReport& report);
   void add_contact(int index, const collision::ContactPoint& c, double dt, bool forced);
   void add_rolling(const collision::ContactPoint& c);
   void add_joint_rows(std::size_t s, double dt);
-  void spread_over_loops(std::size_t s, int last, int rows, const double* row);
+  void spread_over_loops(std::size_t s, int last);
   double* add_side(std::size_t s, int last);
-  void finish_side(std::size_t s, int last, int rows, double* row);
-  void whiten(std::size_t s, int last, std::span<double> y) const;
-  void add_impulses(std::size_t s);
+  const Vec6& free_velocity(std::size_t s, int last);
+  void add_impulses();
   void solve_loops(std::size_t s, const StepSystem& system, double dt);
   double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms);
   void close_loops(std::size_t s, StepSystem& system, StepReport& report);
 
   struct SystemScratch {
+    explicit SystemScratch(const Mechanism& m) : factor(m) {}
+    dynamics::ArticulatedFactor factor;   // of the inertia M'
     std::vector<double> v;                // [nv] velocity after the impacts
     std::vector<double> extra;            // [nv] dt D + dt^2 K: implicit damping and stiffness added to the inertia
-    std::vector<double> free_v;           // [nv] velocity without impulses; after finish() with them
+    std::vector<double> free_v;           // [nv] velocity without impulses; finish() adds their effect
     std::vector<double> unforced;         // [nv] velocity without impulses, kept for repeat()
     std::vector<double> mean;             // [nv] mean of the old and new velocities
     std::vector<double> zeros;            // [nv]
-    std::vector<double> start_q;          // [nq] positions before the inertial substeps
-    std::vector<double> sqrt_D_inverse;   // [nv] D^-1/2 of M' = L^T D L
-    std::vector<double> impulse;          // [nv] whitened impulse w, then its change of velocity
+    std::vector<Vec6> free_motion;        // [nv] velocity without impulses of the link that each DOF moves, about p0
+    bool has_free_motion = false;         // free_motion is computed
     std::vector<double> displacement;     // [nv] m | rad: joint displacements from the neutral position
     std::vector<int> limited_links;       // links whose joint has a limited DOF
     std::vector<int> dry_friction_dofs;   // DOFs with dry friction
     std::vector<char> contiguous_chain;   // [nv] 1: the chain of this DOF is 0, 1, 2 ...
-    double rolling_radius = 0;            // m: radius of a free round body; 0: not one
-    bool free_body = false;               // one floating link
-    bool springs = false;                 // a joint has a spring
-    bool is_inertial = false;             // this step ends with inertial substeps, which contain the velocity-dependent bias forces
-    std::vector<std::size_t> angle_dofs;  // DOFs that are angles
-    std::unique_ptr<Stepper> inertial;    // inertial substeps of this mechanism; null until first needed
+    double rolling_radius = 0;            // m: radius of a free round body; 0 for all other systems
+    bool free_body = false;               // true: the system is one floating link
+    bool springs = false;                 // true: at least one joint has a spring
+    bool is_inertial = false;             // true: this step ends with `inertial`, which adds the velocity-dependent forces
+    std::unique_ptr<InertialMotion> inertial;  // null: a single link or DOF
     struct Loops {
       explicit Loops(const Mechanism& m);
       dynamics::ClosedLinks links;
       dynamics::LoopRows rows;
-      dynamics::Workspace ws;       // for closing the positions
+      dynamics::Workspace ws;       // working memory for closing the positions
       std::vector<double> basis;    // [rank * nv] orthonormal basis of the whitened loop rows; [rows * nv] during orthogonalisation
       std::vector<double> target;   // [rows] required component of w along each basis vector
       std::vector<double> minimum;  // [rows] squared row length below which the row is numerically zero
-      std::vector<double> sparse;   // [3 * nv] rows with entries on one chain only
+      std::vector<double> sparse;   // [3 * nv] scratch for up to three rows with entries on one chain only
+      std::vector<double> impulse;  // [nv] whitened impulse of the loops
       int rank = 0;
     };
     std::unique_ptr<Loops> loops;  // null: the mechanism has no closed loop
@@ -170,12 +176,11 @@ class Stepper {
 
   std::vector<MechanismPtr> mechanisms_;
   StepperOptions options_;
-  bool inertial_only_ = false;  // for inertial substeps: no springs, dampers, limits or dry friction
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;
-  // 0 if a system has loops: with the dense solver, the energy of a falling cassie_v2 rises by its weight times 0.6 m (FallingRobots
-  // tests).
+  // Maximum number of rows of an island for the dense solver. 0 if a system has loops: with the dense solver, a falling cassie_v2 (robot)
+  // gains the energy of its weight times 0.6 m (FallingRobots tests).
   int max_dense_rows_ = DenseIsland::max_rows;
   CollisionImpulse impact_;
   std::vector<LinkSystem> impact_systems_;
@@ -183,7 +188,7 @@ class Stepper {
   WarmStart warm_;
   StepReport first_report_;  // report of the last step() before its solver ran; repeat() continues from it
   std::vector<Vec3> forces_;
-  std::vector<Vec3> frames_;  // [contacts * 3] n, t1, t2
+  std::vector<Vec3> frames_;  // [contacts * 3] normal n, tangents t1 and t2 of each contact
 };
 
 }  // namespace ugoki::contact

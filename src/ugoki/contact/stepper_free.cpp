@@ -1,5 +1,4 @@
-// Motion without contact impulses: the inertia and its factor, velocity-dependent bias forces, and inertial substeps of fast linked
-// systems.
+// Motion without contact impulses: the inertia and its factor, and velocity-dependent bias forces.
 
 #include <algorithm>
 #include <cmath>
@@ -10,17 +9,13 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr double min_motion = 1e-3;        // rad | m in a step: below it the bias force is not iterated
+constexpr double min_motion = 1e-3;        // rad | m in a step: below this motion the bias force is not iterated
 constexpr double max_bias_change = 0.01;   // relative change of the velocities at which the iteration of the bias force has converged
-constexpr double divergence_change = 0.3;  // relative change at or above which that iteration counts as divergent
-// rad in a step: linked systems with a faster joint move in inertial substeps of at most this turn. With 0.1 rad the step takes a tenth
-// less time, but the kinetic energy of free chains changes by 50 % and more.
-constexpr double max_substep_turn = 0.02;
-constexpr double max_substeps = 20;  // bounds the cost; faster systems turn further than max_substep_turn in a substep
+constexpr double divergence_change = 0.3;  // relative change at or above which the iteration of the bias force diverges
 
 /// Correction [N m, body axes] of a free body's gyroscopic moment, so that the moment is evaluated at the mean angular velocity wm:
-///   I (w' - w) = -dt wm x I wm,  wm = (w + w') / 2
-/// This midpoint rule conserves the kinetic energy and the magnitude of the angular momentum; the moment at w would increase both.
+///   I (w' - w) = -dt wm x I wm,  wm = (w + w') / 2   (I: inertia; w, w': angular velocity before and after the step)
+/// This midpoint rule conserves the kinetic energy and the magnitude of the angular momentum; the moment at w would increase the two.
 /// For a body that turns by radians in a step the equation may have no solution near w; such a body keeps its angular velocity.
 Vec3 gyroscopic_correction(const Sym3& I, const Vec3& w, double dt) {
   const Mat3 M = I.matrix();
@@ -36,9 +31,9 @@ Vec3 gyroscopic_correction(const Sym3& I, const Vec3& w, double dt) {
   return (solved ? moment : Vec3{}) - cross(w, M * w);
 }
 
-/// Correction of the bias of a free body whose frame is not at its centre of mass. It is zero below half a radian of rotation in a step.
+/// Correction of the bias force of a free body whose frame is not at its centre of mass. Zero below half a radian of rotation in a step.
 /// The centripetal force that turns the frame about the centre of mass is replaced by its mean over the step; the force at the beginning
-/// would let the frame leave along its tangent.
+/// of the step would let the frame leave its circle along the tangent.
 /// @return moment [N m] and force [N], body axes
 Vec6 centripetal_correction(const Inertia& body, const Vec3& w, double dt) {
   if (!(dt * norm(w) > 0.5) || !(body.mass > 0)) return {};
@@ -49,13 +44,6 @@ Vec6 centripetal_correction(const Inertia& body, const Vec3& w, double dt) {
 
 }  // namespace
 
-/// rad: maximum rotation of a joint, or of a floating base, in dt at the velocities v.
-double Stepper::turn(std::size_t s, std::span<const double> v, double dt) const {
-  double maximum = 0;
-  for (const std::size_t f : scratch_[s].angle_dofs) maximum = std::max(maximum, std::fabs(v[f]) * dt);
-  return maximum;
-}
-
 /// Calculates the inertia, its factor, and the velocity without impulses.
 void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report) {
   const Mechanism& m = *mechanisms_[s];
@@ -64,28 +52,26 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
   const std::size_t n = x.free_v.size();
   if (n == 0) return;
   if (x.loops) dynamics::share_virtual_inertias(x.loops->links, ws);
-  dynamics::calc_inertia_rows(m, ws);
   const bool servo = !system.servo_gain.empty();
-  for (std::size_t i = 0; i < n && !inertial_only_; ++i) {
+  for (std::size_t i = 0; i < n; ++i) {
     x.extra[i] = dt * (ws.dofs[i].damping + dt * ws.dofs[i].stiffness);
     if (servo) x.extra[i] += dt * system.servo_gain[i];
   }
-  if (const int bad = dynamics::factor(ws, x.extra); bad >= 0) {
+  if (const int bad = x.factor.factor(ws, x.extra); bad >= 0) {
     report.status = StepStatus::singular;
     report.system = static_cast<int>(s);
     report.dof = bad;
     return;
   }
-  for (std::size_t i = 0; i < n; ++i) x.sqrt_D_inverse[i] = std::sqrt(ws.D_inverse[i]);
-  if (!inertial_only_ && (x.springs || !x.limited_links.empty()))
+  x.has_free_motion = false;
+  if (x.springs || !x.limited_links.empty())
     for (const Link& link : m.links()) joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);
   const bool linked = !x.free_body && n > 1;
-  x.is_inertial = linked && !inertial_only_ && turn(s, x.v, dt) > max_substep_turn;
   const auto move = [&](std::span<const double> v) {
-    dynamics::calc_inverse_dynamics(m, ws, system.q, v, {}, options_.gravity, system.external, x.free_v);
+    dynamics::calc_bias_forces(m, ws, system.q, v, options_.gravity, system.external, x.free_v);
     move_freely(s, system, dt);
   };
-  if (x.is_inertial) return move(x.zeros);  // bias at zero velocity; integrate_inertially() adds the inertial forces
+  if (x.is_inertial) return move(x.zeros);  // bias at zero velocity; InertialMotion adds the inertial forces
   dynamics::calc_inverse_dynamics(m, ws, {}, options_.gravity, system.external, x.free_v);
   if (x.free_body) {
     const Vec3 w{x.v[0], x.v[1], x.v[2]};
@@ -100,8 +86,8 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
   }
   move_freely(s, system, dt);
   if (!linked) return;
-  // Linked bodies: iterate until the bias is evaluated at the mean of the old and new velocities. At the old velocities alone it adds
-  // energy in every step, and undamped chains spin ever faster.
+  // Linked bodies: iterate until the bias is evaluated at the mean of the old and new velocities. Evaluated at the old velocities,
+  // the bias adds energy in every step, and undamped chains spin ever faster.
   double change = 0;
   for (int iteration = 0; iteration < 2; ++iteration) {
     double fastest = 0;
@@ -113,8 +99,8 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
     double changed = 0, size = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const double d = x.free_v[i] - x.unforced[i];
-      changed += d * d / ws.D_inverse[i];
-      size += (x.v[i] * x.v[i] + x.free_v[i] * x.free_v[i]) / ws.D_inverse[i];
+      changed += d * d * x.factor.pivot(i);
+      size += (x.v[i] * x.v[i] + x.free_v[i] * x.free_v[i]) * x.factor.pivot(i);
     }
     change = changed / size;
     if (change < max_bias_change * max_bias_change) return;
@@ -130,44 +116,14 @@ void Stepper::move_freely(std::size_t s, const StepSystem& system, double dt) {
   const bool servo = !system.servo_gain.empty();
   for (std::size_t i = 0; i < x.v.size(); ++i) {
     const Dof& f = ws.dofs[i];
-    double passive = 0;
-    if (!inertial_only_) passive += f.damping * x.v[i];
-    if (!inertial_only_ && f.stiffness > 0) passive += f.stiffness * (x.displacement[i] - f.rest + dt * x.v[i]);
+    double passive = f.damping * x.v[i];
+    if (f.stiffness > 0) passive += f.stiffness * (x.displacement[i] - f.rest + dt * x.v[i]);
     if (servo) passive += system.servo_gain[i] * (x.v[i] - system.servo_velocity[i]);
     x.free_v[i] = dt * (system.tau[i] - x.free_v[i] - passive);
   }
-  dynamics::solve(ws, x.free_v);
+  x.factor.solve(x.free_v);
   for (std::size_t i = 0; i < x.v.size(); ++i) x.free_v[i] += x.v[i];
   if (x.loops) solve_loops(s, system, dt);
-}
-
-/// Moves a fast linked system through the step in inertial substeps. Its velocity already contains the effect of all forces of the step;
-/// only inertial forces and loops act in the substeps.
-/// @return false if the system is slow enough for a single step, or if a substep failed (q and v are then those before the
-/// substeps)
-bool Stepper::integrate_inertially(std::size_t s, StepSystem& system, double dt, StepReport& report) {
-  SystemScratch& x = scratch_[s];
-  const double turned = turn(s, system.v, dt);
-  if (inertial_only_ || x.free_body || x.v.size() < 2 || !(x.is_inertial || turned > max_substep_turn)) return false;
-  if (!x.inertial) {
-    StepperOptions options = options_;
-    options.gravity = {};
-    x.inertial = std::make_unique<Stepper>(std::vector<MechanismPtr>{mechanisms_[s]}, options);
-    x.inertial->inertial_only_ = true;
-  }
-  const double substeps = std::clamp(std::ceil(turned / max_substep_turn), 1.0, max_substeps);
-  std::ranges::copy(system.q, x.start_q.begin());
-  StepSystem alone{system.q, system.v, x.zeros, {}, {}, {}};
-  for (int k = 0; k < static_cast<int>(substeps); ++k) {
-    const StepReport substep = x.inertial->step(std::span(&alone, 1), {}, dt / substeps);
-    if (substep.status != StepStatus::ok) {  // fall back to a single step; the next step reports the error if it persists
-      std::ranges::copy(x.start_q, system.q.begin());
-      std::ranges::copy(x.free_v, system.v.begin());
-      return false;
-    }
-    report.loop_gap = std::max(report.loop_gap, substep.loop_gap);
-  }
-  return true;
 }
 
 }  // namespace ugoki::contact

@@ -12,20 +12,16 @@ namespace {
 // High bits that keep the warm-start keys of limits and of rolling rows apart from contact keys.
 constexpr std::uint64_t limit_key = 0x8000000000000000ULL;
 constexpr std::uint64_t roll_key = 0x4000000000000000ULL;
+// Softness of deep overlaps: contacts that contradict each other share a bounded impulse. Tests: overlap_test.cpp.
+constexpr double deep_softness = 0.3;
+// Their recovery speed as a fraction of StepperOptions::recovery_speed: contacts near a joint move the far end of a limb up to ten times
+// as fast. Tests: overlap_test.cpp.
+constexpr double deep_recovery = 0.5;
 
 }  // namespace
 
-/// Whitens a row in place: y = D^-1/2 L^-T J^T. @param y [chain length of DOF `last`] in: row of J on that chain, out: whitened
-void Stepper::whiten(std::size_t s, int last, std::span<double> y) const {
-  const dynamics::Workspace& ws = workspaces_[s];
-  dynamics::apply_inverse_transposed_factor(ws, last, y);
-  const int* chain = ws.chain.data() + ws.row_start[static_cast<std::size_t>(last)];
-  const std::vector<double>& root = scratch_[s].sqrt_D_inverse;
-  for (std::size_t e = 0; e < y.size(); ++e) y[e] *= root[static_cast<std::size_t>(chain[e])];
-}
-
 /// Adds a segment for one side of a block.
-/// @return [rows * chain length] memory for that side's rows of J on the chain of DOF `last`
+/// @return [chain length of DOF `last`][4] memory for that side's whitened rows
 double* Stepper::add_side(std::size_t s, int last) {
   const dynamics::Workspace& ws = workspaces_[s];
   SystemScratch& x = scratch_[s];
@@ -39,12 +35,18 @@ double* Stepper::add_side(std::size_t s, int last) {
   return solver_.add_segment(static_cast<int>(s), chain, length).data();
 }
 
-/// Whitens the rows written to the memory from add_side() and projects them onto what the loops allow.
-void Stepper::finish_side(std::size_t s, int last, int rows, double* row) {
-  const dynamics::Workspace& ws = workspaces_[s];
-  const auto length = static_cast<std::size_t>(ws.depth[static_cast<std::size_t>(last)] + 1);
-  for (int r = 0; r < rows; ++r) whiten(s, last, {row + static_cast<std::size_t>(r) * length, length});
-  if (scratch_[s].loops) spread_over_loops(s, last, rows, row);
+/// Velocity without impulses, about p0, of the link that DOF `last` moves. Computed for all links of the system at the first call in a step.
+const Vec6& Stepper::free_velocity(std::size_t s, int last) {
+  SystemScratch& x = scratch_[s];
+  if (!x.has_free_motion) {
+    const std::span<const int> parents = mechanisms_[s]->dof_parents();
+    for (std::size_t k = 0; k < x.free_motion.size(); ++k) {
+      const Vec6 own = workspaces_[s].S[k] * x.free_v[k];
+      x.free_motion[k] = parents[k] < 0 ? own : x.free_motion[static_cast<std::size_t>(parents[k])] + own;
+    }
+    x.has_free_motion = true;
+  }
+  return x.free_motion[static_cast<std::size_t>(last)];
 }
 
 void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt, bool forced) {
@@ -67,10 +69,7 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
     const double sign = side == 0 ? 1.0 : -1.0;
     sides[count++] = {static_cast<std::size_t>(s), last, sign};
     const Vec3 r = c.p - ws.p0;
-    const std::span<const int> chain = dynamics::chain_of_link(ws, link);
-    const std::vector<double>& free_v = scratch_[static_cast<std::size_t>(s)].free_v;
-    Vec6 V;
-    for (const int k : chain) V += ws.S[static_cast<std::size_t>(k)] * free_v[static_cast<std::size_t>(k)];
+    const Vec6& V = free_velocity(static_cast<std::size_t>(s), last);
     free += (V.v + cross(V.w, r)) * sign;
     const Vec3 now = dynamics::point_velocity(ws, link, c.p);
     before += sign * dot(n, now);
@@ -89,31 +88,27 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
   frame[2] = t2;
   RowBlock& block = solver_.begin_block(RowKind::contact, c.key);
   block.contact = index;
-  block.mu = c.friction;
+  // Overlaps of this depth exist from the beginning. Their normals may contradict each other, and friction would lock them.
+  const bool deep = gap < -StepperOptions::deep_overlap;
+  block.mu = deep ? 0 : c.friction;
+  block.softness = deep ? deep_softness : 0;
   block.impact_impulse = impact_impulse;
   for (int k = 0; k < count; ++k) {
     const auto& [s, last, sign] = sides[k];
-    const dynamics::Workspace& ws = workspaces_[s];
-    double* const row = add_side(s, last);
-    const int* chain = ws.chain.data() + ws.row_start[static_cast<std::size_t>(last)];
-    const int length = ws.depth[static_cast<std::size_t>(last)] + 1;
-    const Vec3 r = c.p - ws.p0;
-    Vec6 directions[3];
-    for (int d = 0; d < 3; ++d) directions[d] = {cross(r, frame[d]) * sign, frame[d] * sign};
-    for (int e = 0; e < length; ++e) {
-      const Vec6& S = ws.S[static_cast<std::size_t>(chain[e])];
-      for (int d = 0; d < 3; ++d) row[d * length + e] = dot(directions[d], S);
-    }
-    finish_side(s, last, 3, row);
+    const Vec3 r = c.p - workspaces_[s].p0;
+    Vec6 wrenches[3];
+    for (int d = 0; d < 3; ++d) wrenches[d] = {cross(r, frame[d]) * sign, frame[d] * sign};
+    scratch_[s].factor.whiten_wrenches(last, wrenches, add_side(s, last));
+    if (scratch_[s].loops) spread_over_loops(s, last);
   }
-  const double wanted = gap > 0 || forced ? -gap / dt : std::min(-gap / options_.recovery_time, options_.recovery_speed);
+  const double wanted = gap > 0 || forced ? -gap / dt : std::min(-gap / options_.recovery_time, (deep ? deep_recovery : 1) * options_.recovery_speed);
   const double target[3] = {free_n - wanted, dot(t1, free), dot(t2, free)};
   const Warm* warm = warm_.find(c.key);
   solver_.end_block(target, warm ? std::span<const double>(warm->p) : std::span<const double>());
   add_rolling(c);
 }
 
-/// Rolling resistance of a free round body: a moment against its rolling and spinning, bounded in proportion to the normal force.
+/// Rolling resistance of a free round body: a moment against its rolling and spinning, with a bound proportional to the normal force.
 void Stepper::add_rolling(const collision::ContactPoint& c) {
   const double a = c.system_a < 0 ? 0 : scratch_[static_cast<std::size_t>(c.system_a)].rolling_radius;
   const double b = c.system_b < 0 ? 0 : scratch_[static_cast<std::size_t>(c.system_b)].rolling_radius;
@@ -133,15 +128,10 @@ void Stepper::add_rolling(const collision::ContactPoint& c) {
     const int last = ws.link_chain[static_cast<std::size_t>(link)];
     if (last < 0) continue;
     const double sign = side == 0 ? 1.0 : -1.0;
-    double* const row = add_side(s, last);
-    const int* chain = ws.chain.data() + ws.row_start[static_cast<std::size_t>(last)];
-    const int length = ws.depth[static_cast<std::size_t>(last)] + 1;
-    for (int e = 0; e < length; ++e) {
-      const Vec3 w = ws.S[static_cast<std::size_t>(chain[e])].w * sign;
-      for (int d = 0; d < 3; ++d) row[d * length + e] = w[d];
-      spin += w * scratch_[s].free_v[static_cast<std::size_t>(chain[e])];
-    }
-    finish_side(s, last, 3, row);
+    spin += free_velocity(s, last).w * sign;
+    const Vec6 moments[3] = {{{sign, 0, 0}, {}}, {{0, sign, 0}, {}}, {{0, 0, sign}, {}}};
+    scratch_[s].factor.whiten_wrenches(last, moments, add_side(s, last));
+    if (scratch_[s].loops) spread_over_loops(s, last);
   }
   const double target[3] = {spin.x, spin.y, spin.z};
   const Warm* warm = warm_.find(block.key);
@@ -152,19 +142,14 @@ void Stepper::add_joint_rows(std::size_t s, double dt) {
   const Mechanism& m = *mechanisms_[s];
   const dynamics::Workspace& ws = workspaces_[s];
   const SystemScratch& x = scratch_[s];
-  if (inertial_only_) return;
   const auto add_row = [&](RowKind kind, const Link& link, const double* direction, double target, double bound, std::uint64_t key) {
-    const int last = link.v_index + link.joint.nv() - 1, length = ws.depth[static_cast<std::size_t>(last)] + 1;
+    const int nv = link.joint.nv(), last = link.v_index + nv - 1;
     RowBlock& block = solver_.begin_block(kind, key);
     block.bound = bound;
-    double* const row = add_side(s, last);
-    std::fill_n(row, length, 0.0);
     double u = 0;
-    for (int k = 0; k < link.joint.nv(); ++k) {
-      row[length - link.joint.nv() + k] = direction[k];
-      u += direction[k] * x.free_v[static_cast<std::size_t>(link.v_index + k)];
-    }
-    finish_side(s, last, 1, row);
+    for (int k = 0; k < nv; ++k) u += direction[k] * x.free_v[static_cast<std::size_t>(link.v_index + k)];
+    x.factor.whiten_row(last, {direction, static_cast<std::size_t>(nv)}, add_side(s, last));
+    if (x.loops) spread_over_loops(s, last);
     u -= target;
     const Warm* warm = warm_.find(key);
     solver_.end_block({&u, 1}, warm ? std::span<const double>(warm->p) : std::span<const double>());
@@ -179,10 +164,11 @@ void Stepper::add_joint_rows(std::size_t s, double dt) {
       for (int side = 0; side < 2; ++side) {
         const double sign = side == 0 ? 1.0 : -1.0;
         const double room = side == 0 ? displacement - f.lower : f.upper - displacement;
-        if (!(room < 0.2)) continue;  // rad | m: too far away from this limit to reach it in a usual step
+        if (!(room < 0.2)) continue;  // rad | m: too far from the limit to reach it in a usual step
         double direction[6] = {0, 0, 0, 0, 0, 0};
         if (link.joint.type == JointType::spherical) {
-          // Rate of component k of the rotation vector r: row k of 1 + [r]/2 + c [r]^2, the inverse of the exponential map's differential.
+          // Rate of component k of the rotation vector r: row k of 1 + [r]/2 + c [r]^2, times the angular velocity. [r] x = cross(r, x).
+          // The matrix is the inverse of the exponential map's differential.
           const auto first = static_cast<std::size_t>(link.v_index);
           const Vec3 r{x.displacement[first], x.displacement[first + 1], x.displacement[first + 2]};
           const Vec3 e{k == 0 ? sign : 0.0, k == 1 ? sign : 0.0, k == 2 ? sign : 0.0};

@@ -83,7 +83,7 @@ int SweptContacts::add(std::span<const collision::SystemMotion> systems, std::sp
       c.p = by_a ? on_a : on_b;
       c.n = point.n;
       const Vec3 v = velocity(a, c.p) - velocity(b, c.p);
-      // If the body rotates far within the step, the normal at the impact is not opposed to the present velocity: rotate it back as well.
+      // If the body rotates far within the step, the normal at the impact is not opposed to the present velocity: rotate the normal back.
       if (dot(c.n, v) > -0.5 * norm(v)) c.n = by_a ? a.back_with(point.n) : b.back_with(point.n);
       c.distance = std::max(point.distance - impact.time * dot(c.n, v), 0.0);
       c.key = (static_cast<std::uint64_t>(impact.shape_a) << 44) | (shape_b << 24) | (first_feature + static_cast<std::uint64_t>(i));

@@ -1,13 +1,13 @@
 #pragma once
-// Swept contacts: contacts that a body reaches within a step although it is still further away than the margin of collision analysis
+// Swept contacts: contacts that a body reaches within a step although the body is still farther away than the margin of collision analysis
 // (a kicked ball, a sword).
 //
 // Conservative advancement (collision/advancement.h) finds the time t [s] at which two bodies touch. The contact points of that time are
 // mapped back to their present positions on the bodies. Let u [m/s] be the present separation velocity of such a point. Its distance is
 //   d = d(t) - t u
-// The stepper requires d + dt u' >= 0. This admits exactly the velocities v' = (t / dt) v, with which the bodies just reach the impact,
-// however far they rotate. An impact with restitution takes place within the step. A contact is added only for a real impact, so that a
-// body does not bounce off the extended plane of a plate that it misses.
+// The stepper requires d + dt u' >= 0, u' being the separation velocity after the step. The present velocities times t / dt satisfy this:
+// with them the bodies just reach the impact, however far they rotate. An impact with restitution takes place within the step. A contact
+// is added only for a real impact, so that a body does not bounce off the extended plane of a plate that it misses.
 
 #include <memory>
 #include <span>
@@ -40,7 +40,7 @@ class SweptContacts {
     int system = -1;
     int link = 0;
     Pose now, then;
-    /// Maps a world point of the body at the impact to its present world position; back_with() does so for a direction.
+    /// Maps a point of the body from its world position at the impact to its present world position; back_with() maps a direction.
     [[nodiscard]] Vec3 back(const Vec3& p) const { return system < 0 ? p : now * (then.inverse() * p); }
     [[nodiscard]] Vec3 back_with(const Vec3& n) const { return system < 0 ? n : now.R * transpose_times(then.R, n); }
   };
@@ -51,8 +51,8 @@ class SweptContacts {
   collision::ImpactSearch search_;
   std::vector<collision::SystemMotion> motions_;
   std::vector<double> still_;  // [nv] zeros: velocities of systems whose impact is already found
-  std::vector<double> q_;      // [nq] coordinates, at the time of its impact, of the system whose contact points are being computed
-  std::vector<Pose> X_;        // [links] poses of this system at the same time
+  std::vector<double> q_;      // [nq] used by side_at(): coordinates of one system at the time of an impact
+  std::vector<Pose> X_;        // [links] used by side_at(): poses of the links of this system at that impact
   std::vector<std::unique_ptr<dynamics::Workspace>> kinematics_;  // [systems] null until the first impact of the system
   collision::ManifoldWorkspace work_;
   collision::Manifold points_;

@@ -1,8 +1,9 @@
 // Newton's method on the whitened velocities w of an island (velocity_solver.h). For fixed p^ it solves
 //   F(w) = w - sum Y^T p(u(w)) = 0,   p = the law's projection of p^ - u / R   (augmented Lagrangian, p^ = the last impulses)
-// R is a small fraction of each block's own inverse inertia. It only sets how fast p^ converges; at the solution p = p^ it cancels.
-// If only a subset of an island's systems is solved, w in F is reduced by the contribution of the blocks outside it, whose impulses are
-// constant.
+// Y are the whitened rows of a block, u its velocity. R is a small fraction of the block's own inverse inertia. It only sets how fast p^
+// converges; at the solution p = p^ it cancels.
+// If only a subset of an island's systems is solved, the contribution of the blocks outside the subset is subtracted from w in F; their
+// impulses are constant.
 // H = dF/dw = 1 + sum Y^T G Y with G = -dp/du. The coupling of a sliding contact's friction to its normal impulse is left out, so that H is
 // symmetric and positive definite.
 
@@ -13,20 +14,20 @@
 
 namespace ugoki::contact {
 namespace {
-// R relative to a block's inverse inertia: at first, and its minimum. It becomes a tenth after each update of p^.
+// First and minimum value of R, relative to a block's inverse inertia. Each update of p^ divides R by ten.
 constexpr double first_regularization = 1e-2, min_regularization = 1e-6;
 constexpr int max_updates = 8;
 }  // namespace
 
-/// Row of H for entry e of a segment. The DOFs deepest in a system's tree have the lowest rows, so that branches cause no fill-in between
-/// them.
+/// Row of the Newton matrix for entry e of a segment. The DOFs deepest in a system's tree have the lowest rows, so that branches do not
+/// fill in entries between each other.
 int VelocitySolver::matrix_row(const RowSegment& x, int e) const {
   const auto s = static_cast<std::size_t>(x.system);
   return local_[s] + first_[s + 1] - first_[s] - 1 - (x.index ? x.index[e] : e);
 }
 
 /// Orders the island's systems breadth-first, from the system that a first search reaches last (Cuthill-McKee), and sizes the envelope of
-/// H.
+/// the Newton matrix.
 /// @return false if `steps` Newton steps would cost more than budget_
 bool VelocitySolver::order_systems(const Island& island, int steps) {
   const auto segment = [&](const RowBlock& b, int k) -> const RowSegment& {
@@ -47,7 +48,7 @@ bool VelocitySolver::order_systems(const Island& island, int steps) {
   int total = 0;
   for (const int s : members) {
     total += neighbour_first_[static_cast<std::size_t>(s)];
-    neighbour_first_[static_cast<std::size_t>(s)] = total;  // the end; filled backwards
+    neighbour_first_[static_cast<std::size_t>(s)] = total;  // end of the system's neighbours; the next loop fills them backwards
     cursor_[static_cast<std::size_t>(s)] = total;
   }
   neighbours_.resize(static_cast<std::size_t>(total));
@@ -135,23 +136,23 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
     const double scale = slides ? radius / size : 1;
     for (int r = 0; r < count; ++r) {
       p[first + r] = x[r] * scale;
-      for (int c = 0; c < count; ++c)  // a sliding block does not resist along its slip
+      for (int c = 0; c < count; ++c)  // a faster slip does not change the impulse along it
         G[3 * (first + r) + first + c] = scale / R * ((r == c ? 1.0 : 0.0) - (slides ? x[r] * x[c] / square : 0));
     }
     return R * (slides ? radius * (size - 0.5 * radius) : 0.5 * square);
   };
   switch (b.kind) {
     case RowKind::contact: {
-      const double soft = softness_ * b.B[0], R = regularization_ * b.B[0], Rn = R + soft, Rt = regularization_ * std::max(b.B[1], b.B[2]);
+      const double soft = b.compliance * b.B[0], R = regularization_ * b.B[0], Rn = R + soft, Rt = regularization_ * std::max(b.B[1], b.B[2]);
       const double xn = R * hat[0] - u[0] - saxce_[static_cast<std::size_t>(b.row)];
       std::fill_n(G, 9, 0.0);
-      // After an impact the friction cone includes its impulse, so that the tip is not at p = 0: use the disk radius of the last impulses.
+      // After an impact the friction cone includes the impact's impulse, so that its tip is not at p = 0: use a disk of the last radius.
       if (b.impact_impulse > 0) {
         p[0] = std::max(0.0, xn / Rn);
         G[0] = p[0] > 0 ? 1 / Rn : 0;
         return 0.5 * Rn * p[0] * p[0] + ball(1, 2, Rt, b.mu * (hat[0] + b.impact_impulse));
       }
-      // Projection onto the cone |y_t| <= m y_n in the metric of R.
+      // Projection onto the cone |y_t| <= m y_n, where y = sqrt(R) p and m is mu in these coordinates.
       const double root_n = std::sqrt(Rn), root_t = std::sqrt(Rt), m = b.mu * root_t / root_n;
       const double yn = xn / root_n, y1 = (Rt * hat[1] - u[1]) / root_t, y2 = (Rt * hat[2] - u[2]) / root_t;
       const double yt = std::sqrt(y1 * y1 + y2 * y2);
@@ -215,7 +216,7 @@ void VelocitySolver::fix_law(const Island& island) {
   }
 }
 
-/// H += Y^T G Y of one block; lower triangle only.
+/// Adds Y^T G Y of one block to the lower triangle of H (symbols: top of this file).
 void VelocitySolver::add_to_matrix(const RowBlock& b, const double* G) {
   const int n = b.rows;
   for (int sa = 0; sa < b.segments; ++sa) {
@@ -227,31 +228,22 @@ void VelocitySolver::add_to_matrix(const RowBlock& b, const double* G) {
       const double* const Y = rows_.data() + y.offset;
       for (int e = 0; e < x.length; ++e) {
         const int row = matrix_row(x, e);
+        // H is symmetric: matrix_row() of the other DOF is its column. Only columns up to `row` are stored.
         double* const H = H_.data() + start_[static_cast<std::size_t>(row)] - lowest_[static_cast<std::size_t>(row)];
-        if (!y.index && n == 3) {
-          const double x0 = X[e], x1 = X[x.length + e], x2 = X[2 * x.length + e];
-          const double g0 = x0 * G[0] + x1 * G[3] + x2 * G[6], g1 = x0 * G[1] + x1 * G[4] + x2 * G[7],
-                       g2 = x0 * G[2] + x1 * G[5] + x2 * G[8];
-          double* const last = H + matrix_row(y, 0);  // the entry of DOF f is f columns before this one
-          const double* const Y1 = Y + y.length;
-          const double* const Y2 = Y1 + y.length;
-          for (int f = std::max(matrix_row(y, 0) - row, 0); f < y.length; ++f) last[-f] += g0 * Y[f] + g1 * Y1[f] + g2 * Y2[f];
-          continue;
-        }
-        double g[3] = {0, 0, 0};
-        for (int c = 0; c < n; ++c)
-          for (int r = 0; r < n; ++r) g[c] += X[r * x.length + e] * G[3 * r + c];
+        RowLanes g = {};
+        for (int r = 0; r < n; ++r)
+          for (int c = 0; c < n; ++c) g[c] += X[4 * e + r] * G[3 * r + c];
         for (int f = 0; f < y.length; ++f) {
           const int column = matrix_row(y, f);
           if (column > row) continue;
-          for (int c = 0; c < n; ++c) H[column] += g[c] * Y[c * y.length + f];
+          const RowLanes product = g * row_lanes(Y, f);
+          H[column] += product[0] + product[1] + product[2];
         }
       }
     }
   }
 }
 
-/// Calculates F, and p and G of each block. @return the merit |w|^2 / 2 + sum of the blocks' terms; its gradient is F
 double VelocitySolver::assemble(const Island& island) {
   for (int k = 0; k < island.systems; ++k) {
     const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
@@ -272,13 +264,13 @@ double VelocitySolver::assemble(const Island& island) {
       const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + s)];
       for (int r = 0; r < b.rows; ++r)
         for (int e = 0; e < x.length; ++e)
-          F_[static_cast<std::size_t>(matrix_row(x, e))] -= rows_[static_cast<std::size_t>(x.offset + r * x.length + e)] * p[r];
+          F_[static_cast<std::size_t>(matrix_row(x, e))] -= rows_[static_cast<std::size_t>(x.offset + 4 * e + r)] * p[r];
     }
   }
   return merit;
 }
 
-/// Calculates H from the G of assemble().
+/// Calculates the Newton matrix H = 1 + sum Y^T G Y, with G from assemble().
 void VelocitySolver::assemble_matrix(const Island& island) {
   std::ranges::fill(H_, 0.0);
   for (std::size_t i = 0; i < F_.size(); ++i) H_[start_[i] + i - static_cast<std::size_t>(lowest_[i])] = 1;
@@ -315,7 +307,7 @@ void VelocitySolver::recompute_w(const Island& island) {
   });
 }
 
-/// step_ = H^-1 F. Replaces H by its Cholesky factor with inverted diagonal.
+/// Calculates the Newton step step_ = H^-1 F. Replaces H by its Cholesky factor with inverted diagonal.
 void VelocitySolver::solve_newton() {
   const std::size_t n = F_.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -392,8 +384,8 @@ int VelocitySolver::newton(const Island& island, bool subset, double change, dou
     for (int k = 0; k < b.segments; ++k) {
       const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + k)];
       const double* y = rows_.data() + x.offset;
-      for (int r = 0; r < b.rows; ++r, y += x.length)
-        for (int e = 0; e < x.length; ++e) base_[static_cast<std::size_t>(x.first + (x.index ? x.index[e] : e))] -= y[e] * p[r];
+      for (int r = 0; r < b.rows; ++r)
+        for (int e = 0; e < x.length; ++e) base_[static_cast<std::size_t>(x.first + (x.index ? x.index[e] : e))] -= y[4 * e + r] * p[r];
     }
   }
   old_p_ = p_;
@@ -420,8 +412,8 @@ int VelocitySolver::newton(const Island& island, bool subset, double change, dou
   return steps;
 }
 
-/// Newton's method for the systems of the blocks that had not converged in the last sweep (for example a wedged body), with all others
-/// fixed. Used if Newton's method for the complete island would cost too much. @return number of Newton steps
+/// Newton's method for the systems of the blocks that had not converged in the last sweep (for example a wedged body), with all other
+/// systems fixed. Used if Newton's method for the complete island would cost too much. @return number of Newton steps
 int VelocitySolver::newton_on_subset(const Island& island, double tolerance) {
   const auto block = [&](int i) -> const RowBlock& {
     return blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];

@@ -8,15 +8,6 @@
 namespace ugoki::contact {
 namespace {
 
-/// u[r] += y_r . w for `rows` rows of six contiguous entries (a free body).
-inline void add_products_6(const double* y, int rows, const double* w, double* u) {
-  for (int r = 0; r < rows; ++r, y += 6) {
-    const double even = y[0] * w[0] + y[2] * w[2] + y[4] * w[4];
-    const double odd = y[1] * w[1] + y[3] * w[3] + y[5] * w[5];
-    u[r] += even + odd;
-  }
-}
-
 /// Inverse of a symmetric 3 x 3 matrix with entries 00 11 22 01 02 12, regularised by 1e-12 of its trace.
 void invert(const double* S, double* out) {
   const double small = 1e-12 * (S[0] + S[1] + S[2]);  // the rows of a contact on a system with one DOF are dependent
@@ -48,7 +39,7 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   const std::size_t n = w_.size(), blocks = 64 + 12 * systems + 2 * n;
   blocks_.reserve(blocks);
   segments_.reserve(2 * blocks);
-  rows_.reserve(18 * 2 * blocks);
+  rows_.reserve(4 * 6 * 2 * blocks);
   order_.reserve(2 * blocks);
   members_.reserve(2 * systems + 1);
   islands_.reserve(systems);
@@ -84,7 +75,7 @@ RowBlock& VelocitySolver::begin_block(RowKind kind, std::uint64_t key) {
 
 std::span<double> VelocitySolver::add_segment(int system, const int* index, int length) {
   RowBlock& b = blocks_.back();
-  const std::size_t offset = rows_.size(), count = static_cast<std::size_t>(b.rows) * static_cast<std::size_t>(length);
+  const std::size_t offset = rows_.size(), count = 4 * static_cast<std::size_t>(length);
   segments_.push_back({system, first_[static_cast<std::size_t>(system)], index, length, static_cast<int>(offset)});
   rows_.resize(offset + count);
   ++b.segments;
@@ -97,16 +88,18 @@ void VelocitySolver::end_block(std::span<const double> target, std::span<const d
     target_.push_back(target[r]);
     p_.push_back(warm.empty() ? 0 : warm[r]);
   }
-  constexpr int first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};
-  for (int k = 0; k < (b.rows == 3 ? 6 : 1); ++k) {
-    double sum = 0;
-    for (int s = 0; s < b.segments; ++s) {
-      const RowSegment& segment = segments_[static_cast<std::size_t>(b.first_segment + s)];
-      const double* x = rows_.data() + segment.offset + first[k] * segment.length;
-      const double* y = rows_.data() + segment.offset + second[k] * segment.length;
-      for (int e = 0; e < segment.length; ++e) sum += x[e] * y[e];
+  // The lower triangle of Y Y^T in lanes: products with rows 0, 1 and 2.
+  RowLanes sums[3] = {};
+  const auto add = [&](const double* x, const double* y, int length) {
+    for (int e = 0; e < length; ++e) {
+      const RowLanes lanes = row_lanes(y, e);
+      for (int r = 0; r < b.rows; ++r) sums[r] += x[4 * e + r] * lanes;
     }
-    b.B[k] = sum;
+  };
+  const auto values = [&](const RowSegment& x) { return rows_.data() + x.offset; };
+  for (int s = 0; s < b.segments; ++s) {
+    const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + s)];
+    add(values(x), values(x), x.length);
   }
   if (b.segments == 2) {  // Both sides are on one system: add the products of the two rows on the DOFs that both chains contain.
     const RowSegment& one = segments_[static_cast<std::size_t>(b.first_segment)];
@@ -115,14 +108,17 @@ void VelocitySolver::end_block(std::span<const double> target, std::span<const d
       const auto dof = [](const RowSegment& x, int e) { return x.index ? x.index[e] : e; };
       int common = std::min(one.length, two.length);
       while (common > 0 && dof(one, common - 1) != dof(two, common - 1)) --common;
-      for (int k = 0; k < (b.rows == 3 ? 6 : 1); ++k)
-        for (int e = 0; e < common; ++e)
-          b.B[k] += rows_[static_cast<std::size_t>(one.offset + first[k] * one.length + e)] *
-                        rows_[static_cast<std::size_t>(two.offset + second[k] * two.length + e)] +
-                    rows_[static_cast<std::size_t>(one.offset + second[k] * one.length + e)] *
-                        rows_[static_cast<std::size_t>(two.offset + first[k] * two.length + e)];
+      add(values(one), values(two), common);
+      add(values(two), values(one), common);
     }
   }
+  b.B[0] = sums[0][0];
+  if (b.rows < 3) return;
+  b.B[1] = sums[1][1];
+  b.B[2] = sums[2][2];
+  b.B[3] = sums[0][1];
+  b.B[4] = sums[0][2];
+  b.B[5] = sums[1][2];
 }
 
 void VelocitySolver::drop_block() {
@@ -133,24 +129,17 @@ void VelocitySolver::drop_block() {
 }
 
 void VelocitySolver::velocities(const RowBlock& b, double* u) const {
-  for (int r = 0; r < b.rows; ++r) u[r] = target_[static_cast<std::size_t>(b.row + r)];
+  RowLanes sum = {};
   for (int s = 0; s < b.segments; ++s) {
     const RowSegment& segment = segments_[static_cast<std::size_t>(b.first_segment + s)];
     const double* y = rows_.data() + segment.offset;
     const double* w = w_.data() + segment.first;
-    if (!segment.index && segment.length == 6) {
-      add_products_6(y, b.rows, w, u);
-      continue;
-    }
-    for (int r = 0; r < b.rows; ++r, y += segment.length) {
-      double sum = 0;
-      if (segment.index)
-        for (int e = 0; e < segment.length; ++e) sum += y[e] * w[segment.index[e]];
-      else
-        for (int e = 0; e < segment.length; ++e) sum += y[e] * w[e];
-      u[r] += sum;
-    }
+    if (segment.index)
+      for (int e = 0; e < segment.length; ++e) sum += row_lanes(y, e) * w[segment.index[e]];
+    else
+      for (int e = 0; e < segment.length; ++e) sum += row_lanes(y, e) * w[e];
   }
+  for (int r = 0; r < b.rows; ++r) u[r] = target_[static_cast<std::size_t>(b.row + r)] + sum[r];
 }
 
 void VelocitySolver::apply(const RowBlock& b, const double* p) {
@@ -158,20 +147,14 @@ void VelocitySolver::apply(const RowBlock& b, const double* p) {
     const RowSegment& segment = segments_[static_cast<std::size_t>(b.first_segment + s)];
     const double* y = rows_.data() + segment.offset;
     double* w = w_.data() + segment.first;
-    if (!segment.index && segment.length == 6 && b.rows == 3) {
-      for (int e = 0; e < 6; ++e) w[e] += y[e] * p[0] + y[6 + e] * p[1] + y[12 + e] * p[2];
-      continue;
-    }
-    for (int r = 0; r < b.rows; ++r, y += segment.length) {
-      if (segment.index)
-        for (int e = 0; e < segment.length; ++e) w[segment.index[e]] += y[e] * p[r];
-      else
-        for (int e = 0; e < segment.length; ++e) w[e] += y[e] * p[r];
+    for (int e = 0; e < segment.length; ++e, y += 4) {
+      double& entry = w[segment.index ? segment.index[e] : e];
+      entry += b.rows == 3 ? y[0] * p[0] + y[1] * p[1] + y[2] * p[2] : y[0] * p[0];
     }
   }
 }
 
-/// Solves one block with all other impulses fixed. @return m/s: maximum change of its velocity
+/// Solves one block with all other impulses fixed. @return m/s: maximum change of the block's velocity
 double VelocitySolver::relax(RowBlock& b) {
   double u[3], next[3], change[3];
   velocities(b, u);
@@ -181,7 +164,7 @@ double VelocitySolver::relax(RowBlock& b) {
     const RowBlock& contact = blocks_[static_cast<std::size_t>(b.contact_block)];
     normal = p_[static_cast<std::size_t>(contact.row)] + contact.impact_impulse;
   }
-  next_impulse(b, u, p, softness_, normal, next);
+  next_impulse(b, u, p, normal, next);
   double maximum = 0, square = 0;
   for (int r = 0; r < b.rows; ++r) {
     change[r] = next[r] - p[r];
@@ -197,7 +180,7 @@ double VelocitySolver::relax(RowBlock& b) {
   return maximum * b.lever;
 }
 
-/// Solves every block whose velocity may have changed by more than `minimum` [m/s] since it was last solved.
+/// Solves every block whose velocity may have changed by more than `minimum` [m/s] since the block was last solved.
 /// @return m/s: maximum change of a velocity
 double VelocitySolver::sweep(const Island& island, bool forward, double minimum) {
   double change = 0;
@@ -266,14 +249,14 @@ void VelocitySolver::find_islands() {
   }
 }
 
-/// Solves an island of few rows by its dense matrix. @return whether it converged; if not, p and w hold the best impulses found
+/// Solves an island of few rows by its dense matrix. @return whether the solution converged; if not, p and w are the best ones found
 bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& options, double tolerance, SolverReport& report) {
   const std::span<const int> order =
       std::span(order_).subspan(static_cast<std::size_t>(island.first_block), static_cast<std::size_t>(island.blocks));
   int rows = 0;
   for (const int i : order) rows += blocks_[static_cast<std::size_t>(i)].rows;
   if (rows > std::min(options.max_dense_rows, DenseIsland::max_rows)) return false;
-  const DenseResult result = dense_.solve({blocks_, order, segments_, rows_.data(), target_.data(), p_.data()}, softness_, tolerance);
+  const DenseResult result = dense_.solve({blocks_, order, segments_, rows_.data(), target_.data(), p_.data()}, tolerance);
   for (int k = 0; k < island.systems; ++k) {
     const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
     std::fill(w_.begin() + first_[s], w_.begin() + first_[s + 1], 0.0);
@@ -324,14 +307,17 @@ void VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
 }
 
 void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t first) {
-  constexpr double max_operations = 1e6;  // limit for Newton's method in one step, so that its cost stays bounded
+  constexpr double max_operations = 1e6;  // floating-point operations: bounds the cost of Newton's method in one step
   budget_ = max_operations;
-  softness_ = options.softness / (1 + options.softness);
   std::ranges::fill(motion_, 0.0);
   std::ranges::fill(solved_, char{0});
   for (RowBlock& b : blocks_) b.solved_motion = -HUGE_VAL;
   for (RowBlock& b : std::span(blocks_).subspan(first)) {
-    if (b.kind == RowKind::contact) b.B[0] *= 1 + options.softness;
+    if (b.kind == RowKind::contact) {
+      const double softness = std::max(b.softness, options.softness);
+      b.B[0] *= 1 + softness;
+      b.compliance = softness / (1 + softness);
+    }
     b.size = std::sqrt(b.rows == 3 ? std::max({b.B[0], b.B[1], b.B[2]}) : b.B[0]);
     if (b.rows == 3) invert(b.B, b.inverse);
     apply(b, p_.data() + b.row);
@@ -345,7 +331,7 @@ SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size
   SolverReport report;
   begin_blocks(options, first_new);
   for (const Island& island : islands_) {
-    // The blocks of an island are in ascending order: its last block shows whether it contains a new one.
+    // The blocks of an island are in ascending order, so that its last block is new if any of its blocks is.
     if (island.blocks == 0 ||
         static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + island.blocks - 1)]) < first_new)
       continue;

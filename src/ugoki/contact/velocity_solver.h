@@ -1,7 +1,7 @@
 #pragma once
 // Velocity solver: the impulses of all contacts, joint limits and dry friction of a step.
 //
-// Whitened row: a constraint row J is stored as y = D^-1/2 L^-T J^T, where M' = L^T D L is the factored inertia of its system. The whitened
+// Whitened row: a constraint row J is stored as y = D^-1/2 L^-T J^T, where M' = L^T D L is the inertia matrix of a system. The whitened
 // velocity of a system is w = D^1/2 L (v - v_free), v_free being the velocity without impulses. In these coordinates
 //   u = J v - wanted = target + y . w,   w = sum of y p over all rows,   |w|^2 / 2 = kinetic energy of the velocity change [J]
 // so that the solver needs no masses. u is in m/s or rad/s, p in N s or N m s, y in 1/sqrt(kg) or 1/sqrt(kg m^2).
@@ -12,7 +12,7 @@
 //   1. Small islands: sweeps and semi-smooth Newton steps on the dense matrix B = Y Y^T (dense_island.h).
 //   2. Sweeps: each visits the blocks of the island one after the other (block Gauss-Seidel) and solves each block by itself.
 //   3. If sweeps converge slowly (heavy bodies on light ones, towers): Newton's method on w for the augmented Lagrangian. Its sparse matrix
-//      1 + Y^T G Y couples only systems that touch (envelope Cholesky, breadth-first order).
+//      couples only systems that touch (envelope Cholesky, breadth-first order). See velocity_newton.cpp.
 // Sources: Moreau (1988), Unilateral contact and dry friction in finite DOF dynamics; Hwangbo, Lee, Hutter (2018), Per-contact
 // iteration method; Alart, Curnier (1991), A mixed formulation for frictional contact problems prone to Newton-like methods.
 
@@ -29,16 +29,16 @@ namespace ugoki::contact {
 struct SolverOptions {
   int iterations = 60;      ///< maximum number of sweeps over an island
   double tolerance = 1e-7;  ///< m/s: an island has converged when no velocity changes by more in a sweep
-  double coarse = 0.05;  ///< m/s: tolerance if the step has more than 256 blocks; a fifth of it if Newton's method would be too expensive
-  double softness = 1e-4;  ///< s relative to B[0] of each contact (compliance); redundant contacts then share their load
-  int max_dense_rows = DenseIsland::max_rows;  ///< islands of more rows are solved by sweeps from the beginning
+  double coarse = 0.05;  ///< m/s: tolerance of steps of more than 256 blocks; a fifth of it where Newton's method is too expensive
+  double softness = 1e-4;  ///< minimum of RowBlock::softness for contacts; redundant contacts then share their load
+  int max_dense_rows = DenseIsland::max_rows;  ///< islands of more rows are solved without method 1
 };
 
 struct SolverReport {
-  int islands = 0;       ///< islands that have rows
-  int sweeps = 0;        ///< sweeps over the island that needed the most
+  int islands = 0;       ///< number of islands solved
+  int sweeps = 0;        ///< maximum number of sweeps over one island
   int newton_steps = 0;  ///< Newton steps, summed over all islands
-  int handed_over = 0;   ///< small islands that method 1 did not finish
+  int handed_over = 0;   ///< small islands for which method 1 (dense matrix) did not converge
   double residual = 0;   ///< m/s: maximum change of a velocity in the last sweep
 };
 
@@ -54,9 +54,10 @@ class VelocitySolver {
   // To add a block: begin_block(), then add_segment() once or twice and fill its rows, then end_block(), or drop_block() to discard it.
   RowBlock& begin_block(RowKind kind, std::uint64_t key);
   /// @param index [length] see RowSegment::index; must stay valid until clear()
-  /// @return [rows * length] memory for the whitened rows, to be filled by the caller. Valid until the next call
+  /// @return [length][4] memory for the whitened rows, one lane a row, to be filled by the caller; unused lanes must be zero. Valid until
+  /// the next call
   std::span<double> add_segment(int system, const int* index, int length);
-  /// [rows * length] whitened rows of the last segment.
+  /// [length][4] whitened rows of the last segment.
   [[nodiscard]] std::span<double> last_segment() { return std::span(rows_).subspan(static_cast<std::size_t>(segments_.back().offset)); }
   /// @param target [rows] m/s | rad/s: velocity without impulses minus the wanted velocity
   /// @param warm   [rows] impulses to start from; empty: zero
@@ -64,7 +65,7 @@ class VelocitySolver {
   void drop_block();
 
   SolverReport solve(const SolverOptions& options);
-  /// Call it after solve(), when blocks were added: solves only islands that contain a new block, starting from the present impulses.
+  /// Solves only the islands that contain a new block, starting from the present impulses. Call it after solve(), when blocks were added.
   /// @param first_new index of the first new block
   SolverReport solve_again(const SolverOptions& options, std::size_t first_new);
   /// Whether the last solve() or solve_again() may have changed w of a system.
@@ -83,8 +84,8 @@ class VelocitySolver {
 
  private:
   struct Island {
-    int first_block, blocks;    // in order_
-    int first_system, systems;  // in members_
+    int first_block, blocks;    // the island's blocks: a range of order_
+    int first_system, systems;  // its systems: a range of members_
   };
 
   void velocities(const RowBlock& b, double* u) const;
@@ -114,36 +115,35 @@ class VelocitySolver {
   void recompute_w(const Island& island);
 
   DenseIsland dense_;
-  std::vector<int> first_;  // [systems + 1]
+  std::vector<int> first_;  // [systems + 1] index in w_ of the first DOF of each system
   std::vector<RowBlock> blocks_;
   std::vector<RowSegment> segments_;
   std::vector<double> rows_;
   std::vector<double> target_, p_;
   std::vector<double> w_;
-  std::vector<double> motion_;  // [systems] upper bound of the path length of w in the sweeps so far
-  double softness_ = 0;         // compliance s relative to B[0] of contacts, B[0] including s
+  std::vector<double> motion_;  // [systems] upper bound of the sum of |change of w| over the sweeps so far
 
   // Islands
-  std::vector<int> root_;     // [systems] union-find
-  std::vector<int> island_;   // [systems]
+  std::vector<int> root_;     // [systems] union-find parents
+  std::vector<int> island_;   // [systems] index of the system's island
   std::vector<int> order_;    // block indices, sorted by island
   std::vector<int> members_;  // system indices, sorted by island
   std::vector<int> cursor_;
   std::vector<Island> islands_;
-  std::vector<char> solved_;  // [systems]
+  std::vector<char> solved_;  // [systems] 1: see is_solved()
 
-  // Newton
+  // Newton's method (symbols: velocity_newton.cpp)
   double regularization_ = 0;                                   // R relative to a block's inverse inertia
   double budget_ = 0, cost_ = 0;                                // floating-point operations: left for this step, needed by one Newton step
   std::vector<int> local_;                                      // [systems] first row of the system in H_
-  std::vector<int> lowest_;                                     // [n] first column of each row in the envelope
+  std::vector<int> lowest_;                                     // [n] first column of each row in the envelope of H_
   std::vector<std::size_t> start_;                              // [n] index in H_ of the first stored entry of each row (column lowest_)
-  std::vector<double> H_;                                       // envelope, row by row
+  std::vector<double> H_;                                       // Newton matrix H: envelope, row by row
   std::vector<double> G_;                                       // [blocks of the island * 9] -dp/du, row by row
   std::vector<double> F_, step_, old_w_, old_p_, hat_, saxce_;  // hat_: p^ of the augmented Lagrangian; saxce_: see fix_law()
-  std::vector<double> base_;                                    // shape of w: the contribution of blocks outside the solved subset
+  std::vector<double> base_;                                    // [DOFs] contribution to w_ of blocks outside the solved subset
   std::vector<double> scratch_w_;
-  std::vector<char> in_subset_;  // [systems]
+  std::vector<char> in_subset_;  // [systems] 1: newton_on_subset() solves the system
   std::vector<int> neighbour_first_, neighbours_, queue_;
 };
 

@@ -11,7 +11,7 @@ namespace ugoki::contact {
 /// Impulses of one row block.
 struct Warm {
   std::uint64_t key = 0;
-  double p[3] = {0, 0, 0};  ///< N s | N m s: of its one or three rows
+  double p[3] = {0, 0, 0};  ///< N s | N m s: impulses of the block's one or three rows
 };
 
 /// Hash table of the last step's impulses.
@@ -31,7 +31,7 @@ class WarmStart {
 
  private:
   std::vector<Warm> records_;
-  std::vector<std::int32_t> slots_;  // open addressing, a power of two; -1: empty
+  std::vector<std::int32_t> slots_;  // hash slots, open addressing, size a power of two: index in records_ or -1
 };
 
 }  // namespace ugoki::contact

@@ -10,10 +10,11 @@ namespace ugoki::content {
 /// Applies `changes` (docs/scenario.md, circuit.edit) in order to a circuit in the form of docs/circuit.md. Items are found by their key:
 /// LSIs and notes by id; pins, parameters and inner circuits by name; wires by both ends; probes by their pin.
 /// Items that no change names keep their position and all fields. O(items + changes) for each changed list.
-/// After a problem, the circuit may be partly changed. @param path of `changes`, for messages
+/// After a problem, the circuit may be partly changed. @param path JSON path of `changes`, for messages
 void apply_circuit_changes(Json& circuit, const Json& changes, const std::string& path, Error& problems);
 
-/// Problems of the circuit's JSON form. Whether the circuit can be built and run is not checked, so an unfinished circuit can be stored.
+/// Returns the problems of the circuit's JSON form. Does not check whether the circuit can be built and run, so that an
+/// unfinished circuit can be stored.
 [[nodiscard]] Error check_circuit_form(const Json& circuit);
 
 }  // namespace ugoki::content

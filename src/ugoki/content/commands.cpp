@@ -13,7 +13,7 @@ namespace ugoki::content {
 namespace {
 
 constexpr std::size_t max_command_size = 16u << 20;  // bytes of JSON: 16 MiB
-constexpr std::size_t max_commands = 10'000;         // in one group, nested groups included
+constexpr std::size_t max_commands = 10'000;         // maximum number in one group, nested groups included
 
 /// Applies one command (with the commands of a group) to a copy of the document.
 class Work {

@@ -13,8 +13,8 @@ namespace ugoki::content {
 
 /// Result of a command.
 struct CommandEffect {
-  Scenario scenario;                 ///< the document after the command; valid
-  std::string label;                 ///< for undo menus, for example "Move clip"
+  Scenario scenario;                 ///< the document after the command; it is valid
+  std::string label;                 ///< label for undo menus, for example "Move clip"
   std::vector<std::string> created;  ///< ids of the clips, characters and events that the command created
 };
 

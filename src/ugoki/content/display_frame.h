@@ -25,7 +25,7 @@ struct DisplayCharacter {
   CharacterState state = CharacterState::passive;
   Vec3 assist_force;        ///< N, world
   Vec3 assist_moment;       ///< N m, world, about the root link's origin
-  double assist_ratio = 0;  ///< requested assist / cap
+  double assist_ratio = 0;  ///< requested root assist divided by its cap
   double weight = 0;        ///< N
   Vec3 centre_of_mass;      ///< m, world
   std::vector<DisplayPose> links;
@@ -50,7 +50,7 @@ struct DisplayFrame {
 enum FrameFlag : std::uint32_t { frame_playing = 1, frame_simulate = 2, frame_live = 4, frame_grab = 8 };
 
 /// Writes the frame in its binary form to `out`. Adds frame_grab to `flags` if frame.grabbed is true. Allocates only if `out` must grow.
-/// @param number of the frame @param flags bits of FrameFlag
+/// @param number frame number @param flags bits of FrameFlag
 void encode_frame(const DisplayFrame& frame, std::uint32_t number, std::uint32_t flags, std::vector<std::byte>& out);
 
 }  // namespace ugoki::content

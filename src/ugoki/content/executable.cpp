@@ -33,6 +33,7 @@ class Reader {
     out_.circuit = std::string(circuit->text());
     take_characters(*scenario, placements->bytes);
     take_events(*scenario);
+    check_limits();
     if (!problems_.empty()) return fail(std::move(problems_));
     return std::move(out_);
   }
@@ -135,6 +136,39 @@ class Reader {
     }
   }
 
+  /// Reports the first value of each mechanism that exceeds ExecutableLimits.
+  void check_limits() {
+    using Limits = ExecutableLimits;
+    std::size_t links = 0, shapes = 0;
+    for (const ExecutableCharacter& c : out_.characters)
+      for (const Link& link : out_.mechanisms[static_cast<std::size_t>(c.mechanism)]->links()) {
+        ++links;
+        shapes += link.shapes.size();
+      }
+    const auto refuse = [&](const std::string& what, const std::string& where) {
+      problems_.add(ErrorCode::range, where, what, "Make the content smaller.");
+    };
+    if (links > Limits::links)
+      refuse("The characters have " + std::to_string(links) + " links; the limit is " + std::to_string(Limits::links) + ".", name_);
+    if (shapes > Limits::shapes)
+      refuse("The characters have " + std::to_string(shapes) + " shapes; the limit is " + std::to_string(Limits::shapes) + ".", name_);
+    for (std::size_t i = 0; i < out_.mechanisms.size(); ++i)
+      for (const Link& link : out_.mechanisms[i]->links())
+        if (!within_limits(link)) {
+          refuse("Link '" + link.name + "' has a size or a position above 10 km, or a mass above 1e9 kg.",
+                 name_ + ", section mechanism/" + out_.mechanism_ids[i]);
+          break;
+        }
+  }
+  static bool within_limits(const Link& link) {
+    const auto length = [](double x) { return std::fabs(x) <= ExecutableLimits::length; };
+    const auto place = [&](const Vec3& p) { return length(p.x) && length(p.y) && length(p.z); };
+    if (!(link.inertia.mass <= ExecutableLimits::mass) || !place(link.joint.X_PJ.p)) return false;
+    for (const Shape& s : link.shapes)
+      if (!length(s.radius) || !length(s.half_length) || !place(s.half_extents) || !place(s.X_BS.p)) return false;
+    return true;
+  }
+
   void take_events(const Scenario& s) {
     for (const ScenarioEvent& e : s.events) {
       ExecutableEvent event;
@@ -142,7 +176,7 @@ class Reader {
       event.type = e.type;
       event.time = e.time;
       while (s.characters[static_cast<std::size_t>(event.character)].id != e.character)
-        ++event.character;  // exists: check_scenario() passed
+        ++event.character;  // the character exists, because check_scenario() passed
       event.duration = e.duration;
       if (e.type == EventType::push) {
         const int mechanism = index_of(out_.mechanism_ids, s.characters[static_cast<std::size_t>(event.character)].mechanism);

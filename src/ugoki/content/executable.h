@@ -14,6 +14,15 @@
 
 namespace ugoki::content {
 
+/// Limits of executable data, so that a stranger's file can neither exhaust the player nor keep it busy for minutes with one step. Content
+/// beyond them is refused; documents of the studio are far inside.
+struct ExecutableLimits {
+  static constexpr double length = 1e4;           ///< m: sizes of shapes, and positions of shapes, joints and centres of mass
+  static constexpr double mass = 1e9;             ///< kg, of a link
+  static constexpr std::size_t links = 20'000;    ///< of all characters together
+  static constexpr std::size_t shapes = 100'000;  ///< of all characters together
+};
+
 struct ExecutableClip {
   std::string id;
   int motion = 0;  ///< index into Executable::motions
@@ -59,7 +68,7 @@ struct Executable {
 };
 
 /// Reads executable data and checks them completely: file structure, document, indices, values, and that the motions fit the mechanisms.
-/// @param name for messages, usually the file's name
+/// @param name name of the data in messages, usually the file's name
 [[nodiscard]] Result<Executable> read_executable(std::span<const std::byte> bytes, std::string_view name);
 
 }  // namespace ugoki::content

@@ -21,7 +21,7 @@ struct Resources {
 /// The properties of a mechanism or motion that check_scenario() needs.
 [[nodiscard]] MechanismFacts facts_of(const Mechanism& mechanism);
 [[nodiscard]] MotionFacts facts_of(const Motion& motion);
-/// The facts of all resources.
+/// The properties of all resources that check_scenario() needs.
 [[nodiscard]] Catalogue catalogue_of(const Resources& resources);
 
 /// Index of the link with the name `text`, or else of the first link with the label `text` ("chest", "thigh left"); -1: none.

@@ -227,9 +227,15 @@ void Player::touches(std::vector<PlayerTouch>& out) const {
   out.clear();
   for (const PinView& pin : machine_->touches) {
     for (const EventRecord& e : lsi::records<EventRecord>(pin.bytes.data())) {
-      if (e.kind != EventKind::touch && e.kind != EventKind::parting) continue;
+      if (e.kind != EventKind::touch && e.kind != EventKind::parting && e.kind != EventKind::omitted) continue;
       PlayerTouch t;
       t.time = time();
+      if (e.kind == EventKind::omitted) {
+        t.omitted = static_cast<std::size_t>(e.a.x);
+        t.words = lsi::describe_touch(*machine_->world, e);
+        out.push_back(std::move(t));
+        continue;
+      }
       t.ended = e.kind == EventKind::parting;
       t.character_a = static_cast<int>(e.character);
       t.link_a = e.link;

@@ -25,29 +25,32 @@ struct PlayerInput {
   std::shared_ptr<const circuit::DeviceState> held;  ///< new state of keyboard, mouse and gamepads; null: the input is `record`
 };
 
-/// Measures of how natural a character's motion has been since the start. Zeros for passive characters, except where noted.
+/// Measures of how natural a character's motion has been since the start. For passive characters, release_time and feet_on_ground are -1
+/// and the other values 0.
 struct PlayerMeasures {
   double tracking_rms_deg = 0;     ///< deviation of the joints from the reference while the character tracks, degrees
   double assist_rms_bw = 0;        ///< root assist, body weights (moments are divided by the root's height)
   double assist_force_rms_bw = 0;  ///< force of the root assist alone, body weights
   double assist_max_bw = 0;        ///< maximum root assist, body weights
-  double foot_skate_cm = 0;        ///< mean sliding path of a foot per stance phase
-  double foot_skate_worst_cm = 0;  ///< maximum sliding path in one stance phase
+  double foot_skate_cm = 0;        ///< mean net slip of a foot per stance
+  double foot_skate_worst_cm = 0;  ///< maximum net slip in one stance
   double penetration_mm = 0;       ///< maximum penetration depth into the ground
   double penetration_rms_mm = 0;
   bool fell = false;
-  double release_time = -1;  ///< s, when control released the character; -1: never
-  int feet_on_ground = -1;   ///< current count; -1: the character has no feet
+  double release_time = -1;  ///< time at which control released the character, s; -1: never
+  int feet_on_ground = -1;   ///< number of feet that are on the ground now; -1: the character has no feet
 };
 
 /// A touch (contact interval) of two links that began or ended in a step.
 struct PlayerTouch {
-  double time = 0;     ///< s, end of the step
+  double time = 0;     ///< time at the end of the step, s
   bool ended = false;  ///< true: the touch is over and `impulse` covers the whole touch; false: it began, `impulse` covers the first step
   int character_a = -1, link_a = -1, character_b = -1, link_b = -1;  ///< indices; character -1 and link -1: the ground
   Vec3 point;                                                        ///< m, world: contact point when the touch began
   Vec3 impulse;                                                      ///< N s, world, acts on link a
   double duration = 0;                                               ///< s
+  /// Count of further touches that began or ended in this step and are not listed; 0: this is a touch. Only `time` and `words` are set then.
+  std::size_t omitted = 0;
   std::string words;                                                 ///< description for display: "hand left of anna touched box, 12 N s"
 };
 
@@ -63,7 +66,7 @@ struct PlayerOptions {
 class Player {
  public:
   /// Reads and checks executable data and builds the circuit and the world. Keeps no reference to the bytes.
-  /// @param name for messages
+  /// @param name name of the data in messages
   [[nodiscard]] static Result<Player> open(std::span<const std::byte> ugx, std::string_view name = "executable data",
                                            PlayerOptions options = {});
 
@@ -104,7 +107,7 @@ class Player {
 
   /// All inputs since the start or the last reset(). restore() removes the inputs of later steps.
   [[nodiscard]] const std::vector<PlayerInput>& inputs() const;
-  /// Sets inputs that are applied at their steps. With the inputs() of another run, this run has the same bits.
+  /// Sets inputs that are applied at their steps. With the inputs() of another run, this run gives bit-identical results.
   void schedule(std::vector<PlayerInput> inputs);
 
   /// Hash of q and v of all characters.
@@ -112,7 +115,7 @@ class Player {
   [[nodiscard]] std::span<const double> q(int character) const;  ///< [nq] position coordinates
   [[nodiscard]] std::span<const double> v(int character) const;  ///< [nv] velocities
 
-  /// Writes the complete state to `bytes`. After restore() with these bytes, the run continues with the same bits.
+  /// Writes the complete state to `bytes`. After restore() with these bytes, the run continues with bit-identical results.
   void save(std::vector<std::byte>& bytes);
   [[nodiscard]] Result<void> restore(std::span<const std::byte> bytes);
 
@@ -129,7 +132,7 @@ class Player {
   [[nodiscard]] Result<circuit::Interpreter::Adoption> change_library(std::shared_ptr<const circuit::Library> library);
   [[nodiscard]] const circuit::Library& library() const;
 
-  /// The running circuit, for probes, timing and parameters. change_library() replaces its circuit.
+  /// Interpreter of the running circuit, for probes, timing and parameters. change_library() replaces the circuit in the interpreter.
   [[nodiscard]] circuit::Interpreter& interpreter();
 
  private:

@@ -21,9 +21,9 @@ struct ScenarioClip {
   std::string motion;  ///< id of a motion
   double start = 0;    ///< s on the track
   double length = 0;   ///< s on the track, above 0
-  double offset = 0;   ///< s into the motion at the clip's start
+  double offset = 0;   ///< time in the motion at the clip's start, s
   double speed = 1;    ///< s of motion per s of track
-  double blend = 0.3;  ///< s of cross-fade from the previous clip
+  double blend = 0.3;  ///< duration of the cross-fade from the previous clip, s
   bool loop = false;   ///< repeat a cyclic motion
   friend bool operator==(const ScenarioClip&, const ScenarioClip&) = default;
 };
@@ -38,7 +38,7 @@ struct ScenarioControl {
   friend bool operator==(const ScenarioControl&, const ScenarioControl&) = default;
 };
 
-/// Where a character is at the start.
+/// Position and heading of a character at the start.
 struct ScenarioPlace {
   double x = 0, y = 0, z = 0;  ///< m, world
   double heading = 0;          ///< degrees about Z

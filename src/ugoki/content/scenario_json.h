@@ -10,12 +10,12 @@ namespace ugoki::content {
 void read_clip(Fields& fields, ScenarioClip& out);
 void read_place(Fields& fields, ScenarioPlace& out);
 void read_control(Fields& fields, ScenarioControl& out);
-/// All fields except the track.
+/// Reads all fields of a character except the track.
 void read_character(Fields& fields, ScenarioCharacter& out);
 void read_event(Fields& fields, ScenarioEvent& out);
-/// The fields name, duration, frame_rate, step, gravity, ground, camera and look.
+/// Reads the fields name, duration, frame_rate, step, gravity, ground, camera and look.
 void read_settings(Fields& fields, Scenario& out);
-/// The field `circuit`: an object or null.
+/// Reads the field `circuit`, which is an object or null.
 void read_circuit_field(Fields& fields, Scenario& out);
 
 [[nodiscard]] Json to_json(const ScenarioClip& clip);

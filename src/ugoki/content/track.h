@@ -9,14 +9,14 @@
 
 namespace ugoki::content {
 
-/// The clip's timing and blending, without a placement.
+/// Converts the timing and blending of a clip; its placement in the world is not set.
 [[nodiscard]] Clip to_clip(const ScenarioClip& clip);
 
 /// The planar pose of a character at the start; heading converted from degrees to rad.
 [[nodiscard]] Placement to_placement(const ScenarioPlace& place);
 
 /// The placed clips of the track, sorted by start. The first is placed where the character is at the start, each later clip at the planar
-/// pose that the previous clip has at that time. `resources` must contain the motions, and they must fit the mechanism.
+/// pose that the previous clip has when the later clip starts. `resources` must contain the motions, and they must fit the mechanism.
 [[nodiscard]] std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources);
 
 /// Speed of the root link at the end of the track, m/s. After its end, a track holds its last pose; a character that reaches the end at

@@ -43,7 +43,7 @@ struct UgxSection {
   [[nodiscard]] std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 };
 
-/// The sections of executable data. Refers to the memory given to read_ugx(), which must outlive it.
+/// The sections of executable data. Refers to the memory given to read_ugx(), which must outlive this object.
 class Ugx {
  public:
   [[nodiscard]] std::span<const UgxSection> sections() const { return sections_; }

@@ -1,9 +1,10 @@
 #pragma once
-// Contact forces that give a character the wrench w which its wanted motion needs, as a small quadratic program:
+// Contact forces that provide the wrench w needed by a character's wanted motion. They solve a small quadratic program:
 //   minimize  |W (G beta - w)|^2 + eps sum cost_k beta_k^2   over   beta >= 0
-// Column k of G is the wrench of a unit force along edge k of a contact's friction pyramid; beta_k [N] is the force along that edge. W
-// weights forces by 1 and moments by 1 / lever. The program is solved exactly through its dual, a strongly convex problem with 6 unknowns y
-// for any number of contacts: W^-2 y + G max(0, G^T y) / eps = w. It is piecewise linear and solved by Newton's method.
+// Column k of G is the wrench of a unit force along edge k of a contact's friction pyramid; beta_k [N] is the force along that edge. Its
+// square has the weight eps cost_k. W weights forces by 1 and moments by 1 / lever. The program is solved exactly through its dual, a
+// strongly convex problem with 6 unknowns y for any number of contacts: W^-2 y + G max(0, G^T y) / eps = w (here cost_k = 1). This equation
+// is piecewise linear and is solved by Newton's method.
 // Sources: Abe, da Silva, Popovic (2007); Qi, Sun (1993) for the semismooth method.
 
 #include <array>
@@ -41,8 +42,8 @@ class ContactForceProblem {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  std::vector<Vec6> columns_;  // 4 for each support, moments divided by the lever
-  std::vector<Vec3> edges_;    // edges of the friction pyramids, same order, divided by sqrt(cost)
+  std::vector<Vec6> columns_;  // [4 * supports] columns of G, moments divided by the lever
+  std::vector<Vec3> edges_;    // [4 * supports] edges of the friction pyramids, divided by sqrt(cost)
   int iterations_ = 0;
 };
 

@@ -33,12 +33,21 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   floating_ = m.link(0).joint.type == JointType::floating;
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
   calc_poses(m, m.neutral(), X);
-  double low = X[0].p.z;
+  double low = X[0].p.z, high = low;
   for (std::size_t i = 0; i < X.size(); ++i) {
     low = std::min(low, X[i].p.z);
+    high = std::max(high, X[i].p.z);
     for (const Shape& s : m.links()[i].shapes) low = std::min(low, lowest_point(s, X[i]));
   }
-  lever_ = std::max(0.1, X[0].p.z - low);
+  // Long, low characters (a snake, a crocodile) and characters whose root is their lowest link: their moments act at the distances of their
+  // mass from the root.
+  double spread = 0;
+  for (std::size_t i = 0; i < X.size(); ++i) {
+    const double mass = m.links()[i].inertia.mass;
+    const Vec3 d = mass > 0 ? X[i] * m.links()[i].inertia.centre() - X[0].p : Vec3{};
+    spread += mass * (d.x * d.x + d.y * d.y);
+  }
+  lever_ = std::max({0.1, X[0].p.z - low, 0.5 * (high - low), m.mass() > 0 ? std::sqrt(spread / m.mass()) : 0.0});
 }
 
 void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
@@ -62,7 +71,7 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
     const double height = dot(c.n, p_ref + shift - c.p), rise = dot(c.n, v_ref);
     if (height > options_.planted_height || rise > options_.planted_speed) continue;
     if (norm(v_ref - c.n * rise) > options_.sliding_speed) continue;
-    // A heel that is about to lift leaves the load to the toes.
+    // Load on a point that is about to lift (a heel) is costly, so that other points (the toes) carry it.
     const double lift = std::max(0.0, rise) / options_.lifting_speed, cost = 1 + lift * lift;
     supports_.push_back({c.p, c.n, 0.7 * c.friction, cost * cost});  // 0.7: margin inside the friction cone
     support_links_.push_back(c.link_a);
@@ -72,7 +81,7 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
 }
 
 double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, std::span<double> tau) {
-  if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // the assist can carry the whole weight
+  if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // no free fall, because the assist can carry the whole weight
   const double depth = std::clamp(-ahead.z / (options_.fall_depth * lever_), 0.0, 1.0);
   const double up = missing.v.z > 0 ? missing.v.z * (1 - depth * depth) : missing.v.z;  // the assist must not pull the character down
   const double share = std::min(1.0, std::fabs(up) / weight_);

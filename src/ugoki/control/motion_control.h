@@ -10,8 +10,7 @@
 //   4. The part of the weight that the ground cannot carry is left to gravity: a character in the air flies and falls, and the shift of
 //      the root trajectory follows it.
 //   5. The remaining wrench is the root assist, which is capped, applied and reported. If the wanted assist, averaged over `patience`,
-//   exceeds
-//      the cap, control is released: from then on there is no drive torque and no assist, and the character is a ragdoll.
+//      exceeds the cap, control is released: from then on there is no drive torque and no assist, and the character is a ragdoll.
 
 #include <span>
 #include <vector>
@@ -27,19 +26,19 @@ struct ControlOptions {
   double tracking = 1;          ///< factor on the joints' gains, 0 ... 2
   double balance = 1;           ///< factor on the root's gains, 0 ... 2
   double joint_frequency = 20;  ///< rad/s: natural frequency of the errors of joints that bear no load (critically damped)
-  double root_frequency = 20;   ///< rad/s: the same for the root and the joints between it and a loaded foot
+  double root_frequency = 20;   ///< rad/s: natural frequency of the errors of the root and of joints between root and loaded feet
   double joint_hold =
       0.3;  ///< s/rad: the servo gain of a joint that bears load is joint_hold * strength^2 / (weight * lever), strength in N m
   double assist_limit = 0.5;      ///< body weights: cap of the root assist; moments are divided by MotionControl::lever()
-  double patience = 0.25;         ///< s: time constant of the average of the wanted assist that decides about the release of control
+  double patience = 0.25;         ///< s: time constant of the averaged wanted assist, which decides the release of control
   double contact_margin = 0.005;  ///< m: only contacts closer than this, or closing in the step, can bear load
-  double planted_height = 0.04;   ///< m: a point whose reference is higher than this above the contact is not planted (bears no load)
+  double planted_height = 0.04;   ///< m: a point whose reference is more than this above the contact is not planted (bears no load)
   double planted_speed = 0.5;     ///< m/s upwards: a reference point faster than this is not planted
-  double lifting_speed = 0.05;    ///< m/s upwards: the cost of load on a reference point rises with (speed / lifting_speed)^2
+  double lifting_speed = 0.05;    ///< m/s upwards: load on a point costs (1 + (reference speed / lifting_speed)^2)^2
   double sliding_speed = 0.8;     ///< m/s along the floor: a reference point faster than this is not planted
   double shift_time = 0.12;       ///< s: time constant with which the root trajectory shifts towards the actual position of the feet
   double return_time = 2;         ///< s: time constant with which the shift decays
-  double fall_depth = 0.5;    ///< times lever(): depth of the root below its reference down to which an unsupported character falls freely
+  double fall_depth = 0.5;    ///< fraction of lever(): free fall without support fades out until the root is this far below its reference
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };
 
@@ -56,7 +55,7 @@ struct ControlInput {
   std::span<const double> q_ref, v_ref, a_ref;        ///< reference at the present time [nq], [nv], [nv]
   std::span<const collision::ContactPoint> contacts;  ///< result of collision analysis at the present state
   int system = 0;                                     ///< index of this character in ContactPoint::system_a
-  double dt = 0.002;                                  ///< s
+  double dt = 0.002;                                  ///< s: duration of the tick
 };
 
 /// Output of one tick.
@@ -75,15 +74,16 @@ class MotionControl {
 
   /// Calculates the drive torques of one tick.
   /// @param tau [nv, out] N | N m: drive forces; zero for the root's DOFs and after the release of control
-  /// @param servo_gain, servo_velocity [nv, out] N m s/rad, rad/s: gain and target of a velocity servo (contact::StepSystem). Its target is
+  /// @param servo_gain, servo_velocity [nv, out] N m s/rad, rad/s: gain and target of a velocity servo (contact::StepSystem). The target is
   ///   the planned velocity at the end of the step, so that a joint that bears load resists unplanned motion; zero gain for other joints
   ControlOutput step(const ControlInput& input, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
                      std::span<double> servo_velocity);
 
   [[nodiscard]] const ControlOptions& options() const { return options_; }
   [[nodiscard]] const Mechanism& mechanism() const { return *mechanism_; }
-  /// m: lever that converts moments to forces in the norm of the assist: height of the root above the character's lowest point in the
-  /// neutral position, at least 0.1 m.
+  /// m: lever that converts moments to forces in the norm of the assist. It is the height of the root above the character's lowest point
+  /// in the neutral position, or half the character's height, or the root mean square
+  /// horizontal distance of its mass from the root, whichever is larger; at least 0.1 m.
   [[nodiscard]] double lever() const { return lever_; }
   /// The assist as an external wrench on the root link about the world origin.
   /// @param root m, world: origin of the root link
@@ -117,7 +117,7 @@ class MotionControl {
   std::vector<unsigned char> bears_load_;  // [nv] 1: DOF on the chain between a support and the root
   std::vector<Support> supports_;
   std::vector<int> support_links_;
-  std::vector<Vec3> offsets_;  // [supports] m, world: offset from the reference position of the point to its actual position
+  std::vector<Vec3> offsets_;  // [supports] m, world: offset of the contact point from its reference position
   std::vector<Vec3> forces_;
 };
 

@@ -74,7 +74,7 @@ struct BatchWorkspace<Real>::Access {
     a.external = b.external.empty() ? nullptr : b.external.data() + at(6 * a.link_count);
   }
 
-  /// Forward dynamics of all instances. Calls `then(bits)` after each register; bit i is set if instance i of it is singular.
+  /// Forward dynamics of all instances. Calls `then(bits)` after each SIMD register; bit i is set if its instance i is singular.
   /// @return number of singular instances
   template <class Then>
   int forward(const Then& then) {

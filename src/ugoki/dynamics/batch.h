@@ -13,8 +13,8 @@ namespace ugoki::dynamics {
 
 /// States of many instances, and scratch memory. Owned by the caller; use one per thread. Real: double or float.
 ///
-/// Instances are stored in blocks of `lanes`. Within a block, element i of all instances fills one cache line:
-///   x[(block * count + i) * lanes + lane],  instance = block * lanes + lane,  count = nq or nv.
+/// Instances are stored in blocks of `lanes`. In an array x below, element i of all instances of a block fills one cache line:
+///   x[(block * count + i) * lanes + lane],  instance = block * lanes + lane,  count = elements per instance (nq, nv or links * 6).
 /// The last block is padded with instances in neutral position; their results are computed but not used.
 template <class Real>
 class BatchWorkspace {
@@ -26,10 +26,10 @@ class BatchWorkspace {
   [[nodiscard]] int instances() const { return instances_; }
   [[nodiscard]] int blocks() const { return blocks_; }
 
-  /// Copies one instance's state in. @param q_in [nq] @param v_in [nv]
+  /// Sets the state of one instance. @param q_in [nq] @param v_in [nv]
   void set_state(int instance, std::span<const double> q_in, std::span<const double> v_in);
   void get_state(int instance, std::span<double> q_out, std::span<double> v_out) const;
-  /// Copy one instance's elements into (set) or out of (get) one of the arrays below. @param x [nq], [nv] or [links * 6], as the array
+  /// set() copies x to the elements of one instance in an array below; get() copies them to x. @param x [nq], [nv] or [links * 6]
   void set(std::vector<Real>& array, int instance, std::span<const double> x) const;
   void get(const std::vector<Real>& array, int instance, std::span<double> x) const;
 
@@ -37,7 +37,7 @@ class BatchWorkspace {
   std::vector<Real> v;         ///< [blocks][nv][lanes]
   std::vector<Real> tau;       ///< [blocks][nv][lanes]
   std::vector<Real> vdot;      ///< [blocks][nv][lanes]
-  std::vector<Real> external;  ///< empty, or after use_external() [blocks][links * 6][lanes]: wrenches as in dynamics.h
+  std::vector<Real> external;  ///< [blocks][links * 6][lanes] external wrenches as in dynamics.h; empty before use_external()
   std::vector<char> singular;  ///< [blocks * lanes] 1 if forward dynamics found a singular articulated inertia in the instance
   void use_external();         ///< resizes `external` and fills it with zeros; allocates
 
@@ -50,11 +50,11 @@ class BatchWorkspace {
   std::vector<CacheLine> scratch_;
 };
 
-/// Inverse dynamics of all instances: tau from q, v, vdot and external. @param gravity m/s^2, world axes
+/// Inverse dynamics of all instances: sets batch.tau from batch.q, v, vdot and external. @param gravity m/s^2, world axes
 template <class Real>
 void calc_inverse_dynamics(BatchWorkspace<Real>& batch, const Vec3& gravity);
 
-/// Forward dynamics of all instances: vdot from q, v, tau and external.
+/// Forward dynamics of all instances: sets batch.vdot from batch.q, v, tau and external.
 /// @return number of singular instances; they are flagged in `singular`, and their vdot is not valid
 template <class Real>
 int calc_forward_dynamics(BatchWorkspace<Real>& batch, const Vec3& gravity);

@@ -14,7 +14,7 @@ void calc_composites(const Mechanism& m, Workspace& ws) {
     if (links[i].parent >= 0) ws.Ic[static_cast<std::size_t>(links[i].parent)] += ws.Ic[i];
 }
 
-/// The wrench `f` about p0, expressed about p0 + r.
+/// Changes the reference point of the wrench `f` from p0 to p0 + r.
 Vec6 force_at(const Vec6& f, const Vec3& r) { return {f.w - cross(r, f.v), f.v}; }
 
 Inertia total_inertia(const Workspace& ws) {
@@ -48,8 +48,8 @@ void calc_centroidal_matrix(const Mechanism& m, Workspace& ws, std::span<Vec6> A
     A_G[f] = force_at(ws.Ic[static_cast<std::size_t>(m.link_of_dof(static_cast<int>(f)))] * ws.S[f], r);
 }
 
-// About a fixed point the rate is the sum of I A + V x* I V over the links. Changing the reference point to the centre of mass c adds
-// -c x h_lin'. The term -c' x h_lin is zero because the linear momentum h_lin is parallel to c'.
+// About a fixed point the rate is the sum of I A + V x* I V over the links (I inertia, V velocity, A acceleration). Changing the reference
+// point to the centre of mass c adds -c x h_lin'. The term -c' x h_lin is zero because the linear momentum h_lin is parallel to c'.
 Vec6 calc_centroidal_momentum_rate(const Mechanism& m, Workspace& ws, std::span<const double> vdot) {
   const std::span<const Link> links = m.links();
   UGOKI_CHECK(ws.I.size() == links.size() && (vdot.empty() || vdot.size() == ws.S.size()));

@@ -61,7 +61,7 @@ void ClosedImpulse::balance_trees(const Mechanism& m, Workspace& ws, const Close
     const Loop& loop = closed.loops()[i];
     if (!closed.is_closed(static_cast<int>(i))) continue;
     int a = loop.link_a, b = loop.link_b;
-    if (loop.type == LoopType::gear) {  // a gear acts on joint coordinates, so it only restricts a tree if a DOF is its root's
+    if (loop.type == LoopType::gear) {  // a gear acts on joint coordinates, so it ties only trees whose root has dof_a or dof_b
       a = m.link_of_dof(loop.dof_a);
       b = m.link_of_dof(loop.dof_b);
       for (const int link : {a, b})
@@ -94,7 +94,7 @@ void ClosedImpulse::balance_trees(const Mechanism& m, Workspace& ws, const Close
   }
 }
 
-/// Solves M x = r + J^T lambda, J (v + x) = 0 by iterative refinement.
+/// Solves M x = r + J^T lambda, J (v + x) = 0 by iterative refinement (symbols: closed_impulse.h).
 void ClosedImpulse::refine(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> r, std::span<const double> v,
                            std::span<double> x) {
   for (std::vector<double>* array : {&residual_, &delta_, &sum_}) array->resize(x.size());
@@ -107,7 +107,7 @@ void ClosedImpulse::refine(const Mechanism& m, Workspace& ws, ClosedLinks& close
     solve_closed_links(m, ws, closed, residual_, sum_, delta_);
     double size = 0;
     for (const double d : delta_) size = std::max(size, std::fabs(d));
-    if (!(size < 0.5 * before)) break;  // the corrections no longer shrink: x is accurate to rounding
+    if (!(size < 0.5 * before)) break;  // corrections that stop shrinking are rounding errors: x is accurate
     before = size;
     for (std::size_t f = 0; f < x.size(); ++f) x[f] += delta_[f];
     for (std::size_t k = 0; k < lambda_.size(); ++k) lambda_[k] += closed.multipliers()[k];

@@ -9,40 +9,42 @@
 namespace ugoki::dynamics {
 
 inline constexpr int loop_lanes = 8;
-/// The columns P of one loop's multipliers at one node: six wrench components (moment, force), each with one lane per row of the loop.
+/// The columns P of one loop at one node: the wrench on the node per unit of each of the loop's multipliers. There are six components
+/// (moment, force), each with one lane per row of the loop.
 struct alignas(64) LoopColumns {
   double c[6][loop_lanes];
 };
-/// One value per row of a loop.
+/// One value for each row of a loop, in SIMD lanes.
 struct alignas(64) LoopLanes {
   double x[loop_lanes];
 };
-/// Block of the condensed matrix Lambda for two loops: rows for the loop with the smaller entry index, lanes for the other loop.
+/// Block of the condensed matrix Lambda for two loops. Its rows belong to the loop that comes first in ClosedStructure::entries, its lanes
+/// to the other loop.
 struct alignas(64) LoopBlock {
   double x[6][loop_lanes];
 };
 /// Result of eliminating one loop's multipliers; needed to recover them later.
 struct alignas(64) LoopFactor {
-  double C[6][6];           ///< Cholesky factor of the loop's diagonal block, rows in pivot order; the diagonal holds 1 / C_kk
-  double Z[6][loop_lanes];  ///< C^-1 P^T: one row per pivot, six components
-  double z[6];              ///< C^-1 g
-  int order[6];             ///< row of the loop for each pivot
+  double C[6][6];           ///< Cholesky factor of the loop's diagonal block, rows in pivot order; the diagonal stores 1 / C_kk
+  double Z[6][loop_lanes];  ///< C^-1 P^T, P as in LoopColumns: one row per pivot, six components
+  double z[6];              ///< C^-1 g, g: residuals of the rows
+  int order[6];             ///< for each pivot, the index of its row in the loop
   int rank;                 ///< number of independent rows
-  double min_pivot_ratio;   ///< smallest pivot as a fraction of the largest diagonal entry of the same kind (position or rotation rows)
+  double min_pivot_ratio;   ///< smallest pivot divided by the largest diagonal entry of the same kind (position or rotation rows)
 };
 /// Pose and velocity of a node, in world axes.
 struct NodeMotion {
-  double R[9], p[3];  ///< rotation from node axes to world axes, row by row; origin, m
-  double w[3], v[3];  ///< rad/s; m/s of the origin
-  double spin[3];     ///< rad/s: w in the node's axes; set instead of p, w and v if only the rotation is needed
+  double R[9], p[3];  ///< R: rotation from node axes to world axes, row-major; p: origin of the node, m
+  double w[3], v[3];  ///< w: angular velocity, rad/s; v: velocity of the origin, m/s
+  double spin[3];     ///< angular velocity in the node's axes, rad/s; set instead of p, w and v if only the rotation is needed
 };
-/// Which motion of a node the loops need. `passage`: none of its own, but the node is on the chain to a node that is needed.
+/// Which motion of a node the loops need. `passage`: the loops do not need this node's motion, but that of one of its descendants.
 enum class NodeWanted : char { nothing, passage, rotation, motion };
 
-/// Inputs, scratch and outputs of one call of a closed kernel. The arrays of ClosedStructure are described there.
+/// Inputs, scratch and outputs of one call of a closed kernel. The arrays from `entries` to `gears` are those of ClosedStructure.
 struct ClosedArguments {
-  double dependent;  ///< dependent_row
-  double immobile;   ///< immobile_row
+  double dependent;  ///< pivot threshold, see dependent_row
+  double immobile;   ///< threshold, see immobile_row
   double length2;    ///< m^2: square of the mechanism's characteristic length
   const ClosedStructure::Entry* entries;
   const ClosedStructure::Node* nodes;
@@ -53,23 +55,24 @@ struct ClosedArguments {
   const ClosedStructure::Update* updates;
   const ClosedStructure::Gear* gears;
   int entry_count, block_count;
-  const double* slope;    ///< [loops] c'(x_b) of gears
+  const double* slope;    ///< [loops] gears: derivative c'(x_b) of Loop::polynomial
   const double* turning;  ///< [nodes] 1 if the node's DOFs rotate, 1 / length2 if they slide
   const LoopPaths* paths;
   const TwinArguments* twins;  ///< used by forward_by_paths; null: none
 
   const NodeWanted* needed;  ///< [nodes] what closed_motion() computes for each node
-  bool world_bound;          ///< only rotations are needed: see begin_world_bound() in closed_run.cpp
-  NodeMotion* motion;        ///< [nodes, out of closed_motion] filled as `needed` requests
+  bool world_bound;          ///< true: the loops need only rotations of nodes, see is_world_bound() in closed_run.cpp
+  NodeMotion* motion;        ///< [nodes, out] result of closed_motion(), filled as `needed` requests
 
-  // On input P holds the loops' unit wrenches on their own nodes (negative at link b, positive at link a), and g the rows' residuals.
-  LoopColumns* P;  ///< [present] in the node's axes about its origin
+  // Inputs. At the two end nodes of a loop, P contains the unit wrenches of its rows: negative for link b, positive for link a. g contains
+  // the residuals of the rows.
+  LoopColumns* P;  ///< [present] columns P in the node's axes about the node's origin
   LoopLanes* g;    ///< [entries]
-  // Scratch and results
-  LoopLanes* s;        ///< [s_slots], or with paths [DOFs of all paths]: S . P of each DOF
-  LoopLanes* t;        ///< [DOFs of all paths] s / D
+  // Scratch and results. S: joint axis of a DOF; D: pivot of a DOF (kernel_forward.h)
+  LoopLanes* s;        ///< S . P of each DOF; [s_slots], in forward_by_paths() [DOFs of all paths]
+  LoopLanes* t;        ///< [DOFs of all paths] s / D, D: pivot of the DOF
   LoopLanes* reduced;  ///< [entries] amount that earlier eliminations subtracted from the diagonal of Lambda
-  double* mobility;    ///< 1/(kg m^2) [entries] sum of 1 / D over the DOFs on the loop's path; sliding DOFs count divided by length2
+  double* mobility;    ///< 1/(kg m^2) [entries] sum over the DOFs on the loop's path: 1 / D if rotating, 1 / (D length2) if sliding
   LoopBlock* Lambda;   ///< [blocks]
   LoopBlock* Y;        ///< [neighbours] C^-1 Lambda(eliminated loop, neighbour)
   LoopFactor* factor;  ///< [entries]
@@ -83,7 +86,7 @@ struct ClosedKernels {
   void (*motion)(const KernelArguments<double>&, const ClosedArguments&);
   /// Computes accelerations and multipliers; each loop is eliminated where its branches meet. @return false: singular inertia
   bool (*forward)(const KernelArguments<double>&, const ClosedArguments&);
-  /// As forward(), with all loops eliminated at the world (loop_paths.h).
+  /// Computes the same as forward(), but eliminates all loops at the world (loop_paths.h).
   bool (*forward_by_paths)(const KernelArguments<double>&, const ClosedArguments&);
 };
 

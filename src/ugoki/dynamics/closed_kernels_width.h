@@ -20,7 +20,7 @@ UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, const Mat3T<T>& 
   const RevoluteCrossing<T, K> X = pass.template revolute<K>(o);
   return of_rows(X.down(R.row(0)), X.down(R.row(1)), X.down(R.row(2)));
 }
-/// Matrix R with each row, a vector in the parent's axes, transformed to the axes of node i.
+/// Transforms each row of R from the axes of the parent to the axes of node i.
 template <class P, class T>
 UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, int i, const Mat3T<T>& R) {
   switch (o.crossing) {
@@ -32,7 +32,7 @@ UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, int i, const Mat
   return of_rows(pass.down(i, R.row(0)), pass.down(i, R.row(1)), pass.down(i, R.row(2)));
 }
 
-/// NodeMotion in SIMD lanes.
+/// Pose and velocity of a node (see NodeMotion), one value per SIMD lane.
 template <class T>
 struct Moving {
   Mat3T<T> R;
@@ -55,10 +55,10 @@ UGOKI_INLINE void move_node(const Kernel& kernel, const Arguments& a, const Movi
   if (o.kind == NodeKind::floating) to.v += up.R * (matrix_of<T>(k.R) * V3<T>{rate(3), rate(4), rate(5)});
 }
 
-/// Motions of the requested nodes of a kernel after its turn_all().
+/// Computes the motions of the requested nodes of `kernel`. Call its turn_all() first.
 /// @param rotations true: only R is computed @param base motion of the kernel's base
 /// @param wanted (node) -> NodeWanted @param receive (node, Moving), called for every requested node except `passage` ones
-/// @return [nodes] motions, valid for the requested nodes; stored after the memory that the kernel uses in its scratch
+/// @return [nodes] motions, valid for the requested nodes; stored in the kernel's free scratch memory
 template <class T, class Kernel, class Arguments, class Wanted, class Receive>
 const Moving<T>* move_nodes(const Kernel& kernel, const Arguments& a, bool rotations, const Moving<T>& base, Wanted&& wanted,
                             Receive&& receive) {

@@ -32,7 +32,7 @@ void add(ArticulatedInertia& a, const ArticulatedInertia& b) {
   a.M = a.M + b.M;
 }
 
-/// Size of the coordinates, m: the larger of |p0| and the maximum distance of a link from p0. Scales rounding errors of positions.
+/// Returns the larger of |p0| and the maximum distance of a link's origin from p0, m. Rounding errors of positions are proportional to it.
 double extent(const Workspace& ws) {
   double maximum = norm(ws.p0);
   for (const Pose& X : ws.X_WB) maximum = std::max(maximum, norm(X.p - ws.p0));
@@ -123,7 +123,7 @@ class ClosedSolver {
     for (std::size_t k = 0; k < x_.row.size(); ++k) c_.multipliers_[at(x_.row[k])] = c_.lambda_[k];
   }
 
-  /// Sets ws.pA to the velocity-dependent and external forces, and g_ to the velocity products of the rows.
+  /// Sets ws.pA to the velocity-dependent minus the external forces, and g_ to the velocity products of the rows.
   void forces_of_motion(std::span<const Vec6> external) {
     for (std::size_t i = 0; i < ws_.pA.size(); ++i) {
       ws_.pA[i] = cross_force(ws_.V[i], c_.I_[i] * ws_.V[i]);
@@ -131,7 +131,7 @@ class ClosedSolver {
     }
     for (std::size_t k = 0; k < x_.row.size(); ++k) c_.g_[k] = c_.rows_.drift[at(x_.row[k])];
   }
-  /// Correction that removes the residuals g_: -M^-1 J^T (J M^-1 J^T)^-1 g. @return [nv], valid until the next solve
+  /// Returns the change of v that removes the residuals g_: -M^-1 J^T (J M^-1 J^T)^-1 g. @return [nv], valid until the next solve
   std::span<const double> correct() {
     std::ranges::fill(ws_.pA, Vec6{});
     solve({}, false, {}, c_.delta_);
@@ -153,7 +153,7 @@ class ClosedSolver {
   void residual_of_position() {
     for (std::size_t k = 0; k < x_.row.size(); ++k) c_.g_[k] = c_.rows_.gap[at(x_.row[k])];
   }
-  /// Computes the link velocities at v into ws.A, with the motion subspaces ws.S.
+  /// Computes the link velocities for the DOF velocities v into ws.A, from the motion subspaces ws.S.
   void sweep_velocity(std::span<const double> v) {
     for (int node = 0; node < world_; ++node) {
       const Link& link = m_.link(node);
@@ -170,7 +170,7 @@ class ClosedSolver {
 
   [[nodiscard]] Vec6 velocity(int link) const { return link < 0 ? Vec6{} : ws_.A[at(link)]; }
 
-  /// Calls f(multiplier index, row index at the node) for every multiplier whose loop passes the node.
+  /// Calls f(multiplier index, row index at the node) for every multiplier of the node's passing loops (closed_structure.h).
   template <class F>
   void for_passing_multipliers(const Node& n, F&& f) const {
     for (int i = 0; i < n.passing_count; ++i) {
@@ -181,7 +181,7 @@ class ClosedSolver {
   }
 
   double* s_of(const Node& n, const Link& link, int dof) const { return c_.s_.data() + n.s_row + (dof - link.v_index) * n.passing_rows; }
-  /// Number of rows, and first row at the node, of the loop with index `passing` among the loops that pass the node.
+  /// rows_at(): number of rows of a passing loop of the node. first_row(): index of its first row at the node. @param passing its index
   int rows_at(const Node& n, int passing) const { return x_.entries[at(x_.present[at(n.present + passing)].entry)].rows; }
   int first_row(const Node& n, int passing) const { return x_.present[at(n.present + passing)].row - n.row; }
   double* block(int index) const { return c_.Lambda_.data() + 36 * index; }
@@ -287,7 +287,8 @@ class ClosedSolver {
     }
   }
 
-  /// Eliminates the multipliers of the loops that meet at the node: IA += Z Z^T, with Z = P C^-T. @param IA null at the world
+  /// Eliminates the multipliers of the loops that meet at the node: IA += Z Z^T, with Z = P C^-T.
+  /// P: columns of a loop, C: Cholesky factor of its block. @param IA null at the world
   void eliminate_at(int node, ArticulatedInertia* IA) {
     const Node& n = x_.nodes[at(node)];
     for (int x = n.eliminations; x < n.eliminations + n.elimination_count; ++x) {
@@ -322,7 +323,7 @@ class ClosedSolver {
   const Entry& neighbour(int index) const { return x_.entries[at(x_.neighbours[at(index)].entry)]; }
   double* Y(int neighbour) const { return c_.Y_.data() + 36 * neighbour; }
 
-  /// Effect of an elimination (loop e) on another loop o: Y = C^-1 Lambda(e, o); P_o -= Z Y
+  /// Effect of eliminating loop e on another loop o: Y = C^-1 Lambda(e, o); P_o -= Z Y. C, Z: see eliminate_at().
   void reduce_neighbour(const Elimination& elimination, int index) {
     const Entry &e = x_.entries[at(elimination.entry)], &other = neighbour(index);
     const ClosedStructure::Neighbour& o = x_.neighbours[at(index)];
@@ -343,7 +344,7 @@ class ClosedSolver {
       }
   }
 
-  /// Forward substitution of eliminate_at() on the residuals g_ and the bias force. @param p bias force of the node; null at the world
+  /// Forward substitution for the elimination in eliminate_at(): updates g_ and p. @param p bias force of the node; null at the world
   void reduce_at(int node, Vec6* p) {
     const Node& n = x_.nodes[at(node)];
     for (int x = n.eliminations; x < n.eliminations + n.elimination_count; ++x) {
@@ -364,7 +365,7 @@ class ClosedSolver {
     }
   }
 
-  /// Back substitution: lambda = C^-T (Z^T A - z - Y lambda_neighbours), A the acceleration of the node.
+  /// Back substitution: lambda = C^-T (Z^T A - z - Y lambda_neighbours). @param A acceleration of the node
   void recover_at(int node, const Vec6& A) {
     const Node& n = x_.nodes[at(node)];
     for (int x = n.eliminations + n.elimination_count; x-- > n.eliminations;) {
@@ -417,8 +418,7 @@ std::vector<char> closed_at_start(const Mechanism& m) {
   return closed;
 }
 
-/// Characteristic length of the mechanism, m: maximum of the joint offsets, the bodies' radii of gyration and the loop frames' offsets.
-/// 1 if all are zero.
+/// Characteristic length of the mechanism, m: maximum of joint offsets, radii of gyration and loop frame offsets. 1 if all are zero.
 double length_of(const Mechanism& m, std::span<const Loop> loops) {
   double maximum = 0;
   for (const Link& link : m.links()) {
@@ -461,8 +461,8 @@ ClosedLinks::ClosedLinks(ClosedLinks&&) noexcept = default;
 ClosedLinks& ClosedLinks::operator=(ClosedLinks&&) noexcept = default;
 ClosedLinks::~ClosedLinks() = default;
 
-// A virtual link is a second body for its real link. If it has no inertia of its own, both get a share of the real link's inertia. This
-// does not change the closed system, and no joint of the cut tree moves a massless body.
+// A virtual link is a second body of its real link. A virtual link without inertia of its own gets a share of the real link's inertia.
+// This does not change the closed system, and no joint of the cut tree then moves a massless body.
 void ClosedLinks::share_inertias(const Mechanism& m) {
   std::vector<int> bodies(m.links().size(), 1);
   const auto second_body = [&](const ClosedStructure::Entry& e) {
@@ -523,7 +523,7 @@ ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& cl
     const double rounding = 1e-16 * (1 + extent(ws));
     if (gap <= 4 * rounding || (gap <= 1e3 * rounding && gap >= 0.5 * last)) return ClosedStatus::ok;
     if (step >= limit || !std::isfinite(gap)) return ClosedStatus::not_closed;
-    if (gap >= 0.5 * last && dependent != dependent_row) {  // the remaining gap can only be closed along the excluded directions
+    if (gap >= 0.5 * last && dependent != dependent_row) {  // only directions that `dependent` excluded can close the remaining gap
       dependent = dependent_row;
       if (factor_closed_links(m, ws, closed, q, v, dependent) != ClosedStatus::ok) return ClosedStatus::singular_inertia;
     }

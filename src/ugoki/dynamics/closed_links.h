@@ -4,12 +4,12 @@
 //
 //   M vdot + b = tau + J^T lambda,   J vdot + dJ/dt v = 0            (paper, section 5, with multipliers)
 //
-// The recursion from the tips to the base keeps three quantities: the articulated inertia of each link, the columns P (the wrenches with
-// which the multipliers of the loops not yet eliminated act on the link), and the condensed matrix Lambda = J M^-1 J^T of these
-// multipliers. At the link where the two branches of a loop meet, its multipliers are eliminated by a pivoted Cholesky factorization of the
-// loop's own block. Rows that depend on others get no multiplier. The elimination adds the loop's stiffness to the articulated inertia. A
-// loop therefore costs as much as its own links, independent of the number of other loops. Loops that meet at the same link, such as the
-// world, are eliminated in minimum-degree order.
+// The recursion from the tips to the base computes three quantities. The first is the articulated inertia of each link. The second are the
+// columns P: the wrenches that unit multipliers of the loops not yet eliminated exert on the link. The third is the condensed matrix
+// Lambda = J M^-1 J^T of these multipliers. A loop is eliminated at the link where its two branches meet, by a pivoted Cholesky
+// factorization of its own block of Lambda. Rows that depend on others get no multiplier. The elimination adds the loop's stiffness to the
+// articulated inertia. A loop therefore costs as much as its own links, independent of the number of other loops. Loops that meet at the
+// same link, or at the world, are eliminated in minimum-degree order.
 //
 // Sources: Popov, Vereshchagin, Zenkevich (1978); Featherstone (2008), ch. 8, 9; Sathya & Carpentier (2024) for the elimination during the
 // sweep to the base.
@@ -23,29 +23,30 @@
 
 namespace ugoki::dynamics {
 
-/// Sharing of virtual inertias: a real link and its virtual links without inertia of their own (mass 0) each get an equal part of the real
-/// link's inertia. Every joint of the cut tree then moves some inertia, and the closed system stays the same.
-/// This entry gives `link` a part of the inertia of the real link `source`; the real link has an entry with link = source.
+/// One share of a divided inertia: `link` gets the fraction `part` of the inertia of the real link `source`. A virtual link is a second
+/// body of a real link, made where a loop was cut. The real link and its virtual links without inertia of their own get equal shares, so
+/// that every joint of the cut tree moves some inertia. The closed system stays the same. The real link's own share has link = source.
 struct InertiaShare {
   int link, source;
   double part;  ///< fraction of the source's inertia, 0 to 1
 };
 
-/// Pivot threshold below which a row counts as dependent on others, as a fraction of the largest diagonal entry among the loop's rows of
-/// the same kind (position rows or rotation rows). Lambda is quadratic in the Jacobian, so the threshold corresponds to an angle of 1e-6
-/// rad between the row and the space of the other rows.
+/// Pivot threshold below which a row of a loop counts as dependent on the other rows. It is a fraction of the largest diagonal entry of
+/// Lambda among the loop's rows of the same kind (position rows or rotation rows). Lambda = J M^-1 J^T is quadratic in J, so the threshold
+/// corresponds to an angle of 1e-6 rad between the row and the space of the other rows.
 inline constexpr double dependent_row = 1e-12;
-/// A row that no joint moves has only rounding errors on its diagonal of Lambda: the out-of-plane rows of planar chains, the position rows
-/// of chains about one point. A row counts as such if its diagonal is below this fraction of its upper bound, which is the value if every
-/// joint on the loop's path moved the row at right angles and at the distance of the mechanism's length. Fraction of a squared quantity:
-/// 1e-12 in the Jacobian. Other rows cannot serve as the scale because all rows of the kind may be immobile. Tests: rings_test.cpp.
+/// Threshold for immobile rows: rows that no joint of the loop moves. Examples: the out-of-plane rows of planar chains, the position rows
+/// of chains whose axes meet in one point. Such a row's diagonal entry of Lambda is only rounding error. A row counts as immobile if this
+/// entry is below this fraction of its upper bound. The bound is the entry if every joint on the loop's path moved the row at right angles,
+/// at a distance equal to the mechanism's characteristic length. 1e-24 in Lambda is 1e-12 in J. The loop's other rows cannot serve as the
+/// scale, because all of them may be immobile. Tests: rings_test.cpp.
 inline constexpr double immobile_row = 1e-24;
 /// Pivot threshold of position corrections, as a fraction of typical_pivot_ratio(). At an angle d from a singular position a gap of size
-/// eps (rounding) causes a correction of eps / d in position, eps / d^2 in velocity and eps / d^3 in acceleration. The value corresponds to
-/// d = 1e-3 rad: closer to the position, directions below the threshold are not corrected unless the gap cannot be closed without them.
+/// eps (rounding) causes a correction of eps / d in position, eps / d^2 in velocity and eps / d^3 in acceleration. The value is the square
+/// of d = 1e-3 rad. Directions with pivots below the threshold are corrected only if the gap cannot be closed without them.
 inline constexpr double dependent_correction = 1e-6;
 
-/// Loops of one mechanism, elimination structure and scratch memory. Owned by the caller; use one per thread.
+/// The loops of one mechanism, the structure of their elimination, and scratch memory. Owned by the caller; use one per thread.
 class ClosedLinks {
  public:
   /// Uses the mechanism's own loops; those with Loop::closed set are closed.
@@ -61,17 +62,17 @@ class ClosedLinks {
   [[nodiscard]] std::span<const Loop> loops() const { return loops_; }
   [[nodiscard]] bool is_closed(int loop) const { return over_links_.entry_of_loop[static_cast<std::size_t>(loop)] >= 0; }
   [[nodiscard]] const LoopRows& rows() const { return rows_; }
-  /// Multipliers of the last solve, zero for open loops: N | N m after forward dynamics, N s | N m s after an impulse. [rows().count()]
+  /// [rows().count()] multipliers of the last solve: N | N m after forward dynamics, N s | N m s after an impulse. Zero for open loops.
   [[nodiscard]] std::span<const double> multipliers() const { return multipliers_; }
   /// Number of independent rows in the last factorization.
   [[nodiscard]] int rank() const { return rank_; }
-  /// True if the position of the last factorization is singular (a dead point or change point) or within about 3e-3 rad of one. Criterion:
-  /// the rank is below the maximum rank so far, or min_pivot_ratio() is below 1e-5 typical_pivot_ratio(); 1e-5 is the square of 3e-3 rad.
+  /// True if the last factorization was at a singular position (dead point or change point) or within about 3e-3 rad of one. Criterion: the
+  /// rank is below the maximum rank so far, or min_pivot_ratio() is below 1e-5 typical_pivot_ratio(). 1e-5 is the square of 3e-3 rad.
   [[nodiscard]] bool is_nearly_singular() const { return rank_ < full_rank_ || min_pivot_ratio_ < 1e-5 * typical_pivot_ratio_; }
   /// Smallest pivot of an independent row in the last factorization, as a fraction of the largest diagonal entry of the loop's rows of the
-  /// same kind. 1 without loops.
+  /// same kind (position or rotation). 1 if no loop is closed.
   [[nodiscard]] double min_pivot_ratio() const { return min_pivot_ratio_; }
-  /// Maximum of min_pivot_ratio() over all factorizations of maximum rank so far. It is small too if the masses are very unequal.
+  /// Maximum of min_pivot_ratio() over all factorizations of maximum rank so far. Very unequal masses also make it small.
   [[nodiscard]] double typical_pivot_ratio() const { return typical_pivot_ratio_; }
   /// The reference values of is_nearly_singular(). They are the only state that depends on earlier calls; save them with a simulation.
   struct Memory {
@@ -101,14 +102,14 @@ class ClosedLinks {
   ClosedStructure over_links_;
   std::vector<InertiaShare> shares_;
 
-  std::vector<Inertia> I_;              ///< [links] inertias after sharing of virtual inertias, see InertiaShare
-  std::vector<Vec6> P_;                 ///< [present_rows] columns of the multipliers
-  std::vector<double> s_;               ///< [s_rows] S . P
-  std::vector<double> Lambda_;          ///< [blocks * 36] blocks row by row; row length: rows of the second entry
+  std::vector<Inertia> I_;              ///< [links] inertias after the division that InertiaShare describes
+  std::vector<Vec6> P_;                 ///< [present_rows] columns P, see the top
+  std::vector<double> s_;               ///< [s_rows] S . P, S: joint axis of a DOF
+  std::vector<double> Lambda_;          ///< [blocks * 36] blocks of Lambda, row-major; row length: rows of the second loop
   std::vector<double> C_;               ///< [entries * 36] Cholesky factor of the loop's diagonal block
   std::vector<double> Y_;               ///< [neighbours * 36] C^-1 Lambda(eliminated loop, neighbour)
   std::vector<int> rank_of_;            ///< [entries]
-  std::vector<int> pivots_;             ///< [multipliers] rows of a block in pivot order
+  std::vector<int> pivots_;             ///< [multipliers] for each loop, its row indices in pivot order
   std::vector<Vec6> Z_;                 ///< [multipliers] C^-1 P^T
   std::vector<double> reduced_;         ///< [multipliers] amount that eliminations subtracted from the diagonal of Lambda
   std::vector<double> terms_;           ///< [multipliers] upper bound of the diagonal of Lambda; scale of immobile_row
@@ -121,10 +122,10 @@ class ClosedLinks {
   int singular_dof_ = -1;
   double min_pivot_ratio_ = 1;
   int full_rank_ = 0;               ///< maximum rank so far
-  double typical_pivot_ratio_ = 0;  ///< maximum of min_pivot_ratio_ at that rank
+  double typical_pivot_ratio_ = 0;  ///< maximum of min_pivot_ratio_ over factorizations of rank full_rank_
   void note_rank();
 
-  std::unique_ptr<struct ClosedKernelState> kernel_;  ///< used by the functions that start from q and v
+  std::unique_ptr<struct ClosedKernelState> kernel_;  ///< used by calc_closed_forward_dynamics() from q and v
 };
 
 /// Result of a solve.
@@ -134,7 +135,7 @@ enum class ClosedStatus : unsigned char {
   not_closed,        ///< the gap could not be reduced to rounding
 };
 
-/// Accelerations of the closed system from q and v, and the forces in the loops (multipliers()). This is the fastest form: it computes in
+/// Accelerations of the closed system from q and v, and the forces in the loops (multipliers()). The fastest function for them: computes in
 /// link frames and uses the widest SIMD registers. O(links) for loops of bounded size. Allocates nothing.
 /// @param tau [nv] N | N m @param gravity m/s^2, world @param external [links] wrenches as in dynamics.h, or empty
 /// @param vdot [nv, out] must not alias an input
@@ -142,7 +143,7 @@ enum class ClosedStatus : unsigned char {
                                                         std::span<const double> v, std::span<const double> tau, const Vec3& gravity,
                                                         std::span<const Vec6> external, std::span<double> vdot);
 
-// Staged functions for several solves at one position. They use the workspace as update_kinematics() left it.
+// Staged functions for several solves at one position. They use the results of update_kinematics() in `ws`.
 
 /// Computes the rows, the articulated inertias and the factored condensed matrix of the closed loops. Call update_kinematics(q, v) first.
 /// Overwrites ws.IA, ws.U, ws.d. O(links) for loops of bounded size. Allocates nothing.
@@ -150,18 +151,18 @@ enum class ClosedStatus : unsigned char {
 [[nodiscard]] ClosedStatus factor_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> q,
                                                std::span<const double> v, double dependent = dependent_row);
 
-/// Forward dynamics after factor_closed_links(). multipliers() returns the forces in the loops afterwards.
+/// Forward dynamics; call factor_closed_links() first. multipliers() returns the forces in the loops afterwards.
 /// @param tau, external as in dynamics.h @param vdot [nv, out]
 void calc_closed_forward_dynamics(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> tau, const Vec3& gravity,
                                   std::span<const Vec6> external, std::span<double> vdot);
 
 /// Projects v onto velocities that open no loop: v <- v - M^-1 J^T (J M^-1 J^T)^-1 J v, after factor_closed_links().
-/// The result is the closest such velocity in the kinetic-energy norm, and the velocity after a sudden closing of the loops.
-/// multipliers() returns the impulses of that closing afterwards.
+/// The result is the closest such velocity in the kinetic-energy norm. It is also the velocity after the loops close suddenly;
+/// multipliers() then returns the impulses of the closing.
 void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> v);
 
-/// Solves M x = r + J^T lambda, J (v + x) = 0 after factor_closed_links(). A single solve with the accuracy of the recursion;
-/// closed_impulse.h refines it. multipliers() returns lambda afterwards. @param r, v, x [nv]; x must not alias r or v
+/// Solves M x = r + J^T lambda, J (v + x) = 0 after factor_closed_links(). The accuracy is that of one recursion; ClosedImpulse::solve()
+/// refines the result. multipliers() returns lambda afterwards. @param r, v, x [nv]; x must not alias r or v
 void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> r, std::span<const double> v,
                         std::span<double> x);
 
@@ -172,9 +173,9 @@ void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, 
 [[nodiscard]] ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,
                                             std::span<const double> v, double& gap, int limit = 20);
 
-/// Shares virtual inertias in ws.I: divides the inertia of each real link equally among this link and its virtual links without inertia of
-/// their own (see InertiaShare; docs/design/closed-links.md). factor_closed_links() uses the same shares internally. Methods that run their
-/// own recursion over the tree call this function after update_kinematics().
+/// Divides the inertia of each real link in ws.I equally among the link and its massless virtual links (see InertiaShare and
+/// docs/design/closed-links.md). factor_closed_links() uses the same shares internally. Methods that run their own recursion over the tree
+/// call this function after update_kinematics().
 void share_virtual_inertias(const ClosedLinks& closed, Workspace& ws);
 
 /// Maximum gap of the independent rows of the closed loops at the last factorization, m | rad. Dependent rows are not counted: they keep a

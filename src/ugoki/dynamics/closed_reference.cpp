@@ -19,9 +19,9 @@ void open_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double
 }
 
 constexpr std::size_t branch_points = 8;  ///< sample points of interpolate_through(): a polynomial of degree 7
-constexpr double branch_step = 0.04;      ///< distance of adjacent sample points: rad, travel of the fastest DOF
+constexpr double branch_step = 0.04;      ///< travel of the fastest DOF between adjacent sample points: rad, or a fraction of cw.length
 
-/// Scope guard: the choice of theta_G cannot change during its lifetime.
+/// Scope guard: while the object exists, the choice of theta_G cannot change.
 class HeldChoice {
  public:
   explicit HeldChoice(ClosedWorkspace& cw) : cw_(cw), before_(cw.hold_choice) { cw.hold_choice = true; }
@@ -35,12 +35,12 @@ class HeldChoice {
 };
 
 /// Value of a quantity near a singular position, interpolated along the motion.
-/// Near the position theta_S is a quotient 0 / 0 of theta_G: with the distance d, rounding errors of velocities grow as 1 / d^2 and of
-/// accelerations as 1 / d^3. The motion itself passes through on one smooth branch. The function therefore evaluates the quantity at
-/// points before and after the position that are far enough from it, and interpolates with Lagrange's polynomial.
+/// Near such a position, solving for theta_S is a division 0 / 0. At a distance d from the position, rounding errors of velocities grow as
+/// 1 / d^2 and those of accelerations as 1 / d^3. The motion itself passes through the position on one smooth branch. The function
+/// therefore evaluates the quantity at points far enough before and after the position, and interpolates with Lagrange's polynomial.
 /// @param q, v state, closed in position; v points along the branch
-/// @param evaluate (out [nv]) -> bool: the quantity at cw.q3, cw.v3; false: not available there
-/// @param out [nv, out]
+/// @param evaluate (out [nv]) -> bool: writes the quantity at the state (cw.q3, cw.v3); false: not available there
+/// @param out [nv, out] the interpolated quantity
 /// @return false if the system is at rest, or fewer than branch_points suitable points exist: no branch can be followed
 template <class Evaluate>
 bool interpolate_through(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> q, std::span<const double> v,
@@ -94,7 +94,8 @@ bool calc_closed_inverse_dynamics(const Mechanism& m, ClosedWorkspace& cw, std::
   open_forces(m, cw, vdot, gravity, external, applied);
   const auto g = static_cast<std::size_t>(cw.dofs());
   reduce_forces(cw, cw.tau1, cw.b_G);
-  // tau = D S (S^T D S)^-1 tau_G with D = 1 / weights: the minimum-norm solution of S^T tau = tau_G in the weighted norm
+  // tau = D S (S^T D S)^-1 tau_G with D = 1 / weights: the minimum-norm solution of S^T tau = tau_G in the weighted norm.
+  // S: rows of H of the driven DOFs.
   std::fill_n(cw.A_G.begin(), g * g, 0.0);
   for (std::size_t k = 0; k < driven.size(); ++k) {
     const double* S = cw.H.data() + static_cast<std::size_t>(driven[k]) * g;
@@ -119,8 +120,8 @@ bool calc_closed_forward_dynamics_by_unit_vectors(const Mechanism& m, ClosedWork
   const std::size_t n = tau.size(), g = static_cast<std::size_t>(cw.dofs());
   open_forces(m, cw, cw.h, gravity, external, tau);
   reduce_forces(cw, cw.tau1, cw.b_G);
-  // Columns of A from inverse dynamics at rest and without gravity. As the difference ID(e_k) - b, the inertia of a small link would be
-  // lost in rounding relative to gravity and velocity terms.
+  // Columns of A from inverse dynamics at rest and without gravity. In the difference ID(e_k) - b, the inertia of a small link would be
+  // smaller than the rounding errors of the gravity and velocity terms.
   std::swap(cw.open.V, cw.rest_V);
   std::swap(cw.open.C, cw.rest_C);
   for (std::size_t k = 0; k < g; ++k) {
@@ -146,8 +147,9 @@ void calc_loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const d
   open_forces(m, cw, vdot, gravity, external, tau);
   std::ranges::fill(multipliers, 0.0);
   const std::size_t n = cw.tau1.size(), r = static_cast<std::size_t>(cw.rank), rows = cw.active.size(), rest = rows - r;
-  // In scaled units. With the independent rows J_I alone the multipliers would be mu = J_S^-T f_S. The dependent rows are J_D = L J_I, so
-  // the minimum-norm solution is multipliers_I = (1 + L^T L)^-1 mu, multipliers_D = L multipliers_I.
+  // All quantities are scaled to one unit. With the independent rows J_I alone the multipliers would be mu = J_S^-T f_S, where f_S are the
+  // forces on theta_S. The dependent rows are J_D = L J_I. The minimum-norm solution is therefore
+  // multipliers_I = (1 + L^T L)^-1 mu, multipliers_D = L multipliers_I.
   for (std::size_t i = 0; i < r; ++i) {
     const auto f = static_cast<std::size_t>(cw.dof_order[i]);
     cw.column[i] = cw.tau1[f] * cw.dof_scale[f];
@@ -168,7 +170,7 @@ void calc_loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const d
       for (std::size_t d = 0; d < rest; ++d) sum += L_row(d)[a] * L_row(d)[b];
       cw.normal[a * r + b] = sum;
     }
-  if (!factor_cholesky(cw.normal, cw.rank, 0)) return;  // 1 + L^T L is positive definite: fails only if an entry is not finite
+  if (!factor_cholesky(cw.normal, cw.rank, 0)) return;  // 1 + L^T L is positive definite, so this fails only if an entry is not finite
   solve_cholesky(cw.normal, cw.rank, mu);
   const auto store = [&](std::size_t k, double value) {
     const auto row = static_cast<std::size_t>(cw.active[static_cast<std::size_t>(cw.row_order[k])]);

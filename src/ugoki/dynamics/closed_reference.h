@@ -3,20 +3,21 @@
 //
 //   A_G vdot_G + b_G = H^T tau,   A_G = H^T A H,   b_G = H^T (A h + b),   vdot = H vdot_G + h            h = dH/dt v_G
 //
-// A and b come from the open system's inverse dynamics with unit accelerations, paper eq. (1); H, eq. (5), from loop_partition.h.
-// theta_G are the independent DOFs, theta_S the dependent ones. Exact and dense: O(rows nv rank + DOFs links). Symbols and units as in
-// dynamics.h. Nothing allocates.
+// A and b (paper eq. (1)) come from the open system's inverse dynamics with unit accelerations. H (eq. (5)) comes from loop_partition.h.
+// theta_G are the independent DOFs, theta_S the dependent ones. Exact and dense: O(rows nv rank + DOFs links). Other symbols and units are
+// those of dynamics.h. Nothing allocates.
 
 #include "ugoki/dynamics/loop_closure.h"
 
 namespace ugoki::dynamics {
 
-// The next four functions use the state that update_closed() left in `cw`.
+// The next four functions use the results of update_closed() in `cw`.
 
-/// Acceleration of all DOFs from that of theta_G: vdot = H vdot_G + h. @param vdot_G [cw.dofs()] @param vdot [nv, out]
+/// Accelerations of all DOFs from the accelerations vdot_G of theta_G: vdot = H vdot_G + h. @param vdot_G [cw.dofs()] @param vdot [nv, out]
 void expand_acceleration(const ClosedWorkspace& cw, std::span<const double> vdot_G, std::span<double> vdot);
 
 /// Forces of the driven joints that produce `vdot`: tau_G = W^T tau_open, paper eq. (3), and tau_G = S^T tau_driven, eq. (4).
+/// W is H, and S consists of the rows of H of the driven DOFs.
 /// `vdot` must be compatible with the loops. With more drives than DOFs, returns the solution with the minimum sum of weight * tau^2.
 /// @param applied [nv] joint forces that act in addition to the drives (springs, dampers); empty: none
 /// @param driven velocity indices of the DOFs with a drive @param weights [driven] cost of each drive's force; empty: all 1
@@ -33,20 +34,20 @@ void expand_acceleration(const ClosedWorkspace& cw, std::span<const double> vdot
                                                                 std::span<double> vdot);
 
 /// Forces in the loops: A vdot + b = tau + J^T multipliers. The multiplier of row k is the force [N] or moment [N m] along the row's
-/// wrench (loop_rows.h) on link b; the opposite acts on link a. If rows are redundant, rigid-body dynamics does not determine the forces.
+/// wrench (loop_rows.h) on link b; its opposite acts on link a. If rows are redundant, rigid-body dynamics does not determine the forces.
 /// The function then returns the solution of minimum norm, with moments divided by cw.length. Open loops get zeros.
 /// @param multipliers [rows, out]
 void calc_loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> tau, const Vec3& gravity,
                       std::span<const Vec6> external, std::span<const double> vdot, std::span<double> multipliers);
 
-// For integrators. The stages of a step have small gaps. Both functions keep theta_G and solve for theta_S (coordinate partitioning), so
-// a Runge-Kutta method on q and v is equivalent to one on theta_G alone, with each stage on the closed manifold.
+// Two functions for integrators, whose stages have small gaps. Both functions keep theta_G and solve for theta_S (coordinate partitioning).
+// A Runge-Kutta method on q and v is then equivalent to one on theta_G alone, and the loops are closed in each stage.
 
 /// Closes the positions and velocities of a state. @return the remaining gap, see Closure
 [[nodiscard]] Closure project_closed_state(const Mechanism& m, std::span<double> q, std::span<double> v, ClosedWorkspace& cw);
 
 /// Accelerations at the closed state with the same theta_G as (q, v). If a moving system is near a singular position (dead point or change
-/// point), velocities and accelerations are interpolated from points before and after it on the same solution branch.
+/// point), velocities and accelerations are interpolated from points before and after that position on the same solution branch.
 /// @return false if A_G is singular or the loops cannot be closed
 [[nodiscard]] bool calc_closed_acceleration(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> q, std::span<const double> v,
                                             std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external,

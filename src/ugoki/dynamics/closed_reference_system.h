@@ -1,6 +1,6 @@
 #pragma once
-// A closed link system by the paper's method, as a MotionSystem for the integrators. Each stage moves the independent DOFs theta_G; the
-// dependent DOFs theta_S are solved for exactly.
+// A closed link system as a MotionSystem for the integrators, computed by the paper's method (closed_reference.h). Each stage moves the
+// independent DOFs theta_G and solves exactly for the dependent DOFs theta_S.
 
 #include "ugoki/dynamics/closed_reference.h"
 #include "ugoki/dynamics/open_system.h"

@@ -39,7 +39,7 @@ MechanismPtr with_shares(const Mechanism& m, std::span<const InertiaShare> share
 }
 
 /// True if the loop connects a link with the world by a ball joint or a weld. The loop's rows need only the rotation and angular velocity
-/// of the link's node: they state that the link's point at J_B does not accelerate and, for a weld, that the link has no angular
+/// of the link's node. The rows state that the link's point at J_B does not accelerate and, for a weld, that the link has no angular
 /// acceleration.
 bool is_world_bound(const ClosedKernelState& k, const Loop& loop) {
   return k.by_paths && (loop.type == LoopType::weld || loop.type == LoopType::ball) && loop.link_a < 0 && loop.link_b >= 0 &&
@@ -63,7 +63,7 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
       motion(program.order.size()),
       X_WB(m.links().size()),
       V(m.links().size()) {
-  // With more loops the comparison is skipped: eliminating all loops at the world can need a block of Lambda for every pair of loops.
+  // With more than `few` loops by_paths stays false: eliminating all loops at the world can need a block of Lambda for each pair of loops.
   if (constexpr std::size_t few = 16; over_nodes.entries.size() <= few) {
     ClosedStructure at_world(tree_of_nodes(program), links.loops(), closed, links.rows().first, rows, ClosedStructure::Meeting::world);
     by_paths = paths_are_faster(program, over_nodes, at_world);
@@ -226,7 +226,8 @@ class ClosedRun {
     add_end(e, loop.link_b, e.present_b, -1, g);
     add_end(e, loop.link_a, e.present_a, 1, g);
   }
-  /// Adds one end of a loop: its unit wrenches in the node's axes about the node's origin. @param sign -1 for link b, 1 for link a
+  /// Adds the unit wrenches of a loop at one of its links to P, in the axes of the link's node about the node's origin.
+  /// @param sign -1 for link b, 1 for link a
   void add_end(const ClosedStructure::Entry& e, int link, int present, double sign, LoopLanes& g) {
     LoopColumns& P = k_.P[at(present)];
     const int node = link < 0 ? -1 : k_.program.links[at(link)].node;
@@ -236,7 +237,7 @@ class ClosedRun {
       const NodeMotion& motion = k_.motion[at(node)];
       R = rotation_of(motion);
       p = vec(motion.p) - p0_;
-      turning = cross(vec(motion.w), vec(motion.v));  // kernels use the origin's acceleration = spatial acceleration + w x v
+      turning = cross(vec(motion.w), vec(motion.v));  // in kernels the acceleration of a node is the spatial acceleration + w x v
     }
     const Mat3 along = R.transposed() * sign;
     for (int k = 0; k < e.rows; ++k) {
@@ -254,7 +255,8 @@ class ClosedRun {
 
   /// Sets P and g of a loop for which is_world_bound() is true:
   ///   position rows  e . (a + w' x r + w x (w x r) + gravity) = 0,   rotation rows  e . w' = 0
-  /// with the axes e of J_A, r the held point in the node's frame, and a the acceleration of the node's origin relative to free fall.
+  /// with the axes e of J_A, r the point held by the loop in the node's frame, w and w' the node's angular velocity and acceleration, and a
+  /// the acceleration of the node's origin relative to free fall.
   void begin_world_bound(std::size_t index, const Vec3& gravity) {
     const ClosedStructure::Entry& e = x_.entries[index];
     const Loop& loop = links_.loops_[at(e.loop)];

@@ -35,7 +35,8 @@ class Analysis {
     const int node = link < 0 ? -1 : tree_.node_of_link[at(link)];
     return node < 0 ? world_ : node;
   }
-  /// Lowest common ancestor of two nodes, or the world. Parents have smaller indices than their children.
+  /// Node where a loop between nodes a and b is eliminated: their lowest common ancestor, or the world. A parent's index is below its
+  /// children's.
   int meeting(int a, int b) const {
     if (meeting_ == ClosedStructure::Meeting::world) return world_;
     while (a != b) {
@@ -74,7 +75,7 @@ class Analysis {
     neighbours_of_.resize(c_.entries.size());
   }
 
-  /// Fills `present`: every loop at every node from its end nodes to its meeting node.
+  /// Fills `present`: an entry for each loop at each node from the loop's two end nodes to its meeting node.
   void fill_present() {
     std::vector<std::vector<int>> passing(at(world_ + 1));
     ending_.resize(at(world_ + 1));
@@ -133,7 +134,7 @@ class Analysis {
     }
   }
 
-  /// Index of the block of two entries. Creates the block if it does not exist.
+  /// Index of the block of Lambda for the entries a and b. Creates the block if it does not exist.
   int block(int a, int b) {
     if (a > b) std::swap(a, b);
     const auto [it, made] = blocks_.try_emplace({a, b}, int_of(blocks_.size()));
@@ -144,7 +145,7 @@ class Analysis {
     return it->second;
   }
 
-  /// Creates the blocks between all loops that pass the node: its joint couples them.
+  /// Creates the blocks of Lambda between all loops that pass the node, because the node's joint couples these loops.
   void couple(int node) {
     ClosedStructure::Node& n = c_.nodes[at(node)];
     n.pairs = int_of(c_.pairs.size());

@@ -26,20 +26,21 @@ struct ClosedStructure {
   struct Entry {
     int loop;                  ///< index of the loop
     int rows;                  ///< number of rows in use, at most 6
-    int position_rows;         ///< number of position rows; they come first, rotation rows follow
-    int first;                 ///< index of its first multiplier
-    int meeting;               ///< node where its branches meet and it is eliminated
-    int present_a, present_b;  ///< index in `present` for its links a and b; -1: gear
-    int diagonal;              ///< its diagonal block of Lambda
+    int position_rows;         ///< number of position rows; position rows come first, rotation rows follow
+    int first;                 ///< index of the loop's first multiplier
+    int meeting;               ///< node where the loop's two branches meet; the loop is eliminated there
+    int present_a, present_b;  ///< index in `present` for the nodes of the loop's links a and b; -1: gear
+    int diagonal;              ///< index of the loop's diagonal block of Lambda
   };
-  /// A loop at a node. The list of each node begins with its passing loops, in the order of `entries`. The loops that are eliminated at
-  /// the node follow.
+  /// One loop at one node. The list of each node begins with its passing loops, in the order of `entries`. The loops that are eliminated
+  /// at the node follow.
   struct Present {
     int entry;   ///< index in `entries`
-    int row;     ///< first of its rows among the rows of all `present`
-    int parent;  ///< index in `present` of the same loop at the parent node; -1: the loop is eliminated here
+    int row;     ///< index of the loop's first row at this node, in arrays of size present_rows
+    int parent;  ///< index in `present` of the same loop at the parent node; -1: the loop is eliminated at this node
   };
-  /// Two passing loops of the same node. Both cross the node's joint, so Lambda has a block for the pair: Lambda(a, b) += d s_a s_b^T.
+  /// Two passing loops of the same node. Both cross the node's joint, so Lambda has a block for the pair:
+  /// Lambda(a, b) += d s_a s_b^T (symbols: kernel_loops.h).
   struct Pair {
     int block;
     int a, b;  ///< indices among the passing loops of the node
@@ -47,11 +48,12 @@ struct ClosedStructure {
   /// A loop that shares a block of Lambda with a loop that is being eliminated.
   struct Neighbour {
     int entry;        ///< index in `entries`
-    int block;        ///< block of Lambda of the eliminated loop and this one; its rows belong to the loop that is first in `entries`
-    bool transposed;  ///< true: this loop is first in `entries`, so its multipliers are the rows of the block
-    int present;      ///< index in `present` of this loop at the node where the other loop is eliminated
+    int block;        ///< block of Lambda for the eliminated loop and this neighbour; block rows: the loop that is first in `entries`
+    bool transposed;  ///< true: this neighbour is first in `entries`, so the rows of the block are its multipliers
+    int present;      ///< index in `present` of this neighbour at the node where the other loop is eliminated
   };
   /// Update of a block between two neighbours of an eliminated loop: Lambda(a, b) -= Y_a^T Y_b.
+  /// Y: see ClosedArguments.
   struct Update {
     int block;
     int a, b;  ///< indices in `neighbours`
@@ -68,7 +70,7 @@ struct ClosedStructure {
     int dof;      ///< velocity index
     int passing;  ///< index of the gear among the passing loops of the node
     int loop;     ///< index of the loop
-    bool second;  ///< the DOF is the loop's dof_b
+    bool second;  ///< true: the DOF is the loop's dof_b; false: dof_a
   };
   /// Ranges of one node in the arrays below: first index and count. Passing loops are the first passing_count of `present`.
   struct Node {
@@ -77,11 +79,11 @@ struct ClosedStructure {
     int pairs = 0, pair_count = 0;
     int eliminations = 0, elimination_count = 0;
     int gears = 0, gear_count = 0;
-    int s_row = 0;   ///< first of the s = S . P values of its first DOF: passing_rows per DOF, DOF after DOF
-    int s_slot = 0;  ///< the same, counted in loops: passing_count per DOF
+    int s_row = 0;   ///< index of the node's first value s = S . P; there are passing_rows values per DOF, DOF after DOF
+    int s_slot = 0;  ///< index of the node's first slot; there are passing_count slots per DOF, one for each passing loop
   };
 
-  /// Node where loops are eliminated: own_branches: where the loop's branches meet; world: all loops at the world.
+  /// Node where a loop is eliminated. own_branches: the node where the loop's two branches meet; world: the world, for all loops.
   enum class Meeting : unsigned char { own_branches, world };
 
   /// @param closed [loops] 1 if closed @param first_row [loops + 1] first row of each loop @param use_row [rows of all loops] 0 for rows to

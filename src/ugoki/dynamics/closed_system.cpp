@@ -57,15 +57,15 @@ ClosingReport ClosedSystem::close(int loop, std::span<double> q, std::span<doubl
 }
 
 int ClosedSystem::leave_out_redundant_rows(std::span<const double> q) {
-  constexpr double redundant = 1e-9;  // pivot threshold, square of 3e-5 rad: frames in model files are consistent to about six digits
+  constexpr double redundant = 1e-9;  // pivot threshold, (3e-5 rad)^2: frames in model files are consistent to about six digits
   Workspace& ws = workspace();
   int maximum = -1;
   double min_pivot_ratio = 0;
   std::vector<char> rows;
   for (int sample = 0; sample < 6; ++sample) {
     std::ranges::copy(q, q_.begin());
-    // Moves away from q along an irregular velocity, projected onto the loops. The golden-ratio sequence gives the same velocity in every
-    // call. Sample 0 is q itself.
+    // Moves away from q along an irregular velocity that is projected so that no loop opens. The velocity comes from the golden-ratio
+    // sequence, so it is the same in every call. Sample 0 is q itself.
     for (std::size_t i = 0; i < v_.size(); ++i)
       v_[i] = sample * std::fmod(0.6180339887 * static_cast<double>((i + 1) * (static_cast<std::size_t>(sample) + 1)), 1.0);
     update_kinematics(mechanism(), q_, v_, ws);
@@ -116,8 +116,8 @@ bool ClosedSystem::interpolate_acceleration(double t, std::span<const double> q,
   if (!(speed > 1e-6)) return false;  // rad/s | m/s: at rest there is no motion to follow
   const double dt = 0.01 / speed;     // s: the fastest DOF moves by 0.01 rad | m
   std::ranges::fill(guess_, 0.0);
-  // Richardson extrapolation: the error of the mean of both sides is even in dt, so samples at dt and 2 dt cancel its dt^2 term. The passes
-  // improve the acceleration with which the neighbouring states are predicted.
+  // Richardson extrapolation: the mean of the accelerations at +dt and -dt has an error that is even in dt, so samples at dt and 2 dt
+  // cancel the dt^2 term. Each pass predicts the neighbouring states with the acceleration that the previous pass found.
   for (int pass = 0; pass < 3; ++pass) {
     std::ranges::fill(vdot, 0.0);
     for (const double side : {-1.0, 1.0})

@@ -20,20 +20,20 @@ class ClosedSystem : public OpenSystem {
 
   /// Adds an open loop, for example a hand on a rail. Allocates. @return its index in links().loops()
   int add_loop(Loop loop);
-  /// Closes a loop at the state (q, v). First q is corrected to remove the remaining gap, with minimum kinetic energy of the correction.
+  /// Closes a loop at the state (q, v). First q is corrected to remove the gap, by the correction of minimum kinetic energy.
   /// Then v jumps to the closest velocity, in the kinetic-energy norm, that opens no loop. links().multipliers() returns the impulses
   /// [N s | N m s] of that jump. Momentum changes only by the impulses on the world; kinetic energy never increases. Allocates.
   ClosingReport close(int loop, std::span<double> q, std::span<double> v);
   /// Finds the rows that depend on others at every position (three in every planar loop), and leaves them out from now on. This is faster,
   /// and remains correct if the frames of redundant rows are not exactly consistent, as in most model files. Allocates.
-  /// @param q [nq] closed position; it and five positions near it are tested @return number of rows left out
+  /// @param q [nq] closed position; q and five positions near q are tested @return number of rows left out
   int leave_out_redundant_rows(std::span<const double> q);
   /// Opens a loop. Positions and velocities do not change. Allocates.
   void open(int loop);
 
   /// Accelerations. At an angle d from a singular position (dead point or change point) the error of the accelerations grows as eps / d^3,
   /// where eps is the rounding error of the gap. If the position is nearly singular, the acceleration is therefore interpolated from states
-  /// before and after it along the motion.
+  /// before and after that position along the motion.
   [[nodiscard]] int calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) override;
 
   /// @return false: exact derivatives exist for open systems only
@@ -54,7 +54,7 @@ class ClosedSystem : public OpenSystem {
   [[nodiscard]] int accelerate(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot);
   /// Acceleration near a singular position, interpolated from four states before and after it. @return false if the system is at rest
   bool interpolate_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot);
-  /// sum += weight * acceleration at the state that the system reaches (dt > 0) or came from (dt < 0) within dt.
+  /// sum += weight * acceleration at time t + dt. dt may be negative. The state at t + dt is predicted from (q, v) and closed.
   bool add_acceleration_near(double t, double dt, std::span<const double> q, std::span<const double> v, double weight,
                              std::span<double> sum);
 

@@ -6,7 +6,8 @@
 
 namespace ugoki::dynamics {
 
-/// Rank-revealing Gaussian elimination with full pivoting: finds independent rows of A, and the columns that they can be solved for.
+/// Rank-revealing Gaussian elimination with full pivoting. Finds independent rows of A, and the columns of the unknowns that these rows
+/// determine.
 /// A pivot is accepted if its magnitude exceeds `tolerance` times the maximum magnitude in A. Pivots decrease roughly like singular values.
 /// @param A [rows.size() * columns.size()] overwritten
 /// @param max_rank upper limit of the rank
@@ -33,7 +34,7 @@ class LuFactor {
 };
 
 /// Cholesky factorization A = L L^T of a symmetric positive-definite matrix, in place in the lower triangle. @param A [n * n]
-/// @return false if a squared pivot is not above `tolerance` times the diagonal entry of A. O(n^3)
+/// @return false if the square of a diagonal entry of L is not above `tolerance` times the diagonal entry of A. O(n^3)
 [[nodiscard]] bool factor_cholesky(std::span<double> A, int n, double tolerance);
 /// x <- (L L^T)^-1 x
 void solve_cholesky(std::span<const double> L, int n, std::span<double> x);

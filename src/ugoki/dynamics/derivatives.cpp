@@ -7,8 +7,9 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// Angular block E of D = V x* I - I V x + (I V) x~* about p0. D = [[E, 0], [-2 p x, 0]] with the linear momentum p.
+/// Angular block E of D = V x* I - I V x + (I V) x~* about p0 (derivatives.h). D = [[E, 0], [-2 p x, 0]] with the linear momentum p.
 ///   E = 2 (tr(K) 1 - K),  K = integral of u r^T dm = v h^T + w x J,  J = tr(I)/2 1 - I
+/// V = (w, v), u is the velocity of the mass element dm, r its position from p0, and h the first moment of mass.
 Mat3 coriolis_block(const Inertia& inertia, const Vec6& V) {
   const Sym3& I = inertia.I;
   const double half_trace = 0.5 * (I.xx + I.yy + I.zz);
@@ -21,10 +22,10 @@ Mat3 coriolis_block(const Inertia& inertia, const Vec6& V) {
   return {trace - K.xx, -K.xy, -K.xz, -K.yx, trace - K.yy, -K.yz, -K.zx, -K.zy, trace - K.zz};
 }
 
-/// Product of D with a motion of angular part w. @param E, p as in coriolis_block()
+/// Product of D with a motion whose angular part is w. @param E, p blocks of D, see coriolis_block()
 Vec6 coriolis_times(const Mat3& E, const Vec3& p, const Vec3& w) { return {E * w, cross(p, w) * -2.0}; }
 
-/// Outward sweep: motion of links and joint axes, and the force on each link alone.
+/// Outward sweep: motion of links and joint axes, and the force that each link needs by itself, without its children.
 void sweep_out(const Mechanism& m, const Workspace& ws, std::span<const double> v, std::span<const double> vdot, const Vec3& gravity,
                std::span<const Vec6> external, InverseDerivatives& d) {
   const std::span<const Link> links = m.links();
@@ -103,7 +104,7 @@ void calc_inverse_dynamics_derivatives(const Mechanism& m, Workspace& ws, std::s
       const auto f = static_cast<std::size_t>(link.v_index + k);
       const Vec6& S = ws.S[f];
       const Vec6 IS = I * S;
-      const Vec3 DS = transpose_times(E, S.w) + cross(p, S.v) * 2.0;  // D^T S has no linear part
+      const Vec3 DS = transpose_times(E, S.w) + cross(p, S.v) * 2.0;  // angular part of D^T S; the linear part is zero
       const Vec6 push = pushed ? cross_force(S, d.f_ext[i]) : Vec6{};
       d.df_dq[f] = cross_force(S, d.f[i]) + I * d.psi2[f] + coriolis_times(E, p, d.psi1[f].w);
       d.df_dv[f] = I * (d.psi1[f] + d.S_dot[f]) + coriolis_times(E, p, S.w);

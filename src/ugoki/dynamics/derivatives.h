@@ -8,10 +8,13 @@
 // axis of the link; for translations of floating joints it is a shift along an axis of the joint frame. v, vdot, tau and the external
 // wrenches (about the world origin) are constant.
 //
-// In world axes about one point, the derivative of the force f_i on link i with respect to a DOF j that moves the link is
-//   df_i/dq_j = S_j x* (f_i + f_ext) + I_i Psi2_j + D_i Psi1_j,     df_i/dv_j = D_i S_j + I_i (Psi1_j + S_j')
+// Link i has the spatial velocity V, acceleration A (gravity subtracted) and inertia I, in world axes about one point. It needs the force
+// f_i = I A + V x* I V. If DOF j, with axis S_j, moves the link, the derivatives of f_i are
+//   df_i/dq_j = S_j x* f_i + I_i Psi2_j + D_i Psi1_j,     df_i/dv_j = D_i S_j + I_i (Psi1_j + dS_j/dt)
 //   Psi1_j = W x S_j,  Psi2_j = Y x S_j + W x Psi1_j,  D = V x* I - I V x + (I V) x~*
-// W and Y are the velocity and acceleration of the frame in which the axis S_j is constant. I, D and f are summed over subtrees.
+// x and x* are Featherstone's cross products with a motion and with a force, and h x~* m = m x* h. W and Y are the velocity and
+// acceleration of the parent link plus those of the joint's DOFs with axes constant in the joint's frame J. I, D and f are summed over
+// subtrees.
 // Source: Carpentier, Mansard, Analytical derivatives of rigid body dynamics algorithms (2018); Singh, Russell, Wensing, Efficient
 // analytical derivatives of rigid-body dynamics using spatial vector algebra (2022). Generalised here to all joints whose axes are
 // constant in one of the joint's two frames (see axis_moves_with_link()).
@@ -22,8 +25,8 @@ namespace ugoki::dynamics {
 
 /// Derivatives of inverse dynamics, and scratch memory. Owned by the caller; use one per thread.
 ///
-/// Sparse: an entry exists for each pair of DOFs k and j where j is on the chain of k (Workspace::chain). `below` contains d tau_k / d_j,
-/// `above` contains d tau_j / d_k. All other derivatives are zero. expand() writes full matrices.
+/// Sparse: an entry exists for each pair of DOFs k and j where j is on the chain of k (Workspace::chain). With x = q or v, `below_x`
+/// contains d tau_k / dx_j and `above_x` contains d tau_j / dx_k. All other derivatives are zero. expand() writes full matrices.
 struct InverseDerivatives {
   /// Allocates. Also calls Workspace::make_rows() if `ws` has no rows yet.
   InverseDerivatives(const Mechanism& mechanism, Workspace& ws);
@@ -31,13 +34,13 @@ struct InverseDerivatives {
   std::vector<double> below_q, above_q;  ///< [chain entries] N m/rad, N/m, ...
   std::vector<double> below_v, above_v;  ///< [chain entries] N m s/rad, N s/m, ...
 
-  // Scratch of the recursions
+  // Scratch memory of the recursions over links; the symbols are those at the top
   std::vector<Vec6> S_dot, psi1, psi2;  ///< [nv]
   std::vector<Vec6> df_dq, df_dv;       ///< [nv] derivative of the force on the subtree that the DOF moves
   std::vector<Vec6> A, f, f_ext;        ///< [links]
-  std::vector<Inertia> I;               ///< [links] composite
-  std::vector<Mat3> E;                  ///< [links] angular block of D, composite
-  std::vector<Vec3> p;                  ///< [links] linear momentum, composite
+  std::vector<Inertia> I;               ///< [links] inertia of the link and all its descendants
+  std::vector<Mat3> E;                  ///< [links] angular block of D, summed as I
+  std::vector<Vec3> p;                  ///< [links] linear momentum, summed as I
 };
 
 /// Computes d tau / dq and d tau / dv into `d`, and d tau / dvdot = M as chain rows into ws.M (armature included).
@@ -46,7 +49,8 @@ struct InverseDerivatives {
 void calc_inverse_dynamics_derivatives(const Mechanism& m, Workspace& ws, std::span<const double> v, std::span<const double> vdot,
                                        const Vec3& gravity, std::span<const Vec6> external, InverseDerivatives& d);
 
-/// Writes `below` and `above` as a full matrix. @param out [nv * nv, out] out[i * nv + j] = d tau_i / d_j
+/// Writes `below` and `above` as a full matrix.
+/// @param out [nv * nv, out] out[i * nv + j] = d tau_i / dx_j; x is q for below_q and above_q, v for below_v and above_v
 void expand(const Workspace& ws, std::span<const double> below, std::span<const double> above, std::span<double> out);
 
 /// M^-1 as a full matrix, from the factor in ws.L. Call factor() first. O(nv^2 depth).

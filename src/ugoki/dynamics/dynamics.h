@@ -3,7 +3,7 @@
 //
 // Sources: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5-7; Nagashima (1999), section 5.
 // Symbols and units: q [nq] m | rad; v [nv] m/s | rad/s; vdot [nv] m/s^2 | rad/s^2; tau [nv] N | N m; gravity m/s^2, world axes;
-// `external` [links] wrenches F_B (N m, N) on the links about the world origin in world axes, or empty.
+// `external` [links] wrenches F_B (N m, N) on the links about the world origin in world axes, or empty. J_B is the Jacobian of link B.
 // Nothing here allocates except where stated. Use one Workspace per thread.
 // Joint armature is part of M. Springs, dampers and friction are not included (see joint_forces.h and contact/stepper.h).
 
@@ -11,8 +11,8 @@
 
 namespace ugoki::dynamics {
 
-// Functions that start from q and v. They neither use nor change the results of update_kinematics() in `ws`. They are the fastest form.
-// They compute in link frames, so their accuracy does not depend on a link's distance from the base.
+// Functions that start from q and v. They neither use nor change the results of update_kinematics() in `ws`. They are the fastest
+// functions. They compute in link frames, so their accuracy does not depend on a link's distance from the base.
 
 /// Joint forces that produce `vdot` (recursive Newton-Euler; Featherstone ch. 5). O(links).
 /// @param vdot [nv]; empty: zero, then tau = b @param tau [nv, out] must not alias an input
@@ -38,6 +38,11 @@ void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<
 /// @param vdot [nv]; empty: zero, then tau = b @param tau [nv, out] must not alias `vdot`
 void calc_inverse_dynamics(const Mechanism& m, Workspace& ws, std::span<const double> vdot, const Vec3& gravity,
                            std::span<const Vec6> external, std::span<double> tau);
+
+/// Bias forces b(q, v) at the positions of update_kinematics() but at other velocities. Does not change the velocities in `ws`. O(links).
+/// @param q [nq] the positions given to update_kinematics() @param v [nv] @param b [nv, out] must not alias `v`
+void calc_bias_forces(const Mechanism& m, Workspace& ws, std::span<const double> q, std::span<const double> v, const Vec3& gravity,
+                      std::span<const Vec6> external, std::span<double> b);
 
 /// Inertia matrix as chain rows in ws.M (composite-rigid-body algorithm). Allocates like the function of the same name above. O(nv depth).
 void calc_inertia_rows(const Mechanism& m, Workspace& ws);
@@ -69,7 +74,7 @@ void solve(const Workspace& ws, std::span<double> x);
 [[nodiscard]] bool calc_forward_dynamics_by_unit_vectors(const Mechanism& m, Workspace& ws, std::span<const double> tau,
                                                          const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot);
 
-/// Jacobian of a point that is fixed in `link`: velocity = sum over k of rows[k] v[chain k], with chain = chain_of_link(ws, link).
+/// Jacobian of a point that is fixed in `link`: velocity = sum over k of rows[k] v[chain[k]], with chain = chain_of_link(ws, link).
 /// @param p_W position of the point, m, world @param rows [chain length, out] velocity of the point per unit velocity of each DOF
 void calc_point_jacobian(const Workspace& ws, int link, const Vec3& p_W, std::span<Vec3> rows);
 

@@ -23,8 +23,8 @@ class SemiImplicitEuler final : public StepMethod {
   }
 };
 
-/// Butcher tableau of a first-same-as-last method: row `stages - 1` of `a` contains the weights of the result, so the last stage is the
-/// step's end and its rate is the first rate of the next step.
+/// Butcher tableau of a first-same-as-last method. Row `stages - 1` of `a` contains the weights of the result, so the last stage is the
+/// state at the step's end. The rate of this stage is the first rate of the next step.
 struct Tableau {
   int stages;
   const double* c;       // [stages] times of the stages, as fractions of the step
@@ -80,7 +80,8 @@ class ExplicitRungeKutta final : public StepMethod {
     }
   }
 
-  /// Continuous solution: the cubic Hermite interpolant of both ends, plus s^2 (1 - s)^2 times the tableau's quartic term, s = 0 to 1.
+  /// Continuous solution: the cubic Hermite interpolant of the step's two ends, plus s^2 (1 - s)^2 times the tableau's quartic term. s is
+  /// the fraction of the step, 0 to 1.
   void interpolate(double h, std::span<const double> v0, const double* last, StepResult& out) {
     const std::size_t n2 = error_.size(), n = n2 / 2;
     if (tableau_.dense)

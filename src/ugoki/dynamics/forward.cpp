@@ -23,7 +23,7 @@ void subtract_outer(ArticulatedInertia& a, const Vec6& u, double s) {
 }  // namespace
 
 // Articulated-body algorithm (Featherstone 2008, ch. 7). The DOFs of one joint are eliminated one by one, as if massless links connected
-// them. All pivots are therefore scalars, and their order is that of factor().
+// them. All pivots are therefore scalars, and the order of elimination is that of factor().
 bool calc_forward_dynamics(const Mechanism& m, Workspace& ws, std::span<const double> tau, const Vec3& gravity,
                            std::span<const Vec6> external, std::span<double> vdot) {
   UGOKI_CHECK(static_cast<int>(tau.size()) == m.nv() && vdot.size() == tau.size());
@@ -61,7 +61,7 @@ bool calc_forward_dynamics(const Mechanism& m, Workspace& ws, std::span<const do
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Link& link = links[i];
     Vec6 A = link.parent >= 0 ? ws.A[static_cast<std::size_t>(link.parent)] : A0;
-    // u already includes C through p, so C is added to the acceleration after the DOFs
+    // u already includes the velocity product C through p, so C is added to A only after vdot is computed
     for (int k = 0; k < link.joint.nv(); ++k) {
       const auto f = static_cast<std::size_t>(link.v_index + k);
       vdot[f] = ws.d[f] * (ws.u[f] - dot(ws.U[f], A));

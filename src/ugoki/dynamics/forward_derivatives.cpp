@@ -3,8 +3,8 @@
 #include "ugoki/dynamics/dynamics.h"
 
 namespace ugoki::dynamics {
-// Uses L M^-1 = D^-1 L^-T. The right side is upper triangular, so row i of M^-1 left of the diagonal is minus row i of L times the rows of
-// i's ancestors. These rows are known up to column i by symmetry.
+// Uses L M^-1 = D^-1 L^-T. The right side is upper triangular. Left of the diagonal, row i of M^-1 is therefore minus row i of L times the
+// rows of M^-1 of the ancestors of DOF i. By symmetry, these rows are known up to column i.
 void calc_inverse_of_inertia(const Workspace& ws, std::span<double> M_inverse) {
   const std::size_t n = ws.depth.size();
   UGOKI_CHECK(M_inverse.size() == n * n && ws.L.size() == ws.chain.size());

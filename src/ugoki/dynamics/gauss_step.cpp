@@ -15,13 +15,13 @@ constexpr double a[3][3] = {{5.0 / 36, 2.0 / 9 - root15 / 15, 5.0 / 36 - root15 
                             {5.0 / 36 + root15 / 24, 2.0 / 9, 5.0 / 36 - root15 / 24},
                             {5.0 / 36 + root15 / 30, 2.0 / 9 + root15 / 15, 5.0 / 36}};
 constexpr double b[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
-/// Coefficients (constant, linear, quadratic) of the Lagrange basis polynomial that is 1 at c[i] and 0 at the other nodes.
+/// Row i: coefficients (constant, linear, quadratic) of the Lagrange basis polynomial that is 1 at c[i] and 0 at the other two c.
 constexpr double basis[3][3] = {
     {c[1] * c[2] / ((c[0] - c[1]) * (c[0] - c[2])), -(c[1] + c[2]) / ((c[0] - c[1]) * (c[0] - c[2])), 1 / ((c[0] - c[1]) * (c[0] - c[2]))},
     {c[0] * c[2] / ((c[1] - c[0]) * (c[1] - c[2])), -(c[0] + c[2]) / ((c[1] - c[0]) * (c[1] - c[2])), 1 / ((c[1] - c[0]) * (c[1] - c[2]))},
     {c[0] * c[1] / ((c[2] - c[0]) * (c[2] - c[1])), -(c[0] + c[1]) / ((c[2] - c[0]) * (c[2] - c[1])), 1 / ((c[2] - c[0]) * (c[2] - c[1]))}};
 constexpr int max_iterations = 60;
-constexpr double noise = 1e-7;  // an iteration that stalls is accepted if its last change is below this fraction of the step's change
+constexpr double noise = 1e-7;  // a stalled iteration is accepted if its last change is below this fraction of h times the rates
 
 class GaussLegendre final : public StepMethod {
  public:
@@ -70,7 +70,7 @@ class GaussLegendre final : public StepMethod {
     std::swap(rates_, next_);
   }
 
-  /// Fixed-point iteration of the stage rates. Returns status not_converged if their changes do not become small (see `noise`).
+  /// Fixed-point iteration of the stage rates. Returns status not_converged if the changes of the rates stay above the bound `noise`.
   StepFailure iterate(StepEquation& f, double h) {
     const std::size_t n2 = z_.size(), n = n2 / 2;
     const std::span<const double> v0 = f.start_velocity();
@@ -92,7 +92,7 @@ class GaussLegendre final : public StepMethod {
         }
       }
       std::swap(rates_, next_);
-      // once the change is at the rounding error of the accelerations it no longer decreases
+      // The change of the rates stops decreasing when it has the size of the rounding errors of the accelerations.
       if (k > 0 && change >= last_change) ++stalls;
       if (change == 0 || (stalls > 0 && change < 1e-13) || (stalls > 2 && change <= noise * moved)) return {};
       if (k > 4 && change > 2 * last_change && change > noise * moved) break;

@@ -28,7 +28,8 @@ IntegratorOptions in_range(IntegratorOptions o) {
   if (!(o.event_tolerance > 0)) o.event_tolerance = 1e-10;
   o.event_samples = std::max(o.event_samples, 1);
   if (o.method == IntegrationMethod::radau_iia_5 && o.adaptive) {
-    // The error estimate has order 3 but the result order 5. The estimate is compared with this wider tolerance, as in RADAU5.
+    // The error estimate has order 3 but the result has order 5. The estimate is therefore compared with this wider tolerance, as in the
+    // program RADAU5 by Hairer and Wanner.
     const double inner = 0.1 * pow(o.relative_tolerance, 2.0 / 3);
     o.absolute_tolerance *= inner / o.relative_tolerance;
     o.relative_tolerance = inner;
@@ -76,7 +77,7 @@ struct Integrator::Implementation final : StepEvents::Trajectory {
         a(n),
         u(n) {}
 
-  // Continuous solution of the last accepted step, from q_base, v_base, t_base, h_base and dense. s is the fraction of the step, 0 to 1.
+  // Evaluates the continuous solution of the last accepted step. s is the fraction of the step, 0 to 1.
   void state_at(double s, std::span<double> q_out, std::span<double> v_out) override {
     solution_at(s, u, v_out);
     integrate(system.mechanism(), q_base, u, 1.0, q_out);
@@ -147,7 +148,7 @@ struct Integrator::Implementation final : StepEvents::Trajectory {
     return -1;
   }
 
-  /// Takes one accepted step, at most to t_end. Repeats rejected steps with a smaller size.
+  /// Computes steps until one is accepted. The step ends at t_end at the latest. A rejected step is repeated with a smaller size.
   IntegrationReport step(double t_end) {
     if (const IntegrationReport r = prepare_start(); r.status != IntegrationStatus::reached) return r;
     equation.begin(t, q, v);
@@ -156,7 +157,7 @@ struct Integrator::Implementation final : StepEvents::Trajectory {
     for (;;) {
       const double left = t_end - t;
       double h = std::min(h_next, options.max_step);
-      const bool last = h * (1 + 1e-6) >= left;  // stretches the step by up to 1e-6 of its size to avoid a tiny last step
+      const bool last = h * (1 + 1e-6) >= left;  // a step may be stretched by 1e-6 of its size to avoid a tiny last step
       if (last) h = left;
       result.failure = {};
       result.error = 0;
@@ -170,7 +171,7 @@ struct Integrator::Implementation final : StepEvents::Trajectory {
   }
 
   /// Decides whether the computed step is accepted (sets `accepted`), and sets the next step size.
-  /// @return status reached unless the integration must stop
+  /// @return status `reached` if the integration can go on, else the failure
   IntegrationReport assess(double h, bool last, bool shrunk, double t_end) {
     accepted = false;
     StepFailure failure = result.failure;

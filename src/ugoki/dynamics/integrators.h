@@ -6,7 +6,7 @@
 // 1999). Each step starts a new chart, so a rotation within a step stays far from the chart's singularity at |u| = 2 pi.
 //
 //   method              order  step      use it for
-//   semi_implicit_euler 1      fixed     games, contact-like forces: cheapest; energy error of order 1, drifts in chaotic motion
+//   semi_implicit_euler 1      fixed     games, contact-like forces; cheapest, but its energy error is of order 1 and drifts in chaos
 //   runge_kutta_4       4      fixed     smooth motion in real time
 //   dormand_prince_54   5      adaptive  accurate results, events
 //   gauss_legendre_6    6      fixed     long conservative runs: symmetric, energy does not drift
@@ -42,7 +42,7 @@ struct IntegratorOptions {
   IntegrationMethod method = IntegrationMethod::dormand_prince_54;
   double step = 0;                                            ///< s: step size; adaptive methods: first step, 0 = estimated
   bool adaptive = true;                                       ///< false: dormand_prince_54 and radau_iia_5 use the fixed `step`
-  double relative_tolerance = 1e-8;                           ///< relative to each coordinate and velocity; to 1 rad for rotations
+  double relative_tolerance = 1e-8;                           ///< relative to each coordinate and velocity; for rotations relative to 1 rad
   double absolute_tolerance = 1e-8;                           ///< rad | m, rad/s | m/s
   double min_step = 1e-12;                                    ///< s
   double max_step = std::numeric_limits<double>::infinity();  ///< s
@@ -56,7 +56,7 @@ struct IntegrationReport {
   IntegrationStatus status = IntegrationStatus::reached;
   double time = 0;  ///< s
   int dof = -1;     ///< velocity index of the DOF that caused the failure, or -1
-  int link = -1;    ///< link to whose joint `dof` belongs, or -1
+  int link = -1;    ///< index of the link whose joint has `dof`, or -1
   int event = -1;   ///< index of the event or event function, or -1
 };
 

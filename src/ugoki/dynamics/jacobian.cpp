@@ -6,12 +6,12 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// The motion `m` about p0, expressed about p0 + r.
+/// Changes the reference point of the motion `m` from p0 to p0 + r.
 Vec6 at_point(const Vec6& m, const Vec3& r) { return {m.w, m.v + cross(m.w, r)}; }
 
 Vec6 to_axes(const Mat3& R_W, const Vec6& m) { return {transpose_times(R_W, m.w), transpose_times(R_W, m.v)}; }
 
-/// A moving and rotating frame in which a motion vector known about p0 is expressed.
+/// A moving and rotating frame, used to express motion vectors that are given about p0 in world axes.
 struct MovingFrame {
   Mat3 R_W;     // axes of the frame, in world axes
   Vec3 r;       // m: origin relative to p0
@@ -52,11 +52,11 @@ MovingFrame relative_frame(const Workspace& ws, int a, int b, const Vec3& p_W) {
 
 /// Chain of a link; empty for the world (-1).
 std::span<const int> checked_chain(const Workspace& ws, int link) {
-  UGOKI_CHECK(!ws.chain.empty() || ws.S.empty());  // for mechanisms with very long chains call Workspace::make_rows() first
+  UGOKI_CHECK(!ws.chain.empty() || ws.S.empty());  // if this fails, call Workspace::make_rows() first (needed for very long chains)
   return link < 0 ? std::span<const int>{} : chain_of_link(ws, link);
 }
 
-/// Fills the columns of the DOFs that move only one of a and b: +column(k) for b, -column(k) for a. All other columns are zero.
+/// Fills J: +column(k) for a DOF k that moves only link b, -column(k) for a DOF k that moves only link a, and zero for all other DOFs.
 template <class Column>
 void fill_relative(const Workspace& ws, int a, int b, std::span<double> J, Column column) {
   const std::size_t n = ws.S.size();

@@ -1,7 +1,7 @@
 #pragma once
 // Jacobians of links and points, and their time derivatives. Call update_kinematics() first.
 //
-// A Jacobian is stored as one column for each DOF of the link's chain (chain_of_link(), root first): V = sum over k of J[k] v[chain k].
+// A Jacobian is stored as one column for each DOF of the link's chain (chain_of_link(), root first): V = sum over k of J[k] v[chain[k]].
 // expand_columns() writes it as a full 6 x nv matrix. Nothing here allocates. O(depth) unless stated otherwise.
 // Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 2 and 4.
 
@@ -16,8 +16,8 @@ enum class JacobianFrame {
 };
 
 /// True if the axis S of DOF k of this joint type is constant in the link's frame B; false if it is constant in the joint's frame J.
-/// In the first case dS/dq_j = S_j x S for the DOFs j of the same joint, in the second case it is 0. For the DOFs j of ancestors it is
-/// S_j x S in both cases.
+/// For the DOFs j of the same joint, dS/dq_j = S_j x S in the first case and 0 in the second. For the DOFs j of ancestors,
+/// dS/dq_j = S_j x S in both cases.
 [[nodiscard]] bool axis_moves_with_link(JointType type, int k);
 
 /// Time derivatives dS/dt of the motion subspaces, in world axes about the point p0, which is regarded as fixed in the world. O(links).

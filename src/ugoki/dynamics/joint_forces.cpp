@@ -20,7 +20,8 @@ bool is_angle(const Joint& joint, int k) {
   }
 }
 
-/// Force of spring and limits on one coordinate x: total, conservative part, and derivatives with respect to x and its rate.
+/// Force of spring and limits on one coordinate x: total, conservative part, and derivatives of the total with respect to x (dx) and to the
+/// rate of x (drate).
 struct CoordinateForce {
   double force = 0, conservative = 0, dx = 0, drate = 0;
   double spring_energy = 0, limit_energy = 0;

@@ -4,8 +4,8 @@
 //   tau = clamp(drive, effort) - d v - k (x - rest) - f v / sqrt(v^2 + s^2) + limit(x, x')
 //
 // d, k, rest, f and effort are the damping, stiffness, rest, friction and effort of the DOF. x is its displacement (joint_displacement()).
-// For spherical joints x is the rotation vector. The forces on its components are mapped to joint torques by the transposed Jacobian of the
-// rotation vector, so that springs conserve energy. Floating joints have no springs and no limits.
+// For spherical joints x is the rotation vector. Forces on the components of x are converted to joint torques by the transposed Jacobian of
+// the rotation vector (rotation_chart.h), so that springs conserve energy. Floating joints have no springs and no limits.
 //
 // Dry friction and limits are smooth approximations of what the contact solver (contact/stepper.h) computes exactly:
 // - Dry friction is regularised: a loaded joint creeps slowly instead of sticking.
@@ -17,10 +17,10 @@
 namespace ugoki::dynamics {
 
 struct JointForceOptions {
-  double friction_speed = 1e-2;    ///< s: rad/s | m/s at which dry friction is 0.71 of its maximum
-  double limit_turn = 5e3;         ///< K of limits on angles, N m/rad
-  double limit_shift = 2e5;        ///< K of limits on distances, N/m
-  double limit_dissipation = 0.5;  ///< c: s/rad | s/m; the coefficient of restitution is about 1 - 2/3 c * impact speed if that is near 1
+  double friction_speed = 1e-2;    ///< s: speed at which dry friction is 0.71 of its maximum, rad/s | m/s
+  double limit_turn = 5e3;         ///< stiffness K of limits on angles, N m/rad
+  double limit_shift = 2e5;        ///< stiffness K of limits on distances, N/m
+  double limit_dissipation = 0.5;  ///< c: dissipation, s/rad | s/m; coefficient of restitution about 1 - 2/3 c * impact speed, if near 1
 };
 
 /// Energies and powers of the joint forces at one state.

@@ -1,5 +1,5 @@
 #pragma once
-// Articulated inertias: of one body, and transformed to another point and across a joint. For kernels_*.cpp only.
+// Articulated inertia of one body, and its transformation to another point and across a joint. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_crossing.h"
 
@@ -36,7 +36,7 @@ UGOKI_INLINE V3<T> gyroscopic(const NodeOrder& o, const NodeConstants<Constant>&
   }
   return n;
 }
-/// Articulated inertia and bias force of a node's body alone.
+/// Articulated inertia and bias force of a node's own body, without its children.
 template <class T, class Constant>
 UGOKI_INLINE Articulated<T> body(const NodeOrder& o, const NodeConstants<Constant>& c, const V3<T>& w) {
   const T none(0), m(c.mass);
@@ -47,7 +47,7 @@ UGOKI_INLINE Articulated<T> body(const NodeOrder& o, const NodeConstants<Constan
   if (o.moment != 0) A.f = centripetal(w, o.moment, c.h);
   return A;
 }
-/// Adds a node's body to A.
+/// Adds the inertia and bias force of a node's own body to A. @param w as in gyroscopic()
 template <class T, class Constant>
 UGOKI_INLINE void add_body(Articulated<T>& A, const NodeOrder& o, const NodeConstants<Constant>& c, const V3<T>& w) {
   const T m(c.mass);
@@ -71,7 +71,7 @@ UGOKI_INLINE void add_body(Articulated<T>& A, const NodeOrder& o, const NodeCons
   if (o.moment != 0) A.f += centripetal(w, o.moment, c.h);
 }
 
-/// Transforms I and H across a revolute joint, to the parent's axes, if the z rows of both are zero (a joint without armature).
+/// Transforms I and H across a revolute joint to the parent's axes. Requires that the z rows of I and H are zero: a joint without armature.
 template <Crossing K, class T>
 UGOKI_INLINE void up_without_z(const RevoluteCrossing<T, K>& X, Articulated<T>& A) {
   const T none(0);
@@ -88,8 +88,8 @@ UGOKI_INLINE void up_without_z(const RevoluteCrossing<T, K>& X, Articulated<T>& 
       Mat3T<T>{Hxx, Hxy, c * H.xz - s * H.yz, Hxy - (H.xy - H.yx), (H.xx + H.yy) - Hxx, s * H.xz + c * H.yz, none, none, none});
 }
 
-/// Changes the reference point of an articulated inertia and its bias force from r e_k to the origin; the axes do not change.
-/// @tparam k axis of the offset @tparam zero index of the row of I and H that is zero; 3: none
+/// Changes the reference point of an articulated inertia and its bias force from r e_k to the origin; e_k is the unit vector of axis k.
+/// @tparam k 0: x, 1: y, 2: z @tparam zero index of the row of I and H that is zero; 3: none
 template <int k, int zero, class T>
 UGOKI_INLINE void shift_along(Articulated<T>& a, T r) {
   constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -130,7 +130,8 @@ UGOKI_INLINE void shift_along(Articulated<T>& a, T r) {
   entry<j, k>(H) = jk;
   add_cross<k>(a.n, r, a.f);
 }
-/// Changes the reference point from r to the origin, axis by axis. @param present the nonzero coordinates of r
+/// Changes the reference point of an articulated inertia from r to the origin, axis by axis. @param present the nonzero coordinates of r
+/// @tparam zero as in shift_along()
 template <int zero, class T, class Constant>
 UGOKI_INLINE void shift(Articulated<T>& a, Axes present, const Constant* r) {
   switch (present) {
@@ -142,13 +143,13 @@ UGOKI_INLINE void shift(Articulated<T>& a, Axes present, const Constant* r) {
   }
 }
 
-/// The same for a variable r with all coordinates nonzero.
+/// Changes the reference point of an articulated inertia from r to the origin, for any r.
 template <class T>
 UGOKI_INLINE void shift(Articulated<T>& a, const V3<T>& r) {
   const Mat3T<T>& H = a.H;
   const Mat3T<T> G = H + Mat3T<T>::columns(cross(r, V3<T>{a.M.xx, a.M.xy, a.M.xz}), cross(r, V3<T>{a.M.xy, a.M.yy, a.M.yz}),
                                            cross(r, V3<T>{a.M.xz, a.M.yz, a.M.zz}));
-  // I_ij + (r x H row j)_i + (r x G row i)_j
+  // I_ij <- I_ij + (r x row j of H)_i + (r x row i of G)_j, where G is the new H
   a.I.xx += r.y * (H.xz + G.xz) - r.z * (H.xy + G.xy);
   a.I.yy += r.z * (H.yx + G.yx) - r.x * (H.yz + G.yz);
   a.I.zz += r.x * (H.zy + G.zy) - r.y * (H.zx + G.zx);

@@ -41,7 +41,7 @@ UGOKI_INLINE T load(const typename T::Real* array, int i, std::ptrdiff_t stride)
   return T::load(array + i * stride);
 }
 
-/// Cyclic permutation K of x, y, z (see Crossing): from the child's axes to the parent's axes. exchange_down() is the inverse.
+/// Applies the cyclic permutation K of x, y, z (see Crossing), from the child's axes to the parent's axes. exchange_down() is the inverse.
 template <Crossing K, class T>
 UGOKI_INLINE V3<T> exchange_up(const V3<T>& v) {
   if constexpr (K == Crossing::cycle) return {v.z, v.x, v.y};
@@ -95,7 +95,7 @@ struct RevoluteCrossing {
   }
 };
 
-/// Any rotation, given as a matrix. up() and down() as in RevoluteCrossing.
+/// Joint with any rotation, given as a matrix. up() and down() as in RevoluteCrossing.
 template <class T>
 struct MatrixCrossing {
   Mat3T<T> E;  ///< rotation from the node's axes to the parent's axes
@@ -109,10 +109,10 @@ struct MatrixCrossing {
   UGOKI_INLINE Mat3T<T> up(const Mat3T<T>& m) const { return E * (m * E.transposed()); }
 };
 
-// Constant vectors of a node are often parallel to a coordinate axis. The functions below compute only with their nonzero coordinates,
-// which the argument `present` lists (Axes in link_program.h).
+// Constant vectors of a node are often parallel to a coordinate axis. The functions below use only the nonzero coordinates of such a
+// vector. The argument `present` lists these coordinates (Axes in link_program.h).
 
-/// x times the node's sign. The sign of twins is one value per lane, because the two twins may differ in it.
+/// x times NodeConstants::sign. For a pair of twins (link_twins.h) the sign has one value per lane, because the twins' signs may differ.
 template <class T, class Constant>
 UGOKI_INLINE T with_sign(const NodeOrder& o, const NodeConstants<Constant>& c, T x) {
   if constexpr (std::is_same_v<Constant, typename T::Real>)
@@ -160,7 +160,7 @@ UGOKI_INLINE void add_cross(V3<T>& out, T x, const V3<T>& v) {
   entry<i>(out) -= x * entry<j>(v);
   entry<j>(out) += x * entry<i>(v);
 }
-constexpr Axes all_axes = 7;  // handled in one expression: its dependency chains are shorter than axis by axis
+constexpr Axes all_axes = 7;  // computed in one expression, with shorter dependency chains than axis by axis
 
 /// out <- out + c x v
 template <class T, class Constant>
@@ -189,7 +189,7 @@ UGOKI_INLINE void add_product(V3<T>& out, const Mat3T<T>& A, Axes present, const
     });
 }
 
-/// w x (w x (x e_k))
+/// Returns w x (w x (x e_k)), e_k: unit vector of axis k.
 template <int k, class T>
 UGOKI_INLINE V3<T> centripetal(const V3<T>& w, T x) {
   constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -221,7 +221,7 @@ UGOKI_INLINE Mat3T<T> matrix_of_quaternion(const typename T::Real* q, std::ptrdi
           two * (yz - wx),       two * (xz - wy), two * (yz + wx), one - two * (xx + yy)};
 }
 
-/// R times the rotation about z by the angle with sine s and cosine c.
+/// Returns R times the rotation about z by the angle whose sine is s and cosine is c.
 template <class T>
 UGOKI_INLINE Mat3T<T> turned_about_z(const Mat3T<T>& R, T s, T c) {
   return {R.xx * c + R.xy * s, R.xy * c - R.xx * s, R.xz, R.yx * c + R.yy * s, R.yy * c - R.yx * s, R.yz,
@@ -257,7 +257,7 @@ UGOKI_INLINE void sines_of(const double* q, const int* angle_q, const double* an
 }
 
 /// Data that all kernels share: the rotation of every joint, and the external wrenches in the nodes' frames.
-/// @tparam Constant type of a node's constants: Real, or LaneArray (one value per lane, for twins)
+/// @tparam Constant type of a node's constants: Real; for twins (link_twins.h) LaneArray, one value per lane
 template <class T, class Constant = typename T::Real>
 struct Pass {
   using Real = typename T::Real;
@@ -266,7 +266,7 @@ struct Pass {
   Scratch scratch;
   T* sin;       ///< [angles]
   T* cos;       ///< [angles]
-  Mat3T<T>* E;  ///< [nodes] result of rotation(i): node axes to parent axes (floating nodes: without constants[i].R); Crossing::matrix only
+  Mat3T<T>* E;  ///< [nodes] rotation(i), node axes to parent axes; floating nodes: without constants[i].R; only for Crossing::matrix
   Vec6T<T>* wrench;  ///< [nodes] external wrench in the node's axes about its origin, or null
 
   explicit Pass(const KernelArguments<Real, Constant>& arguments)
@@ -283,7 +283,7 @@ struct Pass {
       if (a.sin == nullptr)
         sines_of(a.q, a.angle_q, a.angle_sign, a.angles, reinterpret_cast<double*>(sin), reinterpret_cast<double*>(cos));
     } else {
-      // two angles at once: their polynomials are independent and overlap in the pipeline
+      // Two angles at once: the polynomials of the two are independent and overlap in the pipeline.
       using Two = Lanes<Real, 2 * T::count>;
       for (int i = 0; i < a.angles; i += 2) {
         Real x[Two::count] = {};
@@ -339,7 +339,7 @@ struct Pass {
       case Crossing::cycle_back: return revolute<Crossing::cycle_back>(o).down(parent);
       case Crossing::matrix: break;
     }
-    const bool twice = o.kind == NodeKind::floating && o.turned;  // E of a floating node does not include R
+    const bool twice = o.kind == NodeKind::floating && o.turned;  // E of a floating node does not include R, so R is applied too
     return transpose_times(E[i], twice ? transpose_times(matrix_of<T>(a.constants[i].R), parent) : parent);
   }
 

@@ -2,19 +2,21 @@
 // Forward dynamics from (q, v, tau) in three sweeps: the articulated-body algorithm in the nodes' frames.
 //
 // The acceleration of a node is that of the material point at its origin, as in kernel_inverse.h:
-//   a_i = X a_P + c_i + S_i vdot_i,   c_i = ((E^T w_P) x S v, E^T (w_P x (w_P x r)) + 2 w x S v's linear part)
+//   a_i = X a_P + c_i + S_i vdot_i,   c_i = ((E^T w_P) x s_w, E^T (w_P x (w_P x r)) + 2 w x s_v),   S v = (s_w, s_v)
 //   U = IA S,  D = S^T U + armature,  u = tau - S^T (pA + IA c),  vdot = (u - U^T X a_P) / D
 //   passed to the parent: IA - U U^T / D  and  pA + IA c + U u / D
-// i is the node, P its parent, r the node's origin in the parent's frame, E the rotation to the parent's axes, X the transform of
-// accelerations to the node. The column S of a DOF has one or two nonzero entries in the node's frame, so U is a column of IA, or the sum
-// of two. DOFs of one node are eliminated one by one. Source: Featherstone (2008), ch. 7. For kernels_*.cpp only.
+// i is the node, P its parent, w the angular velocity of a node in its own axes, r the node's origin in the parent's frame, E the rotation
+// to the parent's axes, X the transform of accelerations to the node. IA and pA are the articulated inertia and bias force. The column S
+// of a DOF has one or two nonzero entries in the node's frame, so U is a column of IA or a sum of two columns. DOFs of one node are
+// eliminated one by one. Source: Featherstone (2008), ch. 7. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_articulated.h"
 
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
-/// The Loops policy of an open system: does nothing. LoopPass (kernel_loops.h) is the one for closed systems and describes the functions.
+/// The Loops policy of ForwardKernel for an open system: does nothing. LoopPass (kernel_loops.h), the policy for closed systems, describes
+/// the functions.
 struct NoLoops {
   static constexpr bool present_at(int) { return false; }
   template <class... A>
@@ -35,9 +37,10 @@ struct NoLoops {
   UGOKI_INLINE void recover(A&&...) {}
 };
 
-/// Forward dynamics of the nodes in the arguments: a whole mechanism, the trunk of one, or a pair of twins.
+/// Forward dynamics of the nodes that KernelArguments lists: a whole mechanism, its trunk, or a pair of twins, two subtrees
+/// of the same structure (link_twins.h).
 /// @tparam Loops NoLoops, or LoopPass, which processes the multipliers of closed loops in every elimination
-/// @tparam Constant LaneArray for a pair of twins (link_twins.h); their base is then a node of the trunk's kernel
+/// @tparam Constant LaneArray for a pair of twins. The base is then not the world, but the node that is the parent of both subtrees.
 template <class T, class Loops = NoLoops, class Constant = typename T::Real>
 class ForwardKernel {
  public:
@@ -57,7 +60,7 @@ class ForwardKernel {
         acceleration_(pass_.scratch.template take<Vec6T<T>>(a_.nodes + 1)),
         slots_(pass_.scratch.template take<Articulated<T>>(a_.slots)) {}
 
-  /// Runs all sweeps. @return mask of the lanes in which a pivot was not positive
+  /// Runs all sweeps. @return mask of the lanes in which a pivot was not positive (singular inertia)
   Mask run() {
     turn_all();
     return accelerate();
@@ -65,7 +68,7 @@ class ForwardKernel {
 
   /// Computes joint rotations and the angular velocities of all nodes. The base does not rotate.
   void turn_all() { turn_all({T(0), T(0), T(0)}); }
-  /// As above. @param w angular velocity of the base, rad/s, in its own axes
+  /// Computes the same for a base that rotates. @param w angular velocity of the base, rad/s, in its own axes
   void turn_all(const V3<T>& w) {
     pass_.prepare();
     w_[0] = w;
@@ -82,7 +85,7 @@ class ForwardKernel {
   /// Sets the base's angular velocity to zero. For kernels whose nodes are set by copy_turning() instead of turn_all().
   void rest_base() { w_[0] = {T(0), T(0), T(0)}; }
 
-  /// Inward and outward sweeps, after turn_all(). @return as run()
+  /// Inward and outward sweeps. Call turn_all() first. @return as run()
   Mask accelerate() {
     condense();
     loops_.eliminate_world(a_.nodes, acceleration_[0]);
@@ -90,7 +93,7 @@ class ForwardKernel {
     return bad_;
   }
 
-  /// Inward sweep: articulated inertias, U, 1 / D and u of all DOFs. The reduced forces u may still be changed before move().
+  /// Inward sweep: articulated inertias, and U, 1 / D and u of all DOFs. The caller may change the reduced forces u before move().
   void condense() {
     const T none(0);
     pass_.transform_wrenches();
@@ -128,12 +131,12 @@ class ForwardKernel {
     }
   }
 
-  /// The node's angular velocity in its own axes.
+  /// Angular velocity of node i in its own axes, rad/s.
   [[nodiscard]] const V3<T>& angular_velocity(int i) const { return w_[i + 1]; }
   [[nodiscard]] const Vec6T<T>& acceleration(int i) const { return acceleration_[i + 1]; }
-  /// Articulated inertia that a pair of twins passes to its base, after condense(); one per lane, in the base's frame.
+  /// Articulated inertia that each of the two twins passes to the base, one twin per lane, in the base's frame. Valid after condense().
   [[nodiscard]] const Articulated<T>& passed_up() const { return from_child_; }
-  /// Sets the articulated inertias that pairs of twins passed to nodes of this kernel. @param passed_up [NodeOrder::twin_slot]
+  /// Sets the articulated inertias that pairs of twins passed to nodes of this kernel. @param passed_up indexed by NodeOrder::twin_slot
   void set_twins(const Articulated<T>* passed_up) { twins_ = passed_up; }
   [[nodiscard]] Mask bad() const { return bad_; }
 
@@ -175,7 +178,7 @@ class ForwardKernel {
     }
   }
   [[nodiscard]] const Pass<T, Constant>& pass() const { return pass_; }
-  /// Scratch memory that the kernel does not use before accelerate(). It has room for 18 values per node and two 64-byte alignments.
+  /// Scratch memory that the kernel does not use before accelerate(). It has room for 18 values of T per node and two 64-byte alignments.
   [[nodiscard]] Scratch free_scratch() const { return pass_.scratch; }
 
  private:
@@ -209,7 +212,7 @@ class ForwardKernel {
   UGOKI_INLINE static T flush_tiny(T x) { return select(x < T(tiny_limit), select(T(-tiny_limit) < x, T(0), x), x); }
   UGOKI_INLINE static V3<T> flush_tiny(const V3<T>& x) { return {flush_tiny(x.x), flush_tiny(x.y), flush_tiny(x.z)}; }
 
-  // A batch stores accelerations by level: only those of the current node's ancestors, as in kernel_inverse.h.
+  // A batch stores accelerations by tree level, so only those of the current node's ancestors (reason: kernel_inverse.h).
   static constexpr bool by_level = T::count > 1 && !twins && !closed;
   UGOKI_INLINE int state_index(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
   UGOKI_INLINE static int parent_state(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
@@ -241,7 +244,7 @@ class ForwardKernel {
 
   // Second sweep, inward: articulated inertias.
 
-  /// Articulated inertia of the node: its own body plus the contributions of its children.
+  /// Articulated inertia of the node: that of its own body plus those passed up by its children.
   UGOKI_INLINE Articulated<T> gather(int i) {
     const NodeOrder& o = a_.order[i];
     Articulated<T> A;
@@ -285,7 +288,7 @@ class ForwardKernel {
     }
   }
   /// Eliminates a revolute joint.
-  /// @tparam has_armature the DOF has armature; without it, the z rows of I and H passed to the parent are zero
+  /// @tparam has_armature the DOF has armature; without armature, the z rows of I and H passed to the parent are zero
   template <Crossing K, bool has_armature, bool loops>
   UGOKI_INLINE void eliminate_revolute(int i, const NodeOrder& o) {
     const NodeConstants<Constant>& c = a_.constants[i];
@@ -343,7 +346,7 @@ class ForwardKernel {
     A.M.xy -= Uv.x * dv.y;
     A.M.xz -= Uv.x * dv.z;
     A.M.yz -= Uv.y * dv.z;
-    // Bias force passed to the parent: pA + (IA - U U^T / D) c + U u / D. Its z moment equals the joint force if there is no armature.
+    // Bias force passed to the parent: pA + (IA - U U^T / D) c + U u / D. Without armature its moment about z equals the joint force.
     A.n.x += (A.I.xx * cx + A.I.xy * cy) + Uw.x * step;
     A.n.y += (A.I.xy * cx + A.I.yy * cy) + Uw.y * step;
     if constexpr (has_armature)
@@ -390,7 +393,7 @@ class ForwardKernel {
     A.f += y * u;
   }
 
-  /// Velocity products c of a node with Crossing::matrix, in the node's axes.
+  /// Velocity-product acceleration c (see the top) of a node with Crossing::matrix, in the node's axes.
   Vec6T<T> velocity_product(int i) const {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& k = a_.constants[i];
@@ -461,7 +464,8 @@ class ForwardKernel {
     pass_up(o, A);
   }
 
-  /// Solves a floating base: (IA + armature) vdot = tau - pA - IA a_0 in the node's axes, by an L D L^T elimination from the last DOF.
+  /// Solves a floating base: (IA + armature) vdot = tau - pA - IA a0 in the node's axes, by L D L^T elimination from the last DOF.
+  /// a0 = -gravity is the node's acceleration for vdot = 0.
   void solve_floating(int i, const Articulated<T>& A) {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
@@ -500,7 +504,7 @@ class ForwardKernel {
 
   // Third sweep, outward: accelerations.
 
-  /// Joint force u of the DOF minus the effect of the loops' multipliers. @param which index of the DOF among the node's DOFs
+  /// Reduced joint force u of a DOF minus the effect of the loops' multipliers. @param which index of the DOF among the node's DOFs
   UGOKI_INLINE T reduced_force(int i, int which, const DofPass& f) const {
     if constexpr (closed) return f.u - loops_.along_multipliers(i, which);
     return f.u;

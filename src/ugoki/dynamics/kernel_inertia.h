@@ -1,10 +1,10 @@
 #pragma once
 // Inertia matrix from q as chain rows: the composite-rigid-body algorithm in the nodes' frames.
 //
-// Nodes are processed from the last to the first. The composite inertia Ic of a node gives the forces F = Ic S of its own DOFs. The forces
-// of all DOFs of its subtree, already in its frame, give the entries S^T F of the inertia matrix. Then inertia and forces are transformed
-// to the parent's frame. The forces of a subtree are a contiguous range, so they are transformed in SIMD lanes. The entries are produced
-// in the order of the forces; they are collected and written to the chain rows in blocks of some hundreds.
+// Nodes are processed from the last to the first. The composite inertia Ic of a node (its body and all descendants) gives the forces
+// F = Ic S of its own DOFs with axes S. The forces F of all DOFs of its subtree, in the node's frame, give the entries S^T F of the inertia
+// matrix. Then Ic and the forces are transformed to the parent's frame. The forces of a subtree are a contiguous range, so they are
+// transformed in SIMD lanes. The entries are collected in the order of the forces and written to the chain rows some hundreds at a time.
 // Source: Featherstone (2008), ch. 6. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_crossing.h"
@@ -12,8 +12,9 @@
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
-/// Inertia matrix of the nodes in the arguments.
-/// @tparam Constant LaneArray for a pair of twins (link_twins.h); their base is then a node of the trunk's kernel
+/// Inertia matrix of the nodes that KernelArguments lists: a whole mechanism, its trunk, or a pair of twins, two subtrees
+/// of the same structure (link_twins.h).
+/// @tparam Constant LaneArray for a pair of twins. The base is then not the world, but the node that is the parent of both subtrees.
 template <class T, class Constant = typename T::Real>
 class InertiaKernel {
  public:
@@ -42,19 +43,20 @@ class InertiaKernel {
     }
     write_entries();
   }
-  /// Inertia and forces that a pair of twins passes to its base.
+  /// Composite inertia and forces that a pair of twins passes to its base, the trunk node that carries the two subtrees (link_twins.h).
   struct Twins {
     InertiaT<T> inertia;     ///< sum of both twins
-    const double* force[6];  ///< [count] nx, ny, nz, fx, fy, fz of the pair's DOFs, in the base's frame
+    const double* force[6];  ///< [count] components nx, ny, nz, fx, fy, fz of the forces of the pair's DOFs, in the base's frame
     int force_begin, count;  ///< first index in the trunk's force arrays; number of values (2 per DOF of a twin)
-    int twin_slot;           ///< NodeOrder::twin_slot
+    int twin_slot;           ///< NodeOrder::twin_slot of the base
   };
-  /// Sets the contributions of the pairs of twins. @param pairs [count] in ascending order of force_begin
+  /// Sets the inertias and forces that run() adds to the trunk, which is all nodes outside the subtrees of twins.
+  /// @param pairs [count] the contribution of each pair (two subtrees), in ascending order of force_begin; must outlive run()
   void set_twins(const Twins* pairs, int count) {
     twins_ = pairs;
     twin_count_ = count;
   }
-  /// Composite inertia that a pair of twins passes to its base; one per lane.
+  /// Composite inertia that each of the two twins passes to the base, one twin per lane.
   [[nodiscard]] const InertiaT<T>& passed_up() const { return from_child_; }
   template <class Out>
   void pass_up_forces(Out& out) const {
@@ -70,7 +72,7 @@ class InertiaKernel {
 
   double* forces() { return pass_.scratch.template take<double>(a_.nv * lanes + Wide::count); }
 
-  /// Broadcasts x to the lanes of a Wide; the values of twins alternate, as the forces of the two twins do in memory.
+  /// Repeats x in the lanes of a Wide. For a pair of twins the two values alternate, as the forces of the two twins do in memory.
   UGOKI_INLINE static Wide wide(T x) {
     if constexpr (lanes == 1) {
       return Wide(x.v);
@@ -85,7 +87,7 @@ class InertiaKernel {
     return {wide(m.xx), wide(m.xy), wide(m.xz), wide(m.yx), wide(m.yy), wide(m.yz), wide(m.zx), wide(m.zy), wide(m.zz)};
   }
 
-  /// Composite inertia of the node: its own body plus the contributions of its children.
+  /// Composite inertia of the node: that of its own body plus those passed up by its children.
   UGOKI_INLINE InertiaT<T> gather(const NodeOrder& o, const NodeConstants<Constant>& c) {
     InertiaT<T> C{T(c.mass), vector_of<T>(c.h), symmetric_of<T>(c.I)};
     if (o.has_child) add(C, from_child_);
@@ -138,8 +140,8 @@ class InertiaKernel {
     v.z.store(z + k);
   }
 
-  /// Computes the entries of one DOF with the forces [begin, end); the DOF's own force is the last one. Lanes past the end write values
-  /// that the next DOF overwrites. @param along (k) -> entries of the lanes that start at element k of the force arrays
+  /// Computes the matrix entries of one DOF with the forces [begin, end); the DOF's own force is the last of them. Lanes past the end write
+  /// values that the next DOF overwrites. @param along (k) -> entries for the forces in the lanes from element k of the force arrays
   template <class Along>
   UGOKI_INLINE void entries(int begin, int end, const Constant& armature, Along&& along) {
     double* const out = entries_ + entry_count_;
@@ -158,8 +160,8 @@ class InertiaKernel {
     entry_count_ = 0;
   }
 
-  /// Transforms inertia and forces to the parent's frame. The last lanes may extend past the range's end, into forces of nodes that are
-  /// processed later and overwrite them.
+  /// Transforms inertia and forces to the parent's frame. The last lanes may extend past the end of the subtree's range. The forces there
+  /// belong to nodes that are processed later and overwrite them.
   /// @param r the node's origin in the parent's frame @param offset nonzero coordinates of r
   template <class One, class Many>
   UGOKI_INLINE void transform_to_parent(const NodeOrder& o, const InertiaT<T>& c, const One& crossing, const Many& crossing_wide,
@@ -181,7 +183,7 @@ class InertiaKernel {
       store_wide(n, nx, ny, nz, k);
     }
   }
-  /// Parallel-axis theorem: changes the reference point from r e_k to the origin.
+  /// Parallel-axis theorem: changes the reference point of c from r e_k to the origin; e_k is the unit vector of axis k.
   template <int k>
   UGOKI_INLINE static void shift_along(InertiaT<T>& c, T r) {
     constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -214,11 +216,11 @@ class InertiaKernel {
     const InertiaT<T> C = gather(o, c);
     const T none(0), sign(c.sign), pitch(c.pitch);
     const V3<T> z{none, none, sign}, zero{none, none, none};
-    // the force of a unit motion (w, v) of the node is (I w + h x v, m v - h x w)
+    // The wrench for a unit motion (w, v) of the node is (I w + h x v, m v - h x w).
     const auto begin = [&](int k, const V3<T>& w, const V3<T>& v) {
       start(o.force_end - 1 - k, C.I * w + cross(C.h, v), v * C.mass - cross(C.h, w));
     };
-    // entries of DOF k with the node's own DOFs: only those from k on, because the matrix is symmetric
+    // Of the entries between DOF k and the node's own DOFs, only those from k on are computed, because the matrix is symmetric.
     const auto column = [&](int k, const auto& along) { entries(o.force_begin, o.force_end - k, c.armature[k], along); };
     const Wide wide_sign = wide(sign), wide_pitch = wide(pitch);
     switch (o.kind) {
@@ -267,10 +269,10 @@ class InertiaKernel {
   const Twins* twins_ = nullptr;
   int twin_count_ = 0;
   InertiaT<T> from_child_;
-  double *nx_, *ny_, *nz_, *fx_, *fy_, *fz_;  // [nv * lanes] forces of the DOFs, last nodes first
+  double *nx_, *ny_, *nz_, *fx_, *fy_, *fz_;  // [nv * lanes] components of the DOFs' forces, last nodes first
   double* entries_;                           // computed entries that are not yet copied to the chain rows
   int entry_count_ = 0;                       // number of these entries
-  const int* next_index_;                     // index in the chain rows of the next entries
+  const int* next_index_;                     // indices in the chain rows of the next entries to copy
 };
 
 }  // namespace

@@ -1,11 +1,12 @@
 #pragma once
 // Inverse dynamics from (q, v, vdot) in two sweeps: recursive Newton-Euler in the nodes' frames.
 //
-// The acceleration of a node is that of the material point at its origin, (w', a), not the spatial acceleration. Only the angular velocity
-// of a node is then needed. For a revolute joint about z, with parent P, r the node's origin in the parent's frame, and E the rotation from
-// the node's axes to the parent's axes:
+// The acceleration of a node is that of the material point at its origin, (w', a), not the spatial acceleration. Of the velocities, only
+// the angular velocity w is then needed. For a revolute joint about z with rate v, parent P, r the node's origin in the parent's frame, and
+// E the rotation from the node's axes to the parent's axes:
 //   w = E^T w_P + z v        w' = E^T w'_P + (E^T w_P) x z v + z vdot        a = E^T (a_P + w'_P x r + w_P x (w_P x r))
-//   K = w' x + w x w x        f = m a + K h        n = vee(K Sigma - (K Sigma)^T) + h x a
+//   K = [w'x] + [wx] [wx]    f = m a + K h        n = vee(K Sigma - (K Sigma)^T) + h x a
+// [wx] is the matrix of the cross product and vee its inverse. m, h and I are mass, first moment and inertia about the node's origin.
 // Sigma = tr(I)/2 1 - I are the second moments of mass, so that n = I w' + w x I w + h x a.
 // Sources: Luh, Walker, Paul (1980); Featherstone (2008), ch. 5. For kernels_*.cpp only.
 
@@ -14,8 +15,9 @@
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
-/// Inverse dynamics of the nodes in the arguments.
-/// @tparam Constant LaneArray for a pair of twins (link_twins.h); their base is then a node of the trunk's kernel
+/// Inverse dynamics of the nodes that KernelArguments lists: a whole mechanism, its trunk, or a pair of twins, two subtrees
+/// of the same structure (link_twins.h).
+/// @tparam Constant LaneArray for a pair of twins. The base is then not the world, but the node that is the parent of both subtrees.
 template <class T, class Constant = typename T::Real>
 class InverseKernel {
  public:
@@ -29,10 +31,10 @@ class InverseKernel {
 
   /// Motion of a node, in its own axes.
   struct Motion {
-    Mat3T<T> K;      ///< K r = w' x r + w x (w x r)
+    Mat3T<T> K;      ///< matrix with K r = w' x r + w x (w x r) for every r
     V3<T> a, w, wd;  ///< acceleration of the origin, angular velocity, angular acceleration w'
   };
-  /// Moment about the node's origin, and force.
+  /// Wrench in a node's axes: moment n about its origin, N m, and force f, N.
   struct Force {
     V3<T> n, f;
   };
@@ -44,7 +46,7 @@ class InverseKernel {
     propagate_forces();
   }
 
-  /// Outward sweep: motions of all nodes, and the force on each node alone. @param base motion of the base
+  /// Outward sweep: motions of all nodes, and the force that each node's own body needs. @param base motion of the base
   void move(const Motion& base) {
     pass_.prepare();
     pass_.transform_wrenches();
@@ -72,9 +74,9 @@ class InverseKernel {
   }
 
   [[nodiscard]] const Motion& motion(int i) const { return motion_[i + 1]; }
-  /// Force that a pair of twins passes to its base; one per lane, in the base's frame.
+  /// Force that each of the two twins passes to the base, one twin per lane, in the base's frame.
   [[nodiscard]] const Force& passed_up() const { return passed_up_; }
-  /// Adds a force to node `i`, in its axes about its origin. Call it between move() and propagate_forces().
+  /// Adds a moment n and a force f to node `i`, in the node's axes about its origin. Call it between move() and propagate_forces().
   void add_force(int i, const V3<T>& n, const V3<T>& f) {
     force_[i].n += n;
     force_[i].f += f;
@@ -83,7 +85,7 @@ class InverseKernel {
  private:
   static constexpr bool twins = !std::is_same_v<Constant, Real>;
 
-  // A batch stores motions by level: only those of the current node's ancestors. Its scratch memory then fits in the L1 cache.
+  // A batch stores motions by tree level, so only those of the current node's ancestors. The scratch memory then fits in the L1 cache.
   static constexpr bool by_level = T::count > 1 && !twins;
   UGOKI_INLINE int state_index(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
   UGOKI_INLINE static int parent_state(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
@@ -92,7 +94,7 @@ class InverseKernel {
   UGOKI_INLINE T vdot(int k) const { return a_.in == nullptr ? T(0) : load<T>(a_.in, k, a_.stride); }
   UGOKI_INLINE void write_out(int k, T tau) const { tau.store(a_.out + k * a_.stride); }
 
-  /// Stores the motion of node `i`, and computes the force on its body alone minus the external wrench.
+  /// Stores the motion of node `i`. Also stores the force that its own body needs for this motion, minus the external wrench.
   UGOKI_INLINE void finish(int i, const V3<T>& w, const V3<T>& wd, const V3<T>& a) {
     const NodeConstants<Constant>& c = a_.constants[i];
     const T xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z, xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
@@ -169,7 +171,7 @@ class InverseKernel {
     finish(i, w, wd, a);
   }
 
-  /// Adds a node's force to its parent. @param n, f in the parent's axes about its origin
+  /// Adds a node's moment n and force f to its parent. @param n, f in the parent's axes about the parent's origin
   UGOKI_INLINE void pass_up(const NodeOrder& o, const V3<T>& n, const V3<T>& f) {
     if (!twins && o.parent < 0) return;
     if (twins && o.parent < 0) {

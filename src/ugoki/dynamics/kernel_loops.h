@@ -1,11 +1,11 @@
 #pragma once
 // The Loops policy of kernel_forward.h for closed systems: processes the multipliers of the loops. For closed_kernels_*.cpp only.
 //
-// P are the columns of a loop's multipliers at a node: bias forces (n, f) per unit multiplier, like pA. At every stage of the recursion,
-// row k of the loop is
+// P are the columns of a loop at a node: bias forces (n, f) per unit of each multiplier. At every stage of the recursion, row k of the loop
+// is
 //   -P_k . a + g_k + sum Lambda lambda = 0     with a the acceleration of the node that the recursion has reached.
-// Eliminating a DOF with S, U, u and d = 1 / D gives s = S . P, P <- P - U d s, g <- g - s d u, Lambda <- Lambda + d s s^T. A velocity
-// product c gives g <- g - P . c. Method and sources: closed_links.h.
+// Eliminating a DOF gives s = S . P, P <- P - U d s, g <- g - s d u, Lambda <- Lambda + d s s^T, where d = 1 / D. A velocity product c
+// gives g <- g - P . c. S, U, D, u and c: kernel_forward.h. Method and sources: closed_links.h.
 
 #include "ugoki/dynamics/closed_kernels.h"
 #include "ugoki/dynamics/kernel_forward.h"
@@ -23,7 +23,7 @@ class LoopPass {
 
   explicit LoopPass(const ClosedArguments& arguments) : a_(arguments) {}
 
-  /// Resets the accumulated quantities. P and g are set by the caller (closed_run.cpp).
+  /// Sets Lambda, `reduced` and `mobility` to zero. P and g are set by the caller (closed_run.cpp).
   void begin() {
     const Rows none(0);
     for (int i = 0; i < a_.entry_count; ++i) {
@@ -55,7 +55,7 @@ class LoopPass {
     if (n.passing_count != 0) pass_dof(n, which, f, U, d, u, sign, a_.turning[node] * d.v, along);
   }
 
-  /// Velocity products c of the node: g -= P . c
+  /// Processes the velocity-product acceleration c of the node: g -= P . c
   UGOKI_INLINE void velocity_product(int node, const Vec6T<T>& c) {
     if (a_.nodes[node].passing_count != 0) subtract_product(a_.nodes[node], c);
   }
@@ -74,8 +74,9 @@ class LoopPass {
     cross_joint(a_.nodes[node], MatrixCrossing<Rows>{wide}, r);
   }
 
-  /// Eliminates the six DOFs of a floating base, from the last to the first: y = L^-1 P. Nothing of P remains afterwards.
-  /// @param L [6][6], d [6], u [6] from solve_floating() @param a0 the node's acceleration if its vdot were zero
+  /// Eliminates the six DOFs of a floating base from the columns P of the loops that pass it, and stores s (P, s: top of this file). The
+  /// six DOFs allow every motion of the node. After their elimination P is zero, so nothing is passed to the world.
+  /// @param L [6][6], d [6], u [6] from solve_floating() @param a0 acceleration of the node for vdot = 0
   void floating(int node, const T (*L)[6], const T* d, const T* u, const Vec6T<T>& a0) {
     const ClosedStructure::Node& n = a_.nodes[node];
     if (n.passing_count == 0) return;
@@ -103,13 +104,13 @@ class LoopPass {
     for (int i = 0; i < n.present_count; ++i) subtract(a_.present[n.present + i].entry, along(columns(n.present + i), A0));
     solve_world(world);
   }
-  /// As eliminate_world(), if the term P . A0 has already been subtracted from g.
+  /// Does the same as eliminate_world() for a g from which the term P . A0 is already subtracted.
   void solve_world(int world) {
     eliminate_all(world, nullptr);
     recover_all(world, nullptr);
   }
 
-  /// The multipliers' share of a DOF's reduced force: s . lambda. @param which index of the DOF among the node's DOFs
+  /// Part of a DOF's reduced force that the multipliers cause: s . lambda. @param which index of the DOF among the node's DOFs
   UGOKI_INLINE T along_multipliers(int node, int which) const {
     const ClosedStructure::Node& n = a_.nodes[node];
     if (n.passing_count == 0) return T(0);
@@ -150,7 +151,7 @@ class LoopPass {
     LoopLanes& g = a_.g[entry];
     (Rows::load(g.x) - x).store(g.x);
   }
-  // The functions for nodes that loops pass are not inlined: most nodes have no loops, and their code then needs fewer registers.
+  // The functions for nodes with passing loops are not inlined: the code for the other nodes, which are most, then needs fewer registers.
 
   template <class Along>
   UGOKI_NOINLINE void pass_dof(const ClosedStructure::Node& n, int which, int f, const Vec6T<T>& U, T d, T u, T sign, double mobility,
@@ -202,7 +203,7 @@ class LoopPass {
     }
     return x;
   }
-  /// Lambda += d s s^T
+  /// Adds the effect of one DOF to the blocks of all passing loops: Lambda += d s s^T.
   UGOKI_INLINE void couple(const ClosedStructure::Node& n, const LoopLanes* s, double d) {
     for (int k = n.pairs; k < n.pairs + n.pair_count; ++k) {
       const ClosedStructure::Pair& pair = a_.pairs[k];
@@ -213,7 +214,7 @@ class LoopPass {
     }
   }
 
-  /// couple() for all six DOFs of a floating base.
+  /// Does the same as couple() for all six DOFs of a floating base.
   UGOKI_NOINLINE void couple_floating(const ClosedStructure::Node& n, const T* d) {
     const LoopLanes* const s = a_.s + n.s_slot;
     for (int p = n.pairs; p < n.pairs + n.pair_count; ++p) {
@@ -322,7 +323,7 @@ class LoopPass {
     }
   }
 
-  /// Effect of eliminating loop e on a neighbour o: Y = C^-1 Lambda(e, o); P_o -= Z^T Y; g_o -= Y^T z.
+  /// Effect of eliminating loop e on a neighbour o: Y = C^-1 Lambda(e, o); P_o -= Z^T Y; g_o -= Y^T z. C, Z, z: see LoopFactor.
   /// @param stiffens false at the world: P_o is not needed
   void reduce(const ClosedStructure::Elimination& x, const LoopFactor& F, int neighbour, bool stiffens) {
     const ClosedStructure::Neighbour& o = a_.neighbours[neighbour];
@@ -366,7 +367,8 @@ class LoopPass {
     }
   }
 
-  /// Back substitution for all loops that meet at the node: lambda = C^-T (Z A - z - Y lambda_neighbours). @param A null at the world
+  /// Back substitution for all loops that meet at the node: lambda = C^-T (Z A - z - Y lambda_neighbours).
+  /// @param A acceleration of the node; null at the world
   void recover_all(int node, const Vec6T<T>* A) {
     const ClosedStructure::Node& n = a_.nodes[node];
     for (int i = n.eliminations + n.elimination_count; i-- > n.eliminations;) {

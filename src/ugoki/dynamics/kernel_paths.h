@@ -1,10 +1,10 @@
 #pragma once
-// Forward dynamics of a tree with few loops, in four stages: inward sweep of the open kernel; propagation of the multipliers' columns P
-// along their paths (loop_paths.h); elimination of all loops at the world; outward sweep of the open kernel.
+// Forward dynamics of a tree with few loops, in four stages: inward sweep of the open kernel; propagation of each loop's columns P along
+// the loop's path (loop_paths.h); elimination of all loops at the world; outward sweep of the open kernel.
 //
 // The columns P of a loop stay in registers along their path. Each DOF gives s = S . P, P <- P - U d s, g <- g - s d u; then P is
 // transformed across the joint. Lambda is the sum of d s s^T over the DOFs that two loops have in common. The multipliers change the
-// reduced forces: u <- u - s . lambda. For closed_kernels_*.cpp only.
+// reduced forces: u <- u - s . lambda. Symbols: kernel_loops.h. For closed_kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_loops.h"
 #include "ugoki/dynamics/kernel_twins.h"
@@ -24,7 +24,8 @@ class PathForward {
       kernel_.move();
       return !kernel_.bad_[0];
     }
-    // The open recursion runs with twins (legs, arms) in lanes. The nodes that the paths need are copied from there, their forces back.
+    // The open recursion runs with twins (equal limbs, link_twins.h) in SIMD lanes. Nodes on paths are copied to kernel_, and their reduced
+    // forces are copied back.
     twins::Forward open(*c_.twins);
     open.condense();
     kernel_.acceleration_[0] = {{0, 0, 0}, -vector_of<Lanes<double, 1>>(a_.gravity)};
@@ -66,7 +67,7 @@ class PathForward {
     P.v += V3<Rows>{component(3), component(4), component(5)};
   }
 
-  /// Propagates the columns of one loop from its ends to the world, for the rows [rows, rows + Rows::count).
+  /// Propagates columns of one loop from its two ends to the world: those of the loop's rows [rows, rows + Rows::count).
   void follow(const LoopPaths::Path& path, int rows) {
     const Rows none(0);
     const Columns zero{{none, none, none}, {none, none, none}};
@@ -92,7 +93,7 @@ class PathForward {
     c_.mobility[path.entry] = mobility_;
   }
 
-  /// Propagates columns across the nodes of the visits [begin, end).
+  /// Propagates the columns P_out and residuals g_out across the nodes of LoopPaths::visits [begin, end).
   void cross(int begin, int end, int rows, Columns& P_out, Rows& g_out) {
     Columns P = P_out;
     Rows g = g_out;
@@ -113,7 +114,7 @@ class PathForward {
     g_out = g;
   }
 
-  /// Eliminates one DOF from the columns. @param x S . P
+  /// Eliminates one DOF from the columns P and residuals g. @param x values s = S . P of the DOF
   UGOKI_INLINE static void pass(const Kernel::DofPass& f, const Rows& x, Columns& P, Rows& g, double* s, double* t) {
     const Rows y = x * wide(f.d);
     x.store(s);
@@ -149,7 +150,7 @@ class PathForward {
       return;
     }
     const NodeConstants<double>& c = a_.constants[i];
-    const Vec6T<One> product = kernel_.velocity_product(i);  // subtracted before the DOFs, in the same order as in the inward sweep
+    const Vec6T<One> product = kernel_.velocity_product(i);  // subtracted before the DOFs are eliminated, as in the inward sweep
     g -= along(P.w, product.w) + along(P.v, product.v);
     for (int k = dofs_of(o.kind); k-- > 0;) {
       Rows x = o.kind == NodeKind::spherical ? P.w[k] : o.kind == NodeKind::prismatic ? P.v.z : P.w.z;

@@ -13,7 +13,7 @@ class StepKernel {
   using Real = typename T::Real;
   using Mask = typename T::Mask;
 
-  /// @param a `in` is vdot @param q, v updated @param dt s @param stays lanes whose q and v must not change
+  /// @param a arguments, with vdot as `in` @param q, v [in and out] @param dt s @param stays lanes whose q and v must not change
   StepKernel(const KernelArguments<Real>& a, Real* q, Real* v, Real dt, Mask stays) : a_(a), q_(q), v_(v), dt_(dt), stays_(stays) {}
 
   void run() {
@@ -36,7 +36,8 @@ class StepKernel {
   UGOKI_INLINE void put(Real* x, int k, T value) const { select(stays_, at(x, k), value).store(x + k * a_.stride); }
   UGOKI_INLINE void slide(int q, int v) const { put(q_, q, at(q_, q) + at(v_, v) * dt_); }
 
-  /// Multiplies the unit quaternion at q by the exponential of the rotation vector w dt, with the angular velocity w at v; normalises it.
+  /// Multiplies the unit quaternion at index q by the exponential of the rotation vector w dt, and normalises it. w is the angular velocity
+  /// at index v.
   void turn(int q, int v) const {
     const T one(1), half(Real(0.5));
     const V3<T> r{at(v_, v) * dt_, at(v_, v + 1) * dt_, at(v_, v + 2) * dt_};

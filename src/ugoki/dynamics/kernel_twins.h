@@ -30,7 +30,8 @@ UGOKI_INLINE Mat3T<One> total(const Mat3T<Two>& m) {
   return {total(m.xx), total(m.xy), total(m.xz), total(m.yx), total(m.yy), total(m.yz), total(m.zx), total(m.zy), total(m.zz)};
 }
 
-// Copy the values of a pair of twins between the mechanism's arrays and the pair's two-lane arrays: gather() into lanes, scatter() back.
+// Copy the values of a pair of twins (link_twins.h) between the mechanism's arrays and the pair's two-lane arrays. gather() copies into the
+// lanes, scatter() copies back.
 UGOKI_INLINE void gather_coordinates(const TwinArguments& a, const TwinArguments::Pair& p) {
   for (int i = 0; i < 2 * p.nq; ++i) p.q[i] = a.trunk.q[p.q_of[i]];
 }
@@ -44,7 +45,7 @@ UGOKI_INLINE void scatter(const TwinArguments& a, const TwinArguments::Pair& p) 
   for (int i = 0; i < 2 * p.a.nv; ++i) a.trunk.out[p.v_of[i]] = p.a.out[i];
 }
 
-/// Sines and cosines of the angles of the trunk and all pairs.
+/// Computes sines and cosines of the joint angles of the trunk and all pairs of twins.
 UGOKI_INLINE void prepare(const TwinArguments& a) { sines_of(a.trunk.q, a.angle_q, a.angle_sign, a.angles, a.trunk.sin, a.trunk.cos); }
 
 /// Forward dynamics with twins. The steps of run() are public for kernel_paths.h.
@@ -66,7 +67,7 @@ class Forward {
     return move();
   }
 
-  /// Angular velocities of all nodes.
+  /// Computes joint rotations and angular velocities of all nodes.
   void turn() {
     prepare(a_);
     trunk_.turn_all();
@@ -75,7 +76,7 @@ class Forward {
       pair(i).turn_all(both(trunk_.angular_velocity(a_.pairs[i].base)));
     }
   }
-  /// Inward sweep, after turn().
+  /// Inward sweep of the pairs and the trunk. Call turn() first.
   void condense() {
     for (int i = 0; i < a_.pair_count; ++i) {
       pair(i).condense();
@@ -84,7 +85,7 @@ class Forward {
     trunk_.set_twins(passed_up_);
     trunk_.condense();
   }
-  /// Outward sweep, after condense(). @return false: singular inertia
+  /// Outward sweep. Call condense() first. @return false: singular inertia
   bool move() {
     trunk_.move();
     for (int i = 0; i < a_.pair_count; ++i) {
@@ -161,7 +162,7 @@ inline void inertia(const TwinArguments& a) {
   using Trunk = InertiaKernel<One>;
   Trunk::Twins passed_up[TwinArguments::max_pairs];
   for (int i = 0; i < a.pair_count; ++i) {
-    const TwinArguments::Pair& p = a.pairs[a.pair_count - 1 - i];  // reversed: ascending order of force_begin
+    const TwinArguments::Pair& p = a.pairs[a.pair_count - 1 - i];  // reversed, so that force_begin ascends
     gather_coordinates(a, p);
     InertiaKernel<Two, Both> pair(p.a);
     pair.run();

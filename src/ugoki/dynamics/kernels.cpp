@@ -36,7 +36,7 @@ bool use_simd(SimdWidth width) {
 }
 
 std::size_t scratch_size(int nodes, int nv, int slots, int angles, std::size_t bytes, int instances) {
-  // Upper bound over all kernels: values per node, per DOF and per slot, plus 64-byte alignment of up to 16 arrays.
+  // Upper bound over all kernels: values per node, DOF, slot (NodeOrder::slot) and angle, plus 64-byte alignment of up to 16 arrays.
   const auto n = [](int count) { return static_cast<std::size_t>(count); };
   const std::size_t values = n(nodes + 1) * (9 + 12 + 6 + 18 + 6) + n(nv) * 10 + n(slots) * 27 + n(angles + 16) * 2;
   const std::size_t entries = inertia_entries_at_once + n(nv) + 8 * 8;

@@ -16,7 +16,7 @@ namespace ugoki::dynamics {
 enum class SimdWidth : std::uint8_t { plain, avx2, avx512 };
 
 /// Inputs, outputs and scratch memory of one kernel call. Element i of q, v, in, external and out is at index i * stride.
-/// @tparam Constant type of a node's constants: Real, or LaneArray (one value per lane) for twins
+/// @tparam Constant type of a node's constants: Real; for twins (link_twins.h) LaneArray, one value per lane
 template <class Real, class Constant = Real>
 struct KernelArguments {
   const NodeOrder* order;
@@ -27,7 +27,7 @@ struct KernelArguments {
   const int* angle_q;
   const double* angle_sign;
   int angles;
-  double* sin = nullptr;  ///< [angles] sines if they are already computed, with `cos`; else null
+  double* sin = nullptr;  ///< [angles] sines, if sines and cosines are already computed; else null
   double* cos = nullptr;
 
   const Real* q;           ///< [nq]
@@ -41,27 +41,27 @@ struct KernelArguments {
   std::ptrdiff_t stride;   ///< 1 for one instance; lanes of a block for a batch
 };
 
-/// Arguments of a call with twins (link_twins.h): the trunk, and pairs of equal subtrees computed side by side.
+/// Arguments of a call with twins (link_twins.h): those of the trunk and of each pair of equal subtrees.
 struct TwinArguments {
   static constexpr int max_pairs = 4;
   struct Pair {
-    KernelArguments<double, LaneArray<double, 2>> a;  ///< q, v, in and out are two-lane arrays stored before its scratch memory; for the
-                                                      ///< inertia matrix `out` is the mechanism's array
-    double *q, *v, *in;                               ///< the arrays of `a`; the kernels fill them from the trunk's, through q_of and v_of
-    int nq;                                           ///< coordinates of one twin
+    KernelArguments<double, LaneArray<double, 2>> a;  ///< q, v, in and out are two-lane arrays stored before a.scratch; for the inertia
+                                                      ///< matrix, `out` is the mechanism's array
+    double *q, *v, *in;                               ///< arrays of `a`; kernels fill them from those of `trunk`, indexed by q_of, v_of
+    int nq;                                           ///< number of coordinates of one twin
     const int* q_of;                                  ///< [nq * 2] coordinate of the mechanism for each value in `q`
     const int* v_of;                                  ///< [nv * 2] DOF of the mechanism for each value in `v`
-    const int* node;                                  ///< [nodes * 2] node of the LinkProgram
+    const int* node;                                  ///< [nodes * 2] index in the LinkProgram of each node
     int base;                                         ///< node of the trunk to which the two twins are attached
-    int twin_slot;                                    ///< NodeOrder::twin_slot of that node
-    int force_begin;                                  ///< index of the pair's first DOF in the trunk's force range (LinkProgram::force_dof)
-    bool first;                                       ///< the pair is the first one of its base
+    int twin_slot;                                    ///< NodeOrder::twin_slot of the node `base`
+    int force_begin;                                  ///< index of the pair's first DOF in the trunk's force_dof (LinkTwins)
+    bool first;                                       ///< true: the first pair on its base
   };
   KernelArguments<double> trunk;
-  const int* trunk_node;  ///< [trunk.nodes] node of the LinkProgram
+  const int* trunk_node;  ///< [trunk.nodes] index in the LinkProgram of each node
   int pair_count;
   int twin_slots;            ///< number of trunk nodes with twins
-  const int* angle_q;        ///< [angles] coordinate of each angle: the trunk's angles, then those of each pair
+  const int* angle_q;        ///< [angles] index in q of each angle: the trunk's angles, then those of each pair
   const double* angle_sign;  ///< [angles]
   int angles;                ///< a multiple of 16 (padded)
   Pair pairs[max_pairs];
@@ -73,7 +73,7 @@ struct BatchKernels {
   int lanes;
   void (*inverse)(const KernelArguments<Real>&);
   unsigned (*forward)(const KernelArguments<Real>&);  ///< returns bits: bit i is set if instance i is singular
-  /// Semi-implicit step of q and v with the accelerations `in`. Instances whose bit is set in `stays` do not change.
+  /// Semi-implicit Euler step of q and v with the accelerations `in`. Instances whose bit is set in `stays` do not change.
   void (*step)(const KernelArguments<Real>&, Real* q, Real* v, Real dt, unsigned stays);
 };
 
@@ -97,7 +97,7 @@ inline constexpr int inertia_entries_at_once = 256;
 /// Bytes of scratch memory that the kernels need for `instances` instances side by side.
 [[nodiscard]] std::size_t scratch_size(const LinkProgram& program, std::size_t bytes_a_number, int instances);
 [[nodiscard]] std::size_t scratch_size(int nodes, int nv, int slots, int angles, std::size_t bytes_a_number, int instances);
-/// Address of the wrenches as [links * 6] values; null if all are zero or `external` is empty.
+/// Address of `external` as an array of [links * 6] values; null if all are zero or `external` is empty.
 [[nodiscard]] const double* nonzero_wrenches(std::span<const Vec6> external);
 
 /// Widest SIMD instruction set that this processor and build support.

@@ -5,19 +5,19 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// A node before depth-first ordering. Drafts are in the order of the mechanism's links.
+/// A node before the nodes are numbered depth first. Drafts are in the order of the mechanism's links.
 struct Draft {
   NodeKind kind;
   int parent;       // index of the parent draft; -1: the world
   Pose X_PN;        // pose of the node's frame in the parent node's frame at q = 0
-  Mat3 Q;           // rotation of the node's frame in the frame of the joint that it carries
+  Mat3 Q;           // rotation of the node's frame in the frame of the node's joint
   Inertia inertia;  // inertia of all links merged into the node, in the node's frame
   int q, v;
   double sign = 1, pitch = 0;
   double armature[6] = {};
 };
 
-/// Rotation Q with sign * (third column of Q) = `axis`. For the coordinate axes and their opposites Q is a cyclic permutation.
+/// Rotation Q and sign with sign * (third column of Q) = joint axis. If the axis is along +-x, +-y or +-z, Q is a cyclic permutation.
 struct Alignment {
   Mat3 Q;
   double sign;
@@ -50,7 +50,7 @@ class DraftBuilder {
     Pose X;    ///< pose of the frame in that draft's frame, or in the world's
   };
 
-  /// Appends a draft with one simple joint on `at`. @return the joint's moving frame, whose axes at q = 0 are those of `at`
+  /// Appends a draft with one simple joint to the frame `at`. @return the joint's moving frame, parallel to `at` at q = 0
   Mount add(const Mount& at, NodeKind kind, const Vec3& axis, int q, int v, std::span<const Dof> dofs, double pitch = 0) {
     const bool aligned = kind != NodeKind::spherical && kind != NodeKind::floating;
     const Alignment a = aligned ? align(axis) : Alignment{Mat3::identity(), 1.0};
@@ -128,7 +128,7 @@ std::vector<int> depth_first(std::span<const Draft> drafts) {
   }
   int count = 0;
   std::vector<int> children;
-  open = roots;  // a stack: `roots` is in descending order, so the first root is on top
+  open = roots;  // used as a stack: `roots` is in descending order, so the first root is on top
   while (!open.empty()) {
     const auto i = static_cast<std::size_t>(open.back());
     open.pop_back();

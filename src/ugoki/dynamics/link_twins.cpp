@@ -8,7 +8,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 int int_of(std::size_t n) { return static_cast<int>(n); }
 
-/// Number of coordinates of a node in a twin. A floating node is always a root of the tree, so it is never in a twin.
+/// Number of coordinates of a node of this kind in a twin subtree. A floating node is a root of the tree, so it is never in a twin.
 int coordinates_of(NodeKind kind) { return kind == NodeKind::spherical ? 4 : 1; }
 
 /// Finds the pairs of twins in a program and fills in a LinkTwins.
@@ -46,7 +46,7 @@ class Search {
 
   /// True if the subtrees of nodes a and b have the same joints in the same order and are large enough to run as a pair.
   [[nodiscard]] bool alike(int a, int b) const {
-    constexpr int min_nodes = 3;  // for smaller subtrees, copying into the lanes costs more than the lanes save
+    constexpr int min_nodes = 3;  // for smaller subtrees, copying values into SIMD lanes costs more than the lanes save
     if (order(a).end - a < min_nodes || order(a).end - a != order(b).end - b) return false;
     for (int k = 0; k < order(a).end - a; ++k) {
       const NodeOrder &x = order(a + k), &y = order(b + k);
@@ -118,16 +118,16 @@ class Search {
     if (t.first) slot = t_.twin_slots++;
     t.twin_slot = slot;
     t.scratch = t_.scratch;
-    // Two lanes of memory for q, v, in and out, and for the scratch of the kernels
+    // Memory for two lanes: arrays q, v, in and out, and scratch memory of the kernels
     t_.scratch += rounded(scratch_size(int_of(t.order.size()), t.nv, t.slots, int_of(t.angle_q.size()), sizeof(double), 2));
     t_.pairs.push_back(std::move(t));
   }
 
-  /// Rebuilds the force ranges of the trunk. For each node: first the DOFs of its subtree in the trunk, then the DOFs of the pairs
-  /// whose base it is, then its own DOFs.
+  /// Rebuilds force_begin, force_end and force_dof of the trunk. A node's range contains the DOFs of its subtree in the trunk, then the
+  /// DOFs of the pairs of twins attached to the node, then its own DOFs.
   void order_forces() {
     LinkTwins::Part<double>& t = t_.trunk;
-    std::vector<int> begin(t.order.size(), -1);  // start in force_dof of the range of each node's subtree; -1: no child visited yet
+    std::vector<int> begin(t.order.size(), -1);  // index in force_dof where each node's subtree starts; -1: no child visited yet
     for (std::size_t i = t.order.size(); i-- > 0;) {
       NodeOrder& o = t.order[i];
       o.force_begin = begin[i] < 0 ? int_of(t.force_dof.size()) : begin[i];
@@ -266,13 +266,13 @@ TwinArguments LinkTwins::arguments(const KernelArguments<double>& whole) const {
     to.in = allocate(2 * p.nv);
     to.a.in = whole.in == nullptr ? nullptr : to.in;
     to.a.out = allocate(2 * p.nv);
-    if (whole.entry_index != nullptr) to.a.out = whole.out;  // the inertia matrix is written directly to its final entries
+    if (whole.entry_index != nullptr) to.a.out = whole.out;  // the pair writes its inertia matrix entries directly to whole.out
     to.a.scratch = next;
     to.a.stride = 2;
     to.a.sin = sin + p.angle_begin;
     to.a.cos = cos + p.angle_begin;
   }
-  // The entries of the pairs come first, in reverse order (see entry_dofs)
+  // In entry_index the matrix entries of the pairs come first, last pair first (see entry_dofs)
   if (const int* next_entry = whole.entry_index; next_entry != nullptr) {
     for (std::size_t i = pairs.size(); i-- > 0;) {
       out.pairs[i].a.entry_index = next_entry;

@@ -27,14 +27,14 @@ struct LinkTwins {
     std::vector<int> force_dof;  ///< the mechanism's DOFs in the order of LinkProgram::force_dof; pairs: 2 per DOF of a twin
     int nq = 0, nv = 0, slots = 0;
     int entries = 0;      ///< pairs: number of inertia matrix entries that the pair computes
-    int angle_begin = 0;  ///< index of its first angle in LinkTwins::angle_q
+    int angle_begin = 0;  ///< index of this part's first angle in LinkTwins::angle_q
   };
   struct Pair : Part<Both> {
-    std::vector<int> q_of, v_of;  ///< [nq * 2], [nv * 2] the mechanism's coordinates and DOFs, interleaved
+    std::vector<int> q_of, v_of;  ///< [nq * 2], [nv * 2] indices in the mechanism's q and v, interleaved
     int base = 0, twin_slot = 0;  ///< base: node index in the trunk; twin_slot: NodeOrder::twin_slot of the base
     int force_begin = 0;          ///< index in the trunk's force_dof of the pair's first DOF
-    bool first = true;            ///< this pair is the first of its base
-    std::size_t scratch = 0;      ///< byte offset of the pair's memory in the scratch
+    bool first = true;            ///< true: the first pair on its base
+    std::size_t scratch = 0;      ///< byte offset of the pair's memory in the scratch memory
   };
 
   explicit LinkTwins(const LinkProgram& program);
@@ -47,10 +47,10 @@ struct LinkTwins {
   std::vector<int> angle_q;        ///< [angles] index in the mechanism's q, all parts one after another; padded to a multiple of 16
   std::vector<double> angle_sign;  ///< [angles] 0 for padding
   int twin_slots = 0;              ///< number of base nodes in the trunk
-  std::size_t sines = 0;           ///< byte offset in the scratch of the sines; the cosines follow them
-  std::size_t scratch = 0;         ///< size of the scratch, bytes
+  std::size_t sines = 0;           ///< byte offset of the sines in the scratch memory; the cosines follow
+  std::size_t scratch = 0;         ///< size of the scratch memory, bytes
 
-  /// Arguments for trunk and pairs from the arguments of a call on the whole program. `whole.scratch` must have `scratch` bytes.
+  /// Makes the arguments of the trunk and the pairs from those of the whole program. `whole.scratch` must have `scratch` bytes.
   [[nodiscard]] TwinArguments arguments(const KernelArguments<double>& whole) const;
 };
 

@@ -9,8 +9,8 @@
 namespace ugoki::dynamics {
 namespace {
 
-constexpr double accepted_gap = 1e-11;  // multiples of cw.length, or rad: well above rounding error, far below anything visible
-constexpr int max_starts = 24;          // configurations that assemble() tries, the given one included
+constexpr double accepted_gap = 1e-11;  // rad, or fraction of cw.length: well above rounding error, far below what is visible
+constexpr int max_starts = 24;          // number of start configurations that assemble() tries, the given one included
 
 /// Maximum distance of a link's origin from the reference point, m; at least cw.length. Rounding errors of gaps are proportional to it.
 double extent(const ClosedWorkspace& cw) {
@@ -50,8 +50,8 @@ bool has_reversed_axis(const ClosedWorkspace& cw) {
   return false;
 }
 
-/// One damped least-squares step: y = -D J^T (J D J^T + damping s E)^-1 g, with D = 1 / weights, g the scaled gaps and s the maximum
-/// diagonal entry of J D J^T. All quantities are scaled to one unit.
+/// One damped least-squares step: y = -D J^T (J D J^T + damping s E)^-1 g. E is the identity, D = 1 / weights (diagonal), g the scaled
+/// gaps, and s the maximum diagonal entry of J D J^T. All quantities are scaled to one unit.
 /// @param y [nv, out] @return false if the damping is too small for a Cholesky factorisation
 bool damped_step(ClosedWorkspace& cw, std::span<const double> weights, double damping, std::span<double> y) {
   const std::size_t n = y.size(), rows = cw.active.size();
@@ -140,7 +140,7 @@ Closure close_theta_S(const Mechanism& m, std::span<double> q, ClosedWorkspace& 
     const double gap = max_gap(cw, cw.rank < 0 ? static_cast<int>(cw.active.size()) : cw.rank);
     settled = gap <= cw.gap_tolerance * extent(cw) / cw.length;
     if (settled || !std::isfinite(gap)) break;
-    // The gap no longer shrinks: rounding error, or no convergence
+    // The gap no longer halves per iteration: it is rounding error, or there is no convergence
     if (iterations > 1 && gap > 0.5 * last) {
       settled = gap <= accepted_gap;
       break;
@@ -157,8 +157,8 @@ Closure close_theta_S(const Mechanism& m, std::span<double> q, ClosedWorkspace& 
   }
   Closure c = measure_gap(cw);
   c.iterations = iterations;
-  // Redundant rows must close together with the independent ones. If they do not, the rank differs here from cw.full_rank, and
-  // closing the independent rows alone was not enough. 1e-8: far above the gap after convergence.
+  // When the independent rows close, the redundant rows must close too. Otherwise the rank here differs from cw.full_rank, and closing the
+  // independent rows alone was not enough. The bound 1e-8 is far above the gap after convergence.
   const double redundant_gap = c.row < 0 ? 0.0 : c.gap * cw.row_scale[static_cast<std::size_t>(c.row)];
   c.closed = settled && (cw.is_singular() || redundant_gap <= 1e-8 + 2 * cw.contradiction);
   return c;
@@ -230,8 +230,8 @@ void close_velocities(const Mechanism& m, std::span<const double> q, std::span<d
                       std::span<const double> weights) {
   update_gaps(m, q, cw);
   update_partition(m, cw);
-  // Minimise |W^1/2 (v' - v)| over v' = H v_G', in one unit: (H^T W H) v_G' = H^T W v. Held DOFs have a weight of 1e7 times the
-  // maximum; two further rounds remove their remaining error.
+  // Minimise |W^1/2 (v' - v)| over v' = H v_G', scaled to one unit: (H^T W H) v_G' = H^T W v. W are the weights. DOFs of infinite weight
+  // get 1e7 times the maximum finite weight; two further rounds remove their remaining error.
   const std::size_t n = v.size(), g = static_cast<std::size_t>(cw.dofs());
   double heaviest = 1;
   for (const double w : weights)
@@ -247,7 +247,7 @@ void close_velocities(const Mechanism& m, std::span<const double> q, std::span<d
     for (std::size_t a = 0; a < g; ++a)
       for (std::size_t b = 0; b <= a; ++b) cw.A_G[a * g + b] += W(j) * H[a] * H[b];
   }
-  if (!factor_cholesky(cw.A_G, static_cast<int>(g), 0)) return;  // H^T W H is positive definite: only a value that is not finite fails
+  if (!factor_cholesky(cw.A_G, static_cast<int>(g), 0)) return;  // H^T W H is positive definite: fails only if a value is not finite
   const std::span<const int> G = cw.theta_G();
   std::ranges::copy(v, cw.v3.begin());
   std::ranges::fill(v, 0.0);

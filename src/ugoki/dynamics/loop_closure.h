@@ -12,7 +12,7 @@ namespace ugoki::dynamics {
 
 /// Result of closing the loops.
 struct Closure {
-  bool closed = false;  ///< the maximum gap is rounding error
+  bool closed = false;  ///< true: the maximum gap is only rounding error
   int iterations = 0;
   double gap = 0;  ///< remaining absolute gap of `row`: m | rad | 1 (cosine of an angle)
   int row = -1;    ///< row with the maximum scaled gap, index into ClosedWorkspace::rows; -1: no loop is closed
@@ -31,14 +31,14 @@ struct Closure {
 /// its two axes antiparallel, perturbed starts are tried. The perturbations are deterministic. Allocates.
 [[nodiscard]] Closure assemble(const Mechanism& m, std::span<double> q, ClosedWorkspace& cw, std::span<const double> weights = {});
 
-/// Replaces v by the nearest velocity with J v = 0, at a closed q. Weights as in close_positions().
+/// Replaces v by the nearest velocity with J v = 0, at a closed q. @param weights as in close_positions()
 /// @param v [nv, in/out] m/s | rad/s
 void close_velocities(const Mechanism& m, std::span<const double> q, std::span<double> v, ClosedWorkspace& cw,
                       std::span<const double> weights = {});
 
-/// Rank of J in general position near a closed q: the maximum rank found in a few pseudo-random steps along the degrees of freedom.
+/// Rank of J in general position: the maximum rank found near a closed q, in a few pseudo-random steps along the degrees of freedom.
 /// Sets cw.full_rank, cw.full_pivot_ratio and cw.contradiction. Allocates.
-/// @param general [nq, out] a configuration that has this rank; may be `q` itself, or empty
+/// @param general [nq, out] a configuration at which J has this rank; may be `q` itself, or empty: not wanted
 int find_full_rank(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw, std::span<double> general = {});
 
 /// Computes kinematics and loop rows at q with zero velocity, into cw.open and cw.rows.

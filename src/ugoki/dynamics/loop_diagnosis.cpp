@@ -8,7 +8,7 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// A positive value rounded to two significant digits (values below 10), for messages.
+/// Text of a positive value for messages: values below 10 with two significant digits.
 std::string two_digits(double x) {
   int decimals = 0;
   for (double y = x; y > 0 && y < 10 && decimals < 15; y *= 10) ++decimals;
@@ -22,13 +22,13 @@ bool is_above(const Mechanism& m, int ancestor, int link) {
   return ancestor < 0;
 }
 
-/// The distance between two joints on one link, m.
+/// A link, and the distance between its two joints in a loop, m.
 struct Bar {
   std::string link;
   double length = 0;
 };
 
-/// The polygon of links around the loop: for each link, the distance between its two joints in the loop.
+/// The links around the loop as sides of a polygon: for each link, the distance between its two joints in the loop.
 /// @param sliding [in/out] set to true if a joint in the loop can change one of these distances
 std::vector<Bar> polygon(const Mechanism& m, const Loop& loop, bool& sliding) {
   std::vector<Bar> bars;

@@ -13,18 +13,18 @@ namespace ugoki::dynamics {
 struct LoopDiagnosis {
   int rows = 0;       ///< number of rows of the closed loops
   int rank = 0;       ///< number of independent rows in general position
-  int rank_here = 0;  ///< number of independent rows here
+  int rank_here = 0;  ///< number of independent rows at the given configuration
   int dofs = 0;       ///< degrees of freedom in general position
-  int dofs_here = 0;  ///< degrees of freedom here
+  int dofs_here = 0;  ///< degrees of freedom at the given configuration
   std::vector<int>
       redundant;  ///< rows that depend on other rows everywhere: the system is over-constrained; indices into ClosedWorkspace::rows
-  std::vector<int> vanishing;  ///< rows independent in general position but not here (dead point or change point); indices as above
-  double pivot_ratio = 1;      ///< smallest over largest pivot of the independent rows, in general position
+  std::vector<int> vanishing;  ///< rows that are dependent only here, at a dead point or change point; indices into ClosedWorkspace::rows
+  double pivot_ratio = 1;      ///< smallest pivot of the independent rows divided by the largest, in general position
 
   [[nodiscard]] bool is_singular_here() const { return rank_here < rank; }
 };
 
-/// Finds degrees of freedom, redundant rows and rows that vanish at q. Allocates. Sets cw.full_rank.
+/// Finds the degrees of freedom, the redundant rows, and the rows that are dependent only at q. Allocates. Sets cw.full_rank.
 /// @param q [nq] a configuration whose loops are closed
 [[nodiscard]] LoopDiagnosis diagnose_loops(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw);
 

@@ -9,10 +9,11 @@
 namespace ugoki::dynamics {
 namespace {
 
-// Minimum bound on the entries of J_S^-1 J_G below which a choice is kept. Just after full pivoting the maximum is about 1.
+// Minimum of keep_limit. A choice of theta_S, the dependent DOFs (loop_partition.h), is kept while all entries of J_S^-1 J_G are below
+// keep_limit. Just after full pivoting the maximum entry is about 1.
 constexpr double min_keep_limit = 4;
 
-/// Number of rows of a loop whose gap is a distance; these are the first rows of the loop.
+/// Number of rows with a distance as gap in a loop of this type; these rows come first in the loop.
 int distance_rows(LoopType type) {
   switch (type) {
     case LoopType::weld:
@@ -28,7 +29,7 @@ int distance_rows(LoopType type) {
   return 0;
 }
 
-/// Mean nonzero offset between joints, m: the typical lever arm that turns an angle into a displacement. 1 if there is no offset.
+/// Mean nonzero offset between joints, m: the typical lever arm between an angle and a displacement. 1 if all offsets are zero.
 double mean_offset(const Mechanism& m, std::span<const Loop> loops) {
   double sum = 0;
   int count = 0;
@@ -57,7 +58,7 @@ void list_active_rows(const Mechanism& m, ClosedWorkspace& cw) {
   cw.full_rank = -1;
 }
 
-/// Computes the factor of J_S and K = -J_S^-1 J_G for the present choice.
+/// Factors J_S, and computes K = -J_S^-1 J_G, for the present choice of theta_S and theta_G (loop_partition.h).
 void solve_choice(ClosedWorkspace& cw) {
   const std::size_t n = cw.dof_order.size(), r = static_cast<std::size_t>(cw.rank), g = n - r;
   const std::span<double> J_S = cw.J_S.begin(cw.rank);
@@ -70,7 +71,7 @@ void solve_choice(ClosedWorkspace& cw) {
   if (cw.pivot_ratio > 0) cw.J_S.solve_many(cw.K, static_cast<int>(g));
 }
 
-/// Maximum absolute entry of K.
+/// Maximum absolute value of the entries of K = -J_S^-1 J_G.
 double max_entry(const ClosedWorkspace& cw) {
   double maximum = 0;
   const std::size_t count = static_cast<std::size_t>(cw.rank) * static_cast<std::size_t>(cw.dofs());
@@ -78,7 +79,7 @@ double max_entry(const ClosedWorkspace& cw) {
   return maximum;
 }
 
-/// Makes a new choice by full pivoting.
+/// Makes a new choice of the independent rows of J and of theta_S, the dependent DOFs, by full pivoting (loop_partition.h).
 void choose(ClosedWorkspace& cw) {
   cw.pivots = cw.J;
   const int max_rank = cw.full_rank >= 0 ? cw.full_rank : static_cast<int>(cw.dof_order.size());
@@ -88,15 +89,15 @@ void choose(ClosedWorkspace& cw) {
   cw.keep_limit = std::max(min_keep_limit, 2 * max_entry(cw));
 }
 
-/// Solves with the present choice. @return true if the choice is still good enough to be kept
+/// Calls solve_choice() for the present choice. @return true if the choice is good enough to be kept
 bool keep(ClosedWorkspace& cw) {
   if (cw.rank < 0 || cw.rank != cw.full_rank) return false;
   solve_choice(cw);
   return cw.pivot_ratio > cw.rank_tolerance && (cw.hold_choice || max_entry(cw) < cw.keep_limit);
 }
 
-/// Makes a new choice, but keeps the present one unless the new one has the full rank and a pivot ratio more than 4 times as large.
-/// Near a singular configuration every choice has small pivots, and changing it would not help.
+/// Tries a new choice. The new choice replaces the present one only if it has the full rank and a pivot ratio more than 4 times as large.
+/// Near a singular configuration every choice has small pivots, so a change would often not help.
 void choose_if_better(ClosedWorkspace& cw) {
   const double previous_ratio = cw.pivot_ratio, limit = cw.keep_limit;
   cw.kept_dofs = cw.dof_order;
@@ -111,7 +112,7 @@ void choose_if_better(ClosedWorkspace& cw) {
   solve_choice(cw);
 }
 
-/// Computes H, in the units of v, from K.
+/// Computes H (v = H v_G), in the units of v, from K = -J_S^-1 J_G.
 void fill_H(ClosedWorkspace& cw) {
   const auto r = static_cast<std::size_t>(cw.rank), g = static_cast<std::size_t>(cw.dofs());
   const std::span<const int> S = cw.theta_S(), G = cw.theta_G();

@@ -5,12 +5,12 @@
 //
 //   J v = 0,   v_S = -J_S^-1 J_G v_G,   v = H v_G,   H = [E; -J_S^-1 J_G]                        paper eq. (5)
 //
-// v contains exactly the joints of the cut tree, so the paper's W is H itself; the paper's S consists of the rows of H that belong
-// to driven joints.
+// E is the identity matrix. v contains exactly the joints of the cut tree, so the paper's W is H itself. The paper's S consists of the
+// rows of H that belong to driven joints.
 //
 // The independent rows and theta_S are called the choice. It is made by elimination with full pivoting on J, scaled to one unit
-// (distances in units of `length`). The choice is kept until an entry of J_S^-1 J_G becomes too large or a pivot too small; then it
-// is made again. The state is always the full q and v, so a new choice does not change the state. Where the rank drops for an
+// (distances in units of `length`). The choice is kept until an entry of J_S^-1 J_G becomes too large or a pivot too small; then a
+// new choice is made. The state is always the full q and v, so a new choice does not change the state. Where the rank drops for an
 // instant (dead points, change points), the dependent rows are left out: the system then has more degrees of freedom, and no small
 // pivot is used.
 
@@ -40,15 +40,15 @@ struct ClosedWorkspace {
   int full_rank = -1;           ///< rank in general position, from find_full_rank(); -1: unknown, the rank is not limited
   double full_pivot_ratio = 0;  ///< pivot_ratio in general position
   int rank = -1;                ///< number of DOFs in theta_S; -1: no choice yet
-  double pivot_ratio = 1;       ///< minimum over maximum pivot of J_S; tends to 0 towards a singular configuration
-  bool hold_choice = false;     ///< true within a step: the choice changes only if J_S is singular
-  bool rechosen = false;        ///< the last update changed the choice
+  double pivot_ratio = 1;       ///< minimum pivot of J_S divided by the maximum; tends to 0 towards a singular configuration
+  bool hold_choice = false;     ///< true during an integration step: the choice changes only if J_S is singular
+  bool rechosen = false;        ///< true: the last update_partition() changed the choice
   std::vector<int> active;      ///< rows of the closed loops, indices into `rows`
   std::vector<int> row_order;   ///< [active] the first `rank` are independent; indices into `active`
   std::vector<int> dof_order;   ///< [nv] the first `rank` are theta_S, the rest theta_G
 
   // Results of update_partition()
-  std::vector<double> J;          ///< [active * nv] scaled to one unit: rows times row_scale, columns times dof_scale
+  std::vector<double> J;          ///< [active * nv] constraint matrix scaled to one unit: rows times row_scale, columns times dof_scale
   std::vector<double> row_scale;  ///< [rows] 1 for angles, 1 / length for distances
   std::vector<double> dof_scale;  ///< [nv] 1 for angles, length for distances
   LuFactor J_S;                   ///< [rank * rank] independent rows, columns of theta_S, scaled to one unit
@@ -62,17 +62,17 @@ struct ClosedWorkspace {
   std::vector<double> pivots, K, q1, v1, q2, v2, q3, v3, vdot1, vdot2, tau1, column, A_G, b_G, normal, multipliers, step, branch;
   std::vector<Vec6> rest_V, rest_C;  ///< [links] zeros: velocities and velocity products at rest
   std::vector<int> kept_rows, kept_dofs;
-  double keep_limit = 0;  // the choice is kept while the entries of J_S^-1 J_G are smaller
+  double keep_limit = 0;  // the choice is kept while all entries of J_S^-1 J_G are below this bound
 
   [[nodiscard]] int dofs() const { return static_cast<int>(dof_order.size()) - rank; }  ///< degrees of freedom at the present configuration
   [[nodiscard]] std::span<const int> theta_S() const { return std::span(dof_order).first(static_cast<std::size_t>(rank)); }
   [[nodiscard]] std::span<const int> theta_G() const { return std::span(dof_order).subspan(static_cast<std::size_t>(rank)); }
   [[nodiscard]] bool is_singular() const { return rank < full_rank; }  ///< true at a dead point or change point
-  /// True at or near a singular configuration (pivots below 2 % of their usual ratio); update_partition() then tries a new choice.
+  /// True at or near a singular configuration: pivot_ratio below 2 % of full_pivot_ratio. update_partition() then tries a new choice.
   [[nodiscard]] bool is_nearly_singular() const { return is_singular() || pivot_ratio < 0.02 * full_pivot_ratio; }
 };
 
-/// Closes or opens a loop. The choice is made again at the next update; positions do not change.
+/// Closes or opens a loop. The next update makes a new choice; positions do not change.
 void set_closed(const Mechanism& m, ClosedWorkspace& cw, int loop, bool closed);
 
 /// Computes J from the last results of update_kinematics() and update_loop_rows(). O(rows nv)

@@ -67,7 +67,7 @@ LoopPaths::LoopPaths(const LinkProgram& program, const ClosedStructure& x) {
     p.dof_count = int_of(dof.size()) - p.dof_begin;
     paths.push_back(p);
   }
-  // Find the matrix block of each two loops that have DOFs in common. The rows of a block belong to the first loop.
+  // Find the block of Lambda of each two loops that have DOFs in common. The rows of a block belong to the first loop.
   std::vector<std::vector<int>> block_of(x.entries.size(), std::vector<int>(x.entries.size(), -1));
   for (const ClosedStructure::Node& n : x.nodes)
     for (int k = n.pairs; k < n.pairs + n.pair_count; ++k) {
@@ -91,7 +91,7 @@ LoopPaths::LoopPaths(const LinkProgram& program, const ClosedStructure& x) {
 }
 
 bool paths_are_faster(const LinkProgram& program, const ClosedStructure& at_meeting, const ClosedStructure& at_world) {
-  // Estimated costs in units of the cost of carrying one loop's columns across one joint of a path
+  // Estimated costs. Unit: cost of transforming one loop's columns across one joint of a path. `on_tree`: elimination at the meeting node
   constexpr double column_on_tree = 2, pair_on_tree = 0.7, pair_on_paths = 0.3, elimination = 4;
   const auto cost = [](const ClosedStructure& x, double passing, double pair) {
     double sum = elimination * (static_cast<double>(x.eliminations.size()) + static_cast<double>(x.neighbours.size()));
@@ -99,7 +99,7 @@ bool paths_are_faster(const LinkProgram& program, const ClosedStructure& at_meet
     return sum;
   };
   if (!at_world.gears.empty()) return false;  // a gear acts on two DOFs directly and has no path
-  for (int i = 0; i < program.nodes(); ++i)   // a massless body may get its inertia only from the loops eliminated below it
+  for (int i = 0; i < program.nodes(); ++i)   // a massless body may need the stiffness of loops that are eliminated before it
     if (program.order[at(i)].massless && at_world.nodes[at(i)].passing_count > 0) return false;
   return cost(at_world, 1, pair_on_paths) < cost(at_meeting, column_on_tree, pair_on_tree);
 }

@@ -24,21 +24,21 @@ struct LoopPaths {
     int rows;   ///< number of the loop's rows
     int begin, fork_a, fork_b, end;
     int present_a, present_b;  ///< index in ClosedStructure::present of the columns at link a, b; -1: that end is fixed to the world
-    int present_world;         ///< the same for the end that is fixed to the world; -1: none is
+    int present_world;         ///< index in ClosedStructure::present of the columns at the end that is fixed to the world; -1: none
     int dof_begin, dof_count;  ///< the path's DOFs are [dof_begin, dof_begin + dof_count) in `dof`
   };
   /// A run of DOFs that the two loops of a block have in common: `count` entries of `dof` from index a (first loop) and b (second loop).
   struct Run {
     int a, b, count;
   };
-  /// Two loops with common DOFs (or one loop twice), coupled by a block of the loops' matrix.
+  /// Two loops with common DOFs, or one loop twice, and the block of the condensed matrix Lambda that couples them.
   struct Block {
-    int block;           ///< index of the matrix block in ClosedStructure
-    int run, run_count;  ///< range in `runs`
+    int block;           ///< index of the block of Lambda in ClosedStructure
+    int run, run_count;  ///< range [run, run + run_count) in `runs`
   };
 
   LoopPaths() = default;
-  /// @param at_world constructed with ClosedStructure::Meeting::world
+  /// @param at_world structure that was constructed with ClosedStructure::Meeting::world
   LoopPaths(const LinkProgram& program, const ClosedStructure& at_world);
 
   std::vector<Path> paths;  ///< [entries]

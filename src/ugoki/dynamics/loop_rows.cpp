@@ -8,7 +8,7 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// Input of update_loop_rows().
+/// Arguments of update_loop_rows() that describe the links.
 struct Links {
   Vec3 p0;
   std::span<const Pose> X_WB;
@@ -16,9 +16,9 @@ struct Links {
   bool gaps;
 };
 
-/// A loop's two frames in world axes and the velocities of its two links about p0.
+/// A loop's two frames J_A and J_B in world axes, and the velocities of its two links about p0.
 struct Ends {
-  Pose X_WA, X_WB;  ///< J_A, J_B; positions relative to p0
+  Pose X_WA, X_WB;  ///< poses of J_A and J_B; positions relative to p0
   Vec6 V_a, V_b, V_ba;
 
   Ends(const Links& links, const Loop& loop) {
@@ -49,7 +49,7 @@ class RowWriter {
     add(dot(e, d_), {cross(r, e), e}, {cross(velocity_B_, e) + cross(r, edot), edot});
   }
   void rotation(const Vec3& e, const Vec3& error_W) { add(dot(error_W, e), {e, {}}, {cross(ends_.V_a.w, e), {}}); }
-  /// Axis e is fixed in link a, axis b in link b; both in world axes.
+  /// Writes the row that keeps two axes perpendicular: e is fixed in link a, b in link b. @param e, b world axes
   void right_angle(const Vec3& e, const Vec3& b) {
     const Vec3 edot = cross(ends_.V_a.w, e), bdot = cross(ends_.V_b.w, b);
     add(dot(e, b), {cross(b, e), {}}, {cross(bdot, e) + cross(b, edot), {}});
@@ -87,7 +87,7 @@ double displacement(const Mechanism& m, int dof, std::span<const double> q) {
 
 void write_gear(const Mechanism& m, const Loop& loop, std::span<const double> q, std::span<const double> v, LoopRows& rows, std::size_t i) {
   const double x = displacement(m, loop.dof_b, q);
-  double value = 0, slope = 0, curvature = 0;  // Horner's scheme with its derivatives
+  double value = 0, slope = 0, curvature = 0;  // Horner's scheme for the polynomial and its derivatives
   for (std::size_t k = loop.polynomial.size(); k-- > 0;) {
     curvature = curvature * x + 2 * slope;
     slope = slope * x + value;
@@ -192,8 +192,8 @@ void calc_loop_jacobian_row(const Mechanism& m, const Workspace& ws, const Loop&
     J[static_cast<std::size_t>(loop.dof_b)] -= rows.slope[loop_index];
     return;
   }
-  // Walk from both links to their closest common ancestor. Above it, the contributions of the two branches cancel. The link with the
-  // larger index is always the deeper candidate, because a link's index is larger than its parent's.
+  // Walk from both links to their closest common ancestor. Above it, the contributions of the two branches cancel. Each step goes
+  // from the link with the larger index to its parent: that link cannot be the ancestor, because parents have smaller indices.
   const Vec6& w = rows.W[static_cast<std::size_t>(rows.first[loop_index] + r)];
   int a = loop.link_a, b = loop.link_b;
   while (a != b) {

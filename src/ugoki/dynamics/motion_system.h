@@ -1,6 +1,6 @@
 #pragma once
-// Interface between the integrators (integrators.h) and a system with known acceleration. The configuration of the system is that of
-// a mechanism, so it is a point on a manifold (unit quaternions for rotations).
+// Interface between the integrators (integrators.h) and a system that can compute its acceleration. The configuration of the system is
+// that of a mechanism: a point on a manifold, with unit quaternions for rotations.
 
 #include "ugoki/mechanism/mechanism.h"
 
@@ -26,7 +26,7 @@ class MotionSystem {
 
   [[nodiscard]] const Mechanism& mechanism() const { return *mechanism_; }
 
-  /// Acceleration vdot(t, q, v). Integration steps are free of allocations only if this function is.
+  /// Computes the acceleration vdot(t, q, v). An integration step allocates nothing only if this function allocates nothing.
   /// @param t s @param q [nq] m | rad @param v [nv] m/s | rad/s @param vdot [nv, out] m/s^2 | rad/s^2
   /// @return -1 on success, otherwise the DOF whose acceleration is undefined (singular inertia)
   [[nodiscard]] virtual int calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) = 0;

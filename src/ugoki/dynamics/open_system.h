@@ -33,13 +33,13 @@ class OpenSystem : public MotionSystem {
 
   /// Report on the joint forces of the last call of calc_acceleration().
   [[nodiscard]] const JointForceReport& joint_force_report() const { return report_; }
-  /// Sum of kinetic, potential, spring and limit energy of a state, J.
+  /// Sum of kinetic and potential energy and the energies of springs and limits (JointForceReport) at a state, J.
   [[nodiscard]] double calc_energy(std::span<const double> q, std::span<const double> v);
   [[nodiscard]] Workspace& workspace() { return ws_; }
   [[nodiscard]] const OpenSystemOptions& options() const { return options_; }
 
  protected:
-  /// Computes the sum of drive and joint forces at (t, q, v), which forces() returns.
+  /// Computes the sum of drive forces and joint forces at (t, q, v). forces() returns this sum.
   void calc_forces(double t, std::span<const double> q, std::span<const double> v);
   [[nodiscard]] std::span<const double> forces() const { return tau_; }
 

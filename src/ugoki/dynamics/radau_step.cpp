@@ -1,7 +1,8 @@
 // Radau IIA collocation with three stages, order 5, stiffly accurate and L-stable.
 //
-// Stage equations Z = h (A x I) F(z0 + Z) by simplified Newton iteration in the eigenvectors of A^-1 (one real eigenvalue, one complex
-// pair). Each linear system (g - [0 1; J_q J_v]) (du, dv) = (r_u, r_v) is reduced to nv rows:
+// The stage equations Z = h (A x I) F(z0 + Z) are solved by simplified Newton iteration in the eigenvectors of A^-1 (one real eigenvalue,
+// one complex pair). A is the method's matrix, x the Kronecker product, Z the changes of the state z at the stages, F the
+// rates there. Each linear system (g - [0 1; J_q J_v]) (du, dv) = (r_u, r_v) is reduced to nv rows:
 //   (g^2 - g J_v - J_q) du = r_v + (g - J_v) r_u,   dv = g du - r_u
 // Here z = (u, v), g is an eigenvalue of A^-1 divided by h, and J_q, J_v are the derivatives of the acceleration.
 // Source: Hairer, Wanner, Solving ordinary differential equations II (1996), IV.8; the reduction is the usual one for second-order systems.
@@ -63,7 +64,7 @@ void lu_solve(std::size_t n, const T* A, const std::size_t* pivots, T* x) {
 
 constexpr double root6 = 2.449489742783178;
 constexpr double c[3] = {(4 - root6) / 10, (4 + root6) / 10, 1};
-// Weights of the stages in the error estimate, h e = sum_i dd[i] Z_i.
+// Weights of the stages in the error estimate of finish(), which contains the term sum_i dd[i] Z_i / h.
 constexpr double dd[3] = {-(13 + 7 * root6) / 3, (-13 + 7 * root6) / 3, -1.0 / 3};
 // Eigenvalues of A^-1: gamma and alpha +- i beta, the roots of x^3 - 9 x^2 + 36 x - 60. T^-1 A^-1 T is block diagonal:
 // [gamma] and [[alpha, -beta], [beta, alpha]].
@@ -77,7 +78,7 @@ constexpr double T_inverse[3][3] = {{4.3255798900631553510, 0.339199251815809869
                                     {-0.50287263494578687595, 2.5719269498556054292, -0.59603920482822492497}};
 constexpr int max_iterations = 8;  // Newton iterations per step attempt
 
-/// y = (M x E) x for three stage vectors of length n2.
+/// y[i] = sum over j of M[i][j] x[j], where x and y are three stage vectors of length n2, one after another.
 void transform(const double (&M)[3][3], std::size_t n2, const double* x, double* y) {
   for (std::size_t i = 0; i < n2; ++i) {
     const double x0 = x[i], x1 = x[n2 + i], x2 = x[2 * n2 + i];
@@ -114,7 +115,7 @@ class RadauIIA final : public StepMethod {
     predict(h, restarted);
     out.failure = iterate(f, h);
     if (out.failure.failed()) {
-      // Repeat the step with a new Jacobian if the iteration failed with one from an earlier step
+      // Repeat the step with a new Jacobian if the iteration failed with a Jacobian from an earlier step.
       if (jacobian_is_old_ && out.failure.status == IntegrationStatus::not_converged) {
         has_jacobian_ = false;
         compute_step(f, a0, h, restarted, out);
@@ -133,7 +134,7 @@ class RadauIIA final : public StepMethod {
   }
 
  private:
-  /// Updates the Jacobian and the factors of both linear systems for step h, where they are not current.
+  /// Recomputes the Jacobian and the factors of the two linear systems, where they are not valid for step size h.
   StepFailure prepare(StepEquation& f, std::span<const double> a0, double h) {
     const std::size_t n = f.n();
     if (!has_jacobian_) {
@@ -162,7 +163,7 @@ class RadauIIA final : public StepMethod {
     return {};
   }
 
-  /// x <- (g - J)^-1 x for the real eigenvalue. @param x [2 * nv]
+  /// x <- (g - J)^-1 x for the real eigenvalue g of A^-1 / h; J = [0 1; J_q J_v]. @param x [2 * nv]
   void solve_real(std::size_t n, double h, double* x) {
     const double g = gamma_real / h;
     for (std::size_t i = 0; i < n; ++i) {
@@ -177,7 +178,7 @@ class RadauIIA final : public StepMethod {
     }
   }
 
-  /// x + i y <- (g - J)^-1 (x + i y) for the complex pair of eigenvalues. @param x, y [2 * nv]
+  /// x + i y <- (g - J)^-1 (x + i y) for a complex eigenvalue g of A^-1 / h; J = [0 1; J_q J_v]. @param x, y [2 * nv]
   void solve_pair(std::size_t n, double h, double* x, double* y) {
     const Complex g{alpha / h, beta / h};
     for (std::size_t i = 0; i < n; ++i) {
@@ -196,7 +197,7 @@ class RadauIIA final : public StepMethod {
     }
   }
 
-  /// Initial values of the stages: extrapolated from the polynomial of the last step, or zero after a restart.
+  /// Sets the initial values of the stages: extrapolated from the polynomial of the last accepted step, or zero after a restart.
   void predict(double h, bool restarted) {
     const std::size_t n2 = z_.size();
     if (restarted || !(last_h_ > 0)) {
@@ -288,8 +289,8 @@ class RadauIIA final : public StepMethod {
       rejected_last_ = out.error > 1;
       return;
     }
-    // Estimate the error again, from the rate at the start displaced by the first estimate. In stiff components the first estimate is
-    // far too large; the second one damps them.
+    // Estimate the error again, with the rate at the step's start displaced by the first estimate. In stiff components the first estimate
+    // is far too large; the second estimate damps these components.
     for (std::size_t i = 0; i < n2; ++i) z_[i] = error_[i] + (i < n ? 0.0 : v0[i - n]);
     if (f.calc_rate(f.start_time(), z_.data(), error_.data()).failed()) return;
     for (std::size_t i = 0; i < n2; ++i) error_[i] += F_[i];

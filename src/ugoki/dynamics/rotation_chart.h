@@ -9,8 +9,8 @@
 
 namespace ugoki::dynamics {
 
-/// The coefficient c as a function of t^2. Below t = 0.5 rad it uses a power series (Bernoulli numbers), because the closed form loses
-/// digits by cancellation there.
+/// The coefficient c of the formula above, as a function of t^2. Below t = 0.5 rad it uses a power series (Bernoulli numbers), because
+/// there the closed form loses digits by cancellation.
 inline double rotation_chart_coefficient(double t2) {
   if (t2 < 0.25) {
     constexpr double b[] = {1.0 / 12, 1.0 / 720, 1.0 / 30240, 1.0 / 1209600, 1.0 / 47900160, 691.0 / 1307674368000, 1.0 / 74724249600};

@@ -33,8 +33,8 @@ int StepEvents::calc(MotionSystem& system, Trajectory& path, double s, std::span
   return first_not_finite(g);
 }
 
-/// True if the values before and after mean an event. A value of exactly zero before is no crossing: that event has already been
-/// reported, or the motion starts on it.
+/// True if the event function crosses zero between the values `before` and `after`, in its direction. A value `before` of exactly zero is
+/// no crossing: the event has already been reported, or the motion starts at the zero.
 bool StepEvents::crosses(std::size_t event, double before, double after) const {
   const bool falls = before > 0 && after <= 0, rises = before < 0 && after >= 0;
   return (falls && directions_[event] != EventDirection::rising) || (rises && directions_[event] != EventDirection::falling);

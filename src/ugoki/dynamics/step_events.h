@@ -26,7 +26,7 @@ class StepEvents {
   /// Result of find().
   struct SearchResult {
     Outcome outcome = Outcome::none;
-    double s = 1;    ///< fraction of the step: just after the event, or where an event function is not finite
+    double s = 1;    ///< fraction of the step, 0 to 1: just after the event, or where an event function is not finite
     int event = -1;  ///< index of the event function; -1: none
   };
 
@@ -35,8 +35,8 @@ class StepEvents {
   /// Evaluates the event functions at the start of a step. @return index of an event function that is not finite, or -1
   [[nodiscard]] int begin(MotionSystem& system, double t, std::span<const double> q, std::span<const double> v);
   /// Finds the first event of a step. Other events at the same time are kept for next_pending().
-  /// @param samples number of intervals of the step at whose ends signs are compared
-  /// @param tolerance of s, dimensionless @param q, v [nq], [nv] scratch
+  /// @param samples number of equal intervals of the step; signs are compared between the ends of each interval
+  /// @param tolerance accuracy of SearchResult::s, a fraction of the step @param q, v [nq], [nv] scratch
   [[nodiscard]] SearchResult find(MotionSystem& system, Trajectory& path, int samples, double tolerance, std::span<double> q,
                                   std::span<double> v);
   /// Returns the next unreported event at the time of the last event found, and marks it as reported; -1: none.

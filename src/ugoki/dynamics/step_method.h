@@ -26,11 +26,11 @@ class StepEquation {
 
   /// Rate z' at time t. @param z, rate [2 * nv] (u, v) and (u', v')
   [[nodiscard]] StepFailure calc_rate(double t, const double* z, double* rate);
-  /// Acceleration at a state given as q and v, not in the chart. @param a [nv, out]
+  /// Acceleration at a state given as (q, v), instead of z. @param a [nv, out]
   [[nodiscard]] StepFailure calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> a);
 
   /// Weighted error norm: root mean square of the entries of x, each divided by its tolerance. @param x [2 * nv]
-  /// @param z1 [2 * nv] end of the step; the tolerance of a velocity is relative to the larger of its values at both ends
+  /// @param z1 [2 * nv] end of the step; the tolerance of a velocity is relative to the larger of its magnitudes at start and end
   [[nodiscard]] double norm(const double* z1, const double* x) const;
   /// Derivatives d a / d u and d a / d v at the step's start, from the system or by finite differences.
   /// @param a0 [nv] acceleration at the start @param da_du, da_dv [nv * nv, out] row-major
@@ -53,7 +53,7 @@ class StepEquation {
   double t0_ = 0;
   std::span<const double> q0_, v0_;
   std::vector<double> q_;           // [nq] configuration of a stage
-  std::vector<double> size_;        // [nv] magnitude at the step's start of the coordinate of each DOF; 1 rad for rotations
+  std::vector<double> size_;        // [nv] absolute value of each DOF's coordinate at the step's start; 1 rad for rotations by quaternion
   std::vector<double> z_, column_;  // [2 * nv] for finite differences
 };
 
@@ -64,7 +64,7 @@ struct StepResult {
   std::vector<double> a1;     // [nv] acceleration at the end, if has_a1
   std::vector<double> dense;  // [4][2 * nv] coefficients of the continuous solution
   bool has_a1 = false;
-  double error = 0;  // error estimate divided by the tolerance; 0 if the method has no estimate
+  double error = 0;  // norm of the error estimate relative to the tolerance, accepted up to 1; 0 if the method has no estimate
   StepFailure failure;
 };
 
@@ -72,7 +72,7 @@ struct StepResult {
 class StepMethod {
  public:
   virtual ~StepMethod() = default;
-  /// Order of the error estimate plus one, the exponent used by step size control; 0: the method has a fixed step.
+  /// Order of the error estimate plus one; step size control uses it as exponent. 0: the method has a fixed step.
   [[nodiscard]] virtual int control_order() const { return 0; }
   /// Computes a step of size h from the start set in `f`. @param a0 [nv] acceleration at the start
   /// @param restarted the state does not continue the last accepted step, so nothing may be extrapolated from that step

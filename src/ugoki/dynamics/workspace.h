@@ -31,7 +31,7 @@ struct Workspace {
   explicit Workspace(const Mechanism& mechanism);
 
   /// Allocates and fills `chain` and `entry_index`, and allocates M and L: O(nv depth) memory. The constructor calls this function for
-  /// up to a million entries; for larger mechanisms the first call of calc_inertia_rows() does.
+  /// up to a million entries; for larger mechanisms the first call of calc_inertia_rows() calls it.
   void make_rows(const Mechanism& mechanism);
 
   /// Index in M and L of the entry of DOFs i and j, one of which must be an ancestor of the other, or the same.
@@ -47,15 +47,15 @@ struct Workspace {
   std::vector<int> link_chain;   ///< [links] deepest DOF that moves the link; -1: none
   std::vector<Dof> dofs;         ///< [nv] limits, armature and other properties of each DOF
 
-  // Kinematics, computed by update_kinematics(); spatial quantities about p0, world axes, angular part first
+  // Kinematics, computed by update_kinematics(). Spatial quantities are about p0, in world axes, angular part first.
   Vec3 p0;                 ///< m, world: the reference point
   std::vector<Pose> X_WB;  ///< [links] poses in the world
   std::vector<Vec6> S;     ///< [nv] column of the motion subspace
   std::vector<Vec6> V;     ///< [links] velocity: rad/s, m/s
-  std::vector<Vec6> C;     ///< [links] (dS/dt) v: velocity-product acceleration of the link relative to its parent
+  std::vector<Vec6> C;     ///< [links] velocity-product acceleration (dS/dt) v of the link relative to its parent
   std::vector<Inertia> I;  ///< [links] inertia about p0
 
-  // Scratch of the recursions
+  // Scratch memory of the recursions over links
   std::vector<Vec6> A, F;              ///< [links] accelerations, forces
   std::vector<Inertia> Ic;             ///< [links] composite inertia
   std::vector<ArticulatedInertia> IA;  ///< [links] articulated-body inertia

@@ -24,7 +24,7 @@ class Descriptor {
     if (fd_ >= 0) ::close(fd_);
   }
   [[nodiscard]] int get() const { return fd_; }
-  /// Closes the descriptor. False if the system reports that written data was lost.
+  /// Closes the descriptor. Returns false if the system reports that written data was lost.
   bool close() {
     const int fd = fd_;
     fd_ = -1;

@@ -10,14 +10,15 @@
 
 namespace ugoki::files {
 
-/// 2 GiB, in bytes: larger than any motion or mechanism file in use. Readers need a small multiple of the file size in memory.
+/// Default size limit in bytes (2 GiB): larger than any motion or mechanism file in use. Readers need a small multiple of the file size in
+/// memory.
 inline constexpr std::size_t default_max_size = std::size_t{1} << 31;
 
-/// All bytes of the file; also works for pipes. Errors (their location is the path): the file does not exist, is not readable,
+/// Reads all bytes of the file; also works for pipes. Errors (their location is the path): the file does not exist, is not readable,
 /// is a folder, or is larger than `max_size` bytes; or the disk fails.
 [[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t max_size = default_max_size);
 
-/// Replaces the file atomically: writes a temporary file in the same folder, flushes it to the disk, then renames it.
+/// Replaces the file atomically: writes a temporary file in the same folder, flushes this file to the disk, then renames it.
 /// After a failure or a power cut the old file is intact. Keeps the permissions of the replaced file, and follows symbolic links.
 /// Errors (their location is the path): missing folder, no permission, no space. The temporary file is removed on failure.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::span<const std::byte> bytes);

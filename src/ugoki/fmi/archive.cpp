@@ -12,8 +12,8 @@ namespace ugoki::fmi {
 namespace {
 
 // Bounds against zip bombs.
-constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;     // unpacked size of all entries
-constexpr std::uint64_t max_ratio = 100;                        // unpacked to packed size of an entry above small_bytes
+constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;     // maximum unpacked size of all entries together
+constexpr std::uint64_t max_ratio = 100;                        // maximum ratio of unpacked to packed size, for entries above small_bytes
 constexpr std::uint64_t small_bytes = std::uint64_t{32} << 20;  // entries up to this size may have any ratio
 constexpr zip_int64_t max_entries = 100'000;
 

@@ -1,5 +1,5 @@
 #pragma once
-// Zip files, the format of FMUs. They are read from memory, within bounds against hostile files; they are written so that equal files give
+// Reads and writes zip files, the format of FMUs. Reads them from memory, with limits against hostile files. Equal files are written as
 // equal bytes.
 
 #include <cstddef>
@@ -45,7 +45,8 @@ class Archive {
   std::unique_ptr<Body> body_;
 };
 
-/// The bytes of a zip of these files (name, bytes), in this order. All files get the same date. @param location for messages
+/// Returns the bytes of a zip with these files, in this order. All files get the same date.
+/// @param files pairs of name and bytes @param location for messages
 [[nodiscard]] Result<std::string> write_archive(const std::vector<std::pair<std::string, std::string>>& files, std::string_view location);
 
 }  // namespace ugoki::fmi

@@ -17,11 +17,11 @@ namespace ugoki::fmi {
 #define UGOKI_FMI3_ACCESS(type)                                                                                      \
   fmi3Status (*Get##type)(fmi3Instance, const fmi3ValueReference*, std::size_t, fmi3##type*, std::size_t) = nullptr; \
   fmi3Status (*Set##type)(fmi3Instance, const fmi3ValueReference*, std::size_t, const fmi3##type*, std::size_t) = nullptr;
-/// Functions of FMI 2.0: Functions2::DoStep is fmi2DoStep. Null: not found, and not needed by this FMU.
+/// Pointers to functions of FMI 2.0: Functions2::DoStep is fmi2DoStep. Null: the FMU lacks the function and does not need it.
 struct Functions2 {
   UGOKI_FMI2_FUNCTIONS(UGOKI_FMI_MEMBER)
 };
-/// Functions of FMI 3.0, likewise.
+/// Pointers to functions of FMI 3.0, as in Functions2.
 struct Functions3 {
   UGOKI_FMI3_FUNCTIONS(UGOKI_FMI_MEMBER)
   UGOKI_FMI3_NUMBERS(UGOKI_FMI3_ACCESS)
@@ -29,7 +29,7 @@ struct Functions3 {
 #undef UGOKI_FMI3_ACCESS
 #undef UGOKI_FMI_MEMBER
 
-/// A loaded binary. The temporary folder is removed when this is destroyed; the binary stays loaded until the process ends.
+/// The loaded binary of an FMU. The destructor removes the temporary folder; the binary stays loaded until the process ends.
 class Code {
  public:
   /// Errors (location: `location`): the FMU has no binary for this system, it cannot be opened, or it lacks functions.

@@ -14,7 +14,7 @@ namespace {
 using circuit::LsiClass;
 
 constexpr std::size_t max_inside = 1000;    // local variables that become outputs; if there are more, none does and a note is added
-constexpr std::uint64_t max_elements = 64;  // maximum size of an array that becomes parameters, one for each element
+constexpr std::uint64_t max_elements = 64;  // maximum number of elements of an array that becomes parameters, one per element
 constexpr std::size_t max_named = 8;        // variables that a note lists by name
 
 bool is_number(VariableType type) { return type != VariableType::string && type != VariableType::binary && type != VariableType::clock; }
@@ -24,7 +24,7 @@ bool is_whole(VariableType type) {
   return type != VariableType::float64 && type != VariableType::float32 && type != VariableType::boolean && is_number(type);
 }
 
-/// "A[2,1]": element `i` (row by row) of an array, counted from 1.
+/// Name of element `i` of an array, with indices from 1: "A[2,1]". `i` counts the elements row by row, from 0.
 std::string element_name(const Variable& v, std::uint64_t i) {
   std::vector<std::uint64_t> at(v.extent.size());
   for (std::size_t d = v.extent.size(); d-- > 0; i /= v.extent[d]) at[d] = i % v.extent[d] + 1;
@@ -125,7 +125,7 @@ class Declarer {
     return "It cannot save its state: when a circuit goes back in time, this FMU starts from its initial state.";
   }
 
-  /// The LSI without pins and parameters.
+  /// The declaration of the LSI, still without pins and parameters.
   Declaration head() const {
     Declaration out;
     LsiClass& c = out.lsi_class;
@@ -273,7 +273,7 @@ class Declarer {
     out.lsi_class.parameters.push_back(std::move(p));
   }
 
-  /// The range is extended to contain the start value; otherwise the circuit would refuse the FMU's own default.
+  /// Sets the range of a parameter, extended to contain the start value; otherwise the circuit would refuse the FMU's own default.
   static void set_range(circuit::Parameter& p, const Variable& v, double start) {
     p.minimum = std::min(v.minimum.value_or(p.minimum), start);
     p.maximum = std::max(v.maximum.value_or(p.maximum), start);
@@ -298,7 +298,7 @@ class Declarer {
   const ModelDescription& d_;
   Names input_names_, output_names_, parameter_names_;
   std::set<std::string, std::less<>> plain_parameters_;
-  std::size_t numbers_ = 0;  // values in Call::parameters so far
+  std::size_t numbers_ = 0;  // number of values in Call::parameters so far
   Listed texts_, binaries_, sizes_, arrays_, empty_;
 };
 

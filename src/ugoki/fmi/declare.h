@@ -31,7 +31,7 @@ struct ParameterBinding {
   std::uint32_t first = 0;            ///< index of its first value in Call::parameters
   std::uint32_t count = 1;            ///< values
   std::vector<double> start;          ///< start values of the FMU; a parameter that equals them is not set; empty: unknown
-  std::vector<std::int64_t> choices;  ///< a choice: value in the FMU of each word
+  std::vector<std::int64_t> choices;  ///< [options] only if the LSI's parameter is a choice: the FMU's value for each option
   std::string name;                   ///< name of the LSI's parameter; array: name of the first element's parameter
   bool text = false, tunable = false;
 };
@@ -46,7 +46,7 @@ struct Declaration {
 
 /// The LSIs of an FMU.
 struct Declarations {
-  std::vector<Declaration> classes;  ///< the FMU; if it has 1 ... 1000 local variables, a second LSI with these as additional outputs
+  std::vector<Declaration> classes;  ///< one LSI; if the FMU has 1 ... 1000 local variables, a second LSI with these as additional outputs
   std::vector<std::string> notes;    ///< sentences: variables that have no pin or parameter, and other limitations
 };
 

@@ -12,7 +12,7 @@
 namespace ugoki::fmi {
 namespace {
 
-// Base units of the standard, in the order of its attributes.
+// Base units of the FMI standard, in the order of the standard's attributes.
 constexpr std::array<const char*, 8> bases{"kg", "m", "s", "A", "K", "mol", "cd", "rad"};
 
 /// A unit as a product of powers of `bases` and a factor to SI.
@@ -275,7 +275,7 @@ class Writer {
         for (std::uint32_t k = 0; k < (two_ ? v.count : 1u); ++k) {
           pugi::xml_node unknown = two_ ? list.append_child("Unknown") : node.append_child(initially ? "InitialUnknown" : "Output");
           set(unknown, two_ ? "index" : "valueReference", std::to_string(two_ ? first[i] + k : v.reference));
-          if (initially) continue;  // without `dependencies` it may depend on all inputs
+          if (initially) continue;  // an unknown without `dependencies` may depend on all inputs
           std::string dependencies;
           for (const std::uint32_t d : v.depends)
             for (std::uint32_t n = 0; n < (two_ ? interface_.variables[d].count : 1u); ++n)

@@ -9,9 +9,9 @@
 namespace ugoki::fmi {
 
 struct DescribeRequest {
-  int version = 3;                ///< of FMI: 2 or 3
-  double dt = 0.001;              ///< s, between two ticks of the circuit
-  std::string identifier, token;  ///< modelIdentifier; guid or instantiationToken
+  int version = 3;                ///< version of FMI: 2 or 3
+  double dt = 0.001;              ///< time between two ticks of the circuit, s
+  std::string identifier, token;  ///< the attributes modelIdentifier, and guid (FMI 2.0) or instantiationToken (FMI 3.0)
 };
 
 /// @return the text of the XML file

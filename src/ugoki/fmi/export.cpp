@@ -62,7 +62,7 @@ bool uses_content(const circuit::FlatLsi& lsi, double dt) {
 }
 
 /// Checks that all LSIs of the circuit are built in, and that there is content for those that use it.
-/// @param only_signals [out] all LSIs are in `signals`
+/// @param only_signals [out] true if all LSIs are in `signals`
 Result<void> check_lsis(const circuit::Circuit& circuit, const circuit::Library& library, const circuit::Library& signals,
                         const std::vector<circuit::LsiClass>& installed, const ExportRequest& request, bool& only_signals) {
   circuit::Library all = library;

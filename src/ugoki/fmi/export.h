@@ -13,27 +13,28 @@
 
 namespace ugoki::fmi {
 
-/// How to export a circuit.
+/// Settings of the export of a circuit.
 struct ExportRequest {
-  int version = 3;    ///< of FMI: 2 or 3
-  double dt = 0.001;  ///< s, between two ticks of the circuit
+  int version = 3;    ///< version of FMI: 2 or 3
+  double dt = 0.001;  ///< time between two ticks of the circuit, s
   // Bytes of the shared objects that run circuits (apps/fmu), for this system. The smaller one that has the circuit's LSIs is packed.
   std::string_view signal_binary;  ///< ugoki_fmu: signal LSIs only
   std::string_view full_binary;    ///< ugoki_fmu_content: all built-in LSIs
   /// Bytes of the content (*.ugx) whose mechanisms and motions the LSIs use; `resources` must be set too. Empty: no LSI uses content.
   std::string_view content = {};
-  const circuit::Resources* resources = nullptr;  ///< the same content as the LSIs see it; null: no content
+  const circuit::Resources* resources = nullptr;  ///< objects of the same content, which LSIs request; null: no content
 };
 
 /// An exported FMU.
 struct Exported {
   std::string bytes;                                     ///< the *.fmu
-  std::string identifier;                                ///< its modelIdentifier
+  std::string identifier;                                ///< modelIdentifier of the FMU
   std::vector<std::string> inputs, outputs, parameters;  ///< names of its variables
   std::vector<std::string> notes;                        ///< sentences about pins and parameters that are left out
 };
 
-/// Exports a circuit of built-in LSIs and nested circuits. LSIs that use content need content. Equal arguments give equal bytes.
+/// Exports a circuit of built-in LSIs and nested circuits. The request must give content if an LSI uses it. Equal arguments give equal
+/// bytes.
 /// Errors: the circuit cannot be built; an LSI needs content and none is given; an LSI is of an installed library, whose native code is not
 /// packed. @param library the program's own LSIs @param installed declarations of the installed LSIs, for error messages
 [[nodiscard]] Result<Exported> export_fmu(const circuit::Circuit& circuit, const circuit::Library& library,

@@ -15,7 +15,7 @@ namespace ugoki::fmi {
 
 class Fmu;
 
-/// LsiClass::abi of an FMU's LSI points to this. The base class is empty; the functions of the LSI are in fmu_lsi.cpp.
+/// LsiClass::abi of an FMU's LSI points to an FmuClass. The base class is empty; the functions of the LSI are in fmu_lsi.cpp.
 struct FmuClass : ugoki_class {
   Fmu* fmu = nullptr;
   Declaration declaration;
@@ -39,7 +39,7 @@ class Fmu {
   /// Starts an instance, initialises it and ends it. Error: one of these failed.
   [[nodiscard]] Result<void> attempt();
 
-  int instances = 0;  ///< that exist now in this process
+  int instances = 0;  ///< instances that exist now in this process
 
  private:
   Fmu() = default;

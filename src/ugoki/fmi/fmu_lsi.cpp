@@ -21,7 +21,7 @@ using circuit::Setup;
 
 constexpr std::size_t max_held = 256;  // states kept inside an FMU that can save but not serialise them; the oldest is dropped first
 
-/// Bytes of the values that the FMU was given last (tunable parameters, discrete inputs), as part of the saved state.
+/// Size in the saved state, bytes, of the values that were last set in the FMU (tunable parameters and discrete inputs).
 std::size_t given_bytes(const Declaration& d) {
   std::size_t bytes = 0;
   for (const ParameterBinding& b : d.parameters) bytes += b.tunable ? b.count * sizeof(double) : 0;
@@ -32,12 +32,12 @@ std::size_t given_bytes(const Declaration& d) {
 /// Header of the saved state that `store` writes into the LSI's state. Behind it follow the values that the FMU was given last, then the
 /// FMU's own serialised state.
 struct SavedHead {
-  enum Kind : std::uint64_t { nothing, bytes, held };  // no state; serialised behind the header; kept inside the FMU
+  enum Kind : std::uint64_t { nothing, bytes, held };  // bytes: serialised behind the header; held: kept inside the FMU
   std::uint64_t kind = nothing;
   std::uint64_t size = 0;   // bytes of the serialised state, or number of the held state
-  std::uint64_t owner = 0;  // address of the Running that holds the state
+  std::uint64_t owner = 0;  // address of the Running object whose FMU keeps the state
   double until = 0;         // s, time at which the state was saved
-  double next_event = 0;    // s, as Running::next_event_
+  double next_event = 0;    // time of the next scheduled event (Running::next_event_), s
   std::uint64_t given = 0;  // 1: the FMU has been given discrete inputs
 };
 
@@ -58,8 +58,8 @@ class Running {
  private:
   bool make_unit(std::string& why);  // false: `why` has the reason
   std::int32_t initialise(const Call* call, double start);
-  std::int32_t convert(const Call* call, Group& g);  // from the wires to g.memory
-  std::int32_t give(const Call* call, Group& g);     // from g.memory to the FMU
+  std::int32_t convert(const Call* call, Group& g);  // copies values from the wires to g.memory
+  std::int32_t give(const Call* call, Group& g);     // copies values from g.memory to the FMU
   std::int32_t set_group(const Call* call, Group& g) {
     const std::int32_t bad = convert(call, g);
     return bad ? bad : give(call, g);
@@ -69,7 +69,7 @@ class Running {
   std::int32_t finish_events(const Call* call, double now);
   std::int32_t set_parameter(const Call* call, const ParameterBinding& b);
   std::int32_t set_parameters(const Call* call);  // before the initialisation
-  std::int32_t set_changed(const Call* call);     // tunable parameters that differ from the value given last
+  std::int32_t set_changed(const Call* call);     // sets tunable parameters that differ from the value that was set last
   std::int32_t get_outputs(const Call* call);
   std::int32_t fail(const Call* call, Status status, const std::string& what);
   [[nodiscard]] const std::string& name_of_input(const PinBinding& b) const { return class_.declaration.lsi_class.inputs[b.pin].name; }
@@ -87,14 +87,14 @@ class Running {
   std::string id_;
   bool logging_ = false;
   std::unique_ptr<Unit> unit_;
-  std::vector<Group> wired_, given_, outputs_;  // inputs with a wire, inputs without wire (constant), outputs
+  std::vector<Group> wired_, given_, outputs_;  // inputs with a wire; inputs without a wire (constant); outputs
   std::vector<Group> discrete_;                 // inputs with a wire that may be set only at events
   std::vector<std::string> texts_;              // [parameters] values of text parameters
   std::vector<std::vector<double>> set_;        // [parameters] values that the FMU was given last; empty for texts
   std::vector<std::uint64_t> scratch_;          // room for the values of the largest parameter
   std::map<std::uint64_t, void*> held_;         // states kept inside the FMU, by number
   std::uint64_t next_held_ = 1;
-  double next_event_ = std::numeric_limits<double>::infinity();  // s, scheduled by the FMU
+  double next_event_ = std::numeric_limits<double>::infinity();  // time of the event that the FMU has scheduled, s
   bool are_discrete_given_ = false;
   bool initialised_ = false;
   bool dead_ = false;      // after a fatal error no function of the FMU may be called
@@ -358,9 +358,9 @@ std::int32_t Running::advance(const Call* call) {
     if (const std::int32_t bad = initialise(call, now)) return bad;
   }
   if (const std::int32_t bad = set_inputs(call)) return bad;
-  const double close = 1e-9 * size;  // s: times this close are equal; covers the rounding of sums of steps
+  const double close = 1e-9 * size;  // s; times that differ by less count as equal: covers the rounding of summed steps
   double at = now;
-  // An FMU may return early, and events split the step. After 1000 substeps it is considered stuck.
+  // An FMU may return early, and events split the step. After 1000 substeps the FMU is considered stuck.
   for (int substep = 0; substep < 1000; ++substep) {
     StepEnd end;
     const bool to_event = fmu_.description().variable_step && next_event_ > at + close && next_event_ < now + size - close;

@@ -23,7 +23,7 @@ struct Group {
   std::vector<PinBinding> pins;
   std::vector<std::uint64_t> memory;  ///< `count` values of the storage type, in the order of `references`; 8-byte aligned
   std::vector<std::uint64_t> given;   ///< discrete inputs: values that were last set in the FMU, laid out as `memory`
-  std::size_t count = 0;              ///< values of all variables
+  std::size_t count = 0;              ///< number of values of all variables
 
   [[nodiscard]] std::byte* bytes() { return reinterpret_cast<std::byte*>(memory.data()); }
   [[nodiscard]] std::size_t size() const { return count * bytes_of(storage); }  ///< bytes of the values

@@ -83,7 +83,7 @@ class Maker {
     return true;
   }
 
-  /// Copies the range of a pin, unless the start value of an input is outside of it: the standard requires that it is inside.
+  /// Copies the range of a pin to the variable, unless the start value of an input is outside the range, which the standard forbids.
   template <class Pin>
   static void set_range(InterfaceVariable& v, const Pin& pin) {
     if (pin.minimum == pin.maximum || v.minimum) return;
@@ -221,7 +221,7 @@ class Maker {
     add(std::move(v));
   }
 
-  /// Type, start value and range of a parameter.
+  /// Sets the type, start value and range of the variable of a parameter.
   static void describe(InterfaceVariable& v, const circuit::Parameter& inner, const Value& value) {
     if (v.doc.empty()) v.doc = inner.doc;
     v.unit = inner.unit;

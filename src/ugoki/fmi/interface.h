@@ -1,6 +1,6 @@
 #pragma once
 // The variables of a circuit that is exported as an FMU. The exporter writes them into modelDescription.xml; the FMU's binary (apps/fmu)
-// sets and gets them. Both make them from the circuit by make_interface, so the description and the binary always agree.
+// sets and gets them. Both get them from make_interface(), so the description and the binary always agree.
 
 #include <cstdint>
 #include <optional>
@@ -19,7 +19,7 @@ namespace ugoki::fmi {
 enum class InterfaceRole : std::uint8_t {
   time,
   input,     ///< input pin of the circuit
-  device,    ///< output of a device LSI that the host writes: a key, an axis; an input of the FMU
+  device,    ///< output of a device LSI (a key, an axis) that the host program sets; an input of the FMU
   output,    ///< output pin of the circuit
   parameter  ///< parameter of the circuit
 };
@@ -35,16 +35,16 @@ struct InterfaceVariable {
   std::uint32_t count = 1;         ///< elements
   bool array = false;              ///< is an array, possibly of one element
   std::string target;              ///< name of the pin or parameter of the circuit; "id.pin" of a device
-  std::vector<double> start;       ///< [count] start values; of a choice: 1 for its first word
+  std::vector<double> start;       ///< [count] start values; for a choice, 1 is its first word
   std::string text;                ///< start value of a text
   std::vector<std::string> words;  ///< names of a choice's values
   std::optional<double> minimum, maximum;
   bool tunable = false;    ///< true: a parameter that may change while the circuit runs
   bool on_demand = false;  ///< true: an output of an LSI that runs on demand only
-  std::string source;      ///< of an output: the LSI output that provides its value, as "id.pin" of the flat circuit
+  std::string source;      ///< for an output: the LSI output that provides its value, as "id.pin" of the flat circuit
   std::vector<std::uint32_t>
-      depends;  ///< of an output: indices in Interface::variables of the inputs and devices that affect it in the same tick
-  std::vector<std::string> ends;  ///< of a parameter: the LSI parameters that it sets, as "id.parameter" of the flat circuit
+      depends;  ///< for an output: indices in Interface::variables of the inputs and devices that affect it in the same tick
+  std::vector<std::string> ends;  ///< for a parameter: the LSI parameters that it sets, as "id.parameter" of the flat circuit
 };
 
 /// The variables of a circuit.
@@ -58,7 +58,7 @@ struct Interface {
 [[nodiscard]] Interface make_interface(const circuit::Circuit& circuit, const circuit::Library& library, circuit::Interpreter& running);
 
 /// Sets a boundary parameter of a circuit: writes `value` into the LSIs that the parameter leads to.
-/// @param value of the kind of these LSIs' parameters
+/// @param value must be of the kind of these LSIs' parameters
 void set_parameter(circuit::Circuit& circuit, std::string_view parameter, const circuit::Value& value);
 
 }  // namespace ugoki::fmi

@@ -21,12 +21,12 @@ struct LoadedFmu {
   std::string name;                        ///< model identifier
   std::string version;                     ///< version of the model
   std::string doc;                         ///< description, and a line for each limitation of the import
-  std::vector<circuit::LsiClass> classes;  ///< "ball/ball"; and "ball/ball, all variables" if the FMU has local variables
+  std::vector<circuit::LsiClass> classes;  ///< for an FMU named ball: "ball/ball"; with local variables also "ball/ball, all variables"
   std::shared_ptr<void> code;              ///< must outlive the use of the functions of `classes`
 };
 
-/// Reads an FMU. Errors (location: the path): see Archive::open and read_model_description; the FMU has no binary for this system.
-/// @param bytes of the file @param hash SHA-256 of `bytes`: the code is read from `path` later, which must then have the same hash
+/// Reads an FMU. Errors (location: the path): those of Archive::open and read_model_description; an FMU without a binary for this system.
+/// @param bytes the file's bytes @param hash SHA-256 of `bytes`; the code is read from `path` later, and must then have this hash
 /// @param phase may be null
 [[nodiscard]] Result<LoadedFmu> load_fmu(const std::string& path, std::string bytes, std::string hash, Phase phase);
 

@@ -6,7 +6,7 @@
 namespace ugoki::fmi {
 namespace {
 
-constexpr std::size_t max_messages = 1000;  // that wait: a bound on memory if nobody reads them
+constexpr std::size_t max_messages = 1000;  // waiting messages; bounds the memory if nobody reads them
 
 struct Queue {
   std::mutex mutex;

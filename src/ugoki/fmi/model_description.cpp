@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t max_text = std::size_t{128} << 20;  // bytes of the XML
 constexpr std::uint64_t max_elements = 1'000'000;         // elements of one array; all arrays together: 16 times as many
 constexpr std::size_t max_variables = 1'000'000;
-constexpr std::size_t max_problems = 20;  // that are reported
+constexpr std::size_t max_problems = 20;  // problems that are reported
 constexpr std::size_t max_notes = 20;
 
 /// Names of a type in FMI 2.0 (null: none) and 3.0.
@@ -64,7 +64,7 @@ struct DeclaredType {
   int enumeration = -1;
 };
 
-/// True if both are read from the same declaration, at different lines.
+/// True if `b` repeats the declaration of `a` at another line.
 bool is_repeated(const Variable& a, const Variable& b) {
   const auto fields = [](const Variable& v) {
     return std::tie(v.name, v.description, v.unit, v.display_unit, v.reference, v.type, v.causality, v.variability, v.minimum, v.maximum,
@@ -249,7 +249,7 @@ class Reader {
     }
   }
 
-  /// An integer; nothing if the text is not one, or is out of the range of T.
+  /// Reads an integer; nothing if the text is not an integer or is out of the range of T.
   template <class T>
   static std::optional<T> whole(std::string_view text) {
     text = trim(text);
@@ -401,7 +401,7 @@ class Reader {
   void remove_repeated() {
     std::map<std::string_view, std::size_t> first;  // name -> index of the variable that has it first
     std::vector<Variable> kept;
-    kept.reserve(out_.variables.size());  // `first` refers to the names in it
+    kept.reserve(out_.variables.size());  // no reallocation, because `first` has views of the names in `kept`
     for (Variable& v : out_.variables) {
       if (const auto known = first.find(v.name); known != first.end() && is_repeated(kept[known->second], v)) {
         note_repeated("variable '" + v.name + "'", v.line);
@@ -417,7 +417,8 @@ class Reader {
       out_.notes.push_back("The model description repeats its " + what + " in line " + std::to_string(line) + "; it is read once.");
   }
 
-  /// Sets sizes from structural parameters; checks that names and value references are unique, and ranges and numbers of start values.
+  /// Sets array sizes from structural parameters. Checks that names and value references are unique. Checks ranges and the numbers of start
+  /// values.
   void check_variables() {
     std::map<ValueReference, const Variable*> structural;
     for (const Variable& v : out_.variables)

@@ -54,7 +54,7 @@ struct Variable {
   std::vector<std::string> texts;     ///< start values of strings
   std::vector<std::uint64_t> extent;  ///< elements of each dimension, from the start values of structural parameters; empty: a scalar
   int enumeration = -1;               ///< index into ModelDescription::enumerations, or -1
-  int line = 0;                       ///< in the file, from 1
+  int line = 0;                       ///< line number in the file, from 1
 
   [[nodiscard]] bool is_array() const { return !extent.empty(); }
   [[nodiscard]] std::uint64_t count() const;  ///< elements; at most 2^40
@@ -67,7 +67,7 @@ struct Experiment {
 
 /// Content of modelDescription.xml.
 struct ModelDescription {
-  int version = 2;      ///< of FMI: 2 or 3
+  int version = 2;      ///< version of FMI: 2 or 3
   std::string written;  ///< fmiVersion as written: "2.0"
   std::string name, token, description, model_version, tool;
   std::string identifier;  ///< modelIdentifier of the co-simulation: a C identifier, the name of the binary
@@ -78,7 +78,7 @@ struct ModelDescription {
   Experiment experiment;
   std::vector<EnumerationType> enumerations;
   std::vector<Variable> variables;
-  std::vector<std::string> notes;  ///< sentences: identical declarations that are repeated and were read once
+  std::vector<std::string> notes;  ///< sentences about repeated identical declarations, which were read once
 };
 
 /// Reads a model description. Reports up to 20 problems.

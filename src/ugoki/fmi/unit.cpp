@@ -12,9 +12,9 @@ namespace {
 
 constexpr int max_noted = 200;                   // messages of one instance that are shown
 constexpr std::size_t max_message_bytes = 2000;  // longer messages are cut
-constexpr int max_rounds = 1000;                 // of UpdateDiscreteStates at one event; more count as an endless loop
+constexpr int max_rounds = 1000;                 // calls of UpdateDiscreteStates at one event; more count as an endless loop
 
-/// The functions that have the same name and parameters in both versions of the standard. @tparam last status of the version's enum
+/// The functions that have the same name and parameters in both versions of the standard. @tparam last last status of the version's enum
 template <class Functions, class ForeignStatus, ForeignStatus last>
 class UnitOf : public Unit {
  public:

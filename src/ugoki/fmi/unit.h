@@ -35,7 +35,7 @@ struct EventEnd {
 class Unit {
  public:
   /// Makes a Unit of the FMU's version; call instantiate() next. @param description must outlive the Unit
-  /// @param name of the instance, for the FMU and for messages @param logging show all log messages, not only warnings and errors
+  /// @param name name of the instance, for the FMU and for messages @param logging show all log messages, not only warnings and errors
   [[nodiscard]] static std::unique_ptr<Unit> make(std::shared_ptr<Code> code, const ModelDescription& description, std::string name,
                                                   bool logging);
   virtual ~Unit() = default;
@@ -44,7 +44,7 @@ class Unit {
 
   /// Creates the instance in the FMU. @return false if the FMU refuses; last_words() may contain the reason
   [[nodiscard]] virtual bool instantiate() = 0;
-  /// @param start time of the simulation, s
+  /// @param start start time of the simulation, s
   [[nodiscard]] virtual Status enter_initialization(double start) = 0;
   [[nodiscard]] virtual Status exit_initialization() = 0;
   /// Computes the communication step from `now` to now + size, s. @param end [out] result, also when the step fails
@@ -58,7 +58,8 @@ class Unit {
   [[nodiscard]] virtual Status reset() = 0;
   virtual void terminate() = 0;
   virtual void free() = 0;
-  /// Forgets the instance without a call. Use it after a fatal error: then no function of the FMU may be called, not even to free it.
+  /// Drops the instance without calling the FMU. Use it after a fatal error, when no function of the FMU may be called, not even to free
+  /// the instance.
   virtual void abandon() = 0;
 
   /// Sets and gets variables of one type. @param values [count] values of the storage type, in the order of the references
@@ -66,7 +67,7 @@ class Unit {
   [[nodiscard]] virtual Status get(Storage storage, std::span<const ValueReference> references, void* values, std::size_t count) = 0;
   [[nodiscard]] virtual Status set_text(ValueReference reference, const char* text) = 0;
 
-  /// States that the FMU saves; free_state() releases them. The serialised form is `bytes` long.
+  /// Saves and restores a state inside the FMU. free_state() releases a saved state. serialize() writes a state as bytes.
   [[nodiscard]] virtual Status get_state(void*& state) = 0;
   [[nodiscard]] virtual Status set_state(void* state) = 0;
   virtual void free_state(void*& state) = 0;

@@ -104,14 +104,14 @@ class AmcReader {
                         " are missing; at most one second is interpolated.",
                     "Split the motion there, or export it again.");
       missing_ += *number - last - 1;
-      // Missing frames take memory but no text: at most 8 interpolated bone poses for each byte of text (and 10 million in any case).
+      // Missing frames take memory but no text. Limit the interpolated bone poses to 10 million plus 8 for each byte of text.
       if (static_cast<std::uint64_t>(missing_) * asf_.bones.size() > 10'000'000 + 8 * text_size_)
         return stop(ErrorCode::range, line, "Too many frames are missing: " + std::to_string(missing_) + ".", "Export the motion again.");
     }
     numbers_.push_back(*number);
     frame_lines_.push_back(line);
     seen_.assign(asf_.bones.size(), 0);
-    // Bones without DOFs take memory in every frame but no text: at most 8 bone poses for each byte (and a million in any case).
+    // Bones without DOFs take memory in every frame but no text. Limit the bone poses to a million plus 8 for each byte of text.
     if (std::uint64_t{numbers_.size()} * asf_.bones.size() > 1'000'000 + 8 * text_size_)
       return stop(ErrorCode::range, line, "Almost no bone has degrees of freedom.", "Remove bones that never move.");
     values_.resize(values_.size() + values_per_frame_, 0.0);
@@ -169,7 +169,7 @@ class AmcReader {
   /// Pose of one frame from its values.
   /// @param value       [values_per_frame_] file units
   /// @param angle_unit  rad per file unit of angle
-  /// @param translation, rotation [joints, out] relative to the parent, m
+  /// @param translation, rotation [joints, out] pose relative to the parent; translation in m
   void evaluate_frame(const double* value, double angle_unit, Vec3* translation, Quat* rotation) const {
     const std::size_t joints = asf_.skeleton.joints.size();
     const double unit = asf_.skeleton.unit;
@@ -193,7 +193,7 @@ class AmcReader {
           case AsfDof::Kind::length: stretch[i] = x * unit; break;
         }
       }
-      // The translation of the root is in world axes, that of a bone in the bone's own frame.
+      // The translation of the root is in world axes; the translation of a bone is in the bone's own frame.
       translation[i] += joint.parent < 0 ? shift : rotate(bone.axis, shift);
       rotation[i] = normalized(bone.axis * turn * bone.axis.conjugate());
     }
@@ -222,7 +222,7 @@ class AmcReader {
   std::size_t values_per_frame_ = 0;
   std::vector<char> seen_;        ///< [bones] the current frame has a line for the bone
   std::vector<long> numbers_;     ///< [frames] frame numbers of the file
-  std::vector<int> frame_lines_;  ///< [frames] line of the frame number
+  std::vector<int> frame_lines_;  ///< [frames] line in the file of each frame number
   std::vector<double> values_;    ///< [frames][values_per_frame_] file units
   long missing_ = 0;
   mutable std::vector<double> stretch_;  ///< [bones] m, lengthening of the bones in the frame that is evaluated

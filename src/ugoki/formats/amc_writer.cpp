@@ -15,7 +15,7 @@ struct Bone {
   std::string name;
   int parent = -1;     ///< index in the list of bones
   int joint = -1;      ///< index in the skeleton; -1: a bone that only connects a joint to its child or end site
-  Vec3 end;            ///< m, from the start to the end of the bone at rest, our axes
+  Vec3 end;            ///< m, vector from the start to the end of the bone at rest, Ugoki's axes
   bool turns = false;  ///< has the DOFs rx ry rz
   bool moves = false;  ///< has the DOFs tx ty tz
 };
@@ -39,7 +39,7 @@ class Writer {
   }
 
  private:
-  /// `wanted` as a single word that no other bone has as its name.
+  /// A unique bone name: `wanted`, changed to a single word that is not yet the name of another bone.
   std::string unique_name(const std::string& wanted) {
     std::string name;
     for (const char c : wanted)
@@ -62,12 +62,12 @@ class Writer {
     return static_cast<int>(bones_.size()) - 1;
   }
 
-  /// Adds the bone of a joint, and a connecting bone to every child or end site that the end of this bone does not reach.
+  /// Adds the bone of a joint. Each child or end site that is not at the end of this bone gets a connecting bone.
   void add_joint(int joint, int parent) {
     const SkeletonJoint& j = joints_[static_cast<std::size_t>(joint)];
     const std::vector<int>& children = children_[static_cast<std::size_t>(joint)];
     const bool root = bones_.empty();
-    // With a single child or end site the bone itself can end there; otherwise it has length zero.
+    // The bone ends at a single child or end site; if there are several, or none, its length is zero.
     const bool one_end = !root && ((children.size() == 1 && j.end_sites.empty()) || (children.empty() && j.end_sites.size() == 1));
     Bone bone;
     bone.name = root ? "root" : unique_name(j.name);
@@ -191,7 +191,7 @@ class Writer {
           for (int i = 0; i < 3; ++i) add_number(p[i]);
         }
         if (b.turns) {
-          // M = Rz Ry Rx about the file's axes x, y, z, which are our axes y, z, x.
+          // R = Rz Ry Rx about the file's axes x, y, z, which are Ugoki's axes y, z, x.
           Vec3 angles;
           if (b.joint >= 0) {
             const Mat3 R = to_matrix(motion_.rotations[at]);

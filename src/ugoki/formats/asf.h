@@ -1,5 +1,5 @@
 #pragma once
-// Acclaim skeletons (ASF) and motions (AMC). docs/formats.md describes the dialect.
+// Acclaim skeletons (ASF) and motions (AMC). docs/formats.md describes the supported variants.
 
 #include <string>
 #include <string_view>
@@ -21,22 +21,22 @@ struct AsfDof {
 struct Asf {
   struct Bone {
     std::string name;          ///< the bytes of the file (not converted to UTF-8), to match the names in AMC files
-    Quat axis;                 ///< rotation from the bone's own frame, in which it is measured, to our axes at rest
-    Vec3 direction;            ///< unit vector from start to end at rest, our axes
-    std::vector<AsfDof> dofs;  ///< in the order of the values of an AMC line; the first rotation is applied first
+    Quat axis;                 ///< rotation at rest from the bone's own frame (that of its AMC values) to Ugoki's axes
+    Vec3 direction;            ///< unit vector from the bone's start to its end at rest, Ugoki's axes (X forward, Y left, Z up)
+    std::vector<AsfDof> dofs;  ///< in the order of the bone's values in an AMC file; the first rotation is applied first
   };
   Skeleton skeleton;
-  std::vector<Bone> bones;  ///< [joints]
+  std::vector<Bone> bones;  ///< [joints] one bone for each joint of the skeleton
   bool degrees = true;      ///< unit of angles in AMC files that do not specify one: true deg, false rad
 };
 
 struct AsfOptions {
-  double metres_per_unit = 0;  ///< m per unit of length of the file; 0: inches divided by the file's length scale
+  double metres_per_unit = 0;  ///< m per file unit; 0: 0.0254 m (one inch) divided by the file's length scale
 };
 
-/// Reads a whole ASF file from memory. Each bone becomes a joint at the start of the bone (the end of its parent), with a
-/// frame parallel to the world at rest; joint 0 is the root. A bone without children has an end site. The DOFs of a joint
-/// are the rotations of the bone with their axes and limits, outermost (applied last) first.
+/// Reads a whole ASF file from memory. Each bone becomes a joint at the start of the bone, which is the end of its parent.
+/// At rest all joint frames are parallel to the world. Joint 0 is the root. A bone without children has an end site. The
+/// DOFs of a joint are the bone's rotations with their axes and limits, from the outermost (applied last) to the innermost.
 /// Errors: at most twenty problems, each with file:line and a remedy. O(text log bones).
 [[nodiscard]] Result<Asf> read_asf(std::string_view text, std::string_view file_name, const AsfOptions& options = {},
                                    ReadNotes* notes = nullptr);
@@ -64,9 +64,9 @@ struct AmcText {
 };
 
 /// The motion as an ASF and an AMC file, Y up, degrees. A joint that rotates has the DOFs rx ry rz about the file's axes; a joint whose
-/// translation was measured has tx ty tz. A bone ends at the start of its only child. The root, and every joint with several children or
-/// end sites, has a bone of length zero, from which bones without DOFs ("to_NAME") lead to the children. When the files are read again,
-/// joints of the same name have the same positions and rotations. O(frames * joints).
+/// translation was measured has tx ty tz. A joint with a single child has a bone that ends at the start of this child. The root, and every
+/// joint with several children or end sites, has a bone of length zero; bones without DOFs ("to_NAME") connect it to these. When the
+/// files are read again, joints of the same name have the same positions and rotations. O(frames * joints).
 [[nodiscard]] AmcText write_amc(const MeasuredMotion& motion, const AmcWriteOptions& options = {});
 
 }  // namespace ugoki::formats

@@ -13,16 +13,16 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Limits of one DOF, file's unit of angle or length.
+/// Limits of one DOF, in the file's unit of angle or length.
 struct Limit {
   double lower = -infinity, upper = infinity;
 };
 
-/// A bone, or the root, with the values of the file.
+/// A bone, or the root, with its values as written in the file.
 struct BoneText {
   std::string name;
   int line = 0;
-  Vec3 direction;     ///< unit vector, our axes
+  Vec3 direction;     ///< unit vector along the bone at rest, Ugoki's axes
   double length = 0;  ///< file's unit of length
   Vec3 axis_angles;   ///< file's unit of angle, in the order of axis_order
   std::string axis_order = "XYZ";
@@ -422,7 +422,8 @@ class AsfReader {
     return problems_.empty();
   }
 
-  /// Rotation from the bone's own frame to our axes: the axis angles, applied in the bone's order. @param angle_unit rad per file unit
+  /// Rotation from the bone's own frame to Ugoki's axes: rotations by axis_angles, applied in the order axis_order.
+  /// @param angle_unit rad per file unit of angle
   Quat axis_of(const BoneText& bone, double angle_unit) const {
     Quat q;
     for (int i = 0; i < 3; ++i)
@@ -491,7 +492,7 @@ class AsfReader {
   int line_ = 1;
   bool inside_ = false;      ///< between 'begin' and 'end'
   bool in_limits_ = false;   ///< the next line may continue 'limits'
-  bool half_limit_ = false;  ///< the last pair of limits has only its lower value
+  bool half_limit_ = false;  ///< the last pair of limits has only its lower value so far
   bool seen_root_ = false, seen_bones_ = false, seen_hierarchy_ = false;
   bool degrees_ = true;
   double mass_scale_ = 1, length_scale_ = 1, mass_ = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Biovision Hierarchy (BVH) motion files. docs/formats.md describes the dialect.
+// Biovision Hierarchy (BVH) motion files. docs/formats.md describes the supported variants.
 
 #include <string>
 #include <string_view>
@@ -15,11 +15,11 @@ struct BvhOptions {
   bool z_up = false;           ///< true: the file's Z points up and X forward; false (usual): Y up, Z forward
 };
 
-/// Reads a whole BVH file from memory. A position channel replaces the component of OFFSET that it measures. Rotation
-/// channels are applied in their order, the first one outermost: R = R_first ... R_last. Translation is applied before
-/// rotation, whatever the order of the channels.
+/// Reads a whole BVH file from memory. A position channel replaces the component of OFFSET along its axis. The
+/// rotation channels are multiplied in file order, the first one outermost: R = R_first ... R_last. The joint's own rotation
+/// does not rotate its translation, whatever the order of the channels.
 /// @param file_name names the motion and appears in the location of every problem
-/// @param notes     if given, receives the exact frame time, the unit and other decisions
+/// @param notes     if given, receives the exact frame time, the unit and other decisions of the reader
 /// Errors: at most twenty problems, each with file:line and a remedy. O(text) time and memory.
 [[nodiscard]] Result<MeasuredMotion> read_bvh(std::string_view text, std::string_view file_name, const BvhOptions& options = {},
                                               ReadNotes* notes = nullptr);
@@ -30,9 +30,9 @@ struct BvhWriteOptions {
   int decimals = 8;            ///< digits after the decimal point of every length and angle, 1 ... 15
 };
 
-/// The motion as a BVH file. Every joint has three rotation channels in its rotation_order; an order of fewer axes is
-/// completed, an order with a repeated axis is replaced by ZXY. Roots and joints whose translation was measured also have
-/// position channels. Angles [deg] are chosen closest to those of the previous frame, so that they do not jump.
+/// The motion as a BVH file. Every joint has three rotation channels in its rotation_order. An order of fewer than three
+/// axes is completed; an order with a repeated axis is replaced by ZXY. Roots and joints whose translation was measured also have
+/// position channels. Of all equivalent angles [deg], those closest to the previous frame are written.
 /// Lines end with LF. O(frames * joints).
 [[nodiscard]] std::string write_bvh(const MeasuredMotion& motion, const BvhWriteOptions& options = {});
 

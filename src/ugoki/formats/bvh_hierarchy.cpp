@@ -14,7 +14,7 @@ struct OpenNode {
   int parent = -1;  ///< index in the skeleton; -1: root
   bool end_site = false;
   bool has_offset = false, has_channels = false;
-  Vec3 offset;  ///< our axes, file units
+  Vec3 offset;  ///< Ugoki's axes, file units
   std::string name;
   int line = 0;
 };
@@ -130,7 +130,7 @@ class HierarchyReader {
     return true;
   }
 
-  /// Makes the node a joint, if it is not yet: an End Site with children or channels is a joint.
+  /// Makes the node a joint if it is not one yet: an End Site with children or channels counts as a joint.
   bool make_parent(OpenNode& node) { return node.joint >= 0 || add_joint(node); }
 
   bool read_offset() {

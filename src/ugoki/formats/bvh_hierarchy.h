@@ -9,20 +9,20 @@
 
 namespace ugoki::formats {
 
-/// One channel: one value of each frame.
+/// A channel: one of the values that each frame of the file contains.
 struct BvhChannel {
-  int joint = 0;          ///< index in the skeleton
+  int joint = 0;          ///< index in Skeleton::joints
   bool rotation = false;  ///< true: rotation about the axis; false: position along it
   int axis = 0;           ///< axis of the file: 0 x, 1 y, 2 z
 };
 
 struct BvhHierarchy {
-  Skeleton skeleton;                 ///< our axes, but lengths in file units
+  Skeleton skeleton;                 ///< in Ugoki's axes, but with lengths in file units
   std::vector<BvhChannel> channels;  ///< in the order of the values of a frame
-  std::vector<std::string> remarks;  ///< for ReadNotes
+  std::vector<std::string> remarks;  ///< sentences for ReadNotes::remarks
 };
 
-/// Reads from the beginning of the file up to and including the word MOTION. Returns nothing if problems were added.
+/// Reads from the beginning of the file up to and including the word MOTION. Returns std::nullopt if it added problems.
 [[nodiscard]] std::optional<BvhHierarchy> read_bvh_hierarchy(Scanner& scanner, const FileAxes& axes, Problems& problems);
 
 }  // namespace ugoki::formats

@@ -15,7 +15,7 @@ struct Order {
   int axis[3];
 };
 
-/// The order written as letters, completed to three axes; ZXY if `letters` has a repeated axis or more than three letters.
+/// The order that `letters` specifies ("ZXY"), completed to three axes; ZXY if `letters` repeats an axis or has more than three letters.
 Order order_of(const std::string& letters) {
   Order order{{2, 0, 1}};
   bool used[3] = {false, false, false};
@@ -65,7 +65,8 @@ class Writer {
   void add_number(double value) {
     char buffer[400];
     if (!std::isfinite(value)) value = 0;
-    // An integer count of the last decimal digit, exact below 2^53 = 9.007e15, is faster to write than std::to_chars of the double.
+    // Writing the value as an integer count of its last decimal digit is faster than std::to_chars of the double. The count is exact
+    // below 2^53 = 9.007e15.
     if (const double steps = std::round(value * scale_); std::fabs(steps) < 9e15) {
       const auto all = static_cast<std::uint64_t>(std::fabs(steps)), unit = static_cast<std::uint64_t>(scale_);
       if (steps < 0) out_ += '-';
@@ -101,7 +102,7 @@ class Writer {
     return name.empty() ? "joint" + std::to_string(i + 1) : name;
   }
 
-  /// Writes the joints depth first without recursion and records their order in sequence_, the order of the values of a frame.
+  /// Writes the joints depth first, without recursion. Records their order in sequence_; the values of each frame have this order.
   void write_hierarchy() {
     struct Visit {
       std::size_t joint, next_child;
@@ -182,14 +183,15 @@ class Writer {
     out_ += '\n';
   }
 
-  /// Angles [deg], rounded as they are written, with R = R0(a0) R1(a1) R2(a2), closest to `previous` [deg]. The inner angles are computed
-  /// from R after removal of the rounded outer rotation, so that its rounding error is compensated, also at the gimbal pole.
+  /// Angles a0, a1, a2 [deg] with R = R0(a0) R1(a1) R2(a2), where Rn rotates about axis n of `order`. Returns the solution closest to
+  /// `previous` [deg], rounded as it is written. a1 and a2 are computed from R after the rounded outer rotation R0 was removed. This
+  /// compensates the rounding error of a0, also at the gimbal pole.
   Vec3 angles_near(const Mat3& R, const Order& order, const Vec3& previous) const {
     const int i = axes_.ours(order.axis[0]), j = axes_.ours(order.axis[1]), k = axes_.ours(order.axis[2]);
     const double sign = (j - i + 3) % 3 == 1 ? 1.0 : -1.0;
     const double jk = R.row(j)[k], kk = R.row(k)[k];
     // At the gimbal pole (to within the rounding of the text) the outer and the inner axis coincide. The outer angle then keeps its
-    // previous value. `pole` is the sine of a quarter of the last written digit.
+    // previous value. `pole` is the sine of a quarter of a unit in the last written digit.
     const double pole = 0.25 * (pi / 180) / scale_;
     const double a0 = jk * jk + kk * kk > pole * pole ? atan2(-sign * jk, kk) * (180 / pi) : previous.x;
     const Vec3 one = solve(R, i, j, k, sign, a0, previous);
@@ -198,12 +200,12 @@ class Writer {
     return distance(one, previous) <= distance(two, previous) ? one : two;
   }
 
-  /// The angles [deg] for the outer angle a0 [deg].
+  /// The three angles [deg], rounded as they are written, if the outer angle is a0 [deg]. i, j, k, sign: see angles_near.
   Vec3 solve(const Mat3& R, int i, int j, int k, double sign, double a0, const Vec3& previous) const {
     const double first = rounded(near(a0, previous.x), scale_);
     Vec3 axis;
     axis[i] = 1;
-    const Mat3 M = rotation_about(axis, -first * (pi / 180)) * R;  // = R1(a1) R2(a2)
+    const Mat3 M = rotation_about(axis, -first * (pi / 180)) * R;  // M = R1(a1) R2(a2)
     const double a1 = atan2(sign * M.row(i)[k], M.row(k)[k]) * (180 / pi);
     const double a2 = atan2(sign * M.row(j)[i], M.row(j)[j]) * (180 / pi);
     return {first, rounded(near(a1, previous.y), scale_), rounded(near(a2, previous.z), scale_)};

@@ -1,6 +1,6 @@
 #pragma once
 // C3D files: markers, analog channels, force platforms and events of a motion-capture recording.
-// docs/formats.md describes the dialect.
+// docs/formats.md describes the supported variants.
 
 #include <cstddef>
 #include <span>
@@ -16,26 +16,26 @@ namespace ugoki::formats {
 
 /// Which axis of a marker file points up.
 enum class UpAxis {
-  automatic,  ///< as the file specifies; otherwise the axis along which the height of the lowest marker varies least
+  automatic,  ///< as the file specifies; otherwise the one of Y and Z along which the lowest marker stays closest to a constant height
   y,          ///< Y up, Z forward
   z,          ///< Z up, X forward
 };
 
 struct MarkerOptions {
   UpAxis up = UpAxis::automatic;
-  double metres_per_unit = 0;  ///< m per unit of length of the file; 0: as the file specifies, guessed if that is missing or implausible
+  double metres_per_unit = 0;  ///< m per file unit; 0: the unit that the file specifies, or a guess if that unit is missing or implausible
 };
 
 /// Reads a whole C3D file from memory: Intel, DEC and SGI/MIPS number formats, integer and floating-point data.
-/// A marker position that is not finite counts as not seen in that frame; the notes report how many.
-/// @param notes if given, receives the unit, the up axis and other decisions
+/// A marker position that is not finite counts as not seen in that frame; the notes report how many positions this concerns.
+/// @param notes if given, receives the unit, the up axis and other decisions of the reader
 /// Errors: a damaged header or parameter section, or missing data; location "file: section". O(bytes).
 [[nodiscard]] Result<MarkerMotion> read_c3d(std::span<const std::byte> bytes, std::string_view file_name, const MarkerOptions& options = {},
                                             ReadNotes* notes = nullptr);
 
 struct C3dWriteOptions {
   bool z_up = true;            ///< write Z up, X forward; otherwise Y up, Z forward
-  double metres_per_unit = 0;  ///< m per file unit; 0: unit of the file that was read; millimetres if the unit has no name
+  double metres_per_unit = 0;  ///< m per file unit; 0: unit of the file that was read, or millimetres if that unit has no name
 };
 
 /// The recording as a C3D file: Intel byte order, single-precision floating point. At most 255 events and 64 force platforms are written.

@@ -36,8 +36,8 @@ float C3dNumbers::real(const std::byte* p) const {
     case C3dProcessor::mips: return std::bit_cast<float>(byte_at(p, 0) << 24 | byte_at(p, 1) << 16 | byte_at(p, 2) << 8 | byte_at(p, 3));
     case C3dProcessor::dec: break;
   }
-  // DEC F format: the two 16-bit words are swapped, and the value is 0.1m * 2^(e - 128) = 1.m * 2^(e - 129) (binary mantissa m),
-  // a quarter of the IEEE value of the same bits.
+  // DEC F format: the two 16-bit words are swapped. With the exponent e and the binary mantissa m, the value is 0.1m * 2^(e - 128) =
+  // 1.m * 2^(e - 129). This is a quarter of the IEEE value of the same bits.
   const std::uint32_t bits = byte_at(p, 1) << 24 | byte_at(p, 0) << 16 | byte_at(p, 3) << 8 | byte_at(p, 2);
   const int exponent = static_cast<int>(bits >> 23 & 0xff);
   if (exponent == 0) return (bits & 0x7fffff) != 0 && bits >> 31 != 0 ? std::numeric_limits<float>::quiet_NaN() : 0.0f;

@@ -16,7 +16,7 @@ namespace ugoki::formats {
 /// Processor whose number format a file uses; the value is the byte in the file.
 enum class C3dProcessor : std::uint8_t { intel = 84, dec = 85, mips = 86 };
 
-/// Decodes numbers. The caller must have checked that the bytes (2 or 4) exist.
+/// Decodes the numbers of a C3D file. The caller must have checked that `p` points to 2 bytes (word, integer) or 4 bytes (real).
 struct C3dNumbers {
   C3dProcessor processor = C3dProcessor::intel;
 
@@ -34,7 +34,7 @@ struct C3dParameter {
   std::span<const std::byte> bytes;  ///< the values, a view into the file's bytes
 };
 
-/// All parameters of a file. Refers to the bytes of the file, which must outlive it.
+/// All parameters of a file. Keeps views into the bytes of the file, which must outlive this object.
 class C3dParameters {
  public:
   /// Reads the section that begins at byte `at` of `file`. Error messages name the last parameter before the fault.
@@ -47,8 +47,8 @@ class C3dParameters {
   [[nodiscard]] std::vector<double> values(std::string_view group, std::string_view name) const;
   /// The first value; `otherwise` if the parameter is missing or is text.
   [[nodiscard]] double value(std::string_view group, std::string_view name, double otherwise) const;
-  /// The first value of a parameter that is a count. Files store counts as signed or unsigned 16-bit words, so that negative words are
-  /// read as 32768 ... 65535. Floating-point values are returned unchanged. Nothing if missing or not finite.
+  /// The first value of a parameter that is a count. Files store counts as signed or unsigned 16-bit words; negative words are
+  /// therefore read as 32768 ... 65535. Floating-point values are returned unchanged. std::nullopt if the value is missing or not finite.
   [[nodiscard]] std::optional<double> count(std::string_view group, std::string_view name) const;
   /// The texts of the parameter NAME and of its continuations NAME2, NAME3 ..., without blanks at either end, as UTF-8.
   [[nodiscard]] std::vector<std::string> texts(std::string_view group, std::string_view name) const;

@@ -175,7 +175,7 @@ class Reader {
     if (nameless > 0) notes_.remarks.push_back(std::to_string(nameless) + " markers have no label; they were named '*' and their index.");
   }
 
-  /// Removes the subject's name from labels such as "Subject:LASI" if all labels have the same one.
+  /// Removes the subject's name from labels such as "Subject:LASI" if it is the same in all labels.
   void drop_common_prefix() {
     if (motion_.labels.empty()) return;
     const std::size_t colon = motion_.labels[0].find(':');
@@ -240,7 +240,7 @@ class Reader {
       valid = valid && is_finite(plate.origin) && norm(plate.origin) < max_magnitude;
       for (std::size_t k = 0; k < rows; ++k) {
         const double number = channels[rows * i + k];
-        if (number == 0 && k >= 6) continue;  // the table has 8 rows if any platform has 8 channels; platforms with 6 fill up with 0
+        if (number == 0 && k >= 6) continue;  // the table has 8 rows if any platform has 8 channels; those with 6 have 0 in rows 7 and 8
         valid = valid && number >= 1 && number <= static_cast<double>(layout_.channels);
         if (valid) plate.channels.push_back(static_cast<int>(number) - 1);
       }
@@ -290,8 +290,8 @@ class Reader {
     return {};
   }
 
-  /// Reads the position and residual of one marker in one frame; false if the position is not finite.
-  /// @param index [frames][markers]
+  /// Reads the position and residual of one marker in one frame. False if a coordinate is not finite or the norm is 1e12 or more.
+  /// @param index index in motion_.positions [frames][markers]
   bool read_point(const std::byte* p, std::size_t index) {
     Vec3& x = motion_.positions[index];
     int state = 0;

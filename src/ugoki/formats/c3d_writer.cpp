@@ -32,7 +32,7 @@ class Section {
   void word(const std::string& name, std::vector<std::size_t> sizes, const std::vector<std::int16_t>& values) {
     parameter(name, 2, sizes, values.data(), values.size() * 2);
   }
-  /// Texts, padded to one common length. A parameter holds at most 255 of them; the others follow in NAME2, NAME3 ...
+  /// Adds texts, padded to one common length. A parameter holds at most 255 of them; the others follow in NAME2, NAME3 ...
   void texts(const std::string& name, const std::vector<std::string>& values) {
     for (std::size_t part = 0, at = 0; part == 0 || at < values.size(); ++part) {
       const std::size_t count = std::min<std::size_t>(values.size() - at, 255);

@@ -1,5 +1,5 @@
 #pragma once
-// Comma-separated values: markers, joint positions, coordinates of mechanisms. docs/formats.md describes the dialect.
+// Comma-separated values: markers, joint positions, coordinates of mechanisms. docs/formats.md describes the supported variants.
 
 #include <string>
 #include <string_view>
@@ -40,7 +40,8 @@ enum class CsvKind { points, coordinates };
                                             ReadNotes* notes = nullptr);
 
 /// Reads coordinates of `mechanism`, in columns named as write_csv names them and in any order. Coordinates without a column keep their
-/// neutral value; the notes report how many. Quaternions are normalised. Errors: as above, and columns that name no coordinate.
+/// neutral value; the notes report how many. Quaternions are normalised.
+/// Errors: as for points, and columns that name no coordinate of the mechanism.
 [[nodiscard]] Result<Motion> read_csv(std::string_view text, std::string_view file_name, const Mechanism& mechanism,
                                       ReadNotes* notes = nullptr);
 

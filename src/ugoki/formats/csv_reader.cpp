@@ -70,7 +70,7 @@ std::optional<double> rate_of_rows(const CsvTable& table, Problems& problems, Re
 /// The points of a table and their columns.
 struct Points {
   std::vector<std::string> names;
-  std::vector<std::array<int, 3>> columns;  ///< [points] column of x, y, z; -1: missing
+  std::vector<std::array<int, 3>> columns;  ///< [points] index of the column of x, of y and of z; -1: missing
 };
 
 bool find_points(const CsvTable& table, Problems& problems, ReadNotes& notes, Points& points) {

@@ -116,7 +116,7 @@ bool read_csv_table(std::string_view text, Problems& problems, CsvTable& table, 
       std::string_view field = trimmed(line.substr(0, stop));
       if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = trimmed(field.substr(1, field.size() - 2));
       if (more) line.remove_prefix(stop + 1);
-      if (!more && field.empty() && n == width) break;  // a separator at the end of the line
+      if (!more && field.empty() && n == width) break;  // the line ends with a separator: no further field
       double value = std::numeric_limits<double>::quiet_NaN();
       if (!field.empty() && !equal_ignoring_case(field, "nan")) {
         const auto x = measured_number(field);

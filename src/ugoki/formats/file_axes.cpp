@@ -12,7 +12,7 @@ struct NamedUnit {
   double metres;
   const char* name;
 };
-// If two units fit equally well, the earlier one is chosen.
+// Units that guess_unit() tries. If two fit equally well, the earlier one is chosen.
 constexpr NamedUnit units[] = {{0.01, "centimetres"},
                                {1.0, "metres"},
                                {0.001, "millimetres"},

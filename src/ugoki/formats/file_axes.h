@@ -30,7 +30,7 @@ struct FileAxes {
 struct UnitGuess {
   double metres = 1;  ///< m per file unit
   std::string name;
-  bool plausible = false;  ///< the skeleton is then between 1 m and 2.5 m large
+  bool plausible = false;  ///< true if the skeleton's size in this unit is between 1 m and 2.5 m
 };
 /// The unit in which `extent` is closest (in ratio) to the height of a person, 1.7 m.
 /// @param extent largest size of a skeleton at rest, file units; 0 or not finite: the result is centimetres, not plausible
@@ -40,8 +40,9 @@ struct UnitGuess {
 [[nodiscard]] double rest_extent(const Skeleton& skeleton);
 
 /// Frames per second of a file that gives its frame time as `text`, parsed as `frame_time` [s]. Files round or truncate the
-/// frame time ("0.0083333" for 120 frames per second). The result is the first rate whose exact frame time fits the written
-/// digits: a usual rate (24, 25, 30, 60, 120 ...), a video rate (29.97 ...), a whole number; otherwise 1 / frame_time.
+/// frame time ("0.0083333" for 120 frames per second). Candidates are, in this order, the usual rates (24, 25, 30, 60 ...), the
+/// video rates (29.97 ...) and the closest integer. The first whose exact frame time fits the written digits is returned;
+/// otherwise 1 / frame_time.
 [[nodiscard]] double rate_of(double frame_time, std::string_view text);
 
 }  // namespace ugoki::formats

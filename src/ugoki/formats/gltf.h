@@ -18,15 +18,15 @@ namespace ugoki::formats {
 using GltfFiles = std::function<Result<std::vector<std::byte>>(std::string_view uri)>;
 
 struct GltfOptions {
-  double rate = 0;             ///< frames per second at which animations are sampled; 0: that of the densest keys
-  double metres_per_unit = 0;  ///< m per file unit; 0: 1 as glTF specifies, guessed if the skeleton is then above 20 m or below 1 cm
-  GltfFiles files = {};        ///< null: a file with buffers in other files is rejected
+  double rate = 0;             ///< frames per second at which animations are sampled; 0: the rate of the most closely spaced keys
+  double metres_per_unit = 0;  ///< m per file unit; 0: 1 as glTF specifies; guessed if the skeleton would exceed 20 m or be below 1 cm
+  GltfFiles files = {};        ///< reads buffers that are in other files; null: a .gltf file with such buffers is rejected
 };
 
 /// Reads all animations of a file from memory and returns one measured motion for each. The skeleton consists of the joints of all skins,
-/// the nodes between them, and the animated nodes above them; without skins, of all nodes. A file that animates no joint gives one frame at
-/// rest. The rest pose is the bind pose of the skin. Scales are included in the positions of the joints, so that world positions are those
-/// of the file.
+/// the nodes between them, and the animated nodes above them. Without skins it consists of all nodes. A file that animates no joint gives
+/// one frame at rest. The rest pose is the bind pose of the skin. Scales are included in the positions of the joints, so that world
+/// positions are those of the file.
 /// Errors: location "file:JSON path" or "file:chunk", each with a remedy. O(bytes + frames * joints).
 [[nodiscard]] Result<std::vector<MeasuredMotion>> read_gltf(std::span<const std::byte> bytes, std::string_view file_name,
                                                             const GltfOptions& options = {}, ReadNotes* notes = nullptr);

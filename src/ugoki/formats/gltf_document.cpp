@@ -29,7 +29,7 @@ int base64_value(char c) {
   return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-/// Decodes base64 (RFC 4648) with or without padding, also in the URL alphabet; nothing if `text` is not base64.
+/// Decodes base64 (RFC 4648) with or without padding, also in the URL alphabet; std::nullopt if `text` is not base64.
 std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   std::vector<std::byte> out;
   out.reserve(text.size() / 4 * 3);
@@ -148,7 +148,7 @@ class Parser {
     const Json* l = member(root_, key);
     return l != nullptr && l->is_array() ? *l : nothing;
   }
-  /// The integer `key` in [0, below); -1 if it is missing; nothing if it has another type or value.
+  /// The integer `key` in [0, below); -1 if it is missing; std::nullopt if it has another type or value.
   static std::optional<long> index(const Json& object, const char* key, std::size_t below) {
     const Json* v = member(object, key);
     if (v == nullptr) return -1;
@@ -256,7 +256,7 @@ class Parser {
     return true;
   }
 
-  /// Reads all values of an accessor, [count][components]. @param location JSON path for error messages
+  /// Reads all values of an accessor into `out` [count][components]. @param location JSON path for error messages
   bool accessor(long index_of_accessor, std::size_t components, const std::string& location, std::vector<double>& out) {
     const Json& json = list("accessors")[static_cast<std::size_t>(index_of_accessor)];
     const std::string type = text(json, "type");
@@ -340,7 +340,7 @@ class Parser {
     return norm ? std::max(v / 32767.0, -1.0) : v;
   }
 
-  /// Replaces the entries of `out` that a sparse accessor lists.
+  /// Replaces those entries of `out` [count][components] whose indices a sparse accessor lists.
   bool apply_sparse(const Json& sparse, const std::string& location, long kind, bool norm, std::size_t size, std::size_t components,
                     std::vector<double>& out) {
     const auto count = index(sparse, "count", out.size() / components + 1);

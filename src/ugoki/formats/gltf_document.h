@@ -20,16 +20,16 @@ inline Affine operator*(const Affine& a, const Affine& b) { return {a.A * b.A, a
 
 struct GltfNode {
   std::string name;
-  int parent = -1;  ///< index in nodes; -1: root
+  int parent = -1;  ///< index in GltfDocument::nodes; -1: root
   Vec3 translation;
   Quat rotation;
   Vec3 scale{1, 1, 1};
   std::optional<Affine> matrix;  ///< if set, replaces translation, rotation and scale
-  int skin = -1;                 ///< index in skins; -1: none
+  int skin = -1;                 ///< index in GltfDocument::skins; -1: none
 };
 
 struct GltfSkin {
-  std::vector<int> joints;            ///< indices in nodes
+  std::vector<int> joints;            ///< indices in GltfDocument::nodes
   std::vector<Affine> inverse_binds;  ///< [joints], or empty if the file gives none
 };
 
@@ -38,7 +38,7 @@ enum class GltfInterpolation : unsigned char { linear, step, cubic };
 
 /// Keys of one property of one node.
 struct GltfChannel {
-  int node = 0;  ///< index in nodes
+  int node = 0;  ///< index in GltfDocument::nodes
   GltfPath path = GltfPath::translation;
   GltfInterpolation interpolation = GltfInterpolation::linear;
   std::vector<double> times;   ///< s, not decreasing

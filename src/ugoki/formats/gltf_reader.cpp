@@ -9,7 +9,7 @@
 namespace ugoki::formats {
 namespace {
 
-/// Value of a channel at time t [s]; before the first and after the last key, the value of that key.
+/// Value of a channel at time t [s]. Before the first key it is the first key's value, after the last key the last key's value.
 /// @param out [3 or 4]; a rotation as x y z w
 void sample_channel(const GltfChannel& c, double t, double* out) {
   const std::size_t n = c.path == GltfPath::rotation ? 4 : 3;
@@ -157,7 +157,7 @@ class Reader {
     return -1;
   }
 
-  /// World transforms of all nodes at time t [s] of the animation; null: as in the file.
+  /// Computes globals_, the world transforms of all nodes, at time t [s] of the animation; null: node transforms as in the file.
   void calc_globals(const GltfAnimation* animation, double t) {
     std::vector<GltfNode>& posed = posed_;
     posed = doc_.nodes;
@@ -199,7 +199,7 @@ class Reader {
     }
   }
 
-  /// Frames per second of the densest keys. @param first, last [out] s, range of all keys
+  /// Frames per second that match the most closely spaced keys. @param first, last [out] s, range of all keys
   double key_range(const GltfAnimation& a, double& first, double& last) const {
     double gap = 0;
     bool any = false;
@@ -214,8 +214,8 @@ class Reader {
     }
     if (gap == 0) return 30;
     const double rate = std::round(1 / gap);
-    // Times have single precision (1/24 s is 0.0416667), so that a rate within 0.2 % of an integer is that integer. Rates below 10 are
-    // multiplied to at least 30, so that the curve between sparse keys is kept; rates are at most 1000.
+    // Times have single precision (1/24 s is 0.0416667), so a rate within 0.2 % of an integer is rounded to it. A rate below 10 is
+    // multiplied by an integer to reach at least 30, so that the curve between sparse keys is kept. The rate is at most 1000.
     const double near = std::fabs(rate * gap - 1) < 2e-3 ? rate : 1 / gap;
     return near < 10 ? near * std::ceil(30 / near - 1e-9) : std::min(near, 1000.0);
   }
@@ -249,15 +249,15 @@ class Reader {
     return m;
   }
 
-  /// Computes all frames. The rotation of a joint from rest is computed in world axes and then made relative to that of its parent;
-  /// its position is relative to the parent, in the parent's axes. @param first s, time of the first frame
+  /// Computes all frames. The rotation of a joint from rest is computed in world axes, then made relative to the parent's rotation. The
+  /// position of a joint is relative to the parent, in the parent's axes. @param first s, time of the first frame
   void fill(const GltfAnimation& a, double first, MeasuredMotion& m) {
     const FileAxes axes;
     const std::size_t n = joints_.size();
     std::vector<Mat3> rest(n), turn(n);
     std::vector<Vec3> position(n);
     for (std::size_t j = 0; j < n; ++j) rest[j] = rotation_of(rest_[joints_[j]].A).transposed();
-    const auto ours = [&](const Mat3& R) {  // P R P^T, P from file axes to ours
+    const auto ours = [&](const Mat3& R) {  // P R P^T, where P converts file axes to Ugoki's axes
       const auto turned = [&](const Vec3& e) { return axes.from_file(R * axes.to_file(e)); };
       return Mat3::columns(turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}));
     };
@@ -319,11 +319,11 @@ class Reader {
   std::string_view name_;
   const GltfOptions& options_;
   ReadNotes& notes_;
-  std::vector<std::size_t> order_;      // nodes, parents first
-  std::vector<std::size_t> joints_;     // nodes that become joints, parents first
+  std::vector<std::size_t> order_;      // indices of all nodes, parents first
+  std::vector<std::size_t> joints_;     // indices of the nodes that become joints, parents first
   std::vector<int> joint_of_node_;      // [nodes] index in joints_, or -1
   std::vector<GltfNode> posed_;         // nodes with the animation applied
-  std::vector<Affine> globals_, rest_;  // [nodes] world transforms, file axes and units: current; at rest
+  std::vector<Affine> globals_, rest_;  // [nodes] world transforms (current pose, rest pose), file axes and units
 };
 
 }  // namespace

@@ -77,7 +77,7 @@ struct Bones {
   std::vector<float> positions, normals, weights;
   std::vector<std::uint16_t> joints;
 
-  /// Adds a bone from a to b [m, file axes] that moves with `joint`; shorter than 1e-6 m: nothing.
+  /// Adds a bone from a to b [m, file axes] that moves with `joint`. A bone shorter than 1e-6 m is omitted.
   void add(const Vec3& a, const Vec3& b, int joint) {
     const Vec3 d = b - a;
     const double length = norm(d);
@@ -160,7 +160,7 @@ void animate(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, Json& 
       put(positions, axes.to_file(m.translations[at]));
       Quat q = m.rotations[at];
       if (f > 0) {
-        const Quat& before = m.rotations[at - n];  // q and -q are the same rotation: choose the one for the short way
+        const Quat& before = m.rotations[at - n];  // q and -q are the same rotation: choose the sign closer to `before`
         if (q.w * before.w + dot(q.vec(), before.vec()) < 0) q = {-q.w, -q.x, -q.y, -q.z};
       }
       put(rotations, q, axes);

@@ -24,9 +24,9 @@ constexpr NamedUnit units[] = {{"mm", 0.001},          {"m", 1},
                                {"centimeters", 0.01},  {"centimetres", 0.01},
                                {"feet", 0.3048}};
 
-/// How far the minimum of coordinate k over the markers is from a constant value near zero [file units], over at most 200 frames:
-/// |median| + 2 * mean absolute deviation. The lowest marker stays close to the floor, so that the up axis has the smaller value.
-/// Infinite if all markers share one value of the coordinate, as in planar recordings.
+/// Indicator [file units] of whether axis k points up: the up axis has the smallest value, because the lowest marker stays close to the
+/// floor at zero. Takes the minimum of coordinate k over the markers in about 200 frames. Returns |median| + 2 * mean absolute
+/// deviation of these minima. Infinite if all markers share one value of the coordinate, as in planar recordings.
 double unsteadiness(const MarkerMotion& m, int k) {
   std::vector<double> low;
   double highest = -std::numeric_limits<double>::infinity();
@@ -55,8 +55,8 @@ double unsteadiness(const MarkerMotion& m, int k) {
 
 /// Extent of the markers in the first frame in which any is seen, in file units.
 struct Reach {
-  double extent = 0;    ///< largest side of the axis-aligned box around them
-  double distance = 0;  ///< distance of the farthest one from the origin
+  double extent = 0;    ///< largest side of the axis-aligned box around the seen markers
+  double distance = 0;  ///< distance of the farthest seen marker from the origin
 };
 Reach reach_of(const MarkerMotion& m) {
   for (int f = 0; f < m.frames; ++f) {
@@ -80,7 +80,7 @@ Reach reach_of(const MarkerMotion& m) {
   return {};
 }
 
-/// True if the markers would span more than 100 m, or lie within 4 mm of the origin: no motion-capture laboratory is of either size.
+/// True if the markers would span more than 100 m, or if all were within 4 mm of the origin. No recording of a subject has such a size.
 bool implausible(const Reach& reach, double metres) {
   return reach.extent * metres > 100 || (reach.distance > 0 && reach.distance * metres < 0.004);
 }

@@ -9,7 +9,7 @@
 
 namespace ugoki::formats {
 
-/// Length [m] of the unit that a marker file calls `unit` ("mm", "M", "inches"); nothing for an unknown name.
+/// Length [m] of the unit that a marker file calls `unit` ("mm", "M", "inches"); std::nullopt for an unknown name.
 [[nodiscard]] std::optional<double> metres_of(std::string_view unit);
 /// Name of the unit of length `metres` [m], "mm" for 0.001; empty if the unit has no name.
 [[nodiscard]] std::string_view name_of_unit(double metres);

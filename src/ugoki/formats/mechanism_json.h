@@ -9,7 +9,7 @@
 
 namespace ugoki::formats {
 
-/// JSON text of the mechanism, SI units. Fields with their default value are omitted. read_mechanism restores the same bits.
+/// JSON text of the mechanism, SI units. Fields with their default value are omitted. read_mechanism restores every number bit for bit.
 [[nodiscard]] std::string write_mechanism(const Mechanism& mechanism);
 
 /// Reads and validates a mechanism. Locations of errors: "file:line" for broken JSON; "file:path/in/the/JSON" for wrong types,

@@ -16,7 +16,7 @@ namespace {
 using json::Fields;
 using json::Json;
 
-constexpr std::size_t max_surfaces = 100'000;  // entries of each of the two lists
+constexpr std::size_t max_surfaces = 100'000;  // maximum number of entries in "geometries", and in "height_fields"
 
 static_assert(std::endian::native == std::endian::little, "numbers are packed in little-endian byte order");
 
@@ -40,7 +40,7 @@ bool unpack(Fields& f, const std::string& path, const std::string& text, std::ve
   return true;
 }
 
-/// Reads the packed values of the field `key`; false if it is missing or, with a problem, if it is not valid.
+/// Reads the packed values of the field `key`. Returns false if the field is missing or invalid; the latter adds a problem.
 template <class T>
 bool read_packed(Fields& f, std::string_view key, std::vector<T>& out) {
   const Json* field = f.find(key);

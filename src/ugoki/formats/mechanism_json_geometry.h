@@ -10,7 +10,7 @@
 
 namespace ugoki::formats {
 
-/// The surfaces of a document, by the names that shapes use to refer to them.
+/// The surfaces (meshes and height fields) of a document, by the names with which shapes refer to them.
 struct SurfaceTables {
   std::map<std::string, GeometryPtr, std::less<>> geometries;
   std::map<std::string, HeightFieldPtr, std::less<>> height_fields;
@@ -22,7 +22,7 @@ struct SurfaceTables {
 /// The name under which a mesh or height field is written: its hash as 16 hexadecimal digits.
 [[nodiscard]] std::string surface_name(std::uint64_t hash);
 
-/// JSON text of the members "geometries" and "height_fields", each after a leading comma; empty if no shape has a surface.
+/// JSON text of the members "geometries" and "height_fields", each after a leading comma; empty if no shape has a mesh or height field.
 [[nodiscard]] std::string surfaces_text(const MechanismSpec& spec);
 
 }  // namespace ugoki::formats

@@ -18,7 +18,7 @@ void read_vector(Fields& f, std::string_view key, Vec3& value) {
   double x[3];
   if (f.numbers(key, x)) value = {x[0], x[1], x[2]};
 }
-/// Symmetric matrix as [xx, yy, zz, xy, xz, yz].
+/// Reads a symmetric matrix, given as [xx, yy, zz, xy, xz, yz].
 void read_symmetric(Fields& f, std::string_view key, Sym3& value) {
   double x[6];
   if (f.numbers(key, x)) value = {x[0], x[1], x[2], x[3], x[4], x[5]};
@@ -87,7 +87,7 @@ void read_dof(Fields& f, Dof& out) {
 }
 
 /// Reads "type" as an enumerator.
-/// @param named the enumerator with a name, or nothing
+/// @param named function that returns the enumerator with a given name, or std::nullopt
 /// @param kind  word for the message, for example "joint"
 /// @param known list of the allowed names, for the message
 template <class Type, class Named>
@@ -135,7 +135,7 @@ std::optional<ShapeType> shape_type_named(std::string_view word) {
   return std::nullopt;
 }
 
-/// The entry of `table` that the field `key` names. Null if the field is missing, or, with a problem, if there is no entry of that name.
+/// The entry of `table` that the field `key` names. Null if the field is missing, or if there is no entry of that name (a problem).
 template <class Ptr>
 Ptr read_surface(Fields& f, std::string_view key, const char* table_name, const std::map<std::string, Ptr, std::less<>>& table) {
   if (!f.has(key)) return nullptr;

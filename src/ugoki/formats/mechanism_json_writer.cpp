@@ -37,7 +37,7 @@ bool same_bits(const Sym3& a, const Sym3& b) {
 class Members {
  public:
   void add(const char* name, const std::string& text) { text_ += (text_.empty() ? "\"" : ", \"") + std::string(name) + "\": " + text; }
-  /// Adds the member unless `value` has the bits of `standard`, its default.
+  /// Adds the member unless `value` is bit for bit equal to `standard`, its default.
   template <class T>
   void add_unless(const char* name, const T& value, const T& standard) {
     if (!same(value, standard)) add(name, text_of(value));
@@ -96,8 +96,8 @@ std::string joint_text(const Joint& j) {
 std::string inertia_text(const Inertia& inertia) {
   Members m;
   m.add_unless("mass", inertia.mass, 0.0);
-  // Mass, centre of mass and inertia about it are easier to read. They are written if they restore the same bits; otherwise the
-  // stored values are.
+  // Mass, centre of mass and the inertia about the centre of mass are easier to read than the stored values. They are written if
+  // the stored values can be restored from them bit for bit; otherwise the stored values are written.
   const Vec3 centre = inertia.centre();
   const Sym3 about_centre = inertia.about_centre();
   const Inertia back = Inertia::from_centre(inertia.mass, centre, about_centre);

@@ -20,7 +20,7 @@ constexpr std::string_view measured_mark = "UGOKIMEA";
 constexpr std::uint32_t format_version = 1;
 constexpr std::size_t header_size = 32;  // bytes: mark 8, version 4, reserved 4, payload size 8, checksum 8
 
-/// Writes values one after the other behind a header, which finish() fills.
+/// Writes values one after the other after a header. finish() fills in the header.
 class ByteWriter {
  public:
   ByteWriter() : bytes_(header_size) {}
@@ -204,7 +204,7 @@ Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view na
   m.frames = in.integer();
   m.nq = in.integer();
   m.cyclic = in.flag();
-  const std::size_t tracks = in.count(16);  // bytes of a track without its name and labels: 2 counts
+  const std::size_t tracks = in.count(16);  // minimum size of a track, bytes: 2 counts of 8 bytes, without the name and labels
   for (std::size_t i = 0; i < tracks && in.good(); ++i) {
     ContactTrack track;
     track.link = in.text();
@@ -266,7 +266,7 @@ Result<MeasuredMotion> read_measured_motion(std::span<const std::byte> bytes, st
   m.skeleton.name = in.text();
   m.skeleton.unit = in.finite();
   m.skeleton.mass = in.finite();
-  const std::size_t joints = in.count(61);  // bytes of a joint without its texts and lists: 4 counts 32, parent 4, offset 24, flag 1
+  const std::size_t joints = in.count(61);  // minimum size of a joint, bytes: 4 counts 32, parent 4, offset 24, flag 1
   for (std::size_t i = 0; i < joints && in.good(); ++i) {
     SkeletonJoint j;
     j.name = in.text();
@@ -278,12 +278,12 @@ Result<MeasuredMotion> read_measured_motion(std::span<const std::byte> bytes, st
     j.rotation_order = in.text();
     const std::size_t ends = in.count(sizeof(Vec3));
     for (std::size_t k = 0; k < ends && in.good(); ++k) j.end_sites.push_back(in.vector());
-    const std::size_t dofs = in.count(41);  // bytes of a DOF: axis 24, flag 1, limits 16
+    const std::size_t dofs = in.count(41);  // size of a DOF, bytes: axis 24, flag 1, limits 16
     for (std::size_t k = 0; k < dofs && in.good(); ++k) {
       MeasuredDof f;
       f.axis = in.vector();
       f.limited = in.flag();
-      f.lower = in.number();  // infinite if that side has no limit
+      f.lower = in.number();  // infinite if there is no limit on that side
       f.upper = in.number();
       j.dofs.push_back(f);
     }

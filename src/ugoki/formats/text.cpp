@@ -72,7 +72,7 @@ std::string stem_of(std::string_view file_name) {
 }
 
 std::string utf8(std::string_view name) {
-  // RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF.
+  // Valid UTF-8 (RFC 3629): no overlong forms, no surrogates, nothing above U+10FFFF.
   const auto byte = [&](std::size_t i) { return i < name.size() ? static_cast<unsigned char>(name[i]) : 0u; };
   const auto tail = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xBF) { return byte(i) >= low && byte(i) <= high; };
   bool valid = true;

@@ -52,8 +52,8 @@ class Problems {
 /// True if `a` and `b` are equal apart from the case of ASCII letters.
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b);
 
-/// The number written in `token`; nothing if `token` is not entirely one finite number of magnitude at most max_magnitude.
-/// Returns the same bits as parse_double, but faster.
+/// The number written in `token`; std::nullopt if `token` is not entirely one finite number of magnitude at most max_magnitude.
+/// Returns the same double as parse_double, bit for bit, but is faster.
 [[nodiscard]] std::optional<double> measured_number(std::string_view token);
 
 /// Why a token is not accepted by measured_number.
@@ -84,7 +84,7 @@ class Scanner {
   /// The rest of the line without blanks at either end. Ends before the character `stop`, if `stop` is given and present.
   /// Does not consume the line end.
   std::string_view rest_of_line(char stop = '\0');
-  /// Skips blanks and line ends, then consumes `keyword` (in any case) if the text continues with it; no blank need follow it.
+  /// Skips blanks and line ends, then consumes `keyword` if the text continues with it, ignoring case. A blank after it is not required.
   bool accept(std::string_view keyword);
   /// Skips blanks on this line, then consumes the character `c`; false if another character or the line end follows.
   bool accept_on_line(char c);

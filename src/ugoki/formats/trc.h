@@ -1,5 +1,5 @@
 #pragma once
-// Track Row Column (TRC) files: marker positions as text. docs/formats.md describes the dialect.
+// Track Row Column (TRC) files: marker positions as text. docs/formats.md describes the supported variants.
 
 #include <string>
 #include <string_view>
@@ -8,16 +8,16 @@
 
 namespace ugoki::formats {
 
-/// Reads a whole TRC file from memory; columns are separated by tabs or commas. A marker with an empty or "NaN" component is not seen
-/// in that frame.
-/// @param notes if given, receives the unit, the up axis and other decisions
+/// Reads a whole TRC file from memory; columns are separated by tabs or commas. A marker with an empty or "NaN" component counts as
+/// not seen in that frame.
+/// @param notes if given, receives the unit, the up axis and other decisions of the reader
 /// Errors: at most twenty problems, each with file:line and a remedy. O(text).
 [[nodiscard]] Result<MarkerMotion> read_trc(std::string_view text, std::string_view file_name, const MarkerOptions& options = {},
                                             ReadNotes* notes = nullptr);
 
 struct TrcWriteOptions {
   bool z_up = false;           ///< true: write Z up, X forward; false (usual): Y up, Z forward
-  double metres_per_unit = 0;  ///< m per file unit; 0: unit of the file that was read; millimetres if the unit has no name
+  double metres_per_unit = 0;  ///< m per file unit; 0: unit of the file that was read, or millimetres if that unit has no name
   int decimals = 6;            ///< digits after the decimal point, 1 ... 15
 };
 

@@ -40,7 +40,7 @@ std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-/// Removes the first column from `rest` and returns it; nothing after the last column.
+/// Removes the first column from `rest` and returns it; std::nullopt after the last column.
 /// @param ended [in, out] true once the last column has been returned
 std::optional<std::string_view> next_column(std::string_view& rest, char separator, bool& ended) {
   if (ended) return std::nullopt;
@@ -129,6 +129,13 @@ class Reader {
       }
       motion.labels.push_back(columns[i].empty() ? "*" + std::to_string(motion.labels.size()) : utf8(columns[i]));
     }
+    // Some programs put other numbers of tabs between the names: then the names count, if they are as many as NumMarkers.
+    std::vector<std::string> named;
+    for (std::size_t i = 2; i < columns.size(); ++i)
+      if (!columns[i].empty()) named.push_back(utf8(columns[i]));
+    if (declared_markers_ >= 0 && declared_markers_ != static_cast<long>(motion.labels.size()) &&
+        declared_markers_ == static_cast<long>(named.size()))
+      motion.labels = std::move(named);
     if (motion.labels.empty()) return refuse(ErrorCode::structure, "No marker is named.", "Write each name above its three columns.");
     if (declared_markers_ >= 0 && declared_markers_ != static_cast<long>(motion.labels.size()))
       return refuse(

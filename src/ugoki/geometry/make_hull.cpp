@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* location = "hull";
 
-/// The points without duplicates, in the caller's frame and in the PointFrame.
+/// The points without duplicates: `points` in the caller's frame, `in_frame` in the coordinates of PointFrame.
 struct CleanPoints {
   std::vector<Vec3> in_frame, points;
 };

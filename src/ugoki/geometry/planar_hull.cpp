@@ -5,7 +5,7 @@
 namespace ugoki::geometry {
 namespace {
 
-/// True if b is left of the directed line from a to c, or on it: b is not a corner of the hull.
+/// True if b is left of the directed line from a to c, or on this line, so that b is not a corner of the hull.
 bool superfluous(const PlanarPoint& a, const PlanarPoint& b, const PlanarPoint& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) <= 1e-14;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Principal axes and scales of a point set: in these coordinates its extent is about 1 along every axis with a nonzero extent.
+// Principal axes and scales of a point set. In these coordinates the extent of the set is about 1 along every axis with a nonzero extent.
 
 #include <span>
 

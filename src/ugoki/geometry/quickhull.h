@@ -13,8 +13,8 @@ namespace ugoki::geometry {
 
 /// Faces of a hull as polygons: indices into the caller's points.
 struct PolygonHull {
-  std::vector<std::int32_t> first_corner, corners;  ///< first_corner [faces + 1]; corners of a face clockwise or counter-clockwise
-  bool too_many = false;                            ///< stopped: the hull has more vertices than allowed
+  std::vector<std::int32_t> first_corner, corners;  ///< first_corner: [faces + 1]; corners: of a face clockwise or counter-clockwise
+  bool too_many = false;                            ///< true: stopped, because the hull has more vertices than allowed
 };
 
 /// Computes the hull of `points`, which must have an extent of about 1 in every direction. Returns nullopt if Qhull fails; its

@@ -14,7 +14,8 @@ struct PhraseList {
   std::vector<std::string_view> phrases;
 };
 /// Phrase lists in order of precedence: a remark belongs to the first list of which it contains a phrase, otherwise to `read`.
-/// The phrases occur in the notes of the readers (formats, robot_formats, scene_formats), of capture and of body: keep them in step.
+/// The phrases occur in the notes of the readers (formats, robot_formats, scene_formats), of capture and of body: change notes and phrases
+/// together.
 const std::vector<PhraseList>& phrase_lists() {
   static const std::vector<PhraseList> all = {
       {&ConversionReport::check, {"poor fit", "implausible", "turn over from one frame", "unconnected characters"}},
@@ -43,11 +44,11 @@ std::string unit_words(double metres) {
   return "units of " + to_fixed(1000 * metres, 3) + " mm";
 }
 
-/// Extremes of a motion over at most 200 frames, for plausibility checks.
+/// Extremes of a motion over about 200 evenly spaced frames, for plausibility checks.
 struct MotionExtremes {
   double fastest = 0;  ///< m/s, maximum speed of a joint
   double lowest = 0;   ///< m, minimum height of a joint, world
-  double lying = 0;    ///< share of the frames in which the head is less than half the size above the feet; 0 without head or feet
+  double lying = 0;    ///< share of the frames in which the head is less than half the body size above the feet; 0 without head or feet
 };
 
 /// True if `name` contains one of the words, ignoring case.

@@ -32,7 +32,7 @@ void describe(ConversionReport& report, const body::Body& body, const MeasuredMo
 /// Describes links, DOFs, mass and loops of a mechanism.
 void describe(ConversionReport& report, const Mechanism& mechanism);
 
-/// Joins the names: "a, b, c and 4 more". @param maximum number of names that are listed (one more if it is the last)
+/// Joins the names: "a, b, c and 4 more". @param maximum number of names listed (one more if only one remains)
 [[nodiscard]] std::string list_of(const std::vector<std::string>& names, std::size_t maximum = 8);
 
 }  // namespace ugoki::intake

@@ -11,7 +11,7 @@ Vec3 unit_of(const FileAxis& axis) {
   return e;
 }
 
-constexpr double shift_tolerance = 1e-4;  // m, smaller translations are rounding in the file
+constexpr double shift_tolerance = 1e-4;  // m; smaller changes of a translation are rounding errors of the file
 
 /// True if the only root begins a chain without branches in which some joint translates relative to its parent.
 bool root_is_carrier(std::span<const MeasuredMotion> motions) {

@@ -18,12 +18,12 @@ struct FileAxis {
   bool negative = false;
   friend bool operator==(const FileAxis&, const FileAxis&) = default;
 };
-/// Parses "x", "-y" ...; nothing for any other text.
+/// Parses "x", "-y" ...; std::nullopt for any other text.
 [[nodiscard]] std::optional<FileAxis> file_axis_named(std::string_view name);
 /// "x", "-y" ...
 [[nodiscard]] std::string name_of(const FileAxis& axis);
 
-/// Up and forward axes of a file's right-handed space. Our space has Z up and X forward.
+/// Up and forward axes of a file's right-handed space. Ugoki's space has Z up and X forward.
 struct Orientation {
   FileAxis up{1, false}, forward{2, false};
   /// Up and forward are different axes.
@@ -32,7 +32,7 @@ struct Orientation {
 };
 /// Orientation that the readers assume: Z up, X forward (z_up) or Y up, Z forward.
 [[nodiscard]] Orientation usual_orientation(bool z_up);
-/// Rotation from the file's space to ours. @param file must be valid()
+/// Rotation from the file's space to Ugoki's (X forward, Z up). @param file must be valid()
 [[nodiscard]] Mat3 rotation_to_ours(const Orientation& file);
 
 /// Rotates the motion and its skeleton by R. At rest all joint frames stay parallel to the world.
@@ -47,7 +47,7 @@ void scale(MeasuredMotion& motion, double factor);
 /// @param motions all on the same skeleton
 /// @return names of the removed joints
 std::vector<std::string> remove_carrier_roots(std::span<MeasuredMotion> motions);
-/// Changes the frame rate [frames/s]. Analog samples and marked events keep their frames.
+/// Changes the frame rate [frames/s]. Analog samples and marked events keep the frames to which they belong.
 void set_rate(MarkerMotion& motion, double rate);
 
 }  // namespace ugoki::intake

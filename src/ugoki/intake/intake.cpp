@@ -13,6 +13,7 @@
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/formats/trc.h"
 #include "ugoki/geometry/prepare.h"
+#include "ugoki/intake/arrange.h"
 #include "ugoki/robot_formats/robot_file.h"
 #include "ugoki/scene_formats/scene_file.h"
 
@@ -92,20 +93,20 @@ Result<std::vector<store::LibraryItem>> motion_items(const MeasuredMotion& measu
   return std::vector<store::LibraryItem>{std::move(measured_item), std::move(motion_item)};
 }
 
-/// The error of an import that the caller cancelled; nothing if it goes on.
+/// The error of an import that the caller has cancelled; std::nullopt if it is not cancelled.
 std::optional<Error> stopped(const IntakeOptions& options, std::string_view file_name) {
   if (!options.cancelled || !options.cancelled()) return std::nullopt;
   return Error(ErrorCode::cancelled, std::string(file_name), "The import was cancelled.", "Nothing was stored; import the file again.");
 }
 
-/// The error with the file's name at the beginning of every location.
+/// `error` with the file's name at the beginning of every location.
 Error in_file(Error error, std::string_view file_name) {
   for (Problem& p : error.problems)
     if (!p.location.starts_with(file_name)) p.location = std::string(file_name) + (p.location.empty() ? "" : ", " + p.location);
   return error;
 }
 
-/// Rotation from the axes that the reader assumed to `wanted`.
+/// Rotation to apply to converted data if the reader assumed the usual axes (z_up) but the file has the axes `wanted`.
 Mat3 turn_from(bool z_up, const Orientation& wanted) {
   return rotation_to_ours(wanted) * rotation_to_ours(usual_orientation(z_up)).transposed();
 }
@@ -151,9 +152,43 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const std::string name = motions.size() == 1 ? motions[0].name : options.name.empty() ? stem_of(file_name) : options.name;
   out.metres_per_unit = notes.metres_per_unit > 0 ? notes.metres_per_unit : motions[0].skeleton.unit;
   apply_corrections(motions, notes, options, out);
-  for (const std::string& joint : remove_carrier_roots(motions))
-    notes.remarks.push_back("Joint " + joint + " only carries " + motions[0].skeleton.joints[0].name + ", which moves relative to it; " +
-                            joint + " is left out, and its movement was added to that joint.");
+  body::Character character = arrange(motions, notes.remarks);
+  if (const std::optional<Vec3> up = up_by_posture(character); up && !options.axes) {
+    const Vec3 in_file = transpose_times(rotation_to_ours(out.axes), *up);
+    for (int k = 0; k < 3; ++k)
+      if (std::fabs(in_file[k]) > 0.5) out.axes.up = {k, in_file[k] < 0};
+    out.axes.forward = {(out.axes.up.axis + 1) % 3, false};
+    for (MeasuredMotion& m : motions) turn(m, turn_from(notes.z_up, out.axes));
+    character.up = rotation_to_ours(out.axes) * in_file;
+    notes.remarks.push_back("Up is assumed to be the file's axis " + name_of(out.axes.up) +
+                            ", along which trunk and legs of the character point; set the axes if it is wrong.");
+  }
+  if (const std::optional<double> unit = unit_by_height(character, out.metres_per_unit, !notes.unit_guessed);
+      unit && options.unit == 0 && options.height == 0) {
+    const double factor = *unit / out.metres_per_unit;
+    std::erase_if(notes.remarks, [](const std::string& r) { return r.starts_with("Lengths are assumed to be in "); });
+    notes.remarks.push_back(
+        "The unit of length is assumed to be " + to_text(*unit) + " m, with which the legs of the character are " +
+        to_fixed(character.leg_length * factor, 3) + " m long" +
+        (notes.unit_guessed ? "" : "; with the unit that the file states they would be " + to_fixed(character.leg_length, 3) + " m") +
+        ". Set the unit if it is wrong.");
+    for (MeasuredMotion& m : motions) scale(m, factor);
+    out.metres_per_unit = notes.metres_per_unit = *unit;
+    out.unit_guessed = notes.unit_guessed = true;
+  }
+  std::vector<std::string> checks;
+  for (MeasuredMotion& m : motions)
+    if (const std::optional<Vec3> belt = belt_velocity(character, m)) {
+      const std::string speed = to_fixed(norm(*belt), 2) + " m/s";
+      if (options.travel) {
+        add_travel(m, *belt);
+        notes.remarks.push_back(m.name + ": a travel of " + speed +
+                                " was added, because the character walks in place and its standing feet slide.");
+      } else {
+        checks.push_back(m.name + ": the character walks in place (on a treadmill); its standing feet slide at " + speed +
+                         ". Under dynamics it will fall. Import it with its travel (--travel) to put it on a floor.");
+      }
+    }
   if (std::string sentence = several_characters(motions[0].skeleton); !sentence.empty()) notes.remarks.push_back(std::move(sentence));
   describe(out.conversion, motions);
   if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
@@ -174,6 +209,8 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   out.conversion.add_remarks(notes.remarks);
   out.conversion.add_remarks(body->report);
   describe(out.conversion, *body, motions[0]);
+  out.report.insert(out.report.end(), checks.begin(), checks.end());
+  out.conversion.check.insert(out.conversion.check.end(), checks.begin(), checks.end());
 
   store::LibraryItem mechanism_item{
       store::EntryKind::mechanism, name, {}, options.tags, bytes_of(formats::write_mechanism(*body->mechanism))};

@@ -30,7 +30,8 @@ struct IntakeOptions {
   double unit = 0;                    ///< m per unit of length of the file; 0: guessed (BVH) or as the format specifies (ASF)
   double rate = 120;                  ///< frames/s of AMC files, whose format does not specify it
   double frame_rate = 0;              ///< frames/s, overrides the file; 0: as the file specifies
-  std::optional<Orientation> axes;    ///< up and forward in the file's space; nothing: as the reader assumes
+  std::optional<Orientation> axes;    ///< up and forward axes of the file's space; std::nullopt: as the reader assumes
+  bool travel = false;                ///< give characters that walk in place (on a treadmill) the travel that their standing feet show
   formats::GltfFiles files;           ///< reads external buffers of a .gltf file; null: such files are rejected
   robot_formats::RobotOptions robot;  ///< options for URDF, SDF, MJCF
   std::function<bool()> cancelled;    ///< called before each step and each motion; true ends the import with ErrorCode::cancelled
@@ -47,9 +48,9 @@ struct Intake {
   MechanismPtr mechanism;                          ///< mechanism of the body, or of the file
   double metres_per_unit = 0;                      ///< m, unit of length that was used; 0: the file has none
   bool unit_guessed = false;                       ///< neither the file nor the caller specified the unit
-  Orientation axes = usual_orientation(true);      ///< up and forward in the file's space, as used
+  Orientation axes = usual_orientation(true);      ///< up and forward axes of the file's space that were used
   std::vector<std::string> report;                 ///< sentences for display
-  ConversionReport conversion;                     ///< the same sentences by category, with the contents of the file
+  ConversionReport conversion;                     ///< the same sentences by category, and a description of the file's contents
   std::vector<store::LibraryItem> items;  ///< library entries: first the mechanism, then for each motion the measured and the converted one
   /// Library id of the first item of this kind; empty if there is none.
   [[nodiscard]] std::string id_of(store::EntryKind kind) const;
@@ -57,7 +58,7 @@ struct Intake {
 
 /// Kinds of files that can be imported.
 enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, mechanism_json, robot };
-/// Kind from the file name's extension, ignoring case; nothing for other extensions.
+/// Kind from the file name's extension, ignoring case; std::nullopt for other extensions.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
 
 /// Name of the skeleton file that belongs to an AMC file: "12_01.amc" -> "12.asf"; without underscore "x.amc" -> "x.asf".

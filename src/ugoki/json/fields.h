@@ -16,10 +16,10 @@ namespace ugoki::json {
 inline constexpr std::size_t max_problems = 100;
 
 /// Reader of one JSON object. An absent field leaves its variable unchanged; a field of the wrong type adds a problem.
-/// Refers to the object and to the list of problems, which must outlive it.
+/// Refers to the object and to the list of problems; both must outlive the reader.
 class Fields {
  public:
-  /// @param path of the object, for messages: "scenario/events/3", or "walker.json:" for the top-level object of a file
+  /// @param path location of the object, for messages: "scenario/events/3", or "walker.json:" for the top-level object of a file
   Fields(const Json& object, std::string path, Error& problems);
 
   /// False if the value is not a JSON object. Every field then counts as absent; the constructor has reported the problem.
@@ -27,7 +27,7 @@ class Fields {
   [[nodiscard]] bool has(std::string_view key) const;
   /// The value of field `key`, or null if it is absent. Marks the field as known for refuse_others().
   [[nodiscard]] const Json* find(std::string_view key);
-  /// `former` if the object has only the field's former name, otherwise `key`. Keeps documents of earlier versions readable.
+  /// Returns `former` if the object has the field only under this former name, otherwise `key`. Keeps older documents readable.
   [[nodiscard]] std::string_view renamed(std::string_view key, std::string_view former) const;
   /// Path of the object.
   [[nodiscard]] const std::string& path() const { return path_; }
@@ -44,14 +44,14 @@ class Fields {
   void text(std::string_view key, std::string& value);
   /// Reads a list of exactly `values.size()` numbers. @return true if the field is present and valid; otherwise `values` is unchanged
   bool numbers(std::string_view key, std::span<double> values);
-  /// Reads a list of exactly `values.size()` numbers from any value of the document. @param path of `value`, for messages
+  /// Reads a list of exactly `values.size()` numbers from any value of the document. @param path location of `value`, for messages
   bool numbers(const Json& value, const std::string& path, std::span<double> values);
   /// The list in field `key`; null if the field is absent. Reports a problem and returns null if the field is not a list or has more
   /// than `max_entries` entries. @param entries plural noun for messages, for example "links"
   [[nodiscard]] const Json* list(std::string_view key, std::size_t max_entries, std::string_view entries);
-  /// Reports a problem if the field is absent. @param meaning of the field, for the remedy: "Give <meaning>."
+  /// Reports a problem if the field is absent. @param meaning description of the field, for the remedy: "Give <meaning>."
   void require(std::string_view key, std::string_view meaning);
-  /// Reports every field that no earlier call asked for.
+  /// Reports every field of the object that no earlier call has read or looked up.
   void refuse_others();
 
  private:

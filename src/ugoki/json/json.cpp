@@ -21,16 +21,16 @@ std::string_view name_of(ErrorCode code) {
   return "unknown";
 }
 
-/// A limit that a text exceeds; `message` is empty if there is none.
+/// A limit that a text exceeds; `message` is empty if the text exceeds none.
 struct ExceededLimit {
-  std::size_t offset = 0;  ///< bytes, where the limit is exceeded
+  std::size_t offset = 0;  ///< bytes: position in the text at which the limit is exceeded
   std::string message;
 };
 
 /// Checks the limits max_depth and max_fields before parsing, because the JSON library recurses per level and searches fields linearly.
 ExceededLimit exceeded_limit(std::string_view text) {
   int depth = 0;
-  int commas[max_depth + 1] = {};  // count in the open object of each level; the length of lists is not limited
+  int commas[max_depth + 1] = {};  // [levels] number of commas in the open object; the length of lists is not limited
   bool in_object[max_depth + 1] = {}, in_text = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];

@@ -19,7 +19,7 @@ struct Collision {
   std::vector<std::vector<Pose>> poses;  // [characters][links]
   std::vector<std::span<const Pose>> views;
   std::vector<collision::ContactPoint> contacts;
-  double margin;  // m
+  double margin;  // m: pairs of shapes up to this gap are contacts
   std::unique_ptr<contact::SweptContacts> swept;
   std::vector<collision::SystemMotion> motions;
   std::vector<double> reach;  // [characters] free body: maximum distance of its shapes from its origin, m; otherwise 0

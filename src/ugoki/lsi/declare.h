@@ -21,9 +21,9 @@ using circuit::Setup;
 /// The parameter `character`: id of the character that an LSI works on.
 [[nodiscard]] circuit::Parameter character_parameter();
 
-/// The world of the content. If there is none: reports a problem and returns null.
+/// Returns the resource World of the content. If there is none: reports a problem and returns null.
 [[nodiscard]] const World* world_of(Setup& setup);
-/// The character that the parameter `character` names. If there is none: reports a problem and returns null.
+/// Returns the character that the parameter `character` names. If there is none: reports a problem and returns null.
 [[nodiscard]] const Character* character_of(Setup& setup);
 /// Reports a problem if the payload wired to input `pin` belongs to another character.
 void check_subject(Setup& setup, std::size_t pin, const std::string& pin_name, const Character& character);
@@ -43,6 +43,7 @@ void add_event(circuit::Library& library);
 void add_retrieval(circuit::Library& library);
 void add_interpolation(circuit::Library& library);
 void add_control(circuit::Library& library);
+void add_balance(circuit::Library& library);
 void add_collision(circuit::Library& library);
 void add_dynamics(circuit::Library& library);
 void add_status(circuit::Library& library);

@@ -1,7 +1,7 @@
 // Distance between two links (successive Gilbert), closest points of two characters, and collision impulses.
 //
 // The warm start of the next query is the state of the LSI: plain bytes that are saved and restored with the circuit. A restored run
-// therefore gives the same bits as an uninterrupted one.
+// therefore gives the same bits as an uninterrupted run.
 
 #include <type_traits>
 
@@ -29,20 +29,20 @@ struct Part {
   int link;
 };
 
-/// One of the two link systems, or one link of it.
+/// The shapes of one of the two link systems, or of one link of a system.
 struct Side {
   const Character* character = nullptr;
   std::vector<Part> parts;
-  std::vector<Pose> X_WB;  // [links]
+  std::vector<Pose> X_WB;  // [links] world poses
 
   void move_to(const double* state) { calc_poses(*character->mechanism, q_of(*character, state), X_WB); }
-  /// Pose of the shape in the world.
+  /// World pose of the shape with index `part`.
   [[nodiscard]] Pose pose(std::size_t part) const {
     return X_WB[static_cast<std::size_t>(parts[part].link)] * parts[part].collider.shape.X_BS;
   }
 };
 
-/// @param link -1: all links
+/// Collects the shapes of a character's links. @param link index of the only link to use; -1: all links
 Side make_side(const Character& who, int link) {
   Side side;
   side.character = &who;
@@ -54,7 +54,7 @@ Side make_side(const Character& who, int link) {
   return side;
 }
 
-/// Warm start of the next query: the closest pair of parts of the last one.
+/// Warm start of the next query: the closest pair of parts found by the last query.
 struct Warm {
   std::int32_t a = 0, b = 0;  // indices of the parts
   collision::PairCache cache;
@@ -66,7 +66,7 @@ struct Distance {
   collision::DistanceWorkspace workspace;
 };
 
-/// A lower bound of the distance of two parts, from their bounding spheres, m.
+/// Lower bound of the distance between two parts, m: the distance of their bounding spheres.
 double min_distance(const Part& a, const Pose& X_a, const Part& b, const Pose& X_b) {
   return norm(X_a * a.collider.centre - X_b * b.collider.centre) - a.collider.bound - b.collider.bound;
 }

@@ -24,7 +24,7 @@ struct Dynamics {
   Stepper stepper;
   collision::Scene scene;                      // shapes that the guard tests
   contact::GuardedStep guard;                  // repeats steps that end in penetration, with additional contacts
-  std::vector<dynamics::Workspace> scratch;    // [characters] for pulls
+  std::vector<dynamics::Workspace> scratch;    // [characters] working memory for pulls
   std::vector<std::vector<Vec6>> external;     // [characters][links] wrenches of pushes and pulls, world
   std::vector<std::vector<double>> no_torque;  // [characters][nv] zeros
   std::vector<int> torque_wire;                // [characters] index in Call::in; -1: no wire
@@ -35,15 +35,16 @@ struct Dynamics {
 };
 
 std::size_t warm_capacity(const World& world) {
-  std::size_t n = 2 * std::size_t{world.contact_capacity()};  // contacts of the input, and those that the guard adds
+  std::size_t n = 2 * std::size_t{world.contact_capacity()};  // room for the contacts of the input and for as many that the guard adds
   for (const Character& c : world.characters()) n += 3 * static_cast<std::size_t>(c.mechanism->nv());
   return n;
 }
 
-/// Offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, then the current touches, each a count
-/// followed by records.
+/// Offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, then the current touches. Each of
+/// the two is a count followed by records.
 std::size_t touches_at(const World& world) { return sizeof(std::uint64_t) + warm_capacity(world) * sizeof(Stepper::Warm); }
-// Records of current touches that are saved, and of touch events per tick. Further touches are not saved; further events are dropped.
+// Maximum number of current touches that are saved, and of touch events per tick. Further touches are not saved, and
+// further events are replaced by one that counts them.
 constexpr std::size_t touch_capacity = 256, touch_events = 64;
 
 void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {
@@ -77,7 +78,7 @@ std::int32_t explain(const Call* call, const Dynamics& self, const contact::Step
 /// Makes one step. Without contacts at its start, the step is not guarded. Afterwards self.contacts are all contacts of the step.
 contact::StepReport take_step(Dynamics& self, double dt, std::span<const Vec3>& forces) {
   if (self.contacts.empty()) return self.stepper.step(self.systems, self.contacts, dt);
-  std::ranges::fill(self.touches_itself, char{0});  // self-collision is on for characters with a contact between their own links
+  std::ranges::fill(self.touches_itself, char{0});  // self-collision is tested only for characters with contacts between own links
   for (const collision::ContactPoint& c : self.contacts)
     if (c.system_a >= 0 && c.system_a == c.system_b) self.touches_itself[static_cast<std::size_t>(c.system_a)] = 1;
   for (std::size_t s = 0; s < self.systems.size(); ++s) self.scene.set_self_collision(static_cast<int>(s), self.touches_itself[s] != 0);
@@ -120,8 +121,10 @@ std::int32_t step(const Call* call) {
   set_count(call->out[1], count);
   std::size_t events = 0;
   auto* touches = record_room<EventRecord>(call->out[2]);
-  for (const contact::TouchEvent& e : self.touches.update(self.contacts, forces, call->tick->dt))
-    if (events < call->out_count[2]) touches[events++] = record_of(e);
+  const auto& changes = self.touches.update(self.contacts, forces, call->tick->dt);
+  const std::size_t room = call->out_count[2], kept = changes.size() <= room ? changes.size() : room - 1;
+  for (; events < kept; ++events) touches[events] = record_of(changes[events]);
+  if (kept < changes.size()) touches[events++] = omitted_record(changes.size() - kept);
   set_count(call->out[2], events);
   return 0;
 }
@@ -211,7 +214,7 @@ void add_dynamics(circuit::Library& library) {
   c.inputs[in_torque].multiple = true;
   c.outputs = {output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."),
                output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces."),
-               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended in this tick, with their impulses.")};
+               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended in this tick, with their impulses; at most 64, the last one counts the further ones.")};
   c.parameters = {
       number_parameter("iterations", usual.iterations, 1, 10000, "", "Maximum number of sweeps over the contacts."),
       number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes by more than this.")};

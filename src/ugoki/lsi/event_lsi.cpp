@@ -8,7 +8,7 @@
 namespace ugoki::lsi {
 namespace {
 
-constexpr std::size_t max_pushes = 16;  // simultaneous pushes of the user; a further push replaces the oldest
+constexpr std::size_t max_pushes = 16;  // maximum number of simultaneous pushes of the user; a further push replaces the oldest
 
 /// Events of the user that last for several ticks: pushes, and the grab of a link. Plain data.
 struct Lasting {
@@ -52,7 +52,7 @@ void* make(Setup& s) {
   return schedule;
 }
 
-/// Appends records to the output; add returns false if it is full.
+/// Appends records to the output. add() returns false if the output is full.
 class Output {
  public:
   explicit Output(const Call* call) : call_(call) {}
@@ -73,7 +73,7 @@ void add_live_events(const Call* call, Lasting& next) {
   for (const EventRecord& e : records<EventRecord>(call->in[0])) {
     switch (e.kind) {
       case EventKind::push:
-        if (next.pushes == max_pushes) {  // the oldest ends early
+        if (next.pushes == max_pushes) {  // the oldest push ends early
           std::move(next.push + 1, next.push + max_pushes, next.push);
           std::move(next.ticks_left + 1, next.ticks_left + max_pushes, next.ticks_left);
           --next.pushes;
@@ -90,6 +90,7 @@ void add_live_events(const Call* call, Lasting& next) {
       case EventKind::throwing:
       case EventKind::touch:
       case EventKind::parting:
+      case EventKind::omitted:
       case EventKind::none: break;
     }
   }

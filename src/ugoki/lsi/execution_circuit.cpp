@@ -58,28 +58,41 @@ class Maker {
     const std::string part = id_part(who.id, taken_);
     const double y = row * static_cast<double>(index);
     const NamedValue character{"character", who.id};
+    Instance& naturalness = add("naturalness-" + part, "naturalness", 5, y + 70);
+    naturalness.parameters = {character};
+    naturalness.every = every_;
+    if (who.assist_limit == 0) {  // no help at all: the character balances itself
+      add("control-" + part, "balance control", 4, y - 70).parameters = {character};
+      wire("status.state", "control-" + part + ".state");
+      wire("collision.contacts", "control-" + part + ".contacts");
+      wire("status.state", "naturalness-" + part + ".state");
+      wire("control-" + part + ".reference", "naturalness-" + part + ".reference");
+      wire("collision.contacts", "naturalness-" + part + ".contacts");
+      wire_outputs(part);
+      return;
+    }
     add("retrieval-" + part, "motion retrieval", 2, y - 140).parameters = {character};
     add("interpolation-" + part, "interpolation", 3, y - 140).parameters = {character};
     add("control-" + part, "motion control", 4, y - 70).parameters = {
         character, {"tracking", who.tracking}, {"balance", who.balance}, {"assist limit", who.assist_limit}};
-    Instance& naturalness = add("naturalness-" + part, "naturalness", 5, y + 70);
-    naturalness.parameters = {character};
-    naturalness.every = every_;
     for (const char* name : {"current", "previous", "blend"}) wire("retrieval-" + part + "." + name, "interpolation-" + part + "." + name);
     for (const char* to : {"control-", "naturalness-"}) {
       wire("status.state", to + part + ".state");
       wire("interpolation-" + part + ".reference", to + part + ".reference");
       wire("collision.contacts", to + part + ".contacts");
     }
-    wire("control-" + part + ".report", "naturalness-" + part + ".report");
-    wire("control-" + part + ".torque", "dynamics.torque");
-    wire("control-" + part + ".report", "display.reports");
-    wire("naturalness-" + part + ".measures", "display.measures");
+    wire_outputs(part);
   }
 
   Circuit take() { return std::move(c_); }
 
  private:
+  void wire_outputs(const std::string& part) {
+    wire("control-" + part + ".report", "naturalness-" + part + ".report");
+    wire("control-" + part + ".torque", "dynamics.torque");
+    wire("control-" + part + ".report", "display.reports");
+    wire("naturalness-" + part + ".measures", "display.measures");
+  }
   static BoundaryPin pin(std::string name, PinTypeId type, std::string doc, std::string end) {
     return {std::move(name), type, "", std::move(doc), {std::move(end)}};
   }

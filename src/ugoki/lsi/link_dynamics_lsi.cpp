@@ -1,5 +1,5 @@
-// Dynamics of one open or closed link system without contacts: a choice of integrators, and loops that are closed to rounding and can be
-// opened and closed while the circuit runs.
+// Dynamics of one open or closed link system without contacts. A parameter chooses the integrator. Loops are closed to rounding; an input
+// opens and closes them while the circuit runs.
 
 #include <algorithm>
 #include <memory>
@@ -40,7 +40,7 @@ struct Variant {
   }
   ClosedSystem system;
   dynamics::Integrator integrator;
-  ClosedLinks::Memory first;  ///< memory of the loops at the start
+  ClosedLinks::Memory first;  ///< memory of the loops in the initial state
 };
 
 struct LinkDynamics {
@@ -152,7 +152,7 @@ void* make(Setup& s) {
   return self.release();
 }
 
-/// Calls each(variant, address) for the existing variants, with the address of its memory in the state of the LSI.
+/// Calls each(variant, address) for every existing variant; `address` is that of the variant's memory in the state of the LSI.
 template <class Each>
 void for_memories(const Call* call, Each each) {
   auto& self = object_of<LinkDynamics>(call);

@@ -14,7 +14,7 @@ namespace {
 using circuit::input;
 using circuit::output;
 
-/// The object of these LSIs: the character, and working memory.
+/// The object of the LSIs of this file: the character and working memory.
 struct Body {
   const Character* character;
   const World* world;
@@ -44,7 +44,7 @@ void put(const Vec3& v, double* to) {
   to[2] = v.z;
 }
 
-/// A class with the input `state` and the parameter `character`.
+/// Makes an LSI class with the input `state` and the parameter `character`.
 circuit::LsiClass about_character(std::string name, std::string doc, std::vector<circuit::InputPin> more,
                                   std::vector<circuit::OutputPin> outputs, circuit::StepFunction step) {
   circuit::LsiClass c;
@@ -127,7 +127,7 @@ std::int32_t forward_dynamics(const Call* call) {
   return good ? 0 : circuit::stop(call, "The inertia at a joint is not positive, so its acceleration is undefined.");
 }
 
-/// Checks input 1 and sizes output 0: both have one number for each DOF of the character.
+/// Checks the size of input 1 and sets the size of output 0. Both pins have one number for each DOF of the character.
 void configure_dofs(Setup& s) {
   const Character* who = character_of(s);
   if (!who) return;

@@ -30,7 +30,7 @@ struct Given {
 };
 using Operation = Result<Motion> (*)(const Given&);
 
-/// The pairs of numbers that a text parameter lists.
+/// Reads the pairs of numbers in the text parameter `parameter`.
 Result<std::vector<std::pair<double, double>>> pairs_of(const Given& g, const char* parameter) {
   std::vector<double> numbers;
   if (!parse_numbers(g.setup.text(parameter), numbers) || numbers.size() % 2 != 0)
@@ -110,12 +110,12 @@ Result<Motion> do_reduce(const Given& g) {
   return to_motion(g.m, *curves);
 }
 
-/// An LSI of this file.
+/// Declaration of one LSI of this file.
 struct Row {
   const char* name;
   const char* doc;
   Operation operation;
-  bool pair;  ///< the operation has two motions
+  bool pair;  ///< true: the operation takes two motions
   std::vector<circuit::Parameter> parameters;
 };
 

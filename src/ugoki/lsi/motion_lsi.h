@@ -9,8 +9,8 @@
 
 namespace ugoki::lsi {
 
-/// The motion of the clip whose index is the value of `parameter`, of the character's track. If there is none: reports a problem and
-/// returns null.
+/// Returns the motion of a clip of the character's track. The LSI's parameter named `parameter` is the clip's index. If there is no such
+/// clip: reports a problem and returns null.
 [[nodiscard]] const Motion* clip_motion(Setup& setup, const Character& character, const char* parameter);
 
 /// Reports the problems of a motion operation as problems of this LSI.
@@ -41,7 +41,7 @@ class PlayedMotion {
   std::vector<std::uint8_t> stance_;  // [frames][feet]
 };
 
-/// A class whose object is a PlayedMotion, with its pins and step. The caller adds parameters, `configure` and `make`.
+/// Makes an LSI class whose object is a PlayedMotion, with its pins and step. The caller adds parameters, `configure` and `make`.
 [[nodiscard]] circuit::LsiClass played_motion_class(std::string name, std::string doc);
 
 void add_motion_operations(circuit::Library& library);

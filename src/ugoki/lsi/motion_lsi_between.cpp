@@ -14,9 +14,9 @@ namespace {
 using motion_edit::Intermediate;
 using motion_edit::Progression;
 
-constexpr int steps_between = 8;  // intervals of the weight; cycles are computed at their ends, and poses interpolated between them
+constexpr int steps_between = 8;  // number of weight intervals; cycles are computed at interval ends, poses interpolated inside
 
-/// The cycle at one weight.
+/// The motion cycle at one weight between the two clips.
 struct Between {
   Progression progression;  // frame that moves along with the character at constant speed and turn
   SmoothMotion smooth;
@@ -28,10 +28,11 @@ struct Between {
 /// The object of the LSI.
 struct Gait {
   const Character* character;
-  std::vector<Between> cycles;                    // [steps_between + 1] by weight
+  std::vector<Between> cycles;                    // [steps_between + 1] in ascending order of weight
   mutable std::vector<double> q[3], other, v, a;  // working memory of step
 
-  /// Position coordinates at a phase of the mix of cycles i and i + 1 (share s of the second), relative to their progression.
+  /// Calculates the position coordinates at a phase of the mix of cycles i and i + 1, relative to their progression.
+  /// @param s share of cycle i + 1, 0 to 1
   void local(std::size_t i, double s, double phase, std::vector<double>& out) const {
     const Mechanism& m = *character->mechanism;
     phase -= std::floor(phase);
@@ -47,10 +48,10 @@ struct Gait {
 
 /// State of the LSI: phase of the cycle (0 to 1), and placement of the progression on the floor.
 struct Memory {
-  double phase, x, y, heading;  // 1, m, m, rad
+  double phase, x, y, heading;  // dimensionless, m, m, rad
 };
 
-/// The mix of cycles i and i + 1 at a weight.
+/// The mix of the neighbouring cycles i and i + 1 at one weight.
 struct Mix {
   std::size_t i;
   double s;             // share of cycle i + 1, 0 to 1
@@ -94,8 +95,8 @@ std::int32_t step(const Call* call) {
   const std::span<double> out(circuit::output(call, 0), l.size());
   std::copy(gait.q[1].begin(), gait.q[1].end(), out.begin());
   const std::span<double> v = out.subspan(l.v(), l.nv), a = out.subspan(l.a(), l.nv);
-  difference(m, gait.q[1], gait.q[2], v);  // from t to t + h
-  difference(m, gait.q[0], gait.q[1], a);  // from t - h to t
+  difference(m, gait.q[1], gait.q[2], v);  // displacement from t to t + h
+  difference(m, gait.q[0], gait.q[1], a);  // displacement from t - h to t
   for (std::size_t k = 0; k < l.nv; ++k) {
     const double ahead = v[k] / h, behind = a[k] / h;
     v[k] = 0.5 * (ahead + behind);

@@ -1,10 +1,11 @@
-// Naturalness: tracking error of a character, root assist it needs, and sliding and penetration of its feet.
+// Naturalness: tracking error of a character, root assist that the character needs, sliding and penetration of the feet.
 
 #include <cmath>
 
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/track_sampler.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion/foot_slip.h"
 #include "ugoki/motion/measures.h"
 
 namespace ugoki::lsi {
@@ -15,8 +16,8 @@ enum Input : std::size_t { in_state, in_reference, in_report, in_contacts };
 /// Sums since the start. Plain data.
 struct Sums {
   double tracking = 0, tracking_count = 0;  // squared angles, rad^2; number of joints summed
-  double assist = 0, assist_force = 0;      // squared root assist and its force, (body weights)^2
-  double assist_count = 0;                  // samples
+  double assist = 0, assist_force = 0;      // squared root assist; square of its force alone; (body weights)^2
+  double assist_count = 0;                  // number of samples
   double assist_max = 0;                    // body weights
   double fell = 0;                          // 1: the character has fallen
   double release_time = -1;                 // s; -1: not released
@@ -26,11 +27,11 @@ struct Sums {
 struct Naturalness {
   const Character* character;
   ReferenceLayout layout;
-  FootSkate skate;
+  FootSlip skate;
   GroundPenetration penetration;
-  std::vector<Pose> poses;           // [links]
-  std::vector<std::uint8_t> stance;  // [feet]
-  std::vector<double> error;         // [nv]
+  std::vector<Pose> poses;           // [links] present poses
+  std::vector<std::uint8_t> stance;  // [feet] 1: the foot stands in the reference
+  std::vector<double> error;         // [nv] rad | m: difference between present position and reference
   std::vector<int> foot_of_link;     // [links] index of the foot (toes and heel are one foot); -1: none
   std::vector<std::uint8_t> bears;   // [feet] 1: the foot touches the ground
   int foot_count = 0;
@@ -57,7 +58,7 @@ double squared_angles(const Mechanism& m, std::span<const double> error, double&
   return sum;
 }
 
-/// Number of feet that touch the ground, -1 if the character has no feet. A contact up to 5 mm above the ground counts as touching.
+/// Counts the feet that touch the ground; -1 if the character has no feet. A contact up to 5 mm above the ground counts as touching.
 int count_feet(Naturalness& self, const void* contacts) {
   if (self.foot_count == 0) return -1;
   for (std::uint8_t& b : self.bears) b = 0;
@@ -97,7 +98,7 @@ std::int32_t advance(const Call* call) {
   self.skate.add(self.poses, self.stance, dt);
   self.penetration.add(self.poses);
   if (m.link(0).joint.type == JointType::floating) {
-    // Fallen: the root is below its reference by more than 35 % of its standing height, or tilted from it by more than 1 rad.
+    // Fallen: the root is below its reference by more than 35 % of the standing height, or tilted from the reference by more than 1 rad.
     const double below = reference[2] - q[2];                                           // m, in the axes of the root joint
     const double tilt = self.error[0] * self.error[0] + self.error[1] * self.error[1];  // rad^2
     if (below > 0.35 * self.upright || tilt > 1.0) sums.fell = 1;
@@ -110,8 +111,8 @@ std::int32_t advance(const Call* call) {
   out[measure_assist] = root_mean(sums.assist, sums.assist_count);
   out[measure_assist_force] = root_mean(sums.assist_force, sums.assist_count);
   out[measure_assist_max] = sums.assist_max;
-  out[measure_skate] = self.skate.mean_per_stance_cm();
-  out[measure_skate_worst] = self.skate.worst_stance_cm();
+  out[measure_skate] = self.skate.mean_cm();
+  out[measure_skate_worst] = self.skate.worst_cm();
   out[measure_penetration] = self.penetration.worst_mm();
   out[measure_penetration_rms] = self.penetration.rms_mm();
   out[measure_fell] = sums.fell;
@@ -125,7 +126,7 @@ void* make(Setup& s) {
   const Mechanism& m = *c.mechanism;
   auto* self = new Naturalness{&c,
                                reference_layout(m, c.feet.size()),
-                               FootSkate(m, c.feet),
+                               FootSlip(m, c.feet),
                                GroundPenetration(m, world_of(s)->ground().height),
                                {},
                                {},
@@ -151,7 +152,7 @@ void* make(Setup& s) {
   return self;
 }
 
-/// The memory of `skate` and `penetration` in the state, after the sums.
+/// Address in the state of the memory of `skate` and `penetration`, which follows the sums.
 double* memory_of(const Call* call) { return reinterpret_cast<double*>(static_cast<std::byte*>(call->state) + sizeof(Sums)); }
 
 void store(const Call* call) {
@@ -201,7 +202,7 @@ void add_naturalness(circuit::Library& library) {
     check_subject(s, in_reference, "reference", *character);
     check_subject(s, in_report, "report", *character);
     s.set_out(0, measure_count, character->index);
-    const FootSkate skate(*character->mechanism, character->feet);
+    const FootSlip skate(*character->mechanism, character->feet);
     s.set_state(sizeof(Sums) + (skate.memory_size() + GroundPenetration(*character->mechanism).memory_size()) * sizeof(double));
   };
   c.make = make;

@@ -14,14 +14,15 @@ namespace ugoki::lsi {
 
 /// Kind of an event (pin type `event`), and the meaning of the vectors a, b, c of its record. All vectors are in world axes, unless stated
 /// otherwise.
-///   push     a: force at the link's centre of mass, N; `duration`: s from the user's input, 0 in an event for one tick
+///   push     a: force at the link's centre of mass, N; `duration`, s: set in the user's input, 0 in an event for one tick
 ///   grab     a: point in the frame of the link, m; b: target, m
 ///   drag     b: new target of the grab, m                  (user's input only)
 ///   release  end of the grab                               (user's input only)
-///   throwing a: position, m; b: velocity, m/s; c: angular velocity, rad/s; all of the root
-///   touch    a: contact point, m; b: impulse on the link in its first step, N s; c: indices of the other character (-1: ground) and link
-///   parting  a: point at which the touch began, m; b: total impulse of the touch, N s; c: as in touch; `duration` of the touch, s
-enum class EventKind : std::uint32_t { none = 0, push = 1, grab = 2, drag = 3, release = 4, throwing = 5, touch = 6, parting = 7 };
+///   throwing of the root, a: position, m; b: velocity, m/s; c: angular velocity, rad/s
+///   touch    a: contact point, m; b: impulse on the link in the first step, N s; c: indices of the other character (-1: ground) and link
+///   parting  a: point at which the touch began, m; b: total impulse of the touch, N s; c: as in touch; `duration`, s: of the touch
+///   omitted  a: x: number of further touches and partings of the tick, for which the output has no room; the last record of the tick
+enum class EventKind : std::uint32_t { none = 0, push = 1, grab = 2, drag = 3, release = 4, throwing = 5, touch = 6, parting = 7, omitted = 8 };
 
 struct EventRecord {
   EventKind kind = EventKind::none;
@@ -50,17 +51,17 @@ std::span<const Record> records(const void* payload) {
   std::memcpy(&count, payload, sizeof count);
   return {reinterpret_cast<const Record*>(static_cast<const std::byte*>(payload) + sizeof count), static_cast<std::size_t>(count)};
 }
-/// The memory for records of a payload; set_count sets the number in use.
+/// The memory of a payload's records; set_count sets the number of records in use.
 template <class Record>
 Record* record_room(void* payload) {
   return reinterpret_cast<Record*>(static_cast<std::byte*>(payload) + sizeof(std::uint64_t));
 }
 inline void set_count(void* payload, std::uint64_t count) { std::memcpy(payload, &count, sizeof count); }
 
-/// Indices into the report of a motion control about its root assist (pin type `joint values`).
+/// Indices into the output `report` of a motion control LSI, which describes the root assist (pin type `joint values`).
 enum Report : std::size_t {
-  report_force = 0,       ///< 3 entries, N, world axes
-  report_moment = 3,      ///< 3 entries, N m, world axes, about the origin of the root link
+  report_force = 0,       ///< force: 3 entries, N, world axes
+  report_moment = 3,      ///< moment: 3 entries, N m, world axes, about the origin of the root link
   report_ratio = 6,       ///< wanted assist / limit of the assist
   report_size = 7,        ///< applied assist, body weights (moments are converted with a lever)
   report_released = 8,    ///< 1 after the character was released, otherwise 0
@@ -75,7 +76,7 @@ enum CharacterEntry : std::size_t {
   character_force = 1,         ///< 3 entries: force of the root assist, N, world axes
   character_moment = 4,        ///< 3 entries: moment of the root assist, N m, world axes, about the origin of the root link
   character_ratio = 7,         ///< wanted assist / limit of the assist
-  character_weight = 8,        ///< N
+  character_weight = 8,        ///< weight, N
   character_centre = 9,        ///< 3 entries: centre of mass, m, world
   character_entry_count = 12,  ///< number of entries
 };
@@ -86,12 +87,12 @@ enum Measure : std::size_t {
   measure_assist = 1,           ///< rms root assist, body weights (moments are converted with a lever)
   measure_assist_force = 2,     ///< rms force of the root assist alone, body weights
   measure_assist_max = 3,       ///< maximum root assist, body weights
-  measure_skate = 4,            ///< sliding path of a foot during one stance, mean over all stances, cm
-  measure_skate_worst = 5,      ///< sliding path of a foot during one stance, maximum, cm
+  measure_skate = 4,            ///< net slip of a foot in one stance (FootSlip), mean over all stances, cm
+  measure_skate_worst = 5,      ///< net slip of a foot in one stance, maximum, cm
   measure_penetration = 6,      ///< maximum depth in the ground, mm
   measure_penetration_rms = 7,  ///< rms depth in the ground, mm
-  measure_fell = 8,             ///< 1 after the root was far below its reference or tilted from it by more than 1 rad, otherwise 0
-  measure_release_time = 9,     ///< s; -1: the character was not released
+  measure_fell = 8,             ///< 1: the root was far below its reference, or tilted from the reference by more than 1 rad; else 0
+  measure_release_time = 9,     ///< time of the release, s; -1: not released
   measure_feet = 10,            ///< number of feet that touch the ground now; -1: the character has no feet
   measure_count = 11,           ///< number of entries
 };

@@ -68,7 +68,7 @@ circuit::Parameter order_parameter() {
   p.doc = "Axes of the three angles in order. Each rotation is about the axis as rotated by the previous ones (intrinsic).";
   return p;
 }
-/// The axes of the parameter `order`; in Call::parameters a choice is its index.
+/// Returns the axes chosen by the parameter `order`. Call::parameters contains the index of the choice.
 const char* order_of(const Call* c) { return orders[static_cast<std::size_t>(c->parameters[0])]; }
 
 std::int32_t from_axis(const Call* c) {
@@ -176,7 +176,7 @@ void add_poses(circuit::Library& library) {
                    }));
 }
 
-/// LSIs that read or replace one number of joint values.
+/// Adds the LSIs that read or replace one number of joint values.
 void add_joint_values(circuit::Library& library) {
   circuit::Parameter index = number_parameter("index", 0, 0, 1e6, "", "Index of the number, counted from 0.");
   index.kind = circuit::ParameterKind::integer;

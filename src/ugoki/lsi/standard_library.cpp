@@ -14,6 +14,7 @@ const circuit::Library& standard_library() {
     add_retrieval(all);
     add_interpolation(all);
     add_control(all);
+    add_balance(all);
     add_collision(all);
     add_dynamics(all);
     add_status(all);

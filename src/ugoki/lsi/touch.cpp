@@ -30,7 +30,19 @@ EventRecord record_of(const contact::TouchEvent& event) {
   return r;
 }
 
+EventRecord omitted_record(std::size_t count) {
+  EventRecord r;
+  r.kind = EventKind::omitted;
+  r.a.x = static_cast<double>(count);
+  return r;
+}
+
 std::string describe_touch(const World& world, const EventRecord& record) {
+  if (record.kind == EventKind::omitted) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.0f more touches began or ended in this tick", record.a.x);
+    return text;
+  }
   if (record.kind != EventKind::touch && record.kind != EventKind::parting) return {};
   const std::string a = name_of(world, static_cast<int>(record.character), record.link);
   const std::string b = name_of(world, static_cast<int>(record.c.x), static_cast<int>(record.c.y));

@@ -50,7 +50,7 @@ TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track,
       stance_.push_back(stance_of(*mechanism_, motion, feet));
     }
     Clip playing = track_[i].clip;
-    if (i + 1 < track_.size()) {  // during the transition to the next clip, this one continues if its motion is long enough
+    if (i + 1 < track_.size()) {  // during the transition to the next clip, this clip continues if its motion is long enough
       const Clip& next = track_[i + 1].clip;
       playing.length = std::max(playing.length, next.start + next.blend - playing.start);
       if (!playing.loop && playing.speed > 0)

@@ -36,7 +36,7 @@ class TrackSampler {
  public:
   /// @param track   not empty, sorted by start
   /// @param feet    indices of the links that are feet
-  /// @param smooth  filters the motions by make_reference; false: they are played unchanged
+  /// @param smooth  true: make_reference filters the motions; false: they are played unchanged
   TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track, std::span<const int> feet, bool smooth);
 
   [[nodiscard]] const ReferenceLayout& layout() const { return layout_; }
@@ -52,10 +52,10 @@ class TrackSampler {
  private:
   MechanismPtr mechanism_;
   std::vector<TrackClip> track_;
-  std::vector<Clip> playing_;                      // [clips] extended into the transition to the next clip where possible
+  std::vector<Clip> playing_;                      // [clips] clips to play, extended into the transition to the next clip where possible
   std::vector<SmoothMotion> motions_;              // one for each different motion
   std::vector<std::size_t> motion_of_;             // [clips] index into motions_
-  std::vector<std::vector<std::uint8_t>> stance_;  // [motions][frame * feet]
+  std::vector<std::vector<std::uint8_t>> stance_;  // [motions][frames * feet] 1: the foot stands
   ReferenceLayout layout_;
   bool smooth_;
 };

@@ -36,10 +36,10 @@ struct Character {
   std::string id;
   int index = 0;  ///< index of the character in the world; the subject of its payloads (circuit::Shape)
   MechanismPtr mechanism;
-  std::shared_ptr<const TrackSampler> track;  ///< null: it has no track
+  std::shared_ptr<const TrackSampler> track;  ///< null: the character has no track
   std::vector<double> q0, v0;                 ///< [nq], [nv] position and velocity at time 0
   std::vector<int> feet;                      ///< indices of links, from find_feet
-  std::size_t q_offset = 0, v_offset = 0;     ///< index of the first number of its q and v in a state payload
+  std::size_t q_offset = 0, v_offset = 0;     ///< index in a state payload of the first number of q, and of v
   std::size_t first_link = 0;                 ///< index of its first link in the display's poses
 };
 

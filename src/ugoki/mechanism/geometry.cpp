@@ -166,8 +166,8 @@ Result<GeometryPtr> make_geometry(std::span<const Vec3> vertices, std::span<cons
   for (std::size_t i = 0; i < first.size(); ++i) found.doubled_vertices += at(first[i]) != i ? 1 : 0;
   for (const Triangle& t : triangles) {
     const Triangle welded{first[at(t[0])], first[at(t[1])], first[at(t[2])]};
-    // Degenerate triangles (area zero within rounding) are removed. A convex body keeps those with three distinct corners: where three
-    // vertices of a face are collinear, they keep the surface closed.
+    // Degenerate triangles (area zero within rounding) are removed. A convex body keeps degenerate triangles with three distinct corners:
+    // they close the surface where three vertices of a face are collinear.
     const bool flat = convex ? welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]
                              : is_flat(points[at(welded[0])], points[at(welded[1])], points[at(welded[2])]);
     if (flat)

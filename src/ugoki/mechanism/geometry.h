@@ -26,7 +26,7 @@ inline constexpr std::size_t max_heights = 4'000'000;    ///< larger height fiel
 struct Geometry {
   std::vector<Vec3> vertices;  ///< m; all different
   std::vector<Triangle> triangles;
-  bool convex = false;     ///< true: a solid convex body with these triangles as its surface; false: the bare surface
+  bool convex = false;     ///< true: a solid convex body with these triangles as its surface; false: a surface without interior
   std::uint64_t hash = 0;  ///< hash of vertices, triangles and `convex`
   Inertia solid;           ///< inertia of the enclosed volume at density 1 kg/m^3; mass 0 if the surface is open or inside out
   std::shared_ptr<const collision::PreparedGeometry> prepared;  ///< data precomputed for collision analysis; may be null
@@ -64,7 +64,7 @@ struct GeometryFindings {
 /// the diagonal from (column, row) to (column + 1, row + 1).
 struct HeightField {
   int columns = 0, rows = 0;       ///< at least 2 each
-  double half_x = 0, half_y = 0;   ///< m
+  double half_x = 0, half_y = 0;   ///< m, half extents along x and y
   double base = 0;                 ///< m, depth of the solid's bottom below z = 0; more than -lowest
   std::vector<double> heights;     ///< [rows * columns] m, row by row
   double lowest = 0, highest = 0;  ///< m, minimum and maximum of `heights`

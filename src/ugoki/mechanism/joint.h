@@ -27,15 +27,15 @@ namespace ugoki {
 
 enum class JointType : std::uint8_t { fixed, revolute, prismatic, helical, cylindrical, planar, universal, spherical, floating };
 
-[[nodiscard]] int position_count(JointType type);  ///< nq
-[[nodiscard]] int velocity_count(JointType type);  ///< nv
+[[nodiscard]] int position_count(JointType type);  ///< nq, number of position coordinates
+[[nodiscard]] int velocity_count(JointType type);  ///< nv, number of DOFs
 [[nodiscard]] std::string_view name_of(JointType type);
 [[nodiscard]] std::optional<JointType> joint_type_named(std::string_view name);
 
 /// Limits, spring, friction and drive of one DOF of a joint. Units: rad and N m for rotations, m and N for translations.
 struct Dof {
-  double lower = -std::numeric_limits<double>::infinity();  ///< limit of the coordinate; of the rotation vector's component
-  double upper = std::numeric_limits<double>::infinity();   ///< for a spherical joint; not used for floating joints
+  double lower = -std::numeric_limits<double>::infinity();  ///< lower limit of the coordinate (spherical: of a rotation vector component)
+  double upper = std::numeric_limits<double>::infinity();   ///< upper limit of the coordinate; the limits of floating joints are not used
   double damping = 0;                                       ///< viscous damping: torque or force per velocity
   double stiffness = 0;                                     ///< spring: torque or force per displacement from `rest`
   double rest = 0;                                          ///< displacement at which the spring exerts no force

@@ -38,17 +38,17 @@ struct LoopSpec {
   LoopType type = LoopType::weld;
   std::string link_a = {};                             ///< empty: the world
   std::string link_b = {};                             ///< empty: the world
-  Pose X_AJ = {};                                      ///< J_A in link a
-  Pose X_BJ = {};                                      ///< J_B in link b
+  Pose X_AJ = {};                                      ///< pose of J_A in link a
+  Pose X_BJ = {};                                      ///< pose of J_B in link b
   Vec3 axis = {0, 0, 1};                               ///< unit, same components in J_A and in J_B
   Vec3 axis2 = {0, 1, 0};                              ///< unit, in J_B (universal)
   double length = 0;                                   ///< m (distance), above zero
-  int dof_a = 0, dof_b = 0;                            ///< gear: DOF index within the joint of link a, of link b; from 0
+  int dof_a = 0, dof_b = 0;                            ///< gear: index of the DOF (from 0) within the joint of link a, link b
   std::array<double, 5> polynomial = {0, 1, 0, 0, 0};  ///< gear: c0 ... c4, in the units of the two DOFs
   bool closed = true;                                  ///< false: inactive at the start; can be closed at run time
 };
 
-/// A loop in the run-time form. A link index of -1 is the world. Fields as in LoopSpec.
+/// A loop in the run-time form. A link index of -1 is the world. Other fields are those of LoopSpec.
 struct Loop {
   std::string name = {};
   LoopType type = LoopType::weld;
@@ -56,7 +56,7 @@ struct Loop {
   Pose X_AJ = {}, X_BJ = {};
   Vec3 axis = {}, axis2 = {};
   double length = 0;
-  int dof_a = 0, dof_b = 0;  ///< gear: indices into v
+  int dof_a = 0, dof_b = 0;  ///< gear: velocity indices (in v) of the two DOFs
   std::array<double, 5> polynomial{};
   bool closed = true;
   bool of_virtual_link = false;  ///< generated from a virtual link (link b) and its real link (link a)

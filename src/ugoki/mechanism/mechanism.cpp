@@ -205,7 +205,7 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
   }
   if (!errors.empty()) return fail(std::move(errors));
 
-  // Parents first, otherwise in the order given.
+  // Order the links: parents before children, otherwise in the order given.
   std::vector<int> order;
   std::vector<int> new_index(n, -1);
   order.reserve(n);

@@ -21,7 +21,7 @@ struct LinkSpec {
   Joint joint;
   Inertia inertia;  ///< in the link's frame
   std::vector<Shape> shapes;
-  std::string real;   ///< not empty: this link is virtual, the second body of the real link named here, at which a loop was cut
+  std::string real;   ///< name of the real link, if this link is virtual (second body of a link at which a loop was cut); else empty
   Pose X_RV;          ///< virtual links: pose of this link in the real link's frame while the loop is closed
   std::string label;  ///< anatomical name, for display and for matching ("left shank"); may be empty
 };
@@ -41,8 +41,8 @@ struct Link {
   int sibling = -1;  ///< next link with the same parent
   int real = -1;     ///< virtual pointer: index of the real link if this link is virtual
   Joint joint;
-  int q_index = 0;  ///< first coordinate of its joint in q
-  int v_index = 0;  ///< first DOF of its joint in v
+  int q_index = 0;  ///< index in q of the first coordinate of the link's joint
+  int v_index = 0;  ///< index in v of the first DOF of the link's joint
   Inertia inertia;
   Pose X_RV;
   std::vector<Shape> shapes;

@@ -18,8 +18,8 @@ struct Shape {
   double radius = 0;         ///< m; sphere, capsule, cylinder
   double half_length = 0;    ///< m; capsule: from the centre to a cap's centre along z; cylinder: half its height
   Vec3 half_extents;         ///< m; box, ellipsoid: half sizes along the shape's x, y, z
-  GeometryPtr geometry;      ///< mesh
-  HeightFieldPtr field;      ///< height field
+  GeometryPtr geometry;      ///< surface of a mesh
+  HeightFieldPtr field;      ///< heights of a height field
   double friction = 0.8;     ///< Coulomb coefficient; two shapes in contact use the geometric mean
   double restitution = 0.0;  ///< 0 to 1; two shapes in contact use the larger value
   bool collides = true;
@@ -49,7 +49,7 @@ struct Shape {
     s.X_BS = X_BS;
     return s;
   }
-  /// Cylinder about the z axis of its frame.
+  /// Cylinder about the z axis of the shape's frame.
   static Shape cylinder(double radius, double half_length, const Pose& X_BS = {}) {
     Shape s;
     s.type = ShapeType::cylinder;

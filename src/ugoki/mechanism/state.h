@@ -29,13 +29,13 @@ struct State {
 /// Pose of every link in the world. @param q [nq] @param X_WB [links, out]
 void calc_poses(const Mechanism& m, std::span<const double> q, std::span<Pose> X_WB);
 
-/// Velocity of every link in its own frame. @param X_WB [links] from calc_poses @param V [links, out]
+/// Velocity of every link in the link's own frame. @param q [nq] @param v [nv] @param V [links, out]
 void calc_velocities(const Mechanism& m, std::span<const double> q, std::span<const double> v, std::span<Vec6> V);
 
 /// q_out = q (+) v dt on the configuration manifold. q_out may alias q.
 void integrate(const Mechanism& m, std::span<const double> q, std::span<const double> v, double dt, std::span<double> q_out);
 
-/// v = q1 (-) q0, so that integrate(q0, v, 1) = q1.
+/// v = q1 (-) q0, the displacement on the configuration manifold, so that integrate(q0, v, 1) = q1.
 void difference(const Mechanism& m, std::span<const double> q0, std::span<const double> q1, std::span<double> v);
 
 /// Interpolates from q0 (s = 0) to q1 (s = 1): linear for scalar coordinates, along a great arc for quaternions.

@@ -11,19 +11,19 @@ namespace ugoki {
 
 /// How the two mechanisms are connected.
 enum class Attachment {
-  joint,  ///< link b becomes a child of link a by a joint (fixed: a weld); its tree has no joint to the world any longer
-  loop    ///< both keep their joints to the world; a loop connects link a and link b
+  joint,  ///< link b becomes a child of link a by a joint (type fixed: a weld); the joint of b's tree to the world is dropped
+  loop    ///< both mechanisms keep their joints to the world; a loop connects link a and link b
 };
 
 struct CombineOptions {
   std::string name = {};                 ///< empty: "A + B"
-  std::string link_a = {}, link_b = {};  ///< links to connect, by their names before combining; link_a empty: the world
+  std::string link_a = {}, link_b = {};  ///< links to connect, by their names before combining; empty link_a: the world
   Pose X_AB = {};                        ///< pose of link b in link a in the neutral position
   Pose X_BJ = {};                        ///< pose of the joint's (or loop's) frame in link b
   Attachment attachment = Attachment::joint;
   Joint joint = {};                          ///< type, axes, DOFs; X_PJ is not used
   LoopSpec loop = {};                        ///< type, axes, length, name (empty: made from the link names); links and frames are not used
-  std::string prefix_a = {}, prefix_b = {};  ///< prepended to all names of links and loops of a, of b
+  std::string prefix_a = {}, prefix_b = {};  ///< prepended to all names of links and loops of a (prefix_a) and of b (prefix_b)
 };
 
 struct Combined {

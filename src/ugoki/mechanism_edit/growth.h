@@ -16,8 +16,8 @@ struct Growth {
 [[nodiscard]] Growth median_growth(double age, GrowthSex sex);
 
 /// Mass of body parts as fractions of the body mass; limbs for one side. Source: R. K. Jensen, "Changes in segment inertia proportions
-/// between 4 and 20 years", J. Biomechanics 22 (1989) 529-536, boys. The head follows the regression given there, the other parts the
-/// parabola through the values at 6, 12 and 18 years; all are then divided by their sum.
+/// between 4 and 20 years", J. Biomechanics 22 (1989) 529-536, boys. The head follows the regression given there. The other parts follow
+/// the parabola through the values at 6, 12 and 18 years. All shares are then divided by their sum.
 struct MassShares {
   double head, trunk, upper_arm, forearm, hand, thigh, shank, foot;
 };
@@ -26,20 +26,19 @@ struct MassShares {
 
 struct GrowOptions {
   double age = 0;          ///< years, at least 2 (from 20 on: adult); 0: not specified
-  double height = 0;       ///< m; 0: the median of the age, or unchanged without an age
-  double mass = 0;         ///< kg; 0: the median of the age, or without an age scaled with the cube of the height
+  double height = 0;       ///< m; 0: the median of the age; unchanged if no age is given
+  double mass = 0;         ///< kg; 0: the median of the age; if no age is given, scaled with the cube of the height
   double from_age = 20;    ///< years, age of the given body
   double from_height = 0;  ///< m, height of the given body; 0: standing_height()
   GrowthSex sex = GrowthSex::boy;
 };
 
-/// Scales the body to another age, height and mass. With an age, and if most links are labelled as parts of a human (body/body.h):
+/// Scales the body to another age, height and mass. If an age is given and most links are labelled as parts of a human (body/body.h):
 ///   - the mass of each link follows the mass shares of the two ages;
-///   - its length along the bone is proportional to the cube root of its mass, times a common factor that gives the height (not for head
-///   and
-///     neck, which are scaled evenly);
-///   - its thickness keeps the density.
-/// Otherwise all links are scaled by the same factors; with an age, the report states this.
+///   - the length of each link along the bone is proportional to the cube root of its mass, times a common factor that gives the height;
+///     head and neck are scaled evenly instead;
+///   - the thickness of each link is such that its density is kept.
+/// Otherwise all links are scaled by the same factors; if an age is given, the report states this.
 /// Errors: no age, height or mass; values out of range; a body without height or mass.
 [[nodiscard]] Result<Edited> grow(const Mechanism& mechanism, const GrowOptions& options);
 

@@ -84,7 +84,7 @@ void make_root(MechanismSpec& spec, int link, std::vector<std::string>& report) 
     report.push_back("The " + std::string(name_of(base)) + " joint between " + at(path.size() - 1).name + " and the world was dropped.");
 
   std::vector<Joint> joints;
-  std::vector<Pose> frames;  // joint frame in the old parent's frame
+  std::vector<Pose> frames;  // poses of the joint frames in the old parents' frames
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     std::string lost;
     joints.push_back(reversed(at(i).joint, lost));
@@ -120,7 +120,7 @@ void make_root(MechanismSpec& spec, int link, std::vector<std::string>& report) 
   at(0).parent.clear();
   at(0).joint = Joint{};
   for (std::size_t i = path.size() - 1; i >= 1; --i) {
-    // Converts the link's contents and its children's joints; its own joint already has the new form.
+    // Converts the link's contents and its children's joints to the new frame; the link's own joint already has the new form.
     move_link_frame(spec, path[i], frames[i - 1]);
   }
   if (path.size() > 1)

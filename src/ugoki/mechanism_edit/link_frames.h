@@ -13,11 +13,12 @@ namespace ugoki {
 [[nodiscard]] int find_link(const MechanismSpec& spec, std::string_view name);
 
 /// Changes the frame of link `index`: converts its inertia, its shapes, the joint frames of its children and the loop frames on it to the
-/// new frame. Its own joint is not changed. @param X_LN pose of the new frame in the present one
+/// new frame. The link's own joint is not changed.
+/// @param X_LN pose of the new frame in the present one
 void move_link_frame(MechanismSpec& spec, int index, const Pose& X_LN);
 
-/// Returns the inverse joint, which places the parent in the link: X'(q') = X_JB(q)^-1, with X_PJ = 1. Its coordinates are q' = q, for
-/// universal joints in the opposite order; those of planar, spherical and floating joints are the inverse displacement.
+/// Returns the inverse joint, which places the parent in the link: X'(q') = X_JB(q)^-1, with X_PJ = 1. Its coordinates are q' = q
+/// (universal joints: in the opposite order). For planar, spherical and floating joints, q' describes the inverse displacement.
 /// @param lost [out] describes properties that the inverse cannot have; unchanged if there are none
 [[nodiscard]] Joint reversed(const Joint& joint, std::string& lost);
 

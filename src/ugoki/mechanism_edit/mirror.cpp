@@ -21,7 +21,7 @@ struct Mirror {
     v[n] = negative(v[n]);
     return v;
   }
-  /// -S a, the axis of the mirrored rotation.
+  /// -S v: axis of the mirrored rotation, for a rotation about the axis v.
   [[nodiscard]] Vec3 of_axis(Vec3 v) const {
     for (int i = 0; i < 3; ++i)
       if (i != n) v[i] = negative(v[i]);
@@ -75,7 +75,7 @@ Joint mirrored(const Joint& joint, const Mirror& S) {
   return out;
 }
 
-/// Mirror images of meshes and height fields by their originals, so that shared surfaces are mirrored once.
+/// Maps each mesh and height field to its mirror image, so that surfaces shared by several shapes are mirrored once.
 struct Surfaces {
   std::map<const Geometry*, GeometryPtr> meshes;
   std::map<const HeightField*, HeightFieldPtr> fields;

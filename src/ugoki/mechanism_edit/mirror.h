@@ -12,10 +12,11 @@ struct MirrorOptions {
   bool swap_sides = true;  ///< exchange left and right in names and labels (mirrored_names.h)
 };
 
-/// Reflects every frame, inertia, shape and joint: X' = S X S with S = 1 - 2 n n^T, so that rotations remain rotations. Rotational
-/// coordinates are kept, about the axis -S a; displacements are kept, along S a. If one axis serves both (cylindrical), or three components
-/// share a frame (planar, spherical), some coordinates and their limits change sign (mirror_position). Mirroring twice gives the original,
-/// bit by bit, except that data precomputed for collision analysis is dropped.
+/// Reflects every frame, inertia, shape and joint: X' = S X S with S = 1 - 2 n n^T and the plane's normal n, so that rotations remain
+/// rotations. For a joint axis a, angles keep their values about the axis -S a, and displacements keep their values along S a. If one axis
+/// has an angle and a displacement (cylindrical), or three components share a frame (planar, spherical), some coordinates and their limits
+/// change sign (mirror_position). Mirroring twice gives the original, bit by bit, except that data precomputed for collision analysis is
+/// dropped.
 /// Errors: a height field with a mirror plane normal to z.
 [[nodiscard]] Result<Edited> mirror(const Mechanism& mechanism, const MirrorOptions& options = {});
 

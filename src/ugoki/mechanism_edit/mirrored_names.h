@@ -13,9 +13,9 @@ namespace ugoki {
 /// a side is returned unchanged.
 [[nodiscard]] std::string mirrored_word(std::string_view name);
 
-/// Returns the mirrored name of each name: mirrored_word(); if that has no effect and the name begins with l or r, the name in the list
-/// that begins with the other letter, if there is one ("lhand" and "rhand", "LFLeg" and "RFLeg"). Different names stay different. Applying
-/// the function twice gives the original names.
+/// Returns the mirrored name of each name, by mirrored_word(). A name that mirrored_word() does not change, and that begins with l or r,
+/// gets the other letter if the list contains that name ("lhand" and "rhand", "LFLeg" and "RFLeg"). Different names stay different.
+/// Applying the function twice gives the original names.
 [[nodiscard]] std::vector<std::string> mirrored_names(std::span<const std::string> names);
 
 }  // namespace ugoki

@@ -7,12 +7,13 @@
 namespace ugoki {
 namespace {
 
-/// The affine map A = across 1 + (along - across) u u^T.
+/// The affine map A = across 1 + (along - across) u u^T, with the bone's unit direction u.
 Mat3 affine(const LinkScale& s, const Vec3& u) {
   return Mat3::diagonal(s.across, s.across, s.across) + Mat3::outer(u, u) * (s.along - s.across);
 }
 
-/// Mass properties after the map x -> A x with masses scaled by `mass`: P' = mass A P A with the second moments P = tr(I)/2 1 - I.
+/// Mass properties after the map x -> A x with masses scaled by `mass`: P' = mass A P A with the second moments P = tr(I)/2 1 - I about the
+/// origin.
 Inertia mapped(const Inertia& i, const Mat3& A, double mass) {
   const double half = 0.5 * (i.I.xx + i.I.yy + i.I.zz);
   const Sym3 P = Sym3{half, half, half, 0, 0, 0} - i.I;
@@ -28,7 +29,7 @@ Result<GeometryPtr> mapped(const Geometry& mesh, const Mat3& A, const std::strin
   return make_geometry(vertices, mesh.triangles, mesh.convex, location);
 }
 
-/// Factor of lengths along axis i of the shape's frame.
+/// Factor by which A changes lengths along axis i of a shape's frame with the orientation R.
 double factor_along(const Mat3& A, const Mat3& R, int i) { return norm(A * R.column(i)); }
 
 Result<void> scale_shape(Shape& s, const Mat3& A, const std::string& location) {

@@ -18,7 +18,7 @@ struct LinkScale {
 struct ScaleOptions {
   double length = 1;   ///< factor of all lengths, above 0
   double mass = 0;     ///< kg, new total mass; 0: density is kept, so the mass is scaled with the volume
-  bool stout = false;  ///< with `mass`: true: density is kept and the links get thicker or thinner; false: proportions are kept and
+  bool stout = false;  ///< if `mass` is given; true: density is kept and links get thicker or thinner; false: proportions are kept and
                        ///< the density changes
 };
 
@@ -33,8 +33,9 @@ struct ScaleOptions {
 /// A = across 1 + (along - across) u u^T about the link's origin, where u is the direction of its bone (bone_directions). The second
 /// moments of mass about the origin are P' = mass A P A, exact for any body. Meshes are mapped exactly. Other shapes are approximated by
 /// their own type: a sphere gets the mapped volume, boxes and ellipsoids the factor along each of their axes, capsules and cylinders the
-/// factor along their axis and the geometric mean of the two factors across. Joint forces scale with `along` of the parent link (of the
-/// link itself at the world) and the factor of the total mass. @param scales [links]
+/// factor along their axis and the geometric mean of the two factors across. Joint forces scale with `along` of the parent link (for joints
+/// to the world: of the link itself) and with the factor of the total mass.
+/// @param scales [links]
 [[nodiscard]] Result<Edited> scale_links(const Mechanism& mechanism, std::span<const LinkScale> scales);
 
 /// Direction of each link's bone: unit vector in the link's frame, from its origin to the joint of the child with the most mass behind it,

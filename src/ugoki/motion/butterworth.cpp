@@ -7,7 +7,7 @@
 
 namespace ugoki {
 
-// y[i] = b (x[i] + 2 x[i-1] + x[i-2]) + c1 y[i-1] + c2 y[i-2]
+// Each pass computes y[i] = b (x[i] + 2 x[i-1] + x[i-2]) + c1 y[i-1] + c2 y[i-2]
 void filter_both_ways(std::vector<double>& x, double rate, double cutoff) {
   const double w = ugoki::tan(pi * cutoff / rate) / 0.80237;
   const double k1 = std::sqrt(2.0) * w, k2 = w * w;

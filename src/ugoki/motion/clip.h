@@ -1,5 +1,5 @@
 #pragma once
-// A clip: a motion placed on a track. It defines which part of the motion plays when, how fast, and where on the floor.
+// A clip is a motion placed on a track. It defines the part of the motion that is played, its time, its speed and its place on the floor.
 
 #include <span>
 
@@ -21,7 +21,7 @@ struct Placement {
 [[nodiscard]] Placement repeated(const Placement& a, long count);
 [[nodiscard]] Pose to_pose(const Placement& a);
 
-/// Position of a character's root, and its heading: the twist about Z of the swing-twist decomposition of its rotation.
+/// Position and heading of a character's root. The heading is the twist about Z in the swing-twist decomposition of the root's rotation.
 /// Zero for a mechanism whose first joint is neither floating nor planar.
 /// @param q [nq]
 [[nodiscard]] Placement root_placement(const Mechanism& mechanism, std::span<const double> q);
@@ -32,9 +32,9 @@ void displace_root(const Mechanism& mechanism, const Placement& by, std::span<do
 
 /// One clip of a track, ready to play.
 struct Clip {
-  double start = 0;     ///< s on the track
-  double length = 0;    ///< s on the track
-  double offset = 0;    ///< s into the motion at the clip's start
+  double start = 0;     ///< s: start time on the track
+  double length = 0;    ///< s: duration on the track
+  double offset = 0;    ///< s: time in the motion at the clip's start
   double speed = 1;     ///< s of motion per s of track
   double blend = 0;     ///< s, duration of the cross-fade from the previous clip
   bool loop = false;    ///< the motion repeats; each repetition continues where the previous one ended
@@ -50,13 +50,14 @@ struct ClipPhase {
   long rounds = 0;  ///< completed repetitions (loop)
 };
 
-/// Playback position at track time t [s]; t is clamped to the clip's start and end. @param duration s, of the motion
+/// Playback position at track time t [s]; t is clamped to the clip's start and end. @param duration s: duration of the motion
 [[nodiscard]] ClipPhase phase_of(const Clip& clip, double duration, double t);
 
 /// Displacement of the recorded motion after `rounds` repetitions: placement * cycle^rounds.
 [[nodiscard]] Placement placement_in(const Clip& clip, long rounds);
 
-/// Displacement of the root from the motion's first to its last frame, without its height: the offset between repetitions of a loop.
+/// Displacement of the root from the motion's first to its last frame, without the change of height. It is the offset between repetitions
+/// of a loop.
 [[nodiscard]] Placement cycle_of(const Motion& motion, const Mechanism& mechanism);
 
 /// Coordinates of the character at track time t [s], including the clip's placement. @param q [nq, out]
@@ -66,7 +67,7 @@ void sample(const Clip& clip, const Motion& motion, const Mechanism& mechanism, 
 /// and raised by at.z.
 void lay_clip(Clip& clip, const Motion& motion, const Mechanism& mechanism, const Placement& at);
 
-/// Placement of the root on the floor at track time t [s], to which the next clip can be aligned. z is the clip's placement.z.
+/// Placement of the root on the floor at track time t [s], for aligning the next clip. z is the clip's placement.z.
 [[nodiscard]] Placement floor_placement(const Clip& clip, const Motion& motion, const Mechanism& mechanism, double t);
 
 }  // namespace ugoki

@@ -14,8 +14,9 @@ struct SupportPoint {
   double radius = 0;  ///< m
 };
 
-/// Support points of all colliding shapes of the link: corners of boxes and of the bounding boxes of meshes, centres of spheres, capsule
-/// caps and of the ends of ellipsoids, and four points on each rim of a cylinder.
+/// Support points of all colliding shapes of the link. Box: its corners. Mesh: the corners of its bounding box. Sphere: its centre.
+/// Capsule: the centres of both caps. Ellipsoid: the centres of two inscribed spheres, one at each end of the longest axis.
+/// Cylinder: four points on each rim. Height field: none.
 [[nodiscard]] std::vector<SupportPoint> support_points(const Link& link);
 
 /// Indices of the feet: links whose label begins with "foot", "toes" or "paw" and that have a colliding shape.
@@ -23,11 +24,11 @@ struct SupportPoint {
 
 struct ContactLabelOptions {
   double ground = 0;          ///< m, height of the ground
-  double height_on = 0.03;    ///< m: a contact starts when a point is lower than this ...
-  double speed_on = 0.35;     ///< m/s: ... and slower than this;
-  double height_off = 0.045;  ///< m: it continues while a point is lower than this ...
-  double speed_off = 0.6;     ///< m/s: ... and slower than this
-  double span = 0;            ///< s before and after the frame over which the speed is averaged; at least one frame
+  double height_on = 0.03;    ///< m: a contact starts when a point is lower than this and slower than speed_on
+  double speed_on = 0.35;     ///< m/s: see height_on
+  double height_off = 0.045;  ///< m: a contact continues while a point is lower than this and slower than speed_off
+  double speed_off = 0.6;     ///< m/s: see height_off
+  double span = 0;            ///< s: the speed is averaged over this time before and after the frame, at least one frame each
   double min_contact = 0.05;  ///< s: shorter contacts are removed
   double min_gap = 0.04;      ///< s: shorter gaps between contacts are closed
 };
@@ -35,7 +36,7 @@ struct ContactLabelOptions {
 /// A support point of one of the mechanism's links.
 struct LinkPoint {
   int link = 0;           ///< index of the link
-  SupportPoint location;  ///< in the link's frame
+  SupportPoint location;  ///< position and radius in the link's frame
 };
 
 /// Returns for each frame 1 if any of the points is in contact with the ground, else 0. A point is in contact while it is low and slow,

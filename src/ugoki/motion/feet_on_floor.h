@@ -5,11 +5,11 @@
 
 namespace ugoki {
 
-/// Returns the motion with its standing feet on the floor. Measured soles are off by millimetres to centimetres, differently for each foot
-/// and step; a rigid body that follows them lands too early on one foot and too late on the other.
-/// While a foot is in contact (label_contacts), its lowest point is moved to z = `floor`; between contacts the correction is interpolated;
-/// no foot stays below the floor. The correction common to the standing feet moves the root, smoothed over 0.1 s. The remainder is done by
-/// inverse kinematics (damped least squares, Buss 2009) of the joints that move only this foot; the foot's orientation is kept.
+/// Returns the motion with its standing feet on the floor. The height of measured soles is wrong by millimetres to centimetres,
+/// differently for each foot and step. A rigid body that follows them lands too early on one foot and too late on the other.
+/// While a foot is in contact (label_contacts), its lowest point is moved to z = `floor`. Between contacts the correction is interpolated.
+/// No foot stays below the floor. The common correction of the standing feet moves the root, smoothed over 0.1 s. Inverse kinematics
+/// (damped least squares, Buss 2009) of the joints that move only one foot makes the rest of its correction and keeps its orientation.
 /// The motion is returned unchanged if the root is not floating or there are no feet.
 /// @param floor m, height of the floor
 [[nodiscard]] Motion with_feet_on_floor(const Motion& motion, const Mechanism& mechanism, double floor);

@@ -10,7 +10,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Column of the Jacobian of the end for one DOF: linear velocity, then angular velocity times the lever. World axes.
+/// Column of the Jacobian of the limb's end for one DOF: linear velocity, then angular velocity times the lever. World axes.
 using Column = std::array<double, 6>;
 
 /// Solves the symmetric positive definite A x = b in place.
@@ -27,7 +27,8 @@ void solve_spd(std::array<std::array<double, 6>, 6>& A, std::array<double, 6>& b
   }
 }
 
-/// Returns (J J^T + damping^2 1)^-1 y; the joint step for a step y of the end is J^T times this vector. @param columns of J
+/// Returns (J J^T + damping^2 1)^-1 y, J being the Jacobian of the limb's end. The joint step for a step y of the end is J^T times this
+/// vector. @param columns of J
 std::array<double, 6> solve_damped(std::span<const Column> columns, std::array<double, 6> y, double damping) {
   std::array<std::array<double, 6>, 6> A{};
   for (std::size_t r = 0; r < 6; ++r) {

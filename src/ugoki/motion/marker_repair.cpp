@@ -15,7 +15,7 @@ void put(MarkerMotion& m, int frame, int marker, const Vec3& x) {
   m.residuals[m.index(frame, marker)] = 0;
 }
 
-/// Slope [m/frame] at a seen frame from its seen neighbours.
+/// Velocity [m/frame] of a marker in a frame in which it was seen, from the neighbouring frames in which it was seen.
 Vec3 slope(const MarkerMotion& m, int marker, int frame) {
   const bool before = frame > 0 && m.seen(frame - 1, marker), after = frame + 1 < m.frames && m.seen(frame + 1, marker);
   if (before && after) return (m.at(frame + 1, marker) - m.at(frame - 1, marker)) * 0.5;
@@ -30,8 +30,8 @@ Vec3 hermite(const Vec3& a, const Vec3& da, const Vec3& b, const Vec3& db, doubl
   return a * (2 * t3 - 3 * t2 + 1) + da * (h * (t3 - 2 * t2 + t)) + b * (3 * t2 - 2 * t3) + db * (h * (t3 - t2));
 }
 
-/// Rotation that maps the points a to b with the least squared error; both are relative to their centroids. It is the eigenvector of the
-/// largest eigenvalue of Horn's matrix (1987), found by shifted power iteration from `guess`.
+/// Rotation that maps the points a to b with the least squared error; both are relative to their centroids. The rotation is the
+/// eigenvector of the largest eigenvalue of Horn's matrix (1987), found by shifted power iteration from `guess`.
 Quat best_rotation(const std::vector<Vec3>& a, const std::vector<Vec3>& b, Quat guess) {
   Mat3 M{};
   double size = 0;
@@ -88,7 +88,7 @@ std::vector<int> rigid_neighbours(const MarkerMotion& m, int marker, double rigi
 }
 
 /// Computes the position of `marker` in frame `to` if it moved rigidly with the markers `others` since frame `from`.
-/// @return false if fewer than three of them are seen in both frames
+/// @return false if fewer than three of these markers are seen in both frames
 bool carry(const MarkerMotion& m, int marker, const std::vector<int>& others, int from, int to, Vec3& out) {
   std::vector<Vec3> a, b;
   for (const int o : others) {
@@ -112,7 +112,8 @@ bool carry(const MarkerMotion& m, int marker, const std::vector<int>& others, in
   return true;
 }
 
-/// Sum of the squared changes that a filter with this cut-off makes, over all seen coordinates. @param count [out] their number
+/// Sum of the squared changes that a filter with this cut-off makes, over all seen coordinates.
+/// @param count [out] number of these coordinates
 double removed(const MarkerMotion& motion, double cutoff, double& count) {
   MarkerMotion filtered = motion;
   filter_markers(filtered, cutoff);

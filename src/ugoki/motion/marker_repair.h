@@ -24,16 +24,16 @@ int remove_spikes(MarkerMotion& motion, double limit = 0.02);
 int fill_short_gaps(MarkerMotion& motion, double longest);
 
 /// Fills the remaining gaps of a marker from at least three (at most six) markers that move with it like one rigid body: those with the
-/// smallest standard deviation of their distance from it, below `rigid` [m]. The position follows the best-fitting rigid motion of these
-/// markers, blended between both measured ends of the gap. @return number of positions filled
+/// smallest standard deviation of their distance from the marker, below `rigid` [m]. The position follows the best-fitting rigid motion of
+/// these markers, blended between both measured ends of the gap. @return number of positions filled
 int fill_gaps_by_neighbours(MarkerMotion& motion, double rigid = 0.015);
 
 /// Cut-off frequency [Hz] above which filtering removes mainly noise: residual analysis (Winter 2009, section 3.4.4.3) of all coordinates
 /// together, between 4 Hz and 0.7 times a quarter of the rate. 0 (no filter) for rates up to 20 Hz or fewer than 20 frames.
 [[nodiscard]] double choose_cutoff(const MarkerMotion& motion);
 
-/// Filters every run of seen frames with filter_both_ways() (butterworth.h), with ends padded by reflection. No effect unless `cutoff` [Hz]
-/// is between 0 and a third of the rate, nor on runs of fewer than 4 frames.
+/// Filters every run of seen frames with filter_both_ways() (butterworth.h), with ends padded by reflection. Filters only if `cutoff`
+/// [Hz] is between 0 and a third of the rate, and only runs of at least 4 frames.
 void filter_markers(MarkerMotion& motion, double cutoff);
 
 }  // namespace ugoki

@@ -43,7 +43,7 @@ struct MarkerMotion {
   double rate = 100;                ///< frames per second
   int frames = 0;
   int first_frame = 1;           ///< number of the first frame in the recording, counted from 1
-  std::vector<Vec3> positions;   ///< [frames][markers] m; zero where not seen
+  std::vector<Vec3> positions;   ///< [frames][markers] m; zero where the marker was not seen
   std::vector<float> residuals;  ///< [frames][markers] m, residual of the reconstruction from the cameras; -1 if the marker was not seen
 
   double analog_rate = 0;             ///< samples per second, an integer multiple of `rate`; 0 without channels

@@ -25,7 +25,7 @@ class FootSkate {
 
   /// Mean length [cm] of the horizontal path of the lowest point per stance of one foot; 0 before the first stance.
   [[nodiscard]] double mean_per_stance_cm() const;
-  /// Longest path in one stance so far. cm
+  /// Longest path [cm] of the lowest point in one stance so far.
   [[nodiscard]] double worst_stance_cm() const { return 100 * worst_; }
   /// Root mean square of the sliding speed over all stance time [m/s].
   [[nodiscard]] double rms_speed() const;
@@ -40,8 +40,8 @@ class FootSkate {
   struct Foot {
     int link = 0;
     int first = 0, count = 0;  ///< range of its points in points_
-    bool stood = false;        ///< it was standing in the previous frame
-    double path = 0;           ///< m, in this stance
+    bool stood = false;        ///< the foot was standing in the previous frame
+    double path = 0;           ///< m: path of the lowest point in the present stance
     Pose before;               ///< pose of the link in the previous frame
   };
   std::vector<Foot> feet_;
@@ -60,9 +60,9 @@ class GroundPenetration {
   void reset();
 
   [[nodiscard]] double worst_mm() const { return 1000 * worst_; }
-  /// Root mean square over all frames of the maximum depth in each frame. mm
+  /// Root mean square [mm] over all frames of the maximum depth in each frame.
   [[nodiscard]] double rms_mm() const;
-  /// Index of the link that was deepest, or -1.
+  /// Index of the link with the maximum depth so far; -1: no link was below the ground.
   [[nodiscard]] int worst_link() const { return worst_link_; }
 
   /// Internal state as an array of doubles, for saving and restoring. @param out, in [memory_size()]

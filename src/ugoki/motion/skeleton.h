@@ -18,7 +18,7 @@ struct MeasuredDof {
 
 struct SkeletonJoint {
   std::string name;
-  int parent = -1;                     ///< index of the parent joint, always smaller; -1: a root
+  int parent = -1;                     ///< index of the parent joint, smaller than the joint's own index; -1: a root
   Vec3 offset;                         ///< m, from the parent joint at rest (roots: from the origin)
   std::vector<Vec3> end_sites;         ///< m, ends of bones without a further joint, relative to this joint at rest
   std::vector<MeasuredDof> dofs;       ///< rotation DOFs in the order of the file (outermost first); none: rigid

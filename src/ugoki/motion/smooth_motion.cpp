@@ -14,7 +14,7 @@ void normalize_quat(double* r) {
   for (int k = 0; k < 4; ++k) r[k] /= n;
 }
 
-/// First coordinate of the joint's quaternion, or -1.
+/// Index of the quaternion's first number in the coordinates of the joint; -1: no quaternion.
 int quat_of(const Joint& joint) { return joint.type == JointType::spherical ? 0 : joint.type == JointType::floating ? 3 : -1; }
 
 }  // namespace
@@ -68,7 +68,7 @@ SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, std::span<c
   a_.assign(n * nv_, 0.0);
   if (frames_ < 2) return;
   const auto frame = [&](std::size_t f) { return std::span<const double>(q_.data() + f * nq_, nq_); };
-  std::vector<double> step((n - 1) * nv_);  // mean velocity between the frames f and f + 1
+  std::vector<double> step((n - 1) * nv_);  // [frames - 1][nv] mean velocity between the frames f and f + 1
   for (std::size_t f = 0; f + 1 < n; ++f) {
     const std::span<double> d(step.data() + f * nv_, nv_);
     difference(m, frame(f), frame(f + 1), d);

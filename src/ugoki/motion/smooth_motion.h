@@ -31,7 +31,7 @@ class SmoothMotion {
   double rate_ = 0;
   int frames_ = 0;
   std::size_t nq_ = 0, nv_ = 0;
-  std::vector<double> q_, v_, a_;  // [frames][nq], [frames][nv]
+  std::vector<double> q_, v_, a_;  // [frames][nq], [frames][nv], [frames][nv]
 };
 
 /// Reference of a clip at track time t [s], with the clip's placement and speed applied. Before the clip's start and after its end, q is

@@ -95,7 +95,8 @@ struct Channel {
   }
 };
 
-/// Adds the rotation vectors relative to the mean rotation; each is extended by full turns so that it is closest to the previous one.
+/// Appends to c.value the joint's rotation vector in each frame, relative to the mean rotation. Full turns are added to a vector's length
+/// so that it is closest to the previous frame's vector.
 void add_rotation(const Motion& motion, const Link& link, int coordinate, Channel& c) {
   const int first = link.q_index + coordinate;
   Quat reference = quat_at(motion.frame(0) + first);
@@ -124,11 +125,11 @@ void add_scalars(const Motion& motion, const Link& link, int coordinate, int siz
   }
 }
 
-/// A curve of a joint type: kind, first coordinate, number of components.
+/// One of the curves that describe a joint: kind, first coordinate within the joint's q, number of components.
 struct Part {
   Curve::Kind kind;
   int coordinate, size;
-  bool length;  ///< unit is m, otherwise rad
+  bool length;  ///< true: values in m; false: values in rad
 };
 std::vector<Part> parts_of(const Joint& joint) {
   using enum Curve::Kind;

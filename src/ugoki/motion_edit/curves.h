@@ -9,11 +9,11 @@
 
 namespace ugoki::motion_edit {
 
-/// A key of a curve: time, value, and slopes before and after it. Unused components are 0.
+/// A key of a curve: time, value, and the slopes just before and just after that time. Unused components are 0.
 struct Key {
   double time = 0;                                ///< s
-  std::array<double, 3> value{};                  ///< m or rad; for rotations the rotation vector relative to the curve's reference
-  std::array<double, 3> slope_in{}, slope_out{};  ///< per second
+  std::array<double, 3> value{};                  ///< m or rad; for rotations the rotation vector relative to Curve::reference
+  std::array<double, 3> slope_in{}, slope_out{};  ///< m/s or rad/s
 };
 
 /// A curve of one joint: a scalar coordinate, the position (location) of a floating joint, or a rotation.
@@ -21,12 +21,12 @@ struct Curve {
   enum class Kind { coordinate, location, rotation };
   std::string link;
   Kind kind = Kind::coordinate;
-  int coordinate = 0;     ///< index of its first coordinate within the joint's q
-  int size = 1;           ///< components: 1 or 3
+  int coordinate = 0;     ///< index of the curve's first coordinate within the joint's coordinates
+  int size = 1;           ///< number of components of a value: 1 or 3
   Quat reference;         ///< rotations: orientation to which the rotation vectors are relative
   std::vector<Key> keys;  ///< sorted by time; at least one
 
-  /// Value and slope at time t [s]: cubic Hermite interpolation between keys, constant outside.
+  /// Value and slope at time t [s]: cubic Hermite interpolation between keys, constant before the first and after the last key.
   [[nodiscard]] std::array<double, 3> value(double t) const;
   [[nodiscard]] std::array<double, 3> slope(double t) const;
 };
@@ -36,21 +36,21 @@ struct MotionCurves {
   double rate = 120;  ///< frames per second of the source motion
   int frames = 0;
   bool cyclic = false;
-  std::vector<Curve> curves;  ///< one for each scalar coordinate, position and rotation of the mechanism's joints
+  std::vector<Curve> curves;  ///< of each joint: one per scalar coordinate, one for a floating joint's position, one for a rotation
   std::vector<ContactTrack> contacts;
 
   [[nodiscard]] int key_count() const;
-  [[nodiscard]] int find(const std::string& link, Curve::Kind kind) const;  ///< index of the first such curve; -1: none
+  [[nodiscard]] int find(const std::string& link, Curve::Kind kind) const;  ///< index of the first curve of this link and kind; -1: none
 };
 
 struct ReduceOptions {
-  double degrees = 0.25;  ///< maximum rotation error of any joint in any frame
-  double metres = 0.001;  ///< maximum translation error of any joint, including the root, in any frame
+  double degrees = 0.25;  ///< deg, maximum rotation error of any joint in any frame
+  double metres = 0.001;  ///< m, maximum translation error of any joint, including the root, in any frame
 };
 
-/// Converts a motion to curves with few keys such that every frame is within the bounds: splits a piece at its worst frame until all frames
-/// are within (the Douglas-Peucker scheme, with cubic Hermite pieces that have the slopes of the motion). O(frames log frames) for most
-/// motions. Errors: the motion does not fit the mechanism; bounds that are not above 0.
+/// Converts a motion to curves with few keys such that the errors in every frame are within the bounds of `options`. A piece of a curve is
+/// split at its worst frame until this is true (Douglas-Peucker scheme; cubic Hermite pieces with the slopes of the motion). O(frames log
+/// frames) for most motions. Errors: the motion does not fit the mechanism; bounds that are not above 0.
 [[nodiscard]] Result<MotionCurves> reduce_keys(const Mechanism& mechanism, const Motion& motion, const ReduceOptions& options = {});
 
 /// Samples the curves as a motion. @param rate frames per second; 0: the rate of the curves
@@ -59,9 +59,9 @@ struct ReduceOptions {
 
 // Editing of keys. Errors name the curve's link and the allowed values.
 
-/// Inserts a key at time t [s] without changing the curve's shape. @return its index
+/// Inserts a key at time t [s] without changing the curve's shape. @return index of the new key
 [[nodiscard]] Result<int> add_key(Curve& curve, double t);
-/// Sets time [s] and value of a key; the time must stay between its neighbours.
+/// Sets time [s] and value of a key; the time must stay between the times of the neighbouring keys.
 [[nodiscard]] Result<void> move_key(Curve& curve, int key, double t, const std::array<double, 3>& value);
 [[nodiscard]] Result<void> set_slopes(Curve& curve, int key, const std::array<double, 3>& in, const std::array<double, 3>& out);
 /// Deletes a key. The only remaining key of a curve cannot be deleted.

@@ -10,13 +10,13 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double speed_time = 0.1;  // s: a velocity difference counts as the distance covered in this time
+constexpr double speed_time = 0.1;  // s: when frames are compared, a velocity difference counts as the distance that it covers in this time
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string place_of(const Motion& motion) { return "motion " + motion.name; }
 
-/// Velocity of all coordinates at a frame, by central differences where there are frames on both sides. [nv] 1/s
+/// Velocity [nv] (rad/s or m/s) at frame f, by central differences; one-sided at the first and last frame.
 std::vector<double> velocity(const Mechanism& m, const Motion& motion, int f) {
   const int before = std::max(0, f - 1), after = std::min(motion.frames - 1, f + 1);
   std::vector<double> v(at(m.nv()), 0.0);
@@ -63,7 +63,8 @@ class FrameDifference {
   std::vector<std::vector<double>> q_, v_;
 };
 
-/// Strides: ranges from one touch-down of a foot to its next in which every other foot that ever lands, lands exactly once.
+/// Finds the strides: frame ranges from one touch-down of a foot to its next in which each other foot lands exactly once. Feet that never
+/// land are ignored.
 std::vector<Stance> find_strides(const FootContacts& contacts) {
   std::vector<std::vector<int>> landings;
   for (std::size_t k = 0; k < contacts.feet.size(); ++k) {
@@ -108,7 +109,8 @@ Result<Stance> find_cycle(const Mechanism& m, const Motion& motion, const FootCo
   for (const Stance& s : find_strides(contacts)) consider(s);
   const bool by_contacts = best.first >= 0;
   if (!by_contacts) {
-    // Compare every frame with every later frame, first at a tenth of the shortest cycle, then frame by frame around the best pair.
+    // Compare every frame with every later frame, first in steps of a tenth of the shortest cycle, then frame by frame around the best
+    // pair.
     const int step = std::max(1, minimum / 10);
     for (int i = 0; i < motion.frames; i += step)
       for (int j = i + minimum; j < motion.frames && j - i <= maximum; j += step) consider({i, j});
@@ -131,7 +133,8 @@ Result<Stance> find_cycle(const Mechanism& m, const Motion& motion, const FootCo
 
 namespace {
 
-/// Moves the motion vertically so that its feet stand on the ground, if they are near it. @param raised [out] m
+/// Moves the motion vertically so that its feet stand on the ground, unless that needs more than CycleOptions::level.
+/// @param raised [out] upward displacement, m
 Motion levelled(const Mechanism& m, const Motion& motion, std::span<const FootLimb> feet, const CycleOptions& o, double& raised) {
   Motion out = motion;
   if (feet.empty() || o.contacts.find_ground) return out;

@@ -14,7 +14,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string place_of(const Motion& motion) { return "motion " + motion.name; }
 
-/// Samples `source` at other times. @param frames number of new frames  @param moment_of source time [s] of a new frame
+/// Samples `source` at other times.
+/// @param frames number of new frames  @param moment_of function from the index of a new frame to a time in the source [s]
 template <class MomentOf>
 Motion played(const Mechanism& m, const Motion& source, const SmoothMotion& smooth, int frames, double rate, const MomentOf& moment_of) {
   Motion out = source;

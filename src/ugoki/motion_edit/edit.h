@@ -1,5 +1,5 @@
 #pragma once
-// Operations on the time axis of one or two motions. Each returns a new motion for the same mechanism, with its contact labels.
+// Operations on the time axis of one or two motions. Each operation returns a new motion for the same mechanism, including contact labels.
 // Errors name the motion and a remedy. Results with more than 100 million coordinates are refused.
 
 #include <span>
@@ -15,8 +15,8 @@ namespace ugoki::motion_edit {
 [[nodiscard]] Motion reverse(const Motion& motion);
 
 /// Returns the motion at another frame rate, by cubic interpolation on the manifold. A cyclic motion keeps its duration, so its rate may
-/// differ slightly from `rate`; other motions lose less than one frame at the end. Before the rate is lowered (below 0.8 of the old one),
-/// the motion is low-pass filtered at 0.4 of the new rate (zero-lag Butterworth). @param rate frames per second, 1 to 100000
+/// differ slightly from `rate`; other motions lose less than one frame at the end. If the new rate is below 0.8 of the old one, the motion
+/// is first low-pass filtered with a cut-off of 0.4 of the new rate (zero-lag Butterworth). @param rate frames per second, 1 to 100000
 [[nodiscard]] Result<Motion> resample(const Mechanism& mechanism, const Motion& motion, double rate);
 
 struct ScaleOptions {

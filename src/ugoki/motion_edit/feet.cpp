@@ -20,7 +20,8 @@ double lowest(std::span<const Pose> X_WB, int link, std::span<const SupportPoint
   return low;
 }
 
-/// Lowest ends of limbs in the neutral position: those within a tenth of the character's height above the lowest point.
+/// Links that end a limb and have a point within a tenth of the character's height above the lowest point of all links, in the neutral
+/// position.
 std::vector<int> lowest_ends(const Mechanism& m) {
   std::vector<Pose> X(at(m.link_count()));
   calc_poses(m, m.neutral(), X);

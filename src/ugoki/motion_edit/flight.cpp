@@ -81,7 +81,8 @@ double flight_acceleration(std::span<const double> heights, std::span<const std:
   return frames > 0 ? sum / frames : 0;
 }
 
-// Minimises sum weight (u'' - c)^2 + stance_weight u^2 / return_time^4, where c is the missing acceleration in flights and 0 elsewhere.
+// Finds the displacements u that minimise the sum over all frames of weight (u'' - c)^2 + stance_weight u^2 / return_time^4. In flights c
+// is the missing acceleration; in other frames c is 0.
 std::vector<double> raise_for_flight(std::span<const double> heights, std::span<const std::uint8_t> bears, double rate, double wanted) {
   const std::size_t n = heights.size();
   std::vector<double> c(n, 0.0), weight(n, stance_weight), u(n, 0.0);
@@ -95,7 +96,7 @@ std::vector<double> raise_for_flight(std::span<const double> heights, std::span<
   if (!any || n < 5) return u;
   const double r2 = rate * rate, back = 1 / (return_time * return_time * return_time * return_time);
   std::vector<std::array<double, 3>> a(n, {stance_weight * back, 0, 0});
-  for (std::size_t i = 1; i + 1 < n; ++i) {  // (u[i - 1] - 2 u[i] + u[i + 1]) rate^2 = c[i]
+  for (std::size_t i = 1; i + 1 < n; ++i) {  // one equation: (u[i - 1] - 2 u[i] + u[i + 1]) rate^2 = c[i]
     const double w = weight[i] * r2 * r2;
     a[i - 1][0] += w;
     a[i - 1][1] -= 2 * w;

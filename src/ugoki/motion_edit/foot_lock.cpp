@@ -79,16 +79,16 @@ class Knee {
 
  private:
   struct Arc {
-    double a = 0, b = 0;  ///< m^2
+    double a = 0, b = 0;  ///< m^2, of the squared distance a + b cos(angle) from the limb's base to its end
     double angle = 0;     ///< rad from straight, in (-pi, pi]
   };
-  /// Coefficients a, b and the present angle of the hinge.
+  /// Coefficients a and b (see Arc) and the present angle of the hinge.
   [[nodiscard]] Arc from_straight(std::span<const Pose> X) const {
     const Pose& knee = X[at(link_)];
     const Vec3 n = knee.R * m_.link(link_).joint.axis;
     const Vec3 to_base = X[at(foot_.chain.front())].p - knee.p, to_end = X[at(foot_.link)].p - knee.p;
     const Vec3 u = to_base - n * dot(n, to_base),
-               v = to_end - n * dot(n, to_end);  // perpendicular to n; v is opposite to u when the limb is straight
+               v = to_end - n * dot(n, to_end);  // components perpendicular to n; v is opposite to u when the limb is straight
     const double along = dot(n, to_end) - dot(n, to_base);
     return {dot(u, u) + dot(v, v) + along * along, 2 * norm(u) * norm(v), atan2(-dot(n, cross(u, v)), -dot(u, v))};
   }
@@ -99,7 +99,7 @@ class Knee {
   double side_ = 0;
 };
 
-/// Smooth upper envelope of `need`: the maximum within `reach` frames, smoothed by two moving averages over `reach` frames.
+/// Smooth upper envelope of `need`: the maximum within `reach` frames on both sides, smoothed by two moving averages over `reach` frames.
 std::vector<double> smooth_above(const std::vector<double>& need, int reach) {
   const int n = static_cast<int>(need.size()), half = std::max(1, reach / 2);
   if (std::all_of(need.begin(), need.end(), [](double x) { return x <= 0; })) return need;

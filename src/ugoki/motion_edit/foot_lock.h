@@ -11,7 +11,7 @@ namespace ugoki::motion_edit {
 struct FootPath {
   std::vector<Pose> X_WF;            ///< [frames] pose of the foot's link in the world
   std::vector<std::uint8_t> bears;   ///< [frames] 1 while the foot is in contact
-  std::vector<SupportPoint> points;  ///< [frames][points of the limb] in the foot's frame; points of toes move in it
+  std::vector<SupportPoint> points;  ///< [frames][points of the limb] in the foot's frame, relative to which points of the toes can move
 };
 
 struct FootLockOptions {
@@ -20,7 +20,7 @@ struct FootLockOptions {
   double stretch = 0.995;   ///< maximum extension as a fraction of the limb's length (or the source's extension, if larger); beyond it the
                             ///< pelvis is lowered
   double drop_time = 0.12;  ///< s in which the pelvis is lowered and raised again
-  bool keep_on_ground = true;  ///< move the lowest point of a standing foot to the ground, and every foot above it
+  bool keep_on_ground = true;  ///< move the lowest point of a standing foot to the ground, and keep every foot above the ground
 };
 
 /// Summary of a foot lock, for display.
@@ -38,11 +38,11 @@ struct FootLockReport {
 
 /// Changes the paths so that standing feet neither slide nor twist. In each stance the foot rolls without slipping over the loaded points
 /// of its sole, from heel to toe. The mean position and heading of each stance are kept. Between stances the correction is interpolated.
-/// @param rate frames per second  @param ground m  @param leg m, mean_leg_length
+/// @param rate frames per second  @param ground m, height of the ground  @param leg m, mean_leg_length
 void pin_stances(std::vector<FootPath>& paths, double rate, double ground, double leg, const FootLockOptions& options);
 
 /// Moves the limbs so that the feet follow their paths. If a limb is too short, the root is lowered smoothly; this needs a floating root.
-/// Limits of hinges are respected. The contact labels are those of the paths.
+/// Limits of hinges are respected. The result's contact labels come from the paths.
 [[nodiscard]] Motion follow_paths(const Mechanism& mechanism, const Motion& motion, std::span<const FootLimb> feet,
                                   const std::vector<FootPath>& paths, const FootLockOptions& options, FootLockReport* report = nullptr);
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double leg_of_options = 0.9;  // m, leg length for which FootLockOptions is specified
 constexpr double still_speed = 0.2;     // m/s: at this vertical speed the weight of a foot in contact has fallen to a quarter
 constexpr double lift_time = 0.02;      // s, time constant of the height correction
-constexpr double twist_radius = 0.02;   // m: below this radius of the loaded points the twist of the motion is kept instead of locked
+constexpr double twist_radius = 0.02;   // m: loaded points within this radius do not lock the foot's twist; the motion's twist is kept
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -48,7 +48,7 @@ class Pinning {
 
  private:
   [[nodiscard]] const SupportPoint& point(std::size_t f, std::size_t i) const { return path_.points[f * count_ + i]; }
-  /// Lowest material point of support point i, in the foot's frame.
+  /// Lowest point of the sphere of support point i in frame f, in the foot's frame. m
   [[nodiscard]] Vec3 material(std::size_t f, std::size_t i) const {
     const SupportPoint& s = point(f, i);
     return s.p + transpose_times(path_.X_WF[f].R, Vec3{0, 0, -s.radius});
@@ -72,9 +72,10 @@ class Pinning {
     for (std::size_t f = 0; f < n_; ++f) path_.X_WF[f].p.z += std::max(lift[f], value[f]);
   }
 
-  /// Computes the correction of one stance: rolls over the sole from frame to frame, then restores the stance's mean position and heading.
+  /// Computes the correction of one stance: rolls the foot over its sole from frame to frame, then restores the stance's mean position and
+  /// heading.
   void pin(std::size_t first, std::size_t last) {
-    std::vector<Vec3> bearing(n_ ? last - first + 1 : 0);  // load-weighted centre of the sole on the original path
+    std::vector<Vec3> bearing(n_ ? last - first + 1 : 0);  // [frames of the stance] load-weighted centre of the sole on the original path
     double yaw = 0;
     Vec3 shift;  // translation of the correction; its rotation by yaw is about the world's origin
     std::vector<Vec3> shifts;
@@ -82,7 +83,7 @@ class Pinning {
     for (std::size_t f = first; f <= last; ++f) {
       const double low = lowest(f);
       double sum = 0;
-      Vec3 a, b;  // load-weighted centres of the points: corrected positions in the previous frame, original positions in this frame
+      Vec3 a, b;  // load-weighted centres of the points: a: previous frame, corrected positions; b: this frame, original ones
       std::vector<Vec3> was(count_), is(count_);
       std::vector<double> w(count_);
       const Mat3 R_before = rotation_about({0, 0, 1}, yaw);

@@ -15,7 +15,7 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double min_anchor_gap = 0.05;  // cycles, minimum distance of touch-downs that are used as anchors
+constexpr double min_anchor_gap = 0.05;  // cycles, minimum distance of the touch-downs by which phases are aligned (anchors)
 constexpr double main_stance = 0.4;      // fraction of a foot's longest stance: shorter stances do not count as steps
 constexpr double still = 0.05;           // m/s: the direction of travel of slower motions is ignored
 constexpr double min_part = 0.02;        // cycles, minimum duration of a stance or swing that is aligned separately
@@ -65,9 +65,9 @@ struct Intermediate::Impl {
   std::vector<Source> sources;
   std::vector<bool> foot_steps;  ///< [feet] true if the foot steps in all sources
   std::vector<std::vector<int>>
-      in_limb;  ///< [feet] links whose joints follow the foot's own phase: its limb and the descendants of the foot
+      in_limb;  ///< [feet] links whose joints follow the foot's own phase: the foot's limb and the foot's descendants
   std::vector<std::vector<double>>
-      anchors;  ///< [sources][anchors] phases of corresponding events in each source, increasing, within less than a cycle
+      anchors;  ///< [sources][anchors] cycles, increasing: phases of corresponding events in each source; their span is below one cycle
 
   [[nodiscard]] const Mechanism& m() const { return *mechanism; }
 
@@ -115,8 +115,8 @@ Result<void> Intermediate::Impl::align() {
                   "Make cycles of one stride each, or label the contacts by hand.");
     }
   }
-  // Phases of all touch-downs in each source, unwrapped: those of the first touch-down are chosen closest to each other, the others within
-  // one cycle after it.
+  // Unwrapped phases of all touch-downs in each source. The phases of the first touch-down are chosen closest to that of source 0; the
+  // other touch-downs follow within about one cycle.
   struct Anchor {
     std::vector<double> phase;  // [sources]
   };
@@ -132,7 +132,7 @@ Result<void> Intermediate::Impl::align() {
           own = j == 0 ? own : a.phase[0] + wrapped(own - a.phase[0], 1);
         else if (j == 0)
           own = reference + (own - reference) - std::floor(own - reference);
-        else  // closest to the delay after the first touch-down in source 0
+        else  // the delay after the first touch-down is closest to that in source 0
           own = reference + (a.phase[0] - first) + wrapped(own - reference - (a.phase[0] - first), 1);
         a.phase.push_back(own);
       }
@@ -141,7 +141,7 @@ Result<void> Intermediate::Impl::align() {
   }
   std::sort(found.begin(), found.end(), [](const Anchor& a, const Anchor& b) { return a.phase[0] < b.phase[0]; });
   anchors.assign(sources.size(), {});
-  for (const Anchor& a : found) {  // keep an anchor only if it is in this order in every source
+  for (const Anchor& a : found) {  // keep an anchor only if the anchors are in this order in every source
     bool rising = true;
     for (std::size_t j = 0; j < sources.size(); ++j)
       if (!anchors[j].empty())
@@ -186,8 +186,9 @@ void Intermediate::Impl::find_limbs() {
   }
 }
 
-/// Progression of the mixture: distance, change of heading and duration are the weighted means; the direction of travel is interpolated as
-/// an angle, or, if directions differ by 90 degrees or more, displacements are averaged. @param frames [out] frames of the cycle
+/// Progression of the mixture: distance, change of heading and duration are the weighted means of the sources. The direction of travel is
+/// interpolated as an angle. If directions differ by 90 degrees or more, displacements are averaged.
+/// @param frames [out] number of frames of the cycle
 Progression Intermediate::Impl::mixed_progression(std::span<const double> w, int& frames, double rate) const {
   double duration = 0, way = 0, turn = 0;
   for (std::size_t j = 0; j < sources.size(); ++j) {
@@ -246,8 +247,8 @@ Motion Intermediate::Impl::mix(std::span<const double> w, std::vector<FootPath>&
     }
     own[j] = PhaseCurve(points);
   }
-  // Stances of each foot: common phases of touch-down and lift-off, and for each source the map to the phase at which its foot is equally
-  // far in its stance or swing.
+  // Stances of each foot: common phases of touch-down and lift-off. For each source also the map from the common phase to the phase at
+  // which the source's foot has completed the same share of its stance or swing.
   std::vector<std::vector<Step>> steps(feet.size());
   std::vector<std::vector<PhaseCurve>> foot_phase(feet.size(), std::vector<PhaseCurve>(count));
   for (std::size_t k = 0; k < feet.size(); ++k) {
@@ -352,8 +353,8 @@ std::vector<std::uint8_t> any_of_three_rounds(std::span<const std::vector<std::u
 
 }  // namespace
 
-/// Corrects the height in flight phases. The mean of heights also averages accelerations, so between a motion with flight and one without
-/// the mixed body would fall too slowly. After the correction its acceleration in flight is the mean of the sources with flight.
+/// Corrects the height in flight phases. The mean of heights also averages accelerations, so a mixture of motions with and without flight
+/// would fall too slowly. After the correction, the acceleration in flight is the mean over the sources with flight.
 void Intermediate::Impl::correct_flight(std::span<const double> w, Motion& mixed, const std::vector<FootPath>& paths) const {
   if (m().link(0).joint.type != JointType::floating) return;
   double wanted = 0, sum = 0;
@@ -379,7 +380,7 @@ void Intermediate::Impl::correct_flight(std::span<const double> w, Motion& mixed
 
 namespace {
 
-/// Repeats the paths of one cycle three times, displaced by the cycle.
+/// Repeats the paths of one cycle three times, each displaced from the previous one by the displacement of one cycle.
 std::vector<FootPath> three_rounds_of(const std::vector<FootPath>& paths, const Placement& cycle) {
   std::vector<FootPath> out(paths.size());
   const Pose shift[3] = {to_pose(inverse(cycle)), Pose{}, to_pose(cycle)};

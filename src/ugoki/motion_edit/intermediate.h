@@ -15,7 +15,7 @@ struct IntermediateOptions {
   std::vector<std::string> feet;  ///< names of the links that stand on the ground; empty: find_foot_limbs
 };
 
-/// Measures of a cycle.
+/// Duration, speed, turn and foot sliding of a cycle.
 struct CycleFacts {
   double duration = 0;  ///< s
   double speed = 0;     ///< m/s, mean speed of the root over the ground
@@ -26,9 +26,9 @@ struct CycleFacts {
 /// Motions of one mechanism whose contacts and phases are aligned, ready to be mixed.
 class Intermediate {
  public:
-  /// Makes the sources cyclic (make_cyclic) and aligns their phases: by the touch-downs of the feet, where all sources have them in the
-  /// same order; without steps, by the phase shift at which the poses are most alike. `mechanism` must outlive the result. Errors: no
-  /// source; a source that does not fit the mechanism or has no cycle; a foot whose number of steps per cycle differs.
+  /// Makes the sources cyclic (make_cyclic) and aligns their phases by those touch-downs of feet that all sources have in the same order.
+  /// If no foot steps in all sources, phases are shifted so that the poses are most similar. `mechanism` must outlive the result. Errors:
+  /// no source; a source that does not fit the mechanism or has no cycle; a foot whose number of steps per cycle differs.
   [[nodiscard]] static Result<Intermediate> make(const Mechanism& mechanism, std::span<const Motion* const> sources,
                                                  const IntermediateOptions& options = {});
   Intermediate(Intermediate&&) noexcept;
@@ -36,7 +36,7 @@ class Intermediate {
   ~Intermediate();
 
   [[nodiscard]] int count() const;
-  /// The cyclic version of source i, and the report of how it was made.
+  /// The cyclic version of source i, and the report of make_cyclic about this source.
   [[nodiscard]] const Motion& cycle(int i) const;
   [[nodiscard]] const CycleReport& cycle_report(int i) const;
   /// True if the phases were aligned by the feet's touch-downs.

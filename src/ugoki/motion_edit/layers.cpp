@@ -11,7 +11,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Time in the layer [s] and its weight from the fades, 0 to 1, at one time of the base.
+/// State of a layer at one time of the base motion: time in the layer [s], and weight of its fade in and out (0 to 1).
 struct Moment {
   double time = 0, share = 0;
 };

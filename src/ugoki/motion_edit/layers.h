@@ -9,12 +9,12 @@
 
 namespace ugoki::motion_edit {
 
-/// How much each link's joint takes part: [links] 0 ... 1.
+/// Weight of each link's joint in a mixture: [links] 0 to 1.
 using JointMask = std::vector<double>;
 
 struct MaskEntry {
   std::string link;           ///< name or label; "*" for all
-  double weight = 1;          ///< 0 ... 1
+  double weight = 1;          ///< 0 to 1
   bool with_children = true;  ///< also applies to all descendants of the link
 };
 /// Makes a mask from entries; later entries override earlier ones. Without entries all weights are 1; otherwise links without an entry have
@@ -23,7 +23,7 @@ struct MaskEntry {
 
 struct LayerOptions {
   double weight = 1;  ///< weight of the whole layer, 0 to 1 (additive layers: any finite value)
-  double offset = 0;  ///< s of the base at which the layer begins
+  double offset = 0;  ///< s, time in the base motion at which the layer begins
   double fade = 0.2;  ///< s in which the layer fades in and out
 };
 
@@ -33,8 +33,8 @@ struct LayerOptions {
 [[nodiscard]] Result<Motion> mix_joints(const Mechanism& mechanism, const Motion& base, const Motion& other, const JointMask& mask,
                                         const LayerOptions& options = {});
 
-/// Additive layer: adds the displacement of `layer` from its own first frame to `base`, in each joint's own frame. Timing and errors as
-/// mix_joints.
+/// Additive layer: adds to `base` the displacements of the joints of `layer` relative to the first frame of `layer`, each in the joint's
+/// own frame. Timing and errors are those of mix_joints.
 [[nodiscard]] Result<Motion> add_layer(const Mechanism& mechanism, const Motion& base, const Motion& layer, const JointMask& mask,
                                        const LayerOptions& options = {});
 

@@ -28,7 +28,7 @@ std::string other_side(const std::string& name) {
   }
   const auto swapped = [](char c) { return c == 'l' ? 'r' : c == 'r' ? 'l' : c == 'L' ? 'R' : c == 'R' ? 'L' : '\0'; };
   const auto separator = [](char c) { return c == '_' || c == '.' || c == ' ' || c == '-' || c == ':'; };
-  for (std::size_t i = 0; i < name.size(); ++i) {  // a single letter between separators or at an end
+  for (std::size_t i = 0; i < name.size(); ++i) {  // a single letter l or r between separators or at an end of the name
     const bool begins = i == 0 || separator(name[i - 1]), ends = i + 1 == name.size() || separator(name[i + 1]);
     if (!begins || !ends || !swapped(name[i])) continue;
     std::string out = name;
@@ -61,7 +61,9 @@ struct Reflection {
   std::vector<int> partner;
   std::vector<Mat3> axes;  // [links] orientation of the joint frames in the world in the neutral position
 
-  /// Sign between link i's coordinate about `own` and its partner's about `other`: 1 or -1; 0 if the axes are not mirror images.
+  /// Factor from the coordinate of link i's partner (axis `other`) to the mirrored coordinate of link i (axis `own`): 1 or -1; 0 if the
+  /// axes are not mirror images.
+  /// @param turns true: the coordinate is an angle; false: a displacement
   [[nodiscard]] double sign(int i, const Vec3& own, const Vec3& other, bool turns) const {
     const Vec3 there = axes[at(partner[at(i)])] * other, image = turns ? reflected_turn(there) : reflected(there);
     const double c = dot(axes[at(i)] * own, image);
@@ -130,7 +132,7 @@ Result<Motion> mirror(const Mechanism& m, const Motion& motion) {
   std::vector<Pose> X(at(m.link_count()));
   calc_poses(m, m.neutral(), X);
   for (const Link& link : m.links()) r.axes.push_back((link.parent < 0 ? Mat3::identity() : X[at(link.parent)].R) * link.joint.X_PJ.R);
-  // Signs of the scalar coordinates (not rotations and positions in space).
+  // Signs of the coordinates of joints with scalar coordinates (not planar, spherical or floating).
   Error errors;
   std::vector<std::array<double, 2>> signs(at(m.link_count()), {1, 1});
   for (int i = 0; i < m.link_count(); ++i) {

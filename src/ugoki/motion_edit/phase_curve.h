@@ -14,7 +14,7 @@ class PhaseCurve {
   };
   /// y = x + shift
   explicit PhaseCurve(double shift = 0) : points_{{0, shift}}, slopes_{1} {}
-  /// @param points increasing in x and y, within less than one cycle in both; at least one
+  /// @param points at least one; x and y increase and each spans less than one cycle
   explicit PhaseCurve(std::vector<Point> points);
 
   [[nodiscard]] double operator()(double x) const;

@@ -33,7 +33,7 @@ Progression find_progression(const Motion& motion, const Mechanism& m) {
     cosine += h.cos;
   }
   out.start = {first.x, first.y, 0, atan2(sine, cosine)};
-  const auto make_way = [&] {  // sets vx, vy so that one cycle makes the cycle's displacement
+  const auto make_way = [&] {  // sets vx, vy so that the displacement at phase 1 is `cycle`
     const Placement way = inverse(out.start) * cycle * out.start;
     const auto [a, b] = arc(out.turn);
     const double d = a * a + b * b;

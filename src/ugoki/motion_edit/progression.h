@@ -1,5 +1,5 @@
 #pragma once
-// Mean progression of a cyclic motion over the ground, relative to which the character sways.
+// Mean movement of a cyclic motion over the ground, without the character's sway.
 
 #include "ugoki/motion/clip.h"
 
@@ -8,13 +8,13 @@ namespace ugoki::motion_edit {
 /// A frame on the floor that moves along an arc at constant speed and rotates at a constant rate, with the character's mean heading. In one
 /// cycle it makes exactly the displacement of the cycle, so relative to it a cyclic motion is periodic.
 struct Progression {
-  Placement start;        ///< at phase 0
-  double vx = 0, vy = 0;  ///< m per cycle, forwards and to the left, in its own axes
+  Placement start;        ///< placement of the frame at phase 0
+  double vx = 0, vy = 0;  ///< m per cycle, forwards and to the left, in the moving frame's axes
   double turn = 0;        ///< rad per cycle
 
-  /// Placement at a phase (in cycles from the first frame; any finite value).
+  /// Placement of the frame at a phase (in cycles since the motion's first frame; any finite value).
   [[nodiscard]] Placement at(double phase) const;
-  /// Displacement of one cycle in the world.
+  /// Displacement of the frame in one cycle, in the world.
   [[nodiscard]] Placement cycle() const { return at(1) * inverse(start); }
 };
 

@@ -76,7 +76,7 @@ std::vector<PathPoint> root_path(const Mechanism& m, const Motion& motion, doubl
   for (int pass = 0; pass < 2; ++pass) {
     out.clear();
     for (int f = 0; f < motion.frames; ++f) {
-      const int reach = std::min({half, f, motion.frames - 1 - f});  // the window shrinks to 0 at the ends, so that they are kept
+      const int reach = std::min({half, f, motion.frames - 1 - f});  // the window shrinks to 0 at the ends, so that the end points are kept
       PathPoint sum;
       for (int k = -reach; k <= reach; ++k) {
         sum.x += raw[at(f + k)].x / (2 * reach + 1);

@@ -1,5 +1,5 @@
 #pragma once
-// The path of a motion over the ground, and bending it along another curve.
+// The path of a motion's root over the ground, and an operation that bends a motion along another curve.
 
 #include <span>
 
@@ -14,7 +14,7 @@ struct PathPoint {
 struct RootPathOptions {
   bool keep_speed = true;  ///< true: steps keep their length; the character may stop before the curve's end, or continue straight beyond
                            ///< it. false: the path is scaled to the curve's length
-  double smoothing = 0.8;  ///< s: sway within this time is smoothed out of the path
+  double smoothing = 0.8;  ///< s: sway of the root within this time is removed from the path
   bool lock_feet = true;   ///< lock the feet afterwards (lock_feet)
   FootContactOptions contacts;
   FootLockOptions lock;

@@ -13,7 +13,8 @@ namespace ugoki::motion_edit {
 /// `motion` must have at least 2 frames.
 [[nodiscard]] Motion three_rounds(const Motion& motion, const Mechanism& mechanism);
 
-/// Returns the middle cycle of three_rounds(). Its last frame is set to its first frame displaced by `cycle`.
+/// Returns the middle one of the three cycles `rounds`. Its last frame is set to its first frame displaced by `cycle` (the displacement of
+/// one cycle).
 [[nodiscard]] Motion middle_round(const Motion& rounds, const Mechanism& mechanism, const Placement& cycle);
 
 }  // namespace ugoki::motion_edit

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds compile_limit{300};  // a file of plain functions takes a few seconds; a compiler that hangs is killed
 
-/// A new folder for temporary files, removed with its content at the end. The path is empty if it cannot be created.
+/// A new folder for temporary files. The destructor removes the folder with its files. The path is empty if it cannot be created.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -88,7 +88,7 @@ std::string source_line(const std::string& source, const std::string& location) 
   return begin == std::string::npos ? "" : text.substr(begin);
 }
 
-/// Sorts the compiler's output into errors and warnings. The absolute path `full` is replaced by the path that the user gave.
+/// Sorts the compiler's messages into errors and warnings. In messages, the path that the user gave replaces the absolute path `full`.
 void read_messages(const std::string& output, const BuildRequest& request, const std::string& full, const std::string& source,
                    Error& errors, std::vector<std::string>& warnings) {
   const std::string shown = request.source;
@@ -99,7 +99,8 @@ void read_messages(const std::string& output, const BuildRequest& request, const
       const bool own = d.location.starts_with(full + ":");
       if (own) d.location.replace(0, full.size(), shown);
       if (d.kind == "warning") {
-        warnings.push_back(d.location + ": " + d.text);
+        if (d.location.starts_with(generated_file)) d.location.clear();  // the user cannot change generated code
+        if (!d.location.empty()) warnings.push_back(d.location + ": " + d.text);
       } else {
         const std::string line = own ? source_line(source, d.location) : "";
         errors.add(ErrorCode::syntax, d.location, d.text + (d.text.ends_with('.') ? "" : "."),

@@ -8,7 +8,7 @@
 
 namespace ugoki::plugin {
 
-/// What to build.
+/// Inputs of build_library().
 struct BuildRequest {
   std::string source;    ///< path of the user's file: *.c, *.cpp, *.cc, *.cxx or *.C
   std::string output;    ///< path of the library; empty: as `source`, with the extension .so
@@ -16,7 +16,7 @@ struct BuildRequest {
   std::string compiler;  ///< name or path; empty: the first installed one of clang-19, clang, gcc (C++: clang++-19, clang++, g++)
 };
 
-/// What was built.
+/// Result of build_library().
 struct BuildReport {
   std::string output, name, compiler;  ///< path and name of the library; path of the compiler
   std::vector<std::string> notes;      ///< functions that are not LSIs, with the reason
@@ -24,7 +24,8 @@ struct BuildReport {
 };
 
 /// Builds a library. Runs the compiler as a child process, for at most 300 s.
-/// Errors: the file cannot be read or offers no LSI; an annotation is wrong (see make_wrapper); there is no compiler; the compiler failed.
+/// Errors: the file cannot be read or has no function that can be an LSI; an annotation is wrong (see make_wrapper); there is no
+/// compiler; the compiler failed.
 /// The location of a compiler's error is the line in the user's file.
 [[nodiscard]] Result<BuildReport> build_library(const BuildRequest& request);
 
@@ -32,12 +33,12 @@ struct BuildReport {
 /// Error: none is installed; the remedy names the package to install.
 [[nodiscard]] Result<std::string> find_compiler(bool cpp, const std::string& wanted = {});
 
-/// A public header of LSIs, as it is in the repository.
+/// A header that source files of LSIs include, as it is in the repository.
 struct Header {
-  const char* path;  ///< below the include folder: "ugoki/lsi.h"
+  const char* path;  ///< path below the include folder: "ugoki/lsi.h"
   const char* text;
 };
-/// ugoki/lsi.h and ugoki/lsi.hpp.
+/// The headers ugoki/lsi.h and ugoki/lsi.hpp.
 [[nodiscard]] const std::vector<Header>& public_headers();
 
 }  // namespace ugoki::plugin

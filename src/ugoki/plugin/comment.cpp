@@ -110,7 +110,7 @@ void read_details(Line& line, Annotation& a) {
   } else {
     line.reset(before);
   }
-  if (line.take("-")) line.blanks();  // "@in x - How far."
+  if (line.take("-")) line.blanks();  // skips the '-' of "@in x - How far."
 }
 
 }  // namespace

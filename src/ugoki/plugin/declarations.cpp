@@ -40,7 +40,7 @@ class Table {
     return true;
   }
   template <class Visit>
-  void each(Visit visit) const {  // the table must be valid()
+  void each(Visit visit) const {  // requires valid()
     for (std::uint32_t i = 0; i < count_; ++i) visit(at(i, at(0, 0).size));
   }
 
@@ -150,7 +150,7 @@ class Reader {
     return circuit::PinTypeId::scalar;
   }
 
-  /// Checks what pins, parameters and state fields have in common.
+  /// Checks the properties that pins, parameters and state fields share: name, count of elements, and range.
   void check_pin(const std::string& name, std::uint32_t count, double minimum, double maximum, const std::string& here) {
     if (name.empty() || name.find('.') != std::string::npos || name.size() > 100)
       wrong(here, "'" + name + "' is not a valid name of a pin, parameter or field: it needs 1 to 100 characters, none of them '.'.");

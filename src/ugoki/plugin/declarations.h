@@ -10,10 +10,10 @@
 
 namespace ugoki::plugin {
 
-/// A library as its tables describe it.
+/// Contents of a library as its tables declare them.
 struct Declared {
   std::string name, version, doc;
-  std::vector<circuit::LsiClass> classes;  ///< sorted by name, "library/lsi"; all functions are set except `make`
+  std::vector<circuit::LsiClass> classes;  ///< LSIs, sorted by name ("library/lsi"); all functions are set except `make`
 };
 
 /// Reads the tables of a library. @param location path of the library, for messages

@@ -22,11 +22,11 @@
 namespace ugoki::plugin {
 namespace {
 
-constexpr int crash_status = 70;                        // exit status after last words (EX_SOFTWARE of sysexits.h)
+constexpr int crash_status = 70;                        // exit status after the crash report (EX_SOFTWARE of sysexits.h)
 constexpr std::chrono::milliseconds check_period{100};  // the watching thread notices a hang at most this long after the patience ended
 
-int words_fd = -1;                   // where last words are written
-std::atomic<bool> ended = false;     // one thread is writing last words already
+int words_fd = -1;                   // file descriptor to which the crash report ("last words") is written
+std::atomic<bool> ended = false;     // true: a thread has begun to write last words
 pid_t main_thread = 0;               // runs the LSIs
 std::FILE* result_stream = nullptr;  // null: stdout
 
@@ -35,9 +35,10 @@ struct CodeRange {
   std::atomic<std::uintptr_t> begin{0}, end{0};  // both 0: not in use
   char name[100];                                // zero-terminated
 };
-CodeRange code_ranges[256];  // further libraries run without an entry
+CodeRange code_ranges[256];  // one for each loaded library; further libraries run without an entry
 
-/// Last words: three lines, "location\nmessage\nremedy\n". Allocates nothing, so that a signal handler may use it.
+/// Text of a crash report ("last words"): three lines, "location\nmessage\nremedy\n". Allocates nothing, so that a signal handler may
+/// use it.
 class Words {
  public:
   Words& operator<<(std::string_view text) {
@@ -48,7 +49,7 @@ class Words {
   void end_line() {
     if (size_ < sizeof text_) text_[size_++] = '\n';
   }
-  /// The unused memory, for a describe function of circuit/activity.h; add() then states how much it used.
+  /// The unused bytes, into which a describe function of circuit/activity.h writes. Then pass the count of written bytes to add().
   std::span<char> room() { return {text_ + size_, sizeof text_ - size_}; }
   void add(std::size_t n) { size_ += n; }
   void send() const {
@@ -64,7 +65,7 @@ class Words {
   std::size_t size_ = 0;
 };
 
-/// Sends last words and ends the process. Only the first thread that calls it sends.
+/// Sends last words and ends the process. Only the first thread that calls this function sends them.
 template <class Fill>
 [[noreturn]] void end_with_words(Fill fill) {
   if (!ended.exchange(true)) {
@@ -77,7 +78,7 @@ template <class Fill>
 
 constexpr std::string_view remedy = "Correct the LSI, rebuild it and restart the circuit.";
 
-/// Writes last words and ends the process. @param what happened ("divided an integer by zero") @param running null: no LSI runs
+/// Writes last words and ends the process. @param what what happened ("divided an integer by zero") @param running LSI; null: none runs
 [[noreturn]] void end_with(std::string_view what, const circuit::RunningLsi* running) {
   end_with_words([&](Words& words) {
     const GuardBlock& block = guard_block();
@@ -98,7 +99,7 @@ constexpr std::string_view remedy = "Correct the LSI, rebuild it and restart the
       words.end_line();
       words << "The interpreter " << what << " while no LSI was running.";
       char known[1024];
-      const std::string_view names(known, describe_known_lsis(known, sizeof known));
+      const std::string_view names(known, describe_known_lsis(guard_block(), known, sizeof known));
       if (names.empty()) {
         words.end_line();
         words << "This is a bug in Ugoki; report it together with the project.";
@@ -111,7 +112,7 @@ constexpr std::string_view remedy = "Correct the LSI, rebuild it and restart the
   });
 }
 
-/// The same for a crash in another thread than the main one. @param address of the instruction
+/// Writes last words for a crash in another thread than the main thread, and ends the process. @param address where the code crashed
 [[noreturn]] void end_with_thread(std::string_view what, std::uintptr_t address) {
   end_with_words([&](Words& words) {
     words << "library";
@@ -123,7 +124,7 @@ constexpr std::string_view remedy = "Correct the LSI, rebuild it and restart the
       words << "A thread of the library '" << owner->name << "' " << what << ".";
     } else {
       char known[1024];
-      const std::string_view names(known, describe_known_lsis(known, sizeof known));
+      const std::string_view names(known, describe_known_lsis(guard_block(), known, sizeof known));
       words << "A thread " << what << ".";
       if (!names.empty()) words << " It was probably started by one of these LSIs of libraries: " << names << ".";
     }
@@ -145,7 +146,7 @@ std::uintptr_t instruction_of(const void* context) {
 #endif
 }
 
-/// What a signal means, as the end of a sentence whose subject is the LSI.
+/// Description of a signal, as the end of a sentence whose subject is the LSI.
 std::string_view words_for(int signal, const siginfo_t* info) {
   switch (signal) {
     case SIGFPE: return info->si_code == FPE_INTDIV ? "divided an integer by zero" : "caused an arithmetic error (SIGFPE)";
@@ -169,6 +170,36 @@ void on_exit() {
   if (const circuit::RunningLsi* running = running_of(process_activity())) end_with("ended the process (exit)", running);
 }
 
+/// True if the main thread has ended while the process continues. This is the effect of pthread_exit.
+bool main_thread_ended() {
+  char path[48], text[256];
+  std::snprintf(path, sizeof path, "/proc/self/task/%d/stat", static_cast<int>(main_thread));
+  const int fd = ::open(path, O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return false;  // an LSI closed or used up the descriptors
+  const ssize_t n = ::read(fd, text, sizeof text);
+  ::close(fd);
+  const std::string_view stat(text, n > 0 ? static_cast<std::size_t>(n) : 0);  // "PID (NAME) STATE ..."
+  const std::size_t end = stat.rfind(") ");
+  return end != std::string_view::npos && end + 2 < stat.size() && (stat[end + 2] == 'Z' || stat[end + 2] == 'X');
+}
+
+/// Writes last words after the end of the main thread, and ends the process. The end of the thread has run the destructors of the
+/// interpreter, so that the LSI may be unknown.
+[[noreturn]] void end_without_main_thread() {
+  constexpr std::string_view what = "ended the main thread of its process (pthread_exit)";
+  if (const circuit::RunningLsi* running = running_of(process_activity())) end_with(what, running);
+  end_with_words([&](Words& words) {
+    char known[1024];
+    const std::string_view names(known, describe_known_lsis(guard_block(), known, sizeof known));
+    words << "interpreter";
+    words.end_line();
+    words << "An LSI " << what << ".";
+    if (!names.empty()) words << " It is one of these LSIs of libraries: " << names << ".";
+    words.end_line();
+    words << remedy;
+  });
+}
+
 /// Body of the watching thread: ends the process when one call of an LSI, or one phase, takes longer than `patience`.
 [[noreturn]] void watch(std::chrono::milliseconds patience) {
   const circuit::RunningLsi* last = nullptr;
@@ -180,6 +211,7 @@ void on_exit() {
     const circuit::RunningLsi* running = running_of(activity);
     const std::uint64_t pass = passes_of(activity), number = guard_block().phase_number.load();
     const auto now = std::chrono::steady_clock::now();
+    if (main_thread_ended()) end_without_main_thread();
     const bool busy = running || number % 2 == 1;
     if (!busy || running != last || pass != last_pass || number != last_phase) {
       last = running;

@@ -17,10 +17,10 @@ namespace ugoki::plugin {
 /// Time after which one call of an LSI counts as hung, if the user does not set another one.
 inline constexpr std::chrono::milliseconds usual_patience{3000};
 
-/// The LSI that runs in this process right now. Pass it to interpreters as BuildOptions::activity; crash reports read it.
+/// Record of the LSI that runs in this process at the moment. Pass it to interpreters as BuildOptions::activity; crash reports read it.
 [[nodiscard]] circuit::Activity& process_activity();
-/// Describes foreign code that runs outside of any LSI ("The library 'springs' was being loaded"), for crash reports. An empty text ends
-/// the phase. Call it from one thread only. At most 255 bytes are kept.
+/// Begins a phase: `what` describes foreign code that runs outside of any LSI ("The library 'springs' was being loaded"), for crash
+/// reports. An empty text ends the phase. Call it from one thread only. At most 255 bytes are kept.
 void set_phase(std::string_view what);
 
 /// Guards this process from now on. When it crashes (null pointer, division of an integer by zero, abort), when an LSI calls exit, or when
@@ -28,12 +28,12 @@ void set_phase(std::string_view what);
 /// process may then use at most half of the machine's memory. Call it once in a process, on its main thread.
 void guard_process(int fd, std::chrono::milliseconds patience = usual_patience);
 
-/// Turns last words into an error whose location is the LSI. @param how the process ended ("was ended by signal 9"): the message if `words`
-/// are empty or incomplete
+/// Turns last words into an error whose location is the LSI. @param how how the process ended ("was ended by signal 9"); used as the
+/// message if `words` are empty or incomplete
 [[nodiscard]] Error read_last_words(std::string_view words, std::string_view how);
 
-/// Notes where the code of a loaded library is, so that the report of a crash in a thread names the library. forget_code removes the note.
-/// @param begin, end of its addresses
+/// Records the addresses from `begin` to `end` of the code of a loaded library, so that the report of a crash in a thread names the
+/// library. forget_code() removes the record.
 void note_code(std::string_view name, std::uintptr_t begin, std::uintptr_t end);
 void forget_code(std::uintptr_t begin);
 
@@ -43,7 +43,7 @@ void forget_code(std::uintptr_t begin);
 void keep_results_apart();
 
 /// Runs `work` in a guarded child process (fork), which shares stderr and results() with this one. Call it while this process has only one
-/// thread. Processes that foreign code started are ended with it.
+/// thread. Processes that foreign code started are ended with the child.
 /// @return the return value of `work`, 0 ... 255. Errors, which name the LSI if one was running: the child crashed, hung, was stopped for
 /// longer than `patience`, was killed, or ended without the report that `work` returned, whatever its exit status.
 [[nodiscard]] Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseconds patience = usual_patience);

@@ -6,19 +6,20 @@
 #include <cstdint>
 #include <string>
 
+#include "ugoki/base/result.h"
 #include "ugoki/circuit/activity.h"
 
 namespace ugoki::plugin {
 
 /// Name of an LSI of a library in a circuit of the guarded process.
 struct NamedLsi {
-  const circuit::RunningLsi* address;  ///< in the guarded process; a key for the parent
-  char text[240];                      ///< describe_lsi, zero-terminated; empty: the address now belongs to a built-in LSI
+  const circuit::RunningLsi* address;  ///< address in the guarded process; the parent uses it as a key only
+  char text[240];                      ///< text of describe_lsi(), zero-terminated; empty: the address now belongs to a built-in LSI
 };
 
-/// Written by the guarded process, read by it and its parent.
+/// Data that the guarded process writes; the guarded process and its parent read them.
 struct GuardBlock {
-  static constexpr std::uint32_t max_lsis = 4096;  // LSIs of libraries that can be named; further ones run without a name here
+  static constexpr std::uint32_t max_lsis = 4096;  // LSIs of libraries whose names are stored; further LSIs run without a stored name
   circuit::Activity activity;
   char phase[256] = {};                        ///< zero-terminated; see set_phase
   std::atomic<std::uint64_t> phase_number{0};  ///< odd during a phase; increases with every change
@@ -26,11 +27,36 @@ struct GuardBlock {
   NamedLsi lsis[max_lsis];
 };
 
-/// The block of this process, in memory that is shared with processes forked later.
+/// The block of this process, in memory that is shared with processes forked later, or with the parent after attach_guard_block().
 [[nodiscard]] GuardBlock& guard_block();
-/// Clears the block: no LSI, no phase.
+/// Clears the block, so that it contains no LSI and no phase.
 void clear_guard_block();
-/// Writes "'a' (LSI 'x/y' of library 'x'), 'b' (...)" for the first 4 LSIs of libraries. Allocates nothing. @return bytes written
-std::size_t describe_known_lsis(char* buffer, std::size_t size);
+/// Uses the memory of the file `fd` (GuardMemory::fd() of the parent) as the block of this process. Call it before the first call of
+/// guard_block(). @return false: the memory cannot be used, and the parent will see an empty block
+bool attach_guard_block(int fd);
+/// Writes "'a' (LSI 'x/y' of library 'x'), 'b' (...)" to `buffer`: the first 4 LSIs of libraries. Allocates nothing.
+/// @return bytes written
+std::size_t describe_known_lsis(const GuardBlock& block, char* buffer, std::size_t size);
+/// The error of a process that ended without a report: names the LSI that was running, the phase, or the LSIs of libraries.
+/// @param how how it ended, as the end of a sentence: "ended its process (exit status 0)"
+[[nodiscard]] Error missing_report(const GuardBlock& block, const std::string& how);
+
+/// Memory for the block of a process that is started with exec instead of fork. The child calls attach_guard_block().
+class GuardMemory {
+ public:
+  [[nodiscard]] static Result<GuardMemory> make();
+  GuardMemory(GuardMemory&& other) noexcept;
+  GuardMemory& operator=(GuardMemory&&) = delete;
+  ~GuardMemory();
+  /// Descriptor that the child inherits; closed when exec is called unless it is duplicated.
+  [[nodiscard]] int fd() const { return fd_; }
+  /// The child may write to the block at any time.
+  [[nodiscard]] const GuardBlock& block() const { return *block_; }
+
+ private:
+  GuardMemory(int fd, const GuardBlock* block) : fd_(fd), block_(block) {}
+  int fd_ = -1;
+  const GuardBlock* block_ = nullptr;
+};
 
 }  // namespace ugoki::plugin

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t max_bytes = std::size_t{1} << 30;  // size of a library's file, as in load_library
 constexpr std::size_t max_names = 10'000;                // LSIs of one library, as in read_declarations
 constexpr std::size_t max_name = 100;                    // bytes; longer names are cut
-constexpr std::size_t max_variables = 20;                // more variables add nothing to the warning
+constexpr std::size_t max_variables = 20;                // writable variables that are listed; more add nothing to the warning
 
 #if defined(__x86_64__)
 constexpr Elf64_Half own_machine = EM_X86_64;
@@ -37,7 +37,7 @@ std::string plain(std::string_view text) {
   return out;
 }
 
-/// An ELF file in memory. Each access is checked against its end.
+/// An ELF file in memory. Each access is checked against the end of the file.
 class Elf {
  public:
   explicit Elf(std::string_view bytes) : bytes_(bytes) {}

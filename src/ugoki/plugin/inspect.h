@@ -1,6 +1,6 @@
 #pragma once
-// Contents of a library of LSIs as its file states them, for the question whether the user trusts it. The file is read as data: nothing in
-// it is loaded or executed.
+// Reads what the file of an LSI library states about itself, so that the user can decide whether to trust it. The file is read as data:
+// nothing in it is loaded or executed.
 
 #include <string>
 #include <string_view>
@@ -14,7 +14,7 @@ namespace ugoki::plugin {
 struct Inspection {
   std::string hash;                   ///< SHA-256 of the file, 64 hexadecimal digits
   bool fmu = false;                   ///< the file is an FMU; the fields below are empty then
-  std::string name;                   ///< of the library; empty: the file does not state it
+  std::string name;                   ///< name of the library; empty: the file does not state it
   std::vector<std::string> lsis;      ///< names of the LSIs; empty: the file does not state them
   std::vector<std::string> writable;  ///< global and static variables that the code can change, sorted
 };
@@ -23,7 +23,7 @@ struct Inspection {
 /// ugoki_lsi_library; its ELF tables are damaged.
 [[nodiscard]] Result<Inspection> inspect_library(const std::string& path);
 
-/// inspect_library for the bytes of an ELF file; `hash` stays empty. @param location for errors
+/// Inspects the bytes of an ELF file as inspect_library() does; `hash` stays empty. @param location name of the file in error messages
 [[nodiscard]] Result<Inspection> inspect_elf(std::string_view bytes, const std::string& location);
 
 /// A sentence for each writable variable: such a variable keeps its value when a circuit restarts, so a second run may give other results.

@@ -8,6 +8,7 @@
 
 #include "ugoki/fmi/messages.h"
 #include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/inspect.h"
 #include "ugoki/plugin/load.h"
 #include "ugoki/plugin/shelf.h"
 
@@ -44,6 +45,7 @@ struct Kept {
 struct LiveLibrary::Source {
   std::string path, hash, stamp, name, refusal;  // refusal: why the file could not be loaded
   std::optional<LoadedLibrary> loaded;           // empty: never loaded
+  bool writable = false;                         // the code has global or static variables that it can change
 };
 
 LiveLibrary::LiveLibrary(const circuit::Library& base, std::string shelf, std::vector<std::string> files)
@@ -76,6 +78,7 @@ bool LiveLibrary::poll() {
         old = &o;
     if (old && old->path == s.path && old->stamp == s.stamp && old->loaded) {
       s.loaded = old->loaded;
+      s.writable = old->writable;
       continue;
     }
     set_phase("The library '" + fs::path(s.path).filename().string() + "' was being loaded");
@@ -83,6 +86,8 @@ bool LiveLibrary::poll() {
     set_phase({});
     if (loaded) {
       s.loaded = std::move(*loaded);
+      const Result<Inspection> file = inspect_library(s.path);
+      s.writable = file && !file->writable.empty();
     } else {
       messages_.push_back(loaded.error().text());
       s.refusal = loaded.error().problems[0].message;
@@ -92,6 +97,21 @@ bool LiveLibrary::poll() {
   sources_ = std::move(next);
   assemble();
   return true;
+}
+
+bool LiveLibrary::renew() {
+  bool renewed = false;
+  for (Source& s : sources_) {
+    if (!s.loaded || !s.writable) continue;
+    set_phase("The library '" + s.loaded->name + "' was being loaded");
+    Result<LoadedLibrary> loaded = load_library(s.path, s.loaded->hash);
+    set_phase({});
+    if (!loaded) continue;  // the file was replaced or removed; poll() reports it
+    s.loaded = std::move(*loaded);
+    renewed = true;
+  }
+  if (renewed) assemble();
+  return renewed;
 }
 
 void LiveLibrary::assemble() {

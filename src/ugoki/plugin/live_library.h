@@ -22,6 +22,9 @@ class LiveLibrary {
   /// Checks the files for changes and reloads those that changed. A file that cannot be loaded keeps its previous code.
   /// @return true if library() now returns another set
   bool poll();
+  /// Loads new copies of the libraries whose code has global or static variables that it can change. LSIs of circuits that are built with
+  /// the new library() then begin with the initial values of these variables. @return true if library() now returns another set
+  bool renew();
   /// Messages since the last call: libraries that could not be loaded, and log messages of running FMUs.
   [[nodiscard]] std::vector<std::string> take_messages();
 
@@ -34,7 +37,7 @@ class LiveLibrary {
   std::string shelf_;
   std::vector<std::string> files_;
   std::vector<Source> sources_;
-  std::string shelf_stamp_;  // names and file stamps of the manifests when the shelf was read last
+  std::string shelf_stamp_;  // names and stamps (size, time ...) of the manifests when the shelf was read last
   std::shared_ptr<const circuit::Library> library_;
   std::vector<std::string> messages_;
 };

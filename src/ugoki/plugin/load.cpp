@@ -27,10 +27,18 @@ constexpr std::size_t max_bytes = std::size_t{1} << 30;  // size of a library's 
 /// A loaded shared library; unloads it when destroyed.
 struct Code {
   void* handle = nullptr;
-  std::uintptr_t begin = 0, end = 0;  ///< addresses of its segments
+  std::uintptr_t begin = 0, end = 0;  ///< address range of the library's segments
+  std::string name;                   ///< name of the library for crash reports; before it is known, the file name
+  Code() = default;
+  Code(const Code&) = delete;
+  Code& operator=(const Code&) = delete;
   ~Code() {
+    if (handle) {
+      set_phase("The library '" + name + "' was being unloaded");
+      dlclose(handle);
+      set_phase({});
+    }
     if (begin) forget_code(begin);
-    if (handle) dlclose(handle);
   }
 };
 
@@ -62,6 +70,7 @@ Result<std::shared_ptr<Code>> open_copy(const std::string& path, const std::stri
   const std::string copy = folder + "/" + fs::path(path).filename().string();
   const Result<void> written = files::write_file(copy, std::string_view(bytes));
   auto code = std::make_shared<Code>();
+  code->name = fs::path(path).filename().string();
   if (written) code->handle = dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL);
   const char* why = written && !code->handle ? dlerror() : nullptr;
   std::string reason = why ? why : "";
@@ -109,7 +118,7 @@ Error changed_error(const std::string& path, const std::string& hash) {
                "Install it again if you trust it: ugoki lsi install FILE");
 }
 
-/// load_library for an FMU.
+/// Implements load_library() for an FMU.
 Result<LoadedLibrary> load_unit(const std::string& path, std::string bytes, const std::string& hash) {
   Result<fmi::LoadedFmu> fmu = fmi::load_fmu(path, std::move(bytes), hash, set_phase);
   if (!fmu) return fail(std::move(fmu.error()));
@@ -141,6 +150,9 @@ Result<LoadedLibrary> load_library(const std::string& path, const std::string& h
   out.classes = std::move(declared.classes);
   for (circuit::LsiClass& c : out.classes)
     if (c.abi->create) c.make = create_object;
+  forget_code((*code)->begin);
+  (*code)->name = out.name;
+  note_code(out.name, (*code)->begin, (*code)->end);
   out.code = std::move(*code);
   return out;
 }

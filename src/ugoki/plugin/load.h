@@ -1,7 +1,7 @@
 #pragma once
 // Loads a library of LSIs into this process and checks its declarations. Loading a shared library runs foreign code; the code of an FMU
-// runs when a circuit first uses it. Load only in a process that may crash (run_guarded, the studio's interpreter), never in one that holds
-// an unsaved project.
+// runs when a circuit first uses it. Load only in a process that may crash (run_guarded, the studio's interpreter), never in a process
+// that has an unsaved project.
 
 #include <memory>
 #include <string>

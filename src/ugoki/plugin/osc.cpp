@@ -14,7 +14,7 @@
 namespace ugoki::plugin {
 namespace {
 
-constexpr int max_depth = 8;                // nesting depth of bundles, to bound the recursion
+constexpr int max_depth = 8;                // maximum nesting depth of bundles; bounds the recursion
 constexpr std::size_t max_bytes = 65536;    // size of a packet: UDP carries less than 64 KiB
 constexpr int max_packets_per_poll = 1000;  // so that a flood of packets cannot stop the circuit
 
@@ -103,7 +103,7 @@ bool read_arguments(Packet& p, std::string_view types, std::vector<double>& numb
   return true;
 }
 
-/// Reads a message, or a bundle at this depth of nesting.
+/// Reads a message or a bundle that is nested in `depth` bundles.
 bool read(std::span<const std::byte> bytes, const Visit& visit, int depth) {
   Packet p(bytes);
   std::string_view address, types;

@@ -22,7 +22,7 @@ bool read_osc(std::span<const std::byte> packet,
 /// A UDP socket that listens for OSC packets. Movable; closes the socket when it is destroyed.
 class OscReceiver {
  public:
-  /// Listens on 127.0.0.1. @param port 0: any free port Error: the port cannot be opened, for example because it is in use
+  /// Listens on 127.0.0.1. Error: the port cannot be opened, for example because it is in use. @param port 0: any free port
   [[nodiscard]] static Result<OscReceiver> open(std::uint16_t port);
   OscReceiver(OscReceiver&& other) noexcept;
   OscReceiver(const OscReceiver&) = delete;

@@ -35,7 +35,7 @@ std::vector<pid_t> children() {
     std::ifstream file(entry.path() / "stat");
     std::string line;
     std::getline(file, line);
-    const auto end = line.rfind(") ");  // "PID (NAME) STATE PARENT ..."
+    const auto end = line.rfind(") ");  // the line is "PID (NAME) STATE PARENT ..."
     if (end == std::string::npos || line.size() < end + 5) continue;
     if (parse_long(line.substr(end + 4, line.find(' ', end + 4) - end - 4)) == static_cast<long>(::getpid()))
       out.push_back(static_cast<pid_t>(*pid));
@@ -44,7 +44,7 @@ std::vector<pid_t> children() {
 }
 
 /// Ends processes that LSIs of the guarded process have started: they would keep stdout open after this program ended.
-/// @param before children that this process had earlier
+/// @param before children of this process that are kept
 void end_strays(const std::vector<pid_t>& before) {
   for (int round = 0; round < 100; ++round) {  // each round makes the children of the ended processes visible
     bool found = false;
@@ -65,29 +65,7 @@ std::string end_text(int status) {
   return "signal " + std::to_string(WTERMSIG(status)) + ", " + strsignal(WTERMSIG(status));
 }
 
-/// The error of a process that ended without a report. @param how it ended: "ended its process (exit status 0)"
-Error missing_report(const std::string& how) {
-  const GuardBlock& block = guard_block();
-  const char* const remedy = "Correct the LSI, rebuild it and restart the circuit.";
-  const circuit::RunningLsi* running = running_of(block.activity);
-  for (std::uint32_t i = 0; running && i < std::min(block.count.load(), GuardBlock::max_lsis); ++i) {
-    if (block.lsis[i].address != running || block.lsis[i].text[0] == '\0') continue;
-    const std::string who = block.lsis[i].text;
-    return Error(ErrorCode::structure, who.substr(1, who.find('\'', 1) - 1), who + " " + how + " without a report.", remedy);
-  }
-  if (block.phase_number.load() % 2 == 1)
-    return Error(ErrorCode::structure, "library", std::string(block.phase) + " when it " + how + " without a report.", remedy);
-  char known[2048];
-  const std::string names(known, describe_known_lsis(known, sizeof known));
-  if (names.empty())
-    return Error(ErrorCode::structure, "interpreter", "The process that runs the LSIs " + how + " without a report.", "Run it again.");
-  return Error(ErrorCode::structure, "interpreter",
-               "The process that runs the LSIs " + how +
-                   " without a report. One of these LSIs of libraries ended it or closed its files: " + names + ".",
-               remedy);
-}
-
-/// Reads what is in a pipe that does not block. @return false at its end
+/// Reads the available bytes of a non-blocking pipe. @return false at the end of the pipe
 bool drain(int fd, std::string& to) {
   char buffer[1024];
   while (true) {
@@ -145,16 +123,16 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   ::close(ends[1]);
   ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
   struct sigaction ignore{}, usual{};
-  ignore.sa_handler = SIG_IGN;  // Ctrl+C reaches the child too, which then ends regularly
+  ignore.sa_handler = SIG_IGN;  // this process ignores Ctrl+C, which also reaches the child; the child then ends regularly
   ::sigaction(SIGINT, &ignore, &usual);
   std::string words;
   pollfd pipe{ends[0], POLLIN, 0};
   int status = 0;
   bool stopped = false, stopped_too_long = false;
-  std::chrono::milliseconds stopped_time{0};  // counted in periods, so that a stop of this process too (Ctrl+Z) does not count
+  std::chrono::milliseconds stopped_time{0};  // a sum of periods, so that time in which this process is stopped too (Ctrl+Z) is not counted
   while (true) {
     (void)::poll(&pipe, 1, static_cast<int>(look_period.count()));
-    if (pipe.fd >= 0 && pipe.revents != 0 && !drain(pipe.fd, words)) pipe.fd = -1;  // at its end, the child ends or has closed it
+    if (pipe.fd >= 0 && pipe.revents != 0 && !drain(pipe.fd, words)) pipe.fd = -1;  // end of the pipe: the child ended or closed it
     const pid_t got = ::waitpid(child, &status, WNOHANG | WUNTRACED | WCONTINUED);
     if (got == child && !WIFSTOPPED(status) && !WIFCONTINUED(status)) break;
     if (got < 0 && errno != EINTR) break;
@@ -177,9 +155,9 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   if (stopped_too_long) {
     char limit[32];
     std::snprintf(limit, sizeof limit, "%.1f s", 1e-3 * static_cast<double>(patience.count()));
-    return fail(missing_report("stopped its process (SIGSTOP), which did not continue within " + std::string(limit) + " and was ended"));
+    return fail(missing_report(guard_block(), "stopped its process (SIGSTOP), which did not continue within " + std::string(limit) + " and was ended"));
   }
-  return fail(missing_report("ended its process (" + end_text(status) + ")"));
+  return fail(missing_report(guard_block(), "ended its process (" + end_text(status) + ")"));
 }
 
 }  // namespace ugoki::plugin

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::chrono::milliseconds look_period{20};  // a program that ended while its pipes stay open is noticed after this time
 
-/// Reads what is in a pipe that does not block. @return false at its end
+/// Reads the available bytes of a non-blocking pipe. @return false at the end of the pipe
 bool drain(int fd, std::string& to) {
   char buffer[4096];
   while (true) {
@@ -62,7 +62,7 @@ Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, std
   std::string* texts[2] = {&output.out, &output.err};
   int status = 0;
   bool ended = error != 0;
-  // A process that the program has started may keep the pipes open. So read until the program has ended, then only what is there already.
+  // A process that the program has started may keep the pipes open. So read until the program has ended, then only bytes already there.
   while (!ended) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
     if (left.count() <= 0 && !output.timed_out) {

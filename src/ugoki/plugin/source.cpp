@@ -128,7 +128,7 @@ class Parser {
     source_.file = read_comment(lines);
   }
 
-  /// Reads declarations up to the bracket that closes the scope. @param prefix of names: "signals::"
+  /// Reads declarations up to the bracket that closes the scope. @param prefix prefix of all names: "signals::"
   void scope(const std::string& prefix) {
     std::vector<std::pair<int, std::string>> comment;
     int comment_end = -1;
@@ -156,7 +156,7 @@ class Parser {
     }
   }
 
-  /// Index after the bracket that closes the one at i; the number of tokens if there is none.
+  /// Index of the token after the bracket that closes the bracket at index i; the number of tokens if there is none.
   [[nodiscard]] std::size_t behind(std::size_t i) const {
     int depth = 0;
     for (; i < tokens_.size(); ++i) {
@@ -219,7 +219,7 @@ class Parser {
     return is(i, "struct") || (is(i, "typedef") && is(i + 1, "struct")) || (cpp_ && is(i, "class"));
   }
 
-  /// @param begin, body, end tokens: first word, '{', behind '}'
+  /// Reads a struct. The parameters are indices of tokens: `begin` the first word, `body` the '{', `end` the token behind '}'.
   void read_struct(std::size_t begin, std::size_t body, std::size_t end, const std::string& prefix) {
     CStruct s;
     s.line = tokens_[begin].line;
@@ -361,7 +361,7 @@ class Parser {
     return std::find(number_words.begin(), number_words.end(), word) != number_words.end();
   }
 
-  /// @param begin first token @param open the '(' of the parameters
+  /// Reads a function. @param begin index of its first token @param open index of the '(' before its parameters
   void read_function(std::size_t begin, std::size_t open, const std::string& prefix,
                      const std::vector<std::pair<int, std::string>>& comment) {
     if (open == begin || tokens_[open - 1].kind != Kind::word) return;
@@ -376,7 +376,7 @@ class Parser {
     if (is(open - 2, "::") || name == "main" || name == "UGOKI_LSI" || name == "UGOKI_LIBRARY") return;
     f.name = prefix + name;
     f.result = variable(begin, open).type;
-    // The tokens in front of '(' read as a variable: the result type, and the function's name as the name of the variable.
+    // Read the tokens in front of '(' as a variable: its type is the result type, its name is the function's name.
     const std::size_t close = behind(open) - 1;
     std::size_t first = open + 1;
     for (std::size_t i = first; i <= close; ++i) {

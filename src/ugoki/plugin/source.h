@@ -11,29 +11,29 @@ namespace ugoki::plugin {
 
 /// One annotation of a comment: "@in x: vector [m] = 1, -5..5 How far."
 struct Annotation {
-  std::string word;                  ///< keyword without the sign: "in"
+  std::string word;                  ///< keyword without the '@' (or '\') before it: "in"
   std::string name;                  ///< name of the parameter of the C function, or of the field
   std::string type;                  ///< pin type, "vector"; empty: follows from the C type
   std::string unit, doc;             ///< "m", "How far."
   std::vector<std::string> choices;  ///< {linear, cubic}
   bool has_value = false, has_range = false;
   double value = 0, minimum = 0, maximum = 0;
-  std::string word_value;  ///< initial value that is a word: of a choice, or true and false
-  int line = 0;            ///< in the file, from 1
+  std::string word_value;  ///< initial value that is a word: true, false, or a word of `choices`
+  int line = 0;            ///< line number in the file, from 1
 };
 
 /// The comment in front of a function.
 struct Comment {
   std::string doc;  ///< the text outside of annotations
   std::vector<Annotation> annotations;
-  /// The first annotation with this keyword and, if `name` is not empty, this name; null: none.
+  /// The first annotation with the keyword `word` and, unless `name` is empty, with the name `name`; null: none.
   [[nodiscard]] const Annotation* find(std::string_view word, std::string_view name = {}) const;
 };
 
 /// The type of a variable or function result, possibly one that the builder does not know.
 struct CType {
   std::string base;  ///< "double", "int", "struct spring"; empty: unknown
-  std::string text;  ///< as written in the file, for messages
+  std::string text;  ///< the type as written in the file, for messages
   bool is_const = false;
   int pointers = 0;  ///< number of '*', '&' and '[]'
   bool reference = false;
@@ -47,13 +47,13 @@ struct CVariable {
   CType type;
   std::string name;
   std::string initial;  ///< initial value of a member: "3"
-  std::string comment;  ///< text of the comment behind it on the same line
+  std::string comment;  ///< text of the comment behind the declaration on the same line
   int line = 0;
 };
 
 /// A function with a body.
 struct CFunction {
-  std::string name;  ///< with its namespaces: "signals::smooth"
+  std::string name;  ///< name with its namespaces: "signals::smooth"
   CType result;
   std::vector<CVariable> parameters;
   Comment comment;
@@ -63,9 +63,9 @@ struct CFunction {
 
 /// A struct, or a class in C++.
 struct CStruct {
-  std::string name;   ///< as it is written in a parameter: "struct spring" or "spring"
+  std::string name;   ///< name as written in a parameter: "struct spring" or "spring"
   std::string alias;  ///< another spelling (typedef name, or the tag in C++); may be empty
-  std::string full;   ///< with its namespaces, for code outside of them
+  std::string full;   ///< name with its namespaces, for code outside of them
   std::vector<CVariable> fields;
   bool understood = true;  ///< true: every field is a number or an array of numbers
   int line = 0;
@@ -78,8 +78,8 @@ struct CSource {
   Comment file;                   ///< the first comment of the file; describes the library if it has @library
   bool declares_library = false;  ///< the file uses UGOKI_LIBRARY or ugoki_lsi_library, so it needs no wrapper
   bool declares_lsis = false;     ///< the file uses UGOKI_LSI
-  [[nodiscard]] const CStruct* find_struct(std::string_view name) const;      ///< by name or alias; null: none
-  [[nodiscard]] const CFunction* find_function(std::string_view name) const;  ///< by name with namespaces; null: none
+  [[nodiscard]] const CStruct* find_struct(std::string_view name) const;      ///< finds a struct by name or alias; null: none
+  [[nodiscard]] const CFunction* find_function(std::string_view name) const;  ///< finds a function by its name with namespaces; null: none
 };
 
 /// Reads a file. Accepts any text: parts that are not valid C or C++ are skipped. @param cpp the language is C++

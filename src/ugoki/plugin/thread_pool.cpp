@@ -11,7 +11,7 @@ namespace ugoki::plugin {
 namespace {
 
 constexpr int spins =
-    2000;  // polls before a thread sleeps: the waves of a tick follow each other within microseconds, faster than a wake-up
+    2000;  // polls before a thread sleeps: calls of `run` follow each other within microseconds, faster than a thread wakes up
 
 }  // namespace
 
@@ -25,7 +25,7 @@ struct ThreadPool::Shared {
   void* context = nullptr;
   std::vector<std::thread> threads;
 
-  /// Body of a thread: waits for the next round and works on it, until the end.
+  /// Body of a thread: waits for each round and does its share of the work, until `end` is set.
   void serve(int worker) {
     std::uint64_t seen = 0;
     while (true) {

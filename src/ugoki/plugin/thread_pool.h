@@ -1,5 +1,5 @@
 #pragma once
-// Threads on which an interpreter runs LSIs of a circuit side by side (circuit/executor.h).
+// Threads on which an interpreter runs LSIs of a circuit in parallel (circuit/executor.h).
 
 #include <memory>
 

@@ -1,6 +1,7 @@
 #include "ugoki/plugin/wrapper.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <map>
 
@@ -55,7 +56,7 @@ class Writer {
     out_.code = "#include <ugoki/lsi.h>\n";
     if (cpp_) out_.code += "#include <exception>\n#include <new>\n#include <type_traits>\n";
     if (source_.declares_lsis) out_.code += "#include <ugoki/lsi.hpp>\n";
-    out_.code += "#include " + literal(path_) + "\n";
+    out_.code += "#include " + literal(path_) + "\n" + end_of_user_code();
     if (source_.declares_lsis) {
       const Annotation* version = source_.file.find("version");
       out_.code +=
@@ -91,6 +92,8 @@ class Writer {
   }
 
  private:
+  /// Ends the lines that the compiler attributes to the user's file.
+  static std::string end_of_user_code() { return "#line 1 " + literal(generated_file) + "\n"; }
   /// Name of a generated object: "ugoki_gen_inputs_3" for the table `kind` of LSI n.
   static std::string id(const char* kind, std::size_t n) { return "ugoki_gen_" + std::string(kind) + "_" + std::to_string(n); }
 
@@ -141,18 +144,18 @@ class Writer {
     std::vector<std::string> before, after;                ///< statements around the call
     std::vector<std::string> names;                        ///< names of the function's parameters
     const CStruct* state = nullptr;
-    int numbers = 0;  ///< values in ugoki_call::parameters so far
+    int numbers = 0;  ///< number of values in ugoki_call::parameters so far
     std::vector<std::string> choice_tables;
   };
 
-  /// The annotation of a parameter, with the first of these keywords that exists; null: none.
+  /// The annotation of the function's parameter `name`. If it has several, the one whose keyword comes first in `words`; null: none.
   static const Annotation* about(const CFunction& f, const std::string& name, std::initializer_list<const char*> words) {
     for (const char* word : words)
       if (const Annotation* a = f.comment.find(word, name)) return a;
     return nullptr;
   }
 
-  /// Pin type (enum ugoki_type) of a parameter: as annotated, otherwise by the number of its elements.
+  /// Pin type (enum ugoki_type) of an input or output: as annotated, otherwise by its number of elements.
   std::string type_of(const CFunction& f, const Annotation* a, int elements) {
     static const std::map<std::string, std::pair<std::string, int>> types = {{"scalar", {"UGOKI_SCALAR", 1}},
                                                                              {"vector", {"UGOKI_VECTOR", 3}},
@@ -183,7 +186,8 @@ class Writer {
            literal(name) + ", " + texts(a) + ", " + range(a) + ", 0, 0}";
   }
 
-  /// Makes a parameter of the function a pin, a parameter or the state of the LSI. @return the reason if this is impossible; empty: done
+  /// Adds the parameter `v` of the user's function to the LSI: as an input, an output, an LSI parameter, the state, the time or the time
+  /// step. @return the reason if this is impossible; empty: done
   std::string add_parameter(const CFunction& f, const CVariable& v, Parts& p) {
     if (const CStruct* s = state_of(v)) {
       if (p.state) return "it has two parameters that are states.";
@@ -213,8 +217,28 @@ class Writer {
       if (t.is_const || f.comment.find("in", v.name)) return add_input(f, v, p, t.elements);
       return add_output(f, v, p, t.elements);
     }
-    if (t.pointers == 1 && !t.elements && !t.is_const) return add_output(f, v, p, 1);
+    if (t.pointers == 1 && !t.elements && !t.is_const) {
+      if (const CVariable* count = count_behind(f, v); count && !t.reference && !f.comment.find("out", v.name))
+        return "its parameter '" + v.name + "' may be an array of '" + count->name + "' numbers. Write 'double " + v.name +
+               "[3]' for an array of 3 outputs, 'const double " + v.name + "[3]' for an array of 3 inputs, or '@out " + v.name +
+               "' in the comment if it is one output.";
+      return add_output(f, v, p, 1);
+    }
     return "the number of elements of its parameter '" + v.name + "' is unknown. Write for example 'const double " + v.name + "[3]'.";
+  }
+
+  /// The parameter behind the pointer `v` if it is an integer whose name states a count: "n", "count", "x_size"; null: it is not.
+  static const CVariable* count_behind(const CFunction& f, const CVariable& v) {
+    const auto at = std::find_if(f.parameters.begin(), f.parameters.end(), [&](const CVariable& other) { return &other == &v; });
+    if (at == f.parameters.end() || at + 1 == f.parameters.end()) return nullptr;
+    const CVariable& next = *(at + 1);
+    if (!next.type.by_value() || !is_whole(next.type.base)) return nullptr;
+    if (next.type.base == "size_t" || next.name == "n" || next.name == "n" + v.name || next.name == "n_" + v.name) return &next;
+    std::string name = next.name;
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    for (const char* word : {"count", "size", "len", "num"})
+      if (name.find(word) != std::string::npos) return &next;
+    return nullptr;
   }
 
   std::string add_input(const CFunction& f, const CVariable& v, Parts& p, int elements) {
@@ -339,7 +363,7 @@ class Writer {
     for (const std::string& line : p.before) code += "  " + line + "\n";
     if (cpp_) code += "  try {\n";
     code += "#line " + std::to_string(f.line) + " " + literal(path_) + "\n  " + (returns ? "*(double*)call->out[0] = (double)" : "") +
-            call + "\n";
+            call + "\n" + end_of_user_code();
     if (cpp_)
       code +=
           "  } catch (const std::exception& e) {\n    return ugoki_stop(call, e.what());\n  } catch (...) {\n"
@@ -384,7 +408,7 @@ class Writer {
     }
     if (has) {
       code += "#line " + std::to_string(init->line) + " " + literal(path_) + "\n  " + init->name + "(" +
-              (init->parameters[0].type.reference ? "*" : "") + "(" + s_name(*p.state) + "*)call->state);\n";
+              (init->parameters[0].type.reference ? "*" : "") + "(" + s_name(*p.state) + "*)call->state);\n" + end_of_user_code();
     }
     code += "  return 0;\n}\n";
     return id("init", n);

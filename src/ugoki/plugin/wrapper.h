@@ -1,5 +1,5 @@
 #pragma once
-// Second half of the LSI builder: writes the C or C++ code of the tables that describe the functions of a source file to a host.
+// Second half of the LSI builder: writes C or C++ code with tables that describe the functions of a source file to a host program.
 
 #include <string>
 #include <vector>
@@ -13,10 +13,13 @@ namespace ugoki::plugin {
 struct Wrapper {
   std::string code;                ///< text of a file that includes the user's file
   std::vector<std::string> lsis;   ///< names of the LSIs, in the order of the file
-  std::vector<std::string> notes;  ///< "spring.c:12: 'load' does not become an LSI: ..."
+  std::vector<std::string> notes;  ///< functions that are not LSIs: "spring.c:12: 'load' does not become an LSI: ..."
 };
 
-/// Writes the wrapper of a source file. @param path absolute path of the user's file @param name of the library
+/// File name in the compiler's messages about generated code.
+inline constexpr const char* generated_file = "generated-lsis";
+
+/// Writes the wrapper of a source file. @param path absolute path of the user's file @param name name of the library
 /// Errors (location: "spring.c:12"): no function can be an LSI; an annotation names no parameter, or contradicts the declaration.
 [[nodiscard]] Result<Wrapper> make_wrapper(const CSource& source, const std::string& path, const std::string& name, bool cpp);
 

@@ -34,7 +34,7 @@ class FileLock {
     friend auto operator<=>(const Identity&, const Identity&) = default;
   };
   static std::set<Identity>& held();  ///< files that this process has locked
-  Identity identity_;                 ///< of the locked file
+  Identity identity_;                 ///< identity of the locked file
 };
 
 }  // namespace ugoki::project

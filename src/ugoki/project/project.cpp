@@ -14,7 +14,7 @@
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/project/file_lock.h"
 #include "ugoki/project/project_file.h"
-#include "ugoki/project/rescue.h"
+#include "ugoki/store/rescue.h"
 
 namespace ugoki::project {
 namespace {
@@ -66,7 +66,7 @@ Result<void> move_into_place(const std::string& from, const std::string& to) {
   std::error_code error;
   if (!sync(from, O_RDONLY))
     return fail(ErrorCode::io, to, "The new file could not be flushed to the disk.", "Check the disk, then save again.");
-  for (const char* suffix : {"-wal", "-shm"}) fs::remove(to + suffix, error);  // they belong to the replaced file
+  for (const char* suffix : {"-wal", "-shm"}) fs::remove(to + suffix, error);  // these files belong to the replaced file
   fs::rename(from, to, error);
   if (error)
     return fail(ErrorCode::io, to, "The new file could not be renamed to its final name: " + error.message() + ".",
@@ -234,8 +234,8 @@ Result<void> Project::Body::check_file() {
   if (!loss) return {};
   file.database().keep_log_when_closed();
   Result<std::string> rescue = fail(Error());
-  if (loss->readable) rescue = make_rescue_copy(file.path(), [&](const std::string& copy) { return copy_to(copy, true); });
-  if (!rescue) rescue = make_rescue_copy(file.path(), [&](const std::string& copy) { return copy_to(copy, false); });
+  if (loss->readable) rescue = store::make_rescue_copy(file.path(), [&](const std::string& copy) { return copy_to(copy, true); });
+  if (!rescue) rescue = store::make_rescue_copy(file.path(), [&](const std::string& copy) { return copy_to(copy, false); });
   if (!rescue) {
     // `lost` stays empty, so that the next edit tries to write the copy: the cause (a full disk, for example) may be gone by then.
     return fail(ErrorCode::conflict, file.path(),
@@ -447,7 +447,7 @@ Result<void> Project::save() {
   Body& b = *body_;
   if (Result<void> done = b.in_transaction([&] { return b.file.set_property("saved", b.document); }); !done) return done;
   b.saved = b.document;
-  return b.file.database().run("PRAGMA wal_checkpoint(TRUNCATE)");  // a user who copies the file needs no -wal file
+  return b.file.database().run("PRAGMA wal_checkpoint(TRUNCATE)");  // merges the log, so that a user who copies the file needs no -wal file
 }
 
 Result<void> Project::save_as(const std::string& path, bool overwrite) {

@@ -19,7 +19,7 @@ namespace ugoki::project {
 
 /// Result of a command.
 struct Change {
-  std::string label;                 ///< for undo menus, for example "Move clip"; empty if the command changed nothing
+  std::string label;                 ///< label for undo menus, for example "Move clip"; empty if the command changed nothing
   std::vector<std::string> created;  ///< ids of the clips, characters and events that the command created
 };
 
@@ -62,7 +62,7 @@ class Project {
   [[nodiscard]] std::vector<std::string> missing_resources(std::string_view command) const;
   /// Reads these entries from a library; ids that it does not contain are left out.
   [[nodiscard]] static Result<std::vector<LibraryData>> fetch(std::span<const std::string> ids, const store::Library& library);
-  /// Like execute(), with the missing resources as data instead of a library, which may be read on another thread before.
+  /// As execute(), but takes the missing resources as data, which another thread may have read with fetch() before.
   [[nodiscard]] Result<Change> execute_with(std::string_view command, std::span<const LibraryData> from_library);
   /// Undoes or redoes one command. @return its label; error `range` if there is no command to undo or redo
   [[nodiscard]] Result<std::string> undo();

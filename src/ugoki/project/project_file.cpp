@@ -73,13 +73,13 @@ Result<void> upgrade(store::Database& database) {
   const Result<std::int64_t> version = database.integer("PRAGMA user_version");
   if (!version) return fail(version.error());
   if (*version >= project_version) return {};
-  // Without a write-ahead log the change is in the file itself, so a log with stamps never belongs to a file without one.
+  // Without a write-ahead log the change is in the file itself, so a log with stamps never belongs to a file without stamps.
   for (const char* sql : {"PRAGMA journal_mode = DELETE", "PRAGMA synchronous = FULL"})
     if (Result<void> done = database.run(sql); !done) return done;
   Result<store::Transaction> transaction = store::Transaction::begin(database);
   if (!transaction) return fail(std::move(transaction.error()));
-  if (Result<void> done = database.run(stamp_table); !done) return done;
-  if (Result<void> done = advance_stamp(database); !done) return done;
+  if (Result<void> done = database.run(store::stamp_table); !done) return done;
+  if (Result<void> done = store::advance_stamp(database); !done) return done;
   if (Result<void> done = database.run("PRAGMA user_version = " + std::to_string(project_version)); !done) return done;
   return transaction->commit();
 }
@@ -95,7 +95,7 @@ Result<ProjectFile> ProjectFile::create(const std::string& path) {
   const std::string pragmas =
       "PRAGMA application_id = " + std::to_string(project_application_id) + "; PRAGMA user_version = " + std::to_string(project_version);
   for (const std::string& sql : {std::string("PRAGMA journal_mode = WAL"), std::string("PRAGMA synchronous = FULL"),
-                                 std::string("BEGIN IMMEDIATE;") + tables + stamp_table + pragmas + ";COMMIT"})
+                                 std::string("BEGIN IMMEDIATE;") + tables + store::stamp_table + pragmas + ";COMMIT"})
     if (Result<void> done = database->run(sql); !done) return fail(std::move(done.error()));
   return ProjectFile(std::move(*database));
 }
@@ -107,7 +107,7 @@ Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
   if (std::filesystem::is_directory(path, ignored))
     return fail(ErrorCode::io, path, "This is a folder, not a project file.", "Name a *.ugoki file.");
   if (!std::filesystem::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "This is not a file.", "Name a *.ugoki file.");
-  if (Result<void> good = check_log(std::filesystem::weakly_canonical(path, ignored).string()); !good) return fail(std::move(good.error()));
+  if (Result<void> good = store::check_log(std::filesystem::weakly_canonical(path, ignored).string()); !good) return fail(std::move(good.error()));
   {
     Result<store::Database> look = store::Database::open(path, store::OpenMode::read_only);
     if (!look) return fail(std::move(look.error()));
@@ -119,6 +119,7 @@ Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
   if (Result<void> done = upgrade(*database); !done) return fail(std::move(done.error()));
   for (const char* sql : {"PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL"})
     if (Result<void> done = database->run(sql); !done) return fail(std::move(done.error()));
+  if (Result<void> done = store::ensure_stamp(*database); !done) return fail(std::move(done.error()));
   ProjectFile file(std::move(*database));
   if (Result<void> done = file.remember(); !done) return fail(std::move(done.error()));
   return file;
@@ -139,10 +140,12 @@ Result<void> ProjectFile::remember() {
   };
   if (Result<void> done = read(page_size_, "PRAGMA page_size"); !done) return done;
   if (Result<void> done = read(stamp_page_, "SELECT rootpage FROM sqlite_schema WHERE name = 'stamp'"); !done) return done;
-  Result<std::optional<StampRow>> stamp = read_stamp(database_);  // also opens the -wal and -shm files
+  Result<std::optional<store::StampRow>> stamp = store::read_stamp(database_);  // also opens the -wal and -shm files
   if (!stamp) return fail(std::move(stamp.error()));
   stamp_ = *stamp;
-  merged_stamp_ = stamp_in_file();
+  Result<std::optional<store::StampRow>> merged = stamp_in_file();
+  if (!merged) return fail(std::move(merged.error()));
+  merged_stamp_ = *merged;
   std::error_code unresolved;
   const std::filesystem::path real = std::filesystem::canonical(path(), unresolved);
   real_path_ = unresolved ? path() : real.string();
@@ -152,9 +155,10 @@ Result<void> ProjectFile::remember() {
   return {};
 }
 
-std::optional<StampRow> ProjectFile::stamp_in_file() {
+Result<std::optional<store::StampRow>> ProjectFile::stamp_in_file() {
   const Result<std::vector<std::byte>> page = database_.raw((stamp_page_ - 1) * page_size_, static_cast<std::size_t>(page_size_));
-  return page ? stamp_on_page(*page) : std::nullopt;
+  if (!page) return fail(page.error());
+  return store::stamp_on_page(*page);
 }
 
 std::optional<Loss> ProjectFile::lost() {
@@ -165,9 +169,10 @@ std::optional<Loss> ProjectFile::lost() {
   for (std::size_t i = 1; i < suffixes.size(); ++i)
     if (const std::string side = real_path_ + suffixes[i]; identity_of(side) != identities_[i])
       return Loss{"Another program removed or replaced " + side + " while the project was open"};
-  // Another program that merges the log (the sqlite3 shell, for example) leaves the stamp of the last transaction.
-  const std::optional<StampRow> stamp = stamp_in_file();
-  if (stamp && (stamp == merged_stamp_ || stamp == stamp_)) return std::nullopt;
+  // Another program that merges the log (the sqlite3 shell, for example) leaves the stamp of the last transaction in the file.
+  const Result<std::optional<store::StampRow>> stamp = stamp_in_file();
+  if (!stamp) return std::nullopt;  // the disk fails; this is not the work of another program
+  if (*stamp && (*stamp == merged_stamp_ || *stamp == stamp_)) return std::nullopt;
   return Loss{"Another program wrote to the project file while it was open", false};
 }
 
@@ -182,12 +187,20 @@ Result<void> ProjectFile::write(const std::function<Result<void>()>& work) {
   Result<store::Transaction> transaction = store::Transaction::begin(database_);
   if (!transaction) return fail(std::move(transaction.error()));
   if (Result<void> done = work(); !done) return done;
-  if (Result<void> done = advance_stamp(database_); !done) return done;
-  Result<std::optional<StampRow>> stamp = read_stamp(database_);
+  if (Result<void> done = store::advance_stamp(database_); !done) return done;
+  Result<std::optional<store::StampRow>> stamp = store::read_stamp(database_);
   if (!stamp) return fail(std::move(stamp.error()));
   if (Result<void> done = transaction->commit(); !done) return done;
   stamp_ = *stamp;
-  if (page_size_ != 0) merged_stamp_ = stamp_in_file();  // the commit may have merged the log
+  if (page_size_ == 0) return {};
+  // The commit may have merged the log, or a part of it if another program reads the file. Another stamp is not accepted: lost() reports it.
+  const Result<std::optional<store::StampRow>> merged = stamp_in_file();
+  if (!merged || !*merged || *merged == merged_stamp_) return {};
+  if (*merged != stamp_) {
+    const store::LogStamps log = store::read_log(real_path_ + suffixes[1]);
+    if (!log.has_transactions || !store::belongs(*merged, log)) return {};
+  }
+  merged_stamp_ = *merged;
   return {};
 }
 

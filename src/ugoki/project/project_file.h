@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
-#include "ugoki/project/stamp.h"
 #include "ugoki/store/sqlite.h"
+#include "ugoki/store/stamp.h"
 
 namespace ugoki::project {
 
@@ -39,7 +39,7 @@ struct ResourceRow {
 
 /// How the file of an open project was lost.
 struct Loss {
-  std::string what;      ///< sentence without its full stop
+  std::string what;      ///< description as a sentence without its full stop
   bool readable = true;  ///< the open connection can still read the project
 };
 
@@ -51,7 +51,7 @@ class ProjectFile {
   /// Opens a file. A file that is not a project, is damaged, or was saved by a newer version is refused and not changed.
   [[nodiscard]] static Result<ProjectFile> open(const std::string& path, bool read_only);
 
-  /// The value of a property; a problem if it is missing.
+  /// The value of a property; an error if it is missing.
   [[nodiscard]] Result<std::string> property(std::string_view name);
   /// The value of a property; empty optional if it is missing.
   [[nodiscard]] Result<std::optional<std::string>> find_property(std::string_view name);
@@ -66,15 +66,15 @@ class ProjectFile {
   /// Adds a step with number `position` + 1. Deletes the later steps, which can no longer be redone, and all but the last `keep` steps.
   [[nodiscard]] Result<void> add_step(std::int64_t position, const StepData& step, std::int64_t keep);
 
-  /// Runs `work` in one transaction with a new stamp (stamp.h). The transaction is rolled back if `work` fails.
+  /// Runs `work` in one transaction with a new stamp (store/stamp.h). The transaction is rolled back if `work` fails.
   [[nodiscard]] Result<void> write(const std::function<Result<void>()>& work);
-  /// Whether another program replaced, removed or overwrote the project file or its log since it was opened for editing; empty optional if
-  /// the files are the ones that were opened. O(1): three system calls and one page read.
+  /// Describes the loss if another program replaced, removed or overwrote the project file or its log since the file was opened for
+  /// editing; empty optional if the files are still those that were opened. O(1): three system calls and one page read.
   [[nodiscard]] std::optional<Loss> lost();
-  /// True if transactions are only in the write-ahead log.
+  /// True if some transactions are only in the write-ahead log and not yet in the project file.
   [[nodiscard]] bool has_unmerged() const { return merged_stamp_ != stamp_; }
-  /// After lost(): ensures that closing does not write to the file at this path, and removes the -wal and -shm files if they are the ones
-  /// of the open file.
+  /// Gives up the open file. Call this after lost(), when another file may have taken its path. Closing then does not write to a file at
+  /// path(). Removes the -wal and -shm files if they still belong to the open file.
   void abandon();
 
   [[nodiscard]] store::Database& database() { return database_; }
@@ -90,14 +90,14 @@ class ProjectFile {
   explicit ProjectFile(store::Database database) : database_(std::move(database)) {}
   /// Remembers the identities of the files and the position of the stamp, for lost().
   Result<void> remember();
-  /// The stamp in the file without its log; empty optional if it cannot be read.
-  std::optional<StampRow> stamp_in_file();
+  /// The stamp in the file without its log; empty optional if its page contains something else.
+  Result<std::optional<store::StampRow>> stamp_in_file();
 
   store::Database database_;
   std::string real_path_;                 ///< path without symbolic links; SQLite's names of the -wal and -shm files begin with it
-  std::array<Identity, 3> identities_{};  ///< of the project, its -wal and its -shm file
+  std::array<Identity, 3> identities_{};  ///< identities of the project file, its -wal file and its -shm file
   std::int64_t page_size_ = 0, stamp_page_ = 0;
-  std::optional<StampRow> merged_stamp_, stamp_;  ///< in the file, and of the last transaction
+  std::optional<store::StampRow> merged_stamp_, stamp_;  ///< stamp in the file without its log; stamp of the last transaction
 };
 
 }  // namespace ugoki::project

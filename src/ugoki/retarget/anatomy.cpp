@@ -11,7 +11,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Lower case, without a namespace prefix ("mixamorig:") and without blanks.
+/// The name in lower case, without a namespace prefix ("mixamorig:") and without blanks.
 std::string normalized_name(const std::string& name) {
   const std::size_t colon = name.rfind(':');
   std::string out;
@@ -55,7 +55,7 @@ int slot_of_label(const std::string& label) {
 /// Subtree that is attached to the trunk and lies on one side: a candidate for a limb.
 struct Branch {
   int root = -1;      ///< first link of the branch
-  int attach = -1;    ///< its parent
+  int attach = -1;    ///< parent of the root
   int leaf = -1;      ///< link without children that is farthest from the root, measured along the bones
   int side = 0;       ///< 1 left, -1 right
   double length = 0;  ///< m, from root to leaf along the bones
@@ -171,7 +171,7 @@ class Finder {
     }
   }
 
-  /// Index of the branch on the other side that is closest to the mirror image of branch `i`; -1: none within 0.35 of the size.
+  /// Index of the branch on the other side that is closest to the mirror image of branch `i`; -1: none within 0.35 of the character's size.
   [[nodiscard]] int partner_of(int i) const {
     const Branch& a = branches_[at(i)];
     int best = -1;
@@ -414,7 +414,8 @@ class Finder {
     return at(first) + 1 < links.size();
   }
 
-  /// Sections from bone lengths: the two consecutive bones with the largest sum are upper and lower. Coincident joints count as one.
+  /// Assigns sections by bone lengths: the two consecutive bones with the largest sum are the upper and the lower section. Coincident
+  /// joints count as one.
   [[nodiscard]] std::vector<int> slots_of_lengths(const std::vector<int>& links) const {
     const int n = static_cast<int>(links.size());
     std::vector<int> node_begin = {0};
@@ -448,10 +449,10 @@ class Finder {
   int n_;
   const AnatomyNames& names_;
   Anatomy anatomy_;
-  std::vector<Vec3> p_;     // [links] m, neutral position in anatomical axes
+  std::vector<Vec3> p_;     // [links] m, positions of the links' origins in the neutral position, in anatomical axes
   std::vector<int> sides_;  // [links] bit mask, see find_branches
   std::vector<Branch> branches_;
-  double low_ = 0, size_ = 0;  // m, lowest point; size for thresholds
+  double low_ = 0, size_ = 0;  // m, height of the lowest point; size of the character, by which thresholds are scaled
 };
 
 }  // namespace

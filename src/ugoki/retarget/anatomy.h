@@ -14,13 +14,13 @@ namespace ugoki::retarget {
 /// Arm: shoulder (scapula), upper arm, forearm, hand (carpus), fingers (fore paw).
 enum class Slot { girdle, upper, lower, end, tip };
 inline constexpr int slot_count = 5;
-/// "girdle", "upper" ...: the keys of a mapping file.
+/// Name of the section and its key in a mapping file: "girdle", "upper" ...
 [[nodiscard]] std::string_view name_of(Slot slot);
 
 /// Index of a limb. On a four-legged character the hind legs are the legs and the fore legs are the arms.
 enum class LimbName { left_leg, right_leg, left_arm, right_arm };
 inline constexpr int limb_count = 4;
-/// "left leg" ...
+/// Name of the limb and its key in a mapping file: "left leg" ...
 [[nodiscard]] std::string_view name_of(LimbName limb);
 
 /// Links of one limb from the trunk to its tip, each the child of the previous one, divided into sections. A section can contain several
@@ -42,11 +42,11 @@ struct Limb {
 struct Anatomy {
   bool four_legs = false;
   int pelvis = -1;         ///< link that carries the (hind) legs
-  std::vector<int> spine;  ///< links from the pelvis to the chest, the chest last; empty if one link carries arms and legs
+  std::vector<int> spine;  ///< links above the pelvis up to the chest, the chest last; empty if one link carries arms and legs
   std::vector<int> neck;   ///< links above the chest, the head last
   std::array<Limb, limb_count> limbs;
   std::vector<int> tail;         ///< links from the base to the tip; empty: no tail
-  Mat3 R_WA = Mat3::identity();  ///< world orientation of the anatomical axes (x forward, y left, z up), neutral position
+  Mat3 R_WA = Mat3::identity();  ///< world orientation of the anatomical axes (x forward, y left, z up) in the neutral position
   std::vector<Pose> X_WB;        ///< [links] poses in the neutral position, m
   double extent = 0;             ///< m, height from the lowest to the highest point in the neutral position
 
@@ -55,16 +55,17 @@ struct Anatomy {
   [[nodiscard]] const Limb& limb(LimbName name) const { return limbs[static_cast<std::size_t>(name)]; }
 };
 
-/// Link names of one character that a mapping file gives. Empty members are found automatically.
+/// Link names of one character, as a mapping file gives them. For empty members the links are found automatically.
 struct AnatomyNames {
   std::string pelvis, chest, head;
   std::array<std::array<std::string, slot_count>, limb_count> limbs;  ///< first link of each section
   std::vector<std::string> tail;                                      ///< first and last link, or all links
-  int four_legs = -1;                                                 ///< 1 yes, 0 no, -1: found automatically
+  int four_legs = -1;                                                 ///< 1: four legs, 0: two legs, -1: found automatically
 };
 
 /// Finds the anatomy from labels (Link::label) if the links have them, otherwise from the shape of the link tree in the neutral position.
-/// Link names decide which side is left. Errors: no pair of legs is found, or `names` contains an unknown link; a mapping file solves both.
+/// Link names decide which side is left. Errors: no pair of legs is found, or `names` contains an unknown link; a mapping file can correct
+/// both.
 [[nodiscard]] Result<Anatomy> find_anatomy(const Mechanism& mechanism, const AnatomyNames& names = {});
 
 }  // namespace ugoki::retarget

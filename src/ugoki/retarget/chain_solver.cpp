@@ -185,7 +185,8 @@ void ChainSolver::find_step(const Vec3& first, const Vec3& turn_error, const Vec
 
 Mat3 ChainSolver::resistance(std::span<const int> chain, const Vec3& point, const Vec3& wish, double length, const double* q,
                              std::span<const Pose> X_WB) {
-  // softness: regularization (dimensionless, J is divided by the length). near_limit: rad | m, closer DOFs count as at the limit.
+  // softness: regularization (dimensionless, J is divided by the length). near_limit: rad | m, a DOF closer to its limit than this counts
+  // as at the limit.
   constexpr double softness = 1e-3, near_limit = 1e-3;
   gather(chain, q, X_WB);
   Mat3 A = Mat3::diagonal(softness, softness, softness);
@@ -252,7 +253,7 @@ ChainSolver::Miss ChainSolver::miss_of(const ChainGoal& goal, const Pose& X) {
 }
 
 double ChainSolver::solve(std::span<const int> chain, const ChainGoal& goal, double* q, std::span<Pose> X_WB) {
-  constexpr double enough = 1e-9;  // rad or share of the chain's size: the goal counts as reached
+  constexpr double enough = 1e-9;  // rad or share of the chain's size: with a smaller error the goal counts as reached
   const int end = chain.back();
   const bool direct = goal.first == ChainGoal::First::direction;
   const double scale = direct ? 1 : goal.length;
@@ -269,7 +270,7 @@ double ChainSolver::solve(std::span<const int> chain, const ChainGoal& goal, dou
     double longest = 0;
     for (const Column& c : columns_) longest = std::max(longest, std::fabs(c.step));
     if (longest < 1e-12) break;
-    // Limit steps to 0.5 (rad | m), where the linearization still holds, and accept only steps that reduce the cost.
+    // Limit steps to 0.5 (rad | m), where the linearization is still valid, and accept only steps that reduce the cost.
     save(chain, q);
     share = std::min(share, longest > 0.5 ? 0.5 / longest : 1.0);
     bool better = false;

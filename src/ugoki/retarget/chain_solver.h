@@ -12,23 +12,23 @@ namespace ugoki::retarget {
 struct ChainGoal {
   enum class First { position, direction };
   First first = First::position;
-  Vec3 point;                 ///< in the last link's frame; position: m, direction: unit vector
-  Vec3 target;                ///< in the world; position: m, direction: unit vector
+  Vec3 point;                 ///< point or direction that shall reach `target`, in the last link's frame; m or unit vector
+  Vec3 target;                ///< goal of `point`, in the world; m or unit vector
   bool turn = true;           ///< second priority: also reach the orientation R with the remaining DOFs
-  Mat3 R = Mat3::identity();  ///< wanted orientation of the last link
+  Mat3 R = Mat3::identity();  ///< wanted orientation of the last link in the world
   double length = 1;          ///< m, size of the chain; makes position errors dimensionless
   int iterations = 12;
 };
 
 /// Solves for the goal's position (or direction) by damped least squares, then for its orientation in the null space of the first task.
 /// Joint limits are kept at every step: a DOF that would pass its limit is set to the limit, and the step is re-solved for the others.
-/// Spherical joints are parametrized by their rotation vector, to whose components their limits apply.
+/// Coordinates of spherical joints are the components of the rotation vector; the joint limits apply to them.
 /// Source: Siciliano and Slotine 1991 (task priority); Buss 2009 (damping).
 class ChainSolver {
  public:
   explicit ChainSolver(const Mechanism& mechanism);
 
-  /// [nv] rad | m, limits of every DOF: those of the mechanism, or narrower ones set by the owner.
+  /// [nv] rad | m, limits of every DOF: those of the mechanism, or narrower ones set by the user of the solver.
   std::vector<double> lower, upper;
 
   /// @param chain links, each the child of the previous one
@@ -37,9 +37,10 @@ class ChainSolver {
   /// @return remaining error of the position [m] or direction [rad]
   double solve(std::span<const int> chain, const ChainGoal& goal, double* q, std::span<Pose> X_WB);
 
-  /// Share of a desired displacement of a point on the last link that the chain cannot follow, as a symmetric matrix in world axes.
+  /// Symmetric matrix (world axes) that maps a desired displacement of a point on the last link to the part that the chain cannot follow.
   /// Eigenvalues: near 0 in directions in which the point moves freely, near 1 where the chain is stretched out or at its limits.
-  /// @param point m, in the world @param wish m, desired displacement; its direction decides which limits would be passed
+  /// @param point m, in the world
+  /// @param wish m, desired displacement; its direction decides which limits would be passed @param length m, size of the chain
   [[nodiscard]] Mat3 resistance(std::span<const int> chain, const Vec3& point, const Vec3& wish, double length, const double* q,
                                 std::span<const Pose> X_WB);
 
@@ -55,14 +56,15 @@ class ChainSolver {
   /// One DOF of the chain: its Jacobian column and its step.
   struct Column {
     int link = 0, dof = 0;
-    Vec3 w, v;               // angular and linear velocity of the link's origin per unit of the coordinate, world axes
-    Vec3 J1, J2;             // column of the first task (position or direction) and of the orientation
+    Vec3 w, v;               // angular velocity of the link and velocity of its origin per unit rate of the coordinate, world axes
+    Vec3 J1, J2;             // Jacobian columns of the first task (position or direction) and of the orientation
     double x = 0, step = 0;  // rad | m
     bool at_limit = false;
   };
   /// Fills columns_ for the chain at q.
   void gather(std::span<const int> chain, const double* q, std::span<const Pose> X_WB);
-  /// Step of all columns within the limits. @param first, turn_error task errors @param along direction excluded from the first task
+  /// Sets Column::step of all columns such that no limit is passed.
+  /// @param first, turn_error errors of the first task and of the orientation @param along direction excluded from the first task
   void find_step(const Vec3& first, const Vec3& turn_error, const Vec3& along, double damping, bool turn);
   /// Adds `share` times the step of every column to q, clamps, and updates the poses.
   void apply(std::span<const int> chain, double share, double* q, std::span<Pose> X_WB);

@@ -11,7 +11,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double max_tilt = 0.35;  // rad, upper bound of the tilt of a trunk that follows a trunk of another kind
 
-/// True if a and b are equal up to rounding (1e-9 a row).
+/// True if a and b are equal up to rounding: each row of a - b has a norm of at most 1e-9.
 bool near(const Mat3& a, const Mat3& b) {
   const Mat3 d = a - b;
   for (int i = 0; i < 3; ++i)
@@ -70,7 +70,8 @@ void Driver::add_goal(int target, int a, int b, double t, bool deviation, bool l
   goals_.push_back(w);
 }
 
-/// Maps a chain of source links to a chain of target links of possibly different count, by equal shares of the chain's length.
+/// Maps a chain of source links to a chain of target links. If the numbers of links differ, each target link follows the source link (or
+/// the interpolation of two) at the same relative position in the chain.
 void Driver::map_chain(const std::vector<int>& source, int source_base, const std::vector<int>& target, bool level) {
   const auto n = static_cast<double>(source.size()), count = static_cast<double>(target.size());
   int dofs = 3;  // DOFs of the joints since the last link with a goal; fewer than three cannot reach an orientation alone
@@ -307,7 +308,8 @@ Vec3 Driver::end_position(int k, std::span<const Pose> X_S) const {
   const Vec3 position = toes ? X_S[at(s.tip)].p : X_S[at(s.end)] * s.end_point;
   const Vec3 from_hip = position - X_S[at(s.root)].p, stand = toes ? s.stand_tip : s.stand;
   Vec3 rest = t.stand - Vec3{path_scale_ * stand.x, path_scale_ * stand.y, scale_ * (stand.z + crouch_)};
-  // A biped that follows a four-legged source stands with feet 0.03 of the leg's length higher: fully straight legs could not adjust.
+  // A biped that follows a four-legged source stands with its feet raised by 0.03 of the leg's length, because fully straight legs could
+  // not adjust.
   if (!same_kind_ && !t_.anatomy.four_legs) rest.z += 0.03 * t.length;
   return Vec3{path_scale_ * from_hip.x, path_scale_ * from_hip.y, scale_ * from_hip.z} + rotation_about({0, 0, 1}, heading(X_S)) * rest;
 }

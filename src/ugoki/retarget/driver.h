@@ -12,15 +12,15 @@ namespace ugoki::retarget {
 /// How a limb of the target follows a limb of the source.
 enum class LimbMode {
   none,    ///< not driven
-  copied,  ///< its sections take the directions of the source's sections
-  placed,  ///< inverse kinematics moves its end as the source's end moves; its joints start from the standing posture
+  copied,  ///< the sections of the target's limb take the directions of the source's sections
+  placed,  ///< inverse kinematics moves the limb's end like the end of the source's limb, starting from the standing posture
 };
 
 /// Assignment of one limb of the target.
 struct LimbDrive {
   LimbMode mode = LimbMode::none;
   int source = -1;      ///< limb of the source (LimbName); -1: none
-  bool ground = false;  ///< its end can stand on the ground
+  bool ground = false;  ///< the limb's end can stand on the ground
   bool flat = false;    ///< the foot is kept level during stance, because source and target feet are of different kinds
 };
 
@@ -29,8 +29,8 @@ class Driver {
  public:
   Driver(const Rig& source, const Rig& target, const Mapping& mapping);
 
-  /// Computes all joint coordinates of the target. Its root is placed so that the midpoint of its hips follows the scaled one of the
-  /// source.
+  /// Computes all joint coordinates of the target. The root is placed so that the midpoint of the target's hips follows the scaled midpoint
+  /// of the source's hips.
   /// @param q_S [nq of the source] @param X_S [links of the source]
   /// @param q [nq of the target, in and out] in: the previous frame (or the standing posture), the start of iterative solutions
   /// @param X [links of the target, out]
@@ -51,7 +51,7 @@ class Driver {
   /// Heading [rad] of the source's pelvis about Z.
   [[nodiscard]] double heading(std::span<const Pose> X_S) const;
 
-  /// @param crouch m, by which the source usually holds its hips lower than on straight legs; a target of another kind does not copy it
+  /// @param crouch m, how much lower than on straight legs the source usually holds its hips; not copied to a target of another kind
   void set_crouch(double crouch) { crouch_ = crouch; }
   /// Ratio of lengths, target over source.
   [[nodiscard]] double scale() const { return scale_; }
@@ -61,19 +61,20 @@ class Driver {
   void set_ground(double ground) { ground_ = ground; }
   [[nodiscard]] const LimbDrive& limb(int k) const { return limbs_[static_cast<std::size_t>(k)]; }
   [[nodiscard]] const ChainSolver& solver() const { return solver_; }
-  /// One sentence a row: which source link drives which target links.
+  /// One sentence for each mapping: which source link drives which target links.
   [[nodiscard]] std::vector<std::string> describe_mapping() const;
 
  private:
-  /// Goal orientation of a target link: that of source link a, or interpolated between a and b.
+  /// Goal orientation of a target link: follows source link a, or an orientation interpolated between source links a and b.
   struct LinkGoal {
     int link = -1;              ///< link of the target
     int a = -1, b = -1;         ///< links of the source; b -1: only a
     double t = 0;               ///< interpolation parameter from a (0) to b (1)
-    bool level = false;         ///< the tilt is limited (trunk of another kind)
+    bool level = false;         ///< the tilt is limited, because source and target trunk are of different kinds
     Mat3 K = Mat3::identity();  ///< constant rotation from the source's anatomical axes to the target link's frame
   };
-  /// root: floating base; twin: joints identical to the source's, copied; single: one joint solved in closed form; general: iterative.
+  /// How a cluster is solved. root: floating base; twin: coordinates are copied from identical joints of the source; single: one joint, in
+  /// closed form; general: iteratively.
   enum class Kind { root, twin, single, general };
   /// Links of the target whose joints are solved together for one goal.
   struct Cluster {
@@ -81,9 +82,9 @@ class Driver {
     std::vector<int> links;
     int goal = -1;                  ///< index into goals_
     int movable = -1;               ///< root, single: the link whose joint moves
-    Mat3 R_rel = Mat3::identity();  ///< root, single: orientation of the goal's link relative to the movable one
-    std::vector<int> twins;         ///< [links] partner links of the source
-    bool from_stand = false;        ///< redundant DOFs: each frame starts from the standing posture
+    Mat3 R_rel = Mat3::identity();  ///< root, single: orientation of the goal's link relative to the movable link
+    std::vector<int> twins;         ///< twin: [links] links of the source with the identical joints
+    bool from_stand = false;        ///< DOFs are redundant: in each frame the solution starts from the standing posture
   };
 
   void map_trunk();
@@ -106,8 +107,8 @@ class Driver {
   double scale_ = 1, path_scale_ = 1, ground_ = 0, crouch_ = 0;
   ChainSolver solver_;
   std::vector<LinkGoal> goals_;
-  std::vector<int> goal_of_;  // [links of the target] index into goals_; -1
-  std::vector<int> partner_;  // [links of the target] corresponding link of the source; -1
+  std::vector<int> goal_of_;  // [links of the target] index into goals_; -1: none
+  std::vector<int> partner_;  // [links of the target] corresponding link of the source; -1: none
   std::vector<Cluster> clusters_;
   std::vector<std::pair<int, int>> extras_;  // (source, target) links whose coordinates are copied
   std::vector<LimbDrive> limbs_;

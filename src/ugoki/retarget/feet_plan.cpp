@@ -12,7 +12,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double swing_tilt = 0.6;  // share of the source's tilt that a foot of another kind keeps in mid-swing
 constexpr double tilt_time = 0.10;  // s, duration of the transition between level (stance) and tilted (swing)
 
-/// Contact labels of limb k: on where any of its links is labelled; empty if the motion has no label for them.
+/// Contact labels of limb k: 1 in frames in which any link of the limb is labelled as in contact; empty if the motion has no labels for the
+/// limb.
 std::vector<std::uint8_t> labelled(const Rig& rig, const Motion& motion, int k) {
   std::vector<std::uint8_t> on;
   for (const ContactTrack& track : motion.contacts) {
@@ -74,7 +75,7 @@ void flatten(FootPlan& plan, const Mat3& F, double rate) {
 
 void step_where_dragged(FootPlan& plan, double rate, double length) {
   constexpr double max_drag = 0.2, step_height = 0.12;   // shares of the leg's length
-  constexpr double step_time = 0.12, min_stance = 0.06;  // s
+  constexpr double step_time = 0.12, min_stance = 0.06;  // s, half the duration of a step; shortest stance
   std::vector<std::uint8_t>& on = plan.raw.bears;
   const int n = static_cast<int>(on.size()), half = std::max(1, static_cast<int>(step_time * rate));
   const auto position = [&](int f) { return plan.raw.X_WF[at(f)].p; };

@@ -59,7 +59,7 @@ void find_speeds(const Mechanism& m, const Mapping& mapping, const Motion& motio
   }
 }
 
-/// Longest path [m] in one stance of a limb whose sole is a single point.
+/// Longest horizontal path [m] of the foot in one stance, for a limb whose sole is a single point.
 double skate_of_point(const LimbRig& limb, const Mechanism& m, const Motion& motion, const std::vector<std::uint8_t>& on, int& stances) {
   motion_edit::FootPath path;
   path.bears = on;

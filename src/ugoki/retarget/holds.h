@@ -10,11 +10,11 @@
 
 namespace ugoki::retarget {
 
-/// A range of frames in which a hand holds.
+/// A range of frames in which a hand holds a fixed object or the other hand.
 struct Hold {
   enum class Kind {
     fixed,    ///< the hand stays at one point of the world while the body moves
-    together  ///< both hands move and keep their distance
+    together  ///< both hands move and keep their distance from each other
   };
   Kind kind = Kind::fixed;
   int hand = 0;             ///< 0 left, 1 right; together: 0
@@ -23,7 +23,8 @@ struct Hold {
 };
 
 /// Finds all holds in the paths of the source's wrists. O(frames).
-/// @param hands [2][frames] m, in the world; empty if there is no hand @param hips [frames] m, midpoint of the hips @param rate frames/s
+/// @param hands [left, right][frames] m, positions of the wrists in the world; empty if there is no hand
+/// @param hips [frames] m, midpoint of the hips @param rate frames/s
 /// @param size m, length of the source's legs
 [[nodiscard]] std::vector<Hold> find_holds(const std::array<std::vector<Vec3>, 2>& hands, std::span<const Vec3> hips, double rate,
                                            double size);
@@ -31,7 +32,7 @@ struct Hold {
 /// Weight of a hold in a frame: 1 inside, falling smoothly to 0 within 0.17 s before and after it.
 [[nodiscard]] double weight_of(const Hold& hold, int frame, double rate);
 
-/// "The left hand holds still in frames 10 to 80."
+/// Sentence for display: "The left hand holds still in frames 10 to 80."
 [[nodiscard]] std::string text_of(const Hold& hold);
 
 }  // namespace ugoki::retarget

@@ -16,7 +16,7 @@ struct Mapping {
   std::vector<std::pair<std::string, std::string>> links;  ///< (source link, target link): joints outside trunk and limbs (ears, fingers)
   std::vector<SoleSpec> soles;                             ///< soles of the target
   double speed = 0;  ///< rad/s (m/s for sliding joints), speed limit of all joints of the target; 0: none
-  std::vector<std::pair<std::string, double>> link_speeds;  ///< the same for single links; takes precedence over `speed`
+  std::vector<std::pair<std::string, double>> link_speeds;  ///< (target link, its speed limit, same unit); takes precedence over `speed`
 };
 
 /// Reads the JSON text. Error locations are the file name followed by the JSON path ("m.json/target/left leg").

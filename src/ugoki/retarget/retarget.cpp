@@ -17,7 +17,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double near_enough = 1e-5;  // fraction of the leg's length: a standing foot this close to its goal has reached it
 constexpr double slip_weight =
-    20;  // weight of sliding against missing the goal: sliding accumulates over the frames of a stance, a height error does not
+    20;  // roll() minimises distance to the goal + slip_weight * sliding: sliding accumulates over a stance, a height error does not
 constexpr int max_roll_iterations = 100;  // upper bound of the iterations of roll(); usually 2 or 3 suffice
 constexpr double fade_time = 0.06;        // s, time constant with which a swinging foot returns to its plan
 constexpr double shift_time = 0.1;        // s, window before and after a frame with an unreachable foot in which the root is moved
@@ -208,7 +208,8 @@ class Retargeting {
     return best;
   }
 
-  /// Smooth envelope of the displacements d: extreme value within shift_time, then a Hann average over the same window.
+  /// Smooth envelope of the displacements d [frames]: extreme values within shift_time of each frame, then a Hann average over the same
+  /// time.
   [[nodiscard]] std::vector<Vec3> envelope(const std::vector<Vec3>& d) const {
     const int n = static_cast<int>(d.size()), w = std::max(1, static_cast<int>(shift_time * in_.rate + 0.5));
     std::vector<Vec3> wide(d.size()), out(d.size());
@@ -303,8 +304,8 @@ class Retargeting {
       }
   }
 
-  /// Soles whose orientation could not be reached (limits, missing DOFs) are planned once again with their real orientation; remaining
-  /// differences are removed frame by frame by roll().
+  /// Soles whose orientation could not be reached (limits, missing DOFs) are planned a second time with the orientation that was reached.
+  /// roll() removes the remaining differences frame by frame.
   void follow_real_soles() {
     if (!o_.keep_contacts) return;
     double worst = 0;
@@ -415,7 +416,8 @@ class Retargeting {
     return drive.mode == LimbMode::copied && !drive.ground && !s_.anatomy.four_legs;
   }
 
-  /// Moves holding hands to the held point of the scaled world, or to each other's scaled distance.
+  /// Moves hands that hold a fixed object to the object's point in the scaled world. Moves hands that hold each other to their scaled
+  /// distance.
   void hold() {
     if (!o_.keep_holds || !o_.keep_contacts) return;
     std::vector<Miss> misses(2);
@@ -498,7 +500,7 @@ class Retargeting {
   std::vector<Pose> X_;
   std::vector<std::uint8_t> dirty_;
   std::vector<Vec3> missing_, hips_;
-  std::array<std::vector<Vec3>, 2> hands_;  // [frames] m, of the source
+  std::array<std::vector<Vec3>, 2> hands_;  // [frames] m, positions of the source's wrists
   std::vector<Miss> hand_misses_;
   Retargeted out_;
 };
@@ -531,7 +533,7 @@ Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& mo
   return best;
 }
 
-/// Problems: link names of the mapping that do not exist. Names of the anatomy are checked by find_anatomy.
+/// Returns one problem for each link name of the mapping that does not exist. Names of the anatomy are checked by find_anatomy.
 Error unknown_names(const Mapping& mapping, const Mechanism& from, const Mechanism& to) {
   Error out;
   const auto look = [&](const Mechanism& m, const std::string& name, const char* where) {

@@ -18,7 +18,7 @@ struct RetargetOptions {
   bool keep_holds = true;  ///< hands that hold each other or a fixed object keep holding it
   double path_scale = 0;   ///< scale of the root's horizontal path; 0: ratio of the leg lengths
   double gait_phase =
-      0.5;                 ///< from two legs to four: delay of each fore leg behind the hind leg of its side, share of a stride (0.5: trot)
+      0.5;                 ///< biped to quadruped: delay of each fore leg behind the hind leg of its side, share of a stride (0.5: trot)
   bool balance = false;    ///< shift the root sideways so that the centre of mass stays over the standing feet (slow robot motions)
   bool slow_down = false;  ///< slow the whole motion down until all joints keep the speed limits of the mapping
   std::function<bool()> cancelled;  ///< called before each frame; true ends the work with ErrorCode::cancelled
@@ -32,7 +32,7 @@ struct Miss {
   int frames = 0;      ///< number of frames with a distance above 1 mm
 };
 
-/// Measurements on a retargeted motion, and what was assumed.
+/// Measurements on a retargeted motion, and the assumptions that were made.
 struct RetargetReport {
   double scale = 1;                          ///< ratio of lengths, target over source
   double skate_before = 0, skate_after = 0;  ///< m, longest path of a foot over the ground in one stance: without and with foot correction

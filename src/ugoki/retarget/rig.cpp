@@ -232,7 +232,7 @@ class Maker {
     }
   }
 
-  /// @param given sole of the mapping; null: from the shapes of the end link and its descendants
+  /// Sets the sole of a limb. @param given sole of the mapping; null: from the shapes of the end link and its descendants
   void make_sole(LimbRig& out, const SoleSpec* given) {
     motion_edit::FootLimb& sole = out.sole;
     sole.link = out.end;

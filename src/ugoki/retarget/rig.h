@@ -20,15 +20,15 @@ struct LimbRig {
   std::vector<int> chain;      ///< links from the root (on fore legs from the shoulder blade) to `end`
   std::vector<int> upper;      ///< links of the chain above the knee
   std::vector<int> ankle;      ///< last links of the chain: they rotate about the end point and do not move it
-  std::vector<int> movers;     ///< the other links of the chain: they move the end point
+  std::vector<int> movers;     ///< links of the chain that are not in `ankle`: they move the end point
   int end = -1;                ///< link that stands on the ground or holds: foot, paw, hand
-  Vec3 end_point;              ///< m, point of `end` that follows the goal, in its frame: its origin, or the only point of the sole
+  Vec3 end_point;              ///< m, in the frame of `end`: point that follows the goal; the frame's origin, or the only point of the sole
   bool point_foot = false;     ///< the sole is a single point, so the orientation is free
   bool end_is_ankle = false;   ///< the end point is the end of the lower section: the limb is solved in closed form
   Vec3 bend_axis;              ///< unit, in the frame of the upper section's last link; positive rotations flex knee or elbow
   double length = 0;           ///< m, sum of upper and lower section
   Vec3 stand;                  ///< m, from root to end point in the standing posture, in anatomical axes
-  Vec3 stand_tip;              ///< m, the same to the origin of the toes
+  Vec3 stand_tip;              ///< m, from root to the origin of the toes in the standing posture, in anatomical axes
   int tip = -1;                ///< first link of the toes; -1: none
   motion_edit::FootLimb sole;  ///< points that bear on the ground; a single point at the origin of `end` if the foot has no shape
   bool has_sole = false;       ///< the sole comes from shapes or from the mapping
@@ -39,12 +39,12 @@ struct Rig {
   MechanismPtr mechanism;
   Anatomy anatomy;
   std::vector<Mat3> F;          ///< [links] anatomical axes of the link, in its own frame
-  std::vector<Mat3> G;          ///< [links] orientation of these axes in the world while the character stands facing X
+  std::vector<Mat3> G;          ///< [links] world orientation of the anatomical axes F while the character stands facing X
   std::vector<Vec3> along;      ///< [links] unit, direction of the link's limb section in its own frame; zero: not a limb
   std::vector<double> q_stand;  ///< [nq] standing posture, within the joint limits
   std::array<LimbRig, limb_count> limbs;
   double hip_height = 0;           ///< m, height of the midpoint between the hips above the soles in the standing posture
-  double leg_length = 0;           ///< m, mean of both legs
+  double leg_length = 0;           ///< m, mean length of both legs
   std::vector<std::string> notes;  ///< sentences about assumptions
 
   [[nodiscard]] const LimbRig& limb(LimbName name) const { return limbs[static_cast<std::size_t>(name)]; }
@@ -55,7 +55,7 @@ struct SoleSpec {
   std::string link;
   std::vector<Vec3> points;  ///< m, points that bear on the ground, in the link's frame
 };
-/// Prepares a character. @param names, soles from the mapping; empty: automatic. Errors: those of find_anatomy.
+/// Prepares a character. @param names, soles from the mapping; empty: found automatically. Errors: those of find_anatomy.
 [[nodiscard]] Result<Rig> make_rig(MechanismPtr mechanism, const AnatomyNames& names = {}, const std::vector<SoleSpec>& soles = {});
 
 }  // namespace ugoki::retarget

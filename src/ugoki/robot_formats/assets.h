@@ -1,5 +1,5 @@
 #pragma once
-// Mesh files that a robot description refers to: the paths at which they are searched, and the shapes made from them, each read once.
+// Mesh files of a robot description: the paths at which they are searched, and a cache of the shapes made from them.
 // Internal to robot_formats.
 
 #include <map>
@@ -13,10 +13,10 @@
 
 namespace ugoki::robot_formats {
 
-/// Paths at which the file that `uri` names in the description `file_name` may be found, most likely path first. For `package://a/b/c` and
-/// `model://a/b/c` the description's folder and every folder above it are candidates, combined with a/b/c, b/c and c, because packages are
-/// often copied in part. The bare name c is only combined with the description's own folder. Any other path is relative to the
-/// description's folder. Empty for other schemes (http://).
+/// Paths at which the file `uri` of the description `file_name` may be found, most likely path first. `package://a/b/c` and `model://a/b/c`
+/// are searched as a/b/c, b/c and c, because packages are often copied in part. a/b/c and b/c are searched in the description's folder and
+/// in every folder above it, c only in the description's folder. Any other path is relative to the description's folder. Empty for other
+/// schemes (http://).
 [[nodiscard]] std::vector<std::string> candidate_paths(std::string_view uri, std::string_view file_name);
 
 /// Loads and caches the meshes of one description.

@@ -23,13 +23,14 @@ struct PrimitiveSize {
 struct ShapeUse {
   pugi::xml_node node;  ///< <collision> or <visual>, for problems and notes
   bool collides = true;
-  Pose X_BS;  ///< shape in the link frame
+  Pose X_BS;  ///< pose of the shape in the link frame
 };
 
-/// The primitive as a shape. std::nullopt, with a note, if a size is zero.
+/// The primitive as a shape. If a size is zero, adds a note and returns std::nullopt.
 [[nodiscard]] std::optional<Shape> primitive_shape(XmlFields& xml, Primitive kind, const PrimitiveSize& size, const ShapeUse& use);
 
-/// The mesh as a shape, in the form that `options.meshes` asks for. std::nullopt, with a note or a problem, if the mesh cannot be read.
+/// The mesh as a shape, in the form that `options.meshes` asks for. If the mesh cannot be read, adds a note or
+/// problem and returns std::nullopt.
 [[nodiscard]] std::optional<Shape> mesh_shape(XmlFields& xml, const std::string& uri, const Vec3& scale, const ShapeUse& use,
                                               const RobotOptions& options, Assets& assets);
 

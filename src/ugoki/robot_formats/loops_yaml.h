@@ -46,12 +46,12 @@ struct LoopsYaml {
 /// Location of a loop end: a frame in a link.
 struct LoopEnd {
   int link = -1;  ///< index in the draft; -1: the world
-  Pose X;         ///< pose of the frame in the draft's link
+  Pose X;         ///< pose of the frame in the frame of `link`
 };
 
 /// Adds the loops, joint types and actuated joints of the YAML file to the draft.
-/// @param find_frame, find_joint look up a name of the description; std::nullopt: unknown. find_joint returns the child link of a tree
-/// joint
+/// @param find_frame, find_joint look up a name of the description; std::nullopt: unknown. find_joint returns the index in
+/// the draft of a tree joint's child link
 /// @return problems with unknown names; empty: no problem
 [[nodiscard]] Error apply_loops(const LoopsYaml& yaml, const SideFile& file,
                                 const std::function<std::optional<LoopEnd>(std::string_view)>& find_frame,

@@ -15,7 +15,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double max_coordinate = 1e6;    // unit of the file
+constexpr double max_coordinate = 1e6;    // maximum magnitude of a coordinate, unit of the file
 constexpr double min_half_extent = 1e-4;  // m: flat meshes get a thickness, because a box of zero volume cannot collide
 constexpr std::size_t max_points = 100'000'000;
 
@@ -46,7 +46,7 @@ MeshFile binary_stl(std::string_view bytes, std::size_t triangles) {
   return out;
 }
 
-/// The next three numbers on the line; std::nullopt with a problem in `error` if one is missing or invalid.
+/// The next three numbers on the line; if one is missing or invalid, adds a problem to `error` and returns std::nullopt.
 std::optional<Vec3> point_on_line(formats::Scanner& scan, const std::string& file_name, Error& error) {
   Vec3 v;
   for (int i = 0; i < 3; ++i) {

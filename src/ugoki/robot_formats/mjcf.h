@@ -9,7 +9,8 @@ namespace ugoki::robot_formats {
 
 /// Reads a model with all files that it includes or attaches. Every body becomes a link of the same name. If a body has several joints,
 /// they become a chain of massless links named "body:joint". Coordinates are shifted: q = 0 is the pose written in the file, so for hinges
-/// and slides q = MuJoCo's qpos - ref. A floating base is at its joint frame at q = 0: MuJoCo's free-joint pose = X_PJ * our joint pose.
+/// and slides q = MuJoCo's qpos - ref. A floating base is at its joint frame X_PJ at q = 0:
+/// MuJoCo's free-joint pose = X_PJ * our joint's pose.
 /// Equalities become loops, actuators become effort limits of their joints, keyframes become named positions.
 /// @param file_name names the model and appears in the location of every problem; other files are relative to its folder
 /// Errors: at most 20 problems, each with file:line and a remedy. O(text + bodies log bodies).

@@ -11,7 +11,7 @@
 
 namespace ugoki::robot_formats {
 
-/// State shared by the functions that convert the sections of the file; each adds its part.
+/// State shared by the functions below. Each of them converts one section of the file and adds the result.
 struct MjcfBuild {
   MjcfTree tree;
   const RobotOptions& options;
@@ -27,7 +27,7 @@ struct MjcfBuild {
   [[nodiscard]] LinkSpec& link_of(const MjcfJoint& joint) { return spec.links[static_cast<std::size_t>(joint.link)]; }
   [[nodiscard]] Dof& dof_of(const MjcfJoint& joint) { return link_of(joint).joint.dofs[0]; }
   [[nodiscard]] MjcfJoint& joint_at(const MjcfTree::JointIndex& location) { return tree.bodies[location.body].joints[location.joint]; }
-  /// The object that `name` refers to in the part. Unknown names give null or, for bodies, -1. The body "" is the world (0).
+  /// The joint, site or body that `name` refers to in `part`. Unknown names give null or, for bodies, -1. The body "" is the world (0).
   [[nodiscard]] MjcfJoint* find_joint(const MjcfPart& part, const std::string& name);
   [[nodiscard]] const MjcfSite* find_site(const MjcfPart& part, const std::string& name) const;
   [[nodiscard]] int find_body(const MjcfPart& part, const std::string& name) const;
@@ -37,38 +37,38 @@ struct MjcfBuild {
     const char* kind;
     std::string name;
   };
-  /// The parts in which an element of `part` has to be evaluated: `part` itself; or one part for each copy, if a name refers to an object
-  /// that a <replicate> copied. If a name is unknown, the result is empty and a problem is added. In an attached model a note is added
-  /// instead, because the named object may be in a part of that model that was not attached.
+  /// The parts in which an element of `part` has to be evaluated. Normally this is `part` itself. If a name refers to an object that a
+  /// <replicate> copied, there is one part for each copy. If a name is unknown, the result is empty and a problem is added. In an attached
+  /// model a note is added instead, because the named object may be in a section of that model that was not attached.
   [[nodiscard]] std::vector<MjcfPart> matching_parts(const MjcfElement& e, const MjcfPart& part, const std::vector<Reference>& names);
 };
 
-/// Replaces each geom that is a primitive fitted to a mesh by the primitive with the mesh's moments of inertia, as MuJoCo does.
+/// Sets size and pose of each primitive geom that is to be fitted to a mesh. As in MuJoCo, they follow from the mesh's inertia.
 void fit_mjcf_geoms(MjcfBody& body);
 
 /// Mass, centre of mass and inertia in the body's frame, from its <inertial> or from its geoms. kg, m, kg m^2.
 [[nodiscard]] Inertia mjcf_inertia(MjcfBody& body, const RobotOptions& options);
 
-/// The geom as a shape in the body's frame; std::nullopt, with a note, if it is left out.
+/// The geom as a shape in the body's frame; if it is left out, adds a note and returns std::nullopt.
 [[nodiscard]] std::optional<Shape> mjcf_shape(MjcfBody& body, const MjcfGeom& geom, MjcfBuild& build);
 
-/// Makes the links of all bodies: a chain of massless links for several joints of one body, and a link "world" for the world's shapes.
+/// Makes the links of all bodies. Several joints of one body give a chain of massless links; the world's shapes give a link "world".
 void make_mjcf_links(MjcfBuild& build);
 
 /// Evaluates springdamper of joints as MuJoCo does. springdamper specifies a time constant and a damping ratio of a DOF. The stiffness and
-/// damping of the DOF are computed from these and from its inertia at the pose of the file; they replace the values in the file.
+/// damping of the DOF are computed from these two and from the DOF's inertia at the pose of the file; they replace the values in the file.
 /// O(nv^3) if any joint has springdamper.
 void set_mjcf_springs(MjcfBuild& build);
 
-/// <equality>: loops, and joints that are locked.
+/// Reads <equality>: makes loops, and locks joints.
 void read_mjcf_loops(MjcfBuild& build);
 
-/// <actuator>: effort limits and driven joints.
+/// Reads <actuator>: sets effort limits, and lists the driven joints.
 void read_mjcf_drives(MjcfBuild& build);
 /// Adds notes about <tendon>, <contact>, <deformable>, <option> and other elements that a mechanism cannot store.
 void note_mjcf_left_out(const MjcfBuild& build);
 
-/// <keyframe>: named positions.
+/// Reads <keyframe> as named positions.
 void read_mjcf_keyframes(MjcfBuild& build);
 
 }  // namespace ugoki::robot_formats

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t max_files = 200;  // included and attached files of one model; bounds the recursion over includes
 
-/// Element names that share one set of defaults: all actuators, both kinds of tendon, all equalities.
+/// Name of the set of defaults for elements of this name. All actuators share one set, as do both kinds of tendon, and all equalities.
 std::string_view family_of(std::string_view kind) {
   for (const std::string_view k : {"motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor"})
     if (kind == k) return "general";

@@ -1,5 +1,6 @@
 #pragma once
-// MJCF files as trees of XML elements: includes are spliced in, default classes supply missing attributes. Internal to robot_formats.
+// MJCF files as trees of XML elements. Includes are replaced by their contents; default classes supply missing attributes.
+// Internal to robot_formats.
 
 #include <map>
 #include <memory>
@@ -36,7 +37,7 @@ class MjcfFiles {
  public:
   explicit MjcfFiles(const AssetReader& read) : read_(read) {}
 
-  /// Parses a file. Null, with a problem recorded, if that fails. The result is owned by this object.
+  /// Parses a file. Returns null and records a problem if parsing fails. The result is owned by this object.
   [[nodiscard]] XmlFields* parse(std::string_view text, const std::string& file_name);
   /// The bytes of another file, or the Error of the reader function.
   [[nodiscard]] Result<std::string> read(const std::string& path) const;
@@ -72,8 +73,8 @@ class MjcfDocument {
   std::vector<std::string> paths_;                                ///< paths of the files read so far
 };
 
-/// The attributes of an element, completed by those of its default class, the parent of this class, and so on. The first level that has an
-/// attribute wins.
+/// The attributes of an element, in levels: the element itself, its default class, the parent of this class, and so on. The value of an
+/// attribute is taken from the first level that has it.
 class MjcfAttributes {
  public:
   explicit MjcfAttributes(MjcfElement own) : levels_{own} {}
@@ -87,9 +88,10 @@ class MjcfAttributes {
   [[nodiscard]] int integer(const char* name, int fallback, int low, int high) const;
   [[nodiscard]] bool flag(const char* name, bool fallback) const;
   [[nodiscard]] Vec3 vec3(const char* name, const Vec3& fallback) const;
-  /// Index of the attribute's value in `words`; `fallback` if the attribute is absent or, with a problem, has another value.
+  /// Index of the attribute's value in `words`; `fallback` if the attribute is absent or has another value (a problem).
   [[nodiscard]] int keyword(const char* name, std::initializer_list<std::string_view> words, int fallback) const;
-  /// Reads two numbers; values of magnitude 1e9 or more mean infinite. False, with `out` unchanged, if absent or (with a problem) invalid.
+  /// Reads two numbers; values of magnitude 1e9 or more mean infinite. If the attribute is absent or invalid, returns false and leaves
+  /// `out` unchanged; an invalid attribute also adds a problem.
   bool range(const char* name, std::span<double, 2> out) const;
   bool numbers(const char* name, std::span<double> out, Bounds bounds = {}) const;
   /// Reads an attribute that may have fewer numbers than `out`: each level, starting with the most general class, overwrites as many
@@ -102,23 +104,23 @@ class MjcfAttributes {
   std::vector<MjcfElement> levels_;
 };
 
-/// The default classes of one model. The outermost class is "main"; a name that the file gives it is a second name of it.
+/// The default classes of one model. The outermost class is always "main". If the file gives it another name, both names are valid.
 class MjcfDefaults {
  public:
   void read(const MjcfDocument& document);
   [[nodiscard]] bool knows(const std::string& class_name) const { return classes_.contains(class_name); }
-  /// The attributes of an element with its default class: its own `class`, else `childclass`, else "main".
+  /// The attributes of an element with its default class: the one named by its attribute `class`, else `childclass`, else "main".
   /// @param family which set of defaults to use, if the element name does not determine it (<joint> inside <equality>)
   [[nodiscard]] MjcfAttributes attributes(const MjcfElement& element, const std::string& childclass, std::string_view family = {}) const;
 
  private:
   struct Class {
     std::string parent;
-    std::map<std::string, std::vector<MjcfElement>, std::less<>> elements;  ///< by family; the last one has priority
+    std::map<std::string, std::vector<MjcfElement>, std::less<>> elements;  ///< by family of elements (family_of); the last has priority
   };
   void read_class(const MjcfDocument& document, const MjcfElement& element, const std::string& parent, int depth);
   std::map<std::string, Class, std::less<>> classes_;
-  std::set<std::string> outermost_names_;  ///< names other than "main" of the outermost class
+  std::set<std::string> outermost_names_;  ///< second names of the class "main"; each outermost <default> can give one
 };
 
 }  // namespace ugoki::robot_formats

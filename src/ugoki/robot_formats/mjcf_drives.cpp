@@ -22,13 +22,13 @@ bool has_feedback(const MjcfAttributes& a) {
   return std::ranges::any_of(a.levels(), [&](const MjcfElement& e) { return feeds_back(e.kind()); });
 }
 
-/// Largest magnitude of the two bounds; infinite if the attribute is absent.
+/// Largest magnitude of the two bounds in the attribute `range`; infinite if it is absent.
 double max_magnitude(const MjcfAttributes& a, const char* range) {
   double v[2] = {0, 0};
   return a.range(range, v) ? std::max(std::fabs(v[0]), std::fabs(v[1])) : infinite;
 }
 
-/// Maximum force of an actuator before its gear, N or N m; infinite if it is not bounded.
+/// Maximum force of an actuator before multiplication by its gear, N or N m; infinite if the force is not bounded.
 double max_force(const MjcfCompiler& c, const MjcfAttributes& a) {
   if (mjcf_limited(c, a, "forcelimited", "forcerange")) return max_magnitude(a, "forcerange");
   if (has_feedback(a) || a.own().kind() == "muscle" || !mjcf_limited(c, a, "ctrllimited", "ctrlrange")) return infinite;

@@ -7,17 +7,18 @@ namespace ugoki::robot_formats {
 
 /// Reads a joint.
 /// @param a the element with its defaults; for a <freejoint> the element alone
-/// @param X_BF the frame in which the element is written, in the body's frame
+/// @param X_BF pose, in the body's frame, of the frame to which the element's coordinates refer
 [[nodiscard]] MjcfJoint read_mjcf_joint(const MjcfSource& source, const MjcfAttributes& a, const Pose& X_BF);
 
-/// Reads a geom. X_BF: as for a joint.
+/// Reads a geom. @param X_BF as for read_mjcf_joint()
 [[nodiscard]] MjcfGeom read_mjcf_geom(const MjcfSource& source, const MjcfAttributes& a, const Pose& X_BF);
 
-/// Position and orientation of a geom or site. If the element has `fromto`, the ends determine the pose, and their half distance [m] is
-/// stored in `size`.
+/// Pose of a geom or site in the frame to which its coordinates refer. If the element has `fromto`, its two points determine the pose, and
+/// half their distance [m] is stored in `size`.
 [[nodiscard]] Pose read_mjcf_placement(const MjcfSource& source, const MjcfAttributes& a, MjcfGeomType type, Vec3& size);
 
-/// Whether a range attribute is in force: as the attribute `limited` states; if that is absent or "auto", whether a range is given.
+/// Whether the attribute `range` applies. The attribute `limited` decides. If `limited` is absent or "auto", a range applies if it is
+/// given, is not "0 0", and the compiler's autolimits is true.
 [[nodiscard]] bool mjcf_limited(const MjcfCompiler& compiler, const MjcfAttributes& a, const char* limited, const char* range);
 
 }  // namespace ugoki::robot_formats

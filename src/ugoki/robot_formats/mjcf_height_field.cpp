@@ -11,7 +11,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr int max_points_along = 100'000;  // rows or columns
+constexpr int max_points_along = 100'000;  // maximum number of rows, and of columns
 
 std::uint32_t u32(const char* p) {
   std::uint32_t out = 0;
@@ -72,7 +72,7 @@ void MjcfSource::load_height_field(MjcfHeightField& asset) const {
       for (std::size_t r = static_cast<std::size_t>(field.rows); r-- > 0 && listed.size() == count;)
         for (std::size_t c = 0; c < static_cast<std::size_t>(field.columns); ++c)
           field.heights.push_back(listed[r * static_cast<std::size_t>(field.columns) + c]);
-    } else if (count <= max_heights) {  // MuJoCo lets the program set the heights after loading
+    } else if (count <= max_heights) {  // no heights in the file: in MuJoCo a program may set them after loading
       field.heights.assign(count, 0.0);
     }
   }

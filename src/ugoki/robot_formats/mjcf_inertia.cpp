@@ -38,7 +38,7 @@ MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom) {
   return nullptr;
 }
 
-/// Inertia of one geom in the body's frame; std::nullopt, with a problem, if it cannot be computed.
+/// Inertia of one geom in the body's frame; if it cannot be computed, adds a problem and returns std::nullopt.
 std::optional<Inertia> geom_inertia(MjcfBody& body, const MjcfGeom& geom, const RobotOptions& options) {
   if (geom.mass.value_or(geom.density) == 0 || geom.type == MjcfGeomType::plane) return Inertia{};
   if (geom.type == MjcfGeomType::hfield || geom.type == MjcfGeomType::sdf || geom.shell) {

@@ -199,8 +199,8 @@ class LinkMaker {
   void make_body(MjcfBody& body) {
     const MjcfBody& above = tree_.bodies[static_cast<std::size_t>(body.parent)];
     std::string parent = above.link < 0 ? std::string() : build_.spec.links[static_cast<std::size_t>(above.link)].name;
-    Pose X_LB = above.X_LB * body.X_PB;  // the body in the parent link of the next joint, all joints at zero
-    Vec3 at;                             // origin of the next joint's frame in the body
+    Pose X_LB = above.X_LB * body.X_PB;  // pose of the body in the parent link of the next joint, all joints at zero
+    Vec3 at;                             // origin of the next joint's frame, in the body's frame
     LinkSpec link;
     MjcfElement element = body.element;
     link.joint.X_PJ = X_LB;

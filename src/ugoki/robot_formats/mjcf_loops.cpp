@@ -109,8 +109,8 @@ class LoopReader {
     B = {b.body, b.X_BS};
   }
 
-  /// Frames of an equality between bodies. connect: `anchor` is in body 1; the frame in body 2 is where the anchor is at the pose of the
-  /// file. weld: `anchor` is in body 2; the frame in body 1 follows from relpose or, without relpose, from the pose of the file.
+  /// Finds the frames A in body 1 and B in body 2 that an equality constrains. connect: `anchor` is given in body 1; B is at the same point
+  /// in the pose of the file. weld: `anchor` is given in body 2; A follows from relpose or, without relpose, from the pose of the file.
   void find_bodies(const MjcfElement& e, const MjcfPart& part, bool weld, BodyFrame& A, BodyFrame& B) const {
     A.body = build_.find_body(part, e.text("body1"));
     B.body = build_.find_body(part, e.text("body2"));
@@ -170,7 +170,7 @@ class LoopReader {
     add(std::move(loop), e, part, a);
   }
 
-  /// An equality for a <fixed> tendon (a linear combination of joint coordinates) of one or two joints couples them like a gear.
+  /// Reads an equality for a <fixed> tendon (a linear combination of joint coordinates). It couples one or two joints like a gear.
   void read_tendons(const MjcfElement& e, const MjcfPart& part, const MjcfAttributes& a) {
     std::vector<MjcfElement> members;
     for (const MjcfElement& section : part.source->document().sections("tendon"))
@@ -197,7 +197,7 @@ class LoopReader {
 }  // namespace
 
 namespace {
-/// Finds a name with the prefix and suffix of a part. In a copy of a <replicate> a name may also refer to an object outside of it.
+/// Finds a name with the prefix and suffix of a part. In a copy of a <replicate> a name may also refer to an object outside the copy.
 template <class Map>
 auto find_in(const Map& map, const MjcfPart& part, const std::string& name) {
   const auto it = map.find(part.prefix + name + part.suffix);

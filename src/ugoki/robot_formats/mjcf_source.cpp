@@ -8,7 +8,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr std::size_t max_hull_points = 20'000;  // the hull costs O(points * triangles)
+constexpr std::size_t max_hull_points = 20'000;  // limit, because computing the hull costs O(points * triangles)
 
 std::string folder_of(const std::string& path) {
   const std::size_t slash = path.find_last_of('/');

@@ -31,7 +31,7 @@ struct MjcfCompiler {
 /// A mesh asset. Its points are the points of the file after refpos, refquat and scale were applied.
 struct MjcfMeshAsset {
   MjcfElement element;
-  bool tried = false;        ///< load() was called
+  bool tried = false;        ///< an attempt was made to load the file
   std::string absent;        ///< reason why there are no points (without a final full stop); empty if the mesh was read
   std::vector<Vec3> points;  ///< m
   std::vector<MeshTriangle> triangles;
@@ -43,7 +43,7 @@ struct MjcfMeshAsset {
 struct MjcfHeightField {
   MjcfElement element;
   bool tried = false;
-  std::string absent;  ///< sentence for the user: reason why there is no field; empty if it was read
+  std::string absent;  ///< sentence for the user: reason why there is no field; empty if the field was read
   HeightFieldPtr field;
 };
 
@@ -53,7 +53,7 @@ struct MjcfHeightField {
 /// Loads a model and provides its elements, defaults and assets.
 class MjcfSource {
  public:
-  /// @param path of the model's file, used in messages; other files are relative to its folder
+  /// @param path path of the model's file, used in messages; other files are relative to its folder
   /// @param ancestors paths of the models that attach this one, to detect a model that contains itself
   [[nodiscard]] bool load(std::string_view text, const std::string& path, MjcfFiles& files, std::vector<std::string> ancestors = {});
 
@@ -62,10 +62,10 @@ class MjcfSource {
   [[nodiscard]] const MjcfDefaults& defaults() const { return defaults_; }
   /// The model asset of this name, or null.
   [[nodiscard]] MjcfSource* model(const std::string& name) const;
-  /// The mesh asset of this name with its file read, or null. If the file exists but is damaged, the asset gets a problem.
+  /// The mesh asset of this name, or null. The first call reads its file; a file that exists but is damaged adds a problem.
   [[nodiscard]] MjcfMeshAsset* mesh(const std::string& name);
 
-  /// The height field asset of this name, read if its file exists, or null.
+  /// The height field asset of this name, or null. The first call reads its file, if it exists.
   [[nodiscard]] const MjcfHeightField* height_field(const std::string& name);
 
   /// Orientation of an element, from the attribute quat, axisangle, xyaxes, zaxis or euler.

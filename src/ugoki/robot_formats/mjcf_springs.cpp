@@ -11,7 +11,7 @@ namespace {
 constexpr int max_dofs = 1000;       // the inertia matrix is dense and factored in O(nv^3)
 constexpr double min_value = 1e-15;  // MuJoCo's mjMINVAL: lower bound of every divisor
 
-/// The diagonal of M^-1 (the inverse inertia seen by each DOF) at the pose of the file.
+/// The diagonal of M^-1 at the pose of the file; M is the joint-space inertia matrix of the mechanism.
 class RestInertia {
  public:
   explicit RestInertia(const MechanismSpec& spec) : links_(spec.links.size()) {

@@ -15,7 +15,7 @@ struct Scope {
   MjcfSource* source = nullptr;
   std::string prefix, suffix, childclass;
   std::size_t body = 0;
-  Pose X_BF;  ///< frame in which the element is written, in the body
+  Pose X_BF;  ///< pose, in the body, of the frame to which the element's coordinates refer
   int depth = 0;
   bool copied = false;  ///< inside a <replicate>
 };
@@ -225,7 +225,7 @@ class TreeReader {
     e.problem(ErrorCode::unknown, "The model has no body named " + formats::in_quotes(body) + ".", "Use the name of one of its bodies.");
   }
 
-  /// Reads the body `name` below `parent`, with the childclass that is in force there. False if there is no such body.
+  /// Reads the body `name` below `parent`, with the childclass of the elements that contain it. False if there is no such body.
   bool attach_body(const MjcfElement& parent, const std::string& name, Scope scope) {
     if (++scope.depth > static_cast<int>(formats::max_depth) || !step(parent)) return false;
     for (const MjcfElement& e : scope.source->document().children(parent)) {

@@ -22,7 +22,7 @@ struct MjcfJoint {
   std::string name;  ///< with prefix and suffix; may be empty
   MjcfJointType type = MjcfJointType::hinge;
   Vec3 pos, axis;                               ///< in the body's frame; pos in m, axis a unit vector
-  double ref = 0;                               ///< MuJoCo's coordinate at the pose of the file, m or rad; ours is 0 there
+  double ref = 0;                               ///< MuJoCo's coordinate at the pose of the file, m or rad; Ugoki's is 0 there
   std::array<double, 2> springdamper = {0, 0};  ///< time constant [s], damping ratio; 0: not given
   Dof dof;                                      ///< properties of each of the joint's DOFs, with limits and rest position relative to q = 0
   int link = -1;                                ///< index in MechanismSpec::links; set by make_mjcf_links
@@ -32,7 +32,7 @@ struct MjcfJoint {
 struct MjcfGeom {
   MjcfElement element;
   MjcfGeomType type = MjcfGeomType::sphere;
-  Pose X_BG;                   ///< geom in the body's frame
+  Pose X_BG;                   ///< pose of the geom in the body's frame
   Vec3 size;                   ///< m, in MuJoCo's convention: half lengths and radii
   std::optional<double> mass;  ///< kg; overrides density
   double density = 1000;       ///< kg/m^3
@@ -56,8 +56,8 @@ struct MjcfBody {
   MjcfSource* source = nullptr;
   std::string name;      ///< with prefix and suffix; unique, never empty
   int parent = -1;       ///< index in MjcfTree::bodies; -1: this is the world
-  Pose X_PB;             ///< in the parent body's frame, at the pose of the file
-  Pose X_WB;             ///< in the world, at the pose of the file
+  Pose X_PB;             ///< pose in the parent body's frame, with all joints as in the file
+  Pose X_WB;             ///< pose in the world, with all joints as in the file
   bool mocap = false;    ///< moved by a program, not by physics
   MjcfElement inertial;  ///< <inertial>; empty if absent
   std::vector<MjcfJoint> joints;
@@ -67,7 +67,7 @@ struct MjcfBody {
   Pose X_LB;      ///< body frame in the frame of `link`
 };
 
-/// A model whose bodies are in the tree, under names with a prefix and a suffix. The first part is the main file.
+/// One occurrence of a model in the tree. Its bodies are named with the prefix and the suffix. The first part is the main file.
 struct MjcfPart {
   MjcfSource* source = nullptr;
   std::string prefix, suffix;
@@ -77,7 +77,7 @@ struct MjcfPart {
 
 /// All bodies of a model, and indices of its named objects.
 struct MjcfTree {
-  /// Index of a joint: body, and joint of this body.
+  /// Location of a joint: index in MjcfTree::bodies, and index in MjcfBody::joints.
   struct JointIndex {
     std::size_t body, joint;
   };
@@ -86,7 +86,7 @@ struct MjcfTree {
   std::map<std::string, std::size_t, std::less<>> body_named;
   std::map<std::string, JointIndex, std::less<>> joint_named;
   std::map<std::string, MjcfSite, std::less<>> site_named;
-  /// "joint knee" for a joint `knee` inside a <replicate>: the suffixes of its copies.
+  /// Suffixes of the copies of an object inside a <replicate>, by kind and name: "joint knee" for a joint `knee`.
   std::map<std::string, std::vector<std::string>, std::less<>> copies;
   bool deformables_left_out = false;  ///< the model has deformable bodies, whose coordinates are part of its keyframes
 };

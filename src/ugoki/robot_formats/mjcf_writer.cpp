@@ -249,7 +249,7 @@ class MjcfWriter {
       const int a = m_.find_link(loop.link_a), b = m_.find_link(loop.link_b);
       switch (loop.type) {
         case LoopType::weld: {
-          // relpose is the pose of body 2 in body 1. Not every MuJoCo accepts the world as body 1, so the world becomes body 2.
+          // relpose is the pose of body 2 in body 1. Not every version of MuJoCo accepts the world as body 1, so the world becomes body 2.
           const bool swap = a < 0;
           const Pose relative = swap ? loop.X_BJ * loop.X_AJ.inverse() : loop.X_AJ * loop.X_BJ.inverse();
           const Quat r = to_quat(relative.R);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double min_armature = 1e-6;  // kg m^2 or kg: small for usual links, but keeps the inertia matrix invertible
 
-/// Mass plus trace of the inertia: zero only if the body has neither. Only compared with zero.
+/// Mass plus trace of the inertia, which is zero only if the body has neither. It is only compared with zero.
 double total_inertia(const Inertia& i) { return i.mass + i.I.xx + i.I.yy + i.I.zz; }
 
 }  // namespace
@@ -42,7 +42,7 @@ int RobotDraft::find_link(std::string_view name) const {
   return it == index_.end() ? -1 : it->second;
 }
 
-/// Link indices, parents before children. Empty, with a problem, if the parents form a cycle.
+/// Link indices, parents before children. If the parents form a cycle, adds a problem and returns an empty list.
 std::vector<int> RobotDraft::parents_first() {
   const std::size_t n = spec.links.size();
   std::vector<std::vector<int>> children(n);

@@ -1,5 +1,5 @@
 #pragma once
-// A mechanism under construction: what all readers share after their file is parsed. Internal to robot_formats.
+// A mechanism under construction, and the steps that all readers share after their file is parsed. Internal to robot_formats.
 
 #include <map>
 #include <string>
@@ -15,7 +15,7 @@ namespace ugoki::robot_formats {
 struct DraftLink {
   pugi::xml_node node = {};  ///< element of the link, for error locations
   std::string joint = {};    ///< name of its joint in the file; empty: none
-  bool base_open = false;    ///< the file does not join it to the world: options.base decides
+  bool base_open = false;    ///< no joint of the file connects the link to the world: options.base decides
   Pose X_BF = {};            ///< see RobotModel::X_BF
 };
 
@@ -29,15 +29,15 @@ class RobotDraft {
   std::vector<JointName> loop_joints;
   std::vector<std::string> driven;
 
-  /// Adds a link. Returns its index, or -1, with a problem, if a link of this name exists.
+  /// Adds a link and returns its index. If a link of this name exists, adds a problem and returns -1.
   int add_link(LinkSpec link, DraftLink draft);
   /// Index of the link; -1: none.
   [[nodiscard]] int find_link(std::string_view name) const;
   [[nodiscard]] LinkSpec& link(int i) { return spec.links[static_cast<std::size_t>(i)]; }
   [[nodiscard]] DraftLink& draft(int i) { return links[static_cast<std::size_t>(i)]; }
 
-  /// Fixes or floats the bases, repairs inertias, gives massless joints an armature (or refuses both) and makes the mechanism.
-  /// Problems name the line of their link.
+  /// Makes the mechanism. First repairs impossible inertias, connects the bases to the world by fixed or floating joints, and gives an
+  /// armature to joints that move no mass. With Inertias::strict such inertias and joints are refused. Problems name the link's line.
   [[nodiscard]] Result<RobotModel> finish();
 
  private:

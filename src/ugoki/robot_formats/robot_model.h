@@ -29,7 +29,7 @@ struct NamedPosition {
 struct MeshRead {
   std::string file;
   std::size_t points = 0, triangles = 0;  ///< counts in the file
-  std::uint64_t geometry = 0;             ///< hash of the geometry made from it; 0: it was replaced by a box
+  std::uint64_t geometry = 0;             ///< hash of the geometry made from the mesh; 0: the mesh was replaced by a box
   GeometryFindings found;                 ///< exact surfaces only: defects found in the mesh
 };
 
@@ -37,10 +37,10 @@ struct MeshRead {
 struct RobotModel {
   MechanismPtr mechanism;
   std::vector<JointName> joints;    ///< tree joints in the order of the mechanism's links (without generated ones), then loops
-  std::vector<Pose> X_BF;           ///< [links] the link frame of the file in the link frame of the mechanism, whose origin is at the joint
+  std::vector<Pose> X_BF;           ///< [links] pose of the file's link frame in the mechanism's link frame (origin at the joint)
   std::vector<std::string> driven;  ///< links whose joints the file declares as actuated; empty if it declares none
   std::vector<NamedPosition> positions;
-  std::vector<MeshRead> meshes;    ///< each combination of file and scale once
+  std::vector<MeshRead> meshes;    ///< each combination of file, scale and use (collision or display) once
   std::vector<std::string> notes;  ///< sentences for the user: what was approximated, repaired or left out
 };
 
@@ -55,7 +55,7 @@ enum class Inertias { repair, strict };
 /// Returns the bytes of a file that a description refers to, or an Error (code io: not found).
 using AssetReader = std::function<Result<std::string>(const std::string& path)>;
 
-/// A text file that belongs to a description.
+/// A text file that belongs to a robot description.
 struct SideFile {
   std::string name, text;
 };

@@ -18,10 +18,10 @@ struct RobotText {
 };
 
 /// Writes URDF, and `stem`.yaml with the loops (loops_yaml.h) if there are any. Link frames, masses, inertias, axes, limits, damping,
-/// friction and effort limits keep their bits; rotations, which URDF stores as angles, are kept to rounding. read_urdf() restores the same
+/// friction and effort limits are exact; rotations, which URDF stores as angles, are exact to rounding. read_urdf() restores the same
 /// links, and additional massless links at the frames of loops. Cylindrical, helical and universal joints become two joints with a massless
-/// link between. URDF cannot store springs, armature, friction and restitution of surfaces, ellipsoids, height fields, distance loops and
-/// nonlinear gears; each of these gives a note.
+/// link between them. URDF cannot store springs, armature, friction and restitution of surfaces, ellipsoids, height fields, distance loops
+/// and nonlinear gears. Each of these gives a note.
 /// @param stem base name of the side files
 [[nodiscard]] RobotText write_urdf(const Mechanism& mechanism, std::string_view stem);
 

@@ -51,8 +51,8 @@ class SdfReader {
   }
 
  private:
-  /// A joint by which the tree can grow: from a link in the tree to one that may not be in it. Ordered by DOFs, depth, position in the
-  /// file.
+  /// A joint by which the tree can grow: it leads from a link in the tree to a link that may not be in the tree yet. Ordered by number of
+  /// DOFs, then depth in the tree, then position in the file.
   struct Candidate {
     int dofs, depth, joint;
     bool operator>(const Candidate& o) const { return std::tie(dofs, depth, joint) > std::tie(o.dofs, o.depth, o.joint); }
@@ -91,7 +91,7 @@ class SdfReader {
     return chosen;
   }
 
-  /// Name of the link that carries the model's own frame: its canonical_link, or its first link; empty if it has none.
+  /// Name of the link that carries the model's own frame: its canonical_link, or its first link; empty if the model has no link.
   std::string canonical_link(pugi::xml_node model) {
     if (const XmlField named = xml_.attribute(model, "canonical_link"); !named.text.empty()) return xml_.text(named);
     if (const pugi::xml_node link = model.child("link")) return xml_.text(xml_.attribute(link, "name"));
@@ -169,7 +169,7 @@ class SdfReader {
     }
   }
 
-  /// "hand" of "arm::hand".
+  /// The last component of a scoped name: "hand" for "arm::hand".
   static std::string last_part(const std::string& name) {
     const std::size_t at = name.rfind("::");
     return at == std::string::npos ? name : name.substr(at + 2);
@@ -178,7 +178,7 @@ class SdfReader {
   [[nodiscard]] int draft_count() const { return static_cast<int>(draft_.links.size()); }
   [[nodiscard]] int draft_link(int frame) const { return frame < 0 ? -1 : draft_of_[static_cast<std::size_t>(frame)]; }
 
-  /// Builds the spanning tree from the world, then from the first link of each part that is not connected to it. The tree always grows
+  /// Builds the spanning tree from the world, then from the first link of each set of links not connected to the world. The tree grows
   /// along the candidate joint with the fewest DOFs, then the smallest depth, then the first in the file (Prim's algorithm: minimum total
   /// number of DOFs). The remaining joints close loops. Screw joints have priority, because no loop type can replace them.
   void build_tree(bool is_static) {
@@ -260,7 +260,8 @@ class SdfReader {
     draft_.spec.loops.push_back(std::move(loop));
   }
 
-  /// A loop between two frames given in the link frames of the file.
+  /// A loop between the links with the frame indices a and b (-1: the world).
+  /// @param X_AJ, X_BJ poses of the loop's two frames in the file's link frames
   LoopSpec between(LoopType type, int a, const Pose& X_AJ, int b, const Pose& X_BJ) {
     const int links[2] = {draft_link(a), draft_link(b)};
     LoopSpec loop{.type = type, .X_AJ = X_AJ, .X_BJ = X_BJ};
@@ -297,8 +298,8 @@ class SdfReader {
     for (const SdfMimic& mimic : graph_.mimics) make_mimic(mimic);
   }
 
-  /// The link carried by the revolute tree joint between `link` and `reference`, and the sign of its rotation about `axis_W`. Link -1:
-  /// none.
+  /// The link carried by the revolute tree joint between `link` and `reference`, and the sign of its rotation about `axis_W`. The
+  /// link is -1 if there is no such joint.
   std::pair<int, double> turning(int link, int reference, const Vec3& axis_W) {
     const auto it = turning_.find({std::min(link, reference), std::max(link, reference)});
     if (it == turning_.end()) return {-1, 1};

@@ -41,7 +41,7 @@ Pose SdfFrames::pose(pugi::xml_node node) {
 }
 
 std::string SdfFrames::relative_to(pugi::xml_node node, std::string_view otherwise) {
-  // The attribute was called `frame` in versions 1.5 and 1.6.
+  // The attribute `relative_to` was called `frame` in versions 1.5 and 1.6.
   const XmlField field = xml_.attribute(node.child("pose"), version_ >= 107 ? "relative_to" : "frame");
   return field.text.empty() ? std::string(otherwise) : xml_.text(field);
 }

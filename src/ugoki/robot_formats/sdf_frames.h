@@ -15,7 +15,7 @@ enum class SdfFrameKind { world, model, link, joint, frame };
 /// A named frame with its pose.
 struct SdfFrame {
   std::string name = {};   ///< relative to the model that is read: "arm::hand"
-  std::string scope = {};  ///< scope of the model that contains it, ending with "::": "arm::"; empty for the outermost model
+  std::string scope = {};  ///< name of the model that contains it and "::", for example "arm::"; empty for the outermost model
   SdfFrameKind kind = SdfFrameKind::frame;
   pugi::xml_node node = {};
   std::string relative_to = {};  ///< name, in its scope, of the frame in which X is given
@@ -36,7 +36,7 @@ class SdfFrames {
   /// Name of the frame relative to which the `<pose>` of the node is given; `otherwise` if it names none.
   [[nodiscard]] std::string relative_to(pugi::xml_node node, std::string_view otherwise);
 
-  /// Adds a frame; a problem if the name is already used.
+  /// Adds a frame, or a problem if the name is already used.
   void add(SdfFrame frame);
   /// Computes X_W and `link` of all frames. Problems: unknown names, cycles.
   void resolve();
@@ -46,11 +46,11 @@ class SdfFrames {
   [[nodiscard]] const SdfFrame& at(int i) const { return frames_[static_cast<std::size_t>(i)]; }
   [[nodiscard]] int count() const { return static_cast<int>(frames_.size()); }
 
-  /// Pose of an element with a `<pose>`, which belongs to the frame `owner`, in the frame `owner`.
+  /// Pose, in the frame `owner`, of a child element of `owner` that has a `<pose>`.
   [[nodiscard]] Pose pose_in(int owner, pugi::xml_node node);
 
  private:
-  /// Index of the frame called `name` in the scope of frame `from`; -1, with a problem.
+  /// Index of the frame called `name` in the scope of frame `from`. If there is none, adds a problem and returns -1.
   int target(int from, const std::string& name, const char* purpose);
 
   XmlFields& xml_;

@@ -42,7 +42,7 @@ class SdfJointReader {
  private:
   Pose in_link(int link, const Pose& X_W) const { return link < 0 ? X_W : frames_.at(link).X_W.inverse() * X_W; }
 
-  /// Index of the frame that `<parent>` or `<child>` refers to; -1, with a problem.
+  /// Index of the frame that `<parent>` or `<child>` refers to. If there is none, adds a problem and returns -1.
   int end(const char* which) {
     const std::string name = xml_.required_text(xml_.element(node_, which));
     const int i = name.empty() ? -1 : frames_.find(self_.scope, name);
@@ -52,8 +52,8 @@ class SdfJointReader {
   }
 
   /// The joint frame on the side of the parent, in the world. Normally this is the joint's own frame: the file places the links so that
-  /// both sides coincide. If the child link has no <pose> and the joint names a <frame> as its parent, that frame is meant as the joint's
-  /// place.
+  /// both sides coincide. If the child link has no <pose> and the joint names a <frame> as its parent, that frame is taken as the joint
+  /// frame.
   Pose parent_side(int parent, int child_link) {
     const SdfFrame& named = frames_.at(parent);
     const bool explicit_frame = named.kind == SdfFrameKind::frame;
@@ -168,7 +168,7 @@ class SdfJointReader {
   SdfJoints& out_;
 };
 
-/// Index of the frame that the child element refers to; -1, with a problem.
+/// Index of the frame that the child element refers to. If there is none, adds a problem and returns -1.
 int named_frame(XmlFields& xml, const SdfFrames& frames, std::string_view scope, pugi::xml_node node, const char* element) {
   const std::string name = xml.required_text(xml.element(node, element));
   const int i = name.empty() ? -1 : frames.find(scope, name);
@@ -177,12 +177,12 @@ int named_frame(XmlFields& xml, const SdfFrames& frames, std::string_view scope,
   return i;
 }
 
-/// The loop type with the DOFs along which the bushing has no stiffness; std::nullopt for combinations that no loop type has.
+/// The loop type that leaves free exactly the DOFs in which the bushing has no stiffness; std::nullopt if no loop type does so.
 std::optional<LoopType> bushing_type(XmlFields& xml, pugi::xml_node node) {
   const Vec3 force = xml.vec3(xml.element(node, "drake:bushing_force_stiffness"), {}, not_negative);
   const Vec3 torque = xml.vec3(xml.element(node, "drake:bushing_torque_stiffness"), {}, not_negative);
   if (!(force.x > 0 && force.y > 0 && force.z > 0)) return std::nullopt;
-  if (torque.x > 0 && torque.y > 0) return torque.z > 0 ? LoopType::weld : LoopType::revolute;  // its axis is z
+  if (torque.x > 0 && torque.y > 0) return torque.z > 0 ? LoopType::weld : LoopType::revolute;  // the revolute axis is z
   if (torque.x == 0 && torque.y == 0 && torque.z == 0) return LoopType::ball;
   return std::nullopt;
 }

@@ -26,7 +26,7 @@ struct SdfGearbox {
   pugi::xml_node node;
   std::string name, scope;
   int parent = -1, child = -1, reference = -1;  ///< frame indices of links
-  Vec3 axis_W, axis2_W;                         ///< axes of the parent and of the child, in world axes
+  Vec3 axis_W, axis2_W;                         ///< rotation axes of the parent and of the child, in world axes
   double ratio = 1;                             ///< angle of the child = -ratio * angle of the parent
 };
 
@@ -60,7 +60,7 @@ void read_sdf_joint(XmlFields& xml, SdfFrames& frames, int version, int frame, S
 /// Reads the element if it is one of Drake's closures. Returns whether it is one.
 bool read_sdf_closure(XmlFields& xml, const SdfFrames& frames, std::string_view scope, pugi::xml_node node, SdfJoints& out);
 
-/// The same joint with parent and child exchanged. The coordinates are unchanged; the two coordinates of a universal joint are exchanged.
+/// The joint with parent and child exchanged. Its coordinates keep their values; those of a universal joint are stored in reverse order.
 [[nodiscard]] Joint reversed(const Joint& joint);
 
 /// The loop type that leaves the same DOFs as the joint; std::nullopt if there is none.

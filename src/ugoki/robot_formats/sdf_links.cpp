@@ -27,7 +27,7 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
   return mesh_shape(xml, uri, xml.vec3(xml.element(node, "scale"), {1, 1, 1}, {-1e6, 1e6}), use, options, assets);
 }
 
-/// The shape of one `<collision>` or `<visual>`; std::nullopt, with a note, if it has no geometry that can be read.
+/// The shape of one `<collision>` or `<visual>`; if it has no readable geometry, adds a note and returns std::nullopt.
 std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const ShapeUse& use, const RobotOptions& options, Assets& assets) {
   for (const pugi::xml_node geometry : node.child("geometry").children())
     for (const std::string_view known : {"box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh"})

@@ -10,7 +10,8 @@ struct SymmetricEigen {
   Vec3 values;
   Mat3 V;
 };
-/// Computes it by Jacobi's method (Golub, Van Loan, Matrix Computations, 8.5), with at most 30 sweeps. Finite input gives finite output.
+/// Computes the decomposition by Jacobi's method (Golub, Van Loan, Matrix Computations, 8.5), with at most 30 sweeps. Finite
+/// input gives finite output.
 [[nodiscard]] SymmetricEigen symmetric_eigen(const Sym3& s);
 
 }  // namespace ugoki::robot_formats

@@ -82,7 +82,7 @@ class UrdfReader {
     return Inertia::from_centre(mass, X.p, rotated(I, X.R));
   }
 
-  /// Index of the link that the child element `end` of the joint refers to; -1, with a problem.
+  /// Index of the link that the child element `end` of the joint refers to. If there is none, adds a problem and returns -1.
   int end_of(pugi::xml_node joint, const char* end) {
     const XmlField field = xml_.attribute(joint.child(end), "link");
     const std::string name = xml_.text(field);
@@ -215,7 +215,7 @@ class UrdfReader {
     link.shapes = read_urdf_shapes(xml_, draft_.draft(i).node, options_, assets_);
   }
 
-  /// Ugoki's planar joint moves in the x-y plane of the joint frame. If the axis is not z, a massless link is inserted whose z is the axis.
+  /// Ugoki's planar joint moves in the x-y plane of the joint frame. If the axis is not z, inserts a massless link whose z is the axis.
   void split_planar_joints() {
     const int count = static_cast<int>(draft_.links.size());
     for (int i = 0; i < count; ++i) {

@@ -16,7 +16,7 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
     return primitive_shape(xml, Primitive::box, {.sides = xml.vec3(xml.attribute(node, "size"), {}, not_negative)}, use);
   }
   if (kind == "sphere") return primitive_shape(xml, Primitive::sphere, {.radius = size(xml, node, "radius")}, use);
-  if (kind == "cylinder" || kind == "capsule")  // not in the specification of URDF, but widely used
+  if (kind == "cylinder" || kind == "capsule")  // <capsule> is not in the specification of URDF, but widely used
     return primitive_shape(xml, kind == "capsule" ? Primitive::capsule : Primitive::cylinder,
                            {.radius = size(xml, node, "radius"), .length = size(xml, node, "length")}, use);
   const std::string uri = xml.required_text(xml.attribute(node, "filename"));
@@ -24,7 +24,7 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
   return mesh_shape(xml, uri, scale, use, options, assets);
 }
 
-/// The shape of one `<collision>` or `<visual>`; std::nullopt, with a note, if it has no geometry that can be read.
+/// The shape of one `<collision>` or `<visual>`; if it has no readable geometry, adds a note and returns std::nullopt.
 std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const RobotOptions& options, Assets& assets) {
   const ShapeUse use{node, std::string_view(node.name()) == "collision", urdf_origin(xml, node)};
   for (const pugi::xml_node geometry : node.child("geometry").children())

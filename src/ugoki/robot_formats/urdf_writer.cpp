@@ -31,7 +31,7 @@ class UrdfWriter {
     return std::move(out_);
   }
 
-  /// Whether the link is the world itself, as readers name and fix it.
+  /// Whether the link represents the world: named "world", without parent, fixed at the world's frame.
   static bool is_world(const Link& l) {
     return l.name == "world" && l.parent < 0 && l.joint.type == JointType::fixed && is_identity(l.joint.X_PJ);
   }
@@ -49,10 +49,11 @@ class UrdfWriter {
     return name;
   }
 
-  /// A link without inertia and shapes.
+  /// Writes a link without inertia and shapes.
   void write_massless(const std::string& name) { xml_.element("link", attribute("name", name)); }
 
-  /// A URDF has one base. If the only base is floating at the world's origin, it is this base; otherwise a link "world" is.
+  /// Writes the base, because a URDF has exactly one. A single floating base at the world's frame is kept as base; otherwise the base is a
+  /// link "world".
   void write_bases() {
     std::vector<const Link*> bases;
     for (const Link& l : m_.links())
@@ -134,7 +135,7 @@ class UrdfWriter {
     return it->second;
   }
 
-  /// Writes the joint that carries `l`. Joints of several DOFs become a chain of joints with massless links between.
+  /// Writes the joint that carries `l`. Joints of several DOFs become a chain of joints with massless links between them.
   void write_joint(const Link& l, const std::string& parent) {
     const Joint& j = l.joint;
     const std::vector<SimpleJoint> parts = j.type == JointType::planar ? std::vector<SimpleJoint>{} : simple_joints(j);
@@ -193,7 +194,7 @@ class UrdfWriter {
                attribute("offset", loop.polynomial[0]);
     return {};
   }
-  /// Whether a gear can be written as <mimic>: linear, closed, between joints of one DOF, and the first gear of its follower.
+  /// Whether a gear can be written as <mimic>: it must be linear, closed, between joints of one DOF, and the first gear of its follower.
   [[nodiscard]] bool is_mimic(const LoopSpec& loop) const {
     const auto simple = [&](const std::string& name) {
       const JointType type = m_.link(m_.find_link(name)).joint.type;
@@ -224,7 +225,8 @@ class UrdfWriter {
     xml_.end();
   }
 
-  /// Adds a massless link at X in `link` whose z is along `axis`. If `axis2` is given, its y is along `axis2` instead. Returns its name.
+  /// Adds a massless link at the pose X in `link` and returns its name. X is rotated so that z is along `axis`. If `axis2` is
+  /// given, X is rotated so that y is along `axis2` instead.
   std::string frame_at(const std::string& wanted, const std::string& link, const Pose& X, const Vec3& axis, const Vec3* axis2) {
     const std::string name = unique_name(wanted);
     Mat3 R = to_matrix(rotation_between({0, 0, 1}, axis));

@@ -13,7 +13,7 @@ namespace ugoki::robot_formats {
 /// Collects notes. Notes with the same sentence become one, which lists all names.
 class WrittenNotes {
  public:
-  /// @param sentence in which "%" is replaced by the names
+  /// @param sentence text in which "%" is replaced by the names
   void add(const std::string& sentence, const std::string& name) {
     std::vector<std::string>& names = names_[sentence];
     if (names.empty() || names.back() != name) names.push_back(name);
@@ -42,10 +42,10 @@ struct SimpleJoint {
 /// helical joint gives two, both for DOF 0: the translation follows the rotation.
 [[nodiscard]] std::vector<SimpleJoint> simple_joints(const Joint& joint);
 
-/// All loops of the mechanism; virtual links (see the paper) become weld loops with their real links.
+/// All loops of the mechanism; each virtual link (LinkSpec::real) becomes a weld loop with its real link.
 [[nodiscard]] std::vector<LoopSpec> all_loops(const Mechanism& mechanism);
 
-/// Position limits of this magnitude (m, rad) or greater are written as this value, which the readers take as "no limit".
+/// Position limits of this magnitude (m, rad) or greater are written as this value, which the readers treat as "no limit".
 inline constexpr double no_limit = 1e10;
 
 }  // namespace ugoki::robot_formats

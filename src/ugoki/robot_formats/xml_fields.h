@@ -35,7 +35,7 @@ struct XmlField {
   const char* name = "";               ///< name of the attribute or child element; empty: the text of `node` itself
 };
 
-/// Range of a number; both bounds are allowed.
+/// Range of allowed numbers, bounds included.
 struct Bounds {
   double low = -formats::max_magnitude, high = formats::max_magnitude;
 };
@@ -88,22 +88,23 @@ class XmlFields {
 
   /// The text as valid UTF-8; empty if the field is absent.
   [[nodiscard]] std::string text(const XmlField& field) const;
-  /// As text(), with a problem if the field is absent or empty.
+  /// As text(), but adds a problem if the field is absent or empty.
   [[nodiscard]] std::string required_text(const XmlField& field);
-  /// The number; `fallback` if the field is absent or, with a problem, is not a number within the bounds.
+  /// The number. Returns `fallback` if the field is absent or is not a number within the bounds; the latter adds a problem.
   [[nodiscard]] double number(const XmlField& field, double fallback, Bounds bounds = {});
-  /// A joint limit: any finite number, inf or -inf; magnitudes of 1e9 or more become +-infinity. `fallback` as for number().
+  /// A joint limit: any finite number, inf or -inf; magnitudes of 1e9 or more become +-infinity. Returns `fallback` as number() does.
   [[nodiscard]] double limit(const XmlField& field, double fallback);
-  /// A whole number from low to high; `fallback` as for number().
+  /// An integer from `low` to `high`. Returns `fallback` as number() does.
   [[nodiscard]] int integer(const XmlField& field, int fallback, int low, int high);
-  /// One of true, false, 1, 0; `fallback` as for number().
+  /// One of true, false, 1, 0. Returns `fallback` as number() does.
   [[nodiscard]] bool flag(const XmlField& field, bool fallback);
-  /// Reads exactly out.size() numbers. False, with `out` unchanged, if the field is absent or, with a problem, invalid.
+  /// Reads exactly out.size() numbers. If the field is absent or invalid, returns false and leaves `out` unchanged; an invalid field also
+  /// adds a problem.
   bool numbers(const XmlField& field, std::span<double> out, Bounds bounds = {});
-  /// Reads from `minimum` to `maximum` numbers. Empty if the field is absent or, with a problem, invalid.
+  /// Reads from `minimum` to `maximum` numbers. Returns an empty list if the field is absent or invalid; an invalid field adds a problem.
   [[nodiscard]] std::vector<double> list(const XmlField& field, std::size_t minimum, std::size_t maximum, Bounds bounds = {});
   [[nodiscard]] Vec3 vec3(const XmlField& field, const Vec3& fallback, Bounds bounds = {});
-  /// A vector scaled to unit length; `fallback`, with a problem, if its length is below 1e-9.
+  /// A vector scaled to unit length. If its length is below 1e-9, returns `fallback` and adds a problem.
   [[nodiscard]] Vec3 direction(const XmlField& field, const Vec3& fallback);
 
  private:

@@ -33,7 +33,7 @@ struct LimbPosture {
 
 /// Posture of a limb from `root` to `end` (m, world); if `end` is out of reach, the limb is stretched towards it.
 /// @param upper, lower m, lengths of the bones
-/// @param side the hinge axis is the component of this direction (about y) perpendicular to the line from root to end
+/// @param side the hinge axis is the component of this direction (approximately y) perpendicular to the line from root to end
 /// @param bend +1: the middle joint bends like a knee (flexion > 0, the joint in front of the line), -1: like an elbow
 [[nodiscard]] LimbPosture reach(const Vec3& root, const Vec3& end, double upper, double lower, const Vec3& side, int bend);
 

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double dog_mass = 32;
 
-/// Given shares of the body mass, for links whose density differs from the mean. Fore foot (carpus and paw): 0.72 % (Jones, Raschke,
-/// Riches 2018, PLoS ONE 13, German shepherds). Hind foot: the same paw, and more for the longer metatarsus. Head: more because of its
+/// Given shares of the body mass, for links whose density differs from the mean. Fore foot (carpus and paw): 0.72 % (Jones, Raschke, Riches
+/// 2018, PLoS ONE 13, German shepherds). Hind foot: a larger share, because the metatarsus is longer. Head: a larger share, because of its
 /// bone.
 constexpr struct {
   const char* label;

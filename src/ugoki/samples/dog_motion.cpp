@@ -150,7 +150,7 @@ Step trot_step(double u, const DogLimb& limb, double forward, double lift, doubl
   const double half = 0.5 * duty * stride;
   if (u < duty) {
     const double t = u / duty;
-    s.knuckle = {half + forward, 0, 0};  // constant on the ground; the caller moves the body
+    s.knuckle = {half + forward, 0, 0};  // constant while the foot stands; the caller moves the body
     // The metapodium pitches forward over the standing paw during the stance.
     s.metapodium = (-12 + (12 + push) * smooth_step(t)) * degree;
     s.paw = 0;
@@ -219,7 +219,7 @@ Motion make_dog_stand(const Mechanism& dog) {
     p.set("Neck1", about_z(5 * degree * sin(w)));
     p.set("Head", about_z(5 * degree * sin(w + 0.3)) * about_x(3 * degree * sin(w)));
     const char* tail[] = {"Tail", "Tail1", "Tail2", "Tail3"};
-    for (int i = 0; i < 4; ++i) p.set(tail[i], about_z(9 * degree * sin(6 * w - 0.6 * i)));  // wags
+    for (int i = 0; i < 4; ++i) p.set(tail[i], about_z(9 * degree * sin(6 * w - 0.6 * i)));  // the tail wags
     for (const int side : {1, -1}) {
       const auto still = [&](const DogLimb& limb) {
         Step s;

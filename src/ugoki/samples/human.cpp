@@ -16,7 +16,7 @@ constexpr double thigh = 0.245 * height, shank = 0.246 * height;
 constexpr double ankle_height = 0.039 * height, ball_height = 0.019 * height;
 constexpr double ball_forward = 0.075 * height, toe_length = 0.040 * height;
 constexpr double heel_back = 0.036 * height, heel_radius = 0.04,
-                 edge_forward = ball_forward + 0.012;  // same shape of the sole as in the body module
+                 edge_forward = ball_forward + 0.012;  // the sole has the shape that the body module makes
 constexpr double hip_half_width = 0.050 * height, hip_drop = 0.022 * height;
 constexpr double rate = 120;
 
@@ -125,8 +125,8 @@ void place_trunk(Posture& p, const Mat3& R_chest, const Mat3& R_head) {
   for (const int j : {neck, head}) p.local[j] = to_matrix(exp_map(nod * 0.5));
 }
 
-/// Sets the joints of an arm, whose rest is the T position: hanging, swung forward by `swing`, spread by `spread`, elbow bent by
-/// `flexion`, all in rad.
+/// Sets the joints of an arm that hangs, is swung forward by `swing` and spread sideways by `spread`, with the elbow bent by `flexion` (all
+/// in rad). The arm's rest posture is the T position.
 void place_arm(Posture& p, int side, double swing, double spread, double flexion) {
   const int first = side > 0 ? arm_l : arm_r;
   p.local[first] = about_y(-swing) * about_x(-side * (pi / 2 - spread)) * about_y(-0.2);
@@ -159,11 +159,11 @@ class Recorder {
 
 constexpr int stride_frames = 124;  // 1.033 s: 116 steps a minute
 constexpr double stride_time = stride_frames / rate, speed = 1.35, stride = speed * stride_time;
-constexpr double flat_from = 0.08, flat_to = 0.30, lift = 0.61;  // foot flat, heel off, toe off (Perry 1992)
+constexpr double flat_from = 0.08, flat_to = 0.30, lift = 0.61;  // phases of foot flat, heel off and toe off (Perry 1992)
 constexpr double strike_pitch = -17 * degree, lift_pitch = 57 * degree;
 constexpr double strike_speed = 1.0, strike_brake = 20;  // m/s, m/s^2: forward speed and deceleration of the heel at heel strike
 constexpr double swing_lift = 0.085;                     // m, extra height of the ankle in swing
-constexpr double toe_bend = 1.15;                        // angle of the toes relative to the foot, per pitch of the foot
+constexpr double toe_bend = 1.15;                        // angle of the toes relative to the foot, divided by the pitch of the foot
 constexpr double over_ankle = 0.22;                      // phase at which the pelvis is above the ankle
 constexpr double half_track = 0.052;                     // m, distance of the ankles from the midline
 constexpr double toe_out = 6 * degree;
@@ -187,7 +187,7 @@ Vec3 stance_ankle(double u, double heading) {
 }
 
 template <class F>
-Jet jet_of(F f, double u, double h, double scale) {  // one-sided differences (h < 0: into the stance), scaled to derivatives per swing
+Jet jet_of(F f, double u, double h, double scale) {  // derivatives per swing, by one-sided differences (h < 0: into the stance)
   const double x0 = f(u), x1 = f(u + h), x2 = f(u + 2 * h);
   return {x0, (-3 * x0 + 4 * x1 - x2) / (2 * h) * scale, (x0 - 2 * x1 + x2) / (h * h) * scale * scale};
 }

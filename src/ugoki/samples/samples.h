@@ -15,8 +15,8 @@ struct Sample {
   content::Resources resources;  ///< "human", "dog", "ball"; "human-walk", "human-stand", "dog-trot", "dog-stand"
 };
 
-/// Scenario: a human walks across a park and a dog trots beside the human. A light ball flies at the human's chest and bounces off;
-/// the human sways and keeps walking. The result has the same bits on every machine.
+/// Scenario: a human walks across a park and a dog trots beside the human. A light ball flies at the human's chest and bounces off; the
+/// human sways and keeps walking. The result is bitwise equal on every machine.
 [[nodiscard]] Sample make_sample();
 
 /// One stride of the human walking at 1.35 m/s, cyclic. Skeleton: 1.75 m, rest in the T position, proportions of Drillis and Contini.
@@ -24,8 +24,8 @@ struct Sample {
 /// The human of make_human_walk() standing at ease; 4 s, cyclic.
 [[nodiscard]] MeasuredMotion make_human_stand();
 
-/// A person of this height [m], neutral in the T position. All joints move within human ranges; knees and elbows are hinges.
-/// Below 1.6 m, proportions and mass are those of a child at the age whose median height this is.
+/// A person of this height [m], neutral in the T position. All joints move within human ranges; knees and elbows are hinges. Below 1.6 m,
+/// proportions and mass are those of a child at the age whose median height equals `height`.
 /// Errors: those of grow(), for example a height out of its range.
 [[nodiscard]] Result<MechanismPtr> make_person(double height);
 

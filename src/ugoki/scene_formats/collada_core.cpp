@@ -18,7 +18,7 @@ using Names = std::initializer_list<std::string_view>;
 
 bool one_of(std::string_view name, Names names) { return std::ranges::find(names, name) != names.end(); }
 
-/// Removes all child elements with other names (and the texts, unless `text`).
+/// Removes all child elements of `node` except those named in `names`, and its texts unless `text` is true.
 void keep_children(xml_node node, Names names, bool text = false) {
   for (xml_node child = node.first_child(); child;) {
     const xml_node next = child.next_sibling();
@@ -36,7 +36,8 @@ void set(xml_node node, const char* attribute, const std::string& value) {
 }
 
 /// Adds a source with an array and an accessor under `parent`.
-/// @param words number of words in `text`; @param count, stride, size of the accessor's values
+/// @param words number of words in `text`
+/// @param count, stride, size for the accessor: number of values, words from one value to the next, words in a value
 void add_source(xml_node parent, const std::string& id, const char* array, std::size_t words, const std::string& text, std::size_t count,
                 std::size_t stride, std::size_t size) {
   xml_node source = parent.append_child("source");
@@ -71,7 +72,7 @@ xml_node input_of(xml_node node, std::string_view semantic) {
   return {};
 }
 
-/// The number of values of a transformation element; 0: the element is not a transformation.
+/// Count of numbers in a transformation element of this name; 0: elements of this name are not transformations.
 std::size_t numbers_of(std::string_view name) {
   if (name == "translate" || name == "scale") return 3;
   if (name == "rotate") return 4;
@@ -138,7 +139,7 @@ class Core {
     }
   }
 
-  /// Replaces each mesh with faces by one triangle: only its existence matters.
+  /// Replaces each mesh that has faces by one triangle, because only the existence of the mesh matters.
   Result<void> clean_geometries() {
     for (const xml_node library : document_.root().children("library_geometries")) {
       keep_children(library, {"geometry"});
@@ -206,7 +207,7 @@ class Core {
     return {};
   }
 
-  /// The names of the joints that have a positive weight for some vertex.
+  /// The names of the joints that have a positive weight for at least one vertex.
   Result<std::vector<std::string>> joints_of(xml_node skin) {
     const xml_node weighted = skin.child("vertex_weights");
     const xml_node names_in = input_of(weighted, "JOINT"), weights_in = input_of(weighted, "WEIGHT");
@@ -339,7 +340,7 @@ class Core {
     return {};
   }
 
-  /// Redirects an instance to the replaced skin or geometry; false if there is none.
+  /// Changes the url of an instance to the id of the skin or geometry that replaces its target; false if there is none.
   bool instance_shape(xml_node instance) {
     const std::string_view old = local_id(instance, "url");
     instance.remove_children();
@@ -356,7 +357,7 @@ class Core {
 
   /// Checks <instance_node>: no cycle, and not too many nodes in total.
   Result<void> check_instances() {
-    std::vector<std::pair<xml_node, std::size_t>> open;  // with their depth
+    std::vector<std::pair<xml_node, std::size_t>> open;  // nodes to visit, with their depth
     for (const xml_node library : document_.root().children("library_visual_scenes"))
       for (const xml_node scene : library.children("visual_scene")) open.emplace_back(scene, 0);
     std::vector<xml_node> dead;
@@ -446,8 +447,8 @@ class Core {
       const auto t = static_cast<float>(*time), angle = static_cast<float>(*document_.number(channel, values.word(k, 0)));
       if (k > 0 && t < before) return document_.refuse(channel, ErrorCode::structure, "The times of the channel decrease.");
       if (k > 0 && t > before && target.first == 3) {
-        // assimp inserts keys every quarter turn between keys that are more than half a turn apart. In single precision these times
-        // must remain distinct.
+        // assimp inserts keys every quarter turn between keys that are more than half a turn apart. The times of these
+        // keys must remain distinct in single precision.
         const double quarters = std::fabs(static_cast<double>(angle) - static_cast<double>(angle_before)) / 90;
         const double room = 8 * static_cast<double>(std::numeric_limits<float>::epsilon()) * std::max(std::fabs(before), std::fabs(t));
         turns += quarters;
@@ -481,12 +482,12 @@ class Core {
 
   ColladaDocument document_;
   int made_ = 0;
-  std::map<std::string, std::string, std::less<>> geometries_;        ///< new id of each original id
-  std::map<std::string, std::string, std::less<>> skins_;             ///< new id of each original id
-  std::map<std::string, std::string, std::less<>> geometry_instead_;  ///< geometry of controllers without joints; may be empty
+  std::map<std::string, std::string, std::less<>> geometries_;        ///< original id -> new id
+  std::map<std::string, std::string, std::less<>> skins_;             ///< original id -> new id
+  std::map<std::string, std::string, std::less<>> geometry_instead_;  ///< controller -> id of its geometry, used if it has no joints
   std::multimap<std::string, xml_node, std::less<>> named_;           ///< nodes and scenes by id and by name
-  std::set<std::pair<std::string, std::string>> transformations_;     ///< all transformations: id of the node, sid
-  std::vector<xml_node> replaced_;                                    ///< original contents of the animations
+  std::set<std::pair<std::string, std::string>> transformations_;     ///< id of the node and sid of each transformation
+  std::vector<xml_node> replaced_;                                    ///< original contents of the animations, to be removed
 };
 
 }  // namespace

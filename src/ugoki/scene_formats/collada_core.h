@@ -15,7 +15,7 @@ namespace ugoki::scene_formats {
 /// been checked. Everything that the skeleton does not need is removed, so that defects there do no harm: materials, cameras, mesh data
 /// (each mesh becomes one triangle, each skin a list of its weighted joints). Errors: nodes, skins or channels refer to data that are
 /// missing, too short or not numbers, or <instance_node> elements form a cycle.
-/// @param location of the problems: the file's name
+/// @param location name of the file, for error messages
 [[nodiscard]] Result<std::string> collada_core(std::span<const std::byte> bytes, std::string_view location);
 
 }  // namespace ugoki::scene_formats

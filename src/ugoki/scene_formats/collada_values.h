@@ -17,7 +17,8 @@ namespace ugoki::scene_formats {
 /// The id in an attribute "#id"; empty if the attribute is absent or refers to another file.
 [[nodiscard]] std::string_view local_id(pugi::xml_node node, const char* attribute);
 
-/// The values of a source: `count` values of `size` words each. The words are views into the document.
+/// The values of a source: `count` values of `size` words each. Value i begins at words[offset + i * stride]. The words are views into the
+/// document.
 struct ColladaValues {
   std::vector<std::string_view> words;
   std::size_t count = 0, offset = 0, stride = 1;
@@ -39,7 +40,7 @@ class ColladaDocument {
   [[nodiscard]] std::unexpected<Error> refuse(pugi::xml_node node, ErrorCode code, std::string message) const;
   /// The values of the source that an <input> refers to. Errors: the source does not exist, or its accessor exceeds its array.
   [[nodiscard]] Result<ColladaValues> values_of(pugi::xml_node input) const;
-  /// A word of `node` as a finite number; an Error if it is none.
+  /// `word`, found in `node`, as a finite number; an Error if it is not a number.
   [[nodiscard]] Result<double> number(pugi::xml_node node, std::string_view word) const;
   /// An integer attribute from 0 to 1e9; `missing` if the attribute is absent.
   [[nodiscard]] Result<std::size_t> count_of(pugi::xml_node node, const char* attribute, std::size_t missing) const;

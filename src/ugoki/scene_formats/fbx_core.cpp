@@ -20,9 +20,9 @@ bool one_of(std::string_view name, const Range& names) {
 }
 bool one_of(std::string_view name, Names names) { return std::ranges::find(names, name) != names.end(); }
 
-constexpr double max_number = 1e30;  // magnitude of a number of the file; values after assimp's calculations are checked again
+constexpr double max_number = 1e30;  // maximum magnitude of a number in the file; assimp's results are checked separately
 constexpr std::int64_t max_time = 46'186'158'000 * 1'000'000;  // one million seconds, in FBX time units of 1/46186158000 s
-constexpr std::size_t max_depth = 400;                         // models in models; bounds the recursion in assimp
+constexpr std::size_t max_depth = 400;                         // maximum depth of nested models; bounds the recursion in assimp
 
 enum class Kind : std::uint8_t { model, attribute, mesh, skin, cluster, stack, layer, curve_node, curve };
 
@@ -50,7 +50,7 @@ std::optional<Kind> kind_of(const FbxRecord& r) {
   return std::nullopt;
 }
 
-/// Whether assimp uses a connection between objects of these kinds.
+/// Whether assimp uses a connection between objects of these kinds. @param property the connection leads to a property of the target
 bool may_connect(Kind from, Kind to, bool property) {
   constexpr std::pair<Kind, Kind> plain[] = {{Kind::model, Kind::model}, {Kind::attribute, Kind::model}, {Kind::mesh, Kind::model},
                                              {Kind::skin, Kind::mesh},   {Kind::cluster, Kind::skin},    {Kind::model, Kind::cluster},
@@ -155,7 +155,7 @@ class Core {
 
   /// Checks the hierarchy of models: no cycle, and not too many nodes.
   Result<void> check_tree() {
-    std::vector<std::pair<std::int64_t, std::size_t>> open = {{0, 0}};  // with their depth
+    std::vector<std::pair<std::int64_t, std::size_t>> open = {{0, 0}};  // ids of models to visit, with their depth
     for (std::size_t count = 0; !open.empty(); ++count) {
       const auto [id, depth] = open.back();
       open.pop_back();
@@ -196,7 +196,7 @@ class Core {
     write_definitions();
     out_.begin("Objects");
     out_.scope();
-    // In the order of the file, because nodes and animations of the result keep this order.
+    // Objects are written in file order, because the nodes and animations of the result keep this order.
     for (const FbxRecord& r : file_.root().child("Objects")->children) {
       const auto it = kind_of(r) ? objects_.find(r.values[0].whole) : objects_.end();
       if (it != objects_.end() && it->second.record == &r && it->second.kept) write_object(it->first, it->second);
@@ -276,7 +276,7 @@ class Core {
     out_.array(type, numbers);
     out_.end();
   }
-  /// Writes one triangle: only the existence of the mesh matters.
+  /// Writes one triangle in place of a mesh, because only the existence of the mesh matters.
   void write_triangle() {
     write_array("Vertices", 'd', std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0});
     write_array("PolygonVertexIndex", 'i', std::vector<std::int32_t>{0, 1, -3});
@@ -289,7 +289,7 @@ class Core {
     write_array("TransformLink", 'd', identity);
   }
 
-  /// Writes the properties with these names whose values fit their type.
+  /// Writes those properties of `record` that are named in `names` and whose values fit their type.
   template <class Range>
   void write_properties(const FbxRecord& record, const Range& names) {
     out_.begin("Properties70");
@@ -331,7 +331,7 @@ class Core {
   FbxFile file_;
   std::map<std::int64_t, Object> objects_;
   std::vector<Connection> connections_;
-  std::multimap<std::int64_t, std::int64_t> below_;  ///< parent and child models
+  std::multimap<std::int64_t, std::int64_t> below_;  ///< id of a parent model -> id of its child model
   FbxWriter out_;
 };
 

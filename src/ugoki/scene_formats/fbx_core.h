@@ -14,7 +14,7 @@ namespace ugoki::scene_formats {
 /// checked. Everything that the skeleton does not need is removed, so that defects there do no harm: materials, cameras, poses, blend
 /// shapes, mesh data (each mesh becomes one triangle, which is bound to all joints of its skin). Errors: records that exceed their parent
 /// record, truncated curves, key times that decrease, models that are their own ancestors.
-/// @param location of the problems: the file's name
+/// @param location name of the file, for error messages
 [[nodiscard]] Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view location);
 
 }  // namespace ugoki::scene_formats

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::string_view binary_start{"Kaydara FBX Binary  \0", 21};
 constexpr const char* remedy = "Export it again, in another version of the format or as glTF or BVH.";
-constexpr int max_depth = 64;                   // records in records; bounds the recursion
-constexpr std::size_t max_values = 50'000'000;  // values of an ASCII file, to bound memory
+constexpr int max_depth = 64;                   // maximum depth of nested records; bounds the recursion
+constexpr std::size_t max_values = 50'000'000;  // maximum number of values in an ASCII file, to bound memory
 
 /// Size in bytes of an array element of this type.
 std::size_t size_of(char type) { return type == 'd' || type == 'l' ? 8 : type == 'b' || type == 'c' ? 1 : 4; }
@@ -205,7 +205,7 @@ class TextReader {
       return true;
     }
     value.text = word("");
-    if (value.text.empty() && at_ < bytes_.size() && bytes_[at_] == ',') return true;  // "Content: , ..."
+    if (value.text.empty() && at_ < bytes_.size() && bytes_[at_] == ',') return true;  // an empty value, as in "Content: , ..."
     if (value.text.empty()) return stop("A value is missing.");
     if (value.text[0] == '*') {
       const auto [end, error] = std::from_chars(value.text.data() + 1, value.text.data() + value.text.size(), value.count);

@@ -18,7 +18,7 @@ struct FbxValue {
   double number = 0;
   std::int64_t whole = 0;      ///< exact value of an integer
   std::string_view text = {};  ///< for an array: its bytes, or its numbers separated by commas
-  char type = 0;               ///< element type of an array: 'd', 'f', 'l', 'i', 'b'; 'a': ASCII text
+  char type = 0;               ///< element type of an array: 'd' double, 'f' float, 'l' int64, 'i' int32, 'b' byte; 'a': ASCII text
   std::uint32_t count = 0;     ///< number of elements of an array
   bool packed = false;         ///< the bytes are compressed by zlib
 };
@@ -44,7 +44,7 @@ class FbxFile {
   [[nodiscard]] const FbxRecord& root() const { return root_; }
   /// For example 7400; 0 if the file does not state its version.
   [[nodiscard]] std::int64_t version() const;
-  /// An Error at this record.
+  /// An Error whose location is this record.
   [[nodiscard]] std::unexpected<Error> refuse(const FbxRecord& record, ErrorCode code, std::string message) const;
   /// The elements of a record's array. An Error unless each is finite and its magnitude at most `maximum`.
   [[nodiscard]] Result<std::vector<double>> numbers(const FbxRecord& record, double maximum) const;
@@ -62,7 +62,7 @@ class FbxFile {
   std::string location_;
   std::string_view bytes_;
   bool binary_ = false;
-  std::uint32_t binary_version_ = 0;  ///< from the header of a binary file
+  std::uint32_t binary_version_ = 0;  ///< version from the header of a binary file
   FbxRecord root_;
 };
 

@@ -9,7 +9,8 @@
 
 namespace ugoki::scene_formats {
 
-/// For each record call begin(), the properties, begin() ... end() of its child records, and end(). take() returns the finished file.
+/// For each record call begin(), one function for each property, begin() ... end() for each child record, and end(). take() returns the
+/// finished file.
 class FbxWriter {
  public:
   FbxWriter() {
@@ -35,7 +36,7 @@ class FbxWriter {
     patch(record.at, static_cast<std::uint32_t>(out_.size()));
     open_.pop_back();
   }
-  /// Ends the properties of the open record; child records follow, even if there are none.
+  /// Ends the properties of the open record, so that end() writes the end mark of child records even if there are none.
   void scope() {
     if (!open_.back().closed) close_properties();
   }
@@ -59,7 +60,7 @@ class FbxWriter {
   }
 
  private:
-  /// A record that is not finished yet: offsets of its header and of its properties, number of properties.
+  /// A record that is not finished yet: offsets of its header and properties, number of properties, whether the properties are ended.
   struct Open {
     std::size_t at = 0, properties = 0;
     std::uint32_t count = 0;

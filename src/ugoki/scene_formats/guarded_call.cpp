@@ -74,7 +74,7 @@ struct Outcome {
   int status = 0;            ///< from waitpid()
 };
 
-/// Reads the child's answer until it ends or exceeds a limit; in the latter case the child is killed.
+/// Reads the child's answer to its end. If the limit of time or of size is exceeded, kills the child process instead.
 Outcome collect(pid_t child, int in, const GuardLimits& limits, std::string& answer) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limits.seconds));

@@ -13,7 +13,7 @@ namespace ugoki::scene_formats {
 /// Limits of a guarded call.
 struct GuardLimits {
   double seconds = 120;                       ///< wall-clock time
-  std::size_t memory = std::size_t{4} << 30;  ///< bytes of address space in addition to that of the calling process
+  std::size_t memory = std::size_t{4} << 30;  ///< bytes of address space, added to the size of the calling process
   std::size_t answer = std::size_t{2} << 30;  ///< maximum size of the answer, bytes
 };
 

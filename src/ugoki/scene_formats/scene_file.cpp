@@ -19,7 +19,7 @@ void put(std::string& out, std::string_view text) {
   out += text;
 }
 
-/// Removes a text from the front of `in`; false if there is none.
+/// Removes a text, written by put(), from the front of `in`; false if `in` does not begin with a complete text.
 bool take(std::string_view& in, std::string_view& text) {
   std::uint64_t size = 0;
   if (in.size() < sizeof size) return false;

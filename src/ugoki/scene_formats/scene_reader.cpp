@@ -57,10 +57,10 @@ struct Node {
   int parent;                                         ///< index in nodes_; -1: the root
   int joint = -1;                                     ///< index of the skeleton joint; -1: none
   bool bone = false, animated = false, keep = false;  ///< keep: the node becomes a joint
-  Affine rest;                                        ///< in the file's world, in the rest pose
+  Affine rest;                                        ///< world transform in the rest pose, file's axes and units
 };
 
-/// Conversion from the file's world to ours (z up, metres).
+/// Conversion from the file's world to Ugoki's (Z up, metres).
 struct Frame {
   Mat3 R = Mat3::identity();
   double metres = 1;
@@ -148,7 +148,7 @@ class SceneReader {
       const bool on_chosen = n.parent >= 0 && nodes_[static_cast<std::size_t>(n.parent)].keep;
       n.keep = skinned ? n.bone : (n.animated || (on_chosen && n.node->mNumMeshes == 0));
     }
-    for (std::size_t i = nodes_.size(); i-- > 1;) {  // the highest animated or kept ancestor, and all nodes up to it
+    for (std::size_t i = nodes_.size(); i-- > 1;) {  // keep all nodes up to the highest animated or kept ancestor
       if (!nodes_[i].keep) continue;
       std::size_t top = i;
       for (int k = nodes_[i].parent; k >= 0; k = nodes_[static_cast<std::size_t>(k)].parent)
@@ -160,7 +160,7 @@ class SceneReader {
     }
     if (std::none_of(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.keep; }) && scene_.mNumAnimations == 0 &&
         scene_.mNumMeshes == 0)
-      for (std::size_t i = 1; i < nodes_.size(); ++i) nodes_[i].keep = true;  // a bare skeleton at rest
+      for (std::size_t i = 1; i < nodes_.size(); ++i) nodes_[i].keep = true;  // a file with a skeleton only: at rest
     for (std::size_t i = 0; i < nodes_.size() && joints_.size() < formats::max_joints; ++i) {
       if (!nodes_[i].keep) continue;
       nodes_[i].joint = static_cast<int>(joints_.size());
@@ -168,7 +168,7 @@ class SceneReader {
     }
   }
 
-  /// A number in assimp's metadata of the file, whatever its type there.
+  /// A number in assimp's metadata of the file, of type double, float or int.
   [[nodiscard]] std::optional<double> number(const char* key) const {
     if (!scene_.mMetaData) return std::nullopt;
     int whole = 0;
@@ -180,7 +180,7 @@ class SceneReader {
     return std::nullopt;
   }
 
-  /// Determines up axis and unit. FBX states the up axis and the unit in centimetres; for COLLADA assimp has already converted to metres.
+  /// Determines up axis and unit. FBX states the up axis, and the unit in cm. COLLADA: assimp has already converted to metres.
   void find_axes() {
     const bool fbx = number("UnitScaleFactor").has_value() || number("UpAxis").has_value();
     const int up = fbx ? static_cast<int>(number("UpAxis").value_or(1)) : collada_up_;
@@ -282,7 +282,8 @@ class SceneReader {
     }
   }
 
-  /// Value of the keys at time t [ticks], linearly interpolated. `cursor` is the index of the last key used; t must not decrease.
+  /// Value at time t [ticks], linearly interpolated between the keys.
+  /// @param cursor [in and out] index of the last key used; t must not decrease from call to call
   template <class Key, class Value, class Mix>
   static Value at(const Key* keys, unsigned count, double t, unsigned& cursor, Value (*value)(const Key&), Mix mix) {
     while (cursor + 1 < count && keys[cursor + 1].mTime <= t) ++cursor;
@@ -291,14 +292,14 @@ class SceneReader {
     return mix(value(keys[cursor]), value(keys[cursor + 1]), s);
   }
 
-  /// Last key used in each of a channel's tracks.
+  /// Index of the last key used in each track of a channel.
   struct Cursor {
     unsigned position = 0, rotation = 0, scale = 0;
   };
   static Vec3 vector_of(const aiVectorKey& k) { return vec_of(k.mValue); }
   static Quat rotation_of(const aiQuatKey& k) { return quat_of(k.mValue); }
 
-  /// Transformation of a node at time t; tracks without keys use the rest pose.
+  /// Transformation of a node at time t [ticks]. Tracks without keys use the value of the rest pose.
   Affine local_of(const aiNodeAnim& channel, double t, Cursor& cursor, const Affine& rest) const {
     const auto linear = [](const Vec3& a, const Vec3& b, double s) { return a + (b - a) * s; };
     Vec3 p = rest.p, scale{norm(rest.M.column(0)), norm(rest.M.column(1)), norm(rest.M.column(2))};
@@ -313,7 +314,7 @@ class SceneReader {
     return {R * Mat3::diagonal(scale.x, scale.y, scale.z), p};
   }
 
-  /// Samples one animation. False if it has no keys or, with error_ set, cannot be used.
+  /// Samples one animation. Returns false if it has no keys or cannot be used; in the latter case sets error_.
   bool sample(const aiAnimation& animation, unsigned number, MeasuredMotion& motion) {
     const double ticks = animation.mTicksPerSecond > 0 && std::isfinite(animation.mTicksPerSecond) ? animation.mTicksPerSecond : 25;
     double first = INFINITY, last = -INFINITY, closest = INFINITY;
@@ -328,7 +329,7 @@ class SceneReader {
         first = std::min(first, t);
         last = std::max(last, t);
       }
-      // The median gap, because rounding in exporters can split one key into two at almost equal times.
+      // The median gap is used, because rounding in exporters can split one key into two at almost equal times.
       if (!gaps.empty()) {
         std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
         closest = std::min(closest, gaps[gaps.size() / 2]);

@@ -8,8 +8,8 @@
 namespace ugoki {
 namespace {
 
-// pi/2 split into a sum of parts, so that each product n * part is exact except the last. For |n| < 2^20: parts a and b of 33 bits.
-// For |n| < 2^26: parts far_a and far_b on the grids 2^-26 and 2^-53, and far_c of 27 bits.
+// pi/2 as sums of parts. For an integer n, each product n * part is exact, except that of the last part. For |n| < 2^20: pio2_a to pio2_c;
+// a and b have 33 bits. For |n| < 2^26: pio2_far_a to pio2_far_d; far_a and far_b are multiples of 2^-26 and 2^-53, far_c has 27 bits.
 constexpr double pio2_a = 0x1.921fb544p+0;
 constexpr double pio2_b = 0x1.0b4611a6p-34;
 constexpr double pio2_c = 0x1.3198a2e037073p-69;
@@ -56,7 +56,7 @@ double atan_kernel(double x) {
   return x + x * (z * s);
 }
 
-// atan(i / 8) for i = 0 ... 8: correctly rounded values, and in atan_rest their rounding errors (exact minus rounded).
+// atan(i / 8) for i = 0 ... 8, correctly rounded. atan_rest contains the rounding errors (exact minus rounded).
 constexpr double atan_table[9] = {0.0,
                                   0x1.fd5ba9aac2f6ep-4,
                                   0x1.f5b75f92c80ddp-3,
@@ -83,7 +83,7 @@ struct Split {
 constexpr Split half_turn{pi, 0x1.1a62633145c07p-53};
 constexpr Split quarter_turn{pi / 2, 0x1.1a62633145c07p-54};
 
-// atan of t in [0, 1], expanded about the nearest multiple c of 1/8: atan t = atan c + atan((t - c) / (1 + t c)); about 0 below 1/8.
+// atan of t in [0, 1] as atan c + atan((t - c) / (1 + t c)). c is the multiple of 1/8 nearest to t; for t below 1/8, c = 0.
 Split atan_unit(double t) {
   const int i = t < 0.125 ? 0 : static_cast<int>(t * 8.0 + 0.5);
   const double c = i * 0.125;
@@ -104,8 +104,8 @@ SinCos sin_cos(double x) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, nan};
   }
-  // Argument reduction: x - n pi/2 = r + tail; all products except the last are exact.
-  // Adding and subtracting 1.5 * 2^52 rounds to an integer n; the low bits of the sum are those of n.
+  // Argument reduction: x - n pi/2 = r + tail. All products of n with parts of pi/2 are exact, except the last.
+  // Adding and subtracting 1.5 * 2^52 rounds to the integer n. The low bits of the sum `shifted` are those of n.
   constexpr double magic = 0x1.8p52;
   const double shifted = x * (2.0 / pi) + magic;
   const double n = shifted - magic;

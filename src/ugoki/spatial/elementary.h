@@ -21,9 +21,9 @@ struct SinCos {
 /// asin and acos clamp their argument to [-1, 1].
 [[nodiscard]] double asin(double x);
 [[nodiscard]] double acos(double x);
-/// Infinity above 709.78, 0 below -745.2.
+/// e^x. Returns infinity for x above 709.78 and 0 for x below -745.2.
 [[nodiscard]] double exp(double x);
-/// NaN below 0, -infinity at 0.
+/// Natural logarithm. Returns NaN for x < 0 and -infinity for x = 0.
 [[nodiscard]] double log(double x);
 /// x^y for x > 0; the error is 2 (1 + |y log x|) units in the last place.
 [[nodiscard]] double pow(double x, double y);

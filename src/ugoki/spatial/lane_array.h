@@ -1,5 +1,5 @@
 #pragma once
-// Memory layout of the values of N SIMD lanes, for code that is compiled once for all register widths. See lanes.h.
+// Values of N SIMD lanes in memory, for code that is compiled only once, for all register widths. See lanes.h.
 
 namespace ugoki {
 

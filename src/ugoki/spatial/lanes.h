@@ -1,9 +1,9 @@
 #pragma once
-// SIMD lanes: N values on which each operator acts lane by lane, with the interface of one scalar, so that the templates of vec3.h
-// and spatial.h accept them as their scalar type. N is a power of two; N = 1 is a plain scalar.
+// SIMD lanes: N values with the interface of one scalar. Each operator acts lane by lane. The templates of vec3.h and spatial.h accept the
+// type as their scalar type. N is a power of two; N = 1 is a plain scalar.
 //
 // For translation units of kernels only. The type has internal linkage ON PURPOSE: a kernel unit may be compiled for wider registers
-// than other units, and the linker must not merge its functions with theirs. Kernel units may include only headers that are templates
+// than other units, and the linker must not merge functions of such units. Kernel units may include only headers that are templates
 // on the scalar, and must define no weak symbols (tests/dynamics/kernel_symbols.cmake).
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace {  // NOLINT(google-build-namespaces): see above
 template <class Real, int N>
 struct Lanes;
 
-/// Result of a comparison: per lane all bits set (true) or none (false).
+/// Result of a comparison: in each lane all bits are set (true) or none (false).
 template <class Real, int N>
 struct LaneMask {
   using Int = std::conditional_t<sizeof(Real) == 8, std::int64_t, std::int32_t>;
@@ -44,7 +44,7 @@ struct Lanes {
   Vector v;
 
   Lanes() = default;
-  Lanes(Real s) : v(s - Vector{}) {}  // broadcast; s - 0 equals s, including the sign of zero
+  Lanes(Real s) : v(s - Vector{}) {}  // copies s to all lanes; s - 0 equals s, including the sign of zero
   explicit Lanes(const LaneArray<Real, N>& x) { __builtin_memcpy(&v, x.x, sizeof v); }
   static Lanes of(const Vector& x) {
     Lanes out;
@@ -94,7 +94,7 @@ struct Lanes<R, 1> {
   friend Mask operator<(Lanes a, Lanes b) { return {a.v < b.v}; }
 };
 
-/// Per lane: a where the mask is set, else b.
+/// Returns in each lane the value of a if the mask is set there, else the value of b.
 template <class Real, int N>
 Lanes<Real, N> select(LaneMask<Real, N> mask, Lanes<Real, N> a, Lanes<Real, N> b) {
   if constexpr (N == 1)

@@ -19,7 +19,7 @@ using LaneBits = std::conditional_t<sizeof(typename T::Real) == 8, std::int64_t,
 template <class T>
 constexpr typename T::Real rounding = sizeof(typename T::Real) == 8 ? typename T::Real(0x1.8p52) : typename T::Real(0x1.8p23);
 
-/// Sine and cosine of r + n pi/2 from s = sin(r), c = cos(r): swaps and negates them by the two lowest bits of n.
+/// Sine and cosine of r + n pi/2 from s = sin(r) and c = cos(r): swaps and negates s and c according to the two lowest bits of n.
 /// @param shifted n + rounding
 template <class T>
 LaneSinCos<T> turn_by_quarters(T shifted, T s, T c) {

@@ -29,7 +29,8 @@ Quat to_quat(const Mat3& R) {
 
 Quat exp_map(const Vec3& r) {
   const double angle = norm(r);
-  // For small angles sin(a/2) / a and cos(a/2) come from their series: the quotient is 0/0 at zero. The omitted terms are below 1e-28.
+  // For small angles a, sin(a/2) / a and cos(a/2) are computed from their series, because the quotient is 0/0 at a = 0. The omitted terms
+  // are below 1e-28.
   const double a2 = angle * angle;
   const double f = angle > 1e-4 ? sin(0.5 * angle) / angle : 0.5 - a2 / 48.0 + a2 * a2 / 3840.0;
   const double w = angle > 1e-4 ? cos(0.5 * angle) : 1.0 - a2 / 8.0 + a2 * a2 / 384.0;
@@ -49,8 +50,8 @@ Quat rotation_between(const Vec3& from, const Vec3& to) {
   const double c = dot(from, to);
   const Vec3 n = cross(from, to);
   if (c > -0.5) return normalized(Quat{1.0 + c, n.x, n.y, n.z});
-  // For nearly opposite directions n loses its digits. Rotate `from` to -to first, then by half a turn about the same axis, made
-  // perpendicular to `to`.
+  // For nearly opposite directions n loses its digits. Rotate `from` to -to first, then by half a turn to `to`, about the part of the axis
+  // that is perpendicular to `to`.
   const double length = norm(n);
   const Vec3 axis = length > 1e-12 ? n / length : any_perpendicular(to);
   const Vec3 across = normalized(axis - to * dot(to, axis));

@@ -36,7 +36,7 @@ inline Mat3 to_matrix(const Quat& q) {
 /// Rotates v by q.
 inline Vec3 rotate(const Quat& q, const Vec3& v) { return to_matrix(q) * v; }
 
-/// Quaternion of a rotation matrix, with w >= 0 (Shepperd's method: computed from the largest component).
+/// Quaternion of a rotation matrix, with w >= 0. Shepperd's method: divides by a quaternion component that is not small.
 [[nodiscard]] Quat to_quat(const Mat3& R);
 
 /// Rotation by `angle` [rad] about the unit vector `axis`.
@@ -64,7 +64,7 @@ inline Mat3 rotation_about(const Vec3& axis, double angle) { return to_matrix(ax
 /// Inverse of to_euler: R_order[0](angles.x) R_order[1](angles.y) R_order[2](angles.z).
 [[nodiscard]] Mat3 from_euler(const Vec3& angles, const char* order);
 
-/// Returns some unit vector perpendicular to the unit vector `n`.
+/// Returns a unit vector, otherwise arbitrary, that is perpendicular to the unit vector `n`.
 [[nodiscard]] Vec3 any_perpendicular(const Vec3& n);
 
 }  // namespace ugoki

@@ -27,12 +27,12 @@ template <class T>
 constexpr T dot(const Vec6T<T>& a, const Vec6T<T>& b) {
   return dot(a.w, b.w) + dot(a.v, b.v);
 }
-/// Rate of change of the motion m in a frame that moves with velocity a: a x m.
+/// Spatial cross product a x m: rate of change of a motion m that is constant in a frame moving with velocity a.
 template <class T>
 constexpr Vec6T<T> cross_motion(const Vec6T<T>& a, const Vec6T<T>& m) {
   return {cross(a.w, m.w), cross(a.w, m.v) + cross(a.v, m.w)};
 }
-/// Rate of change of the force f in a frame that moves with velocity a: a x* f.
+/// Spatial cross product a x* f: rate of change of a force f that is constant in a frame moving with velocity a.
 template <class T>
 constexpr Vec6T<T> cross_force(const Vec6T<T>& a, const Vec6T<T>& f) {
   return {cross(a.w, f.w) + cross(a.v, f.v), cross(a.w, f.v)};
@@ -53,14 +53,14 @@ struct PoseT {
     const Vec3T<T> w = R * m.w;
     return {w, R * m.v + cross(p, w)};
   }
-  /// Converts a motion from A to B.
+  /// Converts a motion from A (about A's origin) to B (about B's origin).
   constexpr Vec6T<T> motion_to_child(const Vec6T<T>& m) const { return {transpose_times(R, m.w), transpose_times(R, m.v - cross(p, m.w))}; }
-  /// Converts a force from B to A.
+  /// Converts a force from B (about B's origin) to A (about A's origin).
   constexpr Vec6T<T> force_to_parent(const Vec6T<T>& f) const {
     const Vec3T<T> g = R * f.v;
     return {R * f.w + cross(p, g), g};
   }
-  /// Converts a force from A to B.
+  /// Converts a force from A (about A's origin) to B (about B's origin).
   constexpr Vec6T<T> force_to_child(const Vec6T<T>& f) const { return {transpose_times(R, f.w - cross(p, f.v)), transpose_times(R, f.v)}; }
 };
 using Pose = PoseT<double>;

@@ -1,10 +1,11 @@
 #pragma once
-// A connection to the database that holds a library, SQLite or PostgreSQL. Internal to store.
+// A connection to the database of a library, SQLite or PostgreSQL. Internal to store.
 //
-// The SQL statements are the same for both, with parameters ?1, ?2 ...; `Dialect` contains the parts of statements that differ.
+// Both databases run the same SQL statements, with parameters ?1, ?2 ...; `Dialect` contains the parts of statements that differ.
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -62,9 +63,9 @@ struct Dialect {
   /// Condition added to `match` for phrases of three or more words, with {query} as in `match`. Empty for SQLite. The index of PostgreSQL
   /// stores only pairs of adjacent words, so longer phrases are checked in the rows.
   std::string phrase_condition;
-  std::string hit_source;    ///< FROM clause: the result of `match`, named `hit`, as `e` with the columns no, id and the sort keys
+  std::string hit_source;    ///< FROM clause: entries of `hit` (the result of `match`) as `e`, with the columns no, id and the sort keys
   int sort_factor = 1;       ///< up to LibraryBody::sort_limit * sort_factor matches, sorting is faster than scanning in order
-  double scan_fraction = 0;  ///< LibraryBody::sort_limit * scan_fraction rows are scanned in order before the search sorts instead
+  double scan_fraction = 0;  ///< after LibraryBody::sort_limit * scan_fraction scanned rows, the search sorts the matches instead
   std::string lock_suffix;   ///< suffix of a SELECT that locks the selected rows
 };
 
@@ -83,7 +84,7 @@ class Connection {
   [[nodiscard]] Result<Rows> query(std::string_view sql, std::initializer_list<Value> parameters = {}) {
     return query(sql, std::span<const Value>(parameters.begin(), parameters.size()));
   }
-  /// The first column of the first row as bytes; empty optional if there is no row.
+  /// The bytes in the first column of the first result row; empty optional if there is no row.
   [[nodiscard]] virtual Result<std::optional<std::vector<std::byte>>> bytes(std::string_view sql, std::span<const Value> parameters) = 0;
   /// Runs statements without parameters and without result, separated by semicolons.
   [[nodiscard]] virtual Result<void> script(const std::string& sql) = 0;
@@ -104,8 +105,12 @@ class Connection {
   [[nodiscard]] virtual Result<void> tidy() = 0;
 };
 
-/// @param database of a library; checked with check_library()
+/// Connection to the library in a SQLite file. @param database the opened file, already checked with check_library()
 [[nodiscard]] std::unique_ptr<Connection> sqlite_connection(Database database);
+/// As above, for a library that is open for writing. If another program replaces, removes or overwrites the file, the next call fails with
+/// `conflict` and changes nothing; calls after it use the file that is then at the path.
+/// @param reopen opens the file at the path, which must be an existing library of the present version
+[[nodiscard]] Result<std::unique_ptr<Connection>> watched_sqlite_connection(Database database, std::function<Result<Database>()> reopen);
 
 /// True for "postgresql://..." and "postgres://...".
 [[nodiscard]] bool is_postgres(std::string_view location);

@@ -9,9 +9,9 @@
 namespace ugoki::store {
 
 /// Checks that an entry and its versions obey all rules of this module, so that a hostile file cannot damage the library that receives
-/// them. @param from library that they come from @param versions oldest first; the last is the newest
+/// the copy. @param from source library @param versions all versions of the entry, oldest first
 [[nodiscard]] Result<void> check_copied(const LibraryBody& from, const EntryRow& entry, const std::vector<VersionRow>& versions);
-/// Checks the data of a version: its size, and the content id, which is made from the data.
+/// Checks that the size and the content id of a version match its data.
 [[nodiscard]] Result<void> check_copied_data(const LibraryBody& from, const EntryRow& entry, const VersionRow& version,
                                              std::span<const std::byte> data);
 /// Checks the size and the format of a thumbnail.

@@ -49,7 +49,7 @@ class Copy {
       if (some->empty()) break;
       const CopyReport before = report_;
       const Result<bool> copied = to_.in_transaction([&]() -> Result<bool> {
-        report_ = before;  // the transaction may be repeated after a conflict
+        report_ = before;  // count from here again if the transaction is repeated after a conflict
         for (const EntryRow& entry : *some)
           if (Result<void> one = copy_entry(entry); !one) return fail(std::move(one.error()));
         return true;
@@ -93,7 +93,7 @@ class Copy {
     return put_new(entry.thumbnail, *bytes);
   }
 
-  /// Copies the data of these versions. Data that the target already contains are checked as well.
+  /// Copies the data of these versions to the target. Data that the target already contains are checked, but not written.
   Result<void> copy_data(const EntryRow& entry, std::span<const VersionRow> versions) {
     for (const VersionRow& v : versions) {
       const Result<std::vector<std::byte>> bytes = read_blob(*from_.connection, v.data, "entry " + entry.id + " '" + v.name + "'");
@@ -134,7 +134,8 @@ class Copy {
   }
 
   /// Merges an entry that the target already contains. If the target's newest version is in the source's history, the newer versions are
-  /// added; otherwise the entry was changed in both libraries. @param here versions in the source @param there entry in the target
+  /// added; otherwise the entry was changed in both libraries.
+  /// @param here versions of the entry in the source @param there the entry in the target
   Result<void> merge(const EntryRow& entry, const std::vector<VersionRow>& here, const EntryRow& there) {
     if (Result<void> done = copy_thumbnail(entry); !done) return done;
     if (Result<void> done = merge_tags(entry, there); !done) return done;
@@ -207,7 +208,7 @@ class Copy {
   CopyReport report_;
 };
 
-/// Removes a temporary file, with its companion files, at the end of the scope.
+/// Removes a temporary SQLite file, and its -wal, -shm and -journal files, at the end of the scope.
 struct Unfinished {
   std::string path;
   ~Unfinished() {
@@ -216,7 +217,7 @@ struct Unfinished {
   }
 };
 
-/// Flushes a file, or the entries of a folder, to the disk. @param flags for open() @return false on failure
+/// Flushes a file, or the entries of a folder, to the disk. @param flags flags of open() @return false on failure
 bool sync(const std::string& path, int flags) {
   const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
   if (fd < 0) return false;
@@ -238,7 +239,7 @@ Result<std::vector<std::string>> with_references(const Library& library, const s
     const Result<LibraryEntry> entry = library.get(id);
     if (!entry) {
       if (std::ranges::find(ids, id) == ids.end() && entry.error().problems.front().code == ErrorCode::unknown)
-        continue;  // refers to an entry that the library does not contain
+        continue;  // a reference to an entry that the library does not contain is skipped
       return fail(entry.error());
     }
     if (!seen.insert(entry->id).second) continue;

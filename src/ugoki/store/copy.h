@@ -10,13 +10,13 @@
 namespace ugoki::store {
 
 struct CopyOptions {
-  std::vector<std::string> entries;  ///< ids; empty: all entries, including the trash
+  std::vector<std::string> entries;  ///< ids of the entries to copy; empty: all entries, including the trash
   bool latest_only = false;          ///< copy only the newest version of each entry
   /// For an entry that was changed in both libraries. False: the target's entry is unchanged and listed in CopyReport::differing.
   /// True: the source's newest version is added to the target as its newest version.
   bool save_differing = false;
-  std::function<void(double)> progress;  ///< called with 0 ... 1; may be empty
-  std::function<bool()> stop;            ///< true: stop after the current transaction; may be empty
+  std::function<void(double)> progress;  ///< called with the completed fraction, 0 ... 1; may be empty
+  std::function<bool()> stop;            ///< returns true to stop after the current transaction; may be empty
 };
 
 struct CopyReport {
@@ -25,15 +25,15 @@ struct CopyReport {
   std::size_t equal = 0;                ///< entries that the target already contained, with the same or newer versions
   std::size_t saved = 0;                ///< differing entries whose newest version was added to the target (save_differing)
   std::vector<std::string> differing;   ///< entries changed in both libraries and not copied: "n-... 'walk': ..."
-  std::size_t versions = 0, blobs = 0;  ///< count written
+  std::size_t versions = 0, blobs = 0;  ///< numbers of versions and blobs written
 };
 
 /// Copies entries with their versions, tags, thumbnails and data. Each entry is copied completely or not at all. A repeated copy continues
 /// where the previous one stopped, and changes nothing if nothing is new. Tags are added, never removed.
 [[nodiscard]] Result<CopyReport> copy_entries(const Library& from, Library& to, const CopyOptions& options = {});
 
-/// Writes entries into one file, which is itself a library. An existing file of this name is replaced atomically.
-/// @param ids of entries; the entries that they refer to are included (see with_references())
+/// Writes entries into the file `path`, which becomes a library. An existing file is replaced atomically.
+/// @param ids ids of the entries; the entries to which they refer are included (see with_references())
 [[nodiscard]] Result<CopyReport> export_set(const Library& from, const std::vector<std::string>& ids, const std::string& path,
                                             const CopyOptions& options = {});
 

@@ -9,6 +9,7 @@
 #include "ugoki/base/hash.h"
 #include "ugoki/store/library_body.h"
 #include "ugoki/store/library_schema.h"
+#include "ugoki/store/stamp.h"
 #include "ugoki/store/words.h"
 
 namespace ugoki::store {
@@ -41,41 +42,94 @@ Result<std::unique_ptr<LibraryBody>> body_on(std::unique_ptr<Connection> connect
   return body;
 }
 
-Result<std::unique_ptr<LibraryBody>> open_file(const std::string& path) {
+/// Error `conflict` if the -wal file beside the library belongs to another file.
+Result<void> check_log_of(const std::string& path) {
   std::error_code ignored;
-  const fs::path file(path);
-  if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);  // a failure is reported by Database::open()
-  if (fs::exists(file, ignored) && fs::file_size(file, ignored) > 0) {
-    Result<Database> look = Database::open(path, OpenMode::read_only);  // a file that is refused must not be changed
-    if (!look) return fail(std::move(look.error()));
+  return check_log(fs::weakly_canonical(path, ignored).string());
+}
+
+/// Opens a file for writing after it was checked without writing: a file that is refused must not be changed.
+/// @param mode read_write or create
+Result<Database> open_for_writing(const std::string& path, OpenMode mode) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored) && fs::file_size(path, ignored) > 0) {
+    if (Result<void> good = check_log_of(path); !good) return fail(std::move(good.error()));
+    Result<Database> look = Database::open(path, OpenMode::read_only);
+    if (!look) return look;
     if (Result<void> good = check_library(*look); !good) return fail(std::move(good.error()));
   }
-  Result<Database> database = Database::open(path, OpenMode::create);
-  if (!database) return fail(std::move(database.error()));
+  Result<Database> database = Database::open(path, mode);
+  if (!database) return database;
   // busy_timeout [ms]: another program may write for several seconds. cache_size [-KiB]: 128 MiB hold the pages that a search over
   // 100,000 entries reads.
   for (const char* pragma : {"PRAGMA busy_timeout = 10000", "PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL",
                              "PRAGMA foreign_keys = ON", "PRAGMA cache_size = -131072"})
     if (Result<void> done = database->run(pragma); !done) return fail(std::move(done.error()));
-  std::unique_ptr<Connection> connection = sqlite_connection(std::move(*database));
-  if (Result<void> done = migrate_library(*connection); !done) return fail(std::move(done.error()));
-  return body_on(std::move(connection));
+  return database;
+}
+
+/// Opens the file at the path of an open library whose file was lost.
+Result<Database> reopen_file(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored))
+    return fail(ErrorCode::io, path, "The library file was removed or renamed while it was open.",
+                "Restore the file, or restart the program to begin a new library.");
+  Result<Database> database = open_for_writing(path, OpenMode::read_write);
+  if (!database) return database;
+  const Result<std::int64_t> version = database->integer("PRAGMA user_version");
+  if (!version) return fail(version.error());
+  if (*version != library_version)
+    return fail(ErrorCode::conflict, path, "The library file was replaced by a library of another version.", "Restart the program.");
+  return database;
+}
+
+Result<std::unique_ptr<LibraryBody>> open_file(const std::string& path) {
+  std::error_code ignored;
+  const fs::path file(path);
+  if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);  // if this failed, Database::open() reports it
+  Result<Database> database = open_for_writing(path, OpenMode::create);
+  if (!database) return fail(std::move(database.error()));
+  if (path == ":memory:") {
+    std::unique_ptr<Connection> connection = sqlite_connection(std::move(*database));
+    if (Result<void> done = migrate_library(*connection); !done) return fail(std::move(done.error()));
+    return body_on(std::move(connection));
+  }
+  const Result<std::int64_t> version = database->integer("PRAGMA user_version");
+  if (!version) return fail(version.error());
+  if (*version != library_version) {
+    {
+      const std::unique_ptr<Connection> upgrade = sqlite_connection(std::move(*database));
+      if (Result<void> done = migrate_library(*upgrade); !done) return fail(std::move(done.error()));
+    }  // closes the file, which merges the upgrade into it
+    database = open_for_writing(path, OpenMode::read_write);
+    if (!database) return fail(std::move(database.error()));
+  }
+  if (Result<void> done = ensure_stamp(*database); !done) return fail(std::move(done.error()));
+  Result<std::unique_ptr<Connection>> connection = watched_sqlite_connection(std::move(*database), [path] { return reopen_file(path); });
+  if (!connection) return fail(std::move(connection.error()));
+  return body_on(std::move(*connection));
 }
 
 Result<std::unique_ptr<LibraryBody>> open_file_read_only(const std::string& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored))
     return fail(ErrorCode::io, path, "The library does not exist.", "Check the path, or create the library with `ugoki import`.");
+  if (Result<void> good = check_log_of(path); !good) return fail(std::move(good.error()));
   Result<Database> database = Database::open(path, OpenMode::read_only);
   if (!database) return fail(std::move(database.error()));
   if (Result<void> good = check_library(*database); !good) return fail(std::move(good.error()));
   const Result<std::int64_t> version = database->integer("PRAGMA user_version");
   if (!version) return fail(version.error());
-  if (*version < library_version) {
-    if (*version == 0)
-      return fail(ErrorCode::unknown, path, "The file does not contain a library yet.", "Add entries with `ugoki import`.");
-    database = fail(Error());  // closes the file; opening it for writing upgrades the older library
-    return open_file(path);
+  if (*version == 0)
+    return fail(ErrorCode::unknown, path, "The file does not contain a library yet.", "Add entries with `ugoki import`.");
+  if (*version < first_readable_version) {
+    // The file is not changed: its copy in memory is upgraded.
+    Result<Database> copy = database->copy_to_memory();
+    if (!copy) return fail(std::move(copy.error()));
+    std::unique_ptr<Connection> connection = sqlite_connection(std::move(*copy));
+    if (Result<void> done = migrate_library(*connection); !done) return fail(std::move(done.error()));
+    if (Result<void> done = connection->script("PRAGMA query_only = ON"); !done) return fail(std::move(done.error()));
+    return body_on(std::move(connection));
   }
   for (const char* pragma : {"PRAGMA busy_timeout = 10000", "PRAGMA cache_size = -131072"})
     if (Result<void> done = database->run(pragma); !done) return fail(std::move(done.error()));

@@ -27,7 +27,7 @@ inline constexpr EntryKind entry_kinds[] = {EntryKind::mechanism, EntryKind::mot
 
 /// One entry in its newest version, without its data.
 struct LibraryEntry {
-  /// Same for all versions; made from the data of the first version: "m-...", "n-...", "d-...", "c-..." or "s-..." by kind
+  /// Id, the same for all versions. Made from the data of the first version: "m-...", "n-...", "d-...", "c-..." or "s-..." by kind
   std::string id;
   EntryKind kind = EntryKind::motion;
   std::string name;
@@ -71,25 +71,25 @@ struct LibrarySave {
 };
 
 enum class LibraryOrder : std::uint8_t {
-  relevance,  ///< first names that begin with the text, then names that contain it, then the others; each group by name. No text: by name
+  relevance,  ///< names that begin with the text, then names that contain it, then other entries; each group by name. No text: by name
   name,
-  newest,  ///< by the time of the last save, newest first
+  newest,  ///< sorted by the time of the last save, newest first
   oldest,
-  longest,  ///< by the summary's "duration", longest first
+  longest,  ///< sorted by the field "duration" of the summary, longest first
   shortest,
 };
 /// The order with this name ("relevance", "name", "newest" ...); error `range` if there is none.
 [[nodiscard]] Result<LibraryOrder> library_order_named(std::string_view name);
 
 struct LibraryQuery {
-  /// Words, or beginnings of words, of name, tags, note, kind or summary; an entry must contain all of them. Words in double quotes must
-  /// be adjacent.
+  /// Words, or beginnings of words. Each must occur in the entry's name, tags, note, kind or summary. Words in double quotes must be
+  /// adjacent.
   std::string text = {};
   std::vector<std::string> kinds = {};  ///< names of kinds; empty: all kinds
   std::vector<std::string> tags = {};   ///< an entry must have all of these tags
-  std::size_t limit = 10'000;           ///< maximum count of entries on the page
+  std::size_t limit = 10'000;           ///< maximum number of entries on the page
   LibraryOrder order = LibraryOrder::name;
-  std::string after = {};  ///< `next` of the previous page, with otherwise the same query; empty: first page
+  std::string after = {};  ///< LibraryPage::next of the previous page of the same query; empty: first page
   bool removed = false;    ///< true: search the trash instead
 };
 
@@ -104,7 +104,7 @@ inline constexpr std::size_t max_counted = 10'000;
 
 /// Result of Library::check().
 struct LibraryCheck {
-  std::size_t entries = 0, versions = 0, blobs = 0;  ///< counts
+  std::size_t entries = 0, versions = 0, blobs = 0;  ///< numbers of checked entries, versions and blobs
   std::uint64_t bytes = 0;                           ///< total size of the blobs
   Error problems;                                    ///< empty: no problem found
 };
@@ -112,12 +112,14 @@ struct LibraryCheck {
 struct LibraryBody;
 
 /// One connection to a library; used by one thread at a time. Several programs and users may use the same library at the same time.
+/// If another program replaces, removes or overwrites the file of a library that is open for writing, the next call fails with `conflict`;
+/// calls after it use the file that is then at the path. A change that was acknowledged is in the file that was at the path at that time.
 class Library {
  public:
   /// Opens the library at `location`: a file path or "postgresql://user:password@host:port/database". Creates the library if it does not
   /// exist, and upgrades an older version. A file that is not a library, is damaged, or has a newer version is refused and not changed.
   [[nodiscard]] static Result<Library> open(const std::string& location);
-  /// Opens an existing library read-only. Exception: a SQLite file of an older version is upgraded.
+  /// Opens an existing library read-only and never writes to it. Of a SQLite file of schema version 1, an upgraded copy in memory is read.
   [[nodiscard]] static Result<Library> open_read_only(const std::string& location);
 
   /// Location of the default library: $UGOKI_LIBRARY, or else $XDG_DATA_HOME/ugoki/library.db, or else
@@ -145,12 +147,12 @@ class Library {
   /// One page of the entries that match the query. The text search ignores case and diacritics.
   [[nodiscard]] Result<LibraryPage> find(const LibraryQuery& query = {}) const;
   /// Tags of entries that are not in the trash, each with the count of its entries; the most frequent first.
-  /// @param kinds names; empty: all
+  /// @param kinds names of the kinds to include; empty: all kinds
   [[nodiscard]] Result<std::vector<std::pair<std::string, std::size_t>>> tags(std::span<const std::string> kinds = {},
                                                                               std::size_t limit = 1000) const;
   /// Count of the entries of a kind, without the trash.
   [[nodiscard]] Result<std::size_t> count(EntryKind kind) const;
-  /// The entry with this id, not in the trash. @param id of an entry, or content id of any of its versions
+  /// The entry with this id; not found if it is in the trash. @param id id of the entry, or content id of any of its versions
   [[nodiscard]] Result<LibraryEntry> get(std::string_view id) const;
   /// The entry with this id in the trash. @param id as in get()
   [[nodiscard]] Result<LibraryEntry> get_removed(std::string_view id) const;
@@ -193,11 +195,11 @@ class Library {
   /// Permanently deletes the entries that were moved to the trash before `before` (UTC, YYYY-MM-DD or YYYY-MM-DDThh:mm...; empty: all).
   /// @return count of deleted entries. Error `syntax`: `before` is not a valid date or time; nothing is deleted then
   [[nodiscard]] Result<std::size_t> empty_trash(std::string_view before = {});
-  /// Deletes data that no version and no thumbnail refers to. @return bytes deleted
+  /// Deletes blobs to which no version and no thumbnail refers. @return bytes deleted
   [[nodiscard]] Result<std::uint64_t> collect_garbage();
   /// Checks the whole library: database structure, references, hashes of all blobs, and that the search index contains all entries.
-  /// @param repair rebuild the search index first
-  /// @param progress called with 0 ... 1; may be empty
+  /// @param repair true: rebuild the search index first
+  /// @param progress called with the completed fraction, 0 ... 1; may be empty
   [[nodiscard]] Result<LibraryCheck> check(bool repair, const std::function<void(double)>& progress = {}) const;
 
  private:

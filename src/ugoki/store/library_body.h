@@ -10,7 +10,7 @@ namespace ugoki::store {
 struct LibraryBody {
   std::unique_ptr<Connection> connection;
   std::string author;
-  /// Count of matches up to which find() sorts the matches of the search index; see library_search.cpp. Tests set a small value.
+  /// Maximum number of matches of the search index that find() sorts; see library_search.cpp. Tests set a small value.
   std::size_t sort_limit = max_counted;
 
   /// Location of the library, or of one of its entries, for messages.
@@ -47,11 +47,11 @@ struct LibraryBody {
 [[nodiscard]] LibraryBody& body_of(const Library& library);
 [[nodiscard]] Result<LibraryEntry> public_entry(const EntryRow& row);
 
-/// Which entries are meant: not in the trash, in the trash, or both.
+/// Entries to find: those that are not in the trash, those in the trash, or both.
 enum class Trash : std::uint8_t { no, yes, both };
-/// The entry with this id, or else one with a version of this content id. @param trash whether the entry may, or must, be in the trash
+/// The entry with the id `id`, or else an entry with a version whose content id is `id`. @param trash whether to search the trash
 [[nodiscard]] Result<EntryRow> find_entry(const LibraryBody& body, std::string_view id, Trash trash);
-/// The error that the library has no entry `id`.
+/// The error "the library has no entry `id`".
 [[nodiscard]] std::unexpected<Error> no_entry(const LibraryBody& body, std::string_view id);
 /// Checks that the summary is a JSON object and that the name is not empty.
 [[nodiscard]] Result<void> check_item(const LibraryBody& body, std::string_view id, const std::string& name, const std::string& summary);

@@ -44,7 +44,7 @@ Result<void> check_rules(Connection& connection, Error& problems) {
   return {};
 }
 
-/// Checks the size and the hash of every blob. Lists their names in chunks of 500 rows.
+/// Checks the size and the hash of every blob. The list of blobs is read in chunks of 500 rows.
 Result<void> check_blobs(Connection& connection, LibraryCheck& out, const std::function<void(double)>& progress) {
   std::string after;
   for (std::size_t done = 0;;) {
@@ -57,7 +57,7 @@ Result<void> check_blobs(Connection& connection, LibraryCheck& out, const std::f
       const Result<std::optional<std::vector<std::byte>>> bytes =
           connection.bytes("SELECT b.bytes FROM blob b WHERE b.hash = ?1", {&name, 1});
       if (bytes && *bytes && sha256(**bytes) == after && static_cast<std::int64_t>((*bytes)->size()) == names->integer(r, 1)) continue;
-      if (bytes && !*bytes) continue;  // another program has deleted it since the names were listed
+      if (bytes && !*bytes) continue;  // another program has deleted the blob since the list was read
       const Result<Rows> users =
           connection.query("SELECT DISTINCT e.id FROM entry e JOIN version v ON v.entry = e.no WHERE v.data = ?1 LIMIT 5", {after});
       std::string ids;

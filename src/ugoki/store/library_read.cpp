@@ -7,7 +7,7 @@
 namespace ugoki::store {
 namespace {
 
-/// SQL condition on `entry e`, to be appended to a WHERE clause.
+/// SQL condition that selects entries (`entry e`) by the trash, to be appended to a WHERE clause.
 const char* condition_of(Trash trash) {
   switch (trash) {
     case Trash::no: return " AND e.removed IS NULL";

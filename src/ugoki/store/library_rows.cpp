@@ -48,7 +48,7 @@ SearchText search_text(const EntryRow& entry) {
   return text;
 }
 
-/// The result of a statement that returns no rows.
+/// Success or the error of a statement whose result rows are not used.
 Result<void> without_rows(Result<Rows> answer) {
   if (!answer) return fail(std::move(answer.error()));
   return {};
@@ -108,7 +108,7 @@ Result<void> read_tags(Connection& connection, std::vector<EntryRow>& entries) {
       by_no.emplace(entries[i].no, &entries[i]);
       numbers += (numbers.empty() ? "" : ",") + std::to_string(entries[i].no);
     }
-    // All numbers are passed in one text parameter, so the prepared statement is the same for any count.
+    // All entry numbers are passed in one text parameter, so the prepared statement is the same for any count.
     const Result<Rows> tags =
         connection.dialect().postgres
             ? connection.query("SELECT entry, tag FROM tag WHERE entry = ANY (string_to_array(?1, ',')::bigint[]) ORDER BY entry, tag",
@@ -117,7 +117,8 @@ Result<void> read_tags(Connection& connection, std::vector<EntryRow>& entries) {
                   "SELECT t.entry, t.tag FROM json_each('[' || ?1 || ']') n CROSS JOIN tag t ON t.entry = n.value ORDER BY 1, 2",
                   {numbers});
     if (!tags) return fail(tags.error());
-    for (std::size_t r = 0; r < tags->size(); ++r) by_no.at(tags->integer(r, 0))->tags.push_back(tags->text(r, 1));
+    for (std::size_t r = 0; r < tags->size(); ++r)  // a damaged file may return tags of other entries
+      if (const auto entry = by_no.find(tags->integer(r, 0)); entry != by_no.end()) entry->second->tags.push_back(tags->text(r, 1));
   }
   return {};
 }

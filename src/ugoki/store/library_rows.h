@@ -29,7 +29,7 @@ struct EntryRow {
   std::string id, kind;
   VersionRow newest;
   std::string created, changed;     ///< UTC
-  std::string removed, removed_by;  ///< UTC time and name; empty: not in the trash
+  std::string removed, removed_by;  ///< when (UTC) and by whom the entry was moved to the trash; empty: not in the trash
   std::string thumbnail;            ///< SHA-256 of the picture: key of the blob; empty: none
   std::vector<std::string> tags;    ///< sorted
 };
@@ -45,7 +45,7 @@ inline constexpr std::size_t entry_column_count = 16;
 inline constexpr const char* version_columns = "v.version, v.name, v.summary, v.note, v.content, v.data, v.size, v.author, v.saved";
 [[nodiscard]] VersionRow version_of(const Rows& rows, std::size_t row, std::size_t first_column = 0);
 
-/// Reads the tags of all these entries, with one statement per 500 entries.
+/// Reads the tags of all `entries` and stores them there. Runs one statement per 500 entries.
 [[nodiscard]] Result<void> read_tags(Connection& connection, std::vector<EntryRow>& entries);
 /// The versions of entry `no`, oldest first.
 [[nodiscard]] Result<std::vector<VersionRow>> read_versions(Connection& connection, std::int64_t no);
@@ -55,10 +55,10 @@ inline constexpr const char* version_columns = "v.version, v.name, v.summary, v.
 [[nodiscard]] Result<std::vector<EntryRow>> read_entries(Connection& connection, std::string_view condition, const Value& parameter,
                                                          std::size_t limit = 10);
 
-/// Stores bytes under their hash. Has no effect if they are already stored. Error `range`: larger than 512 MB.
+/// Stores bytes under their SHA-256 `hash`. Has no effect if they are already stored. Error `range`: more than 512 MiB.
 [[nodiscard]] Result<void> put_blob(Connection& connection, const std::string& hash, std::span<const std::byte> bytes);
 [[nodiscard]] Result<bool> has_blob(Connection& connection, const std::string& hash);
-/// The bytes, checked against their hash. @param description of the data for error messages: "entry n-..., version 3"
+/// The bytes stored under `hash`, checked against it. @param description names the data in error messages: "entry n-..., version 3"
 [[nodiscard]] Result<std::vector<std::byte>> read_blob(Connection& connection, const std::string& hash, const std::string& description);
 
 /// Inserts an entry with its tags and search words, without its versions. @return its `no`, or 0 if an entry has the same id already
@@ -68,7 +68,7 @@ inline constexpr const char* version_columns = "v.version, v.name, v.summary, v.
 /// Rebuilds the search words of an entry from its row and its tags. An entry in the trash has no rows in the search index.
 [[nodiscard]] Result<void> refresh_words(Connection& connection, std::int64_t no);
 
-/// All strings among the values of a summary (JSON), each followed by a blank.
+/// All strings among the values of a summary (JSON object), at any depth, each followed by a blank.
 [[nodiscard]] std::string texts_of(const std::string& summary);
 
 }  // namespace ugoki::store

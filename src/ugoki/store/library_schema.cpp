@@ -5,6 +5,7 @@
 #include "ugoki/base/sha256.h"
 #include "ugoki/store/library.h"
 #include "ugoki/store/library_rows.h"
+#include "ugoki/store/stamp.h"
 #include "ugoki/store/words.h"
 
 namespace ugoki::store {
@@ -83,17 +84,17 @@ CREATE TABLE entry_order (              -- sort keys; a search reads the rows of
   changed     {text} NOT NULL
 );
 )";
-/// The index maps words to the small rows of entry_order. The function may be declared IMMUTABLE although it reads a table, because words
-/// are never updated in place: refresh_words() deletes and inserts both rows, entry_text first. fastupdate is off because otherwise every
-/// search would also read the list of pending index entries.
+/// The search index on PostgreSQL maps words to the small rows of entry_order. terms_of() may be declared IMMUTABLE although it reads a
+/// table, because words are never updated in place: refresh_words() deletes and inserts both rows, entry_text first. fastupdate is off
+/// because otherwise every search would also read the list of pending index entries.
 constexpr const char* postgres_index = R"(
 CREATE FUNCTION ugoki.terms_of(no bigint) RETURNS tsvector LANGUAGE sql IMMUTABLE AS
   'SELECT terms FROM ugoki.entry_text WHERE entry = no';
 CREATE INDEX entry_order_terms ON entry_order USING gin (terms_of(entry)) WITH (fastupdate = off);
 )";
 constexpr const char* postgres_version = "CREATE TABLE library (version bigint NOT NULL); INSERT INTO library VALUES (4);";
-/// Upgrade to version 4. In version 2, entry_text had only the words; in version 3 also the sort keys. Neither had pairs of words
-/// (words.h).
+/// Upgrade to version 4. In version 2, the table entry_text had only the words; in version 3 also the sort keys. Neither version had
+/// pairs of words (words.h).
 constexpr const char* postgres_before_4 =
     "CREATE TEMP TABLE old_text ON COMMIT DROP AS SELECT entry, terms FROM entry_text; DROP TABLE entry_text;";
 constexpr const char* postgres_after_3 = R"(
@@ -203,6 +204,11 @@ Result<void> check_library(Database& database) {
   if (*version < 1)
     return fail(ErrorCode::syntax, database.path(), "The library has the invalid version " + std::to_string(*version) + ".",
                 "Restore it from a backup; the file was not changed.");
+  const Result<std::int64_t> others = database.integer("SELECT count(*) FROM sqlite_schema WHERE type IN ('trigger', 'view')");
+  if (!others) return fail(others.error());
+  if (*others != 0)
+    return fail(ErrorCode::structure, database.path(), "The library contains triggers or views that Ugoki did not create.",
+                "Do not trust the file; restore it from a backup.");
   return {};
 }
 
@@ -212,12 +218,16 @@ Result<void> migrate_library(Connection& connection) {
   if (*version == library_version) return {};
   if (Result<void> begun = connection.begin(Connection::Access::write); !begun) return begun;
   const auto work = [&]() -> Result<void> {
-    version = pragma(connection, "user_version");  // another program may have upgraded it in the meantime
+    version = pragma(connection, "user_version");  // another program may have upgraded the file in the meantime
     if (!version) return fail(std::move(version.error()));
     if (*version == library_version) return {};
     if (*version > library_version) return newer(connection.location(), *version, library_version);
-    Result<void> done = *version == 1 ? upgrade_version_1(connection) : connection.script(spelled(tables, false) + sqlite_text);
-    if (!done) return done;
+    if (*version == 1) {
+      if (Result<void> done = upgrade_version_1(connection); !done) return done;
+    } else if (*version == 0) {
+      if (Result<void> done = connection.script(spelled(tables, false) + sqlite_text); !done) return done;
+    }
+    if (Result<void> done = connection.script(stamp_table); !done) return done;  // version 2 had no stamp
     return connection.script("PRAGMA application_id = " + std::to_string(library_application_id) +
                              "; PRAGMA user_version = " + std::to_string(library_version));
   };
@@ -234,7 +244,7 @@ Result<void> prepare_postgres(Connection& connection, bool read_only) {
     if (!there) return fail(there.error());
     if (there->integer(0, 0) == 0) return 0;
     const Result<Rows> rows =
-        connection.query("SELECT version FROM ugoki.library");  // with the schema: without rights for it, the error names it
+        connection.query("SELECT version FROM ugoki.library");  // an error about missing access rights then names the schema
     if (!rows) return fail(rows.error());
     return rows->empty() ? 0 : rows->integer(0, 0);
   };

@@ -19,22 +19,22 @@
 namespace ugoki::store {
 namespace {
 
-/// The order by relevance has three parts, one after the other: 0: names that begin with the text, 1: other names that contain the text,
-/// 2: all other entries.
+/// The order by relevance has three parts, one after the other. Part 0: names that begin with the text. Part 1: other names that contain
+/// the text. Part 2: all other matching entries.
 constexpr int relevance_parts = 3;
 
-/// Size class of the result: few: at most LibraryBody::sort_limit; many: more; scan: more than sort_limit(), so scanning finds a page
-/// faster than sorting. Stored in the position, so that later pages need not count again.
+/// Size class of the result. few: at most LibraryBody::sort_limit matches. many: more. scan: more than Search::sort_limit(), so scanning
+/// finds a page faster than sorting. Stored in the position, so that later pages need not count again.
 enum class ResultSize : std::uint8_t { few, many, scan };
 
-/// Position in the sorted result, encoded in LibraryPage::next. The next page begins with the entry after it.
+/// Position in the sorted result, encoded in LibraryPage::next. The next page begins with the entry after this position.
 struct Position {
   int part = 0;
   std::string key, id;  ///< sort key and id of the last entry of the page
   ResultSize size = ResultSize::few;
 };
 
-/// The sort key of an order.
+/// Column that is the sort key of an order.
 struct Column {
   const char* name;
   bool descending, number;
@@ -58,7 +58,7 @@ std::string text_of(const Position& position, LibraryOrder order) {
   return to_base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-/// The position from LibraryQuery::after, which comes from outside and is checked. Inverse of text_of().
+/// Reads and checks the position in LibraryQuery::after, which comes from outside. Inverse of text_of().
 Result<Position> position_of(const std::string& text, LibraryOrder order) {
   const auto invalid = [] {
     return fail(ErrorCode::range, "after", "The value is not a position in this list.",
@@ -157,7 +157,7 @@ class Search {
   }
 
  private:
-  /// Subset of the matches: all; those with the search text in their name; the others.
+  /// Subset of the matches: all; those with the search text in their name; those without the search text in their name.
   enum class Among : std::uint8_t { all, in_name, not_in_name };
   struct Hit {
     Position position;
@@ -179,8 +179,8 @@ class Search {
     if (phrases_.any_longer_than_pairs()) out += with(dialect().phrase_condition, phrases_.tsquery(in_name, {}, {}, true));
     return out;
   }
-  /// Count of matches up to which they are sorted; more matches are scanned. Lower for phrases that PostgreSQL must check in the rows
-  /// (Dialect::phrase_condition).
+  /// Maximum number of matches that are sorted; if there are more, the rows are scanned. Lower for phrases that PostgreSQL must check in
+  /// the rows (Dialect::phrase_condition).
   [[nodiscard]] std::size_t sort_limit() const {
     return body_.sort_limit * static_cast<std::size_t>(phrases_.any_longer_than_pairs() ? 1 : dialect().sort_factor);
   }
@@ -194,7 +194,7 @@ class Search {
     return static_cast<std::size_t>(rows->integer(0, 0));
   }
 
-  /// SQL condition on `entry e` that tests whether its row matches the query. @param part of the order by relevance
+  /// SQL condition on `entry e` that tests whether its row matches the query. @param part see relevance_parts
   std::string conditions(Sql& sql, int part) const {
     std::string out = "1 = 1";
     for (std::size_t i = 0; i < phrases_.phrases.size(); ++i)
@@ -218,11 +218,11 @@ class Search {
       out += (i ? " AND " : "(") + dialect().instr + "(' ' || e.name_key, " + sql.parameter(phrases_.in_words(i)) + ") > 0";
     return out + ")";
   }
-  /// SQL condition: the entry is after `position` in the order, within one part.
+  /// SQL condition: the entry is after `position` in the requested order. Both must be in the same part of the order by relevance.
   std::string after_position(Sql& sql, const Position& position) const {
     return compared(sql, column_of(query_.order).descending ? "<" : ">", position);
   }
-  /// SQL condition: the entry is at or before `position` in the order, within one part.
+  /// SQL condition: the entry is at or before `position` in the requested order. Both must be in the same part of the order by relevance.
   std::string up_to_position(Sql& sql, const Position& position) const {
     return compared(sql, column_of(query_.order).descending ? ">=" : "<=", position);
   }
@@ -231,7 +231,7 @@ class Search {
     const std::string key = column.number ? position.key : sql.parameter(Value(position.key));  // a numeric key contains only digits
     return std::string("(") + column.name + ", e.id) " + comparison + " (" + key + ", " + sql.parameter(Value(position.id)) + ")";
   }
-  /// The columns of ORDER BY, without parts.
+  /// The columns of ORDER BY within one part of the order by relevance.
   std::string order_columns() const {
     const Column column = column_of(query_.order);
     const std::string direction = column.descending ? " DESC" : "";
@@ -282,7 +282,7 @@ class Search {
     for (int part = after ? after->part : 0; part < (by_relevance_ ? relevance_parts : 1) && all.size() <= query_.limit; ++part) {
       const std::optional<Position> from = after && part == after->part ? after : std::nullopt;
       Result<std::size_t> name_matches = sort_limit() + 1;
-      if (part == 1) name_matches = count_matches(Among::in_name);  // there may be few matches in names among many matches
+      if (part == 1) name_matches = count_matches(Among::in_name);  // only few of the many matches may have the text in the name
       if (!name_matches) return fail(std::move(name_matches.error()));
       Result<std::vector<Hit>> hits;
       if (*name_matches <= sort_limit()) {
@@ -303,7 +303,7 @@ class Search {
     return all;
   }
 
-  /// Scans one part. False: stopped at the limit of rows, because the matches are too far apart.
+  /// Scans one part of the order by relevance. False: stopped at the limit of rows, because the matches are too far apart.
   Result<bool> scan_kinds(int part, const std::optional<Position>& after, std::size_t limit, std::vector<Hit>& hits) const {
     for (const std::string& kind : kinds_) {
       Result<bool> done = scan_kind(kind, part, after, limit, hits);
@@ -320,7 +320,7 @@ class Search {
     return true;
   }
 
-  /// Scans the entries of one kind in one part. False: stopped at the limit of rows.
+  /// Scans the entries of one kind in one part of the order by relevance. False: stopped at the limit of rows.
   Result<bool> scan_kind(const std::string& kind, int part, const std::optional<Position>& after, std::size_t limit,
                          std::vector<Hit>& hits) const {
     Sql sql;

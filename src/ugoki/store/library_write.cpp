@@ -10,7 +10,7 @@
 namespace ugoki::store {
 namespace {
 
-/// clean_text() without blanks, tabs and line ends at both ends.
+/// The text after clean_text(), without blanks, tabs and line ends at its beginning and end.
 std::string trimmed(std::string_view text) {
   std::string out = clean_text(text);
   const std::size_t from = out.find_first_not_of(" \t\n"), to = out.find_last_not_of(" \t\n");
@@ -26,7 +26,7 @@ Result<void> lock(const LibraryBody& body, std::int64_t no) {
   return {};
 }
 
-/// Finds the entry as find_entry(), and locks it.
+/// Finds the entry as find_entry() does, and locks it.
 Result<EntryRow> lock_entry(const LibraryBody& body, std::string_view id, Trash trash) {
   Result<EntryRow> entry = find_entry(body, id, trash);
   if (!entry) return entry;

@@ -53,8 +53,8 @@ struct OptionsEnd {
   void operator()(PQconninfoOption* o) const { PQconninfoFree(o); }
 };
 
-/// The secret parts of an address: the options that libpq marks as secret, and, in case the address is malformed, every text between the
-/// user's name and the last '@' that may be part of a password.
+/// The secret parts of an address: the options that libpq marks as secret. Because the address may be malformed, also every text between
+/// the user's name and the last '@' that may be part of a password.
 std::vector<std::string> secrets_of(const std::string& address) {
   std::vector<std::string> secrets;
   char* message = nullptr;
@@ -183,7 +183,7 @@ class PostgresConnection final : public Connection {
 
   Result<bool> changed_elsewhere() override {
     const bool first = !listening_;
-    // The second call sees the end of a connection whose last message the first one read.
+    // If the connection has ended, the first call may still read its last message; the second call then reports the end.
     for (int i = 0; i < 2; ++i)
       if (!lost() && PQconsumeInput(handle_.get()) == 0) handle_.reset();
     if (Result<void> alive = reconnect_if_lost(); !alive) return fail(std::move(alive.error()));
@@ -222,12 +222,12 @@ class PostgresConnection final : public Connection {
     return fail(ErrorCode::io, location_, "The database server does not respond; an unfinished change was not saved.",
                 "Check that the server runs and that the network works, then try again.");
   }
-  /// Sets or removes the server's limit for a statement.
+  /// Sets or removes the server's time limit for a statement.
   Result<void> limit_statements(bool limited) {
     return run(limited ? std::string("SET statement_timeout = '").append(statement_limit).append("'").c_str()
                        : "SET statement_timeout = 0");
   }
-  /// Runs statements that may take hours: upgrades, VACUUM.
+  /// Runs statements without the server's time limit, because upgrades and VACUUM may take hours.
   Result<void> unlimited(const char* sql) {
     if (Result<void> set = limit_statements(false); !set) return set;
     Result<void> done = run(sql, std::chrono::hours(24));
@@ -313,14 +313,14 @@ class PostgresConnection final : public Connection {
     return problem_of(answer.get());
   }
 
-  /// Runs one statement, after reconnecting if necessary. @param format of the result columns: 0: text, 1: binary
+  /// Runs one statement, after reconnecting if necessary. @param format format of the result columns: 0 is text, 1 is binary
   Result<Answer> execute(std::string_view sql, std::span<const Value> parameters, int format) {
     retry_ = false;
     if (!open_) {
       if (Result<void> alive = reconnect_if_lost(); !alive) return fail(std::move(alive.error()));
     }
     Result<Answer> answer = send(sql, parameters, format);
-    if (!answer && lost() && !open_ && !silent_) {  // as in begin(): outside a transaction the statement can be repeated
+    if (!answer && lost() && !open_ && !silent_) {  // outside a transaction the statement can be repeated on a new connection
       if (Result<void> again = connect(); !again) return fail(std::move(again.error()));
       answer = send(sql, parameters, format);
     }

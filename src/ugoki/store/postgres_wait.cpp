@@ -9,20 +9,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Waits until the connection can be read, or written if `write`. @return false if nothing happened for max_silence
+/// Waits until the connection can be read or, if `write` is true, written. @return false if neither was possible for max_silence
 bool wait_for_socket(PGconn* handle, bool write) {
   const Clock::time_point end = Clock::now() + max_silence;
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
     if (left.count() <= 0) return false;
     pollfd socket{PQsocket(handle), static_cast<short>(POLLIN | (write ? POLLOUT : 0)), 0};
-    if (socket.fd < 0) return true;  // closed; the next call of libpq reports it
+    if (socket.fd < 0) return true;  // the connection is closed; the next call of libpq reports this
     const int ready = ::poll(&socket, 1, static_cast<int>(left.count()));
     if (ready > 0 || (ready < 0 && errno != EINTR)) return true;
   }
 }
 
-/// Waits until the connection can be read or written, while the server is alive and not longer than `limit`.
+/// Waits until the connection can be read or, if `write` is true, written. @return false if the server does not respond, or after `limit`
 bool wait_while_alive(PGconn* handle, bool write, std::chrono::seconds limit, const std::function<bool()>& alive) {
   const Clock::time_point end = Clock::now() + limit;
   while (!wait_for_socket(handle, write))

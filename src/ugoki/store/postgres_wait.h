@@ -9,19 +9,20 @@
 
 namespace ugoki::store {
 
-/// If a server sends nothing for this time, it is asked on a new connection whether it is still running.
+/// If a server sends nothing for this time, a second connection tests whether the server still runs.
 inline constexpr std::chrono::seconds max_silence{3};
-/// Limit of a new connection, s, as text for libpq (connect_timeout).
+/// Time limit for making a connection, s, as text for libpq (connect_timeout).
 inline constexpr const char* connect_limit = "3";
-/// Limit of one statement, set on the server, as text for SQL. Upgrades and VACUUM have no limit.
+/// Time limit of one statement, set on the server, as text for SQL. Upgrades and VACUUM have no limit.
 inline constexpr const char* statement_limit = "60s";
 
-/// A statement that gets no answer for this time fails even if the server accepts connections: its own process may be stopped.
+/// A statement without an answer for this time fails even if the server accepts connections: the server process that runs it may be
+/// stopped.
 inline constexpr std::chrono::seconds max_statement_silence{90};
 
-/// Waits for the results of the statement that was sent last on the non-blocking connection `handle`, and for the bytes still to be sent.
+/// Sends the remaining bytes of the last statement on the non-blocking connection `handle`, and waits for its results.
 /// @param limit maximum time in which nothing is received or sent
-/// @param alive asks on another connection whether the server runs; called whenever nothing was received or sent for max_silence
+/// @param alive tests on another connection whether the server runs; called whenever nothing was received or sent for max_silence
 /// @return the last result, or the first that is an error, as PQexec does; null: the server does not respond, and `handle` must be closed
 [[nodiscard]] PGresult* wait_for_result(PGconn* handle, std::chrono::seconds limit, const std::function<bool()>& alive);
 

@@ -26,7 +26,8 @@ Problem problem_of(int code, const char* message, int system, const std::string&
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
     return {ErrorCode::io, path, "This is a folder, not a database file.", "Name a file inside it."};
-  // SQLite may close or roll back before it asks for errno; a write that fails under a size limit is then attributed to the limit.
+  // SQLite may close or roll back before it reads errno, which is then lost. A write that fails while the system limits the file size is
+  // therefore attributed to this limit.
   const int base = code & 0xff;
   rlimit limit{};
   const bool limited = ::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
@@ -91,8 +92,8 @@ Result<Database> Database::open(const std::string& path, OpenMode mode) {
     if (path != ":memory:") create_private_file(path);
     return connect(path, path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
   }
-  // A read-only connection creates -wal and -shm files but does not remove them. Where nobody uses the database, the connection may
-  // therefore write to these two files, and `query_only` protects the database itself.
+  // A read-only connection creates -wal and -shm files but does not remove them. A database without a log is therefore opened for
+  // writing, so that these two files are removed; `query_only` protects the database itself.
   std::error_code unresolved;
   const std::filesystem::path real = std::filesystem::canonical(path, unresolved);  // SQLite resolves symbolic links too
   const auto log_size = std::filesystem::file_size(real.string() + "-wal", unresolved);
@@ -101,8 +102,8 @@ Result<Database> Database::open(const std::string& path, OpenMode mode) {
   if (!database) return database;
   if (!has_log)
     if (Result<void> done = database->run("PRAGMA query_only = ON"); !done) return fail(std::move(done.error()));
-  // Reading in write-ahead-log mode needs a -shm file next to the database. If that file cannot be created, no other program can be
-  // writing, so the file is opened as immutable.
+  // Reading in write-ahead-log mode needs a -shm file next to the database. If the -shm file cannot be created, no other program can be
+  // writing, so the database is opened as immutable.
   if (const auto tables = database->integer("SELECT count(*) FROM sqlite_schema"); !tables) {
     const int failed = sqlite3_errcode(database->handle_) & 0xff;
     const bool no_side_file = failed == SQLITE_CANTOPEN || failed == SQLITE_READONLY || (failed == SQLITE_IOERR && !has_log);
@@ -180,6 +181,7 @@ Result<void> Database::check_structure() {
 }
 
 Result<std::vector<std::byte>> Database::raw(std::int64_t offset, std::size_t size) {
+  if (offset < 0) return std::vector<std::byte>();  // a damaged file may name page 0
   sqlite3_file* file = nullptr;
   if (sqlite3_file_control(handle_, "main", SQLITE_FCNTL_FILE_POINTER, static_cast<void*>(&file)) != SQLITE_OK || file == nullptr ||
       file->pMethods == nullptr)
@@ -192,6 +194,16 @@ Result<std::vector<std::byte>> Database::raw(std::int64_t offset, std::size_t si
     if (code == SQLITE_OK) return bytes;
   }
   return fail(problem_of(code, sqlite3_errstr(code), 0, path_, ""));
+}
+
+Result<Database> Database::copy_to_memory() {
+  Result<Database> memory = connect(":memory:", path_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+  if (!memory) return memory;
+  sqlite3_backup* backup = sqlite3_backup_init(memory->handle_, "main", handle_, "main");
+  if (backup == nullptr) return fail(memory->last_error(""));
+  sqlite3_backup_step(backup, -1);
+  if (sqlite3_backup_finish(backup) != SQLITE_OK) return fail(memory->last_error(""));
+  return memory;
 }
 
 bool Database::has_moved() {
@@ -281,7 +293,7 @@ Transaction::~Transaction() {
 Result<void> Transaction::commit() {
   UGOKI_CHECK(database_ != nullptr);
   Result<void> done = database_->run("COMMIT");
-  if (done) database_ = nullptr;  // otherwise rolled back when this is destroyed
+  if (done) database_ = nullptr;  // otherwise the destructor rolls back
   return done;
 }
 

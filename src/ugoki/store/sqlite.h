@@ -27,8 +27,8 @@ enum class OpenMode {
 /// A connection to a SQLite file. Used by one thread at a time.
 class Database {
  public:
-  /// Opens a file; ":memory:" is a database that exists as long as the connection. Read-only, a file in write-ahead-log mode can be opened
-  /// even if its folder is not writable.
+  /// Opens a file; ":memory:" is a database that exists as long as the connection. With read_only, a file in write-ahead-log mode can be
+  /// opened even if its folder is not writable.
   [[nodiscard]] static Result<Database> open(const std::string& path, OpenMode mode);
   Database(Database&& other) noexcept;
   Database& operator=(Database&& other) noexcept;
@@ -39,25 +39,27 @@ class Database {
   /// Runs statements, separated by semicolons, and ignores the rows they return.
   [[nodiscard]] Result<void> run(const std::string& sql);
   [[nodiscard]] Result<Statement> prepare(std::string_view sql);
-  /// First column of the first row, 0 if there is no row: for pragmas and counts.
+  /// The integer in the first column of the first row, or 0 if there is no row; for pragmas and counts.
   [[nodiscard]] Result<std::int64_t> integer(const std::string& sql);
-  /// First column of the first row, an empty text if there is no row.
+  /// The text in the first column of the first row, or an empty text if there is no row.
   [[nodiscard]] Result<std::string> text(const std::string& sql);
   /// Checks the structure of the file (PRAGMA quick_check). Error `syntax` if it is damaged.
   [[nodiscard]] Result<void> check_structure();
-  /// Bytes of the database file, read through its open descriptor; the write-ahead log is ignored. Fewer bytes at the end of the file.
+  /// Reads `size` bytes at `offset` of the database file, fewer at its end. Uses the open descriptor and ignores the write-ahead log.
   [[nodiscard]] Result<std::vector<std::byte>> raw(std::int64_t offset, std::size_t size);
+  /// A copy in memory, with the path of this database in messages.
+  [[nodiscard]] Result<Database> copy_to_memory();
   /// True if the path no longer names the open file.
   [[nodiscard]] bool has_moved();
   /// From now on, closing this connection neither merges the write-ahead log into the file nor removes it.
   void keep_log_when_closed();
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// The last error of this connection with a message for users. @param action that failed, to begin the message; may be empty
+  /// The last error of this connection with a message for users. @param action failed action, begins the message; may be empty
   [[nodiscard]] Error last_error(std::string_view action) const;
 
  private:
   friend class Statement;
-  /// Opens `name`, which may be a URI. @param path for errors
+  /// Opens `name`, which may be a URI. @param path file path that error messages show
   [[nodiscard]] static Result<Database> connect(const std::string& name, const std::string& path, int flags);
   Database(sqlite3* handle, std::string path) : handle_(handle), path_(std::move(path)) {}
   sqlite3* handle_ = nullptr;
@@ -73,7 +75,7 @@ class Statement {
   Statement& operator=(const Statement&) = delete;
   ~Statement();
 
-  // Each sets parameter `index`, counted from 1. Texts and bytes are copied.
+  // Each of these functions sets the parameter `index`, counted from 1. Texts and bytes are copied.
   Statement& bind(int index, std::int64_t value);
   Statement& bind(int index, std::string_view value);
   Statement& bind_blob(int index, std::span<const std::byte> value);

@@ -30,7 +30,7 @@ void append(std::string& out, Codepoint c) {
   out.append(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(n));
 }
 
-/// True for letters, digits and marks.
+/// True for letters, digits and combining marks.
 bool is_word(Codepoint c) {
   switch (utf8proc_category(c)) {
     case UTF8PROC_CATEGORY_LU:
@@ -156,7 +156,7 @@ std::string SearchText::tsvector() const {
   std::size_t position = 0;
   const auto add = [&](const std::vector<std::string>& words) {
     for (const std::string& word : words) out += quoted(word) + ":" + std::to_string(++position) + " ";
-    ++position;  // a gap, so that no phrase matches across two lists
+    ++position;  // a gap in the positions, so that no phrase matches across two lists
   };
   add(name);
   add(other);

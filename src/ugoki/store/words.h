@@ -25,7 +25,7 @@ inline constexpr std::size_t max_word_size = 120;  ///< bytes of UTF-8
 /// The folded words of a name, separated by blanks. Lists are sorted by this key, and "the name begins with" is tested on it.
 [[nodiscard]] std::string name_key(std::string_view name);
 
-/// All words of an entry. A separator between two fields prevents phrases from matching across fields.
+/// All words of an entry for the search. A separator between two fields prevents phrases from matching across fields.
 struct SearchText {
   std::vector<std::string> name;   ///< words of the name
   std::vector<std::string> other;  ///< words of the other fields, with a separator between two fields
@@ -34,9 +34,9 @@ struct SearchText {
   void add_other(std::string_view text);
   /// All words with a blank before each, for substring tests: " walk slow <separator> cmu ...".
   [[nodiscard]] std::string all() const;
-  [[nodiscard]] std::string name_words() const;   ///< for the column `name` of FTS5
-  [[nodiscard]] std::string other_words() const;  ///< for the column `other` of FTS5
-  [[nodiscard]] std::string mark_words() const;   ///< for the column `marks` of FTS5
+  [[nodiscard]] std::string name_words() const;   ///< text for the column `name` of SQLite's FTS5 table
+  [[nodiscard]] std::string other_words() const;  ///< text for the column `other` of SQLite's FTS5 table
+  [[nodiscard]] std::string mark_words() const;   ///< text for the column `marks` of SQLite's FTS5 table
   /// A literal of PostgreSQL's type tsvector.
   [[nodiscard]] std::string tsvector() const;
 };
@@ -59,7 +59,7 @@ struct SearchPhrases {
   std::string key;  ///< all words, separated by blanks, for the test "the name begins with"
 
   [[nodiscard]] bool empty() const { return phrases.empty(); }
-  /// The phrase in the form of SearchText::all(): " 02 01".
+  /// The words of one phrase with a blank before each, as in SearchText::all(): " 02 01". @param phrase index into `phrases`
   [[nodiscard]] std::string in_words(std::size_t phrase) const;
   /// Query for SQLite's FTS5 index: all phrases, all `tags`, and one of `kinds` (empty: any). @param in_name search only the words of names
   [[nodiscard]] std::string fts5(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds) const;

@@ -14,7 +14,7 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::uint32_t max_text = 64u << 20;  // bytes; stops receive() from allocating a huge buffer for a corrupt length
+constexpr std::uint32_t max_text = 64u << 20;  // bytes; bounds the buffer that receive() allocates if the length is corrupt
 
 class Fd {
  public:
@@ -65,7 +65,7 @@ bool receive_all(int fd, char* data, std::size_t size) {
   return true;
 }
 
-/// Sends the four bytes of the text's size; attaches the file descriptor `attached` if it is >= 0 (SCM_RIGHTS).
+/// Sends the text's size as four bytes. Attaches the file descriptor `attached` to them if it is >= 0 (SCM_RIGHTS).
 bool send_head(int fd, std::uint32_t size, int attached) {
   iovec part{&size, sizeof size};
   msghdr message{};

@@ -29,13 +29,13 @@ class Channel {
   Channel& operator=(const Channel&) = delete;
   ~Channel();
 
-  /// Both ends of a new connection.
+  /// Returns the two ends of a new socket pair.
   [[nodiscard]] static Result<std::pair<Channel, Channel>> make_pair();
 
   [[nodiscard]] int fd() const { return fd_; }
   /// Sets the send timeout: a later send() fails if the other end does not read the message within `time`.
   void set_send_limit(std::chrono::milliseconds time);
-  /// Sends a message. Returns false if the other end is closed, if it does not read in time, or if `text` exceeds 64 MiB.
+  /// Sends a message. Returns false if the other end is closed or does not read in time, or if `text` exceeds 64 MiB.
   /// A block of any size is passed as a memory file (memfd), not through the socket.
   bool send(std::string_view text, std::span<const std::byte> block = {});
   /// Waits for the next message. Returns nothing if the other end is closed or the message cannot be read.

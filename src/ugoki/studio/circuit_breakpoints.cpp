@@ -26,7 +26,7 @@ void CircuitBreakpoints::install() {
   std::vector<circuit::Breakpoint> all;
   for (const std::string& condition : conditions_) {
     const Result<circuit::Breakpoint> b = circuit::read_breakpoint(condition);
-    // Try each breakpoint separately, so that one that the circuit refuses does not disable the others.
+    // Try each breakpoint separately, so that a breakpoint that the circuit refuses does not disable the others.
     const Result<void> fits = b ? circuit_->set_breakpoints(std::span(&*b, 1)) : fail(b.error());
     if (!fits) {
       const Problem& why = fits.error().problems.front();

@@ -14,7 +14,7 @@ class CircuitBreakpoints {
  public:
   struct Hit {
     std::string condition;      ///< the condition as the user wrote it
-    std::string pin;            ///< output of the flat circuit
+    std::string pin;            ///< name of the output in the flat circuit (nested circuits expanded)
     std::size_t component = 0;  ///< index of the component in the pin's value
     double value = 0;           ///< value of this component after the tick
     std::uint64_t tick = 0;     ///< tick that met the condition, from 0
@@ -24,8 +24,8 @@ class CircuitBreakpoints {
   void set(std::vector<std::string> conditions);
   /// Sets the circuit that is watched; null: none. The circuit must live until the next attach() or the end of this object.
   void attach(circuit::Interpreter* circuit);
-  /// Call when the circuit was set back to its first tick. Installs the breakpoints again, so that a condition that is already true
-  /// at the first tick is not a hit: only a change from false to true is.
+  /// Call after the circuit was reset to its first tick. Installs the breakpoints again. Only a change of a condition from false to true
+  /// is a hit; a condition that is already true at the first tick is not.
   void rearm() { install(); }
   /// True if at least one breakpoint refers to an output of the current circuit.
   [[nodiscard]] bool active() const { return !installed_.empty(); }
@@ -33,7 +33,7 @@ class CircuitBreakpoints {
   [[nodiscard]] bool met() const { return active() && circuit_->breakpoint_hit() >= 0; }
   /// The breakpoint that the last tick met. Requires met().
   [[nodiscard]] Hit hit() const;
-  /// Sentences about breakpoints that do not fit the current circuit. Each sentence is returned once.
+  /// Messages about breakpoints that do not fit the current circuit. Each message is returned once.
   [[nodiscard]] std::vector<std::string> take_problems();
 
  private:

@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::size_t max_shown_values = 8;       // components of a pin that the page shows next to it
 constexpr std::size_t max_curve_components = 16;  // components of a probe that are drawn
-constexpr std::size_t max_rows = 2000;            // samples between two reports; later ones are dropped until the next report
-constexpr double rows_a_second = 500;             // of simulated time; bounds the size of a report
-constexpr std::uint32_t timing_interval = 4;  // each fourth tick is timed: reading the clock in every tick would cost more than small LSIs
+constexpr std::size_t max_rows = 2000;            // samples of a probe between two reports; further samples are dropped
+constexpr double rows_a_second = 500;             // samples of a probe per second of simulated time; bounds the size of a report
+constexpr std::uint32_t timing_interval = 4;  // every 4th tick is timed: reading the clock in each tick would take longer than small LSIs
 
 void add_number(std::string& out, double value) {
   if (!std::isfinite(value)) {
@@ -104,7 +104,7 @@ std::string CircuitWatch::report(double seconds) {
   });
   const std::uint64_t timed = circuit_->timed_ticks(), counted = circuit::Interpreter::processor_clock();
   if (request_.timing && seconds_from_ > 0 && timed > timed_from_ && counted > counted_from_) {
-    // The cycle counter has an unknown frequency: it is measured here against the clock.
+    // The frequency of the processor's cycle counter is unknown. It is measured here with the clock time.
     // The reported time of an LSI is its mean time per timed tick since the last report.
     const double us_a_count = 1e6 * (seconds - seconds_from_) / static_cast<double>(counted - counted_from_);
     const std::vector<circuit::Timing> now = circuit_->timings();

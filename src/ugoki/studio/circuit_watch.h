@@ -1,6 +1,7 @@
 #pragma once
-// Values of the running circuit for the pages: current values of outputs, curves of probes, execution time of each LSI.
-// Reported as `values` events at most 15 times a second. Probes cost a few copies per step; values cost nothing between reports.
+// Collects values of the running circuit for the web pages: current values of outputs, curves of probes, execution time of each LSI.
+// They are sent as `values` events, at most 15 times a second. A probe copies its value after steps; other outputs are read only for
+// the event.
 
 #include <cstdint>
 #include <span>
@@ -12,10 +13,10 @@
 namespace ugoki::studio {
 
 struct WatchRequest {
-  std::vector<std::string> pins;    ///< outputs of the flat circuit: "arm/elbow.out"
+  std::vector<std::string> pins;    ///< outputs of the flat circuit (nested circuits expanded): "arm/elbow.out"
   std::vector<std::string> probes;  ///< outputs that are sampled over time and drawn as curves
   bool timing = false;              ///< report the time that each LSI takes
-  bool closest = false;             ///< append the closest points of all characters to frames
+  bool closest = false;             ///< append the closest points of all pairs of characters to display frames
 };
 
 class CircuitWatch {
@@ -32,13 +33,13 @@ class CircuitWatch {
     dirty_ = true;
     if (!probes_.empty()) sample();
   }
-  /// Call when the circuit's values changed without a step: it was restored or reset.
+  /// Call after the circuit was restored or reset, because its values then changed without a step.
   void changed() { dirty_ = true; }
 
   [[nodiscard]] bool active() const { return circuit_ != nullptr && (request_.timing || !pins_.empty() || !probes_.empty()); }
   /// True if watched values changed since the last report.
   [[nodiscard]] bool dirty() const { return dirty_ && active(); }
-  /// The event `values` (docs/studio-protocol.md) as JSON. Clears the sampled rows. @param seconds clock time, s, from any origin
+  /// The event `values` (docs/studio-protocol.md) as JSON. Clears the samples of the probes. @param seconds clock time, s, from any origin
   [[nodiscard]] std::string report(double seconds);
 
  private:
@@ -59,13 +60,13 @@ class CircuitWatch {
   circuit::Interpreter* circuit_ = nullptr;
   std::vector<Pin> pins_;
   std::vector<Curve> probes_;
-  std::vector<double> times_;  ///< simulated time of each row, s; shared by all curves
-  std::uint32_t stride_ = 1;   ///< ticks between two rows
+  std::vector<double> times_;  ///< simulated time of each row of samples, s; shared by all curves
+  std::uint32_t stride_ = 1;   ///< ticks between two rows of samples
   bool dirty_ = false;
   std::uint64_t counted_from_ = 0;       ///< processor's cycle counter at the last report
-  std::uint64_t timed_from_ = 0;         ///< number of timed ticks at the last report
+  std::uint64_t timed_from_ = 0;         ///< number of ticks with measured execution time, at the last report
   double seconds_from_ = 0;              ///< clock time of the last report, s; 0: no report yet
-  std::vector<circuit::Timing> before_;  ///< times of the LSIs at the last report
+  std::vector<circuit::Timing> before_;  ///< accumulated execution times of the LSIs at the last report
 };
 
 }  // namespace ugoki::studio

@@ -9,7 +9,7 @@
 namespace ugoki::studio {
 namespace {
 
-// byte offsets in the frame's header, and sizes of the frame's parts [bytes]
+// Byte offsets in the header of a display frame, and sizes of its parts, bytes.
 constexpr std::size_t characters_at = 24, closest_count_at = 56;
 constexpr std::size_t head_size = 64, character_size = 56, link_size = 28;
 
@@ -58,7 +58,7 @@ void ClosestPairs::find() {
   tree_.update(views_);
   found_.clear();
   const int count = static_cast<int>(poses_.size());
-  // With more characters only pairs closer than 0.1 m are searched, because the number of all pairs grows with the square.
+  // With more characters than this, only pairs closer than 0.1 m are searched: the number of pairs grows with the square of the count.
   constexpr int max_characters = 24;  // 276 pairs
   if (count <= max_characters) {
     for (int a = 0; a < count; ++a)

@@ -1,5 +1,5 @@
 #pragma once
-// Closest points of each two characters, appended to a display frame when a page asks for them.
+// Computes the closest points of every pair of characters and appends them to a display frame, when a page requests them.
 
 #include <memory>
 #include <span>
@@ -13,16 +13,16 @@ namespace ugoki::studio {
 
 class ClosestPairs {
  public:
-  /// Pairs farther apart than this are not shown, m.
+  /// Maximum distance of a pair that is shown, m.
   static constexpr double max_distance = 3;
   /// Maximum number of pairs in a frame; the closest pairs are kept.
   static constexpr std::size_t max_pairs = 64;
 
-  /// @param mechanisms of the characters, in the order of the frames
+  /// @param mechanisms mechanism of each character, in the order of the characters in display frames
   explicit ClosestPairs(std::vector<MechanismPtr> mechanisms);
 
-  /// The frame followed by the closest points of each two characters (docs/studio-protocol.md). Returns `frame` itself if it has other
-  /// characters or links than the mechanisms. The result is valid until the next call.
+  /// Returns a copy of `frame` followed by the closest points of every pair of characters (docs/studio-protocol.md). Returns `frame`
+  /// itself if its characters or links do not match the mechanisms. The result is valid until the next call.
   [[nodiscard]] std::span<const std::byte> append_to(std::span<const std::byte> frame);
 
  private:

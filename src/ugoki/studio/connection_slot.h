@@ -1,12 +1,12 @@
 #pragma once
-// The count of open connections of the server.
+// Counts the open connections of the server.
 
 #include <cstddef>
 #include <utility>
 
 namespace ugoki::studio {
 
-/// Counts one open connection for as long as it lives (ServerOptions::max_connections).
+/// Increments the count of open connections while this object lives. The server limits the count (ServerOptions::max_connections).
 class ConnectionSlot {
  public:
   explicit ConnectionSlot(std::size_t& count) : count_(&count) { ++count; }

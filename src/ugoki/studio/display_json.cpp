@@ -18,40 +18,14 @@ std::string packed(const std::vector<T>& values) {
   return to_base64({reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)});
 }
 
-/// Vertices as 32-bit floats x y z and triangles as 32-bit indices, both in Base64.
-Json surface_json(const Geometry& g) {
-  std::vector<float> points;
-  for (const Vec3& p : g.vertices)
-    for (int i = 0; i < 3; ++i) points.push_back(static_cast<float>(p[i]));
-  return {{"vertices", packed(points)}, {"triangles", packed(g.triangles)}};
-}
-
-Json surface_json(const HeightField& f) {
-  const std::vector<float> heights(f.heights.begin(), f.heights.end());
-  return {{"columns", f.columns}, {"rows", f.rows}, {"half_x", f.half_x},
-          {"half_y", f.half_y},   {"base", f.base}, {"heights", packed(heights)}};
-}
-
-std::vector<Pose> poses_at(const Mechanism& mechanism, std::span<const double> q) {
-  std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
-  calc_poses(mechanism, q, X);
-  return X;
-}
-std::vector<Pose> neutral_poses(const Mechanism& mechanism) { return poses_at(mechanism, mechanism.neutral()); }
-
 constexpr int max_preview_frames = 480;
 
-/// Distance between two frames of a preview, in frames of the motion.
+/// Number of motion frames from one frame of a preview to the next.
 int preview_stride(int frames) { return std::max(1, (frames + max_preview_frames - 1) / max_preview_frames); }
 
 void add_number(std::vector<float>& out, double x) { out.push_back(static_cast<float>(x)); }
 
 }  // namespace
-
-std::vector<double> pose_json(const Pose& X) {
-  const Quat q = to_quat(X.R);
-  return {X.p.x, X.p.y, X.p.z, q.w, q.x, q.y, q.z};
-}
 
 std::string motion_json(std::string_view id, const Motion& motion, const Mechanism& mechanism) {
   const int stride = preview_stride(motion.frames);
@@ -80,62 +54,6 @@ std::string markers_json(const MarkerMotion& markers) {
     }
   return Json{{"labels", markers.labels}, {"stride", stride}, {"count", count}, {"points", packed(points)}}.dump(
       -1, ' ', false, Json::error_handler_t::replace);
-}
-
-double shown_height(const Mechanism& mechanism) {
-  const std::vector<Pose> X = neutral_poses(mechanism);
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (int i = 0; i < mechanism.link_count(); ++i) {
-    for (const Shape& s : mechanism.link(i).shapes) {
-      if (!s.visible) continue;
-      const Pose X_WS = X[static_cast<std::size_t>(i)] * s.X_BS;
-      low = std::min(low, X_WS.p.z - reach(s, -X_WS.R.row(2)));
-      high = std::max(high, X_WS.p.z + reach(s, X_WS.R.row(2)));
-    }
-  }
-  return high > low ? high - low : 0;
-}
-
-std::string mechanism_json(std::string_view id, const Mechanism& mechanism, std::span<const double> q) {
-  const std::vector<Pose> X = q.empty() ? neutral_poses(mechanism) : poses_at(mechanism, q);
-  Json links = Json::array(), surfaces = Json::object();
-  for (int i = 0; i < mechanism.link_count(); ++i) {
-    const Link& link = mechanism.link(i);
-    Json shapes = Json::array();
-    for (const Shape& s : link.shapes) {
-      if (!s.visible) continue;
-      shapes.push_back({{"type", ugoki::name_of(s.type)},
-                        {"radius", s.radius},
-                        {"half_length", s.half_length},
-                        {"half_extents", {s.half_extents.x, s.half_extents.y, s.half_extents.z}},
-                        {"pose", pose_json(s.X_BS)}});
-      if (s.geometry) {
-        const std::string key = std::to_string(s.geometry->hash);
-        shapes.back()["surface"] = key;
-        if (!surfaces.contains(key)) surfaces[key] = surface_json(*s.geometry);
-      }
-      if (s.field) {
-        const std::string key = std::to_string(s.field->hash);
-        shapes.back()["surface"] = key;
-        if (!surfaces.contains(key)) surfaces[key] = surface_json(*s.field);
-      }
-    }
-    links.push_back({{"name", link.name},
-                     {"label", link.label},
-                     {"parent", link.parent},
-                     {"joint", ugoki::name_of(link.joint.type)},
-                     {"dofs", link.joint.nv()},
-                     {"shapes", std::move(shapes)},
-                     {"neutral", pose_json(X[static_cast<std::size_t>(i)])}});
-  }
-  return Json{{"id", id},
-              {"name", mechanism.name()},
-              {"dofs", mechanism.nv()},
-              {"mass", mechanism.mass()},
-              {"height", shown_height(mechanism)},
-              {"surfaces", std::move(surfaces)},
-              {"links", std::move(links)}}
-      .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::vector<double> thumbnail_curve(const Motion& motion, const Mechanism& mechanism) {

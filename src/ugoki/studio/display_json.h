@@ -1,20 +1,17 @@
 #pragma once
-// Mechanisms and motions as the page lists and draws them.
+// JSON of mechanisms and motions for the web page, which lists and draws them.
 
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "ugoki/content/mechanism_display.h"
 #include "ugoki/mechanism/mechanism.h"
 #include "ugoki/motion/markers.h"
 #include "ugoki/motion/motion.h"
 
 namespace ugoki::studio {
-
-/// JSON of a mechanism's links with their visible shapes: the answer of GET /api/mechanism/ID.
-/// @param q [nq] position that the poses in "neutral" show; empty: the mechanism's neutral position
-[[nodiscard]] std::string mechanism_json(std::string_view id, const Mechanism& mechanism, std::span<const double> q = {});
 
 /// JSON of the poses of all links for an animated preview: the answer of GET /api/motion/ID. Contains at most 480 frames, evenly
 /// spaced. The motion must fit the mechanism (check_motion).
@@ -23,14 +20,12 @@ namespace ugoki::studio {
 /// JSON of the marker positions for a preview, at the same frames as motion_json; NaN where a marker was not seen.
 [[nodiscard]] std::string markers_json(const MarkerMotion& markers);
 
-/// The pose as [x, y, z, qw, qx, qy, qz], m and unit quaternion.
-[[nodiscard]] std::vector<double> pose_json(const Pose& X);
+using content::mechanism_json;
+using content::pose_json;
+using content::shown_height;
 
-/// Height of the visible shapes in the neutral position, from the lowest to the highest point, m; 0 without shapes.
-[[nodiscard]] double shown_height(const Mechanism& mechanism);
-
-/// Small curve for a motion's list entry: at most 48 values from 0 to 1 of the coordinate with the largest variance, evenly spaced in
-/// time. Root coordinates are used only if the mechanism has no others. Empty if nothing moves or the motion does not fit.
+/// Small curve for a motion in a list: the coordinate with the largest variance, scaled to 0 ... 1, as at most 48 values evenly spaced in
+/// time. Root coordinates are used only if the mechanism has no others. Empty if nothing moves or the motion does not fit the mechanism.
 [[nodiscard]] std::vector<double> thumbnail_curve(const Motion& motion, const Mechanism& mechanism);
 
 }  // namespace ugoki::studio

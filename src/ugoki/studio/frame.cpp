@@ -10,7 +10,7 @@
 namespace ugoki::studio {
 namespace {
 
-// byte offsets in the header, and sizes of the parts [bytes]
+// Byte offsets in the header of a display frame, and sizes of its parts, bytes.
 constexpr std::size_t time_at = 8, number_at = 16, flags_at = 20, characters_at = 24;
 constexpr std::size_t head_size = 64, character_size = 56, link_size = 28;
 
@@ -51,8 +51,8 @@ void blend_poses(std::span<std::byte> frame, std::span<const std::byte> next, do
       float a[7], b[7];
       std::memcpy(a, frame.data() + at, sizeof a);
       std::memcpy(b, next.data() + at, sizeof b);
-      // q and -q are the same rotation: use the sign of b that is closer to a. Normalised linear interpolation replaces slerp: the
-      // rotation between neighbouring frames is small.
+      // The quaternions q and -q are the same rotation, so b gets the sign that is closer to a. The rotation between neighbouring frames
+      // is small, so normalised linear interpolation replaces slerp.
       const float sign = a[3] * b[3] + a[4] * b[4] + a[5] * b[5] + a[6] * b[6] < 0 ? -1.0f : 1.0f;
       float squares = 0;
       for (int i = 0; i < 7; ++i) {

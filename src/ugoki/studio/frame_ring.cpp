@@ -84,7 +84,7 @@ std::optional<std::vector<std::byte>> FrameRing::read() {
     const Slot& slot = shared_->slots[n % slot_count];
     if (slot.sequence.load(std::memory_order_acquire) != 2 * n + 2) continue;
     const std::uint64_t size = slot.size.load(std::memory_order_relaxed);
-    if (size > slot_bytes) continue;  // the size is corrupt; the other process must not be able to crash this one
+    if (size > slot_bytes) continue;  // the other process wrote a corrupt size; reading that many bytes could crash this process
     std::vector<std::byte> frame(size);
     for (std::size_t at = 0; at < size; at += 8) {
       const std::uint64_t word = slot.words[at / 8].load(std::memory_order_relaxed);

@@ -16,9 +16,9 @@ namespace ugoki::studio {
 class FrameRing {
  public:
   static constexpr std::size_t slot_count = 16;
-  static constexpr std::size_t slot_bytes = std::size_t{1} << 20;  ///< maximum frame size; memory pages that are never written cost nothing
+  static constexpr std::size_t slot_bytes = std::size_t{1} << 20;  ///< maximum size of a frame; unwritten memory pages cost nothing
 
-  /// Creates the shared memory; fd() is passed to the other process.
+  /// Creates the shared memory. Pass fd() to the other process.
   [[nodiscard]] static Result<FrameRing> make();
   /// Maps the memory in the other process. Takes ownership of `fd`, also on failure.
   [[nodiscard]] static Result<FrameRing> attach(int fd);
@@ -31,7 +31,7 @@ class FrameRing {
   [[nodiscard]] int fd() const { return fd_; }
   /// Writes a frame. Returns false if it is larger than a slot. To be called by one writer only.
   bool write(std::span<const std::byte> frame);
-  /// The next unread frame, or nothing. To be called by one reader only.
+  /// Returns the next unread frame; nothing if there is none. To be called by one reader only.
   [[nodiscard]] std::optional<std::vector<std::byte>> read();
 
  private:

@@ -16,11 +16,11 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t max_stages = 64;
-constexpr std::size_t max_bytes = std::size_t{768} << 20;  // size of all stages and companions together
+constexpr std::size_t max_bytes = std::size_t{768} << 20;  // maximum size of all stages and companion files together
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-/// "folder/Left.STL" -> "left.stl"
+/// The file name in lower case without folders: "folder/Left.STL" -> "left.stl".
 std::string plain_name(std::string_view path) {
   std::string name(path.substr(path.find_last_of("/\\") + 1));
   std::ranges::transform(name, name.begin(), [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
@@ -47,7 +47,7 @@ Json report_json(const intake::ConversionReport& r) {
   return {{"read", r.read}, {"guessed", r.guessed}, {"changed", r.changed}, {"left_out", r.left_out}, {"check", r.check}};
 }
 
-/// Entries that storing will create. Measured data are not listed: they belong to their motion.
+/// JSON list of the library entries that storing will create. Measured data are not listed, because they belong to their motion.
 Json entries_json(const intake::Intake& intake_result) {
   Json entries = Json::array();
   for (const store::LibraryItem& item : intake_result.items)
@@ -208,7 +208,7 @@ Result<std::string> reference_character_json(double height) {
   MeasuredMotion stand = samples::make_human_stand();
   body::BodyOptions options;
   options.height = height;
-  intake::scale(stand, height / 1.75);  // height of the sample human, m
+  intake::scale(stand, height / 1.75);  // the sample human is 1.75 m tall
   Result<body::Body> body = body::make_body(stand, options);
   if (!body) return fail(std::move(body.error()));
   const Motion motion = body::to_motion(*body, stand);

@@ -19,15 +19,15 @@ using Json = nlohmann::json;
 
 constexpr double display_rate = 60;      // display ticks a second
 constexpr double slice_seconds = 0.004;  // maximum time in one call of work(), s: a quarter of a display tick, so requests wait little
-constexpr double max_lag = 0.25;         // s behind the clock; beyond it playing slows down instead of catching up
-constexpr double cheap_seconds = 3;      // maximum time to recompute the simulation after an edit, s; beyond it, start at 0
+constexpr double max_lag = 0.25;         // s; playing that is later than this slows down instead of catching up
+constexpr double cheap_seconds = 3;      // maximum time for recomputing the simulation after an edit, s; otherwise it starts at 0
 constexpr double transport_period = 0.5, summary_period = 0.25;  // s between reports
 
 Error make_error(ErrorCode code, std::string location, std::string message, std::string remedy) {
   return {code, std::move(location), std::move(message), std::move(remedy)};
 }
 
-/// True if simulating `seconds` of content takes at most cheap_seconds, so that it is done without asking the user.
+/// True if simulating `seconds` of content takes at most cheap_seconds of clock time. It is then done without asking the user.
 bool is_cheap_to(double seconds, double realtime_factor) { return seconds <= cheap_seconds * realtime_factor; }
 
 }  // namespace
@@ -49,7 +49,7 @@ std::uint64_t Interpreter::head_digest() const {
 }
 
 double Interpreter::realtime_factor() const {
-  constexpr double unknown = 10;  // times real time, until steps have been measured
+  constexpr double unknown = 10;  // assumed multiple of real time, until steps have been measured
   return computed_seconds_ > 0 && simulation_ ? computed_steps_ * simulation_->step_size() / computed_seconds_ : unknown;
 }
 
@@ -105,7 +105,7 @@ Result<void> Interpreter::set_mode(PlayMode mode) {
   } else if (!blown_up_ && is_cheap_to(shown_ - head_time(), realtime_factor())) {
     set_goal(Goal::seek, step_at(shown_));
   } else {
-    show_head();  // simulation continues at the head
+    show_head();  // playing continues at the end of the recording
   }
   report_transport();
   return {};
@@ -395,7 +395,7 @@ void Interpreter::show_recorded(double time) {
     shown_ = frame_time(frame_);
     return send(frame_, shown_, false);
   }
-  // Slow motion and other speeds need times between two recorded frames: interpolate them.
+  // Slow motion, for example, shows times between two recorded frames: interpolate the poses.
   const double position = std::clamp(time * recording_->rate(), 0.0, static_cast<double>(recording_->frame_count() - 1));
   const auto before = static_cast<std::size_t>(position);
   const std::span<const std::byte> kept = recording_->frame(before);
@@ -420,7 +420,7 @@ void Interpreter::send(std::span<std::byte> bytes, double time, bool live) {
 }
 
 void Interpreter::report_touches() {
-  constexpr int max_touches = 40;  // between two summaries, so that a falling heap does not flood the log
+  constexpr int max_touches = 40;  // messages between two summaries, so that a falling heap of bodies does not flood the log
   for (const std::string& touch : simulation_->touches()) {
     if (++touches_reported_ > max_touches) return;
     sink_.message(Json{{"event", "log"}, {"level", "info"}, {"text", touch}}.dump(-1, ' ', false, Json::error_handler_t::replace));

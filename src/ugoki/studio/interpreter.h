@@ -1,12 +1,12 @@
 #pragma once
-// Plays a simulation: transport, recording, seeking, live inputs. Independent of processes, sockets and clocks: the caller supplies the
-// clock.
+// Plays a simulation: transport, recording, seeking, live inputs. Independent of processes and sockets. The caller supplies the clock.
 //
 // Two modes: edit mode shows the poses of the tracks without physics; simulate mode computes the physics.
 //
 // In simulate mode one simulation is at the head (the end of the recording). The shown time may be before the head, for example while
 // the user scrubs through recorded frames. Playing shows the recorded frames up to the head, then computes new steps there. A live input
-// before the head discards the recording after the shown time: the state is restored from the previous checkpoint and stepped to it.
+// before the head discards the recording after the shown time: the last checkpoint before that time is restored, and the simulation is
+// computed from there up to that time.
 
 #include <cstddef>
 #include <cstdint>
@@ -46,48 +46,50 @@ class Interpreter {
   Interpreter(SimulationOpener opener, InterpreterSink& sink, std::function<double()> seconds);
 
   /// Replaces the content by other executable data. The shown time is kept. In simulate mode the new content is simulated up to that
-  /// time if this takes less than about 3 s; otherwise its simulation starts at 0. Recorded live inputs are kept if the cast and the
-  /// step size are the same. On an error the old content stays.
+  /// time if this takes less than about 3 s; otherwise its simulation starts at 0. Recorded live inputs are kept if the characters
+  /// and the step size are the same. On an error the old content stays.
   [[nodiscard]] Result<void> load(std::span<const std::byte> executable);
 
   [[nodiscard]] Result<void> set_mode(PlayMode mode);
-  [[nodiscard]] Result<void> play(std::optional<double> speed);  ///< starts at 0 if the shown time is the end
+  [[nodiscard]] Result<void> play(std::optional<double> speed);  ///< starts at time 0 if the end is shown
   [[nodiscard]] Result<void> pause();
-  [[nodiscard]] Result<void> step_frames(int frames);  ///< moves by display frames, forwards (> 0) or back; pauses
+  [[nodiscard]] Result<void> step_frames(int frames);  ///< moves the shown time by display frames (< 0: back) and pauses
   /// Computes one step of dynamics from the shown time and pauses. A recorded step is recomputed with the recorded inputs.
   [[nodiscard]] Result<void> step_tick();
   [[nodiscard]] Result<void> seek(double time);
   [[nodiscard]] Result<void> restart();
-  /// Continues the content with the LSIs of an installed library that changed on disk. @return sentences for the user's log
+  /// Reloads an installed LSI library that changed on disk and continues with its LSIs. @return sentences for the user's log
   [[nodiscard]] std::vector<std::string> change_library();
-  /// Pulls a link by a spring to `target`. @param link index as text, name or label @param point [m] in the link's frame
+  /// Pulls a link by a spring to `target`. @param link the link's index (as text), name or label @param point [m] in the link's frame
   /// @param target [m] in the world frame
   [[nodiscard]] Result<void> grab(std::string_view character, std::string_view link, const Vec3& point, const Vec3& target);
   /// Moves the target of the current grab. @param target [m] in the world frame
   [[nodiscard]] Result<void> drag(const Vec3& target);
   [[nodiscard]] Result<void> release();
-  /// Applies a constant force [N], world frame, at a link's centre of mass for `duration` [s]. @param link index as text, name or label
+  /// Applies a constant force [N], world frame, at a link's centre of mass for `duration` [s]. @param link as for grab()
   [[nodiscard]] Result<void> push(std::string_view character, std::string_view link, const Vec3& force, double duration);
-  /// Keyboard, mouse and gamepads. Their state is kept in every mode and applied to steps that are computed while playing. While recorded
-  /// frames are shown, only pressing a key or button that the circuit reads has an effect: it discards the recording after that time.
+  /// Changes the state of keyboard, mouse and gamepads. The state is kept in every mode and applied to steps that are computed while
+  /// playing. While recorded frames are shown, only pressing a key or button that the circuit reads has an effect: it discards the
+  /// recording after the shown time.
   [[nodiscard]] Result<void> input(const circuit::DeviceChange& change);
 
   /// Sets which values of the running circuit are reported in events `values`.
   void watch(WatchRequest request);
 
-  /// Sets the breakpoints (syntax: circuit::read_breakpoint). Playing stops after the step that meets one and sends the event
+  /// Sets the breakpoints (syntax: circuit::read_breakpoint). Playing stops after a step that meets a breakpoint and sends the event
   /// `breakpoint`. While a breakpoint is active, playing recomputes recorded steps. A breakpoint on an output that the circuit does not
   /// have becomes active when a circuit with this output is loaded.
   void set_breakpoints(std::vector<std::string> conditions);
 
-  /// Does the work that is due, for a few milliseconds. @return time until the next work, s; infinity: none until another call
+  /// Does the work that is due, for a few milliseconds. @return time until more work is due, s; infinity: not before a call of another
+  /// member function
   double work();
 
   [[nodiscard]] PlayMode mode() const { return mode_; }
   [[nodiscard]] bool playing() const { return playing_; }
   [[nodiscard]] double time() const { return shown_; }
   [[nodiscard]] double simulated() const;
-  [[nodiscard]] std::uint64_t head_digest() const;  ///< hash of the whole state at the head; for tests
+  [[nodiscard]] std::uint64_t head_digest() const;  ///< hash of the whole simulation state at the head; for tests
 
  private:
   enum class Goal : std::uint8_t { none, tick, seek };
@@ -108,7 +110,7 @@ class Interpreter {
   [[nodiscard]] bool advance_head();  ///< computes one step; false: the simulation failed or the recording is full, and playing was stopped
   void record_head();
   void set_goal(Goal goal, std::int64_t step);
-  bool work_on_goal();  ///< true: the goal was reached or given up
+  bool work_on_goal();  ///< true: the step goal_step_ was reached or computing stopped before it
   void tick();
   void show_edit(double time);
   void show_recorded(double time);
@@ -137,30 +139,30 @@ class Interpreter {
   std::optional<Recording> recording_;
   PlayMode mode_ = PlayMode::edit;
   bool playing_ = false;
-  bool blown_up_ = false;  ///< the head's next step failed, or the recording is full
+  bool blown_up_ = false;  ///< the step after the head failed, or the recording is full
   double speed_ = 1;
   double shown_ = 0;  ///< time of the frame that the pages show, s
   Goal goal_ = Goal::none;
-  std::int64_t goal_step_ = 0;  ///< step to reach at the head
+  std::int64_t goal_step_ = 0;  ///< step up to which the simulation is to be computed
   circuit::DeviceState held_;   ///< current state of keyboard, mouse and gamepads
   std::optional<circuit::DeviceUse> reported_devices_;
-  std::size_t next_input_ = 0;                   ///< index of the first recorded input that is not yet applied at the head
-  double anchor_seconds_ = 0, anchor_time_ = 0;  ///< clock time and shown time at which the pace of playing was set, s
-  std::int64_t ticks_ = 0;                       ///< display ticks since the anchor
-  double computed_seconds_ = 0;                  ///< clock time spent in recent steps, s
-  double computed_steps_ = 0;                    ///< number of these steps, weighted like their time
+  std::size_t next_input_ = 0;                   ///< index of the first recorded input that the simulation has not applied yet
+  double anchor_seconds_ = 0, anchor_time_ = 0;  ///< clock time and shown time from which display ticks are counted, s
+  std::int64_t ticks_ = 0;                       ///< display ticks since anchor_seconds_
+  double computed_seconds_ = 0;                  ///< clock time spent in recent steps, s; decays exponentially
+  double computed_steps_ = 0;                    ///< number of recent steps; decays like computed_seconds_
   double transport_reported_ = -1, summary_reported_ = -1;
   bool summary_due_ = false;
   CircuitWatch watch_;
   CircuitBreakpoints breakpoints_;
-  bool breakpoint_met_ = false;    ///< the last work on a goal ended at a breakpoint
+  bool breakpoint_met_ = false;    ///< the last call of work_on_goal() ended at a breakpoint
   std::int64_t replay_until_ = 0;  ///< before this step the recorded inputs are used instead of the current device state
   bool show_closest_ = false;
-  std::unique_ptr<ClosestPairs> closest_pairs_;  ///< created when first shown
-  int touches_reported_ = 0;                     ///< since the last summary
+  std::unique_ptr<ClosestPairs> closest_pairs_;  ///< created when closest points are first shown
+  int touches_reported_ = 0;                     ///< touches reported since the last summary
   double values_reported_ = -1;
   std::string status_ = "ready";
-  Error stop_;  ///< why blown_up_ is set
+  Error stop_;  ///< the reason why blown_up_ is set
   std::vector<std::byte> frame_;
 };
 

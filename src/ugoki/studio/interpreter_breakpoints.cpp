@@ -1,4 +1,4 @@
-// Interpreter: breakpoints and single ticks.
+// Members of Interpreter for breakpoints and single ticks.
 
 #include <nlohmann/json.hpp>
 
@@ -27,7 +27,7 @@ void Interpreter::log_warning(const std::string& warning) {
   sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-/// Moves the head back to the shown time, so that later steps are recomputed with the recorded inputs.
+/// Moves the head (the end of the recording) back to the shown time, so that later steps are recomputed with the recorded inputs.
 Result<void> Interpreter::rewind_to_shown() {
   if (shown_ >= head_time() - 0.5 * simulation_->step_size()) return {};
   const std::int64_t step = step_at(shown_), head = simulation_->step_count();

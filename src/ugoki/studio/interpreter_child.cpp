@@ -15,6 +15,7 @@
 
 #include "ugoki/circuit/class_json.h"
 #include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/guard_block.h"
 #include "ugoki/plugin/live_library.h"
 #include "ugoki/studio/channel.h"
 #include "ugoki/studio/error_json.h"
@@ -42,7 +43,7 @@ class ChildSink final : public InterpreterSink {
       return;
     }
     const std::uint64_t one = 1;
-    // The write never blocks. It fails only if the counter is full; then the reader has been signalled already.
+    // The write never blocks. It fails only if the eventfd's counter is full; then the reader has been signalled already.
     [[maybe_unused]] const ssize_t n = ::write(child_file::signal, &one, sizeof one);
   }
   void message(std::string json) override {
@@ -85,7 +86,7 @@ class Inbox {
   std::deque<ChannelMessage> messages_;
 };
 
-// Fields of a request, or a default if missing. The studio has already checked their types.
+// Value of a request's field, or a default if the field is missing. The studio has already checked the types of the fields.
 std::string text_of(const Json& request, const char* key) {
   const auto it = request.find(key);
   return it != request.end() && it->is_string() ? it->get<std::string>() : std::string();
@@ -125,7 +126,11 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
   if (op == "step" && request.contains("ticks")) return interpreter.step_tick();
   if (op == "step") return interpreter.step_frames(static_cast<int>(number_of(request, "frames", 1)));
   if (op == "seek") return interpreter.seek(number_of(request, "time"));
-  if (op == "restart") return interpreter.restart();
+  if (op == "restart") {
+    // Global variables of LSIs get their initial values again, so that the restarted content gives the same results.
+    if (lsi_library().renew()) (void)interpreter.change_library();
+    return interpreter.restart();
+  }
   if (op == "drag") return interpreter.drag(vec3_of(request, "target"));
   if (op == "release") return interpreter.release();
   if (op == "input") {
@@ -152,6 +157,7 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
 int run_interpreter(SimulationOpener opener) {
   constexpr double library_period = 0.25;  // s between checks for changed LSI libraries
   std::signal(SIGPIPE, SIG_IGN);
+  (void)plugin::attach_guard_block(child_file::guard);
   plugin::guard_process(child_file::words);
   Result<FrameRing> ring = FrameRing::attach(child_file::frames);
   if (!ring) {

@@ -1,5 +1,5 @@
-// Interpreter: live inputs of a user while the simulation runs (pull, push, keyboard, mouse and gamepads). Each input is recorded with
-// its step and applied again at this step when the recording is recomputed.
+// Members of Interpreter for live inputs of a user while the simulation runs (pull, push, keyboard, mouse and gamepads). Each input is
+// recorded with its step and applied again at this step when the recording is recomputed.
 
 #include <algorithm>
 
@@ -94,7 +94,7 @@ Result<void> Interpreter::input(const circuit::DeviceChange& change) {
   return record_held_devices();
 }
 
-/// Records the current device state as a live input if it differs from the one that the circuit has.
+/// Records the current device state as a live input if it differs from the state that the circuit has.
 Result<void> Interpreter::record_held_devices() {
   if (!simulation_->devices() || simulation_->devices()->has(held_)) return {};
   LiveInput input;
@@ -104,7 +104,7 @@ Result<void> Interpreter::record_held_devices() {
 }
 
 Result<void> Interpreter::live_input(LiveInput input) {
-  if (goal_ == Goal::seek) {  // the input ends the seek: it acts at the head, not at the time to seek
+  if (goal_ == Goal::seek) {  // the input ends the seek and acts at the head, not at the requested time
     goal_ = Goal::none;
     shown_ = head_time();
     anchor();

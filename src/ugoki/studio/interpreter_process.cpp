@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <spawn.h>
 #include <sys/eventfd.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,10 +20,10 @@
 namespace ugoki::studio {
 namespace {
 
-// A thread of the child does nothing but read the socket, so even a busy child reads a message within this time.
+// Time limit for sending a message. One thread of the child only reads the socket, so even a busy child reads a message in time.
 constexpr std::chrono::milliseconds send_limit{3000};
 
-/// A copy of `fd` with a descriptor of at least 16, above those of child_file, so that dup2 in the child overwrites none of the copies.
+/// Duplicates `fd` to a number of at least 16. The numbers in child_file are smaller, so dup2 in the child overwrites no duplicate.
 int raised(int fd) { return fcntl(fd, F_DUPFD_CLOEXEC, 16); }
 
 }  // namespace
@@ -32,13 +33,15 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   if (!ends) return fail(std::move(ends.error()));
   Result<FrameRing> ring = FrameRing::make();
   if (!ring) return fail(std::move(ring.error()));
+  Result<plugin::GuardMemory> guard = plugin::GuardMemory::make();
+  if (!guard) return fail(std::move(guard.error()));
   const int signal = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   int words[2] = {-1, -1};
   if (::pipe2(words, O_CLOEXEC | O_NONBLOCK) != 0) {
     close(signal);
     return fail(ErrorCode::io, program.path, "A pipe to the interpreter cannot be created.", "Close some programs and try again.");
   }
-  const int handed[4] = {raised(ends->second.fd()), raised(ring->fd()), raised(signal), raised(words[1])};
+  const int handed[5] = {raised(ends->second.fd()), raised(ring->fd()), raised(signal), raised(words[1]), raised(guard->fd())};
   close(words[1]);
 
   posix_spawn_file_actions_t actions;
@@ -47,7 +50,8 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   posix_spawn_file_actions_adddup2(&actions, handed[1], child_file::frames);
   posix_spawn_file_actions_adddup2(&actions, handed[2], child_file::signal);
   posix_spawn_file_actions_adddup2(&actions, handed[3], child_file::words);
-  posix_spawn_file_actions_addclosefrom_np(&actions, child_file::words + 1);
+  posix_spawn_file_actions_adddup2(&actions, handed[4], child_file::guard);
+  posix_spawn_file_actions_addclosefrom_np(&actions, child_file::guard + 1);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none;
@@ -72,15 +76,18 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   }
   ends->first.set_send_limit(send_limit);
   return std::unique_ptr<InterpreterProcess>(
-      new InterpreterProcess(std::move(ends->first), std::move(*ring), signal, words[0], pid, std::move(events)));
+      new InterpreterProcess(std::move(ends->first), std::move(*ring), std::move(*guard), signal, words[0], pid, std::move(events)));
 }
 
-InterpreterProcess::InterpreterProcess(Channel control, FrameRing ring, int signal, int words, int pid, InterpreterEvents events)
+InterpreterProcess::InterpreterProcess(Channel control, FrameRing ring, plugin::GuardMemory guard, int signal, int words, int pid,
+                                       InterpreterEvents events)
     : control_(std::move(control)),
       ring_(std::move(ring)),
+      guard_(std::move(guard)),
       signal_(signal),
       words_(words),
       pid_(pid),
+      process_(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0))),
       events_(std::move(events)),
       thread_([this] { listen(); }) {}
 
@@ -90,6 +97,7 @@ InterpreterProcess::~InterpreterProcess() {
   thread_.join();
   close(signal_);
   close(words_);
+  if (process_ >= 0) close(process_);
 }
 
 void InterpreterProcess::kill_unanswering() {
@@ -98,20 +106,22 @@ void InterpreterProcess::kill_unanswering() {
 }
 
 void InterpreterProcess::listen() {
-  pollfd files[2] = {{control_.fd(), POLLIN, 0}, {signal_, POLLIN, 0}};
+  // The end of the process is observed too: a process that an LSI started may keep the socket open.
+  pollfd files[3] = {{control_.fd(), POLLIN, 0}, {signal_, POLLIN, 0}, {process_, POLLIN, 0}};
   while (true) {
-    if (::poll(files, 2, -1) < 0) {
+    if (::poll(files, 3, -1) < 0) {
       if (errno == EINTR) continue;
       break;
     }
     // Read frames before the message: the child writes a frame to the ring before it sends a message about it.
-    if ((files[1].revents & POLLIN) != 0 || files[0].revents != 0) {
+    if ((files[1].revents & POLLIN) != 0 || files[0].revents != 0 || files[2].revents != 0) {
       std::uint64_t count = 0;
       [[maybe_unused]] const ssize_t n = ::read(signal_, &count, sizeof count);
       while (std::optional<std::vector<std::byte>> frame = ring_.read()) {
         if (!ending_) events_.frame(std::move(*frame));
       }
     }
+    if (files[0].revents == 0 && files[2].revents != 0) break;
     if (files[0].revents == 0) continue;
     std::optional<ChannelMessage> message = control_.receive();
     if (!message) break;
@@ -122,35 +132,33 @@ void InterpreterProcess::listen() {
 }
 
 Problem InterpreterProcess::wait_for_end() {
-  const auto make_problem = [](std::string message) {
-    return Problem{ErrorCode::io, "interpreter", std::move(message), "The project is safe. Play to restart the interpreter."};
-  };
+  const std::string safe = "The project is safe. Play to restart the interpreter.";
+  bool ended = false, stopped = false;
+  for (int i = 0; i < 100 && !ended; ++i) {  // the child ends when the socket is closed; wait at most 1 s (0.1 s if it hangs)
+    siginfo_t info{};  // WNOWAIT: the process stays a zombie, so that its number still names its process group below
+    if (::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WSTOPPED | WNOHANG | WNOWAIT) != 0) break;
+    stopped = stopped || (info.si_pid == pid_ && info.si_code == CLD_STOPPED);
+    ended = info.si_pid == pid_ && info.si_code != CLD_STOPPED;
+    if (!ended) std::this_thread::sleep_for(std::chrono::milliseconds(unanswering_ ? 1 : 10));
+  }
+  ::kill(-pid_, SIGKILL);  // the process group: the child, and processes that LSIs started
   int status = 0;
   pid_t got = 0;
-  for (int i = 0; i < 100 && got == 0; ++i) {  // the child ends when the socket is closed; wait at most 1 s (0.1 s if it hangs)
-    got = waitpid(pid_, &status, WNOHANG);
-    if (got == 0) std::this_thread::sleep_for(std::chrono::milliseconds(unanswering_ ? 1 : 10));
+  while ((got = waitpid(pid_, &status, 0)) < 0 && errno == EINTR) {
   }
-  if (got == 0) {
-    ::kill(pid_, SIGKILL);
-    while ((got = waitpid(pid_, &status, 0)) < 0 && errno == EINTR) {
-    }
-  }
-  if (unanswering_) return make_problem("The interpreter stopped responding and was ended.");
-  std::string words(4096, '\0');  // written before the process ended, so the read does not wait
-  words.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::read(words_, words.data(), words.size()))));
-  if (!words.empty()) {
-    Problem problem = std::move(plugin::read_last_words(words, "ended").problems[0]);
-    problem.remedy += " The project is safe. Play to restart the interpreter.";
+  const auto named = [&](Problem problem) {
+    problem.remedy = problem.remedy.empty() || problem.remedy == "Run it again." ? safe : problem.remedy + " " + safe;
     return problem;
-  }
-  std::string how = "ended";
-  if (got == pid_ && WIFSIGNALED(status)) {
-    how = "was ended by signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")";
-  } else if (got == pid_ && WIFEXITED(status)) {
-    how = "ended with status " + std::to_string(WEXITSTATUS(status));
-  }
-  return make_problem("The interpreter " + how + ".");
+  };
+  std::string words(4096, '\0');  // the report was written before the process ended, so the read does not wait
+  words.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::read(words_, words.data(), words.size()))));
+  if (!words.empty()) return named(std::move(plugin::read_last_words(words, "ended").problems[0]));
+  const auto missing = [&](const std::string& how) { return named(plugin::missing_report(guard_.block(), how).problems[0]); };
+  if (stopped) return missing("stopped its process (SIGSTOP)");
+  if (unanswering_) return missing("stopped responding and was ended");
+  if (got == pid_ && WIFSIGNALED(status))
+    return missing("ended its process (signal " + std::to_string(WTERMSIG(status)) + ", " + strsignal(WTERMSIG(status)) + ")");
+  return missing("ended its process (exit status " + std::to_string(got == pid_ && WIFEXITED(status) ? WEXITSTATUS(status) : -1) + ")");
 }
 
 }  // namespace ugoki::studio

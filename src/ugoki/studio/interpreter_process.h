@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/plugin/guard_block.h"
 #include "ugoki/studio/channel.h"
 #include "ugoki/studio/frame_ring.h"
 
@@ -26,7 +27,7 @@ struct InterpreterProgram {
 struct InterpreterEvents {
   std::function<void(std::vector<std::byte>)> frame;
   std::function<void(std::string)> message;  ///< an event, or a reply to a request
-  /// The process ended without being asked to: the reason, and the location (the flat id of an LSI if an LSI caused it). No callback
+  /// The process ended unexpectedly. The argument is the reason; its location is the LSI's id if an LSI caused the end. No callback
   /// follows.
   std::function<void(Problem)> ended;
 };
@@ -41,20 +42,23 @@ class InterpreterProcess {
 
   /// Sends a request. Returns false if the process has ended or does not read the socket. To be called from one thread only.
   bool send(std::string_view json, std::span<const std::byte> block = {}) { return control_.send(json, block); }
-  /// Kills the process; `ended` then reports that it did not answer.
+  /// Kills a process that does not answer. The callback `ended` then reports this.
   void kill_unanswering();
   [[nodiscard]] int pid() const { return pid_; }
 
  private:
-  InterpreterProcess(Channel control, FrameRing ring, int signal, int words, int pid, InterpreterEvents events);
+  InterpreterProcess(Channel control, FrameRing ring, plugin::GuardMemory guard, int signal, int words, int pid, InterpreterEvents events);
   void listen();
+  /// Waits for the end of the process, or ends it, and ends the processes that it started. @return the reason of the end
   Problem wait_for_end();
 
   Channel control_;
   FrameRing ring_;
+  plugin::GuardMemory guard_;  ///< memory in which the process records the LSI that is running
   int signal_;  ///< eventfd that signals new frames
-  int words_;   ///< pipe from which last words are read
+  int words_;   ///< pipe from which the fault report of a crash is read
   int pid_;
+  int process_;  ///< pidfd of the process: readable when the process has ended; -1 if the system has none
   InterpreterEvents events_;
   std::atomic<bool> ending_ = false, unanswering_ = false;
   std::thread thread_;

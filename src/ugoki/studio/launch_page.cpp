@@ -54,7 +54,7 @@ void open_browser(const std::string& path) {
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addclosefrom_np(&actions, 3);  // sockets and files of the studio
+  posix_spawn_file_actions_addclosefrom_np(&actions, 3);  // closes the studio's sockets and files in the child
   pid_t pid = -1;
   if (posix_spawnp(&pid, program, &actions, &attributes, arguments, environ) == 0) {
     std::thread([pid] { waitpid(pid, nullptr, 0); }).detach();

@@ -1,5 +1,6 @@
 #pragma once
-// The file with which `ugoki studio` opens the browser: a program's arguments are visible to all users, the content of this file is not.
+// A file that `ugoki studio` opens in the browser and that contains the secret address. All users can see the arguments of a program, but
+// not the content of this file.
 
 #include <memory>
 #include <string>

@@ -4,6 +4,11 @@
 #include <utility>
 
 namespace ugoki::studio {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
 
 Error library_silent() {
   return {ErrorCode::io, "library", "The library does not respond.",
@@ -11,8 +16,9 @@ Error library_silent() {
 }
 
 void LibraryQueue::post(std::function<bool()> work, std::function<void(const Error&)> refuse) {
-  queue_.post([this, queued = Clock::now(), run = std::move(work), decline = std::move(refuse)] {
-    if (queued <= silent_) return decline(library_silent());
+  if (away_) return refuse(library_silent());
+  queue_.post([this, run = std::move(work), decline = std::move(refuse)] {
+    if (away_) return decline(library_silent());
     const Clock::time_point begun = Clock::now();
     bool done = false;
     try {
@@ -21,8 +27,16 @@ void LibraryQueue::post(std::function<bool()> work, std::function<void(const Err
       decline({ErrorCode::io, "studio", std::string("The studio could not do this: ") + e.what() + ".",
                "The project is safe. Try again, or continue working."});
     }
-    if (!done && Clock::now() - begun >= min_silence) silent_ = Clock::now();
+    if (!done && Clock::now() - begun >= min_silence) away_ = true;
   });
+}
+
+void LibraryQueue::call_poll(const std::function<bool(bool away)>& poll) {
+  const Clock::time_point begun = Clock::now();
+  if (poll(away_))
+    away_ = false;
+  else if (Clock::now() - begun >= min_silence)
+    away_ = true;
 }
 
 }  // namespace ugoki::studio

@@ -1,6 +1,6 @@
 #pragma once
-// The thread that uses the library, for the studio: the library's types are used on this thread only, so that a library that does not
-// respond delays nothing else.
+// The studio's thread for the library. The types of the library are used on this thread only, so that a library that does not respond
+// delays nothing else.
 
 #include <atomic>
 #include <chrono>
@@ -14,28 +14,30 @@ namespace ugoki::studio {
 
 class LibraryQueue {
  public:
-  /// @param periodic called on the thread about every 2 s
-  explicit LibraryQueue(std::function<void()> periodic) : queue_(period, std::move(periodic)) {}
+  /// @param poll called on the thread about every 2 s, with the value of away(). Returns false if the library does not respond.
+  explicit LibraryQueue(std::function<bool(bool away)> poll) : queue_(period, [this, ask = std::move(poll)] { call_poll(ask); }) {}
 
-  /// Queues work that uses the library. While the library does not respond, each piece of work ends only at a time limit of some seconds.
-  /// Work that was queued before such a piece ended is therefore refused at once, and only later work tries again.
+  /// Queues work that uses the library. If the library does not respond, the first work ends only at a time limit of some seconds; then
+  /// the library counts as away. All other work, queued before or after, is refused at once until a poll finds that the library is back.
   /// @param work returns false if the library failed, for any reason
-  /// @param refuse called instead of `work`, on the same thread
+  /// @param refuse called instead of `work`: on the calling thread during post(), or on the library's thread; must not block
   void post(std::function<bool()> work, std::function<void(const Error&)> refuse);
-  /// As TaskQueue::close().
+  /// True if the library did not respond and no poll has found it back yet. Thread-safe.
+  [[nodiscard]] bool away() const { return away_; }
+  /// Ends the thread after the queued work; see TaskQueue::close().
   void close() { queue_.close(); }
 
-  /// Work that fails after this time failed because the library does not respond. The time limits of store are longer.
+  /// If work or a poll fails after at least this time, the library counts as not responding. The time limits in `store` are longer than this time.
   static constexpr std::chrono::milliseconds min_silence{1500};
 
  private:
-  using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds period{2000};
-  Clock::time_point silent_;  ///< end of the last work that failed after min_silence; used on the thread only
+  void call_poll(const std::function<bool(bool away)>& poll);
+  std::atomic<bool> away_ = false;
   TaskQueue queue_;
 };
 
-/// The error that the library does not respond.
+/// The error "the library does not respond".
 [[nodiscard]] Error library_silent();
 
 }  // namespace ugoki::studio

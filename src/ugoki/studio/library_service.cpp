@@ -41,11 +41,11 @@ bool has_words(const std::string& text, std::string_view words) {
   return true;
 }
 
-/// "4.37 s · 120 Hz · cyclic"
+/// Summary of a motion for lists: "4.37 s · 120 Hz · cyclic".
 std::string motion_words(double duration, double rate, bool cyclic) {
   return to_fixed(duration, 2) + " s · " + to_fixed(rate, rate == std::round(rate) ? 0 : 2) + " Hz" + (cyclic ? " · cyclic" : "");
 }
-/// "62 DOFs · 70 kg"
+/// Summary of a mechanism for lists: "62 degrees of freedom · 70 kg".
 std::string mechanism_words(int dofs, double mass) {
   return std::to_string(dofs) + (dofs == 1 ? " degree of freedom · " : " degrees of freedom · ") + to_fixed(mass, mass < 10 ? 1 : 0) +
          " kg";
@@ -89,14 +89,15 @@ Result<store::Library*> LibraryService::library() {
   return &*library_;
 }
 
-bool LibraryService::poll() {
-  if (!wanted_) return false;
+LibraryService::Poll LibraryService::poll() {
+  if (!wanted_) return {};
   const bool was_away = away_;
   const Result<store::Library*> open = library();
-  if (!open) return false;
+  if (!open) return {.responds = false};
   const Result<bool> changed = (*open)->changed_elsewhere();
   away_ = !changed;
-  return changed && (*changed || was_away);
+  if (!changed) return {.responds = false};
+  return {.responds = true, .changed = *changed || was_away};
 }
 
 bool LibraryService::answers(std::string_view path) {
@@ -166,8 +167,9 @@ Result<std::string> LibraryService::list(std::string_view query, const std::vect
   Result<store::LibraryPage> found = (*open)->find(wanted);
   if (!found) return fail(std::move(found.error()));
 
-  // The curve of a motion that was not listed before requires reading its data. Limit them per answer, so that a list is not delayed.
-  constexpr int new_curves = 40;  // later lists add the others
+  // The curve of a motion that was not listed before requires reading the motion's data. An answer makes only a limited number of new
+  // curves, so that a list is not delayed.
+  constexpr int new_curves = 40;  // answers to later requests add the others
   int budget = new_curves;
   std::set<std::string, std::less<>> ids;
   std::string entries;
@@ -313,7 +315,7 @@ ApiReply LibraryService::thumbnail(const ApiRequest& request, std::string_view i
 std::string LibraryService::entry_json(const store::LibraryEntry& entry, bool with_curve) {
   Json j = Json::parse(entry.summary, nullptr, false);
   if (!j.is_object()) j = Json::object();
-  json::rename_field(j, "freedoms", "dofs");  // summaries of earlier versions
+  json::rename_field(j, "freedoms", "dofs");  // summaries of earlier versions have the old field
   const auto number = [&](const char* key) { return j.contains(key) && j[key].is_number() ? j[key].get<double>() : 0.0; };
   const bool cyclic = j.contains("cyclic") && j["cyclic"].is_boolean() && j["cyclic"].get<bool>();
   std::string summary;
@@ -363,11 +365,7 @@ Result<MechanismPtr> LibraryService::mechanism(std::string_view id) {
 
 Result<std::string> LibraryService::import(std::string_view file_name, std::string_view bytes) {
   const std::optional<intake::FileKind> kind = intake::file_kind(file_name);
-  if (!kind) {
-    return fail(ErrorCode::unsupported, file_name.empty() ? "name" : std::string(file_name), "Files of this kind cannot be imported.",
-                "Import BVH, AMC (with its ASF), C3D, TRC, GLB, a mechanism's JSON, URDF, SDF or MJCF; the file name must have the "
-                "matching extension.");
-  }
+  if (!kind) return fail(intake::take_in({}, file_name.empty() ? "name" : file_name).error());
   if (*kind == intake::FileKind::asf) return import_skeleton(file_name, bytes);
 
   const formats::Asf* skeleton = nullptr;

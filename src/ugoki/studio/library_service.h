@@ -15,7 +15,7 @@
 
 namespace ugoki::studio {
 
-/// Opens its own connection to the library. To be used by one thread at a time.
+/// Answers requests about the library, with its own connection. To be used by one thread at a time.
 class LibraryService {
  public:
   /// @param location file or address of the library
@@ -24,20 +24,22 @@ class LibraryService {
   /// True for the paths that answer() serves: /api/library..., /api/entry/..., /api/thumbnail/...
   [[nodiscard]] static bool answers(std::string_view path);
   /// Answers a request as described in docs/studio-protocol.md.
-  /// @param project entries of the open project; lists include those that are not in the library, with the tag "project"
+  /// @param project entries of the open project; lists include the entries that only the project has, with the tag "project"
   /// @param changed set to true if the library changed, so that all pages should request the list again
   [[nodiscard]] ApiReply answer(const ApiRequest& request, const std::vector<ProjectEntry>& project, bool& changed);
 
   /// The library, opened on first use.
   [[nodiscard]] Result<store::Library*> library();
-  /// True if another program or user changed the library since the last call, or if it was away and is back, so that all pages should
-  /// request the list again. Does nothing before the first use of the library. To be called every few seconds.
-  [[nodiscard]] bool poll();
+  /// Result of poll().
+  struct Poll {
+    bool responds = true;   ///< false: the library cannot be opened or read
+    bool changed = false;  ///< all pages should request the list again
+  };
+  /// Asks whether another program or user changed the library since the last call, or whether it responds again after a failure. Does
+  /// nothing before the first use of the library. To be called every few seconds.
+  [[nodiscard]] Poll poll();
 
-  /// The library does not respond: poll() returns true when it responds again.
-  void expect_return() { away_ = true; }
-
-  /// Loads a mechanism. @param id id of the mechanism's data ("content") or of its entry
+  /// Loads a mechanism. @param id content id of the mechanism's data, or id of its entry
   [[nodiscard]] Result<MechanismPtr> mechanism(std::string_view id);
 
   /// Imports a file: BVH, AMC (its ASF must have been sent before), ASF, a mechanism's JSON or another format of intake::file_kind.
@@ -62,7 +64,7 @@ class LibraryService {
   bool away_ = false;                                           ///< the last poll() or opening failed
   std::map<std::string, formats::Asf, std::less<>> skeletons_;  ///< received ASF files, by file name in lower case
   std::string last_skeleton_;
-  std::map<std::string, std::string, std::less<>> curves_;  ///< JSON of thumbnail curves, by the id of the motion's content
+  std::map<std::string, std::string, std::less<>> curves_;  ///< JSON of thumbnail curves, by content id of the motion
 };
 
 }  // namespace ugoki::studio

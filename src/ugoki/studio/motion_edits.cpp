@@ -99,7 +99,8 @@ class Operation {
     if (Result<void> valid = check_options(); !valid) return valid;
     const Result<Motion> part = bake_clip(m_, e_.target);
     if (!part) return fail(part.error());
-    // The speed v is linear in the source time s between two given speeds: dt = ds / v(s), integrated by the midpoint rule.
+    // Between two given speeds, the speed v is linear in the source time s. The new time t is the integral of dt = ds / v(s), by the
+    // midpoint rule.
     constexpr int pieces = 16;
     const auto count = static_cast<int>(speeds.size()) - 1;
     std::vector<TimePoint> curve{{0, 0}};
@@ -194,7 +195,7 @@ class Operation {
     const PathPoint start = old_path.empty() ? PathPoint{} : old_path.front();
     const double heading = first_direction(old_path, length);
     std::vector<PathPoint> curve;
-    const auto add = [&](double x, double y) {  // m; x forwards and y to the left of the first direction
+    const auto add = [&](double x, double y) {  // x forwards, y to the left, relative to the first direction, m
       curve.push_back({start.x + x * std::cos(heading) - y * std::sin(heading), start.y + x * std::sin(heading) + y * std::cos(heading)});
     };
     const double angle = turn * std::numbers::pi / 180;
@@ -325,7 +326,7 @@ class Operation {
     if (!f_.problems().empty()) return fail(f_.problems());
     return {};
   }
-  /// Sets the resulting motion. @param suffix describes the change; it is appended to the motion's name if the name does not end with it
+  /// Sets the resulting motion. @param suffix description of the change; appended to the motion's name unless the name already ends so
   Result<void> set_motion(Result<Motion> made, const std::string& suffix = "") {
     if (!made) return fail(std::move(made.error()));
     out_.motion = std::move(*made);
@@ -353,7 +354,7 @@ class Operation {
     out_.clip.loop = true;
   }
 
-  /// The frames of the motion that the clip shows, not resampled; for a looped clip the whole motion.
+  /// The part of the motion that the clip shows, as original frames without resampling; for a looped clip the whole motion.
   Result<Motion> section() const {
     const content::ScenarioClip& c = e_.target.clip;
     if (c.loop) return in_;
@@ -372,8 +373,8 @@ class Operation {
     return made;
   }
 
-  /// Direction in which the path starts, rad about Z: from its start to the first point at a distance of 0.3 m, or of 20 % of a shorter
-  /// path's length, so that sway of the root at the start has little effect.
+  /// Direction in which the path starts, rad about Z: from its start to the first point that is 0.3 m away, or 20 % of the path's length if
+  /// that is less. Sway of the root at the start then has little effect.
   static double first_direction(const std::vector<PathPoint>& path, double length) {
     for (const PathPoint& p : path)
       if (const double x = p.x - path.front().x, y = p.y - path.front().y;

@@ -49,8 +49,8 @@ enum class Needs { nothing, next_clip, other_motion, body };
 /// Runs an operation. Errors: unknown operation, invalid options, or an error of the operation itself.
 [[nodiscard]] Result<EditedMotion> edit_motion(const MotionEdit& edit);
 
-/// The section that the clip shows, as a separate motion at the same frame rate. Repetitions of a loop and the clip's speed are baked in.
-/// The root keeps the position at which the motion was recorded.
+/// The section of the motion that the clip shows, as a separate motion at the same frame rate. It contains the repetitions of a loop and
+/// plays at the clip's speed. The root keeps the position at which the motion was recorded.
 [[nodiscard]] Result<Motion> bake_clip(const Mechanism& mechanism, const ClipMotion& shown);
 
 }  // namespace ugoki::studio

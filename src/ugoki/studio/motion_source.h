@@ -15,7 +15,7 @@ namespace ugoki::studio {
 [[nodiscard]] Result<ProjectEntry> find_motion(std::string_view id, const std::vector<ProjectEntry>& project,
                                                const store::Library* library);
 
-/// Loads a mechanism of the library. @param id id of its content
+/// Loads a mechanism of the library. @param id content id of the mechanism
 [[nodiscard]] Result<MechanismPtr> load_mechanism(std::string_view id, const store::Library& library);
 
 }  // namespace ugoki::studio

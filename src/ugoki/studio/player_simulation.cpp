@@ -78,7 +78,8 @@ class PlayerSimulation final : public Simulation {
     std::vector<std::string> sentences;
     player_.touches(touches_);
     for (const content::PlayerTouch& t : touches_) {
-      if (!t.ended) continue;
+      if (t.omitted > 0) sentences.push_back(to_fixed(t.time, 2) + " s: " + t.words);
+      if (!t.ended || t.omitted > 0) continue;
       const std::vector<int>& feet = player_.world().characters()[static_cast<std::size_t>(t.character_a)].feet;
       const bool step = t.character_b < 0 && std::ranges::find(feet, t.link_a) != feet.end();
       if (step) continue;
@@ -109,7 +110,7 @@ class PlayerSimulation final : public Simulation {
   }
 
  private:
-  /// "left hand of Human", "Ball", "the ground"
+  /// Name of a link, body or the ground in messages: "left hand of Human", "Ball", "the ground".
   [[nodiscard]] std::string name_of(int character, int link) const {
     if (character < 0) return "the ground";
     const content::ExecutableCharacter& c = player_.content().characters[static_cast<std::size_t>(character)];

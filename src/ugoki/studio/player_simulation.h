@@ -1,5 +1,5 @@
 #pragma once
-// The Simulation of real content: content::Player with executable data.
+// Implements the interface Simulation with content::Player, which runs executable data.
 
 #include "ugoki/studio/simulation.h"
 

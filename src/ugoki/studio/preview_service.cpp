@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-/// The motion with its mechanism, checked.
+/// Finds a motion and its mechanism. Error if the motion does not fit the mechanism.
 Result<ProjectEntry> find(std::string_view id, const std::vector<ProjectEntry>& project, const store::Library* library) {
   Result<ProjectEntry> found = find_motion(id, project, library);
   if (!found) return found;

@@ -33,8 +33,8 @@ struct ContactStretch {
 
 class Recording {
  public:
-  /// @param step step size, s @param frame_rate display frame rate, 1/s; frames are recorded at its largest multiple up to 60 1/s, or at
-  /// frame_rate itself if that is higher
+  /// @param step step size, s @param frame_rate display frame rate, 1/s. Frames are recorded at the largest multiple of frame_rate up to
+  /// 60 1/s, or at frame_rate itself if it is above 60 1/s
   Recording(double step, double frame_rate, int characters);
 
   /// Rate of recorded frames, 1/s: a multiple of the display frame rate.
@@ -68,7 +68,7 @@ class Recording {
 
   void add_input(const LiveInput& input) { inputs_.push_back(input); }
   [[nodiscard]] const std::vector<LiveInput>& inputs() const { return inputs_; }
-  /// Index of the first input at or after `step`.
+  /// Index of the first recorded input at or after `step`.
   [[nodiscard]] std::size_t first_input(std::int64_t step) const;
 
   /// Removes frames and checkpoints after `step`, and inputs at or after it.

@@ -20,7 +20,8 @@ namespace ugoki::studio {
 /// The token in an Authorization header of the form "Bearer TOKEN" (RFC 6750); nothing if the header has another form.
 [[nodiscard]] std::optional<std::string> bearer_token(std::string_view header);
 
-/// Name of the studio's WebSocket subprotocol. A page, which cannot set headers of a WebSocket, offers this and "ugoki.token.TOKEN".
+/// Name of the studio's WebSocket subprotocol. A page cannot set headers of a WebSocket, so it offers the two subprotocols "ugoki" and
+/// "ugoki.token.TOKEN".
 inline constexpr std::string_view subprotocol = "ugoki";
 /// The token in the list of subprotocols of a Sec-WebSocket-Protocol header; nothing if it contains none.
 [[nodiscard]] std::optional<std::string> subprotocol_token(std::string_view header);
@@ -41,7 +42,7 @@ struct Target {
 /// The decoded value of `name` in a query string ('+' is a space); nothing if it is absent or invalid.
 [[nodiscard]] std::optional<std::string> query_value(std::string_view query, std::string_view name);
 /// The number `name` in a query string; nothing if it is absent or empty.
-/// Errors (their location is the name): it is not a finite number from `min` to `max`.
+/// Error (its location is the name): the value is not a finite number from `min` to `max`.
 [[nodiscard]] Result<std::optional<double>> query_number(std::string_view query, std::string_view name, double min, double max);
 /// All decoded values of `name`, in order; invalid ones are omitted.
 [[nodiscard]] std::vector<std::string> query_values(std::string_view query, std::string_view name);
@@ -66,8 +67,8 @@ enum class Admission : std::uint8_t { open, granted, bad_host, bad_origin, no_to
 /// Access control of the server at 127.0.0.1:`port`.
 struct Gate {
   std::uint16_t port = 0;
-  std::string token;  ///< access to /api/ and /ws
-  std::string code;   ///< in the address of the page, which exchanges it for the token
+  std::string token;  ///< secret that gives access to /api/ and /ws
+  std::string code;   ///< part of the page's address; the page exchanges the code for the token
 
   [[nodiscard]] std::string host() const;    ///< "127.0.0.1:PORT"
   [[nodiscard]] std::string origin() const;  ///< "http://127.0.0.1:PORT"

@@ -34,8 +34,8 @@ using tcp = net::ip::tcp;
 using error_code = boost::system::error_code;
 
 constexpr std::uint32_t max_header_bytes = 16 * 1024;
-constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // bytes; limit for all requests except imports
-constexpr std::size_t max_open_body = 1024;                      // bytes; limit for requests without the token
+constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // bytes; maximum body of a request other than an import
+constexpr std::size_t max_open_body = 1024;                      // bytes; maximum body of a request without the token
 constexpr std::chrono::seconds page_silence{60};                 // a page that answers no ping for this time is disconnected
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
@@ -200,7 +200,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
 
-  /// Closes the connection before its request is complete, and frees its place.
+  /// Closes the connection before its request is complete, and frees its place among the open connections.
   void drop() {
     set_admitted(true);
     slot_.release();
@@ -239,6 +239,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
     if (target_.path == "/ws") return upgrade();
     const std::size_t limit = !granted                                                                    ? max_open_body
+                              : !server_.options.page.empty()                                             ? server_.options.max_import_bytes
                               : target_.path == "/api/import" || target_.path.starts_with("/api/import/") ? server_.options.max_import_bytes
                                                                                                           : max_small_body;
     if (parser_->content_length().value_or(0) > limit) return refuse_size(limit);
@@ -289,6 +290,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (target_.path.starts_with("/api/")) return call_api();
     if (parser_->get().method() == http::verb::post) {
       return refuse(405, {ErrorCode::unsupported, target_.path, "This address does not accept POST requests.", ""});
+    }
+    if (!server_.options.page.empty() && target_.path == "/") {
+      Response response = make_response(http::status::ok, content_type_of(".html"));
+      response.set(http::field::cache_control, "no-store");
+      response.body() = server_.options.page;
+      return write(std::move(response));
     }
     Result<StaticFile> file = read_static_file(server_.options.web, target_.path);
     if (!file) return refuse(404, file.error());
@@ -393,12 +400,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response.set("Referrer-Policy", "no-referrer");
     response.set("Cross-Origin-Opener-Policy", "same-origin");
     response.set("Cross-Origin-Resource-Policy", "same-origin");
-    response.set("Content-Security-Policy",
-                 "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-                 "font-src 'self' data:; connect-src 'self' ws://" +
-                     server_.gate.host() +
-                     "; worker-src 'self' blob:; object-src 'none'; "
-                     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+    response.set("Content-Security-Policy", std::string("default-src 'self'; script-src 'self' 'wasm-unsafe-eval'") +
+                                                (server_.options.page.empty() ? "" : " 'unsafe-inline'") +
+                                                "; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+                                                "font-src 'self' data:; connect-src 'self' ws://" +
+                                                server_.gate.host() +
+                                                "; worker-src 'self' blob:; object-src 'none'; "
+                                                "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
     return response;
   }
 

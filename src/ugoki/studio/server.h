@@ -41,6 +41,7 @@ struct ServerOptions {
   std::uint16_t port = 0;                                 ///< 0: any free port
   std::string key;                                        ///< the token is derived from key and port; empty: a new random key
   std::filesystem::path web;                              ///< folder with index.html; empty: no page
+  std::string page;                                       ///< if not empty: the only page, complete with its scripts, instead of `web`
   std::size_t max_import_bytes = std::size_t{256} << 20;  ///< maximum body of an import request
   std::size_t max_message_bytes = std::size_t{8} << 20;   ///< maximum WebSocket message from a page
   std::size_t max_waiting_bytes = std::size_t{64} << 20;  ///< texts queued for one page; a page that exceeds this is disconnected
@@ -59,8 +60,9 @@ class Server final : public Outbox {
   ~Server() override;  ///< closes every connection
 
   [[nodiscard]] std::uint16_t port() const;
-  [[nodiscard]] const std::string& token() const;  ///< for the header "Authorization: Bearer TOKEN"
-  /// "http://127.0.0.1:PORT/#code=CODE". Browsers send no fragment to a server. The code is valid until this server ends.
+  [[nodiscard]] const std::string& token() const;  ///< secret for the header "Authorization: Bearer TOKEN"
+  /// Address of the page: "http://127.0.0.1:PORT/#code=CODE". Browsers do not send the part after '#'. The code is valid until this server
+  /// ends.
   [[nodiscard]] std::string address() const;
 
   void send(ClientId client, std::string text) override;

@@ -23,8 +23,8 @@ namespace {
 
 using json::Json;
 
-constexpr std::size_t max_watched = 1000;    // outputs in a `watch` request
-constexpr std::size_t max_choices = 16'384;  // bytes; keymap, theme and view need a few hundred
+constexpr std::size_t max_watched = 1000;    // maximum number of outputs in a `watch` request
+constexpr std::size_t max_choices = 16'384;  // maximum size of the stored choices, bytes; keymap, theme and view need a few hundred
 
 std::string text_of(const Json& json) { return json::to_text(json); }
 
@@ -145,7 +145,7 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
   if (request.op == "remember") return remember(request);
   if (request.op == "breakpoints") return set_breakpoints(request);
   const bool physics = request.op == "mode"
-                           ? request.json.value("mode", "") == "simulate"
+                           ? request.json.contains("mode") && request.json["mode"] == "simulate"
                            : simulate_ && (request.op == "play" || request.op == "restart" || request.op == "grab" ||
                                            request.op == "push" || (request.op == "step" && request.json.contains("ticks")));
   if (physics && !circuit_problems_.empty()) return fail(circuit_problems_);
@@ -258,7 +258,7 @@ Result<std::string> Session::save(const Request& request) {
   return ",\"path\":" + text_of(project_.path());
 }
 
-/// The stored choices of the user as JSON, or {} if the file is missing or damaged; that is not reported to the user.
+/// The stored choices of the user as JSON, or {} if the file is missing or damaged. A damaged file is not reported to the user.
 std::string Session::choices() const {
   const Result<std::string> text = options_.choices_path.empty() ? std::string() : files::read_file(options_.choices_path, max_choices);
   const Result<Json> read = text ? json::parse_json(*text, options_.choices_path) : fail(text.error());
@@ -429,7 +429,7 @@ bool Session::send_to_interpreter(std::string request, const std::vector<std::by
   pending_[id] = std::move(pending);
   if (process_->send(request, block)) return true;
   pending_.erase(id);
-  process_->kill_unanswering();  // the `ended` callback then reports it
+  process_->kill_unanswering();  // the `ended` callback then reports the end
   return false;
 }
 

@@ -26,11 +26,12 @@
 
 namespace ugoki::studio {
 
-/// Work on the library's thread. The error: the library could not be opened or does not respond. Returns false if the library failed.
+/// Work that runs on the library's thread. `library` is an error if the library could not be opened or does not respond. The work returns
+/// false if the library failed.
 using LibraryWork = std::function<bool(const Result<store::Library*>& library)>;
 
 struct SessionOptions {
-  /// Runs work on the library's thread, from which requests load mechanisms and motions; empty: there is no library
+  /// Runs work on the library's thread, for requests that read mechanisms and motions of the library; empty: there is no library
   std::function<void(LibraryWork)> with_library;
   std::string choices_path;  ///< file that stores the user's keymap, theme and view; empty: they are not stored
   InterpreterProgram interpreter;
@@ -40,7 +41,7 @@ struct SessionOptions {
 /// A motion or mechanism of the open project, for the lists of the library.
 struct ProjectEntry {
   std::string id;
-  MechanismPtr mechanism;  ///< the mechanism; for a motion the one that it fits, or null
+  MechanismPtr mechanism;  ///< the mechanism, or for a motion the mechanism that it fits; may be null
   std::string mechanism_id;
   MotionPtr motion;  ///< null: the entry is the mechanism
   bool used = true;  ///< false: a motion made by an operation that no clip uses; it is kept for undo and redo only
@@ -48,7 +49,7 @@ struct ProjectEntry {
 
 class Session {
  public:
-  /// @param post queues a task for the session's thread; called from any thread
+  /// @param post queues a task for the session's thread; the session calls it from any thread
   Session(SessionOptions options, project::Project project, Outbox& outbox, std::function<void(std::function<void()>)> post);
   ~Session();
   Session(const Session&) = delete;
@@ -58,8 +59,8 @@ class Session {
   void start();
   /// Ends the interpreter and the running operations on motions. The session cannot be started again.
   void stop();
-  /// Handles a message from a page (docs/studio-protocol.md). Every message is answered, also an invalid one; only a successful `drag` or
-  /// `input` is not.
+  /// Handles a message from a page (docs/studio-protocol.md). Every message is answered, even an invalid one, except a successful `drag` or
+  /// `input`.
   void on_message(ClientId client, std::string_view text);
   /// Handles a closed page: releases the keys and buttons that its user held.
   void on_close(ClientId client);
@@ -79,7 +80,7 @@ class Session {
   /// A request to the interpreter that has no reply yet.
   struct Pending {
     ClientId client = 0;   ///< page that waits for the reply; 0: none
-    std::string reply_to;  ///< the request id of the page, as JSON; for client 0 a name of the request
+    std::string reply_to;  ///< request id that the page gave, as JSON; for client 0: a name of the request
     bool quiet = false;    ///< only a failure is reported to the page
   };
 
@@ -87,16 +88,16 @@ class Session {
   [[nodiscard]] Result<std::string> serve(const Request& request, bool& answered);
   [[nodiscard]] std::string hello() const;
   [[nodiscard]] Result<std::string> execute(const Request& request);
-  /// Applies a command and sends the change to the pages. @param circuit_changes JSON of a `circuit.edit`; if not empty, the pages get only
-  /// these changes instead of the document @return fields of the answer
-  /// @param resources data of the library's entries that the command names
+  /// Applies a command and sends the change to the pages. @return JSON fields of the answer
+  /// @param circuit_changes the changes of a `circuit.edit`, JSON; if not empty, the pages get only these and not the whole document
+  /// @param resources data of the library entries that the command names
   [[nodiscard]] Result<std::string> apply(const std::string& command, const std::string& circuit_changes = "",
                                           std::span<const project::LibraryData> resources = {});
 
-  // session_library.cpp: the library is read on its own thread. Meanwhile the session serves other requests; only the page's later changes
-  // of the project wait, so that they are applied in order.
+  // session_library.cpp: the library is read on the library's thread. Meanwhile the session serves other requests. Only later project
+  // changes of the same page wait, so that they are applied in the order of the requests.
   void begin(const RequestPtr& request);
-  /// Reads what the request needs from the library into the request; empty: it needs nothing.
+  /// Returns work that reads the library data that the request needs and stores them in the request; empty: the request needs none.
   [[nodiscard]] LibraryWork library_work(const RequestPtr& request) const;
 
   // session_motion.cpp: operations on the motions of clips; they run on the thread of motion_queue_
@@ -141,13 +142,13 @@ class Session {
   project::Project project_;
   Outbox& outbox_;
   std::function<void(std::function<void()>)> post_;
-  std::map<ClientId, std::vector<RequestPtr>> waiting_;  ///< for each page with a request that reads the library: its later changes
-  std::map<std::string, std::shared_ptr<MotionTask>> motion_tasks_;  ///< running operations, by the name that the page gave
+  std::map<ClientId, std::vector<RequestPtr>> waiting_;  ///< project changes that wait for an earlier library request of the same page
+  std::map<std::string, std::shared_ptr<MotionTask>> motion_tasks_;  ///< running operations on motions, by the name that the page gave
   TaskQueue motion_queue_;
 
   std::unique_ptr<InterpreterProcess> process_;
   std::atomic<int> pid_ = -1;
-  std::uint64_t generation_ = 0;                 ///< number of the current process; messages of older processes are ignored
+  std::uint64_t generation_ = 0;                 ///< number of the current interpreter process; messages of older ones are ignored
   std::vector<std::byte> executable_;            ///< executable data of the last content that could be generated
   std::set<std::string> listed_;                 ///< motions of the project that were last announced in the library's list
   std::string lsis_;                             ///< last `lsis` event: the LSI classes that circuits may use
@@ -155,13 +156,13 @@ class Session {
   ClientId input_client_ = 0;                    ///< page that sent the last device input; 0: none
   std::string stopped_;                          ///< last `stopped` event, until playing starts again; may be empty
   std::filesystem::file_time_type shelf_stamp_;  ///< modification time of the installed libraries when the interpreter ended
-  std::string watch_;                            ///< last `watch` request, repeated to a new interpreter; may be empty
+  std::string watch_;                            ///< last `watch` request, sent again to a new interpreter; may be empty
   std::string breakpoints_ = "[]";               ///< list of breakpoints as sent to the pages, JSON
-  std::string breakpoints_request_;              ///< request with the enabled breakpoints, repeated to a new interpreter; may be empty
+  std::string breakpoints_request_;              ///< request with the enabled breakpoints, sent again to a new interpreter; may be empty
   Error circuit_problems_;                       ///< why the current content cannot be played; empty: it can
   int last_request_ = 0;                         ///< id of the last request to the interpreter
   int content_request_ = 0;                      ///< id of the last request that loaded content
-  std::map<int, Pending> pending_;               ///< by request id
+  std::map<int, Pending> pending_;               ///< requests without a reply, by request id
   int ping_ = 0;                                 ///< request id of a ping without answer; 0: none
   std::chrono::steady_clock::time_point ping_time_;
 

@@ -1,5 +1,5 @@
-// Session: breakpoints of the open project's circuit. All pages share them, each new interpreter gets them, and the project file stores
-// them.
+// Members of Session for breakpoints of the open project's circuit. All pages share the breakpoints, each new interpreter gets them, and
+// the project file stores them.
 
 #include "ugoki/circuit/breakpoint.h"
 #include "ugoki/studio/session_request.h"

@@ -17,7 +17,7 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::size_t key_size = 43;  // characters, see make_token
+constexpr std::size_t key_size = 43;  // characters of a key, as from make_token
 
 std::unexpected<Error> failure(const std::string& path, const std::string& message) {
   return fail(ErrorCode::io, path, message + ": " + std::strerror(errno) + ".",
@@ -76,7 +76,7 @@ Result<std::string> read_or_make_key(const std::string& path) {
 }
 
 std::string hmac_sha256(std::string_view key, std::string_view text) {
-  constexpr std::size_t block = 64;  // bytes, of SHA-256
+  constexpr std::size_t block = 64;  // block size of SHA-256, bytes
   std::string padded = key.size() > block ? hash_bytes(key) : std::string(key);
   padded.resize(block, '\0');
   std::string inner = padded, outer = padded;

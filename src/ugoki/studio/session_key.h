@@ -1,5 +1,6 @@
 #pragma once
-// The user's key, from which the studio derives the token of a port. A page that is open therefore keeps its access after a restart.
+// The user's secret key. The studio derives the access token of its port from this key, so an open page keeps its access after a
+// restart.
 
 #include <cstdint>
 #include <string>
@@ -19,7 +20,7 @@ namespace ugoki::studio {
 /// HMAC-SHA-256 (RFC 2104) as 64 hexadecimal digits.
 [[nodiscard]] std::string hmac_sha256(std::string_view key, std::string_view text);
 
-/// The token that the studio at 127.0.0.1:`port` accepts: the same after each restart with the same key.
+/// The access token that the studio at 127.0.0.1:`port` accepts. With the same key it is the same after each restart.
 [[nodiscard]] std::string derive_token(std::string_view key, std::uint16_t port);
 
 }  // namespace ugoki::studio

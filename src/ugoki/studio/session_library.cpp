@@ -1,4 +1,4 @@
-// Session: requests that read the library. They wait for the library's thread; other requests do not.
+// Members of Session for requests that read the library. These requests wait for the library's thread; other requests do not.
 
 #include <algorithm>
 #include <utility>
@@ -19,7 +19,7 @@ std::string text_field(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
 }
 
-/// The mechanism of the entry `id`, or with the content `id`.
+/// The mechanism with the entry id or content id `id`.
 Result<ProjectEntry> find_body(std::string_view id, const store::Library& library) {
   const Result<store::LibraryEntry> entry = library.get(id);
   if (!entry) return fail(entry.error());

@@ -1,5 +1,5 @@
-// Session: operations on the motions of clips. They run on a background thread. The result is applied as one command, so that one undo
-// reverts it.
+// Members of Session for operations on the motions of clips. Operations run on a background thread. The result of an operation is applied
+// as one command, so that one undo reverts it.
 
 #include <algorithm>
 #include <atomic>
@@ -75,7 +75,7 @@ struct Session::MotionTask {
 
 namespace {
 
-/// The mechanism to retarget to, with its id; the id is empty for a sample.
+/// The mechanism to retarget to, with its id; the id is empty for a built-in sample.
 struct Body {
   MechanismPtr mechanism;
   std::string id;

@@ -20,9 +20,9 @@ struct Session::Request {
   std::string reply_to = "null";
   std::string op;
 
-  // What the request needed from the library; see Session::library_work().
-  bool read_library = false;                            ///< `motion` or `body` was read, or could not be read
-  Result<std::vector<project::LibraryData>> resources;  ///< that a command names
+  // Data of the library that the request needs; Session::library_work() reads them.
+  bool read_library = false;                            ///< true after an attempt to read `motion` or `body`
+  Result<std::vector<project::LibraryData>> resources;  ///< library data that a command names
   Result<ProjectEntry> motion;                          ///< the second motion of an operation
   Result<ProjectEntry> body;                            ///< the mechanism to retarget to
 

@@ -27,7 +27,7 @@ struct CastMember {
 /// Quality measures of a character's motion since time 0.
 struct CharacterSummary {
   double assist_rms_bw = 0;     ///< root-assist wrench, RMS in body weights
-  double foot_skate_cm = 0;     ///< sliding of a foot during one stance, mean, cm
+  double foot_skate_cm = 0;     ///< mean net slip of a foot in one stance, cm
   double tracking_rms_deg = 0;  ///< RMS of the joints' tracking error, degrees
   double penetration_mm = 0;    ///< maximum penetration, mm
   bool fell = false;
@@ -40,7 +40,7 @@ class Simulation {
   [[nodiscard]] virtual double step_size() const = 0;                     ///< s
   [[nodiscard]] virtual double duration() const = 0;                      ///< s
   [[nodiscard]] virtual double frame_rate() const = 0;                    ///< display frame rate, 1/s
-  [[nodiscard]] virtual const std::vector<CastMember>& cast() const = 0;  ///< in the order of the frames
+  [[nodiscard]] virtual const std::vector<CastMember>& cast() const = 0;  ///< characters, in the order of display frames
   /// Index of the link with this name or label, or -1.
   [[nodiscard]] virtual int find_link(int character, std::string_view name) const = 0;
 
@@ -48,7 +48,7 @@ class Simulation {
   /// Computes one step of dynamics. On an error the state before the step is kept; the error names the cause.
   [[nodiscard]] virtual Result<void> step() = 0;
 
-  /// Writes the whole state. After restore() the simulation continues with identical bits.
+  /// Writes the whole state to `out`. After restore() with these bytes, the simulation continues with bit-identical results.
   virtual void save(std::vector<std::byte>& out) = 0;
   [[nodiscard]] virtual Result<void> restore(std::span<const std::byte> state) = 0;
 
@@ -59,17 +59,17 @@ class Simulation {
   virtual void release() = 0;
   /// Sets the state of keyboard, mouse and gamepads, valid until the next call.
   virtual void hold(const circuit::DeviceState& /*state*/) {}
-  /// The device inputs of the circuit; null: it reads none.
+  /// The device inputs that the circuit reads; null: it reads none.
   [[nodiscard]] virtual const circuit::DeviceFeed* devices() const { return nullptr; }
 
-  /// The mechanisms of the cast, in its order; empty: closest points cannot be shown.
+  /// The mechanisms of the characters, in the order of cast(); empty: closest points cannot be shown.
   [[nodiscard]] virtual std::vector<MechanismPtr> mechanisms() const { return {}; }
-  /// Sentences about touches between characters or with the ground that ended in the last step, except feet on the ground.
+  /// Messages about touches that ended in the last step: contacts between characters or with the ground, except of feet with the ground.
   [[nodiscard]] virtual std::vector<std::string> touches() { return {}; }
 
   /// Sets the simulation back to time 0.
   virtual void reset() {}
-  /// Replaces the LSIs by the newest versions of the installed libraries and keeps the state. @return sentences about LSIs whose state
+  /// Replaces the LSIs by the newest versions of the installed libraries and keeps their state. @return messages about LSIs whose state
   /// could not be kept completely
   [[nodiscard]] virtual Result<std::vector<std::string>> change_library() { return std::vector<std::string>{}; }
 

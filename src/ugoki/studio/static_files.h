@@ -16,7 +16,7 @@ struct StaticFile {
   bool immutable = false;  ///< the name contains a hash of the content, so the browser may cache the file without expiry
 };
 
-/// Content type by the extension; "application/octet-stream" if it is unknown.
+/// Content type (MIME) for the extension of `path`; "application/octet-stream" if the extension is unknown.
 [[nodiscard]] std::string_view content_type_of(std::string_view path);
 
 /// Reads the file at the decoded request path `path` in the folder `root` ("/" is index.html). Paths and symbolic links that lead outside

@@ -1,4 +1,5 @@
 #include "ugoki/studio/studio.h"
+#include "ugoki/content/generate.h"
 
 #include <pthread.h>
 
@@ -14,6 +15,7 @@
 #include "ugoki/store/library.h"
 #include "ugoki/studio/display_json.h"
 #include "ugoki/studio/error_json.h"
+#include "ugoki/studio/export_service.h"
 #include "ugoki/studio/import_service.h"
 #include "ugoki/studio/library_queue.h"
 #include "ugoki/studio/library_service.h"
@@ -35,7 +37,7 @@ constexpr double min_rate = 1e-3, max_rate = 1e6;  // frames/s
 ApiReply refused(const Error& error) { return {.status = http_status_of(error), .body = error_body(error)}; }
 ApiReply answer_of(const Result<std::string>& result) { return result ? ApiReply{.body = *result} : refused(result.error()); }
 
-/// "walk, slow" -> "walk", "slow"
+/// Splits a list of tags at the commas: "walk, slow" -> "walk", "slow".
 std::vector<std::string> split_tags(std::string_view text) {
   std::vector<std::string> tags;
   while (!text.empty()) {
@@ -49,7 +51,7 @@ std::vector<std::string> split_tags(std::string_view text) {
   return tags;
 }
 
-/// Forwards texts and frames to the server; discards them while there is none.
+/// Forwards texts and frames to the server; discards them while there is no server.
 class LateOutbox final : public Outbox {
  public:
   /// After set(nullptr) returned, the old server is not used any more.
@@ -92,7 +94,7 @@ class Studio::Impl final : public ServerEvents {
     session_ = std::make_unique<Session>(session, std::move(project), outbox_,
                                          [this](std::function<void()> task) { session_queue_->post(std::move(task)); });
     session_queue_ = std::make_unique<TaskQueue>(session_period, [this] { session_->on_time(); });
-    library_queue_ = std::make_unique<LibraryQueue>([this] { poll_library(); });
+    library_queue_ = std::make_unique<LibraryQueue>([this](bool away) { return poll_library(away); });
     display_queue_ = std::make_unique<TaskQueue>();
     import_queue_ = std::make_unique<TaskQueue>();
   }
@@ -139,21 +141,18 @@ class Studio::Impl final : public ServerEvents {
   /// Handles the paths under /api/import/. Returns false without answering if `request` has none of these paths.
   bool on_import(ApiRequest& request, std::function<void(ApiReply)>& answer);
 
-  /// Runs `work` of the session on the library's thread.
+  /// Runs `work`, which the session requested, on the library's thread.
   void use_library(LibraryWork work) {
     library_queue_->post([this, work] { return work(library_.library()); }, [work](const Error& error) { (void)work(fail(error)); });
   }
   /// Runs `work`, which uses the library, on the library's thread, and answers with its result. Status 503: the library does not respond.
   void answer_on_library(std::function<void(ApiReply)> answer, std::function<ApiReply()> work) {
     library_queue_->post(
-        [this, answer, work] {
+        [answer, work] {
           const auto begun = std::chrono::steady_clock::now();
           ApiReply reply = work();
           const bool failed = reply.status >= 500;
-          if (failed && std::chrono::steady_clock::now() - begun >= LibraryQueue::min_silence) {
-            reply.status = 503;
-            library_.expect_return();
-          }
+          if (failed && std::chrono::steady_clock::now() - begun >= LibraryQueue::min_silence) reply.status = 503;
           answer(std::move(reply));
           return !failed;
         },
@@ -167,14 +166,17 @@ class Studio::Impl final : public ServerEvents {
   void announce() {
     session_queue_->post([this] { session_->announce_library(); });
   }
-  void poll_library() {
+  /// Looks for changes of the library and notifies the pages. @param away the library did not respond before. @return false: it does not
+  bool poll_library(bool away) {
     try {
-      if (library_.poll()) announce();
+      const LibraryService::Poll poll = library_.poll();
+      if (poll.responds && (poll.changed || away)) announce();
+      return poll.responds;
     } catch (const std::exception&) {
-      // out of memory; the next poll tries again
+      return false;  // out of memory; the next poll tries again
     }
   }
-  /// Answers with a preview of a motion: of the project without the library, or of the library.
+  /// Answers with a preview of a motion. The library is used only for a motion that the project does not contain.
   void preview(const std::string& id, std::function<void(ApiReply)> answer,
                Result<std::string> (*make)(std::string_view, const std::vector<ProjectEntry>&, const store::Library*)) {
     session_queue_->post([this, id, make, reply = std::move(answer)]() mutable {
@@ -195,7 +197,7 @@ class Studio::Impl final : public ServerEvents {
       Result<std::string> result;
       try {
         result = make();
-      } catch (const std::exception& e) {  // from a library, or out of memory
+      } catch (const std::exception& e) {  // thrown by a software library, or out of memory
         result = fail(ErrorCode::io, "studio", std::string("The studio could not do this: ") + e.what() + ".",
                       "The project is safe. Try again, or continue working.");
       }
@@ -290,6 +292,16 @@ void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answ
   } else if (path.starts_with("/api/contacts/") && get) {
     const std::string id = path.substr(std::string_view("/api/contacts/").size());
     preview(id, std::move(answer), preview_contacts);
+  } else if (path.starts_with("/api/export/") && get) {
+    const std::string form = path.substr(std::string_view("/api/export/").size());
+    session_queue_->post([this, form, reply = std::move(answer)]() mutable {
+      const content::Scenario& scenario = session_->project().scenario();
+      auto ugx = std::make_shared<Result<std::vector<std::byte>>>(content::generate(scenario, session_->project().resources()));
+      display_queue_->post([form, name = scenario.name, ugx, answered = std::move(reply)] {
+        Result<ApiReply> file = *ugx ? export_content(form, name, **ugx) : fail(ugx->error());
+        answered(file ? std::move(*file) : refused(file.error()));
+      });
+    });
   } else if (path == "/api/reference-character" && get) {
     const Result<std::optional<double>> height = query_number(request.query, "height", 0.3, 3);
     if (!height) return answer(refused(height.error()));

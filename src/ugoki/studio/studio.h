@@ -29,10 +29,10 @@ class Studio {
   Studio(const Studio&) = delete;
   Studio& operator=(const Studio&) = delete;
 
-  [[nodiscard]] std::string address() const;  ///< URL of the page, with the code (see Server::address)
+  [[nodiscard]] std::string address() const;  ///< URL of the page, with the access code (see Server::address)
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] const std::string& token() const;
-  /// Process id of the interpreter, or -1; for tests.
+  /// Process id of the interpreter, or -1 if none runs; for tests.
   [[nodiscard]] int interpreter_pid() const;
 
  private:

@@ -47,11 +47,13 @@ void TaskQueue::run() {
       return;
     }
     if (std::chrono::steady_clock::now() >= next) {
+      if (periodic_ && !ending_) {
+        lock.unlock();
+        periodic_();
+        lock.lock();
+      }
+      // The period begins after the call. Otherwise a call that takes longer than the period would run after every task.
       next = std::chrono::steady_clock::now() + period_;
-      if (!periodic_ || ending_) continue;
-      lock.unlock();
-      periodic_();
-      lock.lock();
     }
   }
 }

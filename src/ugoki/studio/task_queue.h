@@ -1,5 +1,5 @@
 #pragma once
-// A thread that runs queued tasks in order, and a function periodically.
+// A thread that runs queued tasks one after the other, and calls a function periodically.
 
 #include <chrono>
 #include <condition_variable>
@@ -20,7 +20,7 @@ class TaskQueue {
 
   /// Queues a task. Thread-safe. Ignored after close().
   void post(std::function<void()> task);
-  /// Runs the queued tasks, including those that they post, then ends the thread. Later tasks are dropped. To be called from one thread,
+  /// Runs the queued tasks, and the tasks that these post, then ends the thread. Later tasks are dropped. To be called from one thread,
   /// not from a task.
   void close();
 

@@ -1,5 +1,5 @@
 #pragma once
-/* Model with the interface of the Reference-FMU Stair: counts the seconds from 1, and ends the simulation when the counter reaches 10. */
+/* Model with the interface of the Reference-FMU Stair: a counter starts at 1 and counts seconds; at 10 the simulation ends. */
 #define TOKEN "{8c4e810f-3df3-4a00-8276-176fa3c9f008}"
 struct Model {
   int32_t counter;

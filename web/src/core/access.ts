@@ -59,7 +59,7 @@ export class Access {
     return this.platform.fetch(path, { ...init, headers });
   }
 
-  /** Subprotocols for the WebSocket: a page cannot set its headers. */
+  /** Subprotocols of the WebSocket. One of them carries the token, because a page cannot set the headers of a WebSocket. */
   get subprotocols(): string[] {
     return this.token === null ? ['ugoki'] : ['ugoki', `ugoki.token.${this.token}`];
   }

@@ -29,11 +29,11 @@ export interface Control {
 export interface Clip {
   id: string;
   motion: string;
-  /** Start on the track, s. */
+  /** Start of the clip on the track, s. */
   start: number;
-  /** Length on the track, s. */
+  /** Length of the clip on the track, s. */
   length: number;
-  /** Start within the motion, s at speed 1. */
+  /** Time within the motion at which the clip starts, s at speed 1. */
   offset: number;
   speed: number;
   /** Length of the cross-fade from the previous clip, s. */
@@ -60,13 +60,13 @@ export interface ScenarioEvent {
   duration?: number;
   character?: string;
   link?: string;
-  /** World frame, N. */
+  /** Force of a push, world frame, N. */
   force?: Vec3;
   /** Start position of a thrown body, world frame, m. */
   from?: Vec3;
-  /** World frame, m/s. */
+  /** Velocity of a thrown body, world frame, m/s. */
   velocity?: Vec3;
-  /** Angular velocity, world frame, rad/s. */
+  /** Angular velocity of a thrown body, world frame, rad/s. */
   spin?: Vec3;
 }
 

@@ -17,7 +17,7 @@ export function format_number(value: number, digits = 2): string {
   return trimmed === '-0' ? '0' : trimmed;
 }
 
-/** A label of the time ruler: "0", "1 s", "1:30". @param time, label_step s */
+/** A label of the time ruler: "0", "1 s", "1:30". @param time, label_step in s */
 export function format_ruler(time: number, label_step: number): string {
   const t = Math.round(time * 1000) / 1000;
   if (t === 0) return '0';

@@ -27,7 +27,7 @@ export interface CharacterFrame {
   state: CharacterState;
   /** Index of the first link pose. Each link has 7 floats: position xyz (m), quaternion wxyz. */
   poses: number;
-  /** Index of: assist force xyz (N), assist moment xyz (N m), assist / cap, body weight (N), centre of mass xyz (m). */
+  /** Index of the first value: assist force xyz (N), assist moment xyz (N m), assist / cap, body weight (N), centre of mass xyz (m). */
   data: number;
 }
 

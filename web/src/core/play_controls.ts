@@ -16,9 +16,9 @@ export const no_devices: Devices = { keyboard: [], mouse: false, gamepads: [] };
 export const reads_anything = (d: Devices): boolean => d.keyboard.length > 0 || d.mouse || d.gamepads.length > 0;
 
 export interface MouseState {
-  /** 0 ... 1 over the viewport, from the left. */
+  /** Position over the viewport, 0 (left) ... 1 (right). */
   x: number;
-  /** 0 ... 1 over the viewport, from the top. */
+  /** Position over the viewport, 0 (top) ... 1 (bottom). */
   y: number;
   left: boolean;
   middle: boolean;
@@ -91,7 +91,7 @@ export class PlayControls {
     this.changed();
   }
 
-  /** Releases all keys and buttons, sends that, and turns the controls off. */
+  /** Releases all keys and buttons, sends the released state, and turns the controls off. */
   leave(): void {
     if (!this.on) return;
     this.release();

@@ -111,7 +111,7 @@ export interface HelloReply extends DocumentState {
 
 export interface StoppedEvent {
   reason: string;
-  /** The problems behind `reason`. The location of each is the flat id of an LSI, one of its outputs, or other text. */
+  /** The problems that `reason` summarises. The location of each is the flat id of an LSI, one of its outputs, or other text. */
   problems?: Problem[];
 }
 
@@ -213,13 +213,13 @@ export interface LibraryEntry {
 
 export interface ShapeData {
   type: 'capsule' | 'sphere' | 'box' | 'cylinder' | 'ellipsoid' | 'mesh' | 'height_field';
-  /** sphere, capsule, cylinder: m */
+  /** Radius of a sphere, capsule or cylinder, m. */
   radius?: number;
-  /** capsule, cylinder: distance from the centre to a cap's centre or an end face, along the shape's z axis, m */
+  /** Capsule, cylinder: distance along the shape's z axis from its centre to the centre of a cap or to an end face, m. */
   half_length?: number;
-  /** box: half edge lengths; ellipsoid: radii; m */
+  /** Half edge lengths of a box, or radii of an ellipsoid, m. */
   half_extents?: Vec3;
-  /** mesh, height field: key in the mechanism's `surfaces` */
+  /** Key of a mesh or height field in the mechanism's `surfaces`. */
   surface?: string;
   /** Pose of the shape in the link's frame: x, y, z (m), qw, qx, qy, qz. */
   pose: number[];

@@ -274,7 +274,7 @@ export class Session {
     this.send_watch();
   }
 
-  /** Sends the `watch` request for the circuit's live data and the viewport's closest pairs, if it changed. */
+  /** Sends the `watch` request for the circuit's live data and the viewport's closest pairs, if the request changed. */
   private send_watch(): void {
     const { closest } = this.state.view;
     const wanted = JSON.stringify([this.watched_circuit, closest]);

@@ -169,7 +169,7 @@ export function changed_fields(clip: Clip, fields: ClipFields): ClipFields | nul
 /**
  * When and how fast a character still moves at the end of its track, or null. After that time the character holds one pose, and may fall.
  * Speeds below 0.25 m/s count as standing; a track that ends within 0.1 s of the scenario's end is not reported.
- * @param end_speed m/s  @param duration of the scenario, s
+ * @param end_speed m/s  @param duration duration of the scenario, s
  */
 export function ends_moving(character: Character, end_speed: number | undefined, duration: number): { time: number; speed: number } | null {
   const time = track_end(character);

@@ -6,7 +6,7 @@ export interface NumberFieldProps {
   value: number;
   unit?: string;
   digits?: number;
-  /** Change of the value per pixel of scrubbing; an arrow key changes it by 5 steps. Shift: a tenth of it. */
+  /** Change of the value per pixel of scrubbing; an arrow key changes it by 5 steps. With Shift, changes are a tenth of this. */
   step: number;
   min?: number;
   max?: number;

@@ -1,4 +1,4 @@
-/** Play controls over the viewport: the input devices that the content reads, and the buttons that give it the input and take it back. */
+/** Play controls over the viewport: the input devices that the content reads, and the buttons that start and stop sending their input. */
 import { useEffect, type ReactElement, type RefObject } from 'react';
 import { describe_devices, name_key, reads_anything } from '../core/play_controls';
 import { run } from './actions';
@@ -35,7 +35,7 @@ export function PlayControlsBar({ host }: { host: RefObject<HTMLDivElement | nul
   );
 }
 
-/** Sends keys, the pointer over `host` and gamepads to the content. @return stops sending */
+/** Sends keys, the pointer over `host` and gamepads to the content. @return function that stops sending */
 function take_input(host: HTMLElement): () => void {
   const { controls } = session;
   const stop = new AbortController();

@@ -3,7 +3,8 @@ import { content_end, find_character, find_clip, find_event, track_end, type Cli
 import type { AppCommand } from '../core/commands';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
-import { circuit, parts, registry, session } from './app';
+import { RequestError, type ServiceError } from '../core/protocol';
+import { access, circuit, parts, registry, session } from './app';
 
 const state = (): StudioState => session.state;
 const has_document = (): boolean => state().document !== null;
@@ -140,6 +141,26 @@ export function enter_controls(): void {
   session.controls.enter();
 }
 
+/** Exports the project and offers the file as a download. @param form of GET /api/export/FORM */
+async function export_as(form: string, ending: string): Promise<void> {
+  session.notify('Exporting …');
+  try {
+    const response = await access.fetch(`api/export/${form}`);
+    if (!response.ok) {
+      const { problems } = new RequestError(((await response.json()) as { error?: ServiceError }).error, 'The export failed.');
+      return session.notify(problems.map((p) => [p.message, p.remedy].filter(Boolean).join(' ')).join('\n'), 'error');
+    }
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(await response.blob());
+    link.download = `${(state().document?.name ?? 'content').replace(/[/\\:*?"<>|]/g, '-')}${ending}`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+    session.notify(`Exported ${link.download}`);
+  } catch (error) {
+    session.notify(`The export failed: ${(error as Error).message}`, 'error');
+  }
+}
+
 const look_from = (azimuth: number, elevation: number) => (): void => {
   parts.viewport?.rig.look_from(azimuth, elevation);
   parts.viewport?.invalidate();
@@ -149,6 +170,14 @@ const commands: AppCommand[] = [
   { id: 'file.save', label: 'Save', group: 'Project', keys: ['Ctrl+S'], enabled: has_document, run: () => session.save() },
   { id: 'file.save_as', label: 'Save as…', group: 'Project', keys: ['Ctrl+Shift+S'], enabled: has_document, run: () => session.set({ dialog: 'save_as' }) },
   { id: 'file.import', label: 'Import motion or mechanism…', group: 'Project', keys: ['Ctrl+I'], run: () => parts.choose_files() },
+
+  ...([
+    ['html', 'one HTML page', '.html'],
+    ['native', 'a native program', ''],
+    ['glb', 'glTF with the simulated motion', '.glb'],
+    ['usda', 'USD with the simulated motion', '.usda'],
+    ['csv', 'a table of the simulated motion', '.csv'],
+  ] as const).map(([form, what, ending]): AppCommand => ({ id: `file.export_${form}`, label: `Export as ${what}…`, group: 'Project', enabled: has_document, run: () => void export_as(form, ending) })),
 
   { id: 'edit.undo', label: 'Undo', group: 'Edit', keys: ['Ctrl+Z'], enabled: () => state().can_undo, run: () => session.undo() },
   { id: 'edit.redo', label: 'Redo', group: 'Edit', keys: ['Ctrl+Shift+Z', 'Ctrl+Y'], enabled: () => state().can_redo, run: () => session.redo() },

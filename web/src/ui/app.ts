@@ -1,4 +1,4 @@
-/** The objects of which a page has one each (session, editors, library, command list), and the React hooks that read their state. */
+/** The page's single instances of session, editors, library and command list, and the React hooks that read their state. */
 import { useStore } from 'zustand';
 import { createStore } from 'zustand/vanilla';
 import { Access } from '../core/access';
@@ -46,7 +46,7 @@ session.store.subscribe((state, before) => {
   if (!breakpoint_hit || breakpoint_hit === before.breakpoint_hit || parts.circuit) return;
   session.notify(`Stopped at ${breakpoint_hit.time.toFixed(3)} s: ${circuit.name_of(breakpoint_hit.pin)} ${condition_alone(breakpoint_hit)}`);
 });
-// a selection in the wiring editor replaces the page's selection, so that the inspector shows the latest of both
+// a selection in the wiring editor replaces the page's selection, so that the inspector shows the later of the two selections
 circuit.store.subscribe((state, before) => {
   if (state.nodes === before.nodes && state.wires === before.wires) return;
   const any = state.nodes.size + state.wires.size > 0;
@@ -78,7 +78,7 @@ export const desk = new MotionDesk({
   select: (selection) => session.select(selection),
 });
 
-// mechanisms and motions of the scenario that are not among the loaded library entries: each is looked up once
+// looks up, once each, the mechanisms and motions of the scenario that are not among the loaded library entries
 const requested = new Set<string>();
 session.store.subscribe((state, before) => {
   if (state.document === before.document) return;
@@ -108,14 +108,14 @@ export interface PageState {
 }
 export const page = createStore<PageState>(() => ({ character_states: {}, dragged_entry: null }));
 
-/** Functions of the mounted canvas of the wiring editor, for commands and journeys. */
+/** Functions of the mounted canvas of the wiring editor, for commands and for the end-to-end tests. */
 export interface CircuitCanvas {
   fit(ids?: ReadonlySet<string>): void;
   /** Circuit coordinates under the pointer, or of the canvas centre while the pointer is elsewhere. */
   point(): [number, number];
   open_search(): void;
   lay_out(): void;
-  /** Counts and times of the drawing, for journeys. */
+  /** Counts and times of the drawing, read by the end-to-end tests. */
   facts(): Record<string, unknown>;
 }
 

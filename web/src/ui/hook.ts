@@ -1,4 +1,4 @@
-/** `window.ugoki`: read-only access to the page's state, for the end-to-end journeys. */
+/** `window.ugoki`: read-only access to the page's state, for the end-to-end tests. */
 import * as THREE from 'three';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position } from '../core/frames';
 import { circuit, imports, library, parts, session } from './app';

@@ -12,7 +12,7 @@ import { expose_hook } from './hook';
 
 register_commands();
 expose_hook();
-// subscribed before any component: canvases read the theme's colours from the document when they are redrawn
+// subscribed before any component, because canvases read the theme's colours from the document when they are redrawn
 const show_theme = (): void => {
   const { theme } = session.state;
   if (document.documentElement.dataset.theme !== theme) document.documentElement.dataset.theme = theme;
@@ -20,7 +20,7 @@ const show_theme = (): void => {
 show_theme();
 session.store.subscribe(show_theme);
 const root = createRoot(document.getElementById('root')!);
-// the address that `ugoki studio` printed, opened in a tab that shows the studio, changes only the fragment
+// if the address printed by `ugoki studio` is opened in a tab that already shows the studio, only the fragment changes: reload the page
 addEventListener('hashchange', () => {
   if (code_of(location.hash) !== null) location.reload();
 });

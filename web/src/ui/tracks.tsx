@@ -7,7 +7,7 @@ import { shown_document } from '../core/state';
 import { band_gradient } from '../core/motion/desk';
 import { desk, plain_canvas, session, useDesk, usePage, useStudio } from './app';
 
-const edge_px = 7; // width of a clip's edge that trims
+const edge_px = 7; // width of the zone at a clip's edge in which a drag trims the clip
 const snap_px = 8; // distance within which a drag snaps
 const drag_px = 3; // pointer travel below which a press is a click
 
@@ -20,7 +20,7 @@ export interface DropGhost {
   start: number;
   /** s */
   length: number;
-  /** The motion is for another mechanism. */
+  /** True: the drop is refused, because the motion is for another mechanism. */
   refused: boolean;
   name: string;
 }

@@ -8,11 +8,11 @@ const follow_time = 0.28; // time constant of following a character, s
 
 /** Position of the camera in spherical coordinates around a target. */
 export interface Eye {
-  /** World, m. */
+  /** Position in the world, m. */
   target: THREE.Vector3;
-  /** rad about the z axis */
+  /** Angle about the z axis, rad. */
   azimuth: number;
-  /** rad above the horizontal */
+  /** Angle above the horizontal, rad. */
   elevation: number;
   /** m */
   distance: number;
@@ -59,7 +59,7 @@ export class CameraRig {
   /**
    * Moves the target so that the point under the cursor stays under it.
    * @param dx, dy movement of the pointer, px
-   * @param height of the view, px
+   * @param height height of the view, px
    */
   pan(dx: number, dy: number, height: number): void {
     const per_px = (2 * this.goal.distance * Math.tan((field_of_view * Math.PI) / 360)) / Math.max(height, 1);
@@ -74,7 +74,7 @@ export class CameraRig {
     this.goal.distance = clamp(this.goal.distance * factor, 0.02, 2000);
   }
 
-  /** Turns the camera to a direction the shorter way round. @param azimuth, elevation rad */
+  /** Turns the camera to a direction by the smaller of the two possible angles. @param azimuth, elevation rad */
   look_from(azimuth: number, elevation: number): void {
     const turn = Math.round((this.goal.azimuth - azimuth) / (2 * Math.PI)) * 2 * Math.PI;
     this.goal.azimuth = azimuth + turn;
@@ -113,7 +113,7 @@ export class CameraRig {
     this.goal.distance = clamp(distance - middle, 0.04, 2000);
   }
 
-  /** Sets parts of the goal. @param at_once jump there without smoothing */
+  /** Sets some values of the camera's goal position. @param at_once true: jump there without smoothing */
   set(eye: Partial<Eye>, at_once: boolean): void {
     Object.assign(this.goal, eye);
     this.goal.target = this.goal.target.clone();

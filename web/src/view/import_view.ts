@@ -77,7 +77,7 @@ export class ImportView {
 
   /**
    * Shows another import.
-   * @param frame move the camera so that everything is in the view; false after a correction of the same import
+   * @param frame true: move the camera so that everything is in the view; false after a correction of the same import
    */
   show(shown: Shown | null, frame: boolean): void {
     this.clear();

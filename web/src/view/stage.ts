@@ -10,6 +10,14 @@ export interface StageLook {
   light: number;
 }
 
+/** How pictures are drawn. The default is for a page that a user looks at. */
+export interface StageOptions {
+  /** True: every picture is drawn at its full resolution with smooth edges, and can be read back; for files, not for a live view. */
+  pictures?: boolean;
+  /** True: no floor and no background, so that the picture's background is transparent. */
+  transparent?: boolean;
+}
+
 const default_floor = '#2a2c31';
 
 export class Stage {
@@ -30,13 +38,14 @@ export class Stage {
   private slow_frames = 0;
   private fast_frames = 0;
 
-  constructor(canvas: HTMLCanvasElement) {
-    this.software = draws_in_software();
+  constructor(canvas: HTMLCanvasElement, private readonly options: StageOptions = {}) {
+    this.software = !options.pictures && draws_in_software();
     // with software rendering, antialiasing of every frame is too slow; while nothing moves, frames are drawn at a higher resolution instead
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software, powerPreference: 'high-performance' });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software, alpha: options.transparent === true, preserveDrawingBuffer: options.pictures === true, powerPreference: 'high-performance' });
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
-    this.scene.background = this.background;
+    this.scene.background = options.transparent ? null : this.background;
+    this.floor.mesh.visible = !options.transparent;
     this.key.castShadow = true;
     this.key.shadow.mapSize.setScalar(this.software ? 1024 : 2048);
     this.key.shadow.bias = -0.0006;
@@ -95,7 +104,7 @@ export class Stage {
     return true;
   }
 
-  /** Draws a frame. @param still nothing moves, so the frame is drawn at full resolution */
+  /** Draws a frame. @param still true: nothing moves, so the frame is drawn at full resolution */
   render(camera: THREE.Camera, still: boolean): void {
     this.set_ratio(still);
     this.renderer.render(this.scene, camera);
@@ -121,9 +130,9 @@ export class Stage {
   }
 
   private set_ratio(still: boolean): void {
-    const full = Math.min(window.devicePixelRatio || 1, 2);
+    const full = this.options.pictures ? 1 : Math.min(window.devicePixelRatio || 1, 2);
     const finest = this.software ? Math.min(2, full * 1.6) : full;
-    const ratio = still ? finest : full * this.quality;
+    const ratio = still || this.options.pictures ? finest : full * this.quality;
     const size = this.renderer.getSize(new THREE.Vector2());
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     if (size.x !== this.width || size.y !== this.height) this.renderer.setSize(this.width, this.height, false);

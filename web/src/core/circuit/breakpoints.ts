@@ -1,9 +1,9 @@
 /** Breakpoints as the service reports them, and their conditions as text (docs/studio-protocol.md). */
 
 export interface Breakpoint {
-  /** "arm/elbow.out[2] > 3" */
+  /** Text of the condition, for example "arm/elbow.out[2] > 3". */
   condition: string;
-  /** Flat output pin: "arm/elbow.out" */
+  /** Output pin with the ids of all enclosing circuits (a flat name): "arm/elbow.out". */
   pin: string;
   /** Index of the compared component of the pin's value. */
   component: number;
@@ -24,7 +24,7 @@ export interface BreakpointHit {
 
 export type Relation = '>' | '<' | '==' | '!=' | 'becomes true' | 'changes';
 
-/** Relations with their labels. */
+/** Relations of conditions, with their labels in the interface. */
 export const relations: [Relation, string][] = [
   ['>', 'rises above'],
   ['<', 'falls below'],

@@ -32,7 +32,7 @@ export interface EditorState {
   search: { at: Point; screen: { x: number; y: number }; fits?: PinAt } | null;
   /** The output (flat: "arm/elbow.out") for which the breakpoint dialog is open. */
   stopping: { flat: string; type: string; unit: string; screen: { x: number; y: number } } | null;
-  /** Why a wire was refused. */
+  /** Reason why a wire was refused, and where to show it on the page, px. */
   refusal: { text: string; screen: { x: number; y: number } } | null;
   problems: readonly CircuitProblem[];
   /** Id of the node or note whose text is being typed. */
@@ -50,7 +50,7 @@ const none: ReadonlySet<string> = new Set();
 
 export class CircuitEditor {
   readonly store: StoreApi<EditorState>;
-  /** The outermost circuit, with unchanged items shared with its previous version. */
+  /** The outermost circuit. Items that did not change are the same objects as in the previous version. */
   private circuit: Circuit | null = null;
   /** The outermost circuit as given to show(). */
   private raw: Circuit | null = null;
@@ -81,7 +81,7 @@ export class CircuitEditor {
 
   // ---- the shown level ----
 
-  /** Sets the circuit to show. @param edited it is the project's own, not the generated one  @param stops problems that stopped the run */
+  /** Sets the circuit to show. @param edited true: the circuit is the project's own, not the generated one  @param stops problems that stopped the run */
   show(circuit: Circuit | null, edited: boolean, classes: ClassList, problems: readonly Problem[], stops: readonly Problem[] = []): void {
     if (circuit === this.raw && classes === this.classes && problems === this.shown_problems && stops === this.stops && edited === this.state.edited) return;
     const next = circuit && reconcile(this.circuit, circuit);
@@ -116,7 +116,7 @@ export class CircuitEditor {
     });
   }
 
-  /** Shows the inside of LSI `id`, which must be a circuit. @return whether it is */
+  /** Shows the inside of LSI `id`, which must be a circuit. @return false if it is not a circuit */
   go_inside(id: string): boolean {
     const node = this.view?.node(id);
     if (node?.kind !== 'circuit') return false;
@@ -134,7 +134,7 @@ export class CircuitEditor {
     this.announce(this.state.path.length === 0 ? 'The outermost circuit' : `Inside ${this.state.path.at(-1)}`);
   }
 
-  /** Shows the level of an LSI and selects it. @param ids of the LSIs from the outermost circuit inwards */
+  /** Shows the level of an LSI and selects it. @param ids ids of the LSI and of its enclosing LSIs, from the outermost circuit inwards */
   go_to(ids: readonly string[]): void {
     this.look(ids.slice(0, -1));
     const last = ids.at(-1);
@@ -351,7 +351,7 @@ export class CircuitEditor {
   forget_refusal(): void {
     if (this.state.refusal) this.set({ refusal: null });
   }
-  /** Ends a wire at a pin. @param instead the wire whose end is moved  @return why it was refused, or null */
+  /** Ends a wire at a pin. @param instead existing wire whose end is moved  @return reason of a refusal, or null */
   end_wire(from: PinAt, to: PinAt, instead?: ViewWire): string | null {
     const { view } = this;
     this.set({ connecting: null, target: null });

@@ -8,7 +8,7 @@ export interface Level {
   path: string[];
   /** Names of the nested circuits down to this one: the `in` of changes. */
   names: string[];
-  /** Enclosing circuits from the outermost to this one, in which types are looked up, innermost first. */
+  /** Enclosing circuits, from the outermost to this one. Type names are looked up from the last to the first. */
   scope: { circuit: Circuit; names: string[] }[];
 }
 

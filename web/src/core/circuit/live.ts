@@ -3,9 +3,9 @@
 export interface ValuesEvent {
   /** s */
   time: number;
-  /** [flat pin, number of elements, first scalars]; for contacts and events the scalar is the number of records in use */
+  /** [flat pin ("arm/elbow.out"), number of elements, first scalars]; for contacts and events the scalar is the number of records in use */
   pins: [string, number, number[]][];
-  /** [flat id, computing time, µs per tick] */
+  /** [flat id of an LSI ("arm/elbow"), computing time, µs per tick] */
   times?: [string, number][];
   /** Computing time of the whole circuit, µs per tick. */
   tick_us?: number;
@@ -35,7 +35,7 @@ const curve_capacity = 4000; // samples; older ones are dropped
 export class LiveValues {
   time = 0;
   tick_us = 0;
-  /** Incremented with every message. */
+  /** Incremented by every `values` event and by clear(). */
   revision = 0;
   private readonly pins = new Map<string, PinValue>();
   private readonly times = new Map<string, number>();

@@ -1,4 +1,4 @@
-/** Assigns the problems that the service reports for a circuit to LSIs, levels and wires. */
+/** Locates the problems that the service reports for a circuit: finds the LSI, the level and the wires of each problem. */
 import type { Problem } from '../protocol';
 import { ends_of, split_end, type Circuit } from './form';
 import { enter, find_circuit, type Level } from './view';
@@ -15,8 +15,8 @@ export interface CircuitProblem extends Problem {
 }
 
 /**
- * Flat id of the LSI that a JSON path names ("circuit/lsis/3(arm)/lsis/0/type", "circuit/wires/2/to"); null if it is no path into the
- * circuit.
+ * Flat id of the LSI that a JSON path names ("circuit/lsis/3(arm)/lsis/0/type", "circuit/wires/2/to"); null if `location`
+ * is not a path into the circuit.
  */
 function lsi_of_path(top: Circuit, location: string): string | null {
   const start = location.indexOf('circuit/');
@@ -56,7 +56,7 @@ export function read_loop(message: string): { from: string; to: string }[] {
   });
 }
 
-/** Assigns problems of a circuit that cannot run to its LSIs. */
+/** Finds the LSI at fault, and the wires of an algebraic loop, for each problem that keeps the circuit `top` from running. */
 export function locate_problems(top: Circuit, problems: readonly Problem[]): CircuitProblem[] {
   return problems.map((p) => {
     const loop = read_loop(p.message);
@@ -69,7 +69,7 @@ export function locate_problems(top: Circuit, problems: readonly Problem[]): Cir
   });
 }
 
-/** Problems that stopped the running circuit; only those whose location is an LSI. */
+/** Returns those problems whose location is an LSI. @param problems problems that stopped the running circuit */
 export function locate_stops(top: Circuit, problems: readonly Problem[]): CircuitProblem[] {
   return problems.flatMap((p) => {
     const [flat, pin] = split_flat(p.location ?? '');
@@ -94,7 +94,7 @@ export function split_flat(end: string): [string, string] {
 }
 
 /**
- * Keys of the wires of a level that are part of an algebraic loop. A loop through a nested circuit includes the wires into and out of it.
+ * Keys of those wires of a level that are part of an algebraic loop. A loop through a nested circuit includes the wires into and out of it.
  */
 export function loop_wires(problems: readonly CircuitProblem[], path: readonly string[], wires: readonly { key: string; from: string; from_pin: string; to: string; to_pin: string }[]): Set<string> {
   const out = new Set<string>();

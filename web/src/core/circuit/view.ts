@@ -16,7 +16,7 @@ export type { PinInfo } from './pins';
 /** Ids of the nodes that show the circuit's own pins. No LSI can have these ids, because ids have only letters, digits, `_` and `-`. */
 export const inputs_node = '<inputs>';
 export const outputs_node = '<outputs>';
-/** Name of the extra pin of those nodes; a wire to it adds a pin to the circuit. */
+/** Name of the extra pin of the nodes `inputs_node` and `outputs_node`; a wire to it adds a pin to the circuit. */
 export const new_pin = '<new>';
 export const note_id = (id: string): string => `note:${id}`;
 export const probe_id = (pin: string): string => `probe:${pin}`;
@@ -50,7 +50,7 @@ export interface ViewWire {
   type: string;
   /** True: the consumer sees the value from the next tick on. */
   delayed: boolean;
-  /** True: one of its pins does not exist. */
+  /** True: one of the wire's two pins does not exist. */
   broken: boolean;
   /** Start and end point, px of the circuit's plane. */
   a: Point;
@@ -94,7 +94,7 @@ export class View {
   private readonly by_id: Map<string, ViewNode>;
   private readonly by_node: Map<string, readonly ViewWire[]>;
   private readonly templates: Map<string, Template>;
-  /** Bounds of everything; computed when needed. */
+  /** Bounding box of all nodes, notes and probes; null until it is needed. */
   private whole: Box | null = null;
 
   constructor(

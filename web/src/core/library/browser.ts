@@ -279,7 +279,7 @@ export class LibraryBrowser {
     this.store.setState({ done });
   }
 
-  /** Saves fields on top of the version that this page has. Null: the save was refused, or a conflict waits for the user's answer. */
+  /** Saves changed fields, based on this page's version. Null: the save was refused, or a conflict waits for the user's answer. */
   private async save(entry: LibraryEntry, fields: Record<string, unknown>, mine: string): Promise<LibraryEntry | null> {
     return this.post(entry, '', { base: entry.version ?? 1, ...fields }, undefined, mine, fields);
   }

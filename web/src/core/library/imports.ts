@@ -60,7 +60,7 @@ export interface MarkerPreview {
 
 /** A file that the service has read but not stored. */
 export interface StagedFile {
-  /** Id of the stage. */
+  /** Id of the staged file, for further requests to the service. */
   stage: string;
   file: string;
   format: string;

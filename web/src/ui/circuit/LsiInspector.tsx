@@ -103,7 +103,7 @@ function LsiFields({ node, lsi, view }: { node: ViewNode; lsi: Lsi; view: View }
   );
 }
 
-/** Declarations of a circuit's parameters: those of the inner LSIs' parameters that they set. */
+/** Declarations of a circuit's parameters, copied from the parameters of inner LSIs that they set. */
 function circuit_parameters(view: View, type: string): ParameterDeclaration[] {
   const inner = find_circuit(view.level, type)?.circuit;
   return (inner?.parameters ?? []).flatMap((p): ParameterDeclaration[] => {
@@ -172,7 +172,7 @@ function VectorField({ name, unit, title, value, step, on_commit }: { name: stri
   );
 }
 
-/** Fields for the constant values of unwired inputs, for types that can have one. */
+/** Fields for the constant values of unwired inputs whose pin type can have a constant value. */
 function InputValues({ node, lsi, declared }: { node: ViewNode; lsi: Lsi; declared: InputDeclaration[] }): ReactElement | null {
   const open = declared.filter((p) => !node.inputs.find((q) => q.name === p.name)?.wired && !p.multiple && ['scalar', 'vector', 'rotation', 'pose'].includes(p.type));
   if (open.length === 0) return null;

@@ -9,7 +9,7 @@ import { make_elements, next_elements, reuse_edges, reuse_nodes, type AnyNode } 
 import { paint_under, prepare, read_colors, type Colors } from './paint';
 import type { Surface } from './surface';
 
-/** Below this zoom, or with more nodes than this in view, everything is drawn on the canvas. */
+/** At a zoom below `far_zoom`, or with more than `max_elements` nodes in view, everything is drawn on the canvas. */
 const far_zoom = 0.42;
 const max_elements = 160;
 const max_too_wide = 2; // after zooming in, nodes are searched again once the searched area is this many times wider than needed
@@ -20,7 +20,7 @@ export interface Drawn {
   view: View;
   /** Area in which nodes were searched, circuit coordinates. */
   box: Box;
-  /** The zoom is below far_zoom. */
+  /** True: the zoom is below `far_zoom`. */
   zoom_far: boolean;
   /** True: all LSIs are painted on the canvas, none is a page element. */
   far: boolean;
@@ -47,7 +47,7 @@ export interface Drawing {
   refresh: () => void;
   /** Called after each painting. */
   on_paint: (listener: () => void) => () => void;
-  /** Counts and times, for journeys. */
+  /** Counts and times of the drawing, read by the end-to-end tests. */
   facts: RefObject<{ paints: number; paint_ms: number; culls: number; values: number }>;
 }
 
@@ -138,7 +138,7 @@ export function useDrawing(view: View, surface: Surface, under: RefObject<HTMLCa
 
 const contains = (a: Box, b: Box): boolean => b.x >= a.x && b.y >= a.y && b.x + b.width <= a.x + a.width && b.y + b.height <= a.y + a.height;
 
-/** Ids of the nodes in view, and of nodes outside it whose wires end at these. */
+/** Ids of the nodes in view, and of the nodes out of view that are wired to a node in view. */
 function with_neighbours(view: View, near: readonly ViewNode[]): Set<string> {
   const ids = new Set(near.map((n) => n.id));
   for (const node of near) {

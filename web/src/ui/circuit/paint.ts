@@ -1,4 +1,7 @@
-/** Drawing on the two canvases: below the elements the wires and LSIs without an element, above them the values of LSIs in view. */
+/**
+ * Drawing on two canvases. The canvas below the elements shows the wires and LSIs that have no element. The canvas above the elements
+ * shows the values of LSIs in view.
+ */
 import { hue_of } from '../../core/circuit/classes';
 import type { CircuitEditor } from '../../core/circuit/editor';
 import type { Point } from '../../core/circuit/form';
@@ -23,7 +26,7 @@ const word_zoom = 0.2;
 const pin_zoom = 0.24;
 const widest_value = 240; // maximum width of a value, circuit coordinates
 /**
- * Wires shorter than this on the screen (px) are not drawn from afar: they are invisible one by one and slow to draw in their thousands.
+ * Wires shorter than this on the screen (px) are not drawn at small zoom: single wires are invisible, and thousands of them are slow to draw.
  */
 const shortest_wire = 3;
 
@@ -63,7 +66,7 @@ const moved = (node: ViewNode, drag: ReadonlyMap<string, Point> | null): ViewNod
 export interface UnderOptions {
   /** LSIs in view. */
   boxes: readonly ViewNode[];
-  /** LSIs and wires that are drawn as elements, not here. */
+  /** Ids of LSIs and keys of wires that have an element; the canvas does not show them. */
   elements: ReadonlySet<string>;
   wires: ReadonlySet<string>;
   drag: ReadonlyMap<string, Point> | null;
@@ -73,7 +76,7 @@ export interface UnderOptions {
   loop: ReadonlySet<string>;
 }
 
-/** Draws wires and LSIs without an element on the canvas below the elements. */
+/** Draws the canvas below the elements: the wires and LSIs that have no element. */
 export function paint_under(c: CanvasRenderingContext2D, size: { width: number; height: number }, view: View, viewport: Viewport, colors: Colors, options: UnderOptions): void {
   const { zoom } = viewport;
   const seen: Box = { x: -viewport.x / zoom, y: -viewport.y / zoom, width: size.width / zoom, height: size.height / zoom };

@@ -25,7 +25,7 @@ export interface Surface {
   to_plane(client: Client): Point;
   /** Position of the pointer; the panel's centre while the pointer is elsewhere. */
   here(): Client;
-  /** Calls `listener` after each pan, zoom and resize. @return unsubscribes */
+  /** Calls `listener` after each pan, zoom and resize. @return function that removes the listener */
   on_move(listener: () => void): () => void;
 }
 

@@ -194,13 +194,13 @@ const axes: [string, string][] = [['x', 'X'], ['-x', '−X'], ['y', 'Y'], ['-y',
 
 function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile }): ReactElement {
   const { settings, can } = staged;
-  const [read] = useState<ImportSettings>(settings); // as read first, for the reset button
+  const [read] = useState<ImportSettings>(settings); // settings when the dialog showed the file first, for the reset button
   const correct = (part: Partial<ImportSettings>): void => void imports.correct(item.id, part);
   const named = units.find(([metres]) => Math.abs(metres - settings.unit) < 1e-6 * metres);
   const choose_axis = (part: 'up' | 'forward', value: string): void => {
     const other = part === 'up' ? settings.forward : settings.up;
     if (value.replace('-', '') !== other.replace('-', '')) return correct({ [part]: value });
-    // both directions need different axes: swap them
+    // up and forward need different axes: if the chosen axis belongs to the other direction, swap the two axes
     correct(part === 'up' ? { up: value, forward: settings.up } : { forward: value, up: settings.forward });
   };
   const changed = settings.unit !== read.unit || settings.up !== read.up || settings.forward !== read.forward || settings.rate !== read.rate;

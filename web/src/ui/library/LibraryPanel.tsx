@@ -143,7 +143,7 @@ function Away(): ReactElement | null {
 
 const failure_title = (away: boolean): string => (away ? 'The library does not respond' : 'The library could not be read');
 
-/** Tag filter: the chosen tags, then others up to six in all; "more" shows the rest. */
+/** The tag filter. It shows the chosen tags, then other tags, up to six in all; "more" shows the rest. */
 function Tags(): ReactElement | null {
   const all = useLibrary((s) => s.all_tags);
   const chosen = useLibrary((s) => s.tags);

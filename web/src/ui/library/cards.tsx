@@ -165,7 +165,7 @@ function MovingPicture({ entry, on }: { entry: LibraryEntry; on: boolean }): Rea
           };
           handle = requestAnimationFrame(tick);
         })
-        .catch(() => undefined); // keep the still picture
+        .catch(() => undefined); // on an error, keep the still picture
     }, 160);
     return () => {
       ended = true;

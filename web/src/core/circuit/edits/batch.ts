@@ -39,7 +39,7 @@ export const title_of = (view: View, id: string): string => view.node(id)?.title
 /** The `in` field of a change to the circuit stored under `names`. */
 export const within = (names: string[]): { in?: string[] } => (names.length > 0 ? { in: names } : {});
 
-/** Circuits that use the circuit stored under `names`, each with the ids of the LSIs that are uses of it. */
+/** Circuits that use the circuit stored under `names`, each with the ids of its LSIs that are instances of that circuit. */
 export function users_of(view: View, names: readonly string[]): { circuit: Circuit; names: string[]; ids: Set<string> }[] {
   const found: { circuit: Circuit; names: string[]; ids: Set<string> }[] = [];
   const type = names.at(-1);

@@ -1,4 +1,4 @@
-/** Edits of a circuit's own pins, including the wires at all uses of the circuit. */
+/** Edits of a circuit's own pins. They also change the wires at all LSIs that are instances of the circuit. */
 import { split_end, type Change } from '../form';
 import type { View } from '../view';
 import { command, Batch, quote, users_of, within, type CircuitCommand } from './batch';
@@ -11,7 +11,7 @@ export function rename_own_pin(view: View, side: 'inputs' | 'outputs', name: str
   // a put under a new name would append the pin, so the whole list is rewritten to keep its order
   for (const p of circuit[side]!) batch.add({ list: side, take: p.name });
   for (const p of circuit[side]!) batch.add({ list: side, put: p.name === name ? { ...p, name: to } : p } as Change);
-  // update the wires at all uses of the circuit
+  // update the wires at all LSIs that are instances of the circuit
   const end = side === 'inputs' ? 'to' : 'from';
   for (const user of users_of(view, names)) {
     for (const wire of user.circuit.wires ?? []) {

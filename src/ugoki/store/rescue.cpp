@@ -1,4 +1,4 @@
-#include "ugoki/project/rescue.h"
+#include "ugoki/store/rescue.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -10,18 +10,18 @@
 
 #include "ugoki/store/library.h"
 
-namespace ugoki::project {
+namespace ugoki::store {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// Creates an empty file that did not exist. @return its path
-Result<std::string> create_empty(const fs::path& folder, const std::string& name) {
+Result<std::string> create_empty(const fs::path& folder, const std::string& name, const std::string& extension) {
   std::error_code ignored;
   fs::create_directories(folder, ignored);
   constexpr int max_copies = 1000;
   for (int n = 1; n <= max_copies; ++n) {
-    const std::string file = (folder / (name + (n == 1 ? "" : " " + std::to_string(n)) + ".ugoki")).string();
+    const std::string file = (folder / (name + (n == 1 ? "" : " " + std::to_string(n)) + extension)).string();
     const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (descriptor >= 0) {
       ::close(descriptor);
@@ -46,8 +46,8 @@ Result<std::string> make_rescue_copy(const std::string& path, const std::functio
   const fs::path beside = fs::path(path).parent_path();
   Result<std::string> made = fail(ErrorCode::io, path, "No rescue copy was made.");
   for (const fs::path& folder : {beside.empty() ? fs::path(".") : beside,
-                                 fs::path(store::Library::folder_of(store::Library::default_path())), fs::temp_directory_path(ignored)}) {
-    made = create_empty(folder, name);
+                                 fs::path(Library::folder_of(Library::default_path())), fs::temp_directory_path(ignored)}) {
+    made = create_empty(folder, name, fs::path(path).extension().string());
     if (!made) continue;
     const Result<void> done = make(*made);
     if (done) return made;
@@ -57,4 +57,4 @@ Result<std::string> make_rescue_copy(const std::string& path, const std::functio
   return made;
 }
 
-}  // namespace ugoki::project
+}  // namespace ugoki::store

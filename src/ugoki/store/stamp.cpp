@@ -1,4 +1,4 @@
-#include "ugoki/project/stamp.h"
+#include "ugoki/store/stamp.h"
 
 #include <sys/random.h>
 
@@ -12,12 +12,12 @@
 #include <thread>
 #include <vector>
 
-namespace ugoki::project {
+namespace ugoki::store {
 namespace {
 
 constexpr std::string_view mark = "ugoki stamp";  // makes the row recognisable in a page
 
-/// Big-endian u32.
+/// Reads the big-endian u32 at the byte offset `at`.
 std::uint32_t big32(std::span<const std::byte> bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint32_t>(bytes[at + i]);
@@ -38,14 +38,37 @@ struct LogChecksum {
   }
 };
 
-/// The stamps of the committed transactions in a log.
-struct LogStamps {
-  bool has_transactions = false;
-  std::vector<StampRow> rows;
-};
+/// Reads the page `number`, counted from 1, of a database file. Shorter at the end of the file.
+std::vector<std::byte> read_page(std::ifstream& file, std::uint64_t number, std::uint32_t size) {
+  std::vector<std::byte> page(size);
+  file.clear();
+  file.seekg(static_cast<std::streamoff>((number - 1) * size));
+  file.read(reinterpret_cast<char*>(page.data()), static_cast<std::streamsize>(size));
+  page.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+  return page;
+}
 
-/// Reads a log as SQLite does: up to the first frame with another salt or a wrong checksum.
-/// Source: https://www.sqlite.org/fileformat2.html#the_write_ahead_log
+/// The stamp in the database file without its log. The pages are read directly, because a file whose log is merged partly, as after a
+/// crash, is not a valid database without its log.
+Result<std::optional<StampRow>> stamp_in_file(const std::string& path, const LogStamps& log) {
+  std::ifstream file(path, std::ios::binary);
+  for (const std::uint32_t page : log.pages)
+    if (const std::optional<StampRow> row = stamp_on_page(read_page(file, page, log.page_size))) return row;
+  if (!log.pages.empty()) return std::nullopt;
+  // A log without stamps: of a file without stamps, or of another file.
+  Result<Database> database = Database::open(path, OpenMode::main_file_only);
+  if (!database) return fail(std::move(database.error()));
+  if (Result<std::optional<StampRow>> row = read_stamp(*database); row) return row;
+  for (std::uint64_t number = 1;; ++number) {
+    const std::vector<std::byte> page = read_page(file, number, log.page_size);
+    if (page.size() < log.page_size) return std::nullopt;
+    if (const std::optional<StampRow> row = stamp_on_page(page)) return row;
+  }
+}
+
+}  // namespace
+
+// Source: https://www.sqlite.org/fileformat2.html#the_write_ahead_log
 LogStamps read_log(const std::string& path) {
   LogStamps out;
   std::ifstream file(path, std::ios::binary);
@@ -61,6 +84,7 @@ LogStamps read_log(const std::string& path) {
   LogChecksum sum{.big_endian = (magic & 1u) != 0};
   sum.add(head.first(24));
   if (sum.s0 != big32(head, 24) || sum.s1 != big32(head, 28)) return out;
+  out.page_size = page_size;
   std::array<std::byte, 24> frame{};
   std::vector<std::byte> page(page_size);
   std::vector<StampRow> uncommitted;
@@ -70,7 +94,10 @@ LogStamps read_log(const std::string& path) {
     sum.add(f.first(8));
     sum.add(page);
     if (sum.s0 != big32(f, 16) || sum.s1 != big32(f, 20)) break;
-    if (const std::optional<StampRow> row = stamp_on_page(page)) uncommitted.push_back(*row);
+    if (const std::optional<StampRow> row = stamp_on_page(page)) {
+      uncommitted.push_back(*row);
+      if (std::ranges::find(out.pages, big32(f, 0)) == out.pages.end()) out.pages.push_back(big32(f, 0));
+    }
     if (big32(f, 4) == 0) continue;  // not the last frame of its transaction
     out.has_transactions = true;
     out.rows.insert(out.rows.end(), uncommitted.begin(), uncommitted.end());
@@ -81,38 +108,40 @@ LogStamps read_log(const std::string& path) {
 
 bool belongs(const std::optional<StampRow>& file, const LogStamps& log) {
   if (!log.has_transactions) return true;
-  if (!file) return log.rows.empty();  // version 1
+  // The upgrade of a file without stamps writes the first stamp, whose previous stamp is zero.
+  if (!file) return log.rows.empty() || log.rows.front().previous == Stamp{};
   if (log.rows.empty()) return false;
   return file->stamp == log.rows.front().previous ||
          std::any_of(log.rows.begin(), log.rows.end(), [&](const StampRow& row) { return row.stamp == file->stamp; });
 }
 
-/// The stamp in the database file without its log.
-Result<std::optional<StampRow>> stamp_in_file(const std::string& path) {
-  Result<store::Database> file = store::Database::open(path, store::OpenMode::main_file_only);
-  if (!file) return fail(std::move(file.error()));
-  return read_stamp(*file);
-}
-
-}  // namespace
-
-Result<void> advance_stamp(store::Database& database) {
+Result<void> advance_stamp(Database& database) {
   Result<std::optional<StampRow>> now = read_stamp(database);
   if (!now) return fail(std::move(now.error()));
   std::array<std::byte, 32> value{};
   if (*now) std::copy((*now)->stamp.begin(), (*now)->stamp.end(), value.begin() + 16);
   if (::getrandom(value.data(), 16, 0) != 16)
     return fail(ErrorCode::io, database.path(), "The system returned no random number.", "Try again.");
-  Result<store::Statement> put = database.prepare("INSERT OR REPLACE INTO stamp (number, mark, value) VALUES (1, ?1, ?2)");
+  Result<Statement> put = database.prepare("INSERT OR REPLACE INTO stamp (number, mark, value) VALUES (1, ?1, ?2)");
   if (!put) return fail(std::move(put.error()));
   return put->bind(1, mark).bind_blob(2, value).run();
 }
 
-Result<std::optional<StampRow>> read_stamp(store::Database& database) {
+Result<void> ensure_stamp(Database& database) {
+  const Result<std::optional<StampRow>> now = read_stamp(database);
+  if (!now) return fail(now.error());
+  if (*now) return {};
+  Result<Transaction> transaction = Transaction::begin(database);
+  if (!transaction) return fail(std::move(transaction.error()));
+  if (Result<void> done = advance_stamp(database); !done) return done;
+  return transaction->commit();
+}
+
+Result<std::optional<StampRow>> read_stamp(Database& database) {
   const Result<std::int64_t> tables = database.integer("SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'stamp'");
   if (!tables) return fail(tables.error());
   if (*tables == 0) return std::nullopt;
-  Result<store::Statement> row = database.prepare("SELECT value FROM stamp WHERE number = 1");
+  Result<Statement> row = database.prepare("SELECT value FROM stamp WHERE number = 1");
   if (!row) return fail(std::move(row.error()));
   const Result<bool> found = row->step();
   if (!found) return fail(found.error());
@@ -148,25 +177,24 @@ Result<void> check_log(const std::string& path) {
   const std::string log = path + "-wal";
   std::error_code missing;
   if (std::filesystem::file_size(log, missing) == 0 || missing) return {};
-  // A program that edits the file may merge the log between the two reads. The comparison is then repeated.
+  // A program that edits the file may merge the log or begin it again between the reads. The comparison is then repeated.
   constexpr int max_attempts = 20;
-  for (int attempt = 0;; ++attempt) {
-    const Result<std::optional<StampRow>> before = stamp_in_file(path);
+  for (int attempt = 1;; ++attempt) {
     const LogStamps stamps = read_log(log);
-    const Result<std::optional<StampRow>> after = stamp_in_file(path);
-    const bool stable = before && after && *before == *after;
-    if (stable && belongs(*before, stamps)) return {};
-    if (attempt + 1 < max_attempts && !stable) {
+    if (!stamps.has_transactions) return {};
+    const Result<std::optional<StampRow>> in_file = stamp_in_file(path, stamps);
+    if (in_file && belongs(*in_file, stamps)) return {};
+    if (attempt < max_attempts) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       continue;
     }
-    if (!after) return fail(after.error());
+    if (!in_file) return fail(in_file.error());
     return fail(ErrorCode::conflict, path,
                 "The write-ahead log " + log +
-                    " belongs to another database file: the project was replaced or restored after a crash or while it was open.",
+                    " belongs to another database file: the file was replaced or restored after a crash or while it was open.",
                 "To open the file as it is, move " + log + " and " + path +
-                    "-shm to another folder; to recover the unmerged edits, restore the file that was replaced. Nothing was changed.");
+                    "-shm to another folder; to recover the unmerged changes, restore the file that was replaced. Nothing was changed.");
   }
 }
 
-}  // namespace ugoki::project
+}  // namespace ugoki::store

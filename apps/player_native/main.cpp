@@ -1,0 +1,162 @@
+// The native player. Exported programs are this program with a payload: page and content.
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include "page_session.h"
+#include "ugoki/content/inputs.h"
+#include "ugoki/files/files.h"
+#include "ugoki/json/json.h"
+#include "ugoki/publish/payload.h"
+#include "ugoki/studio/launch_page.h"
+
+namespace {
+
+using namespace ugoki;
+using json::Json;
+
+struct Options {
+  bool headless = false, no_open = false, as_json = false;
+  std::uint64_t frames = 0, steps = 0;
+  std::uint16_t port = 0;
+  std::string out, inputs;
+};
+
+int print_error(const Error& error, bool as_json) {
+  for (const Problem& p : error.problems) std::fprintf(stderr, "%s\n", p.text().c_str());
+  if (as_json) std::printf("%s\n", json::to_text(Json{{"error", json::error_json(error)}}, 2).c_str());
+  return 1;
+}
+
+/// The bytes of this program's file, mapped for the life of the process.
+Result<std::span<const std::byte>> map_program() {
+  const auto failed = [](const char* what) {
+    return fail(ErrorCode::io, "/proc/self/exe", std::string("The program's file cannot be read: ") + what + ".", "Check its permissions.");
+  };
+  const int file = ::open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
+  if (file < 0) return failed("open failed");
+  struct stat facts{};
+  const bool known = ::fstat(file, &facts) == 0 && facts.st_size > 0;
+  void* at = known ? ::mmap(nullptr, static_cast<std::size_t>(facts.st_size), PROT_READ, MAP_PRIVATE, file, 0) : MAP_FAILED;
+  ::close(file);
+  if (at == MAP_FAILED) return failed("mmap failed");
+  return std::span(static_cast<const std::byte*>(at), static_cast<std::size_t>(facts.st_size));
+}
+
+/// Runs without a page. Prints the state hash; writes display frames to options.out.
+int run_headless(content::Player& player, const Options& o) {
+  const content::Executable& content = player.content();
+  const double step = player.step_size();
+  const auto whole = static_cast<std::uint64_t>(std::llround(content.duration / step));
+  std::uint64_t steps = whole;
+  if (o.steps > 0) steps = o.steps;
+  if (o.frames > 0) steps = static_cast<std::uint64_t>(std::llround(static_cast<double>(o.frames) / content.frame_rate / step));
+  content::DisplayFrame frame;
+  std::vector<std::byte> encoded, frames;
+  std::uint32_t number = 0;
+  const auto record = [&] {
+    player.display_frame(frame);
+    content::encode_frame(frame, number++, content::frame_simulate, encoded);
+    frames.insert(frames.end(), encoded.begin(), encoded.end());
+  };
+  if (!o.out.empty()) record();
+  for (std::uint64_t done = 1; done <= steps; ++done) {
+    if (const Result<void> good = player.step(); !good) return print_error(good.error(), o.as_json);
+    if (!o.out.empty() && static_cast<double>(done) * step >= number / content.frame_rate - 0.5 * step) record();
+  }
+  if (!o.out.empty())
+    if (const Result<void> written = files::write_file(o.out, std::span<const std::byte>(frames)); !written)
+      return print_error(written.error(), o.as_json);
+  char hash[17];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(player.state_hash()));
+  if (o.as_json)
+    std::printf("%s\n", json::to_text(Json{{"name", content.name},
+                                           {"steps", player.step_count()},
+                                           {"time_s", player.time()},
+                                           {"frames", number},
+                                           {"state_hash", hash}},
+                                      2)
+                            .c_str());
+  else
+    std::printf("%s: %.3f s in %llu steps, state %s\n", content.name.c_str(), player.time(),
+                static_cast<unsigned long long>(player.step_count()), hash);
+  return 0;
+}
+
+int run_page(content::Player player, std::string page, const Options& o) {
+  sigset_t ends;
+  sigemptyset(&ends);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&ends, signal);
+  pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // before any thread starts
+  const std::string name = player.content().name;
+  player_native::PageSession session(std::move(player));
+  studio::ServerOptions server_options;
+  server_options.port = o.port;
+  server_options.page = std::move(page);
+  Result<std::unique_ptr<studio::Server>> server = studio::Server::listen(server_options, session);
+  if (!server) return print_error(server.error(), o.as_json);
+  session.start(**server);
+  const std::string address = (*server)->address();
+  if (o.as_json)
+    std::printf("%s\n", json::to_text(Json{{"address", address}, {"port", (*server)->port()}}, 2).c_str());
+  else
+    std::printf("%s: %s (Ctrl+C ends the program)\n", name.c_str(), address.c_str());
+  std::fflush(stdout);
+  std::unique_ptr<studio::LaunchPage> launch;
+  if (!o.no_open) {
+    if (Result<std::unique_ptr<studio::LaunchPage>> written = studio::LaunchPage::write(address)) {
+      launch = std::move(*written);
+      studio::open_browser(launch->path());
+    }
+  }
+  int got = 0;
+  while (sigwait(&ends, &got) != 0) {
+  }
+  pthread_sigmask(SIG_UNBLOCK, &ends, nullptr);
+  session.stop();
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options o;
+  CLI::App app("Plays the content inside this program: opens its page in the browser, or runs without one.", "program");
+  app.set_version_flag("--version", "ugoki player 0.1.0");
+  app.add_flag("--headless", o.headless, "Run without a page and print the state hash");
+  auto* frames = app.add_option("--frames", o.frames, "Display frames to run (--headless; default: the whole content)")
+                     ->check(CLI::Range(1, 100'000'000));
+  app.add_option("--steps", o.steps, "Simulation steps to run (--headless)")->check(CLI::Range(1, 1'000'000'000))->excludes(frames);
+  app.add_option("--out", o.out, "Write the display frames to this file (--headless; docs/files.md)");
+  app.add_option("--inputs", o.inputs, "Recorded inputs, JSON (docs/export.md)");
+  app.add_option("--port", o.port, "Port of the page on 127.0.0.1 (default: any free port)");
+  app.add_flag("--no-open", o.no_open, "Print the page's address, but do not open the browser");
+  app.add_flag("--json", o.as_json, "Print one JSON object");
+  app.footer("Example:\n  ./walk --headless --frames 600 --out walk.frames");
+  CLI11_PARSE(app, argc, argv);
+
+  const Result<std::span<const std::byte>> program = map_program();
+  if (!program) return print_error(program.error(), o.as_json);
+  const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "program";
+  const Result<publish::Payload> payload = publish::read_payload(*program, name);
+  if (!payload) return print_error(payload.error(), o.as_json);
+  Result<content::Player> player = content::Player::open(payload->ugx, name);
+  if (!player) return print_error(player.error(), o.as_json);
+  if (!o.inputs.empty()) {
+    const Result<std::string> text = files::read_file(o.inputs);
+    if (!text) return print_error(text.error(), o.as_json);
+    auto inputs = content::read_inputs(*text, player->content(), o.inputs);
+    if (!inputs) return print_error(inputs.error(), o.as_json);
+    player->schedule(std::move(*inputs));
+  }
+  if (o.headless) return run_headless(*player, o);
+  return run_page(std::move(*player), std::string(payload->page), o);
+}

@@ -1,0 +1,378 @@
+// `ugoki bake`: runs many variations of content on all cores and keeps the results in a table.
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "output.h"
+#include "simulate.h"
+#include "sources.h"
+#include "sweep.h"
+#include "ugoki/base/hash.h"
+#include "ugoki/base/number.h"
+#include "ugoki/content/generate.h"
+#include "ugoki/files/files.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::vector<std::string> targets, vary;
+  std::string table, csv, part, slurm_partition, slurm_time = "01:00:00";
+  SourceOptions source;
+  std::uint64_t random = 0, seed = 1;
+  double duration = 0, time_limit = 600;
+  int jobs = 0, slurm = 0;
+  bool json = false, dry_run = false;
+};
+
+std::uint64_t hash_of(std::span<const std::byte> bytes) {
+  Hash64 hash;
+  hash.add_bytes(bytes.data(), bytes.size());
+  return hash.value();
+}
+
+std::string hex(std::uint64_t x) {
+  std::string out(16, '0');
+  for (std::size_t i = 0; i < 16; ++i) out[i] = "0123456789abcdef"[(x >> (60 - 4 * i)) & 15];
+  return out;
+}
+
+Json refused_row(const Error& error) { return {{"status", "failed"}, {"message", error.text()}}; }
+
+/// Runs one variation and returns its row. Called in a child process.
+Json run_one(const SceneSource& source, const SweepPlan& plan, const std::vector<std::string>& values) {
+  content::Scenario scenario = source.scenario;
+  if (Result<void> done = apply_variations(scenario, source.resources, plan.variations, values); !done) return refused_row(done.error());
+  const Result<std::vector<std::byte>> ugx = content::generate(scenario, source.resources);
+  if (!ugx) return refused_row(ugx.error());
+  Result<HostedPlayer> hosted = open_hosted(*ugx, source.name);
+  if (!hosted) return refused_row(hosted.error());
+  content::Player& player = hosted->player;
+  const double duration = plan.duration > 0 ? plan.duration : player.content().duration;
+  const auto steps = static_cast<std::uint64_t>(std::llround(duration / player.step_size()));
+  Json row = {{"status", "done"}};
+  const std::clock_t began = std::clock();
+  for (std::uint64_t i = 0; i < steps; ++i)
+    if (const Result<void> good = player.step(); !good) {
+      row = {{"status", "stopped"}, {"message", good.error().text()}};
+      break;
+    }
+  row["processor_s"] = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+  row["steps"] = player.step_count();
+  row["state_hash"] = hex(player.state_hash());
+  RunReport report;
+  for (std::size_t i = 0; i < player.content().characters.size(); ++i) {
+    const content::ExecutableCharacter& c = player.content().characters[i];
+    report.characters.push_back(
+        {c.id, c.name, 0, c.control.mode == content::ControlMode::track && !c.track.empty(), player.measures(static_cast<int>(i)), {}});
+  }
+  const content::PlayerMeasures m = report.worst();
+  row["tracking_rms_deg"] = m.tracking_rms_deg;
+  row["assist_rms_bw"] = m.assist_rms_bw;
+  row["assist_force_rms_bw"] = m.assist_force_rms_bw;
+  row["assist_max_bw"] = m.assist_max_bw;
+  row["foot_skate_cm"] = m.foot_skate_cm;
+  row["foot_skate_worst_cm"] = m.foot_skate_worst_cm;
+  row["penetration_mm"] = m.penetration_mm;
+  row["penetration_rms_mm"] = m.penetration_rms_mm;
+  row["fell"] = m.fell;
+  if (m.release_time >= 0) row["release_time"] = m.release_time;
+  return row;
+}
+
+/// A run in a child process, which writes its row into a pipe.
+struct Worker {
+  std::uint64_t number = 0;
+  pid_t pid = -1;
+  int pipe = -1;
+  std::string text;
+  Clock::time_point began;
+};
+
+Result<Worker> start_worker(std::uint64_t number, const SceneSource& source, const SweepPlan& plan,
+                            const std::vector<std::string>& values) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::io, "bake", "No pipe can be made.", "Use fewer --jobs.");
+  const pid_t pid = ::fork();
+  if (pid < 0) {
+    ::close(ends[0]);
+    ::close(ends[1]);
+    return fail(ErrorCode::io, "bake", std::string("No process can be started: ") + std::strerror(errno) + ".", "Use fewer --jobs.");
+  }
+  if (pid == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a run without its table is useless
+    ::setpgid(0, 0);                     // Ctrl+C reaches the parent only
+    ::close(ends[0]);
+    const std::string row = json::to_text(run_one(source, plan, values));
+    std::string_view rest = row;
+    while (!rest.empty()) {
+      const ssize_t n = ::write(ends[1], rest.data(), rest.size());
+      if (n <= 0 && errno != EINTR) ::_exit(1);
+      if (n > 0) rest.remove_prefix(static_cast<std::size_t>(n));
+    }
+    ::_exit(0);  // without destructors: the table and other descriptors belong to the parent
+  }
+  ::close(ends[1]);
+  return Worker{number, pid, ends[0], "", Clock::now()};
+}
+
+/// Waits for the child and returns its row; a row that reports the end of a child that crashed.
+Json finish(Worker& w, bool timed_out, double limit) {
+  if (timed_out) ::kill(w.pid, SIGKILL);
+  int status = 0;
+  while (::waitpid(w.pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  ::close(w.pipe);
+  if (timed_out) return {{"status", "timeout"}, {"message", "The run took more than " + std::to_string(static_cast<long>(limit)) + " s."}};
+  Result<Json> row = json::parse_json(w.text, "run");
+  if (row && row->is_object()) return std::move(*row);
+  if (WIFSIGNALED(status))
+    return {{"status", "crashed"}, {"message", std::string("The process was ended by signal ") + ::strsignal(WTERMSIG(status)) + "."}};
+  return {{"status", "crashed"}, {"message", "The process ended without a result."}};
+}
+
+/// Which runs this call computes: part I of N has the numbers I, I + N, I + 2 N ...
+struct Part {
+  std::uint64_t index = 0, count = 1;
+};
+Result<Part> read_part(const std::string& text) {
+  if (text.empty()) return Part{};
+  const std::size_t slash = text.find('/');
+  const std::optional<long> index = parse_long(text.substr(0, slash)),
+                            count = slash == std::string::npos ? std::nullopt : parse_long(text.substr(slash + 1));
+  if (!index || !count || *count < 1 || *index < 0 || *index >= *count)
+    return fail(ErrorCode::syntax, "--part " + text, "This is not a part of the form I/N with 0 <= I < N.",
+                "Write, for example, --part 0/8.");
+  return Part{static_cast<std::uint64_t>(*index), static_cast<std::uint64_t>(*count)};
+}
+
+std::string shell_quoted(const std::string& word) {
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+/// Writes the job scripts of --slurm and submits them with sbatch: an array with one task for each part, then the merge.
+int submit(const Options& o) {
+  std::error_code ec;
+  const std::string program = fs::read_symlink("/proc/self/exe", ec).string();
+  const std::string stem = fs::path(o.table).replace_extension().string();
+  std::string words = shell_quoted(program) + " bake";
+  for (const std::string& t : o.targets) words += ' ' + shell_quoted(fs::exists(t, ec) ? fs::absolute(t).string() : t);
+  for (const std::string& v : o.vary) words += " --vary " + shell_quoted(v);
+  if (o.random > 0) words += " --random " + std::to_string(o.random) + " --seed " + std::to_string(o.seed);
+  if (o.duration > 0) words += " --duration " + to_text(o.duration);
+  words += " --time-limit " + to_text(o.time_limit);
+  const std::string common =
+      "#!/bin/bash\n#SBATCH --requeue\n" + (o.slurm_partition.empty() ? "" : "#SBATCH --partition=" + o.slurm_partition + "\n");
+  const std::string array = common + "#SBATCH --job-name=ugoki-bake\n#SBATCH --array=0-" + std::to_string(o.slurm - 1) +
+                            "\n#SBATCH --time=" + o.slurm_time + "\n#SBATCH --output=" + stem +
+                            ".%a.log\n#SBATCH --open-mode=append\n# A task that is requeued continues its part.\nexec " + words +
+                            " --part \"$SLURM_ARRAY_TASK_ID/" + std::to_string(o.slurm) +
+                            "\" --jobs \"${SLURM_CPUS_PER_TASK:-1}\" --table " + shell_quoted(stem) + ".part\"$SLURM_ARRAY_TASK_ID\".db\n";
+  std::string merge = common + "#SBATCH --job-name=ugoki-merge\n#SBATCH --output=" + stem + ".merge.log\nexec " + words + " --table " +
+                      shell_quoted(o.table) + " --jobs 1";
+  for (int i = 0; i < o.slurm; ++i) merge += " --merge " + shell_quoted(stem + ".part" + std::to_string(i) + ".db");
+  merge += '\n';
+  for (const auto& [name, text] : {std::pair{stem + ".slurm", array}, {stem + ".merge.slurm", merge}})
+    if (Result<void> done = files::write_file(name, text); !done) return print_error(done.error(), o.json);
+  const std::string command = "id=$(sbatch --parsable " + shell_quoted(stem + ".slurm") +
+                              ") && sbatch --parsable --dependency=afterany:$id " + shell_quoted(stem + ".merge.slurm");
+  if (o.dry_run) {
+    print_line("Wrote " + stem + ".slurm and " + stem + ".merge.slurm. Submit them with:\n  " + command);
+    return 0;
+  }
+  const int status = std::system(command.c_str());
+  if (status != 0)
+    return print_error(Error(ErrorCode::io, "sbatch", "The jobs could not be submitted.",
+                             "Check Slurm with `sinfo`, or use --dry-run and submit the written scripts yourself."),
+                       o.json);
+  return 0;
+}
+
+int run_bake(const Options& o, const std::vector<std::string>& merges) {
+  SweepPlan plan;
+  plan.random = o.random;
+  plan.seed = o.seed;
+  plan.duration = o.duration;
+  for (const std::string& text : o.vary) {
+    Result<Variation> v = read_variation(text, o.random > 0);
+    if (!v) return print_error(v.error(), o.json);
+    for (const Variation& other : plan.variations)
+      if (other.name == v->name)
+        return print_error(
+            Error(ErrorCode::duplicate, "--vary " + text, "'" + v->name + "' is varied twice.", "Give all its values in one --vary."),
+            o.json);
+    plan.variations.push_back(std::move(*v));
+  }
+  const Result<Part> part = read_part(o.part);
+  if (!part) return print_error(part.error(), o.json);
+  if (o.slurm > 0) return submit(o);
+  std::vector<SceneSource> sources;
+  for (const std::string& target : o.targets) {
+    Result<SceneSource> source = load_scene(target, o.source, 0.002);
+    if (!source) return print_error(source.error(), o.json);
+    const Result<std::vector<std::byte>> ugx = content::generate(source->scenario, source->resources);
+    if (!ugx) return print_error(ugx.error(), o.json);
+    plan.targets.push_back(target);
+    plan.hashes.push_back(hash_of(*ugx));
+    sources.push_back(std::move(*source));
+  }
+  constexpr std::uint64_t max_runs = 100'000'000;
+  const std::uint64_t total = plan.size();
+  if (total > max_runs)
+    return print_error(Error(ErrorCode::range, "--vary", "The sweep has more than " + std::to_string(max_runs) + " runs.",
+                             "Give fewer values, or --random."),
+                       o.json);
+  {  // errors in names and values are found before thousands of runs fail with them
+    content::Scenario first = sources[0].scenario;
+    if (Result<void> good = apply_variations(first, sources[0].resources, plan.variations, plan.run(part->index).second); !good)
+      return print_error(good.error(), o.json);
+  }
+  if (o.dry_run) {
+    print_line(std::to_string(total) + " runs");
+    for (std::uint64_t n = 0; n < std::min<std::uint64_t>(total, 10); ++n) {
+      const auto [target, values] = plan.run(n);
+      std::string line = "  " + plan.targets[target];
+      for (std::size_t i = 0; i < values.size(); ++i) line += "  " + plan.variations[i].name + "=" + values[i];
+      print_line(line);
+    }
+    return 0;
+  }
+  Result<SweepTable> table = SweepTable::open(o.table, plan);
+  if (!table) return print_error(table.error(), o.json);
+  for (const std::string& path : merges) {
+    const Result<std::int64_t> added = table->merge(path);
+    if (!added) return print_error(added.error(), o.json);
+  }
+  const Result<std::vector<std::uint64_t>> finished = table->finished();
+  if (!finished) return print_error(finished.error(), o.json);
+  std::vector<std::uint64_t> open;
+  for (std::uint64_t n = part->index; n < total; n += part->count)
+    if (!std::ranges::binary_search(*finished, n)) open.push_back(n);
+  const std::uint64_t mine = (total - part->index + part->count - 1) / part->count;
+
+  catch_interrupt();
+  const int jobs = o.jobs > 0 ? o.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  Progress progress("bake");
+  std::vector<Worker> running;
+  std::size_t next = 0;
+  std::uint64_t added = 0, bad = 0;
+  std::optional<Error> failure;
+  while ((next < open.size() && !interrupted() && !failure) || !running.empty()) {
+    while (running.size() < static_cast<std::size_t>(jobs) && next < open.size() && !interrupted() && !failure) {
+      const auto [target, values] = plan.run(open[next]);
+      Result<Worker> worker = start_worker(open[next], sources[target], plan, values);
+      if (!worker) {
+        failure = worker.error();
+        break;
+      }
+      running.push_back(std::move(*worker));
+      ++next;
+    }
+    if (interrupted() || failure) {  // runs under way are lost; the next call repeats them
+      for (Worker& w : running) {
+        ::kill(w.pid, SIGKILL);
+        while (::waitpid(w.pid, nullptr, 0) < 0 && errno == EINTR) {
+        }
+        ::close(w.pipe);
+      }
+      break;
+    }
+    std::vector<pollfd> waits;
+    for (const Worker& w : running) waits.push_back({w.pipe, POLLIN, 0});
+    ::poll(waits.data(), waits.size(), 200);
+    for (std::size_t i = running.size(); i-- > 0;) {
+      Worker& w = running[i];
+      const bool timed_out = std::chrono::duration<double>(Clock::now() - w.began).count() > o.time_limit;
+      bool ended = timed_out;
+      if (!ended && (waits[i].revents & (POLLIN | POLLHUP | POLLERR)) != 0) {
+        char bytes[65536];
+        const ssize_t n = ::read(w.pipe, bytes, sizeof bytes);
+        if (n > 0) w.text.append(bytes, static_cast<std::size_t>(n));
+        ended = n == 0;
+      }
+      if (!ended) continue;
+      const Json row = finish(w, timed_out, o.time_limit);
+      const auto [target, values] = plan.run(w.number);
+      if (row["status"] != "done") ++bad;
+      if (Result<void> done = table->add(w.number, plan.targets[target], values, row); !done) failure = done.error();
+      ++added;
+      running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
+      progress.show(static_cast<double>(mine - open.size() + added) / static_cast<double>(mine));
+    }
+  }
+  progress.clear();
+  if (failure) return print_error(*failure, o.json);
+  if (interrupted()) {
+    print_line(std::to_string(mine - open.size() + added) + " of " + std::to_string(mine) + " runs are in " + o.table +
+               ". The same command continues.");
+    return print_error(interrupted_error(), o.json);
+  }
+  if (!o.csv.empty()) {
+    const Result<std::string> text = table->csv();
+    if (!text) return print_error(text.error(), o.json);
+    if (Result<void> done = files::write_file(o.csv, *text); !done) return print_error(done.error(), o.json);
+  }
+  if (o.json)
+    print_json({{"table", o.table}, {"runs", mine}, {"added", added}, {"not_done", bad}});
+  else
+    print_line(std::to_string(mine) + " runs in " + o.table + ", of which " + std::to_string(added) + " now" +
+               (bad > 0 ? ", " + std::to_string(bad) + " without result (column status)" : "") + ".");
+  return 0;
+}
+
+}  // namespace
+
+void add_bake_verb(CLI::App& app, Action& action) {
+  auto o = std::make_shared<Options>();
+  auto merges = std::make_shared<std::vector<std::string>>();
+  CLI::App* verb = app.add_subcommand("bake", "Run many variations of content on all cores and keep the results in a table.");
+  verb->add_option("targets", o->targets, "Projects, motion files or motions of the library")->required();
+  verb->add_option("--table", o->table, "Table of the results, an SQLite file; an existing table is continued")
+      ->required()
+      ->type_name("FILE");
+  verb->add_option("--vary", o->vary,
+                   "NAME=VALUE,VALUE or NAME=LOW:HIGH:COUNT; may be repeated. Names: push (N), push-angle (degrees), push-time, "
+                   "push-duration, push-link, assist-limit, tracking, "
+                   "balance, friction, restitution, gravity, steps-per-s, a JSON pointer into the scenario, lsi:ID.PARAMETER")
+      ->type_name("SPEC");
+  verb->add_option("--random", o->random, "Draw this many runs for each target at random; ranges are NAME=LOW:HIGH")
+      ->check(CLI::Range(1, 100'000'000));
+  verb->add_option("--seed", o->seed, "Seed of --random")->capture_default_str();
+  verb->add_option("--duration", o->duration, "Seconds to run (default: to the end)")->check(CLI::Range(0.0005, 86400.0));
+  verb->add_option("--jobs", o->jobs, "Runs at the same time (default: number of cores)")->check(CLI::Range(1, 1024));
+  verb->add_option("--time-limit", o->time_limit, "Seconds after which a run is ended and recorded as timeout")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
+  verb->add_option("--csv", o->csv, "Write the complete table as CSV at the end")->type_name("FILE");
+  verb->add_option("--part", o->part, "Compute only part I of N: I/N");
+  verb->add_option("--merge", *merges, "Take the rows of the table of another part; may be repeated")->type_name("FILE");
+  verb->add_option("--slurm", o->slurm, "Write job scripts for this many parts and submit them with sbatch")->check(CLI::Range(1, 10'000));
+  verb->add_option("--slurm-partition", o->slurm_partition, "Partition of Slurm");
+  verb->add_option("--slurm-time", o->slurm_time, "Time limit of a Slurm task")->capture_default_str();
+  verb->add_flag("--dry-run", o->dry_run, "Print the runs, or write the scripts of --slurm, but start nothing");
+  verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_flag("--json", o->json, "Print one JSON object");
+  verb->footer("Example:\n  ugoki bake walk.bvh --vary push=0:600:13 --vary push-angle=0,90,180,270 --table push.db --csv push.csv");
+  verb->callback([o, merges, &action] { action = [o, merges] { return run_bake(*o, *merges); }; });
+}
+
+}  // namespace ugoki::cli

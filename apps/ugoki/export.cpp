@@ -1,0 +1,255 @@
+// `ugoki export`: writes finished content as a program, a page, pictures, or a file for other tools.
+
+#include "export.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "output.h"
+#include "simulate.h"
+#include "sources.h"
+#include "ugoki/content/inputs.h"
+#include "ugoki/files/files.h"
+#include "ugoki/publish/page.h"
+#include "ugoki/publish/parts.h"
+#include "ugoki/publish/payload.h"
+#include "ugoki/publish/take.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string target, html, native, embed, ugx, glb, usda, csv, inputs, player, title;
+  SourceOptions source;
+  PictureOutputs pictures;
+  PictureOptions picture;
+  std::vector<int> size = {1920, 1080};
+  double take_rate = 0, duration = 0;
+  bool json = false;
+
+  [[nodiscard]] bool wants_take() const { return !glb.empty() || !usda.empty() || !csv.empty(); }
+  [[nodiscard]] bool wants_page() const { return !html.empty() || !native.empty() || !embed.empty() || pictures.any(); }
+};
+
+/// One written file, for the report.
+struct Written {
+  std::string kind, file;
+  std::uintmax_t bytes = 0;
+};
+
+/// Checks that the content runs with the LSIs of Ugoki alone, because pages and native programs carry no other code.
+Result<void> check_portable(std::span<const std::byte> ugx, const std::string& name) {
+  const Result<content::Player> plain = content::Player::open(ugx, name);
+  if (plain) return {};
+  if (!open_hosted(ugx, name)) return fail(plain.error());  // the content does not run here either
+  Error error = plain.error();
+  for (Problem& p : error.problems) {
+    p.message += " It comes from an installed library, which a page or a native program does not carry.";
+    p.remedy = "Replace these LSIs by standard ones, or export pictures or --glb, --usda, --csv, which run here.";
+  }
+  return fail(std::move(error));
+}
+
+Result<void> write(std::vector<Written>& report, const char* kind, const std::string& file, std::span<const std::byte> bytes) {
+  if (Result<void> done = files::write_file(file, bytes); !done) return done;
+  report.push_back({kind, file, bytes.size()});
+  return {};
+}
+Result<void> write(std::vector<Written>& report, const char* kind, const std::string& file, std::string_view text) {
+  return write(report, kind, file, std::as_bytes(std::span(text)));
+}
+
+Result<void> write_native(const Options& o, const std::string& page, std::span<const std::byte> ugx, std::vector<Written>& report,
+                          const std::string& title) {
+  const Result<std::string> program = publish::read_player_part("ugoki_player", o.player);
+  if (!program) return fail(program.error());
+  const Result<std::string> filled = publish::make_page(page, title, ugx, publish::PageEngine::native);
+  if (!filled) return fail(filled.error());
+  if (Result<void> done = write(report, "native", o.native, publish::append_payload(std::as_bytes(std::span(*program)), *filled, ugx));
+      !done)
+    return done;
+  struct stat facts{};
+  if (::stat(o.native.c_str(), &facts) != 0 || ::chmod(o.native.c_str(), (facts.st_mode & 0777) | ((facts.st_mode & 0444) >> 2)) != 0)
+    return fail(ErrorCode::io, o.native, "The file cannot be made executable.", "Make it executable with `chmod +x`.");
+  return {};
+}
+
+/// Writes the folder of --embed: the element's script, the content, and a page that shows how to use them.
+Result<void> write_embed(const Options& o, const std::string& name, std::span<const std::byte> ugx, std::vector<Written>& report,
+                         const std::string& title) {
+  const Result<std::string> script = publish::read_player_part("ugoki-player.js", o.player);
+  if (!script) return fail(script.error());
+  std::error_code ec;
+  fs::create_directories(o.embed, ec);
+  if (ec) return fail(ErrorCode::io, o.embed, "The folder cannot be created: " + ec.message() + ".", "Name another folder.");
+  std::string file = name;
+  std::ranges::replace_if(
+      file,
+      [](char c) {
+        return c == '/' || static_cast<unsigned char>(c) < 0x20 || std::string_view("\\:*?\"<>|#%").find(c) != std::string_view::npos;
+      },
+      '-');
+  file += ".ugx";
+  const fs::path folder = o.embed;
+  if (Result<void> done = write(report, "script", (folder / "ugoki-player.js").string(), *script); !done) return done;
+  if (Result<void> done = write(report, "ugx", (folder / file).string(), ugx); !done) return done;
+  const std::string page =
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, "
+      "initial-scale=1\">\n<title>" +
+      publish::escape_html(title) +
+      "</title>\n<script src=\"ugoki-player.js\" defer></script>\n</head>\n<body>\n<!-- The files must be served over HTTP: a browser does "
+      "not let "
+      "a page from a disk read other files. -->\n<ugoki-player src=\"" +
+      publish::escape_html(file) + "\" style=\"width: 100%; aspect-ratio: 16 / 9\"></ugoki-player>\n</body>\n</html>\n";
+  return write(report, "page", (folder / "index.html").string(), page);
+}
+
+Result<publish::Take> run_take(const Options& o, std::span<const std::byte> ugx, const std::string& name, const std::string& inputs) {
+  Result<HostedPlayer> hosted = open_hosted(ugx, name);
+  if (!hosted) return fail(std::move(hosted.error()));
+  const content::Executable& content = hosted->player.content();
+  if (!inputs.empty()) {
+    auto read = content::read_inputs(inputs, content, o.inputs);
+    if (!read) return fail(std::move(read.error()));
+    hosted->player.schedule(std::move(*read));
+  }
+  catch_interrupt();
+  Progress progress("simulate " + name);
+  return publish::record_take(hosted->player, o.duration > 0 ? o.duration : content.duration,
+                              o.take_rate > 0 ? o.take_rate : content.frame_rate, [&](double done) {
+                                progress.show(done);
+                                return !interrupted();
+                              });
+}
+
+int run_export(Options o) {
+  Result<ExecutableSource> source = load_executable(o.target, o.source);
+  if (!source) return print_error(source.error(), o.json);
+  const std::span<const std::byte> ugx = source->ugx;
+  const std::string title = o.title.empty() ? source->name : o.title;
+  std::vector<Written> report;
+  std::string inputs;
+  if (!o.inputs.empty()) {
+    Result<std::string> text = files::read_file(o.inputs);
+    if (!text) return print_error(text.error(), o.json);
+    inputs = std::move(*text);
+  }
+  const auto run = [&]() -> Result<void> {
+    if (!o.ugx.empty())
+      if (Result<void> done = write(report, "ugx", o.ugx, ugx); !done) return done;
+    if (o.wants_page()) {
+      if (Result<void> good = check_portable(ugx, source->name); !good) return good;
+      Result<std::string> page = publish::read_player_part("player.html", o.player);
+      if (!page) return fail(std::move(page.error()));
+      if (!o.html.empty()) {
+        const Result<std::string> filled = publish::make_page(*page, title, ugx);
+        if (!filled) return fail(filled.error());
+        if (Result<void> done = write(report, "html", o.html, *filled); !done) return done;
+      }
+      if (!o.native.empty())
+        if (Result<void> done = write_native(o, *page, ugx, report, title); !done) return done;
+      if (!o.embed.empty())
+        if (Result<void> done = write_embed(o, source->name, ugx, report, title); !done) return done;
+      if (o.pictures.any()) {
+        o.picture.width = o.size[0];
+        o.picture.height = o.size[1];
+        o.picture.rate = o.take_rate;
+        o.picture.duration = o.duration;
+        o.picture.inputs = inputs;
+        const Result<std::vector<std::string>> drawn = export_pictures(*page, source->name, ugx, o.picture, o.pictures);
+        if (!drawn) return fail(drawn.error());
+        std::error_code ec;
+        for (const std::string& file : *drawn) report.push_back({"picture", file, fs::file_size(file, ec)});
+      }
+    }
+    if (o.wants_take()) {
+      const Result<publish::Take> take = run_take(o, ugx, source->name, inputs);
+      if (!take) return fail(take.error());
+      if (!o.glb.empty())
+        if (Result<void> done = write(report, "glb", o.glb, publish::write_take_glb(*take)); !done) return done;
+      if (!o.usda.empty())
+        if (Result<void> done = write(report, "usda", o.usda, publish::write_take_usda(*take)); !done) return done;
+      if (!o.csv.empty())
+        if (Result<void> done = write(report, "csv", o.csv, publish::write_take_csv(*take)); !done) return done;
+    }
+    return {};
+  };
+  if (const Result<void> done = run(); !done) return print_error(done.error(), o.json);
+  if (o.json) {
+    Json list = Json::array();
+    for (const Written& w : report) list.push_back({{"kind", w.kind}, {"file", w.file}, {"bytes", w.bytes}});
+    print_json({{"name", source->name}, {"files", std::move(list)}});
+    return 0;
+  }
+  for (const Written& w : report) print_line("Wrote " + w.file + " (" + std::to_string((w.bytes + 999) / 1000) + " kB)");
+  return 0;
+}
+
+}  // namespace
+
+void add_export_verb(CLI::App& app, Action& action) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("export", "Write content as a program, a page, pictures or a file for other tools.");
+  verb->add_option("target", o->target, "Project (*.ugoki), executable data (*.ugx), motion file or motion of the library")->required();
+  const auto file = [&](const char* name, std::string& value, const char* help) {
+    return verb->add_option(name, value, help)->type_name("FILE");
+  };
+  file("--html", o->html, "One HTML file: plays live in any browser, from a disk, without a network")->group("Programs");
+  file("--native", o->native, "One executable file for Linux: opens its page, or runs with --headless")->group("Programs");
+  verb->add_option("--embed", o->embed, "Folder with the element <ugoki-player> for your own pages")
+      ->type_name("FOLDER")
+      ->group("Programs");
+  file("--ugx", o->ugx, "Executable data, the input of every player")->group("Programs");
+  file("--png", o->pictures.png, "Pictures: a name with %d or %04d, or one picture at --from")->group("Pictures");
+  file("--mp4", o->pictures.mp4, "Video, H.264 (needs ffmpeg)")->group("Pictures");
+  file("--webm", o->pictures.webm, "Video, VP9 (needs ffmpeg)")->group("Pictures");
+  file("--gif", o->pictures.gif, "Animated GIF (needs ffmpeg)")->group("Pictures");
+  verb->add_option("--size", o->size, "Width and height of pictures, px")
+      ->delimiter('x')
+      ->expected(2)
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str()
+      ->group("Pictures");
+  verb->add_option("--from", o->picture.from, "Time of the first picture, s")->check(CLI::Range(0.0, 86400.0))->group("Pictures");
+  verb->add_option("--blur", o->picture.blur, "Motion blur: sub-frames for each picture")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str()
+      ->group("Pictures");
+  verb->add_option("--shutter", o->picture.shutter, "Open fraction of the shutter, with --blur")
+      ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str()
+      ->group("Pictures");
+  verb->add_flag("--transparent", o->picture.transparent, "No floor and a transparent background (--png, --webm)")->group("Pictures");
+  verb->add_flag("--light", o->picture.light, "Light background")->group("Pictures");
+  verb->add_flag("--assist", o->picture.overlays, "Draw the root assist")->group("Pictures");
+  verb->add_option("--browser", o->picture.browser, "Chromium or Chrome (default: found on the path)")->group("Pictures");
+  verb->add_option("--ffmpeg", o->picture.ffmpeg, "ffmpeg (default: found on the path)")->group("Pictures");
+  file("--glb", o->glb, "glTF 2.0: skins, animation, camera, materials")->group("Other tools");
+  file("--usda", o->usda, "USD as text: UsdSkel, materials, camera")->group("Other tools");
+  file("--csv", o->csv, "Table of all link poses")->group("Other tools");
+  verb->add_option("--rate", o->take_rate, "Frames per second of pictures and animations (default: that of the content)")
+      ->check(CLI::Range(1.0, 1000.0));
+  verb->add_option("--duration", o->duration, "Time at which pictures and animations end, s (default: the end)")
+      ->check(CLI::Range(0.001, 86400.0));
+  verb->add_option("--inputs", o->inputs, "Recorded inputs, JSON, for pictures and animations (docs/export.md)");
+  verb->add_option("--title", o->title, "Title of the page (default: the name of the content)");
+  verb->add_option("--player", o->player, "Folder with the parts of the player");
+  verb->add_option("--asf", o->source.asf, "Skeleton of an AMC file (default: NN.asf in the folder of NN_MM.amc)");
+  verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_flag("--json", o->json, "Print one JSON object");
+  verb->footer(
+      "Examples:\n  ugoki export park.ugoki --html park.html\n  ugoki export park.ugoki --native park --mp4 park.mp4 --size 1280x720\n"
+      "  ugoki export walk.bvh --glb walk.glb");
+  verb->callback([o, &action] {
+    if (!o->wants_page() && !o->wants_take() && o->ugx.empty())
+      throw CLI::ValidationError("export", "Name at least one file to write, for example --html park.html.");
+    action = [o] { return with_libraries(o->json, [&] { return run_export(*o); }); };
+  });
+}
+
+}  // namespace ugoki::cli

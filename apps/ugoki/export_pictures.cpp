@@ -1,0 +1,451 @@
+// Pictures and videos of `ugoki export`: a headless browser draws the player's page, which sends each picture to this program, which writes
+// it or passes it to ffmpeg. The renderer is therefore the one of the studio and of exported pages.
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <csignal>
+#include <cstring>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+#include "export.h"
+#include "output.h"
+#include "ugoki/base/number.h"
+#include "ugoki/content/executable.h"
+#include "ugoki/files/files.h"
+#include "ugoki/publish/page.h"
+#include "ugoki/studio/launch_page.h"
+#include "ugoki/studio/security.h"
+#include "ugoki/studio/server.h"
+
+extern char** environ;
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int max_waiting = 4;    // pictures that have arrived but are not written yet
+constexpr double patience = 120;  // s without a picture, after which the browser counts as stuck
+constexpr int max_pictures = 1'000'000;
+
+/// The first of these programs on $PATH, or the given path.
+Result<std::string> find_program(const std::string& given, std::initializer_list<const char*> names, const char* remedy) {
+  if (!given.empty()) {
+    if (::access(given.c_str(), X_OK) == 0) return given;
+    return fail(ErrorCode::io, given, "This program does not exist or may not be run.", "Name an executable file.");
+  }
+  const char* path = std::getenv("PATH");
+  for (const char* name : names) {
+    std::string_view rest = path ? path : "/usr/bin:/bin";
+    while (!rest.empty()) {
+      const std::string folder(rest.substr(0, rest.find(':')));
+      rest.remove_prefix(std::min(rest.size(), folder.size() + 1));
+      const std::string file = folder + '/' + name;
+      if (::access(file.c_str(), X_OK) == 0) return file;
+    }
+  }
+  return fail(ErrorCode::io, *names.begin(), "The program was not found.", remedy);
+}
+
+/// A child process, optionally with a pipe to its standard input. Ended by the destructor.
+class Child {
+ public:
+  /// @param log file for the output of the program
+  static Result<std::unique_ptr<Child>> start(const std::vector<std::string>& words, bool pipe_input, const std::string& log) {
+    int ends[2] = {-1, -1};
+    if (pipe_input && ::pipe2(ends, O_CLOEXEC) != 0)
+      return fail(ErrorCode::io, words[0], "No pipe to the program can be made.", "Close other programs.");
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    if (pipe_input)
+      posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
+    else
+      posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+    posix_spawn_file_actions_addclosefrom_np(&actions, 3);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl+C of the terminal does not reach the child, which is ended in order
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    std::vector<char*> arguments;
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    auto child = std::make_unique<Child>();
+    const int status = ::posix_spawn(&child->pid_, words[0].c_str(), &actions, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    if (ends[0] >= 0) ::close(ends[0]);
+    child->input_ = ends[1];
+    if (status != 0) {
+      child->pid_ = -1;
+      return fail(ErrorCode::io, words[0], std::string("The program cannot be started: ") + std::strerror(status) + ".",
+                  "Check the program.");
+    }
+    return child;
+  }
+  Child() = default;
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    close_input();
+    if (pid_ < 0) return;
+    ::kill(-pid_, SIGTERM);
+    for (int i = 0; i < 50 && !ended(); ++i) ::usleep(20'000);
+    if (pid_ < 0) return;
+    ::kill(-pid_, SIGKILL);
+    while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+
+  /// Writes all bytes. @return false if the program does not read any more
+  bool write(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t n = ::write(input_, bytes.data(), bytes.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      bytes.remove_prefix(static_cast<std::size_t>(n));
+    }
+    return true;
+  }
+  void close_input() {
+    if (input_ >= 0) ::close(input_);
+    input_ = -1;
+  }
+  bool ended() {
+    int status = 0;
+    if (pid_ >= 0 && ::waitpid(pid_, &status, WNOHANG) == pid_) {
+      good_ = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+      pid_ = -1;
+    }
+    return pid_ < 0;
+  }
+  /// Waits for the end. @return whether the program reported success
+  bool wait() {
+    close_input();
+    while (!ended() && !interrupted()) ::usleep(5'000);
+    return pid_ < 0 && good_;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int input_ = -1;
+  bool good_ = false;
+};
+
+/// Receives the pictures of the page.
+class Receiver final : public studio::ServerEvents {
+ public:
+  struct Picture {
+    std::string png, raw;
+  };
+
+  explicit Receiver(std::string settings) : settings_(std::move(settings)) {}
+
+  void on_api(studio::ApiRequest request, std::function<void(studio::ApiReply)> answer) override {
+    if (request.path == "/api/pictures") return answer({200, settings_});
+    if (request.path == "/api/picture") {
+      const std::optional<long> number = parse_long(studio::query_value(request.query, "number").value_or(""));
+      const bool png = studio::query_value(request.query, "form").value_or("") == "png";
+      if (!number) return answer({400, "{}"});
+      {
+        const std::lock_guard lock(mutex_);
+        Picture& p = arrived_[static_cast<int>(*number)];
+        (png ? p.png : p.raw) = std::move(request.body);
+        answers_.emplace(static_cast<int>(*number), std::move(answer));
+      }
+      return changed_.notify_all();
+    }
+    if (request.path == "/api/failed") {
+      {
+        const std::lock_guard lock(mutex_);
+        failure_ = request.body.substr(0, 2000);
+      }
+      changed_.notify_all();
+      return answer({200, "{}"});
+    }
+    answer({404, "{}"});
+  }
+  void on_message(studio::ClientId, std::string, std::function<void()> done) override { done(); }
+  void on_close(studio::ClientId) override {}
+
+  /// Waits for the picture `number` for at most `seconds`. @return whether it has arrived with all wanted forms
+  bool wait(int number, bool png, bool raw, double seconds, Picture& out) {
+    std::unique_lock lock(mutex_);
+    const auto complete = [&] {
+      const auto found = arrived_.find(number);
+      return !failure_.empty() || (found != arrived_.end() && (!png || !found->second.png.empty()) && (!raw || !found->second.raw.empty()));
+    };
+    if (!changed_.wait_for(lock, std::chrono::duration<double>(seconds), complete) || !failure_.empty()) return false;
+    out = std::move(arrived_[number]);
+    arrived_.erase(number);
+    return true;
+  }
+  /// Answers the page's requests for this picture, so that it sends further ones.
+  void done(int number) {
+    std::vector<std::function<void(studio::ApiReply)>> answers;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto [begin, end] = answers_.equal_range(number);
+      for (auto i = begin; i != end; ++i) answers.push_back(std::move(i->second));
+      answers_.erase(begin, end);
+    }
+    for (const auto& answer : answers) answer({200, "{}"});
+  }
+  std::string failure() {
+    const std::lock_guard lock(mutex_);
+    return failure_;
+  }
+
+ private:
+  const std::string settings_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<int, Picture> arrived_;
+  std::multimap<int, std::function<void(studio::ApiReply)>> answers_;
+  std::string failure_;
+};
+
+/// The name of picture `number`: "%d" or "%04d" in the pattern is replaced.
+std::string numbered(const std::string& pattern, int number) {
+  const std::size_t at = pattern.find('%');
+  const std::size_t end = at == std::string::npos ? at : pattern.find('d', at);
+  if (end == std::string::npos) return pattern;
+  const std::optional<long> width = end > at + 1 ? parse_long(pattern.substr(at + 1, end - at - 1)) : 0;
+  std::string digits = std::to_string(number);
+  if (width && *width > 0 && *width < 20)
+    digits.insert(0, static_cast<std::size_t>(std::max(0L, *width - static_cast<long>(digits.size()))), '0');
+  return pattern.substr(0, at) + digits + pattern.substr(end + 1);
+}
+bool is_pattern(const std::string& name) { return numbered(name, 1) != numbered(name, 2); }
+
+/// A video in the making: ffmpeg writes a temporary file, which is renamed at the end.
+struct Video {
+  std::string file, part;
+  std::unique_ptr<Child> ffmpeg;
+};
+
+/// A temporary folder that is removed with all its files.
+struct Scratch {
+  fs::path folder;
+  ~Scratch() {
+    std::error_code ec;
+    if (!folder.empty()) fs::remove_all(folder, ec);
+  }
+};
+
+std::string tail_of(const fs::path& log) {
+  const Result<std::string> text = files::read_file(log.string());
+  if (!text || text->empty()) return "";
+  const std::string end = text->substr(text->size() > 400 ? text->size() - 400 : 0);
+  return " It printed: " + end.substr(0, end.find_last_not_of("\n") + 1);
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name, std::span<const std::byte> ugx,
+                                                 const PictureOptions& o, const PictureOutputs& outputs) {
+  const Result<content::Executable> content = content::read_executable(ugx, name);
+  if (!content) return fail(content.error());
+  const double rate = o.rate > 0 ? o.rate : content->frame_rate;
+  const double end = o.duration > 0 ? o.duration : content->duration;
+  const bool videos = !outputs.mp4.empty() || !outputs.webm.empty() || !outputs.gif.empty();
+  const bool single = !videos && !is_pattern(outputs.png);
+  if (videos && !outputs.png.empty() && !is_pattern(outputs.png))
+    return fail(ErrorCode::conflict, "--png", "One picture and a video cannot be written at once.",
+                "Give --png a name with %04d, or call export twice.");
+  if (o.from >= end && !single)
+    return fail(ErrorCode::range, "--from",
+                "The first picture is at " + to_fixed(o.from, 3) + " s, but the content ends at " + to_fixed(end, 3) + " s.",
+                "Give an earlier time.");
+  if (o.transparent && (!outputs.mp4.empty() || !outputs.gif.empty()))
+    return fail(ErrorCode::unsupported, "--transparent", "MP4 and GIF videos have no transparent background.", "Use --webm or --png.");
+  const double wanted = single ? 1 : std::max(1.0, std::round((end - o.from) * rate));
+  if (wanted > max_pictures)
+    return fail(ErrorCode::range, "--duration",
+                "These would be " + to_fixed(wanted, 0) + " pictures; the limit is " + std::to_string(max_pictures) + ".",
+                "Give a shorter --duration or a lower --rate.");
+  const int count = static_cast<int>(wanted);
+  if ((!outputs.mp4.empty() || !outputs.webm.empty()) && (o.width % 2 != 0 || o.height % 2 != 0))
+    return fail(ErrorCode::range, "--size", "Width and height of a video must be even.", "Give, for example, --size 1280x720.");
+
+  const Result<std::string> browser = find_program(o.browser, {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"},
+                                                   "Install Chromium (`apt-get install chromium`), or name a browser with --browser.");
+  if (!browser) return fail(browser.error());
+  std::string ffmpeg;
+  if (videos) {
+    Result<std::string> found =
+        find_program(o.ffmpeg, {"ffmpeg"}, "Install ffmpeg (`apt-get install ffmpeg`), or write pictures with --png frame%04d.png.");
+    if (!found) return fail(std::move(found.error()));
+    ffmpeg = std::move(*found);
+  }
+  const Result<std::string> filled = publish::make_page(page, name, ugx, publish::PageEngine::pictures);
+  if (!filled) return fail(filled.error());
+
+  Scratch scratch;
+  std::string folder = (fs::temp_directory_path() / "ugoki-pictures-XXXXXX").string();
+  if (!::mkdtemp(folder.data()))
+    return fail(ErrorCode::io, folder, "A temporary folder cannot be made.", "Check the folder of temporary files.");
+  scratch.folder = folder;
+  catch_interrupt();
+  std::signal(SIGPIPE, SIG_IGN);
+
+  Json settings = {{"width", o.width},
+                   {"height", o.height},
+                   {"rate", rate},
+                   {"from", o.from},
+                   {"count", count},
+                   {"blur", o.blur},
+                   {"shutter", o.shutter},
+                   {"transparent", o.transparent},
+                   {"theme", o.light ? "light" : "dark"},
+                   {"assist", o.overlays},
+                   {"png", !outputs.png.empty()},
+                   {"raw", videos},
+                   {"ahead", max_waiting}};
+  if (!o.inputs.empty()) {
+    Result<Json> inputs = json::parse_json(o.inputs, "inputs");
+    if (!inputs) return fail(std::move(inputs.error()));
+    settings["inputs"] = inputs->contains("inputs") ? (*inputs)["inputs"] : *inputs;
+  }
+  Receiver receiver(json::to_text(settings));
+  studio::ServerOptions server_options;
+  server_options.page = *filled;
+  const Result<std::unique_ptr<studio::Server>> server = studio::Server::listen(server_options, receiver);
+  if (!server) return fail(server.error());
+  const Result<std::unique_ptr<studio::LaunchPage>> launch = studio::LaunchPage::write((*server)->address());
+  if (!launch) return fail(launch.error());
+
+  const fs::path browser_log = scratch.folder / "browser.log", ffmpeg_log = scratch.folder / "ffmpeg.log";
+  std::vector<std::string> words = {*browser,
+                                    "--headless",
+                                    "--no-first-run",
+                                    "--no-default-browser-check",
+                                    "--user-data-dir=" + (scratch.folder / "profile").string(),
+                                    "--disable-background-networking",
+                                    "--disable-component-update",
+                                    "--disable-sync",
+                                    "--disable-extensions",
+                                    "--disable-background-timer-throttling",
+                                    "--disable-renderer-backgrounding",
+                                    "--mute-audio",
+                                    "--hide-scrollbars",
+                                    "--force-device-scale-factor=1",
+                                    "--window-size=" + std::to_string(o.width) + "," + std::to_string(o.height)};
+  std::error_code ec;
+  if (!fs::exists("/dev/dri", ec))
+    words.insert(words.end(), {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"});
+  if (::geteuid() == 0) words.emplace_back("--no-sandbox");  // Chromium refuses to run as root with its sandbox
+  words.push_back("file://" + (*launch)->path());
+  const Result<std::unique_ptr<Child>> drawing = Child::start(words, false, browser_log.string());
+  if (!drawing) return fail(drawing.error());
+
+  std::vector<Video> started;
+  struct Unfinished {  // removes the files of videos that were not completed
+    std::vector<Video>& videos;
+    ~Unfinished() {
+      for (Video& v : videos) {
+        v.ffmpeg.reset();
+        std::error_code ignored;
+        if (!v.part.empty()) fs::remove(v.part, ignored);
+      }
+    }
+  } unfinished{started};
+  const auto start_video = [&](const std::string& file, std::vector<std::string> codec, const char* ending) -> Result<void> {
+    if (file.empty()) return {};
+    const fs::path target = file;
+    const std::string part = (target.parent_path() / ("." + target.filename().string() + ".part" + ending)).string();
+    std::vector<std::string> command = {ffmpeg,
+                                        "-hide_banner",
+                                        "-loglevel",
+                                        "error",
+                                        "-y",
+                                        "-f",
+                                        "rawvideo",
+                                        "-pix_fmt",
+                                        "rgba",
+                                        "-s",
+                                        std::to_string(o.width) + "x" + std::to_string(o.height),
+                                        "-r",
+                                        to_text(rate),
+                                        "-i",
+                                        "-",
+                                        "-an"};
+    command.insert(command.end(), codec.begin(), codec.end());
+    command.push_back(part);
+    Result<std::unique_ptr<Child>> child = Child::start(command, true, ffmpeg_log.string());
+    if (!child) return fail(std::move(child.error()));
+    started.push_back({file, part, std::move(*child)});
+    return {};
+  };
+  // rows arrive from the bottom to the top, as WebGL has them
+  if (Result<void> done = start_video(
+          outputs.mp4,
+          {"-vf", "vflip", "-c:v", "libx264", "-preset", "veryfast", "-crf", "17", "-pix_fmt", "yuv420p", "-movflags", "+faststart"},
+          ".mp4");
+      !done)
+    return fail(std::move(done.error()));
+  if (Result<void> done = start_video(outputs.webm,
+                                      {"-vf", "vflip", "-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good",
+                                       "-cpu-used", "5", "-pix_fmt", o.transparent ? "yuva420p" : "yuv420p"},
+                                      ".webm");
+      !done)
+    return fail(std::move(done.error()));
+  if (Result<void> done = start_video(
+          outputs.gif,
+          {"-vf", "vflip,split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4", "-loop", "0"}, ".gif");
+      !done)
+    return fail(std::move(done.error()));
+
+  std::vector<std::string> written;
+  Progress progress("pictures of " + name);
+  for (int i = 0; i < count; ++i) {
+    Receiver::Picture picture;
+    double waited = 0;
+    while (!receiver.wait(i, !outputs.png.empty(), videos, 0.2, picture)) {
+      waited += 0.2;
+      if (interrupted()) return fail(interrupted_error());
+      if (const std::string failure = receiver.failure(); !failure.empty())
+        return fail(ErrorCode::io, "picture " + std::to_string(i + 1), failure, "Check the content in the studio.");
+      if ((*drawing)->ended())
+        return fail(ErrorCode::io, *browser, "The browser ended before all pictures were drawn." + tail_of(browser_log),
+                    "Try another browser with --browser.");
+      if (waited > patience)
+        return fail(ErrorCode::io, *browser, "The browser has drawn no picture for " + to_fixed(patience, 0) + " s." + tail_of(browser_log),
+                    "Give a smaller --size, or another browser with --browser.");
+    }
+    if (!outputs.png.empty()) {
+      const std::string file = single ? outputs.png : numbered(outputs.png, i);
+      if (Result<void> done = files::write_file(file, picture.png); !done) return fail(std::move(done.error()));
+      written.push_back(file);
+    }
+    for (const Video& v : started)
+      if (!v.ffmpeg->write(picture.raw))
+        return fail(ErrorCode::io, v.file, "ffmpeg stopped." + tail_of(ffmpeg_log), "Check the folder and the free space.");
+    receiver.done(i);
+    progress.show(static_cast<double>(i + 1) / count);
+  }
+  progress.clear();
+  for (Video& v : started) {
+    if (!v.ffmpeg->wait())
+      return fail(interrupted() ? interrupted_error()
+                                : Error(ErrorCode::io, v.file, "ffmpeg reported an error." + tail_of(ffmpeg_log),
+                                        "Check that ffmpeg has the codec."));
+    fs::rename(v.part, v.file, ec);
+    if (ec) return fail(ErrorCode::io, v.file, "The video cannot be renamed: " + ec.message() + ".", "Check the folder's permissions.");
+    v.part.clear();
+    written.push_back(v.file);
+  }
+  return written;
+}
+
+}  // namespace ugoki::cli

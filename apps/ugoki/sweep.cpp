@@ -1,0 +1,368 @@
+#include "sweep.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "output.h"
+
+#include "ugoki/base/number.h"
+#include "ugoki/content/default_circuit.h"
+#include "ugoki/content/generate.h"
+#include "ugoki/spatial/elementary.h"
+
+namespace ugoki::cli {
+namespace {
+
+constexpr std::uint64_t max_runs = 100'000'000;
+
+std::vector<std::string> split(const std::string& text, char mark) {
+  std::vector<std::string> out;
+  std::size_t at = 0;
+  for (;;) {
+    const std::size_t end = text.find(mark, at);
+    out.push_back(text.substr(at, end == std::string::npos ? end : end - at));
+    if (end == std::string::npos) return out;
+    at = end + 1;
+  }
+}
+
+std::unexpected<Error> bad_variation(const std::string& text, const char* why) {
+  return fail(ErrorCode::syntax, "--vary " + text, why, "Write, for example, --vary push=0,150,300 or --vary friction=0.2:1:9.");
+}
+
+const std::vector<std::string>& short_names() {
+  static const std::vector<std::string> names = {"push",     "push-angle", "push-time", "push-duration", "push-link",   "assist-limit",
+                                                 "tracking", "balance",    "friction",  "restitution",   "steps-per-s", "gravity"};
+  return names;
+}
+
+std::string quoted(const std::string& name) {
+  std::string out = "\"";
+  for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
+
+/// A number, or an error that names the quantity.
+Result<double> number_of(const Variation& v, const std::string& text) {
+  const std::optional<double> x = parse_double(text);
+  if (x) return *x;
+  return fail(ErrorCode::syntax, "--vary " + v.name, "'" + text + "' is not a number.", "Give numbers for this quantity.");
+}
+
+/// The value as JSON: a number if the text is one, otherwise a word.
+Json value_json(const std::string& text) {
+  if (const std::optional<double> x = parse_double(text)) return *x;
+  if (text == "true" || text == "false") return text == "true";
+  return text;
+}
+
+/// Sets parameter PARAMETER of the LSI with the id ID in the circuit document.
+Result<void> set_parameter(content::Scenario& s, const std::string& name, const std::string& value) {
+  const std::size_t dot = name.rfind('.');
+  const std::string id = name.substr(4, dot == std::string::npos ? dot : dot - 4),
+                    parameter = dot == std::string::npos ? "" : name.substr(dot + 1);
+  if (s.circuit.empty()) s.circuit = content::default_circuit(s);
+  Result<Json> circuit = json::parse_json(s.circuit, "circuit");
+  if (!circuit) return fail(std::move(circuit.error()));
+  if (circuit->contains("lsis") && (*circuit)["lsis"].is_array())
+    for (Json& one : (*circuit)["lsis"])
+      if (one.value("id", "") == id && !parameter.empty()) {
+        one["parameters"][parameter] = value_json(value);
+        s.circuit = json::to_text(*circuit);
+        return {};
+      }
+  return fail(ErrorCode::unknown, "--vary " + name, "The circuit has no LSI '" + id + "' at its outermost level.",
+              "Write lsi:ID.PARAMETER.");
+}
+
+}  // namespace
+
+Result<Variation> read_variation(const std::string& text, bool random) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    return bad_variation(text, "A name, '=' and values are needed.");
+  Variation v;
+  v.name = text.substr(0, equals);
+  const std::string values = text.substr(equals + 1);
+  if (!v.name.starts_with("/") && !v.name.starts_with("lsi:") && std::ranges::find(short_names(), v.name) == short_names().end()) {
+    std::string names;
+    for (const std::string& n : short_names()) names += (names.empty() ? "" : ", ") + n;
+    return fail(ErrorCode::unknown, "--vary " + text, "'" + v.name + "' is not a quantity that can be varied.",
+                "Use " + names + ", a JSON pointer into the scenario (/gravity/2), or lsi:ID.PARAMETER.");
+  }
+  const std::vector<std::string> range = split(values, ':');
+  if (range.size() == 2 || range.size() == 3) {
+    const std::optional<double> low = parse_double(range[0]), high = parse_double(range[1]);
+    if (!low || !high) return bad_variation(text, "The ends of the range are not numbers.");
+    v.low = *low;
+    v.high = *high;
+    if (range.size() == 2) {
+      if (!random) return bad_variation(text, "A range needs the number of values: LOW:HIGH:COUNT; LOW:HIGH alone is for --random.");
+      return v;
+    }
+    const std::optional<long> count = parse_long(range[2]);
+    if (!count || *count < 1 || *count > 1'000'000) return bad_variation(text, "The number of values is not between 1 and 1000000.");
+    for (long i = 0; i < *count; ++i)
+      v.values.push_back(
+          to_text(*count == 1 ? v.low : v.low + (v.high - v.low) * static_cast<double>(i) / static_cast<double>(*count - 1)));
+    return v;
+  }
+  v.values = split(values, ',');
+  return v;
+}
+
+std::uint64_t SweepPlan::size() const {
+  std::uint64_t each = std::max<std::uint64_t>(random, 1);
+  if (random == 0)
+    for (const Variation& v : variations) each = std::min(max_runs + 1, each * v.values.size());
+  return std::min(max_runs + 1, each * targets.size());
+}
+
+std::pair<std::size_t, std::vector<std::string>> SweepPlan::run(std::uint64_t number) const {
+  std::vector<std::string> values;
+  if (random > 0) {
+    std::mt19937_64 source(seed * 0x9E3779B97F4A7C15ULL + number);
+    for (const Variation& v : variations) {
+      if (!v.values.empty()) {
+        values.push_back(v.values[static_cast<std::size_t>(source() % v.values.size())]);
+        continue;
+      }
+      const double s =
+          static_cast<double>(source() >> 11) * 0x1p-53;  // not std::uniform_real_distribution, whose results differ between libraries
+      values.push_back(to_text(v.low + (v.high - v.low) * s));
+    }
+    return {static_cast<std::size_t>(number / random), std::move(values)};
+  }
+  std::uint64_t rest = number;
+  for (const Variation& v : variations) {
+    values.push_back(v.values[static_cast<std::size_t>(rest % v.values.size())]);
+    rest /= v.values.size();
+  }
+  return {static_cast<std::size_t>(rest), std::move(values)};
+}
+
+std::string SweepPlan::text() const {
+  Json varied = Json::array();
+  for (const Variation& v : variations) varied.push_back({{"name", v.name}, {"values", v.values}, {"low", v.low}, {"high", v.high}});
+  Json names = Json::array();
+  for (std::size_t i = 0; i < targets.size(); ++i) names.push_back({{"target", targets[i]}, {"content", hashes[i]}});
+  return json::to_text(
+      Json{{"version", 1}, {"targets", names}, {"vary", varied}, {"random", random}, {"seed", seed}, {"duration", duration}});
+}
+
+Result<void> apply_variations(content::Scenario& s, const content::Resources& resources, const std::vector<Variation>& variations,
+                              const std::vector<std::string>& values) {
+  double push = 0, angle = 0, time = 1, duration = 0.2;
+  std::string link = "chest";
+  // pointers first: they replace the document
+  for (std::size_t i = 0; i < variations.size(); ++i) {
+    if (!variations[i].name.starts_with("/")) continue;
+    Result<Json> document = json::parse_json(content::write_scenario(s), "scenario");
+    if (!document) return fail(std::move(document.error()));
+    const bool exists = [&] {
+      Json* at = &*document;
+      for (const std::string& part : split(variations[i].name.substr(1), '/')) {
+        const std::optional<long> index = parse_long(part);
+        if (at->is_array() && index && *index >= 0 && static_cast<std::size_t>(*index) < at->size())
+          at = &(*at)[static_cast<std::size_t>(*index)];
+        else if (at->is_object() && at->contains(part))
+          at = &(*at)[part];
+        else
+          return false;
+      }
+      *at = value_json(values[i]);
+      return true;
+    }();
+    if (!exists)
+      return fail(ErrorCode::unknown, "--vary " + variations[i].name, "The scenario document has no such value.",
+                  "docs/scenario.md lists its fields.");
+    Result<content::Scenario> changed =
+        content::read_scenario(json::to_text(*document), "scenario with " + variations[i].name + " = " + values[i]);
+    if (!changed) return fail(std::move(changed.error()));
+    s = std::move(*changed);
+  }
+  for (std::size_t i = 0; i < variations.size(); ++i) {
+    const Variation& v = variations[i];
+    if (v.name.starts_with("/")) continue;
+    if (v.name.starts_with("lsi:")) {
+      if (Result<void> done = set_parameter(s, v.name, values[i]); !done) return done;
+      continue;
+    }
+    if (v.name == "push-link") {
+      link = values[i];
+      continue;
+    }
+    const Result<double> x = number_of(v, values[i]);
+    if (!x) return fail(x.error());
+    if (v.name == "push") push = *x;
+    if (v.name == "push-angle") angle = *x;
+    if (v.name == "push-time") time = *x;
+    if (v.name == "push-duration") duration = *x;
+    if (v.name == "friction") s.ground.friction = *x;
+    if (v.name == "restitution") s.ground.restitution = *x;
+    if (v.name == "gravity") s.gravity.z = -*x;
+    if (v.name == "steps-per-s") s.step = 1 / *x;
+    for (content::ScenarioCharacter& c : s.characters) {
+      if (v.name == "assist-limit") c.control.assist_limit = *x;
+      if (v.name == "tracking") c.control.tracking = *x;
+      if (v.name == "balance") c.control.balance = *x;
+    }
+  }
+  if (push == 0) return {};
+  const auto target =
+      std::ranges::find_if(s.characters, [](const content::ScenarioCharacter& c) { return c.control.mode == content::ControlMode::track; });
+  if (target == s.characters.end())
+    return fail(ErrorCode::structure, "--vary push", "The content has no character that follows a track.", "Vary another quantity.");
+  if (content::find_link(*resources.mechanisms.at(target->mechanism), link) < 0)
+    return fail(ErrorCode::unknown, "--vary push-link", "The character has no link '" + link + "'.", "`ugoki info` lists the links.");
+  content::ScenarioEvent event;
+  event.id = "bake-push";
+  event.time = time;
+  event.duration = duration;
+  event.character = target->id;
+  event.link = link;
+  const SinCos a = sin_cos((target->place.heading + angle) * pi / 180);  // 0: forward, 90: to the left
+  event.force = {push * a.cos, push * a.sin, 0};
+  s.events.push_back(std::move(event));
+  return {};
+}
+
+const std::vector<std::string>& sweep_measures() {
+  static const std::vector<std::string> names = {
+      "tracking_rms_deg",    "assist_rms_bw",  "assist_force_rms_bw", "assist_max_bw", "foot_skate_cm",
+      "foot_skate_worst_cm", "penetration_mm", "penetration_rms_mm",  "fell",          "release_time"};
+  return names;
+}
+
+SweepTable::~SweepTable() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+Result<SweepTable> SweepTable::open(const std::string& path, const SweepPlan& plan) {
+  const int lock = ::open((path + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (lock < 0)
+    return fail(ErrorCode::io, path, "The lock file beside the table cannot be written.", "Choose a folder that may be written.");
+  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
+    ::close(lock);
+    return fail(ErrorCode::conflict, path, "Another `ugoki bake` writes this table.", "Wait for its end, or name another table.");
+  }
+  Result<store::Database> database = store::Database::open(path, store::OpenMode::create);
+  if (!database) {
+    ::close(lock);
+    return fail(std::move(database.error()));
+  }
+  SweepTable table(std::move(*database), lock);
+  std::string sql = "CREATE TABLE IF NOT EXISTS run (number INTEGER PRIMARY KEY, target TEXT NOT NULL";
+  table.columns_ = {"number", "target"};
+  const auto add = [&](const std::string& name, const char* type) {
+    if (std::ranges::find(table.columns_, name) != table.columns_.end()) return;
+    table.columns_.push_back(name);
+    sql += ", " + quoted(name) + ' ' + type;
+  };
+  for (const Variation& v : plan.variations) add(v.name, "NUMERIC");
+  add("status", "TEXT NOT NULL");
+  add("message", "TEXT");
+  add("steps", "INTEGER");
+  add("processor_s", "REAL");
+  add("state_hash", "TEXT");
+  for (const std::string& m : sweep_measures()) add(m, "REAL");
+  sql += ")";
+  store::Database& d = table.database_;
+  if (Result<void> done = d.run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; CREATE TABLE IF NOT EXISTS property (name TEXT "
+                                "PRIMARY KEY, value TEXT)");
+      !done)
+    return fail(std::move(done.error()));
+  const Result<std::string> stored = d.text("SELECT value FROM property WHERE name = 'plan'");
+  if (!stored) return fail(stored.error());
+  if (stored->empty()) {
+    Result<store::Statement> insert = d.prepare("INSERT INTO property VALUES ('plan', ?1)");
+    if (!insert) return fail(std::move(insert.error()));
+    if (Result<void> done = insert->bind(1, plan.text()).run(); !done) return fail(std::move(done.error()));
+  } else if (*stored != plan.text()) {
+    return fail(ErrorCode::conflict, path, "The table belongs to another sweep: targets, their content, variations or duration differ.",
+                "Repeat that sweep with the same options, or name another table.");
+  }
+  if (Result<void> done = d.run(sql); !done) return fail(std::move(done.error()));
+  return table;
+}
+
+Result<std::vector<std::uint64_t>> SweepTable::finished() {
+  Result<store::Statement> select = database_.prepare("SELECT number FROM run ORDER BY number");
+  if (!select) return fail(std::move(select.error()));
+  std::vector<std::uint64_t> out;
+  for (;;) {
+    const Result<bool> row = select->step();
+    if (!row) return fail(row.error());
+    if (!*row) return out;
+    out.push_back(static_cast<std::uint64_t>(select->integer(0)));
+  }
+}
+
+Result<void> SweepTable::add(std::uint64_t number, const std::string& target, const std::vector<std::string>& values, const Json& row) {
+  std::string places;
+  for (std::size_t i = 1; i <= columns_.size(); ++i) places += (i > 1 ? ", ?" : "?") + std::to_string(i);
+  Result<store::Statement> insert = database_.prepare("INSERT INTO run VALUES (" + places + ")");
+  if (!insert) return fail(std::move(insert.error()));
+  insert->bind(1, static_cast<std::int64_t>(number)).bind(2, target);
+  for (std::size_t i = 2; i < columns_.size(); ++i) {
+    const int index = static_cast<int>(i) + 1;
+    if (i - 2 < values.size()) {
+      insert->bind(index, values[i - 2]);
+      continue;
+    }
+    const auto found = row.find(columns_[i]);
+    if (found == row.end() || found->is_null())
+      insert->bind_null(index);
+    else if (found->is_string())
+      insert->bind(index, found->get<std::string>());
+    else if (found->is_boolean())
+      insert->bind(index, static_cast<std::int64_t>(found->get<bool>()));
+    else if (found->is_number_integer())
+      insert->bind(index, found->get<std::int64_t>());
+    else
+      insert->bind(index, to_text(found->get<double>()));  // the column's type makes a number of it
+  }
+  return insert->run();
+}
+
+Result<std::int64_t> SweepTable::merge(const std::string& path) {
+  Result<store::Statement> attach = database_.prepare("ATTACH ?1 AS part");
+  if (!attach) return fail(std::move(attach.error()));
+  if (Result<void> done = attach->bind(1, path).run(); !done) return fail(std::move(done.error()));
+  const Result<std::int64_t> same =
+      database_.integer("SELECT count(*) FROM part.property AS p JOIN main.property AS m USING (name, value) WHERE name = 'plan'");
+  Result<std::int64_t> added = 0;
+  if (!same)
+    added = fail(same.error());
+  else if (*same != 1)
+    added = fail(ErrorCode::conflict, path, "This table belongs to another sweep.", "Merge only the parts of one sweep.");
+  else if (Result<void> done = database_.run("INSERT OR IGNORE INTO main.run SELECT * FROM part.run"); !done)
+    added = fail(std::move(done.error()));
+  else
+    added = database_.integer("SELECT changes()");
+  if (Result<void> done = database_.run("DETACH part"); !done && added) return fail(std::move(done.error()));
+  return added;
+}
+
+Result<std::string> SweepTable::csv() {
+  std::string out;
+  const auto cell = [](const std::string& text) { return text.find_first_of(",\"\n\r") == std::string::npos ? text : quoted(text); };
+  for (std::size_t i = 0; i < columns_.size(); ++i) out += (i > 0 ? "," : "") + cell(columns_[i]);
+  out += '\n';
+  Result<store::Statement> select = database_.prepare("SELECT * FROM run ORDER BY number");
+  if (!select) return fail(std::move(select.error()));
+  for (;;) {
+    const Result<bool> row = select->step();
+    if (!row) return fail(row.error());
+    if (!*row) return out;
+    for (int i = 0; i < select->columns(); ++i) out += (i > 0 ? "," : "") + (select->is_null(i) ? "" : cell(select->text(i)));
+    out += '\n';
+  }
+}
+
+}  // namespace ugoki::cli

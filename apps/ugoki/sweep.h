@@ -1,0 +1,77 @@
+#pragma once
+// The plan of `ugoki bake`: which variations of which content are run, and the table of their results.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sources.h"
+#include "ugoki/base/result.h"
+#include "ugoki/json/json.h"
+#include "ugoki/store/sqlite.h"
+
+namespace ugoki::cli {
+
+/// A varied quantity: a list of values, or a range from which --random draws.
+struct Variation {
+  std::string name;                 ///< short name ("push", "friction" ...), JSON pointer ("/gravity/2") or "lsi:ID.PARAMETER"
+  std::vector<std::string> values;  ///< texts of numbers or words; empty: a range
+  double low = 0, high = 0;         ///< range
+};
+
+/// Reads "NAME=1,2,5", "NAME=0:10:5" (5 values from 0 to 10) or, with `random`, "NAME=0:10".
+[[nodiscard]] Result<Variation> read_variation(const std::string& text, bool random);
+
+/// The runs of a sweep. The run with index `number` always has the same target and values.
+struct SweepPlan {
+  std::vector<std::string> targets;
+  std::vector<std::uint64_t> hashes;  ///< of the executable data of each target, so that a changed target is noticed
+  std::vector<Variation> variations;
+  std::uint64_t random = 0;  ///< runs with random values for each target; 0: every combination of values
+  std::uint64_t seed = 1;
+  double duration = 0;  ///< s; 0: the duration of the content
+
+  [[nodiscard]] std::uint64_t size() const;
+  /// Index of the target and the values of a run, in the order of `variations`.
+  [[nodiscard]] std::pair<std::size_t, std::vector<std::string>> run(std::uint64_t number) const;
+  /// A text that is equal for equal plans only.
+  [[nodiscard]] std::string text() const;
+};
+
+/// Changes a scenario by one value. Errors name the quantity.
+[[nodiscard]] Result<void> apply_variations(content::Scenario& scenario, const content::Resources& resources,
+                                            const std::vector<Variation>& variations, const std::vector<std::string>& values);
+
+/// Names of the measures of a run, in the order of their columns.
+[[nodiscard]] const std::vector<std::string>& sweep_measures();
+
+/// The table of results: an SQLite file with a row for each finished run.
+class SweepTable {
+ public:
+  /// Creates the file, or opens the file of the same plan. Errors: the file has another plan, or another `bake` uses it.
+  [[nodiscard]] static Result<SweepTable> open(const std::string& path, const SweepPlan& plan);
+  /// Numbers of the runs that have a row, ascending.
+  [[nodiscard]] Result<std::vector<std::uint64_t>> finished();
+  /// Adds the row of a run in a transaction of its own. @param row JSON object: status, message, steps, processor_s, state_hash, measures
+  [[nodiscard]] Result<void> add(std::uint64_t number, const std::string& target, const std::vector<std::string>& values,
+                                 const json::Json& row);
+  /// Copies all rows of another table of the same plan that this table lacks. @return number of rows copied
+  [[nodiscard]] Result<std::int64_t> merge(const std::string& path);
+  /// The table as CSV, ordered by number.
+  [[nodiscard]] Result<std::string> csv();
+
+  SweepTable(SweepTable&& other) noexcept
+      : database_(std::move(other.database_)), lock_(std::exchange(other.lock_, -1)), columns_(std::move(other.columns_)) {}
+  SweepTable& operator=(SweepTable&&) = delete;
+  ~SweepTable();
+
+ private:
+  SweepTable(store::Database database, int lock) : database_(std::move(database)), lock_(lock) {}
+  store::Database database_;
+  int lock_ = -1;                     // descriptor of the locked lock file
+  std::vector<std::string> columns_;  // all columns of the table `run`
+};
+
+}  // namespace ugoki::cli

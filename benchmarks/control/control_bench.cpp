@@ -1,0 +1,165 @@
+// Measures balance control: characters that follow motion files or sample motions without root assist.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+#include "scene.h"
+#include "ugoki/motion_edit/cycle.h"
+
+using namespace ugoki;
+
+namespace {
+
+constexpr const char* usage =
+    "usage: ugoki_control_bench [options] [files and sample motions]\n"
+    "  files: BVH or AMC; sample motions: sample-stand, sample-walk, sample-dog-stand, sample-dog-trot\n"
+    "  --loop SECONDS       make each motion cyclic and repeat it\n"
+    "  --push J             push rose: impulse J per mass (N s/kg) in 0.2 s at the chest, 8 directions, 4 phases; needs --loop\n"
+    "  --one TIME ANGLE J   one push at TIME (s) towards ANGLE (degrees)\n"
+    "  --friction MU        friction of the floor (default 0.9)\n"
+    "  --self               collisions between the links of the character\n"
+    "  --set NAME VALUE     parameter of the controller\n"
+    "  --trace              print the state every 0.05 s\n";
+
+struct Options {
+  bench::RunSettings settings;
+  double loop = 0, rose = 0, one = 0;
+  std::vector<std::string> files;
+};
+
+/// The parameters that --set changes.
+std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions& o) {
+  return {{"com-gain", &o.com_gain},
+          {"com-weight", &o.com_weight},
+          {"height-frequency", &o.height_frequency},
+          {"trunk-frequency", &o.trunk_frequency},
+          {"pelvis-weight", &o.pelvis_weight},
+          {"momentum-weight", &o.momentum_weight},
+          {"joint-frequency", &o.joint_frequency},
+          {"leg-weight", &o.leg_weight},
+          {"swing-frequency", &o.swing_frequency},
+          {"sole-weight", &o.sole_weight},
+          {"load-cost", &o.load_cost},
+          {"friction-margin", &o.friction_margin},
+          {"touch", &o.touch},
+          {"lifting", &o.lifting},
+          {"anchor-time", &o.anchor_time},
+          {"heading-time", &o.heading_time},
+          {"shift-growth", &o.shift_growth},
+          {"max-transfer", &o.max_transfer},
+          {"clearance", &o.clearance},
+          {"aim-depth", &o.aim_depth},
+          {"press-speed", &o.press_speed},
+          {"late-rate", &o.late_rate},
+          {"early-rate", &o.early_rate},
+          {"early", &o.early},
+          {"hurry", &o.hurry},
+          {"step-time", &o.step_time},
+          {"step-margin", &o.step_margin},
+          {"step-error", &o.step_error}};
+}
+
+bool parse(int argc, char** argv, Options& o) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string a = argv[i];
+    const auto number = [&] { return i + 1 < argc ? std::atof(argv[++i]) : 0.0; };
+    if (a == "--loop") {
+      o.loop = number();
+    } else if (a == "--trace") {
+      o.settings.trace = true;
+    } else if (a == "--self") {
+      o.settings.self_collision = true;
+    } else if (a == "--friction") {
+      o.settings.friction = number();
+    } else if (a == "--push") {
+      o.rose = number();
+    } else if (a == "--one") {
+      o.settings.push.time = number();
+      const double angle = number() * pi / 180;
+      o.one = number();
+      o.settings.push.force = {ugoki::cos(angle), ugoki::sin(angle), 0};
+    } else if (a == "--set" && i + 2 < argc) {
+      const auto all = parameters(o.settings.control);
+      const std::string name = argv[++i];
+      const auto found = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.first == name; });
+      if (found == all.end()) {
+        std::fprintf(stderr, "There is no parameter '%s'. There are:", name.c_str());
+        for (const auto& p : all) std::fprintf(stderr, " %s", p.first.c_str());
+        std::fprintf(stderr, "\n");
+        return false;
+      }
+      *found->second = number();
+    } else if (a.starts_with("--")) {
+      std::fputs(usage, a == "--help" ? stdout : stderr);
+      return false;
+    } else {
+      o.files.push_back(a);
+    }
+  }
+  if (o.files.empty()) {
+    o.files = {"sample-stand", "sample-walk"};
+    if (o.loop == 0) o.loop = 20;
+  }
+  return true;
+}
+
+void run_rose(const bench::ClipFile& clip, const Motion& motion, const std::shared_ptr<const bench::MotionReference>& reference,
+              const Options& o) {
+  int stood = 0, tries = 0;
+  std::string marks;
+  for (int direction = 0; direction < 8; ++direction)
+    for (int phase = 0; phase < 4; ++phase) {
+      bench::RunSettings s = o.settings;
+      const double angle = pi * direction / 4, cycle = motion.duration(), force = o.rose * clip.mechanism->mass() / s.push.duration;
+      s.push.time = 3 * cycle + phase * cycle / 4;
+      s.push.force = Vec3{ugoki::cos(angle), ugoki::sin(angle), 0} * force;
+      s.duration = s.push.time + 6;
+      const bool fell = bench::run(clip.mechanism, reference, s).fell;
+      ++tries;
+      stood += fell ? 0 : 1;
+      marks += fell ? 'x' : '.';
+    }
+  std::printf("%-18s %.2f N s/kg: %d / %d  %s\n", clip.name.c_str(), o.rose, stood, tries, marks.c_str());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options o;
+  if (!parse(argc, argv, o)) return 2;
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  for (const std::string& file : o.files) {
+    const Result<bench::ClipFile> clip = bench::read_clip(file);
+    if (!clip) {
+      std::fprintf(stderr, "%s\n", clip.error().text().c_str());
+      continue;
+    }
+    Motion motion = *clip->motion;
+    if (o.loop > 0 && !motion.cyclic) {
+      Result<Motion> cyclic = motion_edit::make_cyclic(*clip->mechanism, motion);
+      if (!cyclic) {
+        std::fprintf(stderr, "%s\n", cyclic.error().text().c_str());
+        continue;
+      }
+      motion = std::move(*cyclic);
+    }
+    const auto reference = std::make_shared<const bench::MotionReference>(clip->mechanism, motion, o.loop);
+    if (o.rose > 0) {
+      run_rose(*clip, motion, reference, o);
+      continue;
+    }
+    bench::RunSettings s = o.settings;
+    s.push.force = s.push.force * (o.one * clip->mechanism->mass() / s.push.duration);
+    const bench::Outcome r = bench::run(clip->mechanism, reference, s);
+    std::printf(
+        "%-18s %s %6.2f / %6.2f s  tracking %5.2f deg  slip mean %.2f worst %.2f cm  control %5.1f us total %5.1f us (%.1f x real time)  "
+        "iterations %d unsolved %d  state %016llx\n",
+        clip->name.c_str(), r.fell ? "FELL " : "whole", r.time, reference->end(), r.tracking_deg, r.slip_mean_cm, r.slip_worst_cm,
+        r.control_us, r.total_us, 1e6 * s.dt / r.total_us, r.max_iterations, r.unsolved, static_cast<unsigned long long>(r.hash));
+  }
+  return 0;
+}

@@ -1,0 +1,208 @@
+#include "scene.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+
+#include "ugoki/base/hash.h"
+#include "ugoki/body/body.h"
+#include "ugoki/files/files.h"
+#include "ugoki/formats/asf.h"
+#include "ugoki/intake/intake.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion/reference.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki::bench {
+namespace {
+
+/// Processor time used by this thread, s. Other load on the machine does not count.
+double processor_time() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace
+
+Result<ClipFile> read_clip(const std::string& path) {
+  if (path == "sample-dog-trot" || path == "sample-dog-stand") {
+    const MechanismPtr dog = samples::make_dog();
+    return ClipFile{
+        path, dog,
+        std::make_shared<const Motion>(path == "sample-dog-trot" ? samples::make_dog_trot(*dog) : samples::make_dog_stand(*dog))};
+  }
+  if (path == "sample-stand" || path == "sample-walk") {
+    const MeasuredMotion measured = path == "sample-stand" ? samples::make_human_stand() : samples::make_human_walk();
+    Result<body::Body> body = body::make_body(samples::make_human_walk());
+    if (!body) return fail(std::move(body.error()));
+    Motion motion = body::to_motion(*body, measured);
+    motion.cyclic = true;
+    return ClipFile{path, body->mechanism, std::make_shared<const Motion>(std::move(motion))};
+  }
+  Result<std::string> text = files::read_file(path);
+  if (!text) return fail(std::move(text.error()));
+  std::optional<formats::Asf> skeleton;
+  if (intake::file_kind(path) == intake::FileKind::amc) {
+    const std::string asf_path = intake::skeleton_name_for(path);
+    Result<std::string> asf_text = files::read_file(asf_path);
+    if (!asf_text) return fail(std::move(asf_text.error()));
+    Result<formats::Asf> asf = formats::read_asf(*asf_text, asf_path, {});
+    if (!asf) return fail(std::move(asf.error()));
+    skeleton = std::move(*asf);
+  }
+  Result<intake::Intake> loaded = intake::take_in(*text, path, skeleton ? &*skeleton : nullptr, {});
+  if (!loaded) return fail(std::move(loaded.error()));
+  if (!loaded->motion) return fail(ErrorCode::structure, path, "The file has no motion.", "Name a BVH or AMC file.");
+  return ClipFile{std::filesystem::path(path).stem().string(), loaded->mechanism,
+                  std::make_shared<const Motion>(std::move(*loaded->motion))};
+}
+
+MotionReference::MotionReference(MechanismPtr mechanism, const Motion& motion, double length)
+    : mechanism_(std::move(mechanism)), motion_(make_reference(motion, *mechanism_, 0)) {
+  clip_.length = length > 0 ? length : motion.duration();
+  clip_.loop = motion.cyclic;
+  if (motion.cyclic) clip_.cycle = cycle_of(motion, *mechanism_);
+}
+
+void MotionReference::sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const {
+  ugoki::sample(clip_, motion_, *mechanism_, t, q, v, a);
+}
+
+Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::ReferenceMotion>& reference, const RunSettings& settings) {
+  const Mechanism& m = *mechanism;
+  collision::Ground ground;
+  ground.friction = settings.friction;
+  collision::SceneOptions scene_options;
+  scene_options.self_collision = settings.self_collision;
+  collision::Scene scene({mechanism}, ground, scene_options);
+  collision::Workspace workspace(scene);
+  contact::Stepper stepper({mechanism}, {});
+  contact::GuardedStep guard(scene, stepper);
+  control::BalanceControl control(mechanism, reference, settings.control);
+  control::BalanceState memory;
+  State state(m);
+  std::vector<double> a(state.v.size()), error(state.v.size());
+  reference->sample(0, state.q, state.v, a);
+  std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
+  std::vector<collision::ContactPoint> contacts;
+  int chest = 0;
+  for (int i = 0; i < m.link_count(); ++i)
+    if (m.link(i).label == "chest") chest = i;
+  Outcome out;
+  double square = 0, count = 0;
+  const double end = std::min(settings.duration, reference->end());
+  const auto ticks = static_cast<long>(std::floor(end / settings.dt + 1e-9));
+  struct StanceOf {
+    bool on = false;
+    int age = 0;
+    Vec3 slide;
+  };
+  std::vector<StanceOf> stances(control.feet().size());
+  std::vector<Pose> before = X;
+  double slips = 0, slip_sum = 0;
+  std::vector<double> by_link(X.size());
+  double control_time = 0, total_time = 0;
+  long k = 0;
+  for (; k < ticks; ++k) {
+    const double t = static_cast<double>(k) * settings.dt;
+    if (memory.time >= reference->end()) break;
+    const double t0 = processor_time();
+    calc_poses(m, state.q, X);
+    const std::span<const Pose> poses(X);
+    workspace.forget();
+    collision::find_contacts(scene, std::span(&poses, 1), 0.02, workspace, contacts);
+    const double t1 = processor_time();
+    const control::BalanceOutput result = control.step({state.q, state.v, contacts, 0, settings.dt}, memory, state.tau);
+    const double t2 = processor_time();
+    out.max_iterations = std::max(out.max_iterations, result.iterations);
+    out.unsolved += result.solved ? 0 : 1;
+    for (Vec6& w : state.external) w = {};
+    if (t >= settings.push.time && t < settings.push.time + settings.push.duration) {
+      const Vec3 p = X[static_cast<std::size_t>(chest)] * m.link(chest).inertia.centre();
+      state.external[static_cast<std::size_t>(chest)] = {cross(p, settings.push.force), settings.push.force};
+    }
+    contact::StepSystem system{state.q, state.v, state.tau, state.external, {}, {}};
+    guard.forget();
+    const contact::StepReport report = guard.step(std::span(&system, 1), contacts, settings.dt);
+    total_time += processor_time() - t0;
+    control_time += t2 - t1;
+    if (report.status != contact::StepStatus::ok) {
+      out.fell = true;
+      break;
+    }
+    difference(m, state.q, control.reference(), error);
+    for (int i = 1; i < m.link_count(); ++i) {
+      const Link& link = m.link(i);
+      double e = 0;
+      for (int d = 0; d < link.joint.nv(); ++d)
+        e += error[static_cast<std::size_t>(link.v_index + d)] * error[static_cast<std::size_t>(link.v_index + d)];
+      if (link.joint.nv() > 0) square += e, count += 1;
+      by_link[static_cast<std::size_t>(i)] += e;
+    }
+    // Net slide of a stance: sum of the displacements of the point that is lowest at each time
+    for (std::size_t f = 0; f < stances.size(); ++f) {
+      const control::Foot& foot = control.feet()[f];
+      const LinkPoint* lowest = nullptr;
+      double low = 1e9;
+      for (const LinkPoint& p : foot.points) {
+        const double z = (X[static_cast<std::size_t>(p.link)] * p.location.p).z - p.location.radius;
+        if (z < low) low = z, lowest = &p;
+      }
+      const bool on = low < 5e-4;
+      if (on) {
+        const Pose& now = X[static_cast<std::size_t>(lowest->link)];
+        const Vec3 at = lowest->location.p + transpose_times(now.R, Vec3{0, 0, -lowest->location.radius});
+        if (stances[f].on) stances[f].slide += now * at - before[static_cast<std::size_t>(lowest->link)] * at;
+        stances[f].age += 1;
+      }
+      if (stances[f].on && !on && stances[f].age > 25) {
+        const double slip = 100 * std::hypot(stances[f].slide.x, stances[f].slide.y);
+        slips += 1;
+        slip_sum += slip;
+        out.slip_worst_cm = std::max(out.slip_worst_cm, slip);
+      }
+      if (!on) stances[f].age = 0, stances[f].slide = {};
+      stances[f].on = on;
+    }
+    before = X;
+    if (settings.trace && k % 25 == 0) {
+      std::printf("%6.3f ref %6.3f rate %.1f q (%.3f %.3f %.3f) ref (%.3f %.3f %.3f) dcm %.3f %.3f it %d res %.1e", t, memory.time,
+                  memory.rate, state.q[0], state.q[1], state.q[2], control.reference()[0], control.reference()[1], control.reference()[2],
+                  result.dcm_error.x, result.dcm_error.y, result.iterations, result.residual);
+      for (std::size_t f = 0; f < stances.size(); ++f)
+        std::printf(" | %d%s shift %.2f %.2f", static_cast<int>(memory.feet[f].stands),
+                    memory.feet[f].early    ? "e"
+                    : memory.feet[f].reacts ? "r"
+                                            : " ",
+                    memory.feet[f].shift[0], memory.feet[f].shift[1]);
+      std::printf("\n");
+    }
+    double tilt = std::hypot(error[0], error[1]);
+    if (control.reference()[2] - state.q[2] > 0.3 || tilt > 1) {
+      out.fell = true;
+      break;
+    }
+  }
+  out.time = static_cast<double>(k) * settings.dt;
+  if (settings.trace)
+    for (int i = 1; i < m.link_count(); ++i)
+      std::printf("  %-20s %.2f deg\n", m.link(i).label.c_str(),
+                  57.3 * std::sqrt(by_link[static_cast<std::size_t>(i)] / static_cast<double>(std::max(1L, k))));
+  out.tracking_deg = count > 0 ? std::sqrt(square / count) * 180 / 3.14159265358979 : 0;
+  const double n = static_cast<double>(std::max(1L, k));
+  out.control_us = 1e6 * control_time / n;
+  out.total_us = 1e6 * total_time / n;
+  out.slip_mean_cm = slips > 0 ? slip_sum / slips : 0;
+  out.hash = 1469598103934665603ull;
+  for (const double x : state.q) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &x, sizeof bits);
+    out.hash = (out.hash ^ bits) * 1099511628211ull;
+  }
+  return out;
+}
+
+}  // namespace ugoki::bench

@@ -1,0 +1,66 @@
+#pragma once
+// A character under balance control on a level floor, for measurements of control.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ugoki/base/result.h"
+#include "ugoki/contact/guarded_step.h"
+#include "ugoki/control/balance_control.h"
+#include "ugoki/motion/smooth_motion.h"
+
+namespace ugoki::bench {
+
+/// A motion with its mechanism.
+struct ClipFile {
+  std::string name;
+  MechanismPtr mechanism;
+  MotionPtr motion;
+};
+/// Reads a BVH or AMC file, or makes a sample motion: `sample-stand`, `sample-walk`, `sample-dog-trot`, `sample-dog-stand`.
+Result<ClipFile> read_clip(const std::string& path);
+
+/// Reference: a motion played once, or a cyclic motion repeated.
+class MotionReference final : public control::ReferenceMotion {
+ public:
+  MotionReference(MechanismPtr mechanism, const Motion& motion, double length);
+  void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const override;
+  [[nodiscard]] double end() const override { return clip_.length; }
+
+ private:
+  MechanismPtr mechanism_;
+  SmoothMotion motion_;
+  Clip clip_;
+};
+
+/// A force at the centre of mass of the chest.
+struct Push {
+  double time = 1e9, duration = 0.2;  ///< s
+  Vec3 force;                         ///< N, world
+};
+
+/// Result of a run.
+struct Outcome {
+  double time = 0;  ///< s: duration of the run, until the fall
+  bool fell = false;
+  double tracking_deg = 0;                     ///< rms
+  double control_us = 0, total_us = 0;         ///< us of processor time in a tick, mean
+  double slip_worst_cm = 0, slip_mean_cm = 0;  ///< net slip of a stance
+  int max_iterations = 0, unsolved = 0;        ///< Newton steps of the quadratic program; ticks in which it did not converge
+  std::uint64_t hash = 0;                      ///< of the last positions
+};
+
+struct RunSettings {
+  double dt = 0.002, duration = 1e9;
+  double friction = 0.9;
+  bool self_collision = false;
+  Push push;
+  control::BalanceOptions control;
+  bool trace = false;  ///< print the state every 0.05 s
+};
+
+/// Runs the reference from its beginning on a level floor.
+Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::ReferenceMotion>& reference, const RunSettings& settings);
+
+}  // namespace ugoki::bench

@@ -1,0 +1,365 @@
+#include "ugoki/body/creature.h"
+
+#include <algorithm>
+#include <map>
+#include <span>
+
+#include "ugoki/base/number.h"
+#include "ugoki/spatial/elementary.h"
+
+namespace ugoki::body {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Mass of a four-legged mammal, kg per cubed metre of the distance between hips and shoulders. A cat of 4 kg has 0.27 m (200), a shepherd
+// dog of 32 kg 0.53 m (215), a horse of 540 kg 1.25 m (276; Buchner et al. 1997), a rat of 0.3 kg 0.10 m (300).
+constexpr double mass_per_trunk = 235;
+constexpr double gravity = 9.81;
+
+/// Radius of a link of a four-legged animal as a share of the trunk's length, and its share of the body's mass (both sides together).
+struct PartShape {
+  Part part;
+  double radius, mass;
+};
+// Masses: means of dogs (Jones et al. 2018) and horses (Buchner et al. 1997), rounded; the tail's share is our own estimate.
+constexpr PartShape four_legged[] = {
+    {Part::pelvis, 0.15, 0.12}, {Part::trunk, 0.19, 0.46},     {Part::neck, 0.11, 0.07},       {Part::head, 0.10, 0.055},
+    {Part::hip, 0.08, 0.0},     {Part::thigh, 0.085, 0.12},    {Part::shank, 0.05, 0.034},     {Part::foot, 0.032, 0.014},
+    {Part::toes, 0.032, 0.006}, {Part::shoulder, 0.07, 0.035}, {Part::upper_arm, 0.07, 0.044}, {Part::forearm, 0.042, 0.022},
+    {Part::hand, 0.030, 0.008}, {Part::fingers, 0.030, 0.006}, {Part::thumb, 0.02, 0.0},       {Part::other, 0.03, 0.006}};
+
+// Birds: a heavy trunk, light wings and legs (shares rounded from dissections of pigeons and starlings; the wings are 10 to 20 % of the
+// mass).
+constexpr PartShape winged[] = {
+    {Part::pelvis, 0.35, 0.22}, {Part::trunk, 0.42, 0.42},    {Part::neck, 0.14, 0.04},      {Part::head, 0.18, 0.04},
+    {Part::hip, 0.08, 0.0},     {Part::thigh, 0.11, 0.06},    {Part::shank, 0.06, 0.03},     {Part::foot, 0.035, 0.01},
+    {Part::toes, 0.03, 0.006},  {Part::shoulder, 0.07, 0.02}, {Part::upper_arm, 0.06, 0.06}, {Part::forearm, 0.05, 0.04},
+    {Part::hand, 0.035, 0.02},  {Part::fingers, 0.025, 0.02}, {Part::thumb, 0.02, 0.0},      {Part::other, 0.03, 0.01}};
+
+/// Mass [kg] of a bird from its wing span [m]: span = 1.165 m (mass / kg)^0.394 (Pennycuick 2008, Modelling the Flying Bird).
+double bird_mass(double span) { return ugoki::exp(ugoki::log(span / 1.165) / 0.394); }
+
+const char* word_of(Part part, bool fore) {
+  switch (part) {
+    case Part::pelvis: return "pelvis";
+    case Part::neck: return "neck";
+    case Part::head: return "head";
+    case Part::hip: return "hip";
+    case Part::thigh: return "thigh";
+    case Part::shank: return "shank";
+    case Part::foot: return "hock";
+    case Part::toes: return "paw hind";
+    case Part::shoulder: return "scapula";
+    case Part::upper_arm: return "upper arm";
+    case Part::forearm: return "forearm";
+    case Part::hand: return "carpus";
+    case Part::fingers: return fore ? "paw fore" : "paw hind";
+    default: return "";
+  }
+}
+
+class Maker {
+ public:
+  Maker(const Character& f, const MeasuredMotion& m, const BodyOptions& o) : f_(f), m_(m), o_(o), n_(m.joint_count()) {}
+
+  Creature run() {
+    p_ = rest_positions(m_.skeleton);
+    out_.links.resize(at(n_));
+    find_bones();
+    find_extent();
+    find_followers();
+    make_shapes();
+    add_pads();
+    find_masses();
+    protect_small_links();
+    find_strengths();
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] int parent(int i) const { return m_.skeleton.joints[at(i)].parent; }
+  [[nodiscard]] bool four_legs() const { return f_.plan == BodyPlan::four_legs; }
+  /// Parts of the body are known: masses and radii come from a table.
+  [[nodiscard]] bool known() const { return four_legs() || f_.winged; }
+  [[nodiscard]] SidedPart part(int i) const { return known() ? f_.parts[at(i)] : SidedPart{}; }
+  [[nodiscard]] std::span<const PartShape> table() const {
+    return f_.winged ? std::span<const PartShape>(winged) : std::span<const PartShape>(four_legged);
+  }
+  [[nodiscard]] const PartShape& shape_of(Part wanted) const {
+    for (const PartShape& s : table())
+      if (s.part == wanted) return s;
+    return table().back();
+  }
+  CreatureLink& link(int i) { return out_.links[at(i)]; }
+
+  void find_bones() {
+    bones_.resize(at(n_));
+    for (int i = 0; i < n_; ++i) {
+      for (const Vec3& e : m_.skeleton.joints[at(i)].end_sites) bones_[at(i)].push_back(e);
+      const bool free = !f_.free.empty() && f_.free[at(i)] != 0;
+      if (parent(i) >= 0 && !free) bones_[at(parent(i))].push_back(m_.skeleton.joints[at(i)].offset);
+    }
+  }
+
+  void find_extent() {
+    double low = 1e300, high = -1e300;
+    Vec3 box_low{1e300, 1e300, 1e300}, box_high = box_low * -1.0;
+    const auto add = [&](const Vec3& p) {
+      low = std::min(low, p.z);
+      high = std::max(high, p.z);
+      for (int k = 0; k < 3; ++k) {
+        box_low[k] = std::min(box_low[k], p[k]);
+        box_high[k] = std::max(box_high[k], p[k]);
+      }
+    };
+    const auto is_apart = [&](int i) { return parent(i) < 0 && children(i) == 0; };
+    bool all_apart = true;
+    for (int i = 0; i < n_; ++i) all_apart = all_apart && is_apart(i);
+    for (int i = 0; i < n_; ++i) {
+      if (is_apart(i) && !all_apart) continue;
+      add(p_[at(i)]);
+      for (const Vec3& e : m_.skeleton.joints[at(i)].end_sites) add(p_[at(i)] + e);
+    }
+    // A joint without bones has no size; it becomes a ball of 10 cm.
+    const double extent = norm(box_high - box_low);
+    size_ = extent > 1e-6 ? extent : 4;
+    out_.height = o_.height > 0 ? o_.height : extent > 1e-6 ? std::max(high - low, 1e-4) : 0.1;
+  }
+  [[nodiscard]] int children(int i) const {
+    return static_cast<int>(std::ranges::count_if(m_.skeleton.joints, [&](const SkeletonJoint& j) { return j.parent == i; }));
+  }
+
+  /// Joints without mass of their own: helpers, and ends whose bone and offset are tiny.
+  void find_followers() {
+    for (int i = n_ - 1; i >= 0; --i) {
+      bool only_followers = true;
+      for (int c = i + 1; c < n_; ++c)
+        if (parent(c) == i) only_followers = only_followers && link(c).follows;
+      if (parent(i) < 0 || !only_followers) continue;
+      double bone = 0;
+      for (const Vec3& b : bones_[at(i)]) bone = std::max(bone, norm(b));
+      const bool end = bone < 0.012 * size_;
+      link(i).follows = (!f_.helper.empty() && f_.helper[at(i)] != 0) || (end && parent(i) >= 0);
+    }
+  }
+
+  void make_shapes() {
+    const double minimum = std::max(0.004 * size_, 1e-4);
+    // Number of ends below each joint: bones with several ends behind them are those of the trunk.
+    std::vector<int> ends(at(n_), 0);
+    for (int i = n_ - 1; i >= 0; --i) {
+      if (!link(i).follows && ends[at(i)] == 0) ends[at(i)] = 1;
+      if (parent(i) >= 0) ends[at(parent(i))] += ends[at(i)];
+    }
+    const bool branched = std::ranges::any_of(ends, [](int e) { return e > 2; });
+    const auto radius_of = [&](int i, const Vec3& bone) {
+      const double length = norm(bone);
+      if (!branched) return std::clamp(0.1 * length, 0.006 * size_, 0.04 * size_);
+      for (int c = i + 1; c < n_; ++c)
+        if (parent(c) == i && norm(m_.skeleton.joints[at(c)].offset - bone) < 1e-12 && ends[at(c)] > 1)
+          return std::clamp(0.25 * length, 0.03 * size_, 0.06 * size_);
+      return std::clamp(0.08 * length, 0.006 * size_, 0.025 * size_);
+    };
+    for (int i = 0; i < n_; ++i) {
+      CreatureLink& l = link(i);
+      set_label(i);
+      if (l.follows) continue;
+      double radius = 0;
+      if (known()) radius = shape_of(part(i).part).radius * f_.trunk_length;
+      for (std::size_t k = 0; k < bones_[at(i)].size(); ++k) {
+        const Vec3& b = bones_[at(i)][k];
+        const double length = norm(b);
+        if (length < 0.01 * size_) continue;
+        double r = known() ? std::min(radius, 0.6 * length + 0.2 * radius) : radius_of(i, b);
+        r = std::max(r, minimum);
+        l.shapes.push_back(Shape::capsule(r, {}, b));
+      }
+      if (l.shapes.empty()) l.shapes.push_back(Shape::sphere(std::max(minimum, known() ? 0.6 * radius : 0.012 * size_)));
+      for (const Shape& s : l.shapes) l.inertia += solid_inertia(s, 1000);
+    }
+  }
+
+  /// Feet: the ends of the tree that come close to the floor get a pad that reaches down to it, so that all feet stand on one level
+  /// although joints lie at different heights in them. The floor is level, below the lowest end.
+  void add_pads() {
+    if (m_.frames == 0) return;
+    struct End {
+      int joint = -1, link = -1;  // the end's joint; the link that carries the pad
+      Vec3 tip;                   // m, in the link's frame
+      double level = 0, radius = 0;
+      Vec3 up;  // unit, in the link's frame, while the end is low
+    };
+    std::vector<End> ends;
+    std::vector<Pose> X;
+    const int step = std::max(1, m_.frames / 240);
+    std::vector<std::vector<Pose>> poses;
+    for (int f = 0; f < m_.frames; f += step) {
+      m_.calc_joint_poses(f, X);
+      poses.push_back(X);
+    }
+    for (int i = 0; i < n_; ++i) {
+      bool last = true;  // no child with mass of its own
+      for (int c = i + 1; c < n_; ++c)
+        if (parent(c) == i) last = last && link(c).follows;
+      // A body without legs lies on its belly: every joint can touch the floor.
+      if ((!last && f_.pelvis >= 0) || link(i).follows || bones_[at(i)].empty()) continue;
+      End e;
+      e.joint = e.link = i;
+      for (const Vec3& b : bones_[at(i)])
+        if (norm(b) > norm(e.tip)) e.tip = b;
+      e.radius = 1e300;
+      for (const Shape& s : link(i).shapes) e.radius = std::min(e.radius, s.radius);
+      std::vector<double> heights;
+      for (const auto& pose : poses) heights.push_back((pose[at(i)] * e.tip).z);
+      std::vector<double> sorted = heights;
+      const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 10);
+      std::nth_element(sorted.begin(), low, sorted.end());
+      e.level = *low;
+      for (std::size_t k = 0; k < poses.size(); ++k)
+        if (heights[k] <= e.level + 0.01 * size_) e.up += transpose_times(poses[k][at(i)].R, Vec3{0, 0, 1});
+      e.up = normalized(e.up);
+      ends.push_back(e);
+    }
+    if (ends.empty()) return;
+    // The floor: the level that the lowest of all shapes reaches in a tenth of the frames.
+    double floor = 1e300;
+    std::vector<double> lows;
+    for (int i = 0; i < n_; ++i)
+      for (const Shape& s : link(i).shapes)
+        for (const double end : {-1.0, 1.0}) {
+          const Vec3 p = s.X_BS * Vec3{0, 0, end * s.half_length};
+          lows.clear();
+          for (const auto& pose : poses) lows.push_back((pose[at(i)] * p).z - s.radius);
+          const auto low = lows.begin() + static_cast<std::ptrdiff_t>(lows.size() / 10);
+          std::nth_element(lows.begin(), low, lows.end());
+          floor = std::min(floor, *low);
+        }
+    for (const End& e : ends) {
+      const double gap = e.level - e.radius - floor;
+      if (gap < 1e-4 * size_ || gap > 0.12 * out_.height) continue;
+      link(e.link).shapes.push_back(Shape::capsule(e.radius, e.tip, e.tip - e.up * gap));
+    }
+  }
+
+  void set_label(int i) {
+    if (!four_legs()) return;
+    const SidedPart own = part(i);
+    std::string word = word_of(own.part, true);
+    if (const auto tail = std::ranges::find(f_.tail, i); tail != f_.tail.end()) {
+      const auto rank = tail - f_.tail.begin();
+      link(i).label = rank == 0 ? "tail" : "tail " + std::to_string(rank + 1);
+      return;
+    }
+    if (own.part == Part::trunk) {
+      const auto place = std::ranges::find(f_.trunk, i);
+      if (place == f_.trunk.end()) return;
+      word = i == f_.chest ? "chest" : place == f_.trunk.begin() + 1 ? "abdomen" : "back";
+    }
+    if (word.empty()) return;
+    const int count = ++used_[word + std::to_string(own.side)];
+    if (count > 1) word += " " + std::to_string(count);
+    if (own.side != 0) word += own.side > 0 ? " left" : " right";
+    link(i).label = word;
+  }
+
+  void find_masses() {
+    double sum = 0;
+    for (const CreatureLink& l : out_.links) sum += l.inertia.mass;
+    double total = sum;
+    if (known()) {
+      const double length = f_.trunk_length;
+      total = f_.winged ? bird_mass(wing_span()) : mass_per_trunk * length * length * length;
+      // Shares of the parts; within a part, in proportion to the volumes of the links.
+      std::vector<double> volume(table().size(), 0.0);
+      const auto group = [&](int i) { return static_cast<std::size_t>(&shape_of(part(i).part) - table().data()); };
+      for (int i = 0; i < n_; ++i) volume[group(i)] += link(i).inertia.mass;
+      double shares = 0;
+      for (std::size_t g = 0; g < volume.size(); ++g) shares += volume[g] > 0 ? table()[g].mass : 0;
+      for (int i = 0; i < n_; ++i) {
+        const std::size_t g = group(i);
+        if (volume[g] > 0) scale(link(i).inertia, total * std::max(1e-4, table()[g].mass) / shares / volume[g]);
+      }
+      sum = 0;
+      for (const CreatureLink& l : out_.links) sum += l.inertia.mass;
+    }
+    if (o_.mass > 0) total = o_.mass;
+    for (CreatureLink& l : out_.links) scale(l.inertia, total / sum);
+    out_.mass = total;
+    out_.notes.push_back(o_.mass > 0 ? "Mass " + to_text_of(total) + " kg, as given."
+                         : f_.winged
+                             ? "Mass " + to_text_of(total) + " kg, estimated from the wing span of " + to_fixed(wing_span(), 3) + " m."
+                         : four_legs() ? "Mass " + to_text_of(total) + " kg, estimated from the trunk of " + to_fixed(f_.trunk_length, 3) +
+                                             " m between hips and shoulders."
+                                       : "Mass " + to_text_of(total) + " kg: capsules of density 1000 kg/m^3 along the bones.");
+  }
+  /// Length [m] of both stretched wings and the distance of the shoulders.
+  [[nodiscard]] double wing_span() const {
+    double span = norm(p_[at(f_.arms[0].proximal)] - p_[at(f_.arms[1].proximal)]);
+    for (const Limb& wing : f_.arms) {
+      std::vector<double> reach(at(n_), -1.0);
+      reach[at(wing.proximal)] = 0;
+      double longest = 0;
+      for (int i = wing.proximal; i < n_; ++i) {
+        if (i != wing.proximal && parent(i) >= 0 && reach[at(parent(i))] >= 0)
+          reach[at(i)] = reach[at(parent(i))] + norm(p_[at(i)] - p_[at(parent(i))]);
+        longest = std::max(longest, reach[at(i)]);
+      }
+      span += longest;
+    }
+    return span;
+  }
+  static std::string to_text_of(double kilograms) { return to_fixed(kilograms, kilograms < 1 ? 3 : 1); }
+  static void scale(Inertia& i, double factor) { i = {i.mass * factor, i.h * factor, i.I * factor}; }
+
+  /// Links far lighter than the body make the equations of motion ill-conditioned; they get at least a small share of mass and moment.
+  void protect_small_links() {
+    const double min_mass = 1e-3 * out_.mass, min_link_moment = 1e-3 * out_.mass * 0.0004 * size_ * size_;
+    double sum = 0;
+    for (CreatureLink& l : out_.links) {
+      if (l.follows) continue;
+      if (l.inertia.mass < min_mass) scale(l.inertia, min_mass / std::max(l.inertia.mass, 1e-300));
+      const Sym3 c = l.inertia.about_centre();
+      const double lack = std::max(0.0, min_link_moment - std::min({c.xx, c.yy, c.zz}));
+      l.inertia.I = l.inertia.I + Sym3{lack, lack, lack, 0, 0, 0};
+      sum += l.inertia.mass;
+    }
+    for (CreatureLink& l : out_.links)
+      if (!l.follows) scale(l.inertia, out_.mass / sum);
+  }
+
+  /// Joints that carry others are strong enough to bear the body's weight at their lever; times follow from the size (sqrt(height / g)).
+  void find_strengths() {
+    const double lever = std::max(out_.height, 0.25 * size_);
+    const double moment = out_.mass * gravity * lever, time = std::sqrt(lever / gravity);
+    std::vector<double> behind(at(n_), 0);
+    for (int i = n_ - 1; i >= 0; --i) {
+      behind[at(i)] += link(i).inertia.mass;
+      if (parent(i) >= 0) behind[at(parent(i))] += behind[at(i)];
+    }
+    for (int i = 0; i < n_; ++i) {
+      const double share = std::clamp(std::sqrt(behind[at(i)] / out_.mass), 0.1, 1.0);
+      link(i).strength = moment;
+      link(i).damping = 0.004 * share * moment * time;
+      link(i).armature = 2e-4 * share * out_.mass * lever * lever;
+    }
+  }
+
+  const Character& f_;
+  const MeasuredMotion& m_;
+  const BodyOptions& o_;
+  int n_;
+  std::vector<Vec3> p_;
+  std::vector<std::vector<Vec3>> bones_;  // [joints] m
+  double size_ = 0;                       // m
+  std::map<std::string, int> used_;
+  Creature out_;
+};
+
+}  // namespace
+
+Creature make_creature(const Character& character, const MeasuredMotion& motion, const BodyOptions& options) {
+  return Maker(character, motion, options).run();
+}
+
+}  // namespace ugoki::body

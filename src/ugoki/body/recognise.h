@@ -1,0 +1,58 @@
+#pragma once
+// Recognises the character in a measured motion from the shape of its joint tree, its joints' names and its movement together. The rest
+// pose of the file plays no part: files with the same world motion give the same result. docs/design/anatomy.md describes the method.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ugoki/body/anatomy.h"
+#include "ugoki/motion/skeleton.h"
+
+namespace ugoki::body {
+
+/// Kind of body plan.
+enum class BodyPlan {
+  human,      ///< two legs, two arms, a head
+  four_legs,  ///< a trunk between hind legs and forelegs
+  other       ///< anything else: birds, snakes, insects, machines, single limbs
+};
+
+/// Result of recognise_character. Joint indices are those of the skeleton.
+struct Character {
+  BodyPlan plan = BodyPlan::other;
+  std::string why_not;                      ///< if the plan is `other`: a sentence with the reason
+  double confidence = 0;                    ///< 0 ... 1 that plan and limbs are right
+  bool winged = false;                      ///< the limbs in `arms` are wings; the plan is `other`
+  int pelvis = -1, chest = -1;              ///< joints that carry the (hind) legs and the arms (forelegs)
+  int head = -1;                            ///< joint of the head
+  std::vector<int> trunk;                   ///< joints from the pelvis to the chest, both included
+  std::vector<int> neck;                    ///< joints above the chest, the head last
+  std::vector<int> tail;                    ///< joints of the tail from its base
+  std::array<Limb, 2> legs, arms;           ///< left, right
+  std::vector<SidedPart> parts;             ///< [joints]
+  std::vector<char> helper;                 ///< [joints] 1: the joint only follows (twist, end, hair, face) and gets no mass of its own
+  std::vector<char> free;                   ///< [joints] 1: the joint moves far relative to its parent, so that no bone connects them
+  std::vector<int> root_path;               ///< joints above the pelvis from the root; they only carry the character
+  double leg_length = 0, trunk_length = 0;  ///< m, mean of thigh and shank; hips to shoulders; human and four-legged only
+  Vec3 up;                             ///< mean direction of trunk and legs in the file's world; human only; below length 1 if it varies
+  std::vector<std::string> decisions;  ///< one sentence for each decision, with its evidence
+};
+
+/// Recognises the character of a motion. O(frames sampled * joints + joints^2); at most 240 frames are sampled.
+[[nodiscard]] Character recognise_character(const MeasuredMotion& motion);
+
+/// Rotations [joints] that carry each joint from the file's rest pose to the canonical one: R_canonical = R_file * turn^T for the joint's
+/// world orientation. For a human the canonical pose is a T pose (legs and trunk upright, arms stretched out sideways, feet as they stand);
+/// for any other character the pose of the measured frame that is closest to its mean posture, heading along x. Empty if there are no
+/// frames.
+[[nodiscard]] std::vector<Mat3> canonical_turns(const MeasuredMotion& motion, const Character& character);
+
+/// The same motion with another rest pose: joint i's frame is turned so that R_new = R_old * turns[i]^T. World positions do not change.
+/// @param turns [joints] result of canonical_turns
+[[nodiscard]] MeasuredMotion with_rest_pose(const MeasuredMotion& motion, std::span<const Mat3> turns);
+
+/// The anatomy of a human character. @param skeleton the character's skeleton in its canonical rest pose
+[[nodiscard]] Anatomy anatomy_of(const Character& character, const Skeleton& skeleton);
+
+}  // namespace ugoki::body

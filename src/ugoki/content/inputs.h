@@ -1,0 +1,25 @@
+#pragma once
+// Recorded inputs of a run as JSON, so that the same run can be repeated by every player: the studio's engine, `ugoki run`, a native
+// program and a web page. docs/export.md describes the format.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ugoki/base/result.h"
+#include "ugoki/content/player.h"
+
+namespace ugoki::content {
+
+/// Maximum number of inputs of one recording.
+inline constexpr std::size_t max_recorded_inputs = 1'000'000;
+
+/// Reads {"inputs": [{"step": n, "type": "push" | "grab" | "drag" | "release" | "throw" | "input", ...}]}. Inputs of one step keep their
+/// order. A character is given by id or index, a link by name, label or index. Pass the result to Player::schedule().
+/// @param content the executable data that the inputs refer to @param name for messages
+[[nodiscard]] Result<std::vector<PlayerInput>> read_inputs(std::string_view text, const Executable& content, std::string_view name);
+
+/// The inputs in the form that read_inputs() reads; read_inputs() gives the same inputs, bit by bit.
+[[nodiscard]] std::string write_inputs(const std::vector<PlayerInput>& inputs, const Executable& content);
+
+}  // namespace ugoki::content

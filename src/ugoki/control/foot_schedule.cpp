@@ -1,0 +1,106 @@
+#include "ugoki/control/foot_schedule.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::control {
+namespace {
+std::size_t idx(int i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+std::vector<Foot> feet_of(const Mechanism& m) {
+  std::vector<Foot> feet;
+  for (const int link : find_feet(m)) {  // parents first
+    const auto group = std::find_if(feet.begin(), feet.end(), [&](const Foot& f) {
+      return std::find(f.parts.begin(), f.parts.end(), m.link(link).parent) != f.parts.end();
+    });
+    Foot& foot = group == feet.end() ? feet.emplace_back() : *group;
+    if (foot.link < 0) foot.link = link;
+    foot.parts.push_back(link);
+    for (const SupportPoint& s : support_points(m.link(link))) foot.points.push_back({link, s});
+  }
+  std::vector<Pose> X(idx(m.link_count()));
+  calc_poses(m, m.neutral(), X);
+  for (Foot& foot : feet) {
+    for (int i = foot.link; i > 0; i = m.link(i).parent)
+      for (int k = 0; k < m.link(i).joint.nv(); ++k) foot.dofs.push_back(m.link(i).v_index + k);
+    std::ranges::sort(foot.dofs);
+    double low = std::numeric_limits<double>::infinity();
+    const auto height = [&](const LinkPoint& p) { return (X[idx(p.link)] * p.location.p).z - p.location.radius; };
+    for (const LinkPoint& p : foot.points)
+      if (p.link == foot.link) low = std::min(low, height(p));
+    Vec3 sum;
+    double count = 0;
+    for (const LinkPoint& p : foot.points) {
+      if (p.link != foot.link || height(p) > low + 0.02) continue;
+      sum += p.location.p + transpose_times(X[idx(p.link)].R, Vec3{0, 0, -p.location.radius});
+      count += 1;
+    }
+    if (count > 0) foot.sole = sum / count;
+    foot.normal = transpose_times(X[idx(foot.link)].R, Vec3{0, 0, 1});
+  }
+  return feet;
+}
+
+FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion, double floor, double rate)
+    : stances_(feet.size()) {
+  const int frames = std::max(1, static_cast<int>(std::floor(motion.end() * rate))) + 1;
+  const int margin = static_cast<int>(rate), part = 20 * margin;  // frames: parts of 20 s, each labelled with 1 s before and after it
+  std::vector<double> q(idx(m.nq())), v(idx(m.nv())), a(v.size());
+  std::vector<int> parts;  // only the poses of the feet are kept
+  std::vector<std::vector<LinkPoint>> points;
+  for (const Foot& foot : feet) {
+    points.push_back(foot.points);
+    for (LinkPoint& p : points.back()) {
+      const auto found = std::find(foot.parts.begin(), foot.parts.end(), p.link);
+      p.link = static_cast<int>(parts.size()) + static_cast<int>(found - foot.parts.begin());
+    }
+    parts.insert(parts.end(), foot.parts.begin(), foot.parts.end());
+  }
+  ContactLabelOptions options;
+  options.ground = floor;
+  options.height_on = 0.02;
+  options.speed_on = 0.5;
+  options.height_off = 0.03;
+  options.speed_off = 0.6;
+  std::vector<std::vector<std::uint8_t>> on(feet.size(), std::vector<std::uint8_t>(idx(frames)));
+  std::vector<Pose> all(idx(m.link_count()));
+  std::vector<std::vector<Pose>> poses;
+  for (int first = 0; first < frames; first += part) {
+    const int from = std::max(0, first - margin), to = std::min(frames, first + part + margin);
+    poses.assign(idx(to - from), std::vector<Pose>(parts.size()));
+    for (int f = from; f < to; ++f) {
+      motion.sample(f / rate, q, v, a);
+      calc_poses(m, q, all);
+      for (std::size_t i = 0; i < parts.size(); ++i) poses[idx(f - from)][i] = all[idx(parts[i])];
+    }
+    for (std::size_t k = 0; k < feet.size(); ++k) {
+      const std::vector<std::uint8_t> found = find_contact(poses, rate, points[k], options);
+      for (int f = first; f < std::min(frames, first + part); ++f) on[k][idx(f)] = found[idx(f - from)];
+    }
+  }
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < feet.size(); ++k)
+    for (int f = 0; f < frames;) {
+      int to = f;
+      while (to < frames && on[k][idx(to)] == on[k][idx(f)]) ++to;
+      if (on[k][idx(f)]) stances_[k].push_back({f == 0 ? -infinity : f / rate, to == frames ? infinity : to / rate});
+      f = to;
+    }
+}
+
+ScheduledFoot FootSchedule::at(std::size_t foot, double t) const {
+  const std::vector<Stance>& list = stances_[foot];
+  const auto next = std::upper_bound(list.begin(), list.end(), t, [](double time, const Stance& s) { return time < s.begin; });
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double after = next == list.end() ? infinity : next->begin;
+  if (next == list.begin()) return {false, -infinity, after};
+  const Stance& last = *(next - 1);
+  if (t < last.end) return {true, last.begin, last.end};
+  return {false, last.end, after};
+}
+
+}  // namespace ugoki::control

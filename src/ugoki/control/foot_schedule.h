@@ -1,0 +1,57 @@
+#pragma once
+// The feet of a mechanism, and the times at which each foot stands in a reference motion.
+
+#include <span>
+#include <vector>
+
+#include "ugoki/mechanism/mechanism.h"
+#include "ugoki/motion/contact_labels.h"
+
+namespace ugoki::control {
+
+/// A motion over time, as the reference of a controller.
+class ReferenceMotion {
+ public:
+  virtual ~ReferenceMotion() = default;
+  /// Reference at time t [s]. @param q [nq, out]  @param v, a [nv, out] rad/s | m/s, rad/s^2 | m/s^2
+  virtual void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const = 0;
+  [[nodiscard]] virtual double end() const = 0;  ///< s: the motion is sampled from 0 to end()
+};
+
+/// A foot: a link that can stand, with the links behind it that can also touch the ground (toes).
+struct Foot {
+  int link = -1;
+  std::vector<int> parts;         ///< links: `link` and its descendants that are feet
+  std::vector<LinkPoint> points;  ///< support points of all parts
+  std::vector<int> dofs;          ///< DOFs between the root and `link`, without those of the root
+  Vec3 normal;                    ///< unit, in the frame of `link`: upward normal of the sole, vertical in the neutral position
+  Vec3 sole;                      ///< m, in the frame of `link`: mean of the lowest support points of `link` in the neutral position
+};
+/// The feet of a mechanism (find_feet), toes joined to their foot.
+[[nodiscard]] std::vector<Foot> feet_of(const Mechanism& mechanism);
+
+/// A time interval in which a foot stands, s.
+struct Stance {
+  double begin = 0, end = 0;
+};
+
+/// State of a foot in the schedule at one time.
+struct ScheduledFoot {
+  bool stands = false;
+  double begin = 0;  ///< s: begin of the present stance or swing
+  double end = 0;    ///< s: end of the present stance or swing; after the motion's end if there is no other
+};
+
+/// Stances of all feet over a reference motion.
+class FootSchedule {
+ public:
+  /// Samples the motion at `rate` [Hz] and labels the contacts with the floor. O(duration).
+  FootSchedule(const Mechanism& mechanism, std::span<const Foot> feet, const ReferenceMotion& motion, double floor, double rate = 120);
+  [[nodiscard]] ScheduledFoot at(std::size_t foot, double t) const;
+  [[nodiscard]] std::span<const Stance> stances(std::size_t foot) const { return stances_[foot]; }
+
+ private:
+  std::vector<std::vector<Stance>> stances_;  // [feet], sorted
+};
+
+}  // namespace ugoki::control

@@ -1,0 +1,67 @@
+#pragma once
+// Factor of the inertia matrix of an open link system without the matrix itself.
+//
+// M' = M + diag(extra) = L^T D L is the factor of dynamics.h. The articulated-body recursion yields the same D and, instead of L, the
+// products U_k = IA_k S_k of the articulated-body inertia IA_k [6 x 6] and the motion subspace column S_k of each DOF k:
+//   D_k = S_k . U_k + armature_k + extra_k,   IA of the parent DOF += IA_k - U_k U_k^T / D_k
+// Products with L^-1 and L^-T are recursions along the tree: 12 multiplications per DOF, where the sparse L needs one per ancestor.
+// The DOFs of one joint are eliminated one after the other, as if massless links connected them.
+// All spatial vectors are in world axes about Workspace::p0, angular part first.
+// Sources: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 7; Rodriguez, Jain, Kreutz-Delgado (1991), A spatial operator algebra
+// for manipulator modeling and control (the factor of M by articulated bodies).
+
+#include <span>
+#include <vector>
+
+#include "ugoki/dynamics/workspace.h"
+
+namespace ugoki::dynamics {
+
+/// Factor of the inertia matrix by articulated bodies. Allocates in its constructor only. O(nv) memory.
+class ArticulatedFactor {
+ public:
+  explicit ArticulatedFactor(const Mechanism& m);
+
+  /// Computes the factor at the kinematics in `ws` (update_kinematics of the same mechanism). O(nv).
+  /// @param extra [nv] kg | kg m^2, added to the diagonal of M; or empty
+  /// @return velocity index of the first DOF whose pivot is not positive (it moves no inertia), or -1
+  [[nodiscard]] int factor(const Workspace& ws, std::span<const double> extra);
+
+  /// x <- M'^-1 x. O(nv). @param x [nv, in and out]
+  void solve(std::span<double> x) const;
+
+  /// Whitens three constraint rows at once: y = D^-1/2 L^-T J^T for the rows J of three wrenches on the link that DOF `last` moves.
+  /// O(chain length). @param f [3] wrenches of unit magnitude about p0
+  /// @param y [chain length][4, out] entry of each DOF of the chain for the rows 0, 1, 2, root first; lane 3 is zero
+  void whiten_wrenches(int last, const Vec6* f, double* y) const;
+
+  /// Whitens one row that is nonzero only at the last DOFs of the chain of DOF `last`. O(chain length).
+  /// @param tail entries of J for the last tail.size() DOFs of the chain
+  /// @param y [chain length][4, out] whitened entry of each DOF in lane 0, root first; the other lanes are zero
+  void whiten_row(int last, std::span<const double> tail, double* y) const;
+
+  /// v += L^-1 D^-1/2 w: adds the velocity change of the whitened impulse w. O(nv). @param w [nv] @param v [nv, in and out]
+  void add_whitened(std::span<const double> w, std::span<double> v) const;
+
+  /// D of DOF k, kg | kg m^2.
+  [[nodiscard]] double pivot(std::size_t k) const { return dofs_[k].pivot; }
+  /// 1 / D of DOF k, 1/kg | 1/(kg m^2).
+  [[nodiscard]] double inverse_pivot(std::size_t k) const { return dofs_[k].inverse; }
+
+ private:
+  struct Dof {
+    double S[6], U[6];
+    double pivot, inverse, root;  // D, 1 / D, D^-1/2
+    int parent;            // parent DOF; -1: base
+    int depth;             // number of ancestors
+  };
+  struct Inertia6 {
+    double x[36];  // symmetric, row by row
+  };
+  std::vector<Dof> dofs_;
+  std::vector<int> first_link_, links_;      // links rigidly attached to each DOF: links_[first_link_[k]] to links_[first_link_[k + 1] - 1]
+  std::vector<Inertia6> IA_;                 // [nv] articulated-body inertias
+  mutable std::vector<double> sweep_;        // [nv * 6] forces or accelerations during a recursion
+};
+
+}  // namespace ugoki::dynamics

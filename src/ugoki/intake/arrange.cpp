@@ -1,0 +1,322 @@
+#include "ugoki/intake/arrange.h"
+
+#include <algorithm>
+
+#include "ugoki/intake/conversion_report.h"
+#include "ugoki/intake/correction.h"
+
+namespace ugoki::intake {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool is_below(const Skeleton& s, int i, int ancestor) {
+  for (; i >= 0; i = s.joints[at(i)].parent)
+    if (i == ancestor) return true;
+  return false;
+}
+
+/// Writes world poses of all frames as local ones. @param world [frames][joints]
+void set_world(MeasuredMotion& m, const std::vector<std::vector<Pose>>& world) {
+  const std::size_t n = m.skeleton.joints.size();
+  m.translations.resize(at(m.frames) * n);
+  m.rotations.resize(at(m.frames) * n);
+  for (std::size_t f = 0; f < world.size(); ++f)
+    for (std::size_t i = 0; i < n; ++i) {
+      const int parent = m.skeleton.joints[i].parent;
+      const Pose& X = world[f][i];
+      const Pose local = parent < 0 ? X : world[f][at(parent)].inverse() * X;
+      m.translations[f * n + i] = local.p;
+      m.rotations[f * n + i] = to_quat(local.R);
+    }
+}
+
+std::vector<std::vector<Pose>> world_of(const MeasuredMotion& m) {
+  std::vector<std::vector<Pose>> world(at(m.frames));
+  for (int f = 0; f < m.frames; ++f) m.calc_joint_poses(f, world[at(f)]);
+  return world;
+}
+
+}  // namespace
+
+void keep_joints(MeasuredMotion& m, std::span<const char> keep) {
+  const std::size_t n = m.skeleton.joints.size();
+  const std::vector<std::vector<Pose>> world = world_of(m);
+  const std::vector<Vec3> rest = rest_positions(m.skeleton);
+  std::vector<int> place(n, -1);
+  std::vector<int> kept;
+  std::vector<SkeletonJoint> joints;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (keep[i] == 0) continue;
+    SkeletonJoint j = m.skeleton.joints[i];
+    int parent = j.parent;
+    while (parent >= 0 && keep[at(parent)] == 0) parent = m.skeleton.joints[at(parent)].parent;
+    if (parent != j.parent) {
+      j.offset = rest[i] - (parent < 0 ? Vec3{} : rest[at(parent)]);
+      j.translates = true;
+    }
+    j.parent = parent < 0 ? -1 : place[at(parent)];
+    place[i] = static_cast<int>(joints.size());
+    kept.push_back(static_cast<int>(i));
+    joints.push_back(std::move(j));
+  }
+  // Joints whose parent stays keep their local values exactly.
+  std::vector<Vec3> translations;
+  std::vector<Quat> rotations;
+  for (std::size_t f = 0; f < at(m.frames); ++f)
+    for (const int i : kept) {
+      int parent = m.skeleton.joints[at(i)].parent;
+      if (parent < 0 || keep[at(parent)] != 0) {
+        translations.push_back(m.translations[f * n + at(i)]);
+        rotations.push_back(m.rotations[f * n + at(i)]);
+        continue;
+      }
+      while (parent >= 0 && keep[at(parent)] == 0) parent = m.skeleton.joints[at(parent)].parent;
+      const Pose local = parent < 0 ? world[f][at(i)] : world[f][at(parent)].inverse() * world[f][at(i)];
+      translations.push_back(local.p);
+      rotations.push_back(to_quat(local.R));
+    }
+  m.skeleton.joints = std::move(joints);
+  m.translations = std::move(translations);
+  m.rotations = std::move(rotations);
+}
+
+std::vector<std::string> attach_to_rigid_ancestors(std::span<MeasuredMotion> motions) {
+  constexpr double rigid = 3e-4;  // m, and a tenth of the shift relative to the parent
+  std::vector<std::string> names;
+  const std::size_t n = motions[0].skeleton.joints.size();
+  std::vector<int> parents;
+  for (const SkeletonJoint& j : motions[0].skeleton.joints) parents.push_back(j.parent);
+  const auto shift_to_parent = [&](std::size_t i) {
+    double shift = 0;
+    for (const MeasuredMotion& m : motions)
+      for (std::size_t f = 1; f < at(m.frames); ++f) shift = std::max(shift, norm(m.translations[f * n + i] - motions[0].translations[i]));
+    return shift;
+  };
+  std::vector<std::pair<std::size_t, double>> shifting;
+  for (std::size_t i = 0; i < n; ++i)
+    if (parents[i] >= 0 && parents[at(parents[i])] >= 0)
+      if (const double shift = shift_to_parent(i); shift > 2 * rigid) shifting.emplace_back(i, shift);
+  if (shifting.empty()) return names;
+  std::vector<std::vector<std::vector<Pose>>> worlds;
+  for (const MeasuredMotion& m : motions) worlds.push_back(world_of(m));
+  for (const auto& [i, shift] : shifting)
+    for (int a = parents[at(parents[i])]; a >= 0; a = parents[at(a)]) {
+      const auto local = [&](const std::vector<Pose>& X) { return X[at(a)].inverse() * X[i].p; };
+      const Vec3 first = local(worlds[0][0]);
+      double worst = 0;
+      for (const auto& world : worlds)
+        for (const auto& X : world) worst = std::max(worst, norm(local(X) - first));
+      if (worst > std::min(rigid, 0.1 * shift)) continue;
+      names.push_back(motions[0].skeleton.joints[i].name);
+      const std::vector<Vec3> rest = rest_positions(motions[0].skeleton);
+      for (MeasuredMotion& m : motions) {
+        m.skeleton.joints[i].parent = a;
+        m.skeleton.joints[i].offset = rest[i] - rest[at(a)];
+      }
+      break;
+    }
+  if (!names.empty())
+    for (std::size_t k = 0; k < motions.size(); ++k) set_world(motions[k], worlds[k]);
+  return names;
+}
+
+void make_root(MeasuredMotion& m, int root) {
+  const std::size_t n = m.skeleton.joints.size();
+  std::vector<int> chain;  // root ... present root
+  for (int i = root; i >= 0; i = m.skeleton.joints[at(i)].parent) chain.push_back(i);
+  if (chain.size() < 2) return;
+  std::vector<std::vector<Pose>> world = world_of(m);
+  std::vector<Vec3> rest = rest_positions(m.skeleton);
+  // Each reversed joint moves to the position of its former child on the chain.
+  for (std::size_t k = chain.size(); k-- > 1;) {
+    const auto i = at(chain[k]), child = at(chain[k - 1]);
+    const Vec3 shift = rest[child] - rest[i];
+    for (Vec3& e : m.skeleton.joints[i].end_sites) e -= shift;
+  }
+  for (auto& X : world) {
+    std::vector<Vec3> before;
+    for (const int i : chain) before.push_back(X[at(i)].p);
+    for (std::size_t k = 1; k < chain.size(); ++k) X[at(chain[k])].p = before[k - 1];
+  }
+  {
+    std::vector<Vec3> before;
+    for (const int i : chain) before.push_back(rest[at(i)]);
+    for (std::size_t k = 1; k < chain.size(); ++k) rest[at(chain[k])] = before[k - 1];
+  }
+  std::vector<int> parent(n);
+  for (std::size_t i = 0; i < n; ++i) parent[i] = m.skeleton.joints[i].parent;
+  for (std::size_t k = 1; k < chain.size(); ++k) parent[at(chain[k])] = chain[k - 1];
+  parent[at(root)] = -1;
+  // Parents first.
+  std::vector<int> order, place(n, -1);
+  const auto add = [&](auto&& self, int i) -> void {
+    place[at(i)] = static_cast<int>(order.size());
+    order.push_back(i);
+    for (std::size_t c = 0; c < n; ++c)
+      if (parent[c] == i) self(self, static_cast<int>(c));
+  };
+  add(add, root);
+  for (std::size_t i = 0; i < n; ++i)
+    if (place[i] < 0 && parent[i] < 0) add(add, static_cast<int>(i));
+  std::vector<SkeletonJoint> joints;
+  for (const int i : order) {
+    SkeletonJoint j = m.skeleton.joints[at(i)];
+    j.parent = parent[at(i)] < 0 ? -1 : place[at(parent[at(i)])];
+    j.offset = rest[at(i)] - (parent[at(i)] < 0 ? Vec3{} : rest[at(parent[at(i)])]);
+    if (i == root) j.translates = true;
+    joints.push_back(std::move(j));
+  }
+  m.skeleton.joints = std::move(joints);
+  for (auto& X : world) {
+    std::vector<Pose> sorted;
+    for (const int i : order) sorted.push_back(X[at(i)]);
+    X = std::move(sorted);
+  }
+  set_world(m, world);
+}
+
+body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report) {
+  const MeasuredMotion* longest = &motions[0];
+  for (const MeasuredMotion& m : motions)
+    if (m.frames > longest->frames) longest = &m;
+  if (const std::vector<std::string> joints = attach_to_rigid_ancestors(motions); !joints.empty())
+    report.push_back(
+        "Joints that shift against their parent, but not against a joint above it, were attached to that joint: " + list_of(joints) + ".");
+  body::Character character = body::recognise_character(*longest);
+  if (character.plan == body::BodyPlan::other && character.pelvis >= 0 && character.chest >= 0) {
+    // Legs and arms were found, but the root lies between or beyond them: the joint that carries the legs becomes the root.
+    std::vector<MeasuredMotion> turned(motions.begin(), motions.end());
+    const std::string name = motions[0].skeleton.joints[at(character.pelvis)].name;
+    for (MeasuredMotion& m : turned) make_root(m, character.pelvis);
+    const std::size_t index = static_cast<std::size_t>(longest - motions.data());
+    body::Character again = body::recognise_character(turned[index]);
+    if (again.plan != body::BodyPlan::other) {
+      std::ranges::move(turned, motions.begin());
+      character = std::move(again);
+      report.push_back("The skeleton was re-rooted at joint " + name + ", which carries the legs.");
+    }
+  }
+  if (character.plan == body::BodyPlan::other) {
+    for (const std::string& joint : remove_carrier_roots(motions))
+      report.push_back("Joint " + joint + " only carries " + motions[0].skeleton.joints[0].name + ", which moves relative to it; " + joint +
+                       " is left out, and its movement was added to that joint.");
+    return character;
+  }
+  const Skeleton& s = motions[0].skeleton;
+  // The root of the character: the pelvis, or a joint above it that moves with it as one body and carries no other joint outside.
+  const int root = character.pelvis;
+  std::vector<char> keep(s.joints.size(), 0);
+  std::vector<std::string> carriers, strangers;
+  for (int i = 0; i < static_cast<int>(s.joints.size()); ++i) {
+    keep[at(i)] = is_below(s, i, root) ? 1 : 0;
+    if (keep[at(i)] != 0) continue;
+    (is_below(s, root, i) ? carriers : strangers).push_back(s.joints[at(i)].name);
+  }
+  // Bodies that move freely although they hang in the character's tree (cameras, targets), unless parts of the character.
+  for (int i = root + 1; i < static_cast<int>(s.joints.size()); ++i) {
+    const int parent = s.joints[at(i)].parent;
+    if (keep[at(i)] == 0 || parent < 0) continue;
+    if (keep[at(parent)] == 0 && i != root) {
+      keep[at(i)] = 0;
+      continue;
+    }
+    if (character.free[at(i)] != 0 && i != root) {
+      keep[at(i)] = 0;
+      strangers.push_back(s.joints[at(i)].name);
+    }
+  }
+  if (carriers.empty() && strangers.empty()) return character;
+  const std::string root_name = s.joints[at(root)].name;
+  for (MeasuredMotion& m : motions) {
+    keep_joints(m, keep);
+    m.skeleton.joints[0].translates = true;
+  }
+  if (!carriers.empty())
+    report.push_back("Joint " + list_of(carriers) + " only carries " + root_name + "; it is left out, and its movement was added to " +
+                     root_name + ".");
+  if (!strangers.empty()) report.push_back("Joints that are not part of the character were left out: " + list_of(strangers) + ".");
+  return body::recognise_character(*longest);
+}
+
+std::optional<Vec3> up_by_posture(const body::Character& character) {
+  if (character.plan != body::BodyPlan::human) return std::nullopt;
+  const Vec3 u = character.up;
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::fabs(u[k]) > std::fabs(u[axis])) axis = k;
+  if (std::fabs(u[axis]) < 0.8 || u.z > 0.5 || (axis == 2 && u.z > 0)) return std::nullopt;
+  Vec3 up{};
+  up[axis] = u[axis] > 0 ? 1 : -1;
+  return up;
+}
+
+std::optional<double> unit_by_height(const body::Character& character, double metres_per_unit, bool trusted) {
+  if (character.plan != body::BodyPlan::human || !(character.leg_length > 0)) return std::nullopt;
+  const double height = character.leg_length / 0.491;
+  if (trusted ? height > 0.55 && height < 2.8 : height > 1.25 && height < 2.15) return std::nullopt;
+  // Units that motion files use: m, dm, cm, mm, inch, foot, and the inch of the CMU skeletons divided by their scale of 0.45.
+  double best = 0, smallest = 1e300;
+  for (const double unit : {1.0, 0.1, 0.01, 0.001, 0.0254, 0.3048, 0.0254 / 0.45}) {
+    const double away = std::fabs(std::log(height / metres_per_unit * unit / 1.7));
+    if (away < smallest) {
+      smallest = away;
+      best = unit;
+    }
+  }
+  // No usual unit gives a usual height: the character gets the height of a usual person.
+  if (smallest > 0.22 && !trusted) return metres_per_unit * 1.7 / height;
+  if (std::fabs(std::log(height / 1.7)) <= smallest + 1e-9) return std::nullopt;
+  return best;
+}
+
+std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion) {
+  if (character.plan == body::BodyPlan::other || motion.frames < 10 || !(character.leg_length > 0)) return std::nullopt;
+  std::vector<int> feet;
+  for (const body::Limb& l : character.legs) feet.push_back(l.tip >= 0 ? l.tip : l.end);
+  if (character.plan == body::BodyPlan::four_legs)
+    for (const body::Limb& l : character.arms) feet.push_back(l.tip >= 0 ? l.tip : l.end >= 0 ? l.end : l.distal);
+  const std::vector<std::vector<Pose>> world = world_of(motion);
+  const int span = std::max(1, static_cast<int>(0.03 * motion.rate));
+  std::vector<double> vx, vy;
+  for (const int foot : feet) {
+    std::vector<double> heights;
+    for (const auto& X : world) heights.push_back(X[at(foot)].p.z);
+    std::vector<double> sorted = heights;
+    const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 3);
+    std::nth_element(sorted.begin(), low, sorted.end());
+    for (int f = span; f + span < motion.frames; ++f) {
+      if (heights[at(f)] > *low) continue;
+      const Vec3 v = (world[at(f + span)][at(foot)].p - world[at(f - span)][at(foot)].p) * (motion.rate / (2 * span));
+      vx.push_back(v.x);
+      vy.push_back(v.y);
+    }
+  }
+  if (vx.size() < 10) return std::nullopt;
+  const auto quantile = [](std::vector<double>& v, double share) {
+    const auto k = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
+    std::nth_element(v.begin(), k, v.end());
+    return *k;
+  };
+  const Vec3 belt{quantile(vx, 0.5), quantile(vy, 0.5), 0};
+  const double speed = norm(belt), scale = character.leg_length;
+  if (speed < 0.35 * scale) return std::nullopt;  // slower than about 0.3 m/s for a person
+  // Most standing feet move alike.
+  const Vec3 along = belt / speed;
+  int alike = 0;
+  for (std::size_t k = 0; k < vx.size(); ++k) alike += vx[k] * along.x + vy[k] * along.y > 0.5 * speed ? 1 : 0;
+  if (alike < static_cast<int>(0.7 * static_cast<double>(vx.size()))) return std::nullopt;
+  // The character itself stays: it travels less than a third of the way that the belt moves.
+  const Vec3 moved = world.back()[at(character.pelvis)].p - world.front()[at(character.pelvis)].p;
+  if (norm(Vec3{moved.x, moved.y, 0}) > 0.33 * speed * motion.duration() + 0.1 * scale) return std::nullopt;
+  return belt;
+}
+
+void add_travel(MeasuredMotion& motion, const Vec3& velocity) {
+  const std::size_t n = motion.skeleton.joints.size();
+  for (std::size_t f = 0; f < at(motion.frames); ++f)
+    for (std::size_t i = 0; i < n; ++i)
+      if (motion.skeleton.joints[i].parent < 0) motion.translations[f * n + i] += velocity * (-static_cast<double>(f) / motion.rate);
+}
+
+}  // namespace ugoki::intake

@@ -1,0 +1,53 @@
+#pragma once
+// Reduces the joints of a file to those of one character, so that bodies do not depend on what else the file holds.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ugoki/body/recognise.h"
+#include "ugoki/motion/skeleton.h"
+
+namespace ugoki::intake {
+
+/// Reduces the motions to their character:
+///   - joints that carry the character's pelvis and nothing else of the character (scene roots, "reference", "armature") are removed; the
+///   pelvis
+///     becomes the root. If the spine branches off above the joint that carries the legs, the skeleton is re-rooted there.
+///   - joints outside the character (cameras, lights, footsteps, targets, other characters) are removed.
+/// World positions of the remaining joints do not change. Without a recognised character only lone carriers are removed
+/// (remove_carrier_roots).
+/// @param motions all on the same skeleton
+/// @param report receives sentences about what was removed
+/// @return the character, with the indices of the remaining joints
+[[nodiscard]] body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report);
+
+/// Up axis of the file as the posture of a human character shows it, if it clearly differs from the z axis: trunk and legs point along one
+/// axis in most frames. @return that axis (unit, along a coordinate axis); nothing if z is up or no axis stands out
+[[nodiscard]] std::optional<Vec3> up_by_posture(const body::Character& character);
+
+/// Unit of length, m per present metre, that gives a human character a usual height. @param trusted the unit is given by the file
+/// @return nothing if the height is plausible
+[[nodiscard]] std::optional<double> unit_by_height(const body::Character& character, double metres_per_unit, bool trusted);
+
+/// Gives joints that shift relative to their parent to the ancestor to which they are rigid. (3ds Max Biped hangs thighs into the spine and
+/// collar bones into the neck, although they move with pelvis and chest.) World poses do not change.
+/// @param motions all on the same skeleton
+/// @return names of the joints with a new parent
+std::vector<std::string> attach_to_rigid_ancestors(std::span<MeasuredMotion> motions);
+
+/// The motion with another root: the joints between the present root and joint `root` are reversed. Each reversed joint lies where its
+/// child was, about which it turns. World poses of all other joints do not change. Joints that are not below the present root stay.
+void make_root(MeasuredMotion& motion, int root);
+
+/// Velocity [m/s, horizontal] of the floor under a character that walks in place (on a treadmill, or an animation without travel): the
+/// standing feet move with it while the character stays. Nothing if the character travels, or its standing feet do not move.
+[[nodiscard]] std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion);
+/// Adds the displacement -velocity * time to the roots, so that feet that stand on the belt stand on the floor.
+void add_travel(MeasuredMotion& motion, const Vec3& velocity);
+
+/// Removes joints; the others keep their world poses. @param keep [joints] 1: the joint stays; its nearest kept ancestor becomes its parent
+void keep_joints(MeasuredMotion& motion, std::span<const char> keep);
+
+}  // namespace ugoki::intake

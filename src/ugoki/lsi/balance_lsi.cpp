@@ -1,0 +1,212 @@
+// Balance control: drive torques that make a character follow its track on its own feet, without root assist.
+
+#include <algorithm>
+#include <new>
+#include <optional>
+
+#include "ugoki/control/balance_control.h"
+#include "ugoki/control/motion_control.h"
+#include "ugoki/lsi/declare.h"
+#include "ugoki/lsi/track_sampler.h"
+
+namespace ugoki::lsi {
+namespace {
+
+/// The track of a character as a reference motion. Does not allocate; used by one LSI only.
+class TrackReference final : public control::ReferenceMotion {
+ public:
+  explicit TrackReference(const Character& character)
+      : mechanism_(character.mechanism),
+        track_(character.track),
+        current_(track_->layout().size()),
+        previous_(current_.size()),
+        blended_(current_.size()) {}
+
+  void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const override {
+    const ReferenceLayout& at = track_->layout();
+    const std::span<const double> found = payload(t);
+    std::ranges::copy(found.first(at.nq), q.begin());
+    std::ranges::copy(found.subspan(at.v(), at.nv), v.begin());
+    std::ranges::copy(found.subspan(at.a(), at.nv), a.begin());
+  }
+  [[nodiscard]] double end() const override {
+    double end = 0;
+    for (const TrackClip& clip : track_->clips()) end = std::max(end, clip.clip.end());
+    return end;
+  }
+  /// Reference payload at time t [s]; valid until the next call.
+  [[nodiscard]] std::span<const double> payload(double t) const {
+    const TrackMoment now = track_->moment(t);
+    track_->sample_clip(now.current, t, current_);
+    if (now.previous == now.current) return current_;
+    track_->sample_clip(now.previous, t, previous_);
+    blend_references(*mechanism_, track_->layout(), previous_, current_, now.blend, blended_);
+    return blended_;
+  }
+
+ private:
+  MechanismPtr mechanism_;
+  std::shared_ptr<const TrackSampler> track_;
+  mutable std::vector<double> current_, previous_, blended_;
+};
+
+struct Balance {
+  const Character* character;
+  ReferenceLayout layout;
+  std::shared_ptr<const TrackReference> track;
+  std::optional<control::BalanceControl> balance;  // characters with a floating root and feet
+  std::optional<control::MotionControl> tracking;  // other characters, for example a robot on a fixed base
+  std::vector<int> foot_of;                        // [feet of the character] index in balance->feet()
+  std::vector<collision::ContactPoint> contacts;
+};
+struct BalanceMemory {
+  control::BalanceState now, next;
+  control::ControlState tracking_now, tracking_next;
+};
+
+bool can_balance(const Character& c) {
+  const std::size_t feet = control::feet_of(*c.mechanism).size();
+  return c.mechanism->link(0).joint.type == JointType::floating && feet > 0 && feet <= control::BalanceState::max_feet;
+}
+
+std::int32_t step(const Call* call) {
+  auto& self = object_of<Balance>(call);
+  auto& memory = *static_cast<BalanceMemory*>(call->state);
+  const double* state = circuit::input(call, 0);
+  self.contacts.clear();
+  for (const ContactRecord& c : records<ContactRecord>(call->in[1])) self.contacts.push_back(c.point);
+  const std::size_t nv = self.layout.nv;
+  double* drive = circuit::output(call, 0);
+  double* report = circuit::output(call, 1);
+  double* reference = circuit::output(call, 2);
+  double* balance = circuit::output(call, 3);
+  std::fill_n(drive, 3 * nv, 0.0);
+  std::fill_n(report, std::size_t{report_count}, 0.0);
+  std::fill_n(balance, 4, 0.0);
+  const std::span<const double> q = q_of(*self.character, state), v = v_of(*self.character, state);
+  if (self.tracking) {
+    std::ranges::copy(self.track->payload(call->tick->time), reference);
+    memory.tracking_next = memory.tracking_now;
+    control::ControlInput in;
+    in.q = q;
+    in.v = v;
+    in.q_ref = {reference, self.layout.nq};
+    in.v_ref = {reference + self.layout.v(), nv};
+    in.a_ref = {reference + self.layout.a(), nv};
+    in.contacts = self.contacts;
+    in.system = self.character->index;
+    in.dt = call->tick->dt;
+    const control::ControlOutput out = self.tracking->step(in, memory.tracking_next, {drive, nv}, {drive + nv, nv}, {drive + 2 * nv, nv});
+    report[report_ratio] = out.ratio;
+    report[report_released] = out.released ? 1 : 0;
+    return 0;
+  }
+  memory.next = memory.now;
+  const control::BalanceOutput out =
+      self.balance->step({q, v, self.contacts, self.character->index, call->tick->dt}, memory.next, {drive, nv});
+  std::ranges::copy(self.track->payload(memory.next.time), reference);
+  std::ranges::copy(self.balance->reference(), reference);  // displaced in the plane, at the controller's own time
+  for (std::size_t k = 0; k < self.layout.feet; ++k)
+    if (!memory.next.feet[self.foot_of[k]].stands) reference[self.layout.stance() + k] = 0;
+  balance[0] = out.dcm_error.x;
+  balance[1] = out.dcm_error.y;
+  balance[2] = memory.next.time;
+  balance[3] = memory.next.rate;
+  return 0;
+}
+
+void* make(Setup& s) {
+  const Character* character = character_of(s);
+  const World* world = world_of(s);
+  auto* self = new Balance{character,
+                           reference_layout(*character->mechanism, character->feet.size()),
+                           std::make_shared<const TrackReference>(*character),
+                           std::nullopt,
+                           std::nullopt,
+                           {},
+                           {}};
+  if (can_balance(*character)) {
+    control::BalanceOptions options;
+    options.gravity = world->gravity();
+    options.com_gain = s.number("balance gain");
+    options.joint_frequency = s.number("joint frequency");
+    options.leg_weight = s.number("leg weight");
+    options.momentum_weight = s.number("momentum weight");
+    options.shift_growth = s.number("step growth");
+    self->balance.emplace(character->mechanism, self->track, options, world->ground().height);
+    for (const int link : character->feet) {
+      int found = 0;
+      for (std::size_t f = 0; f < self->balance->feet().size(); ++f)
+        if (std::ranges::find(self->balance->feet()[f].parts, link) != self->balance->feet()[f].parts.end()) found = static_cast<int>(f);
+      self->foot_of.push_back(found);
+    }
+  } else {
+    control::ControlOptions options;
+    options.gravity = world->gravity();
+    options.assist_limit = 0;
+    options.joint_frequency = options.root_frequency = s.number("joint frequency");
+    self->tracking.emplace(character->mechanism, options);
+  }
+  self->contacts.reserve(world->contact_capacity());
+  return self;
+}
+
+}  // namespace
+
+void add_balance(circuit::Library& library) {
+  const control::BalanceOptions usual;
+  circuit::LsiClass c;
+  c.name = "balance control";
+  c.doc =
+      "Computes joint torques that make a character follow its track on its own feet, without any external force on the root. It plans "
+      "steps: the time and the place where a foot lands follow from the balance of the character. A character without a floating root or "
+      "without feet follows its track with the torques of its joints alone.";
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
+              input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the feet with the ground support the character.")};
+  c.outputs = {
+      output_pin("torque", PinTypeId::joint_values, "N m, N",
+                 "For all degrees of freedom: forces (zero on the root), then servo gains, then servo velocities."),
+      output_pin("report", PinTypeId::joint_values, "", "The report of a motion control LSI, with a root assist of zero."),
+      output_pin("reference", PinTypeId::motion, "",
+                 "The reference that the character follows: the track at the controller's own time, displaced to the standing foot."),
+      output_pin("balance", PinTypeId::joint_values, "",
+                 "Four numbers: error of the divergent component of motion, x and y in m; time of the reference, s; rate of that time.")};
+  c.parameters = {character_parameter(),
+                  number_parameter("balance gain", usual.com_gain, 0, 20, "1/s", "Rate at which the error of balance decays."),
+                  number_parameter("joint frequency", usual.joint_frequency, 0, 100, "rad/s", "Rate at which the error of a joint decays."),
+                  number_parameter("leg weight", usual.leg_weight, 0.001, 100, "",
+                                   "Importance of the posture of the legs; 1 is the importance of the posture of the other joints."),
+                  number_parameter("momentum weight", usual.momentum_weight, 0.001, 100, "",
+                                   "Importance of the angular momentum; less lets the arms and the trunk swing more to keep the balance."),
+                  number_parameter("step growth", usual.shift_growth, 0, 6, "1/s",
+                                   "Growth of the error of balance that a step expects until its foot lands. More makes steps wider.")};
+  c.configure = [](Setup& s) {
+    const Character* character = character_of(s);
+    if (!character) return;
+    if (!character->track) {
+      s.fail(ErrorCode::structure, "The character '" + character->id + "' has no track.", "Lay a clip on its track.");
+      return;
+    }
+    s.set_out(0, 3 * static_cast<std::uint32_t>(character->mechanism->nv()), character->index);
+    s.set_out(1, report_count, character->index);
+    s.set_out(2, static_cast<std::uint32_t>(reference_layout(*character->mechanism, character->feet.size()).size()), character->index);
+    s.set_out(3, 4, character->index);
+    s.set_state(sizeof(BalanceMemory));
+  };
+  c.make = make;
+  c.destroy = destroy<Balance>;
+  c.init = [](const Call* call) -> std::int32_t {
+    new (call->state) BalanceMemory{};
+    return 0;
+  };
+  c.step = step;
+  c.advance = [](const Call* call) -> std::int32_t {
+    auto& memory = *static_cast<BalanceMemory*>(call->state);
+    memory.now = memory.next;
+    memory.tracking_now = memory.tracking_next;
+    return 0;
+  };
+  library.add(std::move(c));
+}
+
+}  // namespace ugoki::lsi

@@ -1,0 +1,86 @@
+#include "ugoki/publish/page.h"
+
+#include <zlib.h>
+
+#include "ugoki/base/base64.h"
+#include "ugoki/base/check.h"
+
+namespace ugoki::publish {
+namespace {
+
+/// Replaces the only occurrence of `mark`. @return false if there is none
+bool replace(std::string& text, std::string_view mark, std::string_view by) {
+  const std::size_t at = text.find(mark);
+  if (at == std::string::npos) return false;
+  text.replace(at, mark.size(), by);
+  return true;
+}
+
+/// Removes the content of `<script ... id="ID">...</script>`.
+bool empty_script(std::string& text, std::string_view id) {
+  const std::size_t at = text.find("id=\"" + std::string(id) + "\">");
+  if (at == std::string::npos) return false;
+  const std::size_t begin = text.find('>', at) + 1, end = text.find("</script>", begin);
+  if (end == std::string::npos) return false;
+  text.erase(begin, end - begin);
+  return true;
+}
+
+}  // namespace
+
+std::string escape_html(std::string_view text) {
+  std::string out;
+  for (const char c : text) switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      case '\'': out += "&#39;"; break;
+      default: out += c;
+    }
+  return out;
+}
+
+std::string to_gzip(std::span<const std::byte> bytes) {
+  z_stream stream{};
+  UGOKI_CHECK(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY) == Z_OK);
+  std::string out;
+  std::string part(1 << 16, '\0');
+  constexpr std::size_t max_part = 1u << 30;  // zlib counts with 32 bits
+  int status = Z_OK;
+  do {
+    const std::size_t size = std::min(bytes.size(), max_part);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));
+    stream.avail_in = static_cast<uInt>(size);
+    bytes = bytes.subspan(size);
+    do {
+      stream.next_out = reinterpret_cast<Bytef*>(part.data());
+      stream.avail_out = static_cast<uInt>(part.size());
+      status = deflate(&stream, bytes.empty() ? Z_FINISH : Z_NO_FLUSH);
+      out.append(part, 0, part.size() - stream.avail_out);
+    } while (stream.avail_out == 0);
+  } while (status != Z_STREAM_END && !bytes.empty());
+  deflateEnd(&stream);
+  UGOKI_CHECK(status == Z_STREAM_END);
+  return out;
+}
+
+Result<std::string> make_page(std::string page, std::string_view title, std::span<const std::byte> ugx, PageEngine engine) {
+  std::string content;
+  if (engine != PageEngine::native) {
+    const std::string packed = to_gzip(ugx);
+    content = to_base64({reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()});
+  }
+  bool good = replace(page, "@UGOKI_TITLE@", escape_html(title)) && replace(page, "@UGOKI_CONTENT@", content);
+  if (engine == PageEngine::native) good = good && empty_script(page, "ugoki-engine");
+  if (engine != PageEngine::inside)
+    good = good && replace(page, "<html lang=\"en\">",
+                           engine == PageEngine::native ? R"(<html lang="en" data-engine="native">)"
+                                                        : R"(<html lang="en" data-engine="pictures">)");
+  if (!good)
+    return fail(ErrorCode::structure, "player.html", "The player's page lacks a mark, so it was not made by this version of Ugoki.",
+                "Build the page again: run ./start once.");
+  return page;
+}
+
+}  // namespace ugoki::publish

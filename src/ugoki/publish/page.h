@@ -1,0 +1,31 @@
+#pragma once
+// One HTML file that plays content in a browser, from a disk and without a network.
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "ugoki/base/result.h"
+
+namespace ugoki::publish {
+
+/// Where the engine of a page runs.
+enum class PageEngine {
+  inside,   ///< in the page, as WebAssembly
+  native,   ///< in the program that serves the page; the page has neither engine nor content
+  pictures  ///< in the page, which draws pictures for the program that serves it
+};
+
+/// Fills the player's page. @param page text of player.html, which Ugoki's build makes @param ugx executable data
+/// Errors: the page lacks one of its marks.
+[[nodiscard]] Result<std::string> make_page(std::string page, std::string_view title, std::span<const std::byte> ugx,
+                                            PageEngine engine = PageEngine::inside);
+
+/// The bytes as gzip (RFC 1952), with the highest compression; equal bytes give equal results.
+[[nodiscard]] std::string to_gzip(std::span<const std::byte> bytes);
+
+/// The text with the characters & < > " and ' replaced by HTML entities.
+[[nodiscard]] std::string escape_html(std::string_view text);
+
+}  // namespace ugoki::publish

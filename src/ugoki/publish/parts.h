@@ -1,0 +1,14 @@
+#pragma once
+// The parts of the player that Ugoki's build makes beforehand: player.html, ugoki-player.js, and the program ugoki_player.
+
+#include <string>
+
+#include "ugoki/base/result.h"
+
+namespace ugoki::publish {
+
+/// The bytes of a part. Looks in `folder`, or if it is empty, beside the running program: ../share/ugoki, the program's folder, and
+/// ../libexec/ugoki. Errors: the part was not found or cannot be read.
+[[nodiscard]] Result<std::string> read_player_part(const std::string& name, const std::string& folder = {});
+
+}  // namespace ugoki::publish

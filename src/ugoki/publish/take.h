@@ -1,0 +1,61 @@
+#pragma once
+// A take: what content did in one run, as poses of all links at every display frame; and its forms for other tools.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ugoki/content/player.h"
+
+namespace ugoki::publish {
+
+struct TakeCharacter {
+  std::string id, name;
+  std::string color;  ///< "#rrggbb"
+  MechanismPtr mechanism;
+  std::vector<content::DisplayPose> poses;  ///< [frames * links] in the world
+  std::vector<Vec3> centres;                ///< [frames] centre of mass, m, world
+  std::vector<double> q;                    ///< [frames * nq] position coordinates
+
+  [[nodiscard]] std::size_t links() const { return static_cast<std::size_t>(mechanism->link_count()); }
+  [[nodiscard]] const content::DisplayPose& pose(int frame, std::size_t link) const {
+    return poses[static_cast<std::size_t>(frame) * links() + link];
+  }
+};
+
+struct Take {
+  std::string name;
+  double rate = 60;  ///< frames per second
+  int frames = 0;
+  std::vector<TakeCharacter> characters;
+  content::ScenarioCamera camera;
+};
+
+/// Called with the completed fraction, 0 ... 1; false ends the work.
+using TakeProgress = std::function<bool(double)>;
+
+/// Runs a player from its present state to `duration` [s] and keeps frames at times 0, 1/rate, 2/rate ... Each is the state after the step
+/// closest to that time.
+/// Errors: the run stopped; `progress` returned false.
+[[nodiscard]] Result<Take> record_take(content::Player& player, double duration, double rate, const TakeProgress& progress = {});
+
+/// Binary glTF 2.0: one skin, mesh, material and skeleton for each character, one animation, one camera. Y up, Z forward, metres.
+/// World positions of the joints have single precision.
+[[nodiscard]] std::vector<std::byte> write_take_glb(const Take& take);
+
+/// USD as text (*.usda): UsdSkel skeletons with animations, bound meshes, materials and a camera. Z up, metres.
+[[nodiscard]] std::string write_take_usda(const Take& take);
+
+/// A table with a row for each frame: time [s]; for each character its centre of mass [m] and for each link position [m] and unit
+/// quaternion (w x y z), world. Names of columns: "character/link x". Numbers have 9 significant digits.
+[[nodiscard]] std::string write_take_csv(const Take& take);
+
+/// The position [m] of the take's camera at a frame, and the unit vectors of its picture: right, up, and backwards (away from the scene).
+struct TakeView {
+  Vec3 position, right, up, back;
+};
+[[nodiscard]] TakeView view_at(const Take& take, int frame);
+/// Vertical angle of view of the camera, rad.
+inline constexpr double take_field_of_view = 36 * pi / 180;
+
+}  // namespace ugoki::publish

@@ -1,0 +1,277 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "ugoki/base/check.h"
+#include "ugoki/json/json.h"
+#include "ugoki/publish/shape_surface.h"
+#include "ugoki/publish/take.h"
+#include "ugoki/spatial/rotation.h"
+
+namespace ugoki::publish {
+namespace {
+
+using json::Json;
+
+/// Vector in the axes of glTF (Y up, Z forward) of one in ours (Z up, X forward): a cyclic permutation.
+Vec3 to_file(const Vec3& v) { return {v.y, v.z, v.x}; }
+Quat to_file(const Quat& q) {
+  const Vec3 v = to_file(q.vec());
+  return {q.w, v.x, v.y, v.z};
+}
+
+/// The binary chunk with its buffer views and accessors.
+class Chunk {
+ public:
+  template <class T>
+  int add(const std::vector<T>& values, std::size_t components, const char* type, int kind, int target = 0) {
+    bytes_.resize((bytes_.size() + 3) / 4 * 4);
+    Json view{{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", values.size() * sizeof(T)}};
+    if (target != 0) view["target"] = target;
+    views.push_back(std::move(view));
+    const auto* p = reinterpret_cast<const std::byte*>(values.data());
+    bytes_.insert(bytes_.end(), p, p + values.size() * sizeof(T));
+    accessors.push_back({{"bufferView", views.size() - 1}, {"componentType", kind}, {"count", values.size() / components}, {"type", type}});
+    return static_cast<int>(accessors.size()) - 1;
+  }
+  int floats(const std::vector<float>& values, std::size_t components, const char* type, int target = 0) {
+    return add(values, components, type, 5126, target);
+  }
+  /// Writes the bounds of every component, which glTF requires for positions and key times.
+  void bound(int accessor, const std::vector<float>& v, std::size_t components) {
+    Json low = Json::array(), high = Json::array();
+    for (std::size_t c = 0; c < components; ++c) {
+      float minimum = v[c], maximum = v[c];
+      for (std::size_t i = c; i < v.size(); i += components) {
+        minimum = std::min(minimum, v[i]);
+        maximum = std::max(maximum, v[i]);
+      }
+      low.push_back(minimum);
+      high.push_back(maximum);
+    }
+    accessors[static_cast<std::size_t>(accessor)]["min"] = low;
+    accessors[static_cast<std::size_t>(accessor)]["max"] = high;
+  }
+  std::vector<std::byte>& bytes() { return bytes_; }
+
+  Json views = Json::array(), accessors = Json::array();
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+void put(std::vector<float>& out, const Vec3& v) {
+  for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(v[k]));
+}
+/// Appends x y z w, normalised after rounding to single precision: validators check the norm of the stored values.
+void put(std::vector<float>& out, const Quat& q) {
+  std::array<double, 4> x = {q.x, q.y, q.z, q.w};
+  double square = 0;
+  for (double& c : x) {
+    c = static_cast<double>(static_cast<float>(c));
+    square += c * c;
+  }
+  for (const double c : x) out.push_back(static_cast<float>(c / std::sqrt(square)));
+}
+Json to_json(const Vec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
+Json to_json(const Quat& q) {
+  std::vector<float> x;
+  put(x, q);
+  return {x[0], x[1], x[2], x[3]};
+}
+
+Pose pose_of(const content::DisplayPose& x) { return {to_matrix(x.r), x.p}; }
+
+/// Linear value, 0 ... 1, of two hexadecimal digits of an sRGB colour.
+double linear(const std::string& color, std::size_t at) {
+  const auto digit = [](char c) { return c >= 'a' ? c - 'a' + 10 : c >= 'A' ? c - 'A' + 10 : c - '0'; };
+  if (color.size() < at + 2) return 0.8;
+  const double s = (16 * digit(color[at]) + digit(color[at + 1])) / 255.0;
+  return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+}
+
+class Writer {
+ public:
+  explicit Writer(const Take& take) : take_(take) {}
+
+  std::vector<std::byte> write() {
+    root_ = {{"asset", {{"version", "2.0"}, {"generator", "Ugoki"}}}, {"scene", 0}};
+    std::vector<float> times;
+    for (int f = 0; f < take_.frames; ++f) times.push_back(static_cast<float>(f / take_.rate));
+    times_ = chunk_.floats(times, 1, "SCALAR");
+    chunk_.bound(times_, times, 1);
+    for (const TakeCharacter& c : take_.characters)
+      if (c.links() > 0) add_character(c);
+    add_camera();
+    root_["scenes"] = Json::array({{{"name", take_.name}, {"nodes", roots_}}});
+    root_["nodes"] = nodes_;
+    for (const auto& [key, list] : {std::pair{"meshes", &meshes_}, {"materials", &materials_}, {"skins", &skins_}})
+      if (!list->empty()) root_[key] = *list;
+    if (!channels_.empty()) root_["animations"] = Json::array({{{"name", take_.name}, {"channels", channels_}, {"samplers", samplers_}}});
+    return finish();
+  }
+
+ private:
+  void animate(std::size_t node, const char* path, int output) {
+    samplers_.push_back({{"input", times_}, {"interpolation", "LINEAR"}, {"output", output}});
+    channels_.push_back({{"sampler", samplers_.size() - 1}, {"target", {{"node", node}, {"path", path}}}});
+  }
+
+  /// Adds the node of each link below an armature node, with its keys.
+  void add_character(const TakeCharacter& c) {
+    const std::size_t armature = nodes_.size(), first = armature + 1;
+    nodes_.push_back({{"name", c.name.empty() ? c.id : c.name}, {"children", Json::array()}});
+    roots_.push_back(armature);
+    for (std::size_t l = 0; l < c.links(); ++l) {
+      const Link& link = c.mechanism->link(static_cast<int>(l));
+      Json node{{"name", link.name}};
+      std::vector<float> positions, rotations;
+      Vec3 p0;
+      Quat before, q0;
+      bool still = true, straight = true;
+      for (int f = 0; f < take_.frames; ++f) {
+        Pose X = pose_of(c.pose(f, l));
+        if (link.parent >= 0) X = pose_of(c.pose(f, static_cast<std::size_t>(link.parent))).inverse() * X;
+        const Vec3 p = to_file(X.p);
+        Quat q = to_file(to_quat(X.R));
+        if (f > 0 && q.w * before.w + dot(q.vec(), before.vec()) < 0) q = {-q.w, -q.x, -q.y, -q.z};  // q and -q are the same rotation
+        if (f == 0) {
+          p0 = p;
+          q0 = q;
+        }
+        still = still && norm(p - p0) < 1e-7;
+        straight = straight && norm(q.vec() - q0.vec()) < 1e-8;
+        before = q;
+        put(positions, p);
+        put(rotations, q);
+      }
+      node["translation"] = to_json(p0);
+      node["rotation"] = to_json(q0);
+      nodes_.push_back(std::move(node));
+      Json& parent = nodes_[link.parent >= 0 ? first + static_cast<std::size_t>(link.parent) : armature];
+      parent["children"].push_back(first + l);
+      if (!still) animate(first + l, "translation", chunk_.floats(positions, 3, "VEC3"));
+      if (!straight) animate(first + l, "rotation", chunk_.floats(rotations, 4, "VEC4"));
+    }
+    add_mesh(c, first);
+  }
+
+  /// Adds mesh, material and skin. Each vertex moves with one link; the mesh is bound in the pose of the first frame.
+  void add_mesh(const TakeCharacter& c, std::size_t first) {
+    std::vector<float> positions, normals, weights, binds;
+    std::vector<std::uint16_t> owners;
+    std::vector<std::uint32_t> indices;
+    Json joints = Json::array();
+    for (std::size_t l = 0; l < c.links(); ++l) {
+      joints.push_back(first + l);
+      const Pose X = pose_of(c.pose(0, l)), inverse = X.inverse();
+      // columns of the inverse in the axes of the file: the images of the file's x, y, z are those of our y, z, x
+      for (const int axis : {1, 2, 0}) {
+        const Vec3 column = to_file(inverse.R.column(axis));
+        put(binds, column);
+        binds.push_back(0);
+      }
+      put(binds, to_file(inverse.p));
+      binds.push_back(1);
+      const Surface surface = link_surface(c.mechanism->link(static_cast<int>(l)));
+      const auto base = static_cast<std::uint32_t>(positions.size() / 3);
+      for (std::size_t i = 0; i < surface.points.size(); ++i) {
+        put(positions, to_file(X.R * surface.points[i] + X.p));
+        put(normals, unit_in_single(to_file(X.R * surface.normals[i])));
+        owners.insert(owners.end(), {static_cast<std::uint16_t>(l), 0, 0, 0});
+        weights.insert(weights.end(), {1, 0, 0, 0});
+      }
+      for (const auto& t : surface.triangles)
+        for (const std::uint32_t i : t) indices.push_back(base + i);
+    }
+    if (indices.empty()) return;
+    const int position = chunk_.floats(positions, 3, "VEC3", 34962);
+    chunk_.bound(position, positions, 3);
+    const Json attributes = {{"POSITION", position},
+                             {"NORMAL", chunk_.floats(normals, 3, "VEC3", 34962)},
+                             {"JOINTS_0", chunk_.add(owners, 4, "VEC4", 5123, 34962)},
+                             {"WEIGHTS_0", chunk_.floats(weights, 4, "VEC4", 34962)}};
+    const std::string name = c.name.empty() ? c.id : c.name;
+    meshes_.push_back({{"name", name},
+                       {"primitives", Json::array({{{"attributes", attributes},
+                                                    {"indices", chunk_.add(indices, 1, "SCALAR", 5125, 34963)},
+                                                    {"material", materials_.size()}}})}});
+    materials_.push_back({{"name", name},
+                          {"pbrMetallicRoughness",
+                           {{"baseColorFactor", {linear(c.color, 1), linear(c.color, 3), linear(c.color, 5), 1}},
+                            {"metallicFactor", 0},
+                            {"roughnessFactor", 0.58}}}});
+    skins_.push_back({{"name", name}, {"joints", joints}, {"inverseBindMatrices", chunk_.floats(binds, 16, "MAT4")}});
+    roots_.push_back(nodes_.size());
+    nodes_.push_back({{"name", name + " surface"}, {"mesh", meshes_.size() - 1}, {"skin", skins_.size() - 1}});
+  }
+
+  static Vec3 unit_in_single(const Vec3& v) {
+    const Vec3 s = {static_cast<double>(static_cast<float>(v.x)), static_cast<double>(static_cast<float>(v.y)),
+                    static_cast<double>(static_cast<float>(v.z))};
+    return normalized(s);
+  }
+
+  void add_camera() {
+    const std::size_t node = nodes_.size();
+    std::vector<float> positions;
+    bool still = true;
+    TakeView first;
+    for (int f = 0; f < take_.frames; ++f) {
+      const TakeView view = view_at(take_, f);
+      if (f == 0) first = view;
+      still = still && norm(view.position - first.position) < 1e-7;
+      put(positions, to_file(view.position));
+    }
+    // a glTF camera looks along -z with y up: its axes x, y, z are right, up, back
+    const Vec3 x = to_file(first.right), y = to_file(first.up), z = to_file(first.back);
+    const Mat3 R = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
+    nodes_.push_back(
+        {{"name", "camera"}, {"camera", 0}, {"translation", to_json(to_file(first.position))}, {"rotation", to_json(to_quat(R))}});
+    roots_.push_back(node);
+    root_["cameras"] = Json::array(
+        {{{"name", "camera"}, {"type", "perspective"}, {"perspective", {{"yfov", take_field_of_view}, {"znear", 0.05}, {"zfar", 1000}}}}});
+    if (!still) animate(node, "translation", chunk_.floats(positions, 3, "VEC3"));
+  }
+
+  std::vector<std::byte> finish() {
+    std::vector<std::byte>& binary = chunk_.bytes();
+    root_["bufferViews"] = std::move(chunk_.views);
+    root_["accessors"] = std::move(chunk_.accessors);
+    binary.resize((binary.size() + 3) / 4 * 4);
+    root_["buffers"] = Json::array({{{"byteLength", binary.size()}}});
+    std::string text = json::to_text(root_);
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    std::vector<std::byte> out;
+    const auto word = [&](std::size_t v) {
+      for (int k = 0; k < 4; ++k) out.push_back(static_cast<std::byte>(v >> (8 * k) & 0xff));
+    };
+    word(0x46546C67);  // "glTF"
+    word(2);
+    word(12 + 8 + text.size() + 8 + binary.size());
+    word(text.size());
+    word(0x4E4F534A);  // "JSON"
+    const auto* p = reinterpret_cast<const std::byte*>(text.data());
+    out.insert(out.end(), p, p + text.size());
+    word(binary.size());
+    word(0x004E4942);  // "BIN"
+    out.insert(out.end(), binary.begin(), binary.end());
+    return out;
+  }
+
+  const Take& take_;
+  Chunk chunk_;
+  Json root_, nodes_ = Json::array(), roots_ = Json::array(), meshes_ = Json::array(), materials_ = Json::array(), skins_ = Json::array();
+  Json channels_ = Json::array(), samplers_ = Json::array();
+  int times_ = -1;
+};
+
+}  // namespace
+
+std::vector<std::byte> write_take_glb(const Take& take) {
+  UGOKI_CHECK(take.frames > 0);
+  return Writer(take).write();
+}
+
+}  // namespace ugoki::publish

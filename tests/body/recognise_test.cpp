@@ -1,0 +1,109 @@
+// Recognition of characters: names of many conventions, parts, plans, canonical rest poses.
+#include "ugoki/body/recognise.h"
+
+#include <gtest/gtest.h>
+
+#include "measured_files.h"
+#include "ugoki/body/joint_names.h"
+
+namespace ugoki::body {
+namespace {
+
+TEST(JointNames, PartsAndSidesOfManyConventions) {
+  struct Case {
+    std::vector<std::string> names;
+    std::vector<Part> parts;
+    std::vector<int> sides;
+  };
+  const std::vector<Part> leg = {Part::pelvis, Part::thigh, Part::shank, Part::foot, Part::upper_arm, Part::forearm, Part::hand};
+  const std::vector<int> left = {0, 1, 1, 1, -1, -1, -1};
+  for (const Case& c : std::vector<Case>{
+           {{"mixamorig:Hips", "mixamorig:LeftUpLeg", "mixamorig:LeftLeg", "mixamorig:LeftFoot", "mixamorig:RightArm",
+             "mixamorig:RightForeArm", "mixamorig:RightHand"},
+            leg,
+            left},
+           {{"Bip01 Pelvis", "Bip01 L Thigh", "Bip01 L Calf", "Bip01 L Foot", "Bip01 R UpperArm", "Bip01 R Forearm", "Bip01 R Hand"},
+            leg,
+            left},
+           {{"CC_Base_Hip", "CC_Base_L_Thigh", "CC_Base_L_Calf", "CC_Base_L_Foot", "CC_Base_R_Upperarm", "CC_Base_R_Forearm",
+             "CC_Base_R_Hand"},
+            leg,
+            left},
+           {{"pelvis", "thigh_l", "calf_l", "foot_l", "upperarm_r", "lowerarm_r", "hand_r"}, leg, left},
+           {{"J_Bip_C_Hips", "J_Bip_L_UpperLeg", "J_Bip_L_LowerLeg", "J_Bip_L_Foot", "J_Bip_R_UpperArm", "J_Bip_R_LowerArm",
+             "J_Bip_R_Hand"},
+            leg,
+            left},
+           {{"hip", "LThigh", "LShin", "LFoot", "rShldr", "rForeArm", "rHand"}, leg, left},
+           {{"root_pelvis", "lfemur", "ltibia", "lfoot", "rhumerus", "rradius", "rhand"}, leg, left},
+           {{"Becken", "Oberschenkel_links", "Unterschenkel_links", "Fuss_links", "Oberarm_rechts", "Unterarm_rechts", "Hand_rechts"},
+            leg,
+            left}}) {
+    const std::vector<NameEvidence> evidence = read_joint_names(c.names);
+    for (std::size_t i = 0; i < c.names.size(); ++i) {
+      EXPECT_TRUE(evidence[i].part == c.parts[i] || evidence[i].second == c.parts[i]) << c.names[i];
+      EXPECT_EQ(evidence[i].side, c.sides[i]) << c.names[i];
+      EXPECT_FALSE(evidence[i].helper) << c.names[i];
+    }
+  }
+  for (const char* name : {"Bip01 HeadNub", "LeftForeArmTwist", "CC_Base_L_ThighTwist01", "Camera", "LeftToe_End", "Hair_03", "eye.L"}) {
+    const std::vector<std::string> one = {name};
+    EXPECT_TRUE(read_joint_names(one)[0].helper) << name;
+  }
+}
+
+TEST(Recognise, ThePartsDoNotDependOnTheRestPose) {
+  const MeasuredMotion motion = testing::made_character(60);
+  const Character character = recognise_character(motion);
+  ASSERT_EQ(character.plan, BodyPlan::human) << character.why_not;
+  std::vector<Mat3> turns;
+  for (int i = 0; i < motion.joint_count(); ++i) turns.push_back(rotation_about(normalized(Vec3{1.0 * i, 2, 3.0 - i}), 0.7 * i));
+  const MeasuredMotion other = with_rest_pose(motion, turns);
+  const Character again = recognise_character(other);
+  ASSERT_EQ(again.plan, BodyPlan::human) << again.why_not;
+  for (std::size_t i = 0; i < character.parts.size(); ++i) {
+    EXPECT_EQ(character.parts[i].part, again.parts[i].part) << motion.skeleton.joints[i].name;
+    EXPECT_EQ(character.parts[i].side, again.parts[i].side) << motion.skeleton.joints[i].name;
+  }
+  // The canonical rest positions agree too.
+  const auto a = rest_positions(with_rest_pose(motion, canonical_turns(motion, character)).skeleton);
+  const auto b = rest_positions(with_rest_pose(other, canonical_turns(other, again)).skeleton);
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_LT(norm(a[i] - b[i]), 1e-9) << motion.skeleton.joints[i].name;
+}
+
+TEST(Recognise, AnotherRestPoseKeepsTheWorldPositions) {
+  const MeasuredMotion motion = testing::made_character(20);
+  std::vector<Mat3> turns;
+  for (int i = 0; i < motion.joint_count(); ++i) turns.push_back(rotation_about({0, 1, 0}, 0.3 * i) * rotation_about({1, 0, 0}, 0.2 * i));
+  const MeasuredMotion other = with_rest_pose(motion, turns);
+  std::vector<Pose> X, Y;
+  for (int f = 0; f < motion.frames; ++f) {
+    motion.calc_joint_poses(f, X);
+    other.calc_joint_poses(f, Y);
+    for (std::size_t i = 0; i < X.size(); ++i) EXPECT_LT(norm(X[i].p - Y[i].p), 1e-12);
+  }
+}
+
+TEST(Recognise, TheCanonicalPoseOfAHumanIsATPose) {
+  const MeasuredMotion motion = testing::made_character(60);
+  const Character f = recognise_character(motion);
+  const auto p = rest_positions(with_rest_pose(motion, canonical_turns(motion, f)).skeleton);
+  const auto direction = [&](int from, int to) { return normalized(p[static_cast<std::size_t>(to)] - p[static_cast<std::size_t>(from)]); };
+  EXPECT_NEAR(direction(f.legs[0].proximal, f.legs[0].end).z, -1, 1e-9);
+  EXPECT_NEAR(direction(f.legs[1].distal, f.legs[1].end).z, -1, 1e-9);
+  EXPECT_NEAR(direction(f.arms[0].proximal, f.arms[0].end).y, 1, 1e-9);
+  EXPECT_NEAR(direction(f.arms[1].proximal, f.arms[1].end).y, -1, 1e-9);
+  EXPECT_GT(direction(f.legs[0].end, f.legs[0].tip).x, 0.8);
+}
+
+TEST(Recognise, NoFramesAndNoJointsAreNoCharacter) {
+  EXPECT_EQ(recognise_character({}).plan, BodyPlan::other);
+  MeasuredMotion still = testing::made_character(5);
+  still.frames = 0;
+  still.translations.clear();
+  still.rotations.clear();
+  EXPECT_EQ(recognise_character(still).plan, BodyPlan::other);
+}
+
+}  // namespace
+}  // namespace ugoki::body

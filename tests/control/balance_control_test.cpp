@@ -1,0 +1,211 @@
+#include "ugoki/control/balance_control.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/body/body.h"
+#include "ugoki/contact/guarded_step.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion/reference.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki::control {
+namespace {
+
+/// A cyclic motion, repeated for `length` seconds.
+class Looped final : public ReferenceMotion {
+ public:
+  Looped(MechanismPtr mechanism, const Motion& motion, double length)
+      : mechanism_(std::move(mechanism)), motion_(make_reference(motion, *mechanism_, 0)) {
+    clip_.length = length;
+    clip_.loop = motion.cyclic;
+    if (motion.cyclic) clip_.cycle = cycle_of(motion, *mechanism_);
+  }
+  void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const override {
+    ugoki::sample(clip_, motion_, *mechanism_, t, q, v, a);
+  }
+  [[nodiscard]] double end() const override { return clip_.length; }
+
+ private:
+  MechanismPtr mechanism_;
+  SmoothMotion motion_;
+  Clip clip_;
+};
+
+/// The walking human of the samples.
+struct Walker {
+  MeasuredMotion walk = samples::make_human_walk();
+  body::Body body = body::make_body(walk).value();
+};
+Motion motion_of(const body::Body& body, const MeasuredMotion& measured) {
+  Motion motion = body::to_motion(body, measured);
+  motion.cyclic = true;
+  return motion;
+}
+
+/// A character under balance control on the floor.
+struct Simulation {
+  MechanismPtr m;
+  std::shared_ptr<const Looped> reference;
+  BalanceControl control;
+  BalanceState memory;
+  collision::Scene scene;
+  collision::Workspace workspace{scene};
+  contact::Stepper stepper;
+  contact::GuardedStep guard{scene, stepper};
+  State state{*m};
+  std::vector<Pose> X{static_cast<std::size_t>(m->link_count())};
+  std::vector<collision::ContactPoint> contacts;
+  BalanceOutput last;
+
+  Simulation(const body::Body& body, const MeasuredMotion& measured, double length)
+      : m(body.mechanism),
+        reference(std::make_shared<const Looped>(m, motion_of(body, measured), length)),
+        control(m, reference, {}),
+        scene({m}),
+        stepper({m}, {}) {
+    std::vector<double> a(state.v.size());
+    reference->sample(0, state.q, state.v, a);
+  }
+  void step(const Vec3& push = {}) {
+    calc_poses(*m, state.q, X);
+    const std::span<const Pose> poses(X);
+    workspace.forget();
+    collision::find_contacts(scene, std::span(&poses, 1), 0.02, workspace, contacts);
+    last = control.step({state.q, state.v, contacts, 0, 0.002}, memory, state.tau);
+    for (int i = 0; i < 6; ++i) ASSERT_EQ(state.tau[static_cast<std::size_t>(i)], 0) << "the root is never pulled";
+    for (Vec6& w : state.external) w = {};
+    for (int i = 0; i < m->link_count(); ++i)
+      if (m->link(i).label == "chest") {
+        const Vec3 p = X[static_cast<std::size_t>(i)] * m->link(i).inertia.centre();
+        state.external[static_cast<std::size_t>(i)] = {cross(p, push), push};
+      }
+    contact::StepSystem system{state.q, state.v, state.tau, state.external, {}, {}};
+    guard.forget();
+    ASSERT_EQ(guard.step(std::span(&system, 1), contacts, 0.002).status, contact::StepStatus::ok);
+  }
+  [[nodiscard]] double below() const { return control.reference()[2] - state.q[2]; }  // m: root below its reference
+  /// rms angle of the joints from the reference, degrees.
+  [[nodiscard]] double tracking_error() const {
+    std::vector<double> e(state.v.size());
+    difference(*m, state.q, control.reference(), e);
+    double sum = 0;
+    for (std::size_t i = 6; i < e.size(); ++i) sum += e[i] * e[i];
+    return 180 / pi * std::sqrt(sum / static_cast<double>(e.size() - 6));
+  }
+};
+
+TEST(BalanceControl, WalksWithoutAssist) {
+  const Walker w;
+  Simulation s(w.body, w.walk, 20);
+  double worst = 0, error = 0;
+  const int steps = 4000;
+  for (int i = 0; i < steps; ++i) {
+    s.step();
+    if (HasFatalFailure()) return;
+    worst = std::max(worst, s.below());
+    error += s.tracking_error() / steps;
+    ASSERT_TRUE(s.last.solved);
+  }
+  EXPECT_LT(worst, 0.05);
+  EXPECT_LT(error, 4);
+  EXPECT_GT(s.state.q[0], 0.8 * 1.35 * 8);  // m: the walk has a speed of 1.35 m/s
+}
+
+TEST(BalanceControl, StepsAfterAPushAndWalksOn) {
+  const Walker w;
+  for (const Vec3& direction : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}}) {
+    Simulation s(w.body, w.walk, 20);
+    const Vec3 push = direction * (0.3 * s.m->mass() / 0.2);  // 0.3 N s/kg within 0.2 s
+    double shift = 0;
+    for (int i = 0; i < 3500; ++i) {
+      s.step(i >= 1000 && i < 1100 ? push : Vec3{});
+      if (HasFatalFailure()) return;
+      for (const BalanceState::FootState& f : s.memory.feet)
+        if (i > 1000) shift = std::max(shift, std::hypot(f.shift[0], f.shift[1]));
+      ASSERT_LT(s.below(), 0.3) << "time " << 0.002 * i;
+    }
+    EXPECT_GT(shift, 0.1);
+    EXPECT_LT(s.below(), 0.05);
+  }
+}
+
+TEST(BalanceControl, PlannedAccelerationsAreMet) {
+  // The quadratic program plans forces at the touching points; the contact step finds forces by complementarity. Between changes of the
+  // contacts both agree.
+  const Walker w;
+  Simulation s(w.body, w.walk, 20);
+  std::vector<double> misses;
+  for (int i = 0; i < 1000; ++i) {
+    const std::vector<double> before = s.state.v;
+    s.step();
+    if (HasFatalFailure()) return;
+    double miss = 0;
+    for (std::size_t k = 0; k < 6; ++k) miss = std::max(miss, std::fabs((s.state.v[k] - before[k]) / 0.002 - s.control.wanted()[k]));
+    misses.push_back(miss);
+  }
+  std::ranges::sort(misses);
+  EXPECT_LT(misses[misses.size() / 2], 1.0);  // m/s^2, rad/s^2, of the root
+}
+
+TEST(BalanceControl, PlanKeepsTorqueLimits) {
+  // With weak drives the program plans accelerations that these drives can give, instead of torques that are cut off afterwards.
+  Walker w;
+  MechanismSpec spec = w.body.mechanism->spec();
+  for (LinkSpec& l : spec.links)
+    for (Dof& d : l.joint.dofs) d.effort *= 0.35;
+  w.body.mechanism = Mechanism::make(std::move(spec)).value();
+  Simulation s(w.body, w.walk, 20);
+  std::vector<double> misses;
+  for (int i = 0; i < 1000; ++i) {
+    const std::vector<double> before = s.state.v;
+    s.step();
+    if (HasFatalFailure()) return;
+    if (s.last.limits == 0) continue;
+    double miss = 0;
+    for (std::size_t k = 0; k < 6; ++k) miss = std::max(miss, std::fabs((s.state.v[k] - before[k]) / 0.002 - s.control.wanted()[k]));
+    misses.push_back(miss);
+  }
+  ASSERT_GT(misses.size(), 20u);
+  std::ranges::sort(misses);
+  EXPECT_LT(misses[misses.size() / 2], 1.0);  // m/s^2, rad/s^2, of the root
+}
+
+TEST(BalanceControl, SameBitsAfterRestore) {
+  const Walker w;
+  Simulation s(w.body, w.walk, 20), t(w.body, w.walk, 20);
+  for (int i = 0; i < 400; ++i) s.step();
+  t.state.q = s.state.q;
+  t.state.v = s.state.v;
+  t.memory = s.memory;
+  t.stepper.set_warm(s.stepper.warm());
+  for (int i = 0; i < 400; ++i) {
+    s.step();
+    t.step();
+  }
+  EXPECT_EQ(s.state.q, t.state.q);
+  EXPECT_EQ(s.state.v, t.state.v);
+}
+
+TEST(FootSchedule, FindsTheStancesOfAWalk) {
+  const Walker w;
+  const Motion motion = motion_of(w.body, w.walk);
+  const auto reference = std::make_shared<const Looped>(w.body.mechanism, motion, 45);  // longer than two parts of the schedule
+  const std::vector<Foot> feet = feet_of(*w.body.mechanism);
+  ASSERT_EQ(feet.size(), 2u);
+  const FootSchedule schedule(*w.body.mechanism, feet, *reference, 0);
+  const double cycle = motion.duration();
+  for (std::size_t f = 0; f < 2; ++f) {
+    EXPECT_NEAR(static_cast<double>(schedule.stances(f).size()), 45 / cycle, 1.5);
+    for (const Stance& s : schedule.stances(f)) {
+      if (!std::isfinite(s.begin) || !std::isfinite(s.end) || s.begin == 0) continue;
+      EXPECT_NEAR((s.end - s.begin) / cycle, 0.62, 0.08);  // share of a stride that a walking foot stands
+    }
+  }
+  for (double t = 0; t < 45; t += 0.1) EXPECT_TRUE(schedule.at(0, t).stands || schedule.at(1, t).stands) << t;
+}
+
+}  // namespace
+}  // namespace ugoki::control

@@ -1,0 +1,56 @@
+#pragma once
+// Rewrites a measured motion into dialects: files that differ in rest pose, names, axes, unit, channels and additional joints, but hold the
+// same motion in the world. A program that reads them must make the same body of each.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ugoki/motion/skeleton.h"
+
+namespace ugoki::dialects {
+
+enum class RestPose { as_is, random, along_x, along_y, along_z };
+enum class Carrier { none, still, moving };
+
+/// One dialect. The defaults change nothing.
+struct Dialect {
+  std::string name;
+  RestPose rest = RestPose::as_is;
+  int convention = -1;              ///< index of a naming convention (convention_names); -1: the file's own names
+  std::string prefix;               ///< before every name
+  bool z_up = false;                ///< BVH with Z up
+  double unit = 0.0254;             ///< m per unit of the file
+  std::string order = "ZXY";        ///< order of the rotation channels
+  double rate_factor = 1;           ///< frames are sampled at this multiple of the rate
+  Vec3 place;                       ///< m, displacement of the whole motion
+  double heading = 0;               ///< rad, rotation of the whole motion about the vertical
+  Vec3 root_offset;                 ///< m, OFFSET of the root, which has no effect on the motion
+  Carrier carrier = Carrier::none;  ///< a joint above the root
+  bool camera = false;              ///< a moving camera beside the root, below the carrier
+  bool footsteps = false;           ///< a moving joint without bone below the root
+  bool calibration_frame = false;   ///< a T pose in the first frame
+  bool twists = false;              ///< twist bones inside thighs, upper arms and forearms, which carry half of the twist
+  bool helpers = false;             ///< end bones without motion of their own at head, hands and feet
+  bool six_channels = false;        ///< positions of all joints
+  std::string format = "bvh";       ///< "bvh", "amc", "glb"
+  std::uint64_t seed = 1;
+};
+
+/// A file of a dialect.
+struct DialectFile {
+  std::string name;  ///< with extension
+  std::string bytes;
+  std::string asf;  ///< skeleton of an AMC file
+};
+
+/// Names of the conventions.
+[[nodiscard]] const std::vector<std::string>& convention_names();
+/// The forty dialects of the acceptance test.
+[[nodiscard]] std::vector<Dialect> all_dialects();
+/// Rewrites a motion on one of the CMU skeletons of 31 joints (other skeletons keep their names).
+[[nodiscard]] MeasuredMotion rewrite(const MeasuredMotion& motion, const Dialect& dialect);
+/// The rewritten motion as a file.
+[[nodiscard]] DialectFile write(const MeasuredMotion& motion, const Dialect& dialect, const std::string& stem);
+
+}  // namespace ugoki::dialects

@@ -1,0 +1,147 @@
+#include "ugoki/dynamics/articulated_factor.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "random_mechanism.h"
+#include "ugoki/dynamics/dynamics.h"
+
+namespace ugoki::dynamics {
+namespace {
+
+using testing::RandomSource;
+
+struct Case {
+  explicit Case(unsigned seed) : random(seed) {
+    m = Mechanism::make(random_spec(random, 1 + random.below(25), {}, seed % 2 == 0)).value();
+    ws = std::make_unique<Workspace>(*m);
+    State s(*m);
+    randomize(random, *m, s);
+    update_kinematics(*m, s.q, s.v, *ws);
+    extra.resize(s.v.size());
+    for (double& x : extra) x = random.below(2) == 0 ? random.uniform(0, 0.2) : 0;
+    calc_inertia_rows(*m, *ws);
+    matrix_ok = dynamics::factor(*ws, extra) < 0;
+    by_bodies = std::make_unique<ArticulatedFactor>(*m);
+    bodies_ok = by_bodies->factor(*ws, extra) < 0;
+  }
+  std::vector<double> vector() {
+    std::vector<double> x(extra.size());
+    for (double& e : x) e = random.uniform(-1, 1);
+    return x;
+  }
+  RandomSource random;
+  MechanismPtr m;
+  std::unique_ptr<Workspace> ws;
+  std::unique_ptr<ArticulatedFactor> by_bodies;
+  std::vector<double> extra;
+  bool matrix_ok = false, bodies_ok = false;
+};
+
+void expect_near(std::span<const double> a, std::span<const double> b, double relative, const char* label) {
+  double scale = 1e-12;
+  for (const double x : b) scale = std::max(scale, std::fabs(x));
+  for (std::size_t i = 0; i < b.size(); ++i) EXPECT_NEAR(a[i], b[i], relative * scale) << label << ", entry " << i;
+}
+
+// The second method is the sparse factor of the inertia matrix (calc_inertia_rows, factor). The tolerance allows for the condition number
+// of M (up to 1e5 here).
+constexpr double tolerance = 1e-9;
+
+TEST(ArticulatedFactor, AgreesWithTheSparseFactor) {
+  for (unsigned seed = 1; seed <= 80; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Case c(seed);
+    ASSERT_TRUE(c.matrix_ok && c.bodies_ok);
+    const std::size_t n = c.extra.size();
+    for (std::size_t k = 0; k < n; ++k)
+      EXPECT_NEAR(c.by_bodies->inverse_pivot(k) / c.ws->D_inverse[k], 1, tolerance) << "pivot of degree of freedom " << k;
+
+    const std::vector<double> x = c.vector();
+    std::vector<double> a = x, b = x;
+    c.by_bodies->solve(a);
+    solve(*c.ws, b);
+    expect_near(a, b, tolerance, "solution");
+
+    // The velocity change of a whitened impulse w is L^-1 D^-1/2 w.
+    std::vector<double> change(n, 0.0), expected(n);
+    c.by_bodies->add_whitened(x, change);
+    for (std::size_t k = 0; k < n; ++k) {
+      double sum = x[k] * std::sqrt(c.ws->D_inverse[k]);
+      for (int d = 0; d < c.ws->depth[k]; ++d)
+        sum -= c.ws->L[static_cast<std::size_t>(c.ws->row_start[k] + d)] *
+               expected[static_cast<std::size_t>(c.ws->chain[static_cast<std::size_t>(c.ws->row_start[k] + d)])];
+      expected[k] = sum;
+    }
+    expect_near(change, expected, tolerance, "velocity change");
+  }
+}
+
+TEST(ArticulatedFactor, WhitensRowsLikeTheSparseFactor) {
+  for (unsigned seed = 1; seed <= 80; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Case c(seed);
+    ASSERT_TRUE(c.matrix_ok && c.bodies_ok);
+    const auto whiten = [&](int last, std::span<double> y) {
+      apply_inverse_transposed_factor(*c.ws, last, y);
+      for (std::size_t e = 0; e < y.size(); ++e) {
+        const int dof = c.ws->chain[static_cast<std::size_t>(c.ws->row_start[static_cast<std::size_t>(last)]) + e];
+        y[e] *= std::sqrt(c.ws->D_inverse[static_cast<std::size_t>(dof)]);
+      }
+    };
+    for (int link = 0; link < c.m->link_count(); ++link) {
+      const std::span<const int> chain = chain_of_link(*c.ws, link);
+      if (chain.empty()) continue;
+      const int last = chain.back();
+      Vec6 f[3];
+      for (Vec6& wrench : f) wrench = {c.random.vec(1), c.random.vec(1)};
+      std::vector<double> y(4 * chain.size(), NAN), row(chain.size());
+      c.by_bodies->whiten_wrenches(last, f, y.data());
+      for (int r = 0; r < 3; ++r) {
+        for (std::size_t e = 0; e < row.size(); ++e) row[e] = dot(f[r], c.ws->S[static_cast<std::size_t>(chain[e])]);
+        whiten(last, row);
+        std::vector<double> lane(row.size());
+        for (std::size_t e = 0; e < row.size(); ++e) lane[e] = y[4 * e + static_cast<std::size_t>(r)];
+        expect_near(lane, row, tolerance, "wrench");
+      }
+      for (std::size_t e = 0; e < row.size(); ++e) EXPECT_EQ(y[4 * e + 3], 0);
+      const std::size_t count = 1 + static_cast<std::size_t>(c.random.below(static_cast<int>(chain.size())));
+      for (std::size_t e = 0; e < row.size(); ++e) row[e] = e + count < row.size() ? 0 : c.random.uniform(-1, 1);
+      c.by_bodies->whiten_row(last, std::span(row).last(count), y.data());
+      whiten(last, row);
+      std::vector<double> lane(row.size());
+      for (std::size_t e = 0; e < row.size(); ++e) lane[e] = y[4 * e];
+      expect_near(lane, row, tolerance, "row");
+    }
+  }
+}
+
+TEST(ArticulatedFactor, NamesTheDofThatMovesNoInertia) {
+  MechanismSpec spec;
+  LinkSpec link;
+  link.name = "a";
+  link.joint.type = JointType::revolute;
+  link.inertia = Inertia::from_centre(1, {1, 0, 0}, {});
+  spec.links.push_back(link);
+  link.name = "b";
+  link.parent = "a";
+  link.joint.type = JointType::prismatic;
+  link.joint.dofs[0].armature = 1;
+  link.inertia = {};
+  spec.links.push_back(link);
+  const MechanismPtr m = Mechanism::make(spec).value();
+  Workspace ws(*m);
+  const State s(*m);
+  update_kinematics(*m, s.q, s.v, ws);
+  ws.dofs[1].armature = 0;
+  ArticulatedFactor factor(*m);
+  EXPECT_EQ(factor.factor(ws, {}), 1);
+  const std::vector<double> extra = {0, 0.5};
+  EXPECT_EQ(factor.factor(ws, extra), -1);
+  EXPECT_DOUBLE_EQ(factor.inverse_pivot(1), 2);
+}
+
+}  // namespace
+}  // namespace ugoki::dynamics

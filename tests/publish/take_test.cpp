@@ -1,0 +1,140 @@
+// Takes, and what other readers find in their files.
+
+#include "ugoki/publish/take.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "../content/fixture.h"
+#include "ugoki/formats/gltf.h"
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::publish {
+namespace {
+
+using content::Player;
+
+Player open() {
+  const auto bytes = content::generate(content::testing::make_scenario(), content::testing::make_resources());
+  EXPECT_TRUE(bytes);
+  auto player = Player::open(*bytes, "park.ugx");
+  EXPECT_TRUE(player) << player.error().text();
+  return std::move(*player);
+}
+
+Take take_of(double duration, double rate) {
+  Player player = open();
+  Result<Take> take = record_take(player, duration, rate);
+  EXPECT_TRUE(take);
+  return std::move(*take);
+}
+
+TEST(Take, HasThePosesOfTheRun) {
+  const Take take = take_of(0.5, 50);
+  EXPECT_EQ(take.frames, 26);
+  ASSERT_EQ(take.characters.size(), 2u);
+  Player player = open();
+  for (int f = 0; f < take.frames; ++f) {
+    while (player.step_count() < static_cast<std::uint64_t>(10 * f)) ASSERT_TRUE(player.step());
+    for (std::size_t c = 0; c < 2; ++c) {
+      const TakeCharacter& character = take.characters[c];
+      std::vector<Pose> X(character.links());
+      calc_poses(*character.mechanism, player.q(static_cast<int>(c)), X);
+      for (std::size_t l = 0; l < X.size(); ++l) {
+        EXPECT_LT(norm(X[l].p - character.pose(f, l).p), 1e-12);
+        const Quat q = to_quat(X[l].R), r = character.pose(f, l).r;
+        EXPECT_NEAR(std::fabs(q.w * r.w + dot(q.vec(), r.vec())), 1, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(Take, CanBeCancelled) {
+  Player player = open();
+  const auto take = record_take(player, 5, 50, [](double done) { return done < 0.1; });
+  ASSERT_FALSE(take);
+  EXPECT_NE(take.error().text().find("cancelled"), std::string::npos);
+}
+
+TEST(TakeGlb, IsReadWithTheSameWorldPositions) {
+  const Take take = take_of(1, 60);
+  const auto motions = formats::read_gltf(write_take_glb(take), "park.glb", {.rate = 60});
+  ASSERT_TRUE(motions) << motions.error().text();
+  ASSERT_EQ(motions->size(), 1u);
+  const MeasuredMotion& m = motions->front();
+  ASSERT_EQ(m.frames, take.frames);
+  int found = 0;
+  for (std::size_t j = 0; j < m.skeleton.joints.size(); ++j) {
+    for (const TakeCharacter& c : take.characters)
+      for (std::size_t l = 0; l < c.links(); ++l) {
+        if (c.mechanism->link(static_cast<int>(l)).name != m.skeleton.joints[j].name) continue;
+        ++found;
+        for (int f = 0; f < m.frames; ++f) {
+          Vec3 p;
+          Quat r;
+          // world position of joint j: up its parents
+          std::vector<std::size_t> chain;
+          for (int k = static_cast<int>(j); k >= 0; k = m.skeleton.joints[static_cast<std::size_t>(k)].parent)
+            chain.push_back(static_cast<std::size_t>(k));
+          for (auto k = chain.rbegin(); k != chain.rend(); ++k) {
+            const std::size_t at = static_cast<std::size_t>(f) * m.skeleton.joints.size() + *k;
+            p += rotate(r, m.translations[at]);
+            r = r * m.rotations[at];
+          }
+          EXPECT_LT(norm(p - c.pose(f, l).p), 1e-5) << m.skeleton.joints[j].name << " frame " << f;
+        }
+      }
+  }
+  EXPECT_EQ(found, 3) << "pelvis, leg and ball";
+}
+
+TEST(TakeCsv, HasARowForEachFrameAndNumbersOfTheRun) {
+  const Take take = take_of(0.2, 50);
+  std::istringstream lines(write_take_csv(take));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_TRUE(line.starts_with("time,human/centre of mass x,")) << line;
+  const std::size_t columns = 1 + 2 * 3 + 3 * 7;
+  EXPECT_EQ(std::ranges::count(line, ','), static_cast<long>(columns - 1));
+  for (int f = 0; f < take.frames; ++f) {
+    ASSERT_TRUE(std::getline(lines, line));
+    std::vector<double> row;
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+    ASSERT_EQ(row.size(), columns);
+    EXPECT_NEAR(row[0], f / 50.0, 1e-8);
+    EXPECT_NEAR(row[4], take.characters[0].pose(f, 0).p.x, 1e-7);
+    EXPECT_NEAR(row[1 + 3 + 14 + 3 + 2], take.characters[1].pose(f, 0).p.z, 1e-7);
+  }
+  EXPECT_FALSE(std::getline(lines, line));
+}
+
+TEST(TakeUsda, HasSkeletonAnimationMeshAndCamera) {
+  const Take take = take_of(0.1, 50);
+  const std::string text = write_take_usda(take);
+  EXPECT_TRUE(text.starts_with("#usda 1.0\n"));
+  for (const char* wanted : {"upAxis = \"Z\"", "metersPerUnit = 1", "timeCodesPerSecond = 50", "endTimeCode = 5", "def SkelRoot \"Human\"",
+                             "\"pelvis\", \"pelvis/leg\"", "def SkelAnimation", "def Mesh \"Surface\"", "def Camera \"Camera\""})
+    EXPECT_NE(text.find(wanted), std::string::npos) << wanted;
+  EXPECT_EQ(std::ranges::count(text, '{'), std::ranges::count(text, '}'));
+  EXPECT_EQ(std::ranges::count(text, '('), std::ranges::count(text, ')'));
+}
+
+TEST(TakeView, LooksAtTheFollowedCharacterFromItsDistance) {
+  const Take take = take_of(1, 60);
+  for (const int f : {0, 30, 60}) {
+    const TakeView v = view_at(take, f);
+    const Vec3 to = take.characters[0].centres[static_cast<std::size_t>(f)] - v.position;
+    EXPECT_NEAR(norm(to), take.camera.distance, 0.3);
+    EXPECT_GT(dot(normalized(to), -v.back), 0.99);
+    EXPECT_NEAR(dot(v.right, v.up), 0, 1e-12);
+    EXPECT_GT(v.up.z, 0);
+    EXPECT_LT(norm(cross(v.right, v.up) - v.back), 1e-12) << "right-handed";
+  }
+}
+
+}  // namespace
+}  // namespace ugoki::publish

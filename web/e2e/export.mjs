@@ -1,0 +1,449 @@
+// node e2e/export.mjs [--slow]: exported pages, programs and files. Prints one line for each test. UGOKI_BIN names the program `ugoki`.
+// Every form of the content must reach the same state, bit by bit, after the same recorded inputs.
+import { execFileSync, spawn, spawnSync } from 'node:child_process';
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { tmpdir } from 'node:os';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { validateBytes } from 'gltf-validator';
+import { launch } from './browser.mjs';
+
+const slow = process.argv.includes('--slow');
+const here = dirname(fileURLToPath(import.meta.url));
+const ugoki = process.env.UGOKI_BIN ?? join(here, '../../build/release/bin/ugoki');
+const folder = mkdtempSync(join(tmpdir(), 'ugoki-export-'));
+const at = (name) => join(folder, name);
+let failed = 0;
+
+async function test(name, body) {
+  try {
+    const skip = await body();
+    console.log(skip ? `skip ${name}: ${skip}` : `ok ${name}`);
+  } catch (error) {
+    failed++;
+    console.log(`not ok ${name}\n  ${String(error.stack ?? error).split('\n').join('\n  ')}`);
+  }
+}
+function expect(condition, message) {
+  if (!condition) throw new Error(message);
+}
+const run = (...words) => execFileSync(ugoki, words, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
+const refused = (...words) => {
+  const done = spawnSync(ugoki, words, { encoding: 'utf8' });
+  expect(done.status === 1 || done.status === 2, `status ${done.status}: ${done.stdout}${done.stderr}`);
+  return done.stderr;
+};
+
+const steps = 600;
+const inputs = [
+  { step: 40, type: 'push', character: 'human', link: 'chest', force: [60, 25, 0], duration: 0.2 },
+  { step: 150, type: 'grab', character: 'dog', link: 0, point: [0.02, 0, 0.01], target: [0.1, 0.9, 0.7] },
+  { step: 190, type: 'drag', target: [0.3, 1.0, 0.75] },
+  { step: 260, type: 'release' },
+  { step: 300, type: 'throw', character: 'ball', from: [2, 0, 1.2], velocity: [-6, 0, 2.5], spin: [0, 5, 0] },
+  { step: 420, type: 'input', keyboard: ['KeyW'], mouse: { x: 0.25, y: 0.5, left: true, wheel: 0.3 } },
+];
+writeFileSync(at('inputs.json'), JSON.stringify({ inputs }));
+run('new', at('park.ugoki'));
+const written = JSON.parse(run('export', at('park.ugoki'), '--html', at('park.html'), '--native', at('park'), '--ugx', at('park.ugx'), '--embed', at('embed'), '--json'));
+const plain = JSON.parse(run('run', at('park.ugx'), '--steps', String(steps), '--json')).state_hash;
+const wanted = JSON.parse(run('run', at('park.ugoki'), '--steps', String(steps), '--inputs', at('inputs.json'), '--json')).state_hash;
+
+await test('`ugoki export` names the files that it wrote', () => {
+  expect(written.files.map((f) => f.kind).join() === 'html,native,script,ugx,page,ugx' || written.files.length === 6, JSON.stringify(written));
+  for (const f of written.files) expect(statSync(f.file).size === f.bytes, f.file);
+});
+
+await test('a page without motion data is smaller than 1.5 MB', () => {
+  const share = join(dirname(ugoki), '../share/ugoki');
+  const bytes = statSync(join(share, 'player.html')).size;
+  console.log(`# player.html ${bytes} bytes, park.html ${statSync(at('park.html')).size} bytes, park (native) ${statSync(at('park')).size} bytes`);
+  expect(bytes < 1_500_000, `${bytes} bytes`);
+});
+
+await test('recorded inputs change the run', () => expect(plain !== wanted, `both runs end with ${plain}`));
+
+await test('the native program runs in an empty folder without environment and gives the same state', () => {
+  mkdirSync(at('bare'));
+  copyFileSync(at('park'), at('bare/park'));
+  copyFileSync(at('inputs.json'), at('bare/inputs.json'));
+  const words = ['--headless', '--steps', String(steps), '--inputs', 'inputs.json', '--json'];
+  const done = JSON.parse(execFileSync('./park', words, { cwd: at('bare'), env: {}, encoding: 'utf8' }));
+  expect(done.state_hash === wanted && done.steps === steps, `${done.state_hash}, wanted ${wanted}`);
+  const needs = spawnSync('ldd', [at('park')], { encoding: 'utf8' });
+  expect(/not a dynamic executable|statically linked/.test(needs.stdout + needs.stderr), needs.stdout);
+});
+
+await test('the native program writes the frames that `ugoki run` writes', () => {
+  run('run', at('park.ugx'), '--duration', '0.5', '--frames', at('run.frames'));
+  execFileSync(at('park'), ['--headless', '--frames', '30', '--out', at('native.frames')]);
+  expect(Buffer.compare(readFileSync(at('run.frames')), readFileSync(at('native.frames'))) === 0, 'the files differ');
+});
+
+await test('the native program refuses damaged content and wrong inputs', () => {
+  const bytes = readFileSync(at('park'));
+  bytes[bytes.length - 5000] ^= 1;
+  writeFileSync(at('damaged'), bytes, { mode: 0o755 });
+  const done = spawnSync(at('damaged'), ['--headless'], { encoding: 'utf8' });
+  expect(done.status === 1 && /damaged \(checksum\)/.test(done.stderr), done.stderr);
+  writeFileSync(at('wrong.json'), JSON.stringify({ inputs: [{ step: 3, type: 'push', character: 'nobody', link: 0, force: [1, 0, 0], duration: 1 }] }));
+  const wrong = spawnSync(at('park'), ['--headless', '--inputs', at('wrong.json')], { encoding: 'utf8' });
+  expect(wrong.status === 1 && /inputs\/0\/character.*nobody/.test(wrong.stderr), wrong.stderr);
+});
+
+await test('`ugoki export` refuses what it cannot do with a sentence', () => {
+  expect(/does not exist|unknown/i.test(refused('export', at('none.ugoki'), '--html', at('x.html'))), 'missing project');
+  expect(/Name at/.test(refused('export', at('park.ugoki'))), 'no output');
+  expect(/header specifies/.test((writeFileSync(at('bad.ugx'), readFileSync(at('park.ugx')).subarray(0, 5000)), refused('export', at('bad.ugx'), '--html', at('x.html')))), 'truncated');
+  expect(!existsSync(at('x.html')), 'a file was left');
+});
+
+// ---- in the browser ----
+
+const browser = await launch();
+const errors = [];
+async function open(address, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 900, height: 560 }, ...options });
+  const page = await context.newPage();
+  page.on('pageerror', (e) => errors.push(e.message));
+  page.on('console', (m) => m.type() === 'error' && errors.push(m.text()));
+  page.on('request', (r) => /^https?:/.test(r.url()) && !r.url().startsWith('http://127.0.0.1') && errors.push(`request of ${r.url()}`));
+  await page.goto(address);
+  await page.waitForFunction(() => document.querySelector('ugoki-player')?.first_picture > 0, undefined, { timeout: 60000 });
+  return page;
+}
+const repeat = (page, count) =>
+  page.evaluate(
+    async ([list, n]) => {
+      const player = document.querySelector('ugoki-player');
+      player.pause();
+      await player.schedule(list);
+      player.reset();
+      const done = await player.step(n);
+      return { done, hash: await player.state_hash(), recorded: await player.recorded() };
+    },
+    [inputs, count],
+  );
+
+const page = await open(`file://${at('park.html')}`);
+
+await test('the page opens from a disk, plays by itself and asks for nothing outside', async () => {
+  await page.waitForFunction(() => document.querySelector('ugoki-player').time > 0.05, undefined, { timeout: 30000 });
+  const { first, name } = await page.evaluate(() => ({ first: document.querySelector('ugoki-player').first_picture, name: document.title }));
+  console.log(`# first picture ${first.toFixed(0)} ms after the page began to load the content (software rendering)`);
+  expect(name === 'park', name);
+  expect(errors.length === 0, errors.join('; '));
+});
+
+await test('the page gives the same state as `ugoki run` after the recorded inputs', async () => {
+  const { done, hash } = await repeat(page, steps);
+  expect(done === steps && hash === wanted, `${done} steps, ${hash}, wanted ${wanted}`);
+});
+
+await test('inputs recorded in the page repeat the run elsewhere', async () => {
+  const { recorded } = await repeat(page, steps);
+  writeFileSync(at('again.json'), JSON.stringify({ inputs: recorded }));
+  const again = JSON.parse(run('run', at('park.ugx'), '--steps', String(steps), '--inputs', at('again.json'), '--json')).state_hash;
+  expect(again === wanted, `${again}, wanted ${wanted}`);
+});
+
+/** Position of a character on the page, px. */
+const find_character = (p, index) =>
+  p.evaluate((i) => {
+    const player = document.querySelector('ugoki-player');
+    const [x, y, z] = player.characters[i].centre_of_mass;
+    const { camera } = player.view.rig;
+    const v = camera.position.clone().set(x, y, z + 0.1).project(camera);
+    const box = player.getBoundingClientRect();
+    return { x: box.left + (0.5 + 0.5 * v.x) * box.width, y: box.top + (0.5 - 0.5 * v.y) * box.height };
+  }, index);
+
+await test('a drag pulls a character; with the tool push an arrow pushes it', async () => {
+  for (const tool of ['pull', 'push']) {
+    await page.evaluate((t) => {
+      const player = document.querySelector('ugoki-player');
+      player.tool = t;
+      player.follow(null);
+      player.pause();
+      player.reset();
+      player.speed = 0.05;
+      player.play();
+    }, tool);
+    const from = await find_character(page, 0);
+    await page.mouse.move(from.x, from.y);
+    await page.mouse.down();
+    for (let i = 1; i <= 4; i++) await page.mouse.move(from.x + 20 * i, from.y - 4 * i);
+    await page.mouse.up();
+    await page.waitForTimeout(300);
+    const types = await page.evaluate(async () => {
+      const player = document.querySelector('ugoki-player');
+      player.pause();
+      player.speed = 1;
+      return (await player.recorded()).map((i) => i.type);
+    });
+    expect(types.includes(tool === 'pull' ? 'grab' : 'push') && types.includes('release') === (tool === 'pull'), `${tool}: ${types}`);
+  }
+});
+
+await test('a drag beside the characters turns the view, and the wheel zooms', async () => {
+  const eye = () => page.evaluate(() => ({ ...document.querySelector('ugoki-player').view.rig.goal }));
+  const before = await eye();
+  await page.mouse.move(60, 120);
+  await page.mouse.down();
+  await page.mouse.move(160, 150, { steps: 4 });
+  await page.mouse.up();
+  await page.mouse.wheel(0, 300);
+  await page.waitForTimeout(200);
+  const after = await eye();
+  expect(Math.abs(after.azimuth - before.azimuth) > 0.2 && after.distance > before.distance * 1.1, JSON.stringify([before, after]));
+});
+
+await test('Space, R and the buttons play, pause and restart', async () => {
+  const state = () => page.evaluate(() => ({ paused: document.querySelector('ugoki-player').paused, time: document.querySelector('ugoki-player').time }));
+  await page.evaluate(() => document.querySelector('ugoki-player').shadowRoot.querySelector('canvas').focus());
+  await page.keyboard.press('KeyR');
+  expect((await state()).time === 0, 'R did not restart');
+  await page.keyboard.press('Space');
+  expect(!(await state()).paused, 'Space did not play');
+  await page.getByRole('button', { name: 'Pause' }).click();
+  expect((await state()).paused, 'the button did not pause');
+});
+
+await test('on a phone one finger pulls and two fingers zoom', async () => {
+  const phone = await open(`file://${at('park.html')}`, { viewport: { width: 390, height: 760 }, hasTouch: true, isMobile: true, deviceScaleFactor: 1 });
+  const client = await phone.context().newCDPSession(phone);
+  const touch = (type, points) => client.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  await phone.evaluate(() => {
+    const player = document.querySelector('ugoki-player');
+    player.pause();
+    player.reset();
+    player.speed = 0.05;
+    player.play();
+  });
+  const from = await find_character(phone, 0);
+  await touch('touchStart', [[from.x, from.y]]);
+  await touch('touchMove', [[from.x + 30, from.y - 10]]);
+  await touch('touchEnd', []);
+  await phone.waitForTimeout(200);
+  const types = await phone.evaluate(async () => (await document.querySelector('ugoki-player').recorded()).map((i) => i.type));
+  expect(types.includes('grab') && types.includes('release'), types.join());
+  const distance = () => phone.evaluate(() => document.querySelector('ugoki-player').view.rig.goal.distance);
+  const before = await distance();
+  await touch('touchStart', [[60, 150], [330, 150]]);
+  await touch('touchMove', [[120, 150], [270, 150]]);
+  await touch('touchMove', [[150, 150], [240, 150]]);
+  await touch('touchEnd', []);
+  expect((await distance()) > before * 1.5, `${before} ${await distance()}`);
+  const overflow = await phone.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+  expect(!overflow, 'the page is wider than the phone');
+  if (process.env.UGOKI_PICTURES) await phone.screenshot({ path: join(process.env.UGOKI_PICTURES, 'phone.png') });
+  await phone.context().close();
+});
+
+await test('the native program serves its page, runs the content, and gives the same state', async () => {
+  const program = spawn(at('park'), ['--no-open', '--json'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  try {
+    const text = await new Promise((done, fail) => {
+      let all = '';
+      program.stdout.on('data', (d) => (all += d).includes('}') && done(all));
+      program.on('exit', () => fail(new Error('the program ended')));
+    });
+    const served = await open(JSON.parse(text).address);
+    await served.waitForFunction(() => document.querySelector('ugoki-player').time > 0.2, undefined, { timeout: 30000 });
+    const { done, hash } = await repeat(served, steps);
+    expect(done === steps && hash === wanted, `${done} steps, ${hash}, wanted ${wanted}`);
+    const from = await find_character(served, 0);
+    await served.evaluate(() => document.querySelector('ugoki-player').play());
+    await served.mouse.move(from.x, from.y);
+    await served.mouse.down();
+    await served.mouse.move(from.x + 40, from.y);
+    await served.waitForTimeout(200);
+    await served.mouse.up();
+    expect((await served.evaluate(() => document.querySelector('ugoki-player').recorded())).some((i) => i.type === 'grab'), 'no grab');
+    await served.context().close();
+  } finally {
+    program.kill();
+  }
+});
+
+await test('the element and the frame obey another page', async () => {
+  copyFileSync(at('park.html'), at('embed/park.html'));
+  writeFileSync(at('embed/frame.html'), '<!doctype html><iframe src="park.html" style="width: 700px; height: 400px"></iframe>');
+  const server = createServer((request, reply) => {
+    const file = join(at('embed'), decodeURIComponent(new URL(request.url, 'http://x').pathname));
+    if (!existsSync(file)) return reply.writeHead(404).end();
+    reply.writeHead(200, { 'Content-Type': file.endsWith('.html') ? 'text/html' : file.endsWith('.js') ? 'text/javascript' : 'application/octet-stream' });
+    return reply.end(readFileSync(file));
+  });
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  const base = `http://127.0.0.1:${server.address().port}`;
+  try {
+    const own = await open(`${base}/index.html`);
+    const { hash } = await repeat(own, steps);
+    expect(hash === wanted, `${hash}, wanted ${wanted}`);
+    await own.context().close();
+    const outer = await (await browser.newContext()).newPage();
+    await outer.goto(`${base}/frame.html`);
+    const hash_in_frame = await outer.evaluate(
+      async ([list, n]) => {
+        const frame = document.querySelector('iframe').contentWindow;
+        let last = 0;
+        const ask = (command, ...words) =>
+          new Promise((done, fail) => {
+            const id = ++last;
+            addEventListener('message', function hear({ data }) {
+              if (data?.ugoki !== 'done' || data.id !== id) return;
+              removeEventListener('message', hear);
+              if (data.error) fail(new Error(data.error));
+              else done(data.result);
+            });
+            frame.postMessage({ ugoki: command, id, arguments: words }, '*');
+          });
+        await new Promise((done) => addEventListener('message', ({ data }) => data?.ugoki === 'ready' && done()));
+        await ask('pause');
+        await ask('schedule', list);
+        await ask('reset');
+        await ask('step', n);
+        return ask('state_hash');
+      },
+      [inputs, steps],
+    );
+    expect(hash_in_frame === wanted, `${hash_in_frame}, wanted ${wanted}`);
+    await outer.context().close();
+  } finally {
+    server.close();
+  }
+});
+
+await test('damaged content in a page gives a sentence, not an empty page', async () => {
+  const html = readFileSync(at('park.html'), 'utf8');
+  const bytes = readFileSync(at('park.ugx'));
+  bytes[bytes.length >> 1] ^= 1;
+  writeFileSync(at('broken.html'), html.replace(/(id="ugoki-content">)[^<]*/, (_, tag) => tag + bytes.toString('base64')));
+  const context = await browser.newContext();
+  const broken = await context.newPage();
+  await broken.goto(`file://${at('broken.html')}`);
+  await broken.waitForFunction(() => /checksum/.test(document.querySelector('ugoki-player')?.shadowRoot?.querySelector('.message')?.textContent ?? ''));
+  await context.close();
+});
+
+if (process.env.UGOKI_PICTURES) await page.screenshot({ path: join(process.env.UGOKI_PICTURES, 'page.png') });
+await browser.close();
+
+// ---- files for other tools ----
+
+await test('pictures have the wanted size and differ', () => {
+  run('export', at('park.ugoki'), '--png', at('p%02d.png'), '--size', '160x90', '--rate', '4', '--from', '0.5', '--duration', '1.25');
+  const files = readdirSync(folder).filter((f) => /^p\d\d\.png$/.test(f)).sort();
+  expect(files.join() === 'p00.png,p01.png,p02.png', files.join());
+  const [a, b] = files.map((f) => readFileSync(at(f)));
+  expect(a.readUInt32BE(16) === 160 && a.readUInt32BE(20) === 90, 'size');
+  expect(Buffer.compare(a, b) !== 0, 'the pictures are equal');
+});
+
+await test('videos have the wanted length', () => {
+  const probe = spawnSync('ffprobe', ['-version']);
+  if (probe.status !== 0) return 'ffmpeg is not installed';
+  run('export', at('park.ugoki'), '--mp4', at('v.mp4'), '--webm', at('v.webm'), '--gif', at('v.gif'), '--size', '160x90', '--rate', '10', '--duration', '1');
+  for (const name of ['v.mp4', 'v.webm', 'v.gif']) {
+    const facts = JSON.parse(execFileSync('ffprobe', ['-v', 'error', '-count_frames', '-show_streams', '-of', 'json', at(name)], { encoding: 'utf8' })).streams[0];
+    expect(facts.width === 160 && facts.height === 90 && Number(facts.nb_read_frames) === 10, `${name}: ${JSON.stringify(facts)}`);
+  }
+  return undefined;
+});
+
+await test('glTF has no errors and no warnings in the validator', async () => {
+  run('export', at('park.ugoki'), '--glb', at('park.glb'), '--duration', '1');
+  const report = await validateBytes(new Uint8Array(readFileSync(at('park.glb'))), { maxIssues: 1000 });
+  const faults = report.issues.messages.filter((m) => m.severity < 2).map((m) => `${m.code} ${m.pointer}: ${m.message}`);
+  expect(faults.length === 0, faults.slice(0, 5).join('\n'));
+  expect(report.info.hasSkins && report.info.animationCount === 1, JSON.stringify(report.info));
+});
+
+await test('the studio exports the files that `ugoki export` writes', async () => {
+  const web = join(here, '../dist');
+  if (!existsSync(join(web, 'index.html'))) return 'the page of the studio is not built';
+  const studio = spawn(ugoki, ['studio', at('park.ugoki'), '--no-open', '--json', '--web', web, '--library', at('library.db')], { stdio: ['ignore', 'pipe', 'inherit'] });
+  try {
+    const text = await new Promise((done, fail) => {
+      let all = '';
+      studio.stdout.on('data', (d) => (all += d).includes('}') && done(all));
+      studio.on('exit', () => fail(new Error('the studio ended')));
+    });
+    const { port, token } = JSON.parse(text);
+    const get = (form) => fetch(`http://127.0.0.1:${port}/api/export/${form}`, { headers: { Authorization: `Bearer ${token}` } });
+    for (const [form, file] of [['html', 'park.html'], ['native', 'park'], ['ugx', 'park.ugx']]) {
+      const answer = await get(form);
+      expect(answer.status === 200 && answer.headers.get('content-type') === 'application/octet-stream', `${form}: ${answer.status}`);
+      expect(Buffer.compare(Buffer.from(await answer.arrayBuffer()), readFileSync(at(file))) === 0, `${form} differs`);
+    }
+    const wrong = await get('docx');
+    expect(wrong.status >= 400 && /html, native/.test(await wrong.text()), 'an unknown form');
+  } finally {
+    studio.kill();
+  }
+  return undefined;
+});
+
+// ---- sweeps ----
+
+/** Rows of a CSV without quotes, as objects. */
+function rows_of(text) {
+  const [head, ...lines] = text.trim().split('\n').map((line) => line.split(','));
+  return lines.map((cells) => Object.fromEntries(cells.map((c, i) => [head[i], c])));
+}
+const sweep = (count, table, ...more) => ['bake', at('park.ugoki'), '--vary', `push=0:400:${count / 4}`, '--vary', 'push-angle=0,90,180,270', '--vary', 'push-time=0.05', '--duration', '0.2', '--table', at(table), ...more];
+
+await test('a sweep that is killed again and again ends complete, and no run is computed twice', async () => {
+  const [count, kills] = slow ? [1000, 5] : [80, 3];
+  run(...sweep(count, 'whole.db', '--csv', at('whole.csv')));
+  const whole = rows_of(readFileSync(at('whole.csv'), 'utf8'));
+  expect(whole.length === count && whole.every((r) => r.status === 'done'), `${whole.length} rows`);
+  expect(new Set(whole.map((r) => r.state_hash)).size > count / 2, 'the variations have no effect');
+  let before = 0;
+  for (let i = 0; i < kills; i++) {
+    const killed = spawn(ugoki, sweep(count, 'killed.db', '--json'), { stdio: 'ignore' });
+    const ended = new Promise((done) => killed.on('exit', (code, signal) => done(signal)));
+    await new Promise((done) => setTimeout(done, slow ? 1500 : 500));
+    killed.kill('SIGKILL');
+    if ((await ended) !== 'SIGKILL') break; // it was done before
+  }
+  const last = JSON.parse(run(...sweep(count, 'killed.db', '--json', '--csv', at('killed.csv'))));
+  before = count - last.added;
+  console.log(`# ${kills} kills, ${before} of ${count} runs were kept from before the last call`);
+  const strip = (rows) => rows.map(({ processor_s, ...rest }) => JSON.stringify(rest)).join('\n');
+  expect(strip(rows_of(readFileSync(at('killed.csv'), 'utf8'))) === strip(whole), 'the tables differ');
+  const again = JSON.parse(run(...sweep(count, 'killed.db', '--json')));
+  expect(again.added === 0 && again.runs === count, JSON.stringify(again));
+});
+
+await test('parts of a sweep are merged to the same table, and another sweep is refused', () => {
+  for (const part of [0, 1, 2]) run(...sweep(24, `part${part}.db`, '--part', `${part}/3`));
+  run(...sweep(24, 'merged.db', '--merge', at('part0.db'), '--merge', at('part1.db')));
+  const merged = JSON.parse(run(...sweep(24, 'merged.db', '--merge', at('part2.db'), '--json')));
+  expect(merged.runs === 24 && merged.added === 0, JSON.stringify(merged));
+  expect(/another sweep/.test(refused(...sweep(28, 'merged.db'))), 'another sweep in the same table');
+  expect(/cannot be varied|not a quantity/.test(refused('bake', at('park.ugoki'), '--table', at('x.db'), '--vary', 'pushh=1')), 'unknown quantity');
+});
+
+await test('the scripts of --slurm compute the parts and merge them', () => {
+  run(...sweep(12, 'cluster.db', '--slurm', '2', '--dry-run'));
+  // a Slurm of one line: runs each task of the array, then the merge
+  for (const task of ['0', '1']) execFileSync('bash', [at('cluster.slurm')], { env: { ...process.env, SLURM_ARRAY_TASK_ID: task, SLURM_CPUS_PER_TASK: '1' } });
+  execFileSync('bash', [at('cluster.merge.slurm')]);
+  const done = JSON.parse(run(...sweep(12, 'cluster.db', '--json')));
+  expect(done.runs === 12 && done.added === 0, JSON.stringify(done));
+});
+
+await test('random variations depend on the seed only', () => {
+  const words = (table, seed) => ['bake', at('park.ugoki'), '--random', '6', '--seed', seed, '--vary', 'friction=0.2:1', '--vary', '/gravity/2=-9.81,-1.62', '--duration', '0.1', '--table', at(table), '--csv', at(`${table}.csv`)];
+  run(...words('r1', '7'), '--jobs', '1');
+  run(...words('r2', '7'), '--jobs', '2');
+  run(...words('r3', '8'));
+  const of = (name) => rows_of(readFileSync(at(`${name}.csv`), 'utf8')).map((r) => `${r.friction} ${r['/gravity/2']} ${r.state_hash}`).join('\n');
+  expect(of('r1') === of('r2') && of('r1') !== of('r3'), `${of('r1')}\n\n${of('r2')}`);
+});
+
+rmSync(folder, { recursive: true, force: true });
+process.exit(failed > 0 ? 1 : 0);

@@ -1,0 +1,52 @@
+// Builds the player: one HTML page with engine and script inline, and ugoki-player.js, the element for other pages.
+//   node player/build.mjs ENGINE.wasm FOLDER
+// Writes FOLDER/player.html, in which `ugoki export --html` replaces @UGOKI_TITLE@ and @UGOKI_CONTENT@, and FOLDER/ugoki-player.js.
+import { execFileSync } from 'node:child_process';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { build } from 'vite';
+
+const [engine_file, folder] = process.argv.slice(2);
+if (!folder) {
+  console.error('usage: node player/build.mjs ENGINE.wasm FOLDER');
+  process.exit(2);
+}
+const here = dirname(fileURLToPath(import.meta.url));
+
+/** The script as one classic script without imports. */
+async function bundle(entry) {
+  const result = await build({
+    root: join(here, '..'),
+    configFile: false,
+    logLevel: 'warn',
+    publicDir: false,
+    build: { write: false, target: 'es2022', minify: 'esbuild', lib: { entry: join(here, '..', entry), formats: ['iife'], name: 'Ugoki' }, cssCodeSplit: false },
+  });
+  return result[0].output.find((o) => o.type === 'chunk').code;
+}
+
+/** The data as base64 of gzip. zopfli makes it 4 % smaller than the most that zlib can do; any browser unpacks it. */
+function packed(data) {
+  const work = mkdtempSync(join(tmpdir(), 'ugoki-pack-'));
+  try {
+    writeFileSync(join(work, 'data'), data);
+    return execFileSync('zopfli', ['--i5', '-c', join(work, 'data')], { maxBuffer: 1 << 28 }).toString('base64');
+  } finally {
+    rmSync(work, { recursive: true });
+  }
+}
+const engine = packed(readFileSync(engine_file));
+const page = await bundle('src/player/main.ts');
+const script = packed(page);
+const element = await bundle('src/player/embed.ts');
+const boot = readFileSync(join(here, 'boot.js'), 'utf8').replace(/^\/\/.*\n/gm, '').replace(/\n\s*/g, '');
+const html = readFileSync(join(here, 'template.html'), 'utf8')
+  .replace('@UGOKI_ENGINE@', () => engine)
+  .replace('@UGOKI_PAGE@', () => script)
+  .replace('@UGOKI_BOOT@', () => boot.trim());
+mkdirSync(folder, { recursive: true });
+writeFileSync(join(folder, 'player.html'), html);
+writeFileSync(join(folder, 'ugoki-player.js'), element.replace('@UGOKI_ENGINE@', () => engine));
+console.log(`player.html ${html.length} bytes, of which engine ${engine.length} and script ${script.length}`);

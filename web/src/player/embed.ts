@@ -1,0 +1,7 @@
+/** ugoki-player.js: the element <ugoki-player src="content.ugx"> for any page. The engine is part of the script. */
+import { set_engine_bytes, start } from './page';
+import { from_base64, unpack } from './payload';
+
+const engine = '@UGOKI_ENGINE@'; // replaced by player/build.mjs
+set_engine_bytes(() => unpack(from_base64(engine)));
+start();

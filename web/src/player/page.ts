@@ -1,0 +1,78 @@
+/** The page of a player: where engine and content come from, and messages of a page that shows this one in a frame. */
+import type { Engine } from './engine';
+import { set_engine_source, UgokiPlayer } from './element';
+import { inline_data } from './payload';
+import { draw_pictures } from './pictures';
+import { open_remote_engine } from './remote_engine';
+import { open_wasm_engine } from './wasm_engine';
+
+const content_of = async (src: string | null): Promise<Uint8Array> => {
+  if (src === null) {
+    const inside = await inline_data('ugoki-content');
+    if (!inside) throw new Error('This page has no content. Export it again, or give <ugoki-player> the attribute src.');
+    return inside;
+  }
+  const response = await fetch(src);
+  if (!response.ok) throw new Error(`${src}: the server answered ${response.status} ${response.statusText}.`);
+  return new Uint8Array(await response.arrayBuffer());
+};
+
+let module: Promise<Uint8Array<ArrayBuffer> | null> | null = null;
+
+/** The engine inside the page; in a page that a native program serves, the program itself. */
+async function open_engine(src: string | null): Promise<Engine> {
+  if (src === null && document.documentElement.dataset.engine === 'native') return open_remote_engine();
+  module ??= engine_bytes();
+  const [wasm, content] = await Promise.all([module, content_of(src)]);
+  if (!wasm) throw new Error('This page has no engine. Export it again.');
+  return open_wasm_engine(wasm, content);
+}
+
+let engine_bytes = (): Promise<Uint8Array<ArrayBuffer> | null> => inline_data('ugoki-engine');
+/** Takes the engine from elsewhere than the page: ugoki-player.js carries it itself. */
+export function set_engine_bytes(get: () => Promise<Uint8Array<ArrayBuffer> | null>): void {
+  engine_bytes = get;
+}
+
+/** Defines the element, or draws pictures if the page was made for that. Players that the page already contains begin to load. */
+export function start(): void {
+  set_engine_source(open_engine);
+  if (document.documentElement.dataset.engine === 'pictures') void draw_pictures(() => open_engine(null));
+  else if (!customElements.get('ugoki-player')) customElements.define('ugoki-player', UgokiPlayer);
+}
+
+/** Commands that a page outside of the frame may send: postMessage({ugoki: 'play'}) and so on. Each is answered with {ugoki: 'done', ...}. */
+const commands: Record<string, (player: UgokiPlayer, arguments_: unknown[]) => unknown> = {
+  play: (p) => p.play(),
+  pause: (p) => p.pause(),
+  reset: (p) => p.reset(),
+  step: (p, [count]) => p.step(Number(count)),
+  push: (p, a) => p.push(...(a as Parameters<UgokiPlayer['push']>)),
+  grab: (p, a) => p.grab(...(a as Parameters<UgokiPlayer['grab']>)),
+  drag: (p, a) => p.drag(...(a as Parameters<UgokiPlayer['drag']>)),
+  release: (p) => p.release(),
+  schedule: (p, [inputs]) => p.schedule(inputs as never),
+  recorded: (p) => p.recorded(),
+  state_hash: (p) => p.state_hash(),
+  follow: (p, [character]) => p.follow(character as never),
+  look: (p, a) => p.look(...(a as Parameters<UgokiPlayer['look']>)),
+  frame_all: (p) => p.frame_all(),
+  speed: (p, [value]) => (p.speed = Number(value)),
+  state: (p) => ({ time: p.time, steps: p.steps, duration: p.duration, paused: p.paused, ended: p.ended, characters: p.characters }),
+};
+
+if (window.parent !== window) {
+  addEventListener('message', (event: MessageEvent<{ ugoki?: string; id?: unknown; arguments?: unknown[] }>) => {
+    if (event.source !== window.parent || typeof event.data?.ugoki !== 'string') return;
+    const player = document.querySelector<UgokiPlayer>('ugoki-player');
+    const command = commands[event.data.ugoki];
+    const answer = (fields: object): void => window.parent.postMessage({ ugoki: 'done', id: event.data.id, ...fields }, '*');
+    if (!player || !command) return answer({ error: `There is no command '${event.data.ugoki}'.` });
+    void (async () => command(player, event.data.arguments ?? []))().then(
+      (result) => answer({ result }),
+      (error: Error) => answer({ error: error.message }),
+    );
+  });
+  for (const type of ['ready', 'play', 'pause', 'reset', 'ended', 'error'])
+    document.addEventListener(type, (event) => window.parent.postMessage({ ugoki: type, ...(event as CustomEvent<object>).detail }, '*'));
+}

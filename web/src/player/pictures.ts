@@ -1,0 +1,132 @@
+/** Draws pictures of the content for `ugoki export --png` and videos. The program that serves this page receives them. */
+import { Access } from '../core/access';
+import type { Engine, RecordedInput } from './engine';
+import { SceneView } from './scene_view';
+
+interface Settings {
+  width: number;
+  height: number;
+  /** Pictures per second. */
+  rate: number;
+  /** Time of the first picture, s. */
+  from: number;
+  count: number;
+  /** Sub-frames of a picture. */
+  blur: number;
+  /** Fraction of the time between two pictures in which the sub-frames are. */
+  shutter: number;
+  transparent: boolean;
+  theme: 'dark' | 'light';
+  assist: boolean;
+  png: boolean;
+  raw: boolean;
+  /** Number of pictures that may be under way. */
+  ahead: number;
+  inputs?: RecordedInput[];
+}
+
+/** Draws all pictures and sends them. A problem is reported to the program. */
+export async function draw_pictures(open: () => Promise<Engine>): Promise<void> {
+  const access = new Access({
+    fragment: () => location.hash,
+    clear_fragment: () => undefined,
+    storage: sessionStorage,
+    fetch: (path, init) => fetch(path, init),
+  });
+  await access.enter();
+  try {
+    const settings = (await (await access.fetch('api/pictures')).json()) as Settings;
+    await draw_all(await open(), settings, access);
+  } catch (error) {
+    await access.fetch('api/failed', { method: 'POST', body: (error as Error).message });
+  }
+}
+
+async function draw_all(engine: Engine, settings: Settings, access: Access): Promise<void> {
+  const { width, height } = settings;
+  const canvas = document.createElement('canvas');
+  const view = new SceneView(canvas, engine.scene, { theme: settings.theme, pictures: true, transparent: settings.transparent });
+  view.assist = settings.assist;
+  view.resize(width, height);
+  if (settings.inputs) {
+    await engine.schedule(settings.inputs);
+    engine.reset();
+  }
+  view.place(engine.frame!);
+  view.first_view();
+  const { step } = engine.scene;
+  let shown = 0; // time up to which the camera has followed, s
+  /** Runs the content and the camera to a time. The camera moves in equal steps, so that it does not depend on the pictures' rate. */
+  const go_to = async (time: number): Promise<void> => {
+    const tick = 1 / 60;
+    for (;;) {
+      const next = Math.min(shown + tick, time);
+      const steps = Math.round(next / step) - engine.steps;
+      if (steps > 0) await engine.step(steps);
+      if (engine.stopped !== '') throw new Error(engine.stopped);
+      view.place(engine.frame!);
+      view.update_camera(Math.max(next - shown, 1e-4));
+      shown = next;
+      if (next >= time) return;
+    }
+  };
+  const gl = view.stage.renderer.getContext();
+  const pixels = new Uint8Array(4 * width * height);
+  const sums = settings.blur > 1 ? new Uint32Array(pixels.length) : null;
+  const flat = document.createElement('canvas');
+  flat.width = width;
+  flat.height = height;
+  const under_way = new Set<Promise<void>>();
+  const send = async (number: number, form: string, body: Blob): Promise<void> => {
+    const answer = await access.fetch(`api/picture?number=${number}&form=${form}`, { method: 'POST', body });
+    if (!answer.ok) throw new Error(`The program refused picture ${number + 1}: ${await answer.text()}`);
+  };
+  for (let i = 0; i < settings.count; i++) {
+    const begin = settings.from + i / settings.rate;
+    const open_time = (settings.shutter / settings.rate) * (settings.blur > 1 ? 1 : 0);
+    sums?.fill(0);
+    for (let k = 0; k < settings.blur; k++) {
+      await go_to(begin + (open_time * k) / settings.blur);
+      view.draw(true);
+      if (settings.raw || sums) gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      if (sums) for (let j = 0; j < pixels.length; j++) sums[j]! += pixels[j]!;
+    }
+    if (sums) for (let j = 0; j < pixels.length; j++) pixels[j] = Math.round(sums[j]! / settings.blur);
+    const sending: Promise<void>[] = [];
+    if (settings.png) {
+      const picture = sums ? draw_flat(flat, pixels) : canvas;
+      const blob = await new Promise<Blob | null>((done) => picture.toBlob(done, 'image/png'));
+      if (!blob) throw new Error('The browser cannot write PNG pictures of this size.');
+      sending.push(send(i, 'png', blob));
+    }
+    if (settings.raw) {
+      if (settings.transparent) straighten(pixels);
+      sending.push(send(i, 'raw', new Blob([pixels])));
+    }
+    const sent: Promise<void> = Promise.all(sending).then(() => {
+      under_way.delete(sent);
+    });
+    under_way.add(sent);
+    if (under_way.size >= settings.ahead) await Promise.race(under_way);
+  }
+  await Promise.all(under_way);
+}
+
+/** Draws pixels (rows from the bottom to the top, premultiplied) into a canvas. */
+function draw_flat(canvas: HTMLCanvasElement, pixels: Uint8Array): HTMLCanvasElement {
+  const { width, height } = canvas;
+  const image = new ImageData(width, height);
+  for (let y = 0; y < height; y++) image.data.set(pixels.subarray(4 * width * (height - 1 - y), 4 * width * (height - y)), 4 * width * y);
+  straighten(image.data);
+  canvas.getContext('2d')!.putImageData(image, 0, 0);
+  return canvas;
+}
+
+/** Divides colours by alpha: WebGL has premultiplied colours, files have not. */
+function straighten(pixels: Uint8Array | Uint8ClampedArray): void {
+  for (let j = 0; j < pixels.length; j += 4) {
+    const alpha = pixels[j + 3]!;
+    if (alpha === 0 || alpha === 255) continue;
+    for (let k = 0; k < 3; k++) pixels[j + k] = Math.min(255, Math.round((pixels[j + k]! * 255) / alpha));
+  }
+}

@@ -1,0 +1,247 @@
+/** Draws the frames of an engine: characters, floor, root assist, contacts, and the user's pull or push. Knows nothing of buttons. */
+import * as THREE from 'three';
+import { assist_force, assist_over_cap, body_weight, centre_of_mass, type Frame } from '../core/frames';
+import { CameraRig } from '../view/camera';
+import { CharacterView, mechanism_geometries, type LinkTag } from '../view/character_view';
+import { Arrow, assist_color, ContactDiscs, Spring } from '../view/overlays';
+import { Stage, type StageOptions } from '../view/stage';
+import type { Scene } from './engine';
+
+const max_contacts = 48; // further contacts are not drawn
+
+/** The link under a pointer; indices into the scene, point in the world, m. */
+export interface Hit {
+  character: number;
+  link: number;
+  point: THREE.Vector3;
+}
+
+export interface SceneOptions extends StageOptions {
+  theme: 'dark' | 'light';
+}
+
+export class SceneView {
+  readonly stage: Stage;
+  readonly rig = new CameraRig();
+  readonly characters: CharacterView[];
+  /** True: contact forces are drawn. */
+  contacts = false;
+  /** True: the root-assist arrow is drawn. */
+  assist = true;
+  /** Index of the character that the camera follows; -1: none. */
+  followed = -1;
+  private readonly assist_arrows: Arrow[];
+  private readonly contact_arrows: Arrow[] = [];
+  private readonly discs = new ContactDiscs(max_contacts);
+  private readonly spring = new Spring();
+  private readonly push_arrow = new Arrow(0xff8a3d, 0.013, true);
+  private readonly raycaster = new THREE.Raycaster();
+  private shown: Frame | null = null;
+  private size = { width: 1, height: 1 };
+  /** The user's pull: a point of a link and its target in the world, m. */
+  pull: { hit: Hit; local: THREE.Vector3; target: THREE.Vector3 } | null = null;
+  /** The push being aimed: from a point of a link, along a vector, m. */
+  aim: { hit: Hit; local: THREE.Vector3; along: THREE.Vector3 } | null = null;
+
+  constructor(readonly canvas: HTMLCanvasElement, readonly scene: Scene, options: SceneOptions) {
+    this.stage = new Stage(canvas, options);
+    const geometries = scene.mechanisms.map(mechanism_geometries);
+    this.characters = scene.characters.map((c, index) => {
+      const view = new CharacterView(String(index), scene.mechanisms[c.mechanism]!, geometries[c.mechanism]!, c.color || '#e6e6ea');
+      this.stage.scene.add(view.group);
+      return view;
+    });
+    this.assist_arrows = scene.characters.map(() => {
+      const arrow = new Arrow(0x34d399, 0.011, true);
+      this.stage.scene.add(arrow.group);
+      return arrow;
+    });
+    for (let i = 0; i < max_contacts; i++) {
+      const arrow = new Arrow(0xfdba74, 0.009);
+      this.contact_arrows.push(arrow);
+      this.stage.scene.add(arrow.group);
+    }
+    this.stage.scene.add(this.discs.mesh, this.spring.group, this.push_arrow.group);
+    this.set_theme(options.theme);
+    this.followed = scene.characters.findIndex((c) => c.id === scene.camera.follow);
+  }
+
+  set_theme(theme: 'dark' | 'light'): void {
+    this.stage.set_look({ theme, floor: this.scene.look.floor, light: this.scene.look.light });
+  }
+
+  /** @param width, height of the picture, px of the page */
+  resize(width: number, height: number): void {
+    this.size = { width: Math.max(1, width), height: Math.max(1, height) };
+    this.stage.resize(width, height);
+    this.rig.resize(this.size.width / this.size.height);
+  }
+
+  get view_height(): number {
+    return this.size.height;
+  }
+
+  /** Poses everything as in `frame`. */
+  place(frame: Frame): void {
+    this.shown = frame;
+    this.characters.forEach((view, i) => {
+      const character = frame.characters[i];
+      if (!character) return;
+      view.place(frame, character);
+      view.group.updateMatrixWorld(true);
+    });
+    this.place_overlays(frame);
+    this.follow(frame);
+  }
+
+  private follow(frame: Frame): void {
+    const character = frame.characters[this.followed];
+    if (!character) return this.rig.follow(null);
+    this.rig.follow(new THREE.Vector3(...centre_of_mass(frame, character)));
+  }
+
+  private place_overlays(frame: Frame): void {
+    frame.characters.forEach((character, i) => {
+      const weight = body_weight(frame, character);
+      const force = new THREE.Vector3(...assist_force(frame, character));
+      const share = weight > 0 ? force.length() / weight : 0;
+      const arrow = this.assist_arrows[i];
+      if (!arrow) return;
+      if (!this.assist || share <= 0.004) return arrow.hide();
+      const root = this.characters[i]!.links.find((m) => m)?.matrixWorld ?? new THREE.Matrix4();
+      arrow.material.color.copy(assist_color(assist_over_cap(frame, character)));
+      // the length grows with the square root of the force: 1 % of the weight is visible (0.19 m), 100 % fits the view (1.9 m)
+      arrow.show(new THREE.Vector3().setFromMatrixPosition(root), force.setLength(1.9 * Math.sqrt(Math.min(share, 1))));
+    });
+    this.discs.begin();
+    let arrows = 0;
+    if (this.contacts) {
+      const largest = Math.max(1, ...frame.characters.map((c) => body_weight(frame, c)));
+      const f = frame.floats;
+      for (let i = 0; i < frame.contact_count && arrows < max_contacts; i++) {
+        const at = frame.contacts + 8 * i;
+        const force = new THREE.Vector3(f[at + 3], f[at + 4], f[at + 5]).multiplyScalar(0.9 / largest).clampLength(0, 1.6);
+        if (force.lengthSq() < 1e-6) continue;
+        const point = new THREE.Vector3(f[at], f[at + 1], f[at + 2]);
+        const n = frame.normals + 3 * i;
+        this.discs.add(point, frame.normals < 0 ? force : new THREE.Vector3(f[n], f[n + 1], f[n + 2]), 0.028);
+        this.contact_arrows[arrows++]!.show(point, force);
+      }
+    }
+    for (let i = arrows; i < max_contacts; i++) this.contact_arrows[i]!.hide();
+  }
+
+  /** World position of a point of a link, m. */
+  point_of(hit: Hit, local: THREE.Vector3): THREE.Vector3 {
+    const mesh = this.characters[hit.character]?.links[hit.link];
+    return mesh ? local.clone().applyMatrix4(mesh.matrixWorld) : local.clone();
+  }
+  /** The hit point in the frame of its link, m. */
+  to_link(hit: Hit): THREE.Vector3 {
+    const mesh = this.characters[hit.character]?.links[hit.link];
+    return mesh ? hit.point.clone().applyMatrix4(mesh.matrixWorld.clone().invert()) : hit.point.clone();
+  }
+
+  /**
+   * The link at a point of the picture. If the ray misses, links within `reach` px are found too, so that a thin arm or a finger on a
+   * phone need not be hit exactly. @param x, y px from the top left corner
+   */
+  pick(x: number, y: number, reach: number): Hit | null {
+    const groups = this.characters.map((c) => c.group);
+    const look = (dx: number, dy: number): Hit | null => {
+      this.aim_ray(x + dx, y + dy);
+      const found = this.raycaster.intersectObjects(groups, true)[0];
+      if (!found) return null;
+      const tag = found.object.userData as LinkTag;
+      return { character: Number(tag.character), link: tag.link, point: found.point.clone() };
+    };
+    const exact = look(0, 0);
+    if (exact || reach <= 0) return exact;
+    for (const radius of [reach / 2, reach]) {
+      for (let i = 0; i < 8; i++) {
+        const hit = look(radius * Math.cos((i * Math.PI) / 4), radius * Math.sin((i * Math.PI) / 4));
+        if (hit) return hit;
+      }
+    }
+    return null;
+  }
+
+  /** Intersection of the ray at (x, y) with the plane through `point` that faces the camera, m; null if there is none. */
+  on_facing_plane(x: number, y: number, point: THREE.Vector3): THREE.Vector3 | null {
+    const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(this.rig.camera.getWorldDirection(new THREE.Vector3()).negate(), point);
+    this.aim_ray(x, y);
+    return this.raycaster.ray.intersectPlane(plane, new THREE.Vector3());
+  }
+
+  private aim_ray(x: number, y: number): void {
+    this.raycaster.setFromCamera(new THREE.Vector2((x / this.size.width) * 2 - 1, 1 - (y / this.size.height) * 2), this.rig.camera);
+  }
+
+  link_label(hit: Hit): string {
+    const link = this.characters[hit.character]?.mechanism.links[hit.link];
+    return link?.label || link?.name || '';
+  }
+
+  emphasise(hit: Hit | null, emphasis: 'hover' | 'pulled'): void {
+    this.characters.forEach((view, c) => view.links.forEach((_mesh, l) => view.emphasise(l, hit?.character === c && hit.link === l ? emphasis : 'none')));
+  }
+
+  private spheres(only = -1): THREE.Sphere[] {
+    const out: THREE.Sphere[] = [];
+    this.characters.forEach((view, i) => {
+      if (only >= 0 && i !== only) return;
+      view.group.updateMatrixWorld(true);
+      for (const mesh of view.links) if (mesh?.geometry.boundingSphere) out.push(mesh.geometry.boundingSphere.clone().applyMatrix4(mesh.matrixWorld));
+    });
+    return out;
+  }
+
+  /** The initial view of the content: its stored direction and distance, or everything. */
+  first_view(): void {
+    const { camera } = this.scene;
+    this.rig.follow(null);
+    this.rig.look_from(camera.azimuth, camera.elevation);
+    this.frame_all();
+    const followed = this.followed >= 0 ? this.spheres(this.followed) : [];
+    if (followed.length > 0) {
+      this.rig.frame(followed);
+      this.rig.set({ distance: camera.distance }, false);
+    }
+    this.rig.set({}, true);
+  }
+
+  frame_all(): void {
+    const spheres = this.spheres();
+    this.rig.frame(spheres.length > 0 ? spheres : [new THREE.Sphere(new THREE.Vector3(0, 0, 0.9), 1.4)]);
+  }
+
+  /** Moves the camera by `dt` s. @return whether it moved */
+  update_camera(dt: number): boolean {
+    return this.rig.update(dt);
+  }
+
+  /** @param still true: nothing moves, so the picture is drawn at full resolution */
+  draw(still: boolean): void {
+    const { camera } = this.rig;
+    const { target, distance } = this.rig.current;
+    const bead = 0.006 * distance;
+    if (this.pull) this.spring.show(this.point_of(this.pull.hit, this.pull.local), this.pull.target, camera, Math.min(0.03, bead));
+    else this.spring.hide();
+    if (this.aim) this.push_arrow.show(this.point_of(this.aim.hit, this.aim.local), this.aim.along);
+    else this.push_arrow.hide();
+    let reach = 3;
+    const spheres = this.spheres();
+    if (spheres.length > 0) reach = Math.max(...spheres.map((s) => Math.hypot(s.center.x - target.x, s.center.y - target.y) + s.radius)) + 0.5;
+    this.stage.focus(target, Math.min(reach, Math.max(2.6, distance * 0.85)), distance);
+    this.stage.render(camera, still);
+  }
+
+  get frame(): Frame | null {
+    return this.shown;
+  }
+
+  dispose(): void {
+    for (const view of this.characters) view.dispose();
+    this.stage.dispose();
+  }
+}
