@@ -148,8 +148,14 @@ export const motion_journeys = [
     async run({ page }) {
       const looped = await document_of(page);
       const clip = human_of(looped).track[0];
-      await choose(page, clip.id, 'Trim to what the clip shows'); // 20 s of motion take long to retarget
-      const before = await changed(page, looped, 'the long motion');
+      // ten minutes of motion: the page shows operations only after 300 ms, and 20 s are retargeted in less
+      await page.locator(`[data-clip="${clip.id}"]`).click({ position: { x: 30, y: 8 } });
+      const length = page.locator('.inspector').getByRole('textbox', { name: 'Length' });
+      await length.fill('600');
+      await length.press('Enter');
+      const stretched = await changed(page, looped, 'the long clip');
+      await page.getByRole('button', { name: 'Trim to what the clip shows' }).click();
+      const before = await changed(page, stretched, 'the long motion');
       await choose(page, clip.id, 'For another body…');
       const body = page.getByRole('dialog', { name: 'For another body' });
       await body.getByRole('radio', { name: /^Dog/ }).click();
@@ -169,7 +175,9 @@ export const motion_journeys = [
       await until(page, 'document.querySelectorAll(".task").length === 0', 'the operation to end');
       await page.waitForTimeout(500);
       assert.deepEqual(await document_of(page), before);
-      await undo(page, looped, 'Cut motion to clip');
+      await undo(page, stretched, 'Cut motion to clip');
+      await page.keyboard.press('Control+z');
+      await until(page, `JSON.stringify(window.ugoki.document()) === ${JSON.stringify(JSON.stringify(looped))}`, 'the clip to have its former length');
     },
   },
 ];

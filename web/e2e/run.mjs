@@ -1,6 +1,6 @@
 // npm run e2e [-- words]: runs the first journey and those whose names contain the words; prints one line for each and the counts.
 // Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1.
-import { launch } from './browser.mjs';
+import { launch, ready } from './browser.mjs';
 import { journeys as all } from './journeys.mjs';
 import { available, program, start_service } from './service.mjs';
 
@@ -10,6 +10,24 @@ const journeys = all.filter((journey, i) => i === 0 || journey.name.includes(wor
 let passed = 0;
 let failed = 0;
 let skipped = 0;
+
+const document_of = (page) => page.evaluate('JSON.stringify(window.ugoki?.document?.() ?? null)');
+
+/**
+ * Restores the studio after a failed journey: loads the page again and undoes commands until the document equals `before`, the JSON text of the
+ * document at the beginning of the journey. Otherwise an open dialog or a changed document would let the following journeys fail too.
+ */
+async function recover(page, before) {
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
+  await page.reload();
+  await ready(page);
+  await page.getByRole('radio', { name: 'Edit' }).click();
+  for (let undone = 0; undone < 50 && (await document_of(page)) !== before; undone++) {
+    if (!(await page.evaluate('window.ugoki.undo().can_undo'))) break;
+    await page.keyboard.press('Control+z');
+    await page.waitForTimeout(200);
+  }
+}
 
 async function main() {
   if (!available) {
@@ -36,6 +54,7 @@ async function main() {
         skipped++;
         continue;
       }
+      const before = passed + failed > 0 ? await document_of(page).catch(() => null) : null;
       try {
         await journey.run({ page, service, seen, memory });
         console.log(`ok ${journey.name}`);
@@ -44,6 +63,8 @@ async function main() {
         console.log(`not ok ${journey.name}\n  ${String(error.message ?? error).split('\n').join('\n  ')}`);
         failed++;
         await page.screenshot({ path: new URL(`./out/failed-${passed + failed}.png`, import.meta.url).pathname }).catch(() => undefined);
+        if (service.ended()) throw new Error(`the service ended during the journey '${journey.name}': ${service.output().slice(-1500)}`);
+        if (before) await recover(page, before).catch((e) => console.log(`  the studio was not restored: ${e.message}`));
       }
     }
     if (failed > 0) console.log(`  output of the service: ${service.output().slice(-1500)}`);

@@ -48,6 +48,8 @@ export async function start_service() {
     run: (arguments_, input) => spawnSync(program, arguments_, { env, cwd: folder, encoding: 'utf8', input }),
     spawn: (arguments_) => spawn(program, arguments_, { env, cwd: folder, stdio: 'ignore' }),
     output: () => output,
+    /** Whether the program has ended. */
+    ended: () => child.exitCode !== null || child.signalCode !== null,
     stop: () =>
       new Promise((resolve) => {
         child.on('exit', () => {
