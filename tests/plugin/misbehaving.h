@@ -1,5 +1,5 @@
 #pragma once
-// Forty LSIs that misbehave: they crash, end or stop their process, hang, damage memory, return values that are not finite, or cannot be
+// Forty-two LSIs that misbehave: they crash, end or stop their process, hang, damage memory, return values that are not finite, or cannot be
 // loaded. Tests run each one with `ugoki lsi test`, `ugoki circuit run` and in the studio.
 
 #include <array>
@@ -74,12 +74,15 @@ inline constexpr std::array misbehaving = {
                 "accessed memory that it does not own"},
     Misbehaving{"not a number", "y[1] = NAN;", "of its output 'y' is not finite"},
     Misbehaving{"infinity", "y[2] = INFINITY;", "of its output 'y' is not finite"},
+    // Changes of the floating-point mode.
+    Misbehaving{"rounds upwards", "fesetround(FE_UPWARD);", "changed the floating-point mode", "#include <fenv.h>"},
+    Misbehaving{"drops subnormal numbers", "_mm_setcsr(_mm_getcsr() | 0x8040);", "changed the floating-point mode", "#include <immintrin.h>"},
     // Exceptions of C++.
     Misbehaving{"throws an exception", "throw std::runtime_error(\"No rope\");", "No rope", "#include <stdexcept>", true},
     Misbehaving{"throws a number", "throw 42;", "rogue", "", true},
     Misbehaving{"throws where it must not", "cannot();", "aborted", "static void cannot() noexcept { throw 1; }", true},
 };
-static_assert(misbehaving.size() == 40);
+static_assert(misbehaving.size() == 42);
 
 /// Source text of the library "rogue" with the LSI `f`.
 inline std::string rogue_source(const Misbehaving& m) {

@@ -135,6 +135,29 @@ TEST_F(PluginFaultsTest, NullPointer) { expect_fault("null", "used a null pointe
 TEST_F(PluginFaultsTest, InfiniteLoop) { expect_fault("forever", "did not return within 3.0 s and was stopped"); }
 TEST_F(PluginFaultsTest, NotANumberNamesThePin) { expect_fault("invalid", "of its output 'out' is not finite", "x.out"); }
 
+// A process that the LSI starts in a session of its own is ended together with the interpreter.
+TEST_F(PluginFaultsTest, ProcessInItsOwnSessionIsEnded) {
+  const std::string number = folder_ + "/pid";
+  install("#include <stdio.h>\n#include <stdlib.h>\n#include <unistd.h>\n/// @library faulty\n"
+          "static void leave(void) {\n  if (fork() != 0) return;\n  setsid();\n  if (fork() != 0) _exit(0);\n"
+          "  FILE* f = fopen(\"" + number + ".new\", \"w\");\n  fprintf(f, \"%d\\n\", (int)getpid());\n  fclose(f);\n"
+          "  rename(\"" + number + ".new\", \"" + number + "\");\n  sleep(1000);\n  _exit(0);\n}\n"
+          "double stray(double t) {\n  static int n = 0;\n  if (++n == 1) leave();\n  if (t > 0.1 && access(\"" + number + "\", F_OK) == 0) _exit(0);\n"
+          "  return t;\n}\n");
+  start();
+  Page p = page();
+  const json stopped = play_until_stopped(p, use("stray"));
+  ASSERT_TRUE(stopped.contains("problems")) << stopped;
+  pid_t pid = 0;
+  std::ifstream(number) >> pid;
+  ASSERT_GT(pid, 1);
+  // A killed process that has no waiting parent stays in /proc as a zombie.
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string line;
+  std::getline(file, line);
+  EXPECT_TRUE(line.empty() || line.find(") Z ") != std::string::npos) << line;
+}
+
 TEST_F(PluginFaultsTest, OtherInterfaceVersionIsRejectedAndNamed) {
   install(faulty);
   // A library that was built for another version of the interface (77), with a correct hash in the manifest.
@@ -236,7 +259,7 @@ TEST_F(PluginFaultsTest, RestartGivesGlobalVariablesTheirInitialValues) {
   EXPECT_NEAR(first[2], first[0], 1.5);
 }
 
-// The forty LSIs of tests/plugin/misbehaving.h: each is named, the studio and its project stay alive.
+// The LSIs of tests/plugin/misbehaving.h: each is named, the studio and its project stay alive.
 class Slow_MisbehavingStudioTest : public PluginFaultsTest {
  protected:
   void install_rogue(const plugin::Misbehaving& m) const {

@@ -95,7 +95,7 @@ class Solver {
   Solver(const MarkerMotion& recorded, const MarkerMotion& clean, Subject subject, Capture& out)
       : recorded_(recorded), clean_(clean), subject_(std::move(subject)), out_(out) {}
 
-  void run(const ModelPose& first, int from) {
+  void run(const ModelPose& first, int from, const std::function<bool()>& cancelled) {
     out_.measured.frames = clean_.frames;
     const std::size_t n = subject_.segment_count();
     out_.measured.translations.resize(static_cast<std::size_t>(clean_.frames) * n);
@@ -109,7 +109,7 @@ class Solver {
     }
     squares_.assign(subject_.columns.size(), 0);
     seen_.assign(subject_.columns.size(), 0);
-    solve_frames(clean_, subject_, first, from,
+    solve_frames(clean_, subject_, first, from, cancelled,
                  [this](int f, const PoseSolver& solver, const ModelPose& pose) { add_frame(f, solver, pose); });
     finish();
   }
@@ -282,14 +282,14 @@ void trim(Capture& out, int from, int to) {
 }
 
 /// Fills long gaps from the body's pose. @param report receives the numbers of frames and positions
-void fill_by_body(MarkerMotion& markers, const Fit& fit, std::vector<std::string>& report) {
+void fill_by_body(MarkerMotion& markers, const Fit& fit, const std::function<bool()>& cancelled, std::vector<std::string>& report) {
   int unknown = 0;
   for (int f = 0; f < markers.frames; ++f) unknown += enough_markers_seen(markers, fit.subject, f) ? 0 : 1;
   if (unknown > 0)
     report.push_back("In " + std::to_string(unknown) +
                      " frames fewer than a third of the markers are seen; the pose in these frames is not known and " +
                      "is kept close to the last known one.");
-  if (const int carried = fill_gaps_by_body(markers, fit.subject, fit.first, fit.from); carried > 0)
+  if (const int carried = fill_gaps_by_body(markers, fit.subject, fit.first, fit.from, cancelled); carried > 0)
     report.push_back(std::to_string(carried) + " positions in long gaps were filled from the pose of the body.");
 }
 
@@ -302,7 +302,7 @@ FilledMarkers fill_markers(const MarkerMotion& motion, const CaptureOptions& opt
   MarkerMotion markers = clean(motion, unfiltered, out.report);
   const Result<Fit> fit = fit_subject(motion, markers, options);
   if (fit)
-    fill_by_body(markers, *fit, out.report);
+    fill_by_body(markers, *fit, options.cancelled, out.report);
   else
     out.report.push_back("Long gaps could not be filled from a body: " + fit.error().problems.front().message);
   if (const int carried = fill_gaps_by_neighbours(markers); carried > 0)
@@ -326,14 +326,16 @@ Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& 
   Result<Fit> fit = fit_subject(motion, markers, options);
   if (!fit) return fail(std::move(fit.error()));
   const auto [from, to] = known_part(markers, fit->subject);
-  fill_by_body(markers, *fit, out.report);
+  fill_by_body(markers, *fit, options.cancelled, out.report);
   out.marker_set = fit->set_name;
   out.measured.name = motion.name;
   out.measured.source = motion.source;
   out.measured.rate = motion.rate;
   out.size = fit->subject.size;
   out.unused = std::move(fit->unused);
-  Solver(motion, markers, std::move(fit->subject), out).run(fit->first, fit->from);
+  Solver(motion, markers, std::move(fit->subject), out).run(fit->first, fit->from, options.cancelled);
+  if (options.cancelled && options.cancelled())
+    return fail(ErrorCode::cancelled, motion.source, "The reconstruction of the body from the markers was cancelled.", "Run it again.");
   if (to >= from && to - from + 1 < motion.frames) {
     trim(out, from, to);
     out.report.push_back("The motion was cut to the frames " + std::to_string(motion.first_frame + from) + " to " +

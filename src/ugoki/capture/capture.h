@@ -1,6 +1,7 @@
 #pragma once
 // From markers to a moving skeleton: segment lengths, marker offsets, and the joints of every frame by least squares.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct CaptureOptions {
   int calibration_frames = 40;  ///< number of frames from which segment lengths and marker offsets are calibrated
   double longest_gap = 0.2;     ///< s; shorter gaps are filled by splines, longer gaps from the other markers
   double cutoff = 0;            ///< Hz, low-pass filter of the markers; 0: chosen by residual analysis, negative: none
+  std::function<bool()> cancelled = {};  ///< called before each frame; true ends the work: solve_markers fails with ErrorCode::cancelled
 };
 
 /// Fit of one marker: distances between recorded and reconstructed position.
@@ -50,7 +52,7 @@ struct FilledMarkers {
 
 /// Chooses the marker set that contains most of the labels, fits it to the recording, and solves every frame.
 /// Errors: no marker set contains enough of the labels (the remedy lists the missing ones); the markers are coplanar; too few markers are
-/// ever seen together.
+/// ever seen together; cancelled.
 /// O(frames * (markers + DOFs^3)).
 [[nodiscard]] Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& options = {});
 

@@ -19,12 +19,13 @@ struct BodyPoses {
   }
 };
 
-BodyPoses find_body_poses(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from) {
+BodyPoses find_body_poses(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from,
+                          const std::function<bool()>& cancelled) {
   BodyPoses out{subject.segment_count(), {}, {}, {}};
   out.poses.resize(static_cast<std::size_t>(markers.frames));
   out.segment_poses.resize(out.poses.size() * out.segments);
   for (int f = 0; f < markers.frames; ++f) out.known.push_back(enough_markers_seen(markers, subject, f) ? 1 : 0);
-  solve_frames(markers, subject, first, from, [&](int f, const PoseSolver& solver, const ModelPose& pose) {
+  solve_frames(markers, subject, first, from, cancelled, [&](int f, const PoseSolver& solver, const ModelPose& pose) {
     out.poses[static_cast<std::size_t>(f)] = pose;
     for (std::size_t i = 0; i < out.segments; ++i)
       out.segment_poses[static_cast<std::size_t>(f) * out.segments + i] = {solver.kinematics().R[i], solver.kinematics().p[i]};
@@ -55,13 +56,15 @@ bool enough_markers_seen(const MarkerMotion& markers, const Subject& subject, in
   return 3 * seen >= static_cast<std::ptrdiff_t>(subject.columns.size());
 }
 
-int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from) {
+int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from,
+                      const std::function<bool()>& cancelled) {
   const std::vector<MarkerGap> gaps = find_gaps(markers);
   if (gaps.empty()) return 0;
   std::vector<int> used_of(markers.labels.size(), -1);
   for (std::size_t m = 0; m < subject.columns.size(); ++m) used_of[static_cast<std::size_t>(subject.columns[m])] = static_cast<int>(m);
   const MarkerMotion measured = markers;
-  const BodyPoses bodies = find_body_poses(measured, subject, first, from);
+  const BodyPoses bodies = find_body_poses(measured, subject, first, from, cancelled);
+  if (cancelled && cancelled()) return 0;
   int count = 0;
   for (const MarkerGap& gap : gaps) {
     const int used = used_of[static_cast<std::size_t>(gap.marker)];

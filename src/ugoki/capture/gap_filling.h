@@ -1,6 +1,8 @@
 #pragma once
 // Fills positions of unseen markers from the pose of the subject that carries them. Internal to capture.
 
+#include <functional>
+
 #include "ugoki/capture/pose_solver.h"
 
 namespace ugoki::capture {
@@ -8,13 +10,16 @@ namespace ugoki::capture {
 /// Solves the poses of all frames: forwards from frame `from` to the end, then backwards from `from` to 0. Each frame starts from
 /// its neighbour's pose.
 /// @param first initial pose of the iteration in frame `from`
+/// @param cancelled called before each frame, may be empty; true ends the work
 /// @param visit called after each frame as visit(frame, solver, pose)
 template <class Visit>
-void solve_frames(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from, const Visit& visit) {
+void solve_frames(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from, const std::function<bool()>& cancelled,
+                  const Visit& visit) {
   PoseSolver solver;
   for (const int step : {1, -1}) {
     ModelPose pose = first;
     for (int f = step > 0 ? from : from - 1; f >= 0 && f < markers.frames; f += step) {
+      if (cancelled && cancelled()) return;
       const ModelPose near = pose;
       PoseOptions options;
       if (f != from) {
@@ -33,8 +38,9 @@ void solve_frames(const MarkerMotion& markers, const Subject& subject, const Mod
 /// Fills every gap of the subject's markers from the pose of the marker's segment, which the other markers determine. At each end of
 /// the gap this position differs from the recorded one. The two differences are interpolated over the gap, so that there is no jump.
 /// Frames without enough_markers_seen are not filled.
-/// @param first, from as for solve_frames @return number of filled positions
-int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from);
+/// @param first, from, cancelled as for solve_frames; after a cancellation the markers are unchanged @return number of filled positions
+int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from,
+                      const std::function<bool()>& cancelled);
 
 /// Gives markers that are seen in no frame of `seen` the mirrored offset of their partner on the other side of the body.
 void mirror_unseen_offsets(Subject& subject, const std::vector<MeasuredFrame>& seen);

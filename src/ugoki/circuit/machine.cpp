@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "ugoki/base/floating_point_mode.h"
 #include "ugoki/base/hash.h"
 
 namespace ugoki::circuit {
@@ -275,7 +276,9 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
     m.wave_ends.push_back(jobs);
   }
   for (std::size_t i = 0; i < n; ++i) {
+    if (!m.units[i].lsi_class->from.empty()) m.foreign.push_back(static_cast<std::uint32_t>(i));
     if (m.units[i].lsi_class->make) {
+      const KeepFloatingPointMode keep;
       set_running(*m.activity, &m.running[i]);
       m.call_at(i).object = m.units[i].lsi_class->make(plan.setups[i]);
     }
@@ -310,6 +313,7 @@ void Interpreter::Machine::set_tick(std::uint64_t index) {
 }
 
 void Interpreter::Machine::initialise() {
+  const std::uint64_t mode = floating_point_mode();
   set_tick(0);
   is_stopped = false;
   cursor = 0;
@@ -331,7 +335,7 @@ void Interpreter::Machine::initialise() {
   }
   set_running(*activity, nullptr);
   std::memcpy(bytes() + front.begin, bytes() + back.begin, front.size());
-  if (!is_stopped) (void)are_fences_intact();
+  if (!is_stopped) (void)are_libraries_sound(mode);
 }
 
 void Interpreter::Machine::set_fences() {
@@ -367,6 +371,29 @@ bool Interpreter::Machine::are_fences_intact() {
       break;
     }
   }
+  return false;
+}
+
+/// Restores the floating-point mode of this thread if an LSI of a library has changed it. Then returns false and stops the interpreter, unless
+/// another error has stopped it. The check follows each run of ticks, so the results of the ticks of this run may be wrong.
+bool Interpreter::Machine::is_mode_intact(std::uint64_t mode) {
+  if (foreign.empty() || floating_point_mode() == mode) return true;
+  set_floating_point_mode(mode);
+  if (is_stopped) return true;
+  is_stopped = true;
+  const Unit& first = units[foreign.front()];
+  stop = {first.id, {}, first.lsi_class->from, {}, {}, tick.index ? tick.index - 1 : 0, 0};
+  stop.time = static_cast<double>(stop.tick) * tick.dt;
+  constexpr const char* change = " changed the floating-point mode (rounding, subnormal numbers or traps) and did not restore it.";
+  if (foreign.size() == 1) {
+    stop.reason = std::string("It") + change;
+    return false;
+  }
+  constexpr std::size_t max_named = 8;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(foreign.size(), max_named); ++i) names += (i ? ", '" : "'") + units[foreign[i]].id + "'";
+  if (foreign.size() > max_named) names += " and " + std::to_string(foreign.size() - max_named) + " others";
+  stop.reason = "One of the LSIs of libraries (" + names + ")" + change;
   return false;
 }
 

@@ -104,6 +104,7 @@ struct Interpreter::Machine {
   std::vector<double> parameters;
   Arena arena;
   std::vector<Fence> fences;
+  std::vector<std::uint32_t> foreign;  ///< indices into `units` of the LSIs of libraries
   Range front, back;           ///< delayed outputs: consumers read `front`, LSIs write `back`; both have the same layout
   std::vector<Job> jobs;       ///< calls of a tick: all `step` calls, then all `advance` calls
   std::size_t step_count = 0;  ///< number of steps at the beginning of `jobs`
@@ -148,6 +149,9 @@ struct Interpreter::Machine {
   void initialise();
   void set_fences();
   [[nodiscard]] bool are_fences_intact();
+  [[nodiscard]] bool is_mode_intact(std::uint64_t mode);
+  /// Returns false and stops the interpreter if an LSI of a library has done damage since floating_point_mode() was `mode`.
+  [[nodiscard]] bool are_libraries_sound(std::uint64_t mode) { return is_mode_intact(mode) && (is_stopped || fences.empty() || are_fences_intact()); }
   template <bool timed, bool probed>
   std::uint64_t run_fast(std::uint64_t count);
   std::uint64_t run(std::uint64_t count);

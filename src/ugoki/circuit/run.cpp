@@ -4,6 +4,7 @@
 #include <cstring>
 #include <iterator>
 
+#include "ugoki/base/floating_point_mode.h"
 #include "ugoki/circuit/executor.h"
 #include "ugoki/circuit/machine.h"
 
@@ -247,8 +248,9 @@ std::uint64_t Interpreter::run(std::uint64_t count) {
   Machine& m = *machine_;
   if (m.is_stopped) [[unlikely]]
     return 0;
+  const std::uint64_t mode = m.foreign.empty() ? 0 : floating_point_mode();
   const std::uint64_t done = m.run(count);
-  if (!m.fences.empty() && !m.is_stopped && !m.are_fences_intact()) [[unlikely]]
+  if (!m.foreign.empty() && !m.are_libraries_sound(mode)) [[unlikely]]
     return done > 0 ? done - 1 : 0;
   return done;
 }
@@ -267,11 +269,12 @@ bool Interpreter::step_lsi() {
     m.record_inputs();
   }
   skip_those_not_due();
+  const std::uint64_t mode = floating_point_mode();
   m.plain = m.fast = false;
   m.reason[0] = '\0';
   if (m.cursor < jobs.size() && !m.run_one_by_one(jobs.subspan(m.cursor, 1))) return false;
   set_running(*m.activity, nullptr);
-  if (!m.are_fences_intact()) return false;
+  if (!m.are_libraries_sound(mode)) return false;
   ++m.cursor;
   skip_those_not_due();
   return m.cursor < jobs.size() || m.tick_with_extras();
@@ -287,6 +290,7 @@ std::string Interpreter::next_lsi() const {
 bool Interpreter::refresh() {
   Machine& m = *machine_;
   __atomic_store_n(&m.activity->passes, m.activity->passes + 1, __ATOMIC_RELAXED);
+  const std::uint64_t mode = floating_point_mode();
   m.reason[0] = '\0';
   bool good = true;
   for (const Job& job : m.on_demand) {
@@ -295,7 +299,7 @@ bool Interpreter::refresh() {
     good = good && m.run_one_by_one({&due, 1});
   }
   set_running(*m.activity, nullptr);
-  return good && m.are_fences_intact();
+  return good && m.are_libraries_sound(mode);
 }
 
 void Interpreter::set_timing(Clock clock, std::uint32_t one_in) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <set>
 
+#include "ugoki/base/floating_point_mode.h"
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
 
@@ -119,6 +120,7 @@ Result<std::shared_ptr<Code>> Code::open(const Archive& archive, const ModelDesc
   code->resources_ = d.version == 2 ? file_uri(*folder + "/resources") : *folder + "/resources/";
 
   // The library is never closed: some FMUs start threads that outlive their instances and would then run unmapped code.
+  const KeepFloatingPointMode keep;  // a library linked with -ffast-math sets the mode when it is loaded
   void* handle = ::dlopen((*folder + "/" + binary_name(d)).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
     const char* why = dlerror();

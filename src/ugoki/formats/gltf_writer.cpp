@@ -1,9 +1,8 @@
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstring>
+#include <utility>
 
 #include "ugoki/formats/file_axes.h"
+#include "ugoki/formats/glb_chunk.h"
 #include "ugoki/formats/gltf.h"
 #include "ugoki/json/json.h"
 
@@ -12,49 +11,6 @@ namespace {
 
 using json::Json;
 
-/// Builds the binary chunk together with its buffer views and accessors.
-class Chunk {
- public:
-  /// Appends data, aligned to 4 bytes, and returns the index of their accessor.
-  /// @param type   glTF type, for example "VEC3"
-  /// @param kind   glTF component type: 5126 float, 5123 unsigned short
-  /// @param target glTF target of the buffer view (34962: vertex attributes); 0: none
-  int add(const void* data, std::size_t size, std::size_t count, const char* type, int kind, int target = 0) {
-    bytes_.resize((bytes_.size() + 3) / 4 * 4);
-    Json view{{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", size}};
-    if (target != 0) view["target"] = target;
-    views.push_back(std::move(view));
-    const auto* p = static_cast<const std::byte*>(data);
-    bytes_.insert(bytes_.end(), p, p + size);
-    accessors.push_back({{"bufferView", views.size() - 1}, {"componentType", kind}, {"count", count}, {"type", type}});
-    return static_cast<int>(accessors.size()) - 1;
-  }
-  int floats(const std::vector<float>& v, std::size_t components, const char* type, int target = 0) {
-    return add(v.data(), 4 * v.size(), v.size() / components, type, 5126, target);
-  }
-  /// Sets the minimum and maximum of every component, which glTF requires for positions and key times.
-  void bound(int accessor, const std::vector<float>& v, std::size_t components) {
-    Json low = Json::array(), high = Json::array();
-    for (std::size_t c = 0; c < components; ++c) {
-      float minimum = v[c], maximum = v[c];
-      for (std::size_t i = c; i < v.size(); i += components) {
-        minimum = std::min(minimum, v[i]);
-        maximum = std::max(maximum, v[i]);
-      }
-      low.push_back(minimum);
-      high.push_back(maximum);
-    }
-    accessors[static_cast<std::size_t>(accessor)]["min"] = low;
-    accessors[static_cast<std::size_t>(accessor)]["max"] = high;
-  }
-  std::vector<std::byte>& bytes() { return bytes_; }
-
-  Json views = Json::array(), accessors = Json::array();
-
- private:
-  std::vector<std::byte> bytes_;
-};
-
 void put(std::vector<float>& out, const Vec3& v) {
   for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(v[k]));
 }
@@ -62,14 +18,8 @@ void put(std::vector<float>& out, const Vec3& v) {
 /// Appends a rotation, converted to file axes, as x y z w.
 void put(std::vector<float>& out, const Quat& q, const FileAxes& axes) {
   const Vec3 v = axes.to_file({q.x, q.y, q.z});
-  std::array<double, 4> x = {v.x, v.y, v.z, q.w};
-  // Normalised after rounding to single precision: validators check the norm of the stored values.
-  double length = 0;
-  for (double& c : x) {
-    c = static_cast<double>(static_cast<float>(c));
-    length += c * c;
-  }
-  for (const double c : x) out.push_back(static_cast<float>(c / std::sqrt(length)));
+  const std::array<float, 4> x = glb_rotation({q.w, v.x, v.y, v.z});
+  out.insert(out.end(), x.begin(), x.end());
 }
 
 /// Mesh of the bones. Each bone is a flat-shaded double pyramid with a square cross-section at a fifth of its length.
@@ -106,7 +56,7 @@ struct Bones {
 };
 
 /// Adds the mesh, its material and the skin to `root`; returns the node that shows them.
-Json skin_and_mesh(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, Json& root) {
+Json skin_and_mesh(const MeasuredMotion& m, const FileAxes& axes, GlbChunk& chunk, Json& root) {
   const std::vector<Vec3> rest = rest_positions(m.skeleton);
   const std::size_t n = rest.size();
   Bones bones;
@@ -122,12 +72,11 @@ Json skin_and_mesh(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, 
     if (parent >= 0) bones.add(axes.to_file(rest[static_cast<std::size_t>(parent)]), p, parent);
   }
   if (bones.positions.empty()) bones.add({0, 0, 0}, {0, 0.1, 0}, 0);
-  const std::size_t vertices = bones.positions.size() / 3;
   const int positions = chunk.floats(bones.positions, 3, "VEC3", 34962);
   chunk.bound(positions, bones.positions, 3);
   const int normals = chunk.floats(bones.normals, 3, "VEC3", 34962);
   const int weights = chunk.floats(bones.weights, 4, "VEC4", 34962);
-  const int owners = chunk.add(bones.joints.data(), 2 * bones.joints.size(), vertices, "VEC4", 5123, 34962);
+  const int owners = chunk.add(bones.joints, 4, "VEC4", 5123, 34962);
   root["meshes"] = Json::array(
       {{{"name", "bones"},
         {"primitives",
@@ -141,7 +90,7 @@ Json skin_and_mesh(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, 
 }
 
 /// Adds the animation to `root`. Joints that do not translate have no translation channel.
-void animate(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, Json& root) {
+void animate(const MeasuredMotion& m, const FileAxes& axes, GlbChunk& chunk, Json& root) {
   std::vector<float> times;
   for (int f = 0; f < m.frames; ++f) times.push_back(static_cast<float>(f / m.rate));
   const int input = chunk.floats(times, 1, "SCALAR");
@@ -176,7 +125,7 @@ void animate(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, Json& 
 
 std::vector<std::byte> write_glb(const MeasuredMotion& m) {
   const FileAxes axes;
-  Chunk chunk;
+  GlbChunk chunk;
   Json root{{"asset", {{"version", "2.0"}, {"generator", "Ugoki"}}}, {"scene", 0}};
   Json nodes = Json::array(), joint_roots = Json::array();
   for (std::size_t j = 0; j < m.skeleton.joints.size(); ++j) {
@@ -200,28 +149,7 @@ std::vector<std::byte> write_glb(const MeasuredMotion& m) {
   roots.push_back(nodes.size() - 1);
   root["scenes"] = Json::array({{{"nodes", roots}}});
   root["nodes"] = std::move(nodes);
-  std::vector<std::byte>& binary = chunk.bytes();
-  root["bufferViews"] = std::move(chunk.views);
-  root["accessors"] = std::move(chunk.accessors);
-  binary.resize((binary.size() + 3) / 4 * 4);
-  root["buffers"] = Json::array({{{"byteLength", binary.size()}}});
-  std::string text = json::to_text(root);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  std::vector<std::byte> out;
-  const auto word = [&](std::size_t v) {
-    for (int k = 0; k < 4; ++k) out.push_back(static_cast<std::byte>(v >> (8 * k) & 0xff));
-  };
-  word(0x46546C67);
-  word(2);
-  word(12 + 8 + text.size() + 8 + binary.size());
-  word(text.size());
-  word(0x4E4F534A);
-  const auto* p = reinterpret_cast<const std::byte*>(text.data());
-  out.insert(out.end(), p, p + text.size());
-  word(binary.size());
-  word(0x004E4942);
-  out.insert(out.end(), binary.begin(), binary.end());
-  return out;
+  return chunk.finish(std::move(root));
 }
 
 }  // namespace ugoki::formats

@@ -249,7 +249,10 @@ Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes not
   options.axes.reset();
   options.frame_rate = 0;
   if (auto error = stopped(options, file_name)) return fail(std::move(*error));
-  Result<capture::Capture> solved = capture::solve_markers(*markers);
+  capture::CaptureOptions capture_options;
+  capture_options.cancelled = options.cancelled;
+  Result<capture::Capture> solved = capture::solve_markers(*markers, capture_options);
+  if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   if (!solved) return fail(std::move(solved.error()));
   notes.remarks.insert(notes.remarks.end(), solved->report.begin(), solved->report.end());
   const auto worst =

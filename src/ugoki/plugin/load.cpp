@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "ugoki/base/floating_point_mode.h"
 #include "ugoki/base/sha256.h"
 #include "ugoki/circuit/setup.h"
 #include "ugoki/files/files.h"
@@ -71,6 +72,7 @@ Result<std::shared_ptr<Code>> open_copy(const std::string& path, const std::stri
   const Result<void> written = files::write_file(copy, std::string_view(bytes));
   auto code = std::make_shared<Code>();
   code->name = fs::path(path).filename().string();
+  const KeepFloatingPointMode keep;  // a library linked with -ffast-math sets the mode when it is loaded
   if (written) code->handle = dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL);
   const char* why = written && !code->handle ? dlerror() : nullptr;
   std::string reason = why ? why : "";

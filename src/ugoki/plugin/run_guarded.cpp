@@ -11,72 +11,23 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
-#include "ugoki/base/number.h"
+#include "ugoki/plugin/drain.h"
 #include "ugoki/plugin/guard.h"
 #include "ugoki/plugin/guard_block.h"
+#include "ugoki/plugin/strays.h"
 
 namespace ugoki::plugin {
 namespace {
 
 constexpr std::chrono::milliseconds look_period{20};  // a child that ended while its pipe stays open is noticed after this time
 
-/// Process ids of the living children of this process.
-std::vector<pid_t> children() {
-  std::vector<pid_t> out;
-  std::error_code ec;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc", ec)) {
-    const auto pid = parse_long(entry.path().filename().string());
-    if (!pid) continue;
-    std::ifstream file(entry.path() / "stat");
-    std::string line;
-    std::getline(file, line);
-    const auto end = line.rfind(") ");  // the line is "PID (NAME) STATE PARENT ..."
-    if (end == std::string::npos || line.size() < end + 5) continue;
-    if (parse_long(line.substr(end + 4, line.find(' ', end + 4) - end - 4)) == static_cast<long>(::getpid()))
-      out.push_back(static_cast<pid_t>(*pid));
-  }
-  return out;
-}
-
-/// Ends processes that LSIs of the guarded process have started: they would keep stdout open after this program ended.
-/// @param before children of this process that are kept
-void end_strays(const std::vector<pid_t>& before) {
-  for (int round = 0; round < 100; ++round) {  // each round makes the children of the ended processes visible
-    bool found = false;
-    for (const pid_t pid : children()) {
-      if (std::find(before.begin(), before.end(), pid) != before.end()) continue;
-      found = true;
-      ::kill(pid, SIGKILL);
-      while (::waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
-      }
-    }
-    if (!found) return;
-  }
-}
-
 /// How a process ended: "exit status 0" or "signal 9, Killed".
 std::string end_text(int status) {
   if (WIFEXITED(status)) return "exit status " + std::to_string(WEXITSTATUS(status));
   return "signal " + std::to_string(WTERMSIG(status)) + ", " + strsignal(WTERMSIG(status));
-}
-
-/// Reads the available bytes of a non-blocking pipe. @return false at the end of the pipe
-bool drain(int fd, std::string& to) {
-  char buffer[1024];
-  while (true) {
-    const ssize_t n = ::read(fd, buffer, sizeof buffer);
-    if (n > 0)
-      to.append(buffer, static_cast<std::size_t>(n));
-    else if (n == 0)
-      return false;
-    else if (errno != EINTR)
-      return errno == EAGAIN;
-  }
 }
 
 /// The report of work that ended: "done PID STATUS\n". Processes that an LSI forked have another PID.
@@ -147,7 +98,7 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   }
   if (pipe.fd >= 0) (void)drain(pipe.fd, words);
   ::close(ends[0]);
-  end_strays(before);
+  end_children_except(before);
   ::prctl(PR_SET_CHILD_SUBREAPER, was_reaper);
   ::sigaction(SIGINT, &usual, nullptr);
   if (WIFEXITED(status) && words.find(done_report(child, WEXITSTATUS(status))) != std::string::npos) return WEXITSTATUS(status);

@@ -11,24 +11,12 @@
 #include <cerrno>
 #include <cstring>
 
+#include "ugoki/plugin/drain.h"
+
 namespace ugoki::plugin {
 namespace {
 
 constexpr std::chrono::milliseconds look_period{20};  // a program that ended while its pipes stay open is noticed after this time
-
-/// Reads the available bytes of a non-blocking pipe. @return false at the end of the pipe
-bool drain(int fd, std::string& to) {
-  char buffer[4096];
-  while (true) {
-    const ssize_t n = ::read(fd, buffer, sizeof buffer);
-    if (n > 0)
-      to.append(buffer, static_cast<std::size_t>(n));
-    else if (n == 0)
-      return false;
-    else if (errno != EINTR)
-      return errno == EAGAIN;
-  }
-}
 
 }  // namespace
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 #include "ugoki/base/check.h"
+#include "ugoki/formats/glb_chunk.h"
 #include "ugoki/json/json.h"
 #include "ugoki/publish/shape_surface.h"
 #include "ugoki/publish/take.h"
@@ -21,58 +21,12 @@ Quat to_file(const Quat& q) {
   return {q.w, v.x, v.y, v.z};
 }
 
-/// The binary chunk with its buffer views and accessors.
-class Chunk {
- public:
-  template <class T>
-  int add(const std::vector<T>& values, std::size_t components, const char* type, int kind, int target = 0) {
-    bytes_.resize((bytes_.size() + 3) / 4 * 4);
-    Json view{{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", values.size() * sizeof(T)}};
-    if (target != 0) view["target"] = target;
-    views.push_back(std::move(view));
-    const auto* p = reinterpret_cast<const std::byte*>(values.data());
-    bytes_.insert(bytes_.end(), p, p + values.size() * sizeof(T));
-    accessors.push_back({{"bufferView", views.size() - 1}, {"componentType", kind}, {"count", values.size() / components}, {"type", type}});
-    return static_cast<int>(accessors.size()) - 1;
-  }
-  int floats(const std::vector<float>& values, std::size_t components, const char* type, int target = 0) {
-    return add(values, components, type, 5126, target);
-  }
-  /// Writes the bounds of every component, which glTF requires for positions and key times.
-  void bound(int accessor, const std::vector<float>& v, std::size_t components) {
-    Json low = Json::array(), high = Json::array();
-    for (std::size_t c = 0; c < components; ++c) {
-      float minimum = v[c], maximum = v[c];
-      for (std::size_t i = c; i < v.size(); i += components) {
-        minimum = std::min(minimum, v[i]);
-        maximum = std::max(maximum, v[i]);
-      }
-      low.push_back(minimum);
-      high.push_back(maximum);
-    }
-    accessors[static_cast<std::size_t>(accessor)]["min"] = low;
-    accessors[static_cast<std::size_t>(accessor)]["max"] = high;
-  }
-  std::vector<std::byte>& bytes() { return bytes_; }
-
-  Json views = Json::array(), accessors = Json::array();
-
- private:
-  std::vector<std::byte> bytes_;
-};
-
 void put(std::vector<float>& out, const Vec3& v) {
   for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(v[k]));
 }
-/// Appends x y z w, normalised after rounding to single precision: validators check the norm of the stored values.
 void put(std::vector<float>& out, const Quat& q) {
-  std::array<double, 4> x = {q.x, q.y, q.z, q.w};
-  double square = 0;
-  for (double& c : x) {
-    c = static_cast<double>(static_cast<float>(c));
-    square += c * c;
-  }
-  for (const double c : x) out.push_back(static_cast<float>(c / std::sqrt(square)));
+  const std::array<float, 4> x = formats::glb_rotation(q);
+  out.insert(out.end(), x.begin(), x.end());
 }
 Json to_json(const Vec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 Json to_json(const Quat& q) {
@@ -109,7 +63,7 @@ class Writer {
     for (const auto& [key, list] : {std::pair{"meshes", &meshes_}, {"materials", &materials_}, {"skins", &skins_}})
       if (!list->empty()) root_[key] = *list;
     if (!channels_.empty()) root_["animations"] = Json::array({{{"name", take_.name}, {"channels", channels_}, {"samplers", samplers_}}});
-    return finish();
+    return chunk_.finish(std::move(root_));
   }
 
  private:
@@ -235,33 +189,8 @@ class Writer {
     if (!still) animate(node, "translation", chunk_.floats(positions, 3, "VEC3"));
   }
 
-  std::vector<std::byte> finish() {
-    std::vector<std::byte>& binary = chunk_.bytes();
-    root_["bufferViews"] = std::move(chunk_.views);
-    root_["accessors"] = std::move(chunk_.accessors);
-    binary.resize((binary.size() + 3) / 4 * 4);
-    root_["buffers"] = Json::array({{{"byteLength", binary.size()}}});
-    std::string text = json::to_text(root_);
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    std::vector<std::byte> out;
-    const auto word = [&](std::size_t v) {
-      for (int k = 0; k < 4; ++k) out.push_back(static_cast<std::byte>(v >> (8 * k) & 0xff));
-    };
-    word(0x46546C67);  // "glTF"
-    word(2);
-    word(12 + 8 + text.size() + 8 + binary.size());
-    word(text.size());
-    word(0x4E4F534A);  // "JSON"
-    const auto* p = reinterpret_cast<const std::byte*>(text.data());
-    out.insert(out.end(), p, p + text.size());
-    word(binary.size());
-    word(0x004E4942);  // "BIN"
-    out.insert(out.end(), binary.begin(), binary.end());
-    return out;
-  }
-
   const Take& take_;
-  Chunk chunk_;
+  formats::GlbChunk chunk_;
   Json root_, nodes_ = Json::array(), roots_ = Json::array(), meshes_ = Json::array(), materials_ = Json::array(), skins_ = Json::array();
   Json channels_ = Json::array(), samplers_ = Json::array();
   int times_ = -1;

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/strays.h"
 #include "ugoki/studio/interpreter_child.h"
 
 namespace ugoki::studio {
@@ -63,8 +64,14 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   std::vector<char*> arguments = {const_cast<char*>(program.path.c_str())};
   for (const std::string& a : program.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
   arguments.push_back(nullptr);
+  static std::atomic<unsigned> started = 0;
+  std::string mark = "UGOKI_INTERPRETER=" + std::to_string(getpid()) + "-" + std::to_string(++started);
+  std::vector<char*> environment;
+  for (char** e = environ; *e != nullptr; ++e) environment.push_back(*e);
+  environment.push_back(mark.data());
+  environment.push_back(nullptr);
   pid_t pid = -1;
-  const int error = posix_spawn(&pid, program.path.c_str(), &actions, &attributes, arguments.data(), environ);
+  const int error = posix_spawn(&pid, program.path.c_str(), &actions, &attributes, arguments.data(), environment.data());
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   for (const int fd : handed) close(fd);
@@ -76,17 +83,18 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   }
   ends->first.set_send_limit(send_limit);
   return std::unique_ptr<InterpreterProcess>(
-      new InterpreterProcess(std::move(ends->first), std::move(*ring), std::move(*guard), signal, words[0], pid, std::move(events)));
+      new InterpreterProcess(std::move(ends->first), std::move(*ring), std::move(*guard), signal, words[0], pid, std::move(mark), std::move(events)));
 }
 
 InterpreterProcess::InterpreterProcess(Channel control, FrameRing ring, plugin::GuardMemory guard, int signal, int words, int pid,
-                                       InterpreterEvents events)
+                                       std::string mark, InterpreterEvents events)
     : control_(std::move(control)),
       ring_(std::move(ring)),
       guard_(std::move(guard)),
       signal_(signal),
       words_(words),
       pid_(pid),
+      mark_(std::move(mark)),
       process_(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0))),
       events_(std::move(events)),
       thread_([this] { listen(); }) {}
@@ -146,6 +154,7 @@ Problem InterpreterProcess::wait_for_end() {
   pid_t got = 0;
   while ((got = waitpid(pid_, &status, 0)) < 0 && errno == EINTR) {
   }
+  plugin::end_marked(mark_);  // processes that LSIs started in a group of their own (setsid)
   const auto named = [&](Problem problem) {
     problem.remedy = problem.remedy.empty() || problem.remedy == "Run it again." ? safe : problem.remedy + " " + safe;
     return problem;

@@ -47,7 +47,8 @@ class InterpreterProcess {
   [[nodiscard]] int pid() const { return pid_; }
 
  private:
-  InterpreterProcess(Channel control, FrameRing ring, plugin::GuardMemory guard, int signal, int words, int pid, InterpreterEvents events);
+  InterpreterProcess(Channel control, FrameRing ring, plugin::GuardMemory guard, int signal, int words, int pid, std::string mark,
+                     InterpreterEvents events);
   void listen();
   /// Waits for the end of the process, or ends it, and ends the processes that it started. @return the reason of the end
   Problem wait_for_end();
@@ -58,6 +59,7 @@ class InterpreterProcess {
   int signal_;  ///< eventfd that signals new frames
   int words_;   ///< pipe from which the fault report of a crash is read
   int pid_;
+  std::string mark_;  ///< entry of the environment of the process and of those that it starts: "NAME=VALUE"
   int process_;  ///< pidfd of the process: readable when the process has ended; -1 if the system has none
   InterpreterEvents events_;
   std::atomic<bool> ending_ = false, unanswering_ = false;
