@@ -1,4 +1,4 @@
-# Installation and packages: `cmake --install`, a Debian package by CPack. scripts/package builds everything that they contain.
+# Installation with `cmake --install`, and a Debian package with CPack. scripts/package builds all files that they contain.
 set(share share/ugoki)
 install(TARGETS ugoki RUNTIME DESTINATION bin)
 install(TARGETS ugoki_native_player RUNTIME DESTINATION libexec/ugoki)
@@ -11,7 +11,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION share/doc/ugoki)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/ugoki)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/ugoki RENAME copyright)
 
-# The release archive has libraries of the system beside the program, in lib/ugoki. RPATH, not RUNPATH, so that they find each other too.
+# The release archive contains libraries of the system in lib/ugoki, beside the program. RPATH is used instead of RUNPATH, because RPATH also
+# applies when these libraries load each other.
 set_target_properties(ugoki PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/ugoki")
 target_link_options(ugoki PRIVATE -Wl,--disable-new-dtags)
 

@@ -1,4 +1,4 @@
-// The native player. Exported programs are this program with a payload: page and content.
+// The native player. An exported program is this program followed by a payload, which contains the page and the content.
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -36,7 +36,7 @@ int print_error(const Error& error, bool as_json) {
   return 1;
 }
 
-/// The bytes of this program's file, mapped for the life of the process.
+/// Returns the bytes of this program's file, mapped until the process ends.
 Result<std::span<const std::byte>> map_program() {
   const auto failed = [](const char* what) {
     return fail(ErrorCode::io, "/proc/self/exe", std::string("The program's file cannot be read: ") + what + ".", "Check its permissions.");

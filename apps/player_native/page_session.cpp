@@ -157,7 +157,7 @@ void PageSession::handle(const Message& message) {
       if (problems.empty()) player_.drag(target);
     } else if (op == "release") {
       player_.release();
-    } else if (op == "left") {  // the page is gone: nobody holds a key or a character any more
+    } else if (op == "left") {  // the page was closed: release all keys and the grabbed character
       player_.release();
       held_ = {};
       player_.hold(held_);
@@ -179,7 +179,7 @@ void PageSession::handle(const Message& message) {
     } else if (op == "hash") {
       result = hex(player_.state_hash());
     } else {
-      problems.add(ErrorCode::unknown, "message/op", "There is no operation '" + op + "'.", "Reload the page.");
+      problems.add(ErrorCode::unknown, "message/op", "'" + op + "' is not an operation.", "Reload the page.");
     }
   }
   if (!wants_answer) return;

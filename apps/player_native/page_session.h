@@ -16,10 +16,10 @@ namespace ugoki::player_native {
 
 /// Messages of a page, text JSON {"op": ..., "id": n}:
 ///   hello                       answered by {"event": "scene", "scene", "devices"} and a frame
-///   advance {seconds, budget}   lets that much content pass, within `budget` s of processor time; answered by a frame
+///   advance {seconds, budget}   runs `seconds` of content, within `budget` s of processor time; answered by a frame
 ///   step {count}, reset, push, grab, drag, release, input, schedule {inputs}, recorded, hash
 /// A message with an id is answered by {"event": "done", "id", "result" or "error"}. A run that stops sends {"event": "stopped", "reason"}.
-/// The player runs on a thread of its own; messages of all pages are handled in the order in which they arrive.
+/// The player runs on a separate thread. Messages of all pages are handled in the order in which they arrive.
 class PageSession final : public studio::ServerEvents {
  public:
   explicit PageSession(content::Player player);

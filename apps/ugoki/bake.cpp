@@ -97,7 +97,7 @@ Json run_one(const SceneSource& source, const SweepPlan& plan, const std::vector
   return row;
 }
 
-/// A run in a child process, which writes its row into a pipe.
+/// A child process that computes one run and writes its row into a pipe.
 struct Worker {
   std::uint64_t number = 0;
   pid_t pid = -1;
@@ -109,7 +109,7 @@ struct Worker {
 Result<Worker> start_worker(std::uint64_t number, const SceneSource& source, const SweepPlan& plan,
                             const std::vector<std::string>& values) {
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::io, "bake", "No pipe can be made.", "Use fewer --jobs.");
+  if (::pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::io, "bake", "No pipe can be created.", "Use fewer --jobs.");
   const pid_t pid = ::fork();
   if (pid < 0) {
     ::close(ends[0]);
@@ -117,8 +117,8 @@ Result<Worker> start_worker(std::uint64_t number, const SceneSource& source, con
     return fail(ErrorCode::io, "bake", std::string("No process can be started: ") + std::strerror(errno) + ".", "Use fewer --jobs.");
   }
   if (pid == 0) {
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a run without its table is useless
-    ::setpgid(0, 0);                     // Ctrl+C reaches the parent only
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // if the parent ends, nobody stores the result of this run
+    ::setpgid(0, 0);                     // Ctrl+C reaches only the parent
     ::close(ends[0]);
     const std::string row = json::to_text(run_one(source, plan, values));
     std::string_view rest = row;
@@ -133,7 +133,7 @@ Result<Worker> start_worker(std::uint64_t number, const SceneSource& source, con
   return Worker{number, pid, ends[0], "", Clock::now()};
 }
 
-/// Waits for the child and returns its row; a row that reports the end of a child that crashed.
+/// Waits for the child and returns its row. If the child crashed or timed out, the row reports this.
 Json finish(Worker& w, bool timed_out, double limit) {
   if (timed_out) ::kill(w.pid, SIGKILL);
   int status = 0;
@@ -148,7 +148,7 @@ Json finish(Worker& w, bool timed_out, double limit) {
   return {{"status", "crashed"}, {"message", "The process ended without a result."}};
 }
 
-/// Which runs this call computes: part I of N has the numbers I, I + N, I + 2 N ...
+/// The runs that this call computes: part I of N has the run numbers I, I + N, I + 2 N ...
 struct Part {
   std::uint64_t index = 0, count = 1;
 };
@@ -158,8 +158,7 @@ Result<Part> read_part(const std::string& text) {
   const std::optional<long> index = parse_long(text.substr(0, slash)),
                             count = slash == std::string::npos ? std::nullopt : parse_long(text.substr(slash + 1));
   if (!index || !count || *count < 1 || *index < 0 || *index >= *count)
-    return fail(ErrorCode::syntax, "--part " + text, "This is not a part of the form I/N with 0 <= I < N.",
-                "Write, for example, --part 0/8.");
+    return fail(ErrorCode::syntax, "--part " + text, "A part has the form I/N with 0 <= I < N.", "Write, for example, --part 0/8.");
   return Part{static_cast<std::uint64_t>(*index), static_cast<std::uint64_t>(*count)};
 }
 
@@ -241,7 +240,7 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
     return print_error(Error(ErrorCode::range, "--vary", "The sweep has more than " + std::to_string(max_runs) + " runs.",
                              "Give fewer values, or --random."),
                        o.json);
-  {  // errors in names and values are found before thousands of runs fail with them
+  {  // find errors in names and values before thousands of runs fail with the same error
     content::Scenario first = sources[0].scenario;
     if (Result<void> good = apply_variations(first, sources[0].resources, plan.variations, plan.run(part->index).second); !good)
       return print_error(good.error(), o.json);
@@ -287,7 +286,7 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
       running.push_back(std::move(*worker));
       ++next;
     }
-    if (interrupted() || failure) {  // runs under way are lost; the next call repeats them
+    if (interrupted() || failure) {  // running runs are lost; the next call repeats them
       for (Worker& w : running) {
         ::kill(w.pid, SIGKILL);
         while (::waitpid(w.pid, nullptr, 0) < 0 && errno == EINTR) {

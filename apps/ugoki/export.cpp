@@ -42,15 +42,15 @@ struct Written {
   std::uintmax_t bytes = 0;
 };
 
-/// Checks that the content runs with the LSIs of Ugoki alone, because pages and native programs carry no other code.
+/// Checks that the content runs with the standard LSIs alone, because pages, pictures and native programs have no other LSIs.
 Result<void> check_portable(std::span<const std::byte> ugx, const std::string& name) {
   const Result<content::Player> plain = content::Player::open(ugx, name);
   if (plain) return {};
   if (!open_hosted(ugx, name)) return fail(plain.error());  // the content does not run here either
   Error error = plain.error();
   for (Problem& p : error.problems) {
-    p.message += " It comes from an installed library, which a page or a native program does not carry.";
-    p.remedy = "Replace these LSIs by standard ones, or export pictures or --glb, --usda, --csv, which run here.";
+    p.message += " It comes from an installed library. Pages, pictures and native programs can use only the standard LSIs.";
+    p.remedy = "Replace this LSI by standard ones, or write --glb, --usda or --csv, which also simulate LSIs of installed libraries.";
   }
   return fail(std::move(error));
 }
@@ -79,7 +79,7 @@ Result<void> write_native(const Options& o, const std::string& page, std::span<c
   return {};
 }
 
-/// Writes the folder of --embed: the element's script, the content, and a page that shows how to use them.
+/// Writes the folder of --embed: the element's script, the content, and an example page that uses both.
 Result<void> write_embed(const Options& o, const std::string& name, std::span<const std::byte> ugx, std::vector<Written>& report,
                          const std::string& title) {
   const Result<std::string> script = publish::read_player_part("ugoki-player.js", o.player);

@@ -16,7 +16,7 @@ struct PictureOptions {
   double rate = 0;                  ///< pictures per second; 0: the frame rate of the content
   double from = 0, duration = 0;    ///< s of the content; duration 0: to the end
   int blur = 1;                     ///< sub-frames that are averaged into one picture; 1: no motion blur
-  double shutter = 0.5;             ///< fraction of the time between two pictures in which the sub-frames are
+  double shutter = 0.5;             ///< fraction of the time between two pictures over which the sub-frames are spread
   bool transparent = false;         ///< PNG only
   bool overlays = false;            ///< draw the root assist
   bool light = false;               ///< light background instead of the dark one
@@ -31,8 +31,9 @@ struct PictureOutputs {
   [[nodiscard]] bool any() const { return !png.empty() || !mp4.empty() || !webm.empty() || !gif.empty(); }
 };
 
-/// Draws the content in a headless browser and writes the outputs. @param page text of player.html
-/// Ctrl+C ends it; no incomplete file is left. @return the files written
+/// Draws the content in a headless browser and writes the outputs. Ctrl+C ends the export and leaves no incomplete file.
+/// @param page text of player.html
+/// @return the files written
 [[nodiscard]] Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name,
                                                                std::span<const std::byte> ugx, const PictureOptions& options,
                                                                const PictureOutputs& outputs);

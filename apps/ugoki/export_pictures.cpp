@@ -1,5 +1,5 @@
-// Pictures and videos of `ugoki export`: a headless browser draws the player's page, which sends each picture to this program, which writes
-// it or passes it to ffmpeg. The renderer is therefore the one of the studio and of exported pages.
+// Pictures and videos of `ugoki export`. A headless browser draws the player's page, and the page sends each picture to this program. The
+// program writes the picture or passes it to ffmpeg. Pictures, the studio and exported pages therefore have the same renderer.
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -34,14 +34,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int max_waiting = 4;    // pictures that have arrived but are not written yet
-constexpr double patience = 120;  // s without a picture, after which the browser counts as stuck
+constexpr double patience = 120;  // s: a browser that draws no picture for this time is regarded as hanging
 constexpr int max_pictures = 1'000'000;
 
-/// The first of these programs on $PATH, or the given path.
+/// Returns the given path, or if it is empty, the first of the named programs on $PATH.
 Result<std::string> find_program(const std::string& given, std::initializer_list<const char*> names, const char* remedy) {
   if (!given.empty()) {
     if (::access(given.c_str(), X_OK) == 0) return given;
-    return fail(ErrorCode::io, given, "This program does not exist or may not be run.", "Name an executable file.");
+    return fail(ErrorCode::io, given, "The program does not exist or is not executable.", "Specify an executable file.");
   }
   const char* path = std::getenv("PATH");
   for (const char* name : names) {
@@ -56,14 +56,14 @@ Result<std::string> find_program(const std::string& given, std::initializer_list
   return fail(ErrorCode::io, *names.begin(), "The program was not found.", remedy);
 }
 
-/// A child process, optionally with a pipe to its standard input. Ended by the destructor.
+/// A child process, optionally with a pipe to its standard input. The destructor ends the process.
 class Child {
  public:
   /// @param log file for the output of the program
   static Result<std::unique_ptr<Child>> start(const std::vector<std::string>& words, bool pipe_input, const std::string& log) {
     int ends[2] = {-1, -1};
     if (pipe_input && ::pipe2(ends, O_CLOEXEC) != 0)
-      return fail(ErrorCode::io, words[0], "No pipe to the program can be made.", "Close other programs.");
+      return fail(ErrorCode::io, words[0], "No pipe to the program can be created.", "Close other programs.");
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     if (pipe_input)
@@ -75,7 +75,7 @@ class Child {
     posix_spawn_file_actions_addclosefrom_np(&actions, 3);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
-    posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl+C of the terminal does not reach the child, which is ended in order
+    posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl+C does not reach the child; this program ends the child
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -107,7 +107,7 @@ class Child {
     }
   }
 
-  /// Writes all bytes. @return false if the program does not read any more
+  /// Writes all bytes. @return false if the program no longer reads
   bool write(std::string_view bytes) const {
     while (!bytes.empty()) {
       const ssize_t n = ::write(input_, bytes.data(), bytes.size());
@@ -190,7 +190,7 @@ class Receiver final : public studio::ServerEvents {
     arrived_.erase(number);
     return true;
   }
-  /// Answers the page's requests for this picture, so that it sends further ones.
+  /// Answers the page's requests with this picture, so that the page sends further pictures.
   void done(int number) {
     std::vector<std::function<void(studio::ApiReply)>> answers;
     {
@@ -215,7 +215,7 @@ class Receiver final : public studio::ServerEvents {
   std::string failure_;
 };
 
-/// The name of picture `number`: "%d" or "%04d" in the pattern is replaced.
+/// Returns the file name of picture `number`: "%d" or "%04d" in the pattern is replaced.
 std::string numbered(const std::string& pattern, int number) {
   const std::size_t at = pattern.find('%');
   const std::size_t end = at == std::string::npos ? at : pattern.find('d', at);
@@ -228,7 +228,7 @@ std::string numbered(const std::string& pattern, int number) {
 }
 bool is_pattern(const std::string& name) { return numbered(name, 1) != numbered(name, 2); }
 
-/// A video in the making: ffmpeg writes a temporary file, which is renamed at the end.
+/// A video that is being written. ffmpeg writes a temporary file, which is renamed at the end.
 struct Video {
   std::string file, part;
   std::unique_ptr<Child> ffmpeg;
@@ -262,7 +262,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   const bool single = !videos && !is_pattern(outputs.png);
   if (videos && !outputs.png.empty() && !is_pattern(outputs.png))
     return fail(ErrorCode::conflict, "--png", "One picture and a video cannot be written at once.",
-                "Give --png a name with %04d, or call export twice.");
+                "Give --png a file name with %04d, or call `ugoki export` twice.");
   if (o.from >= end && !single)
     return fail(ErrorCode::range, "--from",
                 "The first picture is at " + to_fixed(o.from, 3) + " s, but the content ends at " + to_fixed(end, 3) + " s.",
@@ -272,7 +272,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   const double wanted = single ? 1 : std::max(1.0, std::round((end - o.from) * rate));
   if (wanted > max_pictures)
     return fail(ErrorCode::range, "--duration",
-                "These would be " + to_fixed(wanted, 0) + " pictures; the limit is " + std::to_string(max_pictures) + ".",
+                "The export would have " + to_fixed(wanted, 0) + " pictures; the limit is " + std::to_string(max_pictures) + ".",
                 "Give a shorter --duration or a lower --rate.");
   const int count = static_cast<int>(wanted);
   if ((!outputs.mp4.empty() || !outputs.webm.empty()) && (o.width % 2 != 0 || o.height % 2 != 0))
@@ -294,7 +294,8 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   Scratch scratch;
   std::string folder = (fs::temp_directory_path() / "ugoki-pictures-XXXXXX").string();
   if (!::mkdtemp(folder.data()))
-    return fail(ErrorCode::io, folder, "A temporary folder cannot be made.", "Check the folder of temporary files.");
+    return fail(ErrorCode::io, folder, "The temporary folder cannot be created.",
+                "Check the permissions and the free space of its parent.");
   scratch.folder = folder;
   catch_interrupt();
   std::signal(SIGPIPE, SIG_IGN);
@@ -387,7 +388,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     started.push_back({file, part, std::move(*child)});
     return {};
   };
-  // rows arrive from the bottom to the top, as WebGL has them
+  // The rows of a picture arrive from the bottom to the top, in the order of WebGL.
   if (Result<void> done = start_video(
           outputs.mp4,
           {"-vf", "vflip", "-c:v", "libx264", "-preset", "veryfast", "-crf", "17", "-pix_fmt", "yuv420p", "-movflags", "+faststart"},
@@ -430,7 +431,8 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     }
     for (const Video& v : started)
       if (!v.ffmpeg->write(picture.raw))
-        return fail(ErrorCode::io, v.file, "ffmpeg stopped." + tail_of(ffmpeg_log), "Check the folder and the free space.");
+        return fail(ErrorCode::io, v.file, "ffmpeg stopped." + tail_of(ffmpeg_log),
+                    "Check the permissions of the folder and the free space on the disk.");
     receiver.done(i);
     progress.show(static_cast<double>(i + 1) / count);
   }

@@ -150,7 +150,7 @@ void add_judge_verb(CLI::App& app, Action& action) {
   verb->add_option("--rate", options->rate, "Steps per second")->check(CLI::Range(250.0, 2000.0))->capture_default_str();
   const auto add_limit = [&](const std::string& measure, double& limit, const char* about) {
     verb->add_option("--max-" + measure, limit, about)->capture_default_str();
-    verb->add_option("--most-" + measure, limit)->group("");  // name of earlier versions; an empty group hides it from the help
+    verb->add_option("--most-" + measure, limit)->group("");  // name in earlier versions; an empty group hides the option from the help
   };
   add_limit("tracking", options->max_tracking, "Maximum tracking error, degrees (rms)");
   add_limit("assist", options->max_assist, "Maximum root assist, body weights (rms)");

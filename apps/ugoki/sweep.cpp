@@ -47,14 +47,14 @@ std::string quoted(const std::string& name) {
   return out + '"';
 }
 
-/// A number, or an error that names the quantity.
+/// Reads a number. The error names the quantity.
 Result<double> number_of(const Variation& v, const std::string& text) {
   const std::optional<double> x = parse_double(text);
   if (x) return *x;
   return fail(ErrorCode::syntax, "--vary " + v.name, "'" + text + "' is not a number.", "Give numbers for this quantity.");
 }
 
-/// The value as JSON: a number if the text is one, otherwise a word.
+/// Returns the value as JSON: a number if the text is a number, otherwise a string.
 Json value_json(const std::string& text) {
   if (const std::optional<double> x = parse_double(text)) return *x;
   if (text == "true" || text == "false") return text == "true";
@@ -85,7 +85,7 @@ Result<void> set_parameter(content::Scenario& s, const std::string& name, const 
 Result<Variation> read_variation(const std::string& text, bool random) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    return bad_variation(text, "A name, '=' and values are needed.");
+    return bad_variation(text, "A variation consists of a name, '=' and values.");
   Variation v;
   v.name = text.substr(0, equals);
   const std::string values = text.substr(equals + 1);
@@ -133,7 +133,7 @@ std::pair<std::size_t, std::vector<std::string>> SweepPlan::run(std::uint64_t nu
         continue;
       }
       const double s =
-          static_cast<double>(source() >> 11) * 0x1p-53;  // not std::uniform_real_distribution, whose results differ between libraries
+          static_cast<double>(source() >> 11) * 0x1p-53;  // the results of std::uniform_real_distribution differ between libraries
       values.push_back(to_text(v.low + (v.high - v.low) * s));
     }
     return {static_cast<std::size_t>(number / random), std::move(values)};
@@ -159,7 +159,7 @@ Result<void> apply_variations(content::Scenario& s, const content::Resources& re
                               const std::vector<std::string>& values) {
   double push = 0, angle = 0, time = 1, duration = 0.2;
   std::string link = "chest";
-  // pointers first: they replace the document
+  // JSON pointers are applied first, because they replace the document.
   for (std::size_t i = 0; i < variations.size(); ++i) {
     if (!variations[i].name.starts_with("/")) continue;
     Result<Json> document = json::parse_json(content::write_scenario(s), "scenario");
@@ -246,10 +246,10 @@ SweepTable::~SweepTable() {
 Result<SweepTable> SweepTable::open(const std::string& path, const SweepPlan& plan) {
   const int lock = ::open((path + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock < 0)
-    return fail(ErrorCode::io, path, "The lock file beside the table cannot be written.", "Choose a folder that may be written.");
+    return fail(ErrorCode::io, path, "The lock file beside the table cannot be written.", "Choose a folder in which you may write.");
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
     ::close(lock);
-    return fail(ErrorCode::conflict, path, "Another `ugoki bake` writes this table.", "Wait for its end, or name another table.");
+    return fail(ErrorCode::conflict, path, "Another `ugoki bake` writes this table.", "Wait until it ends, or specify another table.");
   }
   Result<store::Database> database = store::Database::open(path, store::OpenMode::create);
   if (!database) {
@@ -285,7 +285,7 @@ Result<SweepTable> SweepTable::open(const std::string& path, const SweepPlan& pl
     if (Result<void> done = insert->bind(1, plan.text()).run(); !done) return fail(std::move(done.error()));
   } else if (*stored != plan.text()) {
     return fail(ErrorCode::conflict, path, "The table belongs to another sweep: targets, their content, variations or duration differ.",
-                "Repeat that sweep with the same options, or name another table.");
+                "Repeat the sweep of this table with the same options, or specify another table.");
   }
   if (Result<void> done = d.run(sql); !done) return fail(std::move(done.error()));
   return table;
@@ -325,7 +325,7 @@ Result<void> SweepTable::add(std::uint64_t number, const std::string& target, co
     else if (found->is_number_integer())
       insert->bind(index, found->get<std::int64_t>());
     else
-      insert->bind(index, to_text(found->get<double>()));  // the column's type makes a number of it
+      insert->bind(index, to_text(found->get<double>()));  // SQLite converts the text to the column's type, a number
   }
   return insert->run();
 }

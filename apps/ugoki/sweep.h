@@ -1,5 +1,5 @@
 #pragma once
-// The plan of `ugoki bake`: which variations of which content are run, and the table of their results.
+// The plan of `ugoki bake` (the content and the variations that are run), and the table of the results.
 
 #include <cstdint>
 #include <optional>
@@ -34,9 +34,9 @@ struct SweepPlan {
   double duration = 0;  ///< s; 0: the duration of the content
 
   [[nodiscard]] std::uint64_t size() const;
-  /// Index of the target and the values of a run, in the order of `variations`.
+  /// Returns the index of the target and the values of a run, in the order of `variations`.
   [[nodiscard]] std::pair<std::size_t, std::vector<std::string>> run(std::uint64_t number) const;
-  /// A text that is equal for equal plans only.
+  /// Returns a text that is equal only for equal plans.
   [[nodiscard]] std::string text() const;
 };
 
@@ -50,7 +50,7 @@ struct SweepPlan {
 /// The table of results: an SQLite file with a row for each finished run.
 class SweepTable {
  public:
-  /// Creates the file, or opens the file of the same plan. Errors: the file has another plan, or another `bake` uses it.
+  /// Creates the file, or opens the file of the same plan. Errors: the file has another plan, or another `ugoki bake` uses the file.
   [[nodiscard]] static Result<SweepTable> open(const std::string& path, const SweepPlan& plan);
   /// Numbers of the runs that have a row, ascending.
   [[nodiscard]] Result<std::vector<std::uint64_t>> finished();
@@ -59,7 +59,7 @@ class SweepTable {
                                  const json::Json& row);
   /// Copies all rows of another table of the same plan that this table lacks. @return number of rows copied
   [[nodiscard]] Result<std::int64_t> merge(const std::string& path);
-  /// The table as CSV, ordered by number.
+  /// Returns the table as CSV, ordered by run number.
   [[nodiscard]] Result<std::string> csv();
 
   SweepTable(SweepTable&& other) noexcept

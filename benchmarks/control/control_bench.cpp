@@ -19,7 +19,7 @@ constexpr const char* usage =
     "  files: BVH or AMC; sample motions: sample-stand, sample-walk, sample-dog-stand, sample-dog-trot\n"
     "  --loop SECONDS       make each motion cyclic and repeat it\n"
     "  --push J             push rose: impulse J per mass (N s/kg) in 0.2 s at the chest, 8 directions, 4 phases; needs --loop\n"
-    "  --one TIME ANGLE J   one push at TIME (s) towards ANGLE (degrees)\n"
+    "  --one TIME ANGLE J   one push with impulse J per mass (N s/kg) at TIME (s) towards ANGLE (degrees)\n"
     "  --friction MU        friction of the floor (default 0.9)\n"
     "  --self               collisions between the links of the character\n"
     "  --set NAME VALUE     parameter of the controller\n"
@@ -87,7 +87,7 @@ bool parse(int argc, char** argv, Options& o) {
       const std::string name = argv[++i];
       const auto found = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.first == name; });
       if (found == all.end()) {
-        std::fprintf(stderr, "There is no parameter '%s'. There are:", name.c_str());
+        std::fprintf(stderr, "'%s' is not a parameter. Parameters:", name.c_str());
         for (const auto& p : all) std::fprintf(stderr, " %s", p.first.c_str());
         std::fprintf(stderr, "\n");
         return false;

@@ -18,7 +18,7 @@
 namespace ugoki::bench {
 namespace {
 
-/// Processor time used by this thread, s. Other load on the machine does not count.
+/// Processor time used by this thread, s. It does not include other load on the machine.
 double processor_time() {
   timespec t{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -55,7 +55,7 @@ Result<ClipFile> read_clip(const std::string& path) {
   }
   Result<intake::Intake> loaded = intake::take_in(*text, path, skeleton ? &*skeleton : nullptr, {});
   if (!loaded) return fail(std::move(loaded.error()));
-  if (!loaded->motion) return fail(ErrorCode::structure, path, "The file has no motion.", "Name a BVH or AMC file.");
+  if (!loaded->motion) return fail(ErrorCode::structure, path, "The file has no motion.", "Specify a BVH or AMC file.");
   return ClipFile{std::filesystem::path(path).stem().string(), loaded->mechanism,
                   std::make_shared<const Motion>(std::move(*loaded->motion))};
 }
@@ -142,7 +142,7 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
       if (link.joint.nv() > 0) square += e, count += 1;
       by_link[static_cast<std::size_t>(i)] += e;
     }
-    // Net slide of a stance: sum of the displacements of the point that is lowest at each time
+    // The net slip of a stance is the sum of the displacements of the point that is lowest at each time.
     for (std::size_t f = 0; f < stances.size(); ++f) {
       const control::Foot& foot = control.feet()[f];
       const LinkPoint* lowest = nullptr;

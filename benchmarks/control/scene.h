@@ -1,5 +1,5 @@
 #pragma once
-// A character under balance control on a level floor, for measurements of control.
+// A character under balance control on a level floor, for measurements of balance control.
 
 #include <memory>
 #include <string>
@@ -42,7 +42,7 @@ struct Push {
 
 /// Result of a run.
 struct Outcome {
-  double time = 0;  ///< s: duration of the run, until the fall
+  double time = 0;  ///< s: duration of the run, or time of the fall
   bool fell = false;
   double tracking_deg = 0;                     ///< rms
   double control_us = 0, total_us = 0;         ///< us of processor time in a tick, mean

@@ -1,7 +1,8 @@
 """Blender add-on: simulates the motion of the selected armature with Ugoki and puts the simulated motion back on it as a new action.
 
-Install it in Blender under Edit > Preferences > Add-ons > Install, and name the program `ugoki` in the add-on's preferences. The panel is
-in the sidebar of the 3D view (N), tab Ugoki. Blender 3.4 or newer. The program runs on this computer; nothing is sent anywhere.
+Install the add-on in Blender under Edit > Preferences > Add-ons > Install, and enter the path of the program `ugoki` in its preferences. The
+panel is in the sidebar of the 3D view (N), tab Ugoki. The add-on needs Blender 3.4 or newer. `ugoki` runs on this computer and sends no data
+to other computers.
 """
 
 import csv
@@ -42,17 +43,17 @@ class UgokiSettings(bpy.types.PropertyGroup):
 
 
 def program_of(context):
-    """Path of the program: the preferences, or $UGOKI_BIN, or the search path."""
+    """Returns the path of the program from the preferences (searched on $PATH if it has no folder), or from $UGOKI_BIN."""
     addon = context.preferences.addons.get(__name__)
     wanted = addon.preferences.program if addon else "ugoki"
     found = shutil.which(bpy.path.abspath(wanted) if os.sep in wanted else wanted) or shutil.which(os.environ.get("UGOKI_BIN", ""))
     if not found:
-        raise RuntimeError(f"The program '{wanted}' was not found. Name it in the preferences of the add-on.")
+        raise RuntimeError(f"The program '{wanted}' was not found. Enter its path in the preferences of the add-on.")
     return found
 
 
 def run(program, *words):
-    """Runs ugoki; raises its error messages."""
+    """Runs ugoki and returns its output. If ugoki fails, raises a RuntimeError with its error message."""
     done = subprocess.run([program, *words], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RuntimeError(done.stderr.strip() or f"ugoki ended with status {done.returncode}.")
@@ -60,7 +61,7 @@ def run(program, *words):
 
 
 def read_table(path):
-    """Poses of the links from the table of `ugoki export --csv`: {link: [4x4 matrix for each frame]}, world axes of Ugoki."""
+    """Reads the poses of the links from the table of `ugoki export --csv`. Returns {link: [4x4 matrix for each frame]}, world axes of Ugoki."""
     with open(path, newline="", encoding="utf-8") as file:
         rows = list(csv.reader(file))
     columns = {}
@@ -77,8 +78,8 @@ def read_table(path):
 
 
 def rigid_fit(points, targets):
-    """The rotation and translation that move `points` onto `targets` with the least squares (Kabsch 1976), as a 4x4 matrix, and the
-    maximum distance that remains."""
+    """Returns the rotation and translation that move `points` onto `targets` with the least squares error (Kabsch 1976), as a 4x4 matrix,
+    and the maximum remaining distance."""
     a, b = numpy.array(points, dtype=float), numpy.array(targets, dtype=float)
     u, _, v = numpy.linalg.svd((a - a.mean(axis=0)).T @ (b - b.mean(axis=0)))
     sign = numpy.sign(numpy.linalg.det(v.T @ u.T))
@@ -91,13 +92,13 @@ def rigid_fit(points, targets):
 
 
 def bone_of_link(armature, link):
-    """The bone of a link, by its name."""
+    """Returns the bone that has the name of the link, or None."""
     return armature.pose.bones.get(link)
 
 
 def set_rotation(bone, turn, is_first):
-    """Sets a bone's rotation in its own rotation mode, close to the one before, and returns the name of the property. The mode stays, so
-    that the measured action still works."""
+    """Sets a bone's rotation in the bone's rotation mode, close to the previous rotation. Returns the name of the property. The mode is not
+    changed, so that the measured action still works."""
     if bone.rotation_mode == "QUATERNION":
         if not is_first and turn.dot(bone.rotation_quaternion) < 0:
             turn.negate()
@@ -118,7 +119,7 @@ def simulate(context, armature, settings):
     first, last = scene.frame_start, scene.frame_end
     rate = scene.render.fps / scene.render.fps_base
     bones = list(armature.pose.bones)
-    # the poses of the measured motion; bones that Ugoki does not move keep them
+    # The poses of the measured motion. Bones that Ugoki does not move keep these poses.
     basis, start = {b.name: [] for b in bones}, {}
     for frame in range(first, last + 1):
         scene.frame_set(frame)
@@ -132,7 +133,7 @@ def simulate(context, armature, settings):
             other.select_set(False)
         armature.select_set(True)
         with context.temp_override(active_object=armature, object=armature, selected_objects=[armature]):
-            # glTF rather than BVH: its unit and its up axis are defined
+            # The motion is exported as glTF, because glTF, unlike BVH, defines the unit and the up axis.
             bpy.ops.export_scene.gltf(filepath=motion, export_format="GLB", use_selection=True, export_animations=True, export_frame_range=True,
                                       export_force_sampling=True, export_nla_strips=False)
         words = ["export", motion, "--csv", table, "--rate", f"{rate:.9g}"]
@@ -142,15 +143,15 @@ def simulate(context, armature, settings):
         pairs = [(link, bone) for link, bone in pairs if bone is not None]
         if len(pairs) < 3:
             raise RuntimeError("Fewer than three bones of the armature were found in the simulated body.")
-        # Ugoki has axes, unit and floor of its own: the first frame, which is equal in both, shows how they map to Blender's
+        # Ugoki's axes, unit and floor differ from Blender's. The first frame is equal in both, so it gives the transformation.
         to_blender, left = rigid_fit([poses[link][0].translation for link, _ in pairs], [start[bone.name].translation for _, bone in pairs])
         if left > 0.05:
-            raise RuntimeError(f"The simulated body does not fit the armature at the first frame: {left:.3f} m. Begin the frame range "
-                               "after a calibration pose, apply the scale of the armature (Ctrl+A), and use metres.")
+            raise RuntimeError(f"In the first frame the simulated body differs from the armature by {left:.3f} m (limit 0.05 m). Begin the "
+                               "frame range after a calibration pose, apply the scale of the armature (Ctrl+A), and use metres.")
         if settings.push != 0:
             link = settings.push_bone or pairs[0][0]
             if link not in poses:
-                raise RuntimeError(f"Ugoki moves no bone '{settings.push_bone}'.")
+                raise RuntimeError(f"The simulated body has no bone '{settings.push_bone}'. Choose another bone for the push.")
             direction = to_blender.to_3x3().inverted() @ Vector((*settings.push_direction, 0)).normalized()
             step = round(settings.push_time / 0.002)  # steps of 2 ms, the default of a motion file
             push = {"step": step, "type": "push", "character": 0, "link": link, "force": list(direction * settings.push), "duration": 0.2}
@@ -162,7 +163,7 @@ def simulate(context, armature, settings):
     action = bpy.data.actions.new(f"{armature.name} Ugoki")
     old = armature.animation_data.action if armature.animation_data else None
     if old:
-        old.use_fake_user = True  # the measured motion stays in the file
+        old.use_fake_user = True  # Blender keeps the measured action in the file
     (armature.animation_data or armature.animation_data_create()).action = action
     simulated = {bone.name: [to_blender @ x for x in poses[link]] for link, bone in pairs}
     world = armature.matrix_world.inverted()
@@ -173,10 +174,10 @@ def simulate(context, armature, settings):
             rest = b.bone.matrix_local
             parent = pose[b.parent.name] @ b.parent.bone.matrix_local.inverted() @ rest if b.parent else rest
             if b.name in simulated:
-                # a link and its bone move as one rigid body from the first frame on
+                # From the first frame on, a link and its bone move as one rigid body.
                 moved = world @ simulated[b.name][i] @ simulated[b.name][0].inverted() @ start[b.name]
                 own = parent.inverted() @ moved
-                if b.parent and b.parent.name in simulated:  # turned by its joint only: the bones keep their lengths
+                if b.parent and b.parent.name in simulated:  # the joint only rotates the bone, so that bones keep their lengths
                     own.translation = basis[b.name][i].translation
             else:
                 own = basis[b.name][i]

@@ -1,5 +1,5 @@
-# Runs the add-on integrations/blender/ugoki_blender.py: imports a BVH file, simulates it, with and without a push, and prints what it
-# finds.   addon.py -- ADDON.py MOTION.bvh      (UGOKI_BIN names the program)
+# Tests the add-on integrations/blender/ugoki_blender.py: imports a BVH file, simulates it with and without a push, and prints measured
+# values.   addon.py -- ADDON.py MOTION.bvh      (UGOKI_BIN is the path of `ugoki`)
 import importlib.util
 import os
 import sys

@@ -1,4 +1,4 @@
-// The Blender add-on simulates an armature and puts the motion back. It runs the program `ugoki` that $UGOKI_BIN names.
+// The Blender add-on simulates the motion of an armature and puts the result back on it. The add-on runs the program $UGOKI_BIN.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -23,16 +23,16 @@ TEST(Slow_BlenderAddon, PutsTheSimulatedMotionOnTheArmature) {
   const auto [status, output] = run_blender("addon.py", UGOKI_SOURCE_DIR "/integrations/blender/ugoki_blender.py " + motion, folder);
   ASSERT_EQ(status, 0) << output;
   EXPECT_NE(output.find("STATUS {'FINISHED'}"), std::string::npos) << output;
-  EXPECT_EQ(number_after(output, "ACTIONS"), 2) << "the measured action is kept";
+  EXPECT_EQ(number_after(output, "ACTIONS"), 2) << "the measured action should be kept";
   const double start = number_after(output, "START"), mean = number_after(output, "MEAN"), worst = number_after(output, "WORST");
   EXPECT_GE(start, 0) << output;
-  EXPECT_LT(start, 1e-4) << "m: the simulation starts at the measured pose";
-  EXPECT_GT(mean, 1e-3) << "m: it is a simulation, not a copy";
-  EXPECT_LT(worst, 0.15) << "m: and follows the measured walk";
-  EXPECT_LT(number_after(output, "STRETCH"), 1e-4) << "m: bones keep their lengths";
-  EXPECT_LT(number_after(output, "KEPT"), 1e-4) << "m: the measured action still gives the measured motion";
-  EXPECT_LT(number_after(output, "BEFORE"), 1e-4) << "m: before the push the motion is the same";
-  EXPECT_GT(number_after(output, "AFTER"), 0.02) << "m: the push moves the body";
+  EXPECT_LT(start, 1e-4) << "m: the simulation should start at the measured pose";
+  EXPECT_GT(mean, 1e-3) << "m: the result should be a simulation, not a copy of the measured motion";
+  EXPECT_LT(worst, 0.15) << "m: the simulation should follow the measured walk";
+  EXPECT_LT(number_after(output, "STRETCH"), 1e-4) << "m: bones should keep their lengths";
+  EXPECT_LT(number_after(output, "KEPT"), 1e-4) << "m: the measured action should still give the measured motion";
+  EXPECT_LT(number_after(output, "BEFORE"), 1e-4) << "m: before the push the motion should be the same";
+  EXPECT_GT(number_after(output, "AFTER"), 0.02) << "m: the push should move the body";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Scenes that begin in overlap: characters inside each other, heaps inside walls, links inside each other, bodies in the ground.
+// Scenes that begin with overlaps: characters inside each other, heaps inside walls, links inside each other, bodies in the ground.
 
 #include <gtest/gtest.h>
 
@@ -66,7 +66,7 @@ struct Outcome {
   double slowest = 0;  ///< cost of the most expensive step, as a multiple of the mean; only measured, not tested
 };
 
-/// Runs a random scene without gravity for 2 s. Speeds are then those that the overlaps cause.
+/// Runs a random scene without gravity for 2 s, so that only the overlaps cause speeds.
 Outcome run(unsigned seed) {
   testing::RandomSource random(seed);
   std::vector<MechanismPtr> systems;

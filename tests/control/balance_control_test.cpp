@@ -75,7 +75,7 @@ struct Simulation {
     workspace.forget();
     collision::find_contacts(scene, std::span(&poses, 1), 0.02, workspace, contacts);
     last = control.step({state.q, state.v, contacts, 0, 0.002}, memory, state.tau);
-    for (int i = 0; i < 6; ++i) ASSERT_EQ(state.tau[static_cast<std::size_t>(i)], 0) << "the root is never pulled";
+    for (int i = 0; i < 6; ++i) ASSERT_EQ(state.tau[static_cast<std::size_t>(i)], 0) << "no force may act on the root";
     for (Vec6& w : state.external) w = {};
     for (int i = 0; i < m->link_count(); ++i)
       if (m->link(i).label == "chest") {
@@ -133,8 +133,8 @@ TEST(BalanceControl, StepsAfterAPushAndWalksOn) {
 }
 
 TEST(BalanceControl, PlannedAccelerationsAreMet) {
-  // The quadratic program plans forces at the touching points; the contact step finds forces by complementarity. Between changes of the
-  // contacts both agree.
+  // The quadratic program plans forces at the touching points. The contact step finds forces by complementarity. The two agree while the
+  // contacts do not change.
   const Walker w;
   Simulation s(w.body, w.walk, 20);
   std::vector<double> misses;
@@ -151,7 +151,7 @@ TEST(BalanceControl, PlannedAccelerationsAreMet) {
 }
 
 TEST(BalanceControl, PlanKeepsTorqueLimits) {
-  // With weak drives the program plans accelerations that these drives can give, instead of torques that are cut off afterwards.
+  // With weak drives the program plans accelerations that the drives can produce, so that no torque is clamped afterwards.
   Walker w;
   MechanismSpec spec = w.body.mechanism->spec();
   for (LinkSpec& l : spec.links)
@@ -201,7 +201,7 @@ TEST(FootSchedule, FindsTheStancesOfAWalk) {
     EXPECT_NEAR(static_cast<double>(schedule.stances(f).size()), 45 / cycle, 1.5);
     for (const Stance& s : schedule.stances(f)) {
       if (!std::isfinite(s.begin) || !std::isfinite(s.end) || s.begin == 0) continue;
-      EXPECT_NEAR((s.end - s.begin) / cycle, 0.62, 0.08);  // share of a stride that a walking foot stands
+      EXPECT_NEAR((s.end - s.begin) / cycle, 0.62, 0.08);  // usual fraction of a stride for which a walking foot stands
     }
   }
   for (double t = 0; t < 45; t += 0.1) EXPECT_TRUE(schedule.at(0, t).stands || schedule.at(1, t).stands) << t;

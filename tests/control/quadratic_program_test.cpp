@@ -63,7 +63,7 @@ struct Program {
   }
 };
 
-/// Exact rational solution by CGAL. Unknowns: x, beta, then one slack for each soft row. @return x, then beta
+/// Returns the exact rational solution by CGAL: x, then beta. Unknowns are x, beta, and one slack for each soft row.
 std::vector<double> solve_exactly(const Program& p) {
   CGAL::Quadratic_program<double> qp(CGAL::EQUAL, false, 0, false, 0);
   for (int i = 0; i < p.n; ++i) {

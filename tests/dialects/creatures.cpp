@@ -27,7 +27,7 @@ MeasuredMotion make_creature(std::uint64_t seed) {
   };
   const int segments = 1 + below(4), pairs = 1 + below(6);
   std::vector<int> trunk = {add("hips", -1, {})};
-  std::vector<double> rise = {0};  // of the trunk's joints above the hips
+  std::vector<double> rise = {0};  // heights of the trunk's joints above the hips
   for (int k = 1; k <= segments; ++k) {
     const double up = uniform(-0.02, 0.05);
     rise.push_back(rise.back() + up);
@@ -47,7 +47,7 @@ MeasuredMotion make_creature(std::uint64_t seed) {
                                    : Vec3{(b % 2 == 1 ? knee : -knee) * leg, side * spread * leg / bones, -leg / (bones - 1)};
         parent = add("leg" + std::to_string(pair) + "_" + std::to_string(b) + (side > 0 ? "_L" : "_R"), parent, offset);
       }
-      // A foot.
+      // Add a foot.
       joints[static_cast<std::size_t>(parent)].end_sites = {Vec3{0.1, 0, 0} * (leg * size)};
     }
   }
@@ -70,7 +70,7 @@ MeasuredMotion make_creature(std::uint64_t seed) {
       add(std::string("feather_tip") + (side > 0 ? "_L" : "_R"), parent, {0, side * 0.001, 0});
     }
   joints[0].translates = true;
-  // It sways: legs and trunk turn by a few degrees.
+  // The creature sways: legs and trunk turn by a few degrees.
   std::vector<double> phase;
   for (std::size_t i = 0; i < joints.size(); ++i) phase.push_back(uniform(0, 6));
   for (int f = 0; f < m.frames; ++f)

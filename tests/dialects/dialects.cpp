@@ -137,8 +137,8 @@ void set_world(MeasuredMotion& m, const World& w) {
     }
 }
 
-/// Inserts a joint between joint `i` and its child `c`, at the share `along` of the bone, with the orientation of the child turned back to
-/// the direction of the bone by half of its twist.
+/// Inserts a joint between joint `i` and its child `c`, at the fraction `along` of the bone. Its orientation is that of joint `i`, rotated
+/// about the bone by half of the child's twist.
 void insert_twist(MeasuredMotion& m, World& w, int i, int c, double along, const std::string& name) {
   SkeletonJoint j;
   j.name = name;
@@ -148,7 +148,7 @@ void insert_twist(MeasuredMotion& m, World& w, int i, int c, double along, const
   j.offset = bone * along;
   j.dofs = m.skeleton.joints[at(i)].dofs.empty() ? std::vector<MeasuredDof>{{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}}
                                                  : m.skeleton.joints[at(i)].dofs;
-  // The new joint goes before the child; indices from the child on shift by one.
+  // The new joint is inserted before the child, so the indices of the child and of later joints increase by one.
   m.skeleton.joints.insert(m.skeleton.joints.begin() + c, j);
   for (std::size_t k = at(c) + 1; k < m.skeleton.joints.size(); ++k) {
     int& p = m.skeleton.joints[k].parent;
@@ -276,7 +276,7 @@ MeasuredMotion rewrite(const MeasuredMotion& motion, const Dialect& d) {
     if (d.format == "bvh") j.dofs = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
   }
   if (d.twists && n == 31) {
-    // From the last to the first, so that the indices of the others stay.
+    // Insert from the last to the first, so that the indices of the remaining joints do not change.
     for (const auto& [i, c] : {std::pair{25, 26}, {18, 19}, {7, 8}, {2, 3}})
       insert_twist(m, w, i, c, 0.5, m.skeleton.joints[at(i)].name + "_Twist");
   }
@@ -294,7 +294,7 @@ MeasuredMotion rewrite(const MeasuredMotion& motion, const Dialect& d) {
       for (auto& X : w.X) X.push_back(X[at(i)] * Pose{Mat3::identity(), j.offset});
     }
   }
-  // Other rest poses: each joint's frame is turned by a constant rotation; its bone lies along one axis, or anywhere.
+  // For other rest poses each joint's frame is turned by a constant rotation, so that its bone points along one axis, or anywhere.
   if (d.rest != RestPose::as_is) {
     const std::vector<Vec3> rest = rest_positions(m.skeleton);
     for (int i = 0; i < m.joint_count(); ++i) {

@@ -1,6 +1,6 @@
 #pragma once
-// Rewrites a measured motion into dialects: files that differ in rest pose, names, axes, unit, channels and additional joints, but hold the
-// same motion in the world. A program that reads them must make the same body of each.
+// Rewrites a measured motion into dialects: files that differ in rest pose, names, axes, unit, channels and additional joints, but contain
+// the same motion in the world. The import must make the same body from each of them.
 
 #include <cstdint>
 #include <string>
@@ -18,8 +18,8 @@ struct Dialect {
   std::string name;
   RestPose rest = RestPose::as_is;
   int convention = -1;              ///< index of a naming convention (convention_names); -1: the file's own names
-  std::string prefix;               ///< before every name
-  bool z_up = false;                ///< BVH with Z up
+  std::string prefix;               ///< text before every name
+  bool z_up = false;                ///< true: the up axis of the BVH file is Z
   double unit = 0.0254;             ///< m per unit of the file
   std::string order = "ZXY";        ///< order of the rotation channels
   double rate_factor = 1;           ///< frames are sampled at this multiple of the rate
@@ -27,12 +27,12 @@ struct Dialect {
   double heading = 0;               ///< rad, rotation of the whole motion about the vertical
   Vec3 root_offset;                 ///< m, OFFSET of the root, which has no effect on the motion
   Carrier carrier = Carrier::none;  ///< a joint above the root
-  bool camera = false;              ///< a moving camera beside the root, below the carrier
-  bool footsteps = false;           ///< a moving joint without bone below the root
-  bool calibration_frame = false;   ///< a T pose in the first frame
-  bool twists = false;              ///< twist bones inside thighs, upper arms and forearms, which carry half of the twist
-  bool helpers = false;             ///< end bones without motion of their own at head, hands and feet
-  bool six_channels = false;        ///< positions of all joints
+  bool camera = false;              ///< true: adds a moving camera beside the root, below the carrier
+  bool footsteps = false;           ///< true: adds a moving joint without a bone below the root
+  bool calibration_frame = false;   ///< true: adds a T pose as the first frame
+  bool twists = false;              ///< true: adds bones in thighs, upper arms and forearms that make half of the twist
+  bool helpers = false;             ///< true: adds end bones that do not move at head, hands and feet
+  bool six_channels = false;        ///< true: writes positions of all joints
   std::string format = "bvh";       ///< "bvh", "amc", "glb"
   std::uint64_t seed = 1;
 };

@@ -1,4 +1,4 @@
-// Metamorphic tests: files with the same motion in the world give the same body and the same simulated result, whatever their dialect is.
+// Metamorphic tests: files with the same motion in the world give the same body and the same simulated result in every dialect.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -18,7 +18,7 @@ const std::string root = std::string(UGOKI_SHARED_DATA) + "/human/asf_amc/";
 
 bool has_data() { return std::filesystem::exists(root + "02_01.amc"); }
 
-/// Trial `name` ("02_01"), with its first `frames` frames.
+/// Returns the first `frames` frames of the trial `name` ("02_01").
 MeasuredMotion trial(const std::string& name, int frames) {
   const auto asf = formats::read_asf(*files::read_file(root + name.substr(0, 2) + ".asf"), name);
   MeasuredMotion m = *formats::read_amc(*files::read_file(root + name + ".amc"), name, *asf);
@@ -52,7 +52,7 @@ std::map<std::string, double> segment_masses(const Mechanism& m) {
   return out;
 }
 
-/// The same body: anatomy, height, masses of the segments, joint limits.
+/// Expects that two bodies are the same in anatomy, height, masses of the segments and joint limits.
 void expect_same_body(const intake::Intake& a, const intake::Intake& b) {
   ASSERT_TRUE(b.body && b.body->human) << b.report.front();
   EXPECT_NEAR(a.body->height, b.body->height, 0.01);
@@ -106,7 +106,8 @@ TEST(Dialects, ARunGivesTheSameBody) { compare("02_03", 1000, false); }
 TEST(Dialects, AWalkGivesTheSameSimulation) { compare("07_01", 240, true); }
 TEST(SlowDialects, WalkRunJumpAndClimbGiveTheSameSimulation) {
   for (const char* name : {"02_01", "02_03", "02_04", "01_01", "16_15"}) compare(name, 600, true);
-  // 03_01 walks over ground that the file does not hold: its feet meet a level floor at random, so only the bodies are compared.
+  // In 03_01 the person walks over ground that the file does not describe. On a level floor the contacts of the feet are random, so only
+  // the bodies are compared.
   compare("03_01", 600, false);
 }
 

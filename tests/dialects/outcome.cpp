@@ -55,7 +55,7 @@ Outcome stand(const intake::Intake& in, double duration) {
   const Motion& motion = *in.motion;
   const auto links = static_cast<std::size_t>(m.link_count());
   const auto nq = static_cast<std::size_t>(motion.nq);
-  // The frame whose link positions, relative to the root and heading, are closest to their mean.
+  // Find the frame whose link positions, relative to the root and heading, are closest to their mean.
   std::vector<std::vector<Vec3>> p(static_cast<std::size_t>(motion.frames), std::vector<Vec3>(links));
   std::vector<Vec3> mean(links);
   std::vector<Pose> X(links);

@@ -11,12 +11,12 @@ struct Outcome {
   double tracking = 0;   ///< deg, rms
   double assist = 0;     ///< body weights, rms
   double released = -1;  ///< s; below 0: never
-  std::string error;     ///< why the run stopped; empty: it did not
+  std::string error;     ///< reason why the run stopped early; empty: it did not
 };
 
 /// Runs the first motion of the file to its end.
 [[nodiscard]] Outcome simulate(const intake::Intake& in);
-/// Holds the measured pose that is closest to the mean pose for `duration` s, its lowest point on the floor.
+/// Makes the character keep the measured pose that is closest to the mean pose for `duration` s, with its lowest point on the floor.
 [[nodiscard]] Outcome stand(const intake::Intake& in, double duration = 5);
 
 }  // namespace ugoki::dialects

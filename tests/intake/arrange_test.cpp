@@ -1,4 +1,4 @@
-// Characters in files: carriers, other joints, roots elsewhere, joints attached elsewhere, walking in place.
+// Tests of the reduction of files to one character: carriers, other joints, other roots, other parents of joints, walking in place.
 #include "ugoki/intake/arrange.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ int find(const MeasuredMotion& m, const std::string& name) {
   return -1;
 }
 
-/// Largest distance [m] of joints of the same name in all frames.
+/// Maximum distance [m] between joints of the same name in all frames.
 double max_distance(const MeasuredMotion& a, const MeasuredMotion& b) {
   double worst = 0;
   std::vector<Pose> X, Y;
@@ -43,7 +43,7 @@ TEST(Arrange, AnotherRootKeepsTheOtherJointsInTheWorld) {
       const auto i = static_cast<std::size_t>(find(before, name)), k = static_cast<std::size_t>(find(after, name));
       EXPECT_LT(norm(X[i].p - Y[k].p), 1e-12) << name;
     }
-    // A reversed joint lies where its former child was, with its own orientation.
+    // A reversed joint has the position of its former child and keeps its orientation.
     const auto hips = static_cast<std::size_t>(find(before, "Hips")), spine = static_cast<std::size_t>(find(before, "Spine"));
     EXPECT_LT(norm(Y[static_cast<std::size_t>(find(after, "Hips"))].p - X[spine].p), 1e-12);
     EXPECT_LT(norm((Y[static_cast<std::size_t>(find(after, "Hips"))].R - X[hips].R).column(0)), 1e-12);
@@ -62,7 +62,7 @@ TEST(Arrange, ARootAtTheChestGivesTheSameCharacter) {
 }
 
 TEST(Arrange, JointsAreAttachedToTheAncestorThatCarriesThem) {
-  // The thighs hang into the spine, as in files of 3ds Max Biped, but move with the hips.
+  // The thighs are children of the spine, as in files of 3ds Max Biped, but move with the hips.
   const MeasuredMotion before = samples::make_human_walk();
   const int hips = 0, spine = find(before, "Spine");
   ASSERT_GE(spine, 0);
@@ -90,11 +90,11 @@ TEST(Arrange, WalkingInPlaceIsFoundAndGetsItsTravel) {
   const MeasuredMotion before = walk;
   const body::Character character = arrange(std::span(&walk, 1), report);
   ASSERT_EQ(character.plan, body::BodyPlan::human);
-  EXPECT_FALSE(belt_velocity(character, walk)) << "A walk with travel is no treadmill.";
+  EXPECT_FALSE(belt_velocity(character, walk)) << "a walk with travel is not a walk on a treadmill";
   const std::size_t n = walk.skeleton.joints.size();
   const Vec3 travel = walk.translations[static_cast<std::size_t>(walk.frames - 1) * n] - walk.translations[0];
   const Vec3 speed = Vec3{travel.x, travel.y, 0} / walk.duration();
-  add_travel(walk, speed);  // now it walks in place
+  add_travel(walk, speed);  // removes the travel, so that the character walks in place
   const auto belt = belt_velocity(character, walk);
   ASSERT_TRUE(belt);
   EXPECT_LT(norm(*belt + speed), 0.15 * norm(speed));

@@ -1,4 +1,4 @@
-// Recorded inputs as JSON: what is written is read as the same inputs, and a run with them has the same bits.
+// Recorded inputs as JSON: reading returns the inputs that were written, and a run with them gives the same bits.
 
 #include "ugoki/content/inputs.h"
 
@@ -39,7 +39,7 @@ TEST(RecordedInputs, RepeatARunBitByBit) {
     ASSERT_TRUE(third.step());
   }
   EXPECT_EQ(second.state_hash(), first.state_hash());
-  EXPECT_NE(third.state_hash(), first.state_hash()) << "without the inputs the run is another one";
+  EXPECT_NE(third.state_hash(), first.state_hash()) << "without the inputs the run should differ";
   EXPECT_EQ(write_inputs(second.inputs(), second.content()), text);
 }
 

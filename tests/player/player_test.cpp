@@ -124,7 +124,7 @@ TEST(Player, SameBitsInTwoRuns) {
   }
   EXPECT_NE(a.state_hash(), first);
   DisplayFrame frame;
-  a.display_frame(frame);  // must not change the state
+  a.display_frame(frame);  // this call must not change the state
   run(a, 60);
   run(b, 60);
   EXPECT_EQ(a.state_hash(), b.state_hash());
@@ -185,7 +185,7 @@ TEST(Player, RecordedInputsReplayToTheSameBits) {
   EXPECT_EQ(late.inputs().size(), 53u);
 }
 
-/// The small content with its default circuit, to which an LSI is added that counts presses of the key W.
+/// Returns the small content with its default circuit and an additional LSI that counts presses of the key W.
 std::vector<std::byte> content_with_a_key() {
   Scenario scenario = small_scenario();
   auto c = circuit::read_circuit(default_circuit(scenario));
@@ -292,7 +292,7 @@ TEST(Player, StepsWithoutAllocation) {
   EXPECT_EQ(allocations_so_far(), before);
 }
 
-/// The small scenario with an assist limit of 0 and without events.
+/// Returns the small scenario with an assist limit of 0 and without events.
 Scenario balancing_scenario() {
   Scenario s = small_scenario();
   s.characters[0].control.assist_limit = 0;

@@ -1,4 +1,4 @@
-// Executable data written by every version of the format stay readable: tests/player/released has one file of each version.
+// Executable data of every released version of the format can be read. tests/player/released contains one file of each version.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ std::vector<std::byte> bytes_of(const std::string& path) {
 
 TEST(ReleasedUgx, Version1IsReadAndRuns) {
   const std::string path = folder + "park-1.ugx";
-  if (std::getenv("UGOKI_WRITE_RELEASED") != nullptr) {  // for a new version of the format only: give the file a new name
+  if (std::getenv("UGOKI_WRITE_RELEASED") != nullptr) {  // use this only for a new version of the format, with a new file name
     const auto made = generate(testing::make_scenario(), testing::make_resources());
     ASSERT_TRUE(made);
     std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(made->data()), static_cast<std::streamsize>(made->size()));
@@ -73,7 +73,7 @@ TEST(ReleasedUgx, EveryTruncationAndEveryFlippedByteIsRefused) {
     damaged[static_cast<std::size_t>(s.bytes.data() - bytes.data()) + s.bytes.size() / 2] ^= std::byte{1};
     const auto ugx = read_ugx(damaged);
     ASSERT_FALSE(ugx) << s.name;
-    EXPECT_NE(ugx.error().text().find(s.name), std::string::npos) << "names the damaged section";
+    EXPECT_NE(ugx.error().text().find(s.name), std::string::npos) << "the error should name the damaged section";
   }
 }
 

@@ -13,7 +13,7 @@ struct Misbehaving {
   std::string_view name;    ///< for messages of tests
   std::string_view body;    ///< statements that run when t is above 0.015 s
   std::string_view report;  ///< part of the message that the user must see
-  std::string_view before = {};  ///< declarations in front of the function
+  std::string_view before = {};  ///< declarations before the function
   bool cpp = false;         ///< the source is C++
 };
 
@@ -55,7 +55,7 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"deadlock", "static pthread_mutex_t m = PTHREAD_MUTEX_INITIALIZER; pthread_mutex_lock(&m); pthread_mutex_lock(&m);",
                 "did not return within"},
     Misbehaving{"ends the main thread", "pthread_exit(0);", "ended the main thread of its process (pthread_exit)"},
-    // Threads of its own.
+    // Faults in threads of the library.
     Misbehaving{"crash in a thread", "pthread_t p; pthread_create(&p, 0, fault, 0); pthread_join(p, 0);",
                 "A thread of the library 'rogue' used a null pointer",
                 "static void* fault(void* p) { *(volatile int*)0 = 1; return p; }"},

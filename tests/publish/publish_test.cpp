@@ -75,8 +75,8 @@ TEST(Payload, IsReadAsWritten) {
     ASSERT_TRUE(read) << read.error().text();
     EXPECT_EQ(read->page, page);
     EXPECT_TRUE(std::ranges::equal(read->ugx, ugx));
-    EXPECT_EQ((read->ugx.data() - file.data()) % 64, 0) << "usable without copying";
-    EXPECT_TRUE(std::ranges::equal(std::span(file).first(program.size()), program)) << "the program itself is unchanged";
+    EXPECT_EQ((read->ugx.data() - file.data()) % 64, 0) << "the content should be aligned, so that it is used without copying";
+    EXPECT_TRUE(std::ranges::equal(std::span(file).first(program.size()), program)) << "the program itself should be unchanged";
   }
 }
 
@@ -85,7 +85,7 @@ TEST(Payload, DamageOfEveryKindIsRefused) {
   EXPECT_FALSE(read_payload(std::span(file).first(500), "walk")) << "a program without payload";
   for (std::size_t size = 0; size < file.size(); size += 7) EXPECT_FALSE(read_payload(std::span(file).first(size), "walk")) << size;
   for (std::size_t at = file.size() - 64; at < file.size() - 8; ++at) {
-    if (at >= file.size() - 52 && at < file.size() - 48) continue;  // reserved
+    if (at >= file.size() - 52 && at < file.size() - 48) continue;  // the reserved field of the trailer is not checked
     auto damaged = file;
     damaged[at] ^= std::byte{0x80};
     EXPECT_FALSE(read_payload(damaged, "walk")) << at - (file.size() - 64);
@@ -116,10 +116,10 @@ TEST(ShapeSurface, EnclosesTheVolumeOfTheShapeWithNormalsOutwards) {
     Surface s;
     add_surface(shape, s);
     ASSERT_EQ(s.points.size(), s.normals.size());
-    EXPECT_NEAR(volume_of(s), volume(shape), 0.035 * volume(shape)) << "below by the chords of 24 sides";
+    EXPECT_NEAR(volume_of(s), volume(shape), 0.035 * volume(shape)) << "the volume is smaller because of the chords of 24 sides";
     EXPECT_LE(volume_of(s), volume(shape) * (1 + 1e-9));
     for (const Vec3& n : s.normals) EXPECT_NEAR(norm(n), 1, 1e-9);
-    // closed: every edge, by the positions of its ends, is used once in each direction
+    // The surface is closed: every edge, identified by the positions of its ends, is used once in each direction.
     std::map<std::array<long, 6>, int> edges;
     const auto key = [&](std::uint32_t a, std::uint32_t b) {
       std::array<long, 6> k{};
@@ -134,7 +134,7 @@ TEST(ShapeSurface, EnclosesTheVolumeOfTheShapeWithNormalsOutwards) {
         ++edges[key(t[i], t[(i + 1) % 3])];
         --edges[key(t[(i + 1) % 3], t[i])];
         const Vec3 flat = cross(s.points[t[1]] - s.points[t[0]], s.points[t[2]] - s.points[t[0]]);
-        EXPECT_GT(dot(flat, s.normals[t[i]]), 0) << "the normal of a vertex points to the outside of its triangles";
+        EXPECT_GT(dot(flat, s.normals[t[i]]), 0) << "the normal of a vertex should point to the outside of its triangles";
       }
     for (const auto& [edge, balance] : edges) EXPECT_EQ(balance, 0);
   }

@@ -1,4 +1,4 @@
-// Takes, and what other readers find in their files.
+// Takes, and their files read by independent readers.
 
 #include "ugoki/publish/take.h"
 
@@ -75,7 +75,7 @@ TEST(TakeGlb, IsReadWithTheSameWorldPositions) {
         for (int f = 0; f < m.frames; ++f) {
           Vec3 p;
           Quat r;
-          // world position of joint j: up its parents
+          // The world position of joint j follows from the chain of its parents.
           std::vector<std::size_t> chain;
           for (int k = static_cast<int>(j); k >= 0; k = m.skeleton.joints[static_cast<std::size_t>(k)].parent)
             chain.push_back(static_cast<std::size_t>(k));

@@ -1,5 +1,5 @@
-// The studio is killed with SIGKILL while a page edits the project and the library through the protocol. Every acknowledged change must be
-// stored afterwards, and project and library must open.
+// Kills the studio with SIGKILL while a page edits the project and the library through the protocol. Afterwards every acknowledged change
+// must be stored, and project and library must open.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

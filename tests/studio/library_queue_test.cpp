@@ -1,4 +1,4 @@
-// The library's queue while the library does not respond, with work that only waits.
+// Tests of the library's queue while the library does not respond. The posted work only waits.
 
 #include "ugoki/studio/library_queue.h"
 

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr int max_refusals = 8;  // a worker ends after this number of refused changes
 constexpr int max_changes = 60;  // or after this number of acknowledged changes
 
-/// Writes one line to the parent: "+ TEXT" acknowledged, "- TEXT" refused.
+/// Writes one line to the parent process. "+ TEXT": the change was acknowledged; "- TEXT": the change was refused.
 void report(const std::string& line) {
   if (::write(STDOUT_FILENO, (line + "\n").data(), line.size() + 1) < 0) ::_exit(1);
 }
@@ -38,7 +38,7 @@ void report_refusal(const Error& error) {
   report((clear ? "- " : "? ") + text);
 }
 
-/// Saves versions of one entry until the disk has refused some. "+ N": version N is saved.
+/// Saves versions of one library entry until some saves were refused. Reports "+ N" when version N is saved.
 void work_on_library(const std::string& path) {
   int refusals = 0, changes = 0;
   while (refusals < max_refusals && changes < max_changes) {
@@ -60,13 +60,13 @@ void work_on_library(const std::string& path) {
       } else {
         ++refusals;
         report_refusal(saved.error());
-        if (refusals % 3 == 0) break;  // open again
+        if (refusals % 3 == 0) break;  // open the library again
       }
     }
   }
 }
 
-/// Renames the scenario until the disk has refused some changes. "+ NAME": the name is stored.
+/// Renames the scenario until some changes were refused. Reports "+ NAME" when the name is stored.
 void work_on_project(const std::string& path) {
   int refusals = 0, changes = 0;
   while (refusals < max_refusals && changes < max_changes) {
@@ -121,7 +121,7 @@ class DiskFaultTest : public ::testing::Test {
       ::setenv("UGOKI_FAULT_KIND", kind.c_str(), 1);
       ::setenv("UGOKI_FAULT_AFTER", std::to_string(after).c_str(), 1);
       ::setenv("UGOKI_FAULT_LENGTH", std::to_string(length).c_str(), 1);
-      ::setenv("TMPDIR", folder_.path().c_str(), 1);  // rescue copies have no other place
+      ::setenv("TMPDIR", folder_.path().c_str(), 1);  // rescue copies must also be on the faulty disk
       ::setenv("XDG_DATA_HOME", folder_.path().c_str(), 1);
       ::setenv("LD_PRELOAD", UGOKI_FAULTY_DISK, 1);
       ::execl("/proc/self/exe", "worker", static_cast<char*>(nullptr));
@@ -185,7 +185,7 @@ class DiskFaultTest : public ::testing::Test {
     }
     std::printf("%d runs, %zu changes acknowledged, %zu refused, seed %u\n", rounds, acknowledged, refused, seed);
   }
-  /// The stored name is the last acknowledged one, or a refused one that came after it: "name-CHANGES-REFUSALS".
+  /// Checks that the stored name is the last acknowledged name, or a later refused name. Names have the form "name-CHANGES-REFUSALS".
   static void expect_last(const std::string& name, const Ran& ran, const std::string& what) {
     if (name == ran.acknowledged.back()) return;
     const std::string number = name.substr(5, name.find('-', 5) - 5);

@@ -1,9 +1,9 @@
-// A library for LD_PRELOAD that makes the disk fail: below the folder $UGOKI_FAULT_FOLDER, calls that write fail after some number of calls.
+// A library for LD_PRELOAD that makes the disk fail: in the folder $UGOKI_FAULT_FOLDER, file operations fail after a number of calls.
 //   $UGOKI_FAULT_KIND  full: no space for writes (the first failing write writes half of its bytes)
 //                      readonly: files cannot be created or opened for writing, and writes fail
 //                      io: writes, reads and flushes fail with an input/output error
-//   $UGOKI_FAULT_AFTER number of calls that succeed
-//   $UGOKI_FAULT_LENGTH number of calls that then fail; 0: all
+//   $UGOKI_FAULT_AFTER  number of calls that succeed
+//   $UGOKI_FAULT_LENGTH number of calls that fail afterwards; 0: all
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -87,7 +87,7 @@ int close(int fd) {
 ssize_t write(int fd, const void* bytes, size_t size) {
   REAL(write);
   if (!watched(fd) || !fails()) return real(fd, bytes, size);
-  if (is_kind("full") && size > 1) return real(fd, bytes, size / 2);  // the next call fails, or the caller reports a short write
+  if (is_kind("full") && size > 1) return real(fd, bytes, size / 2);  // a partial write; the next call fails, or the caller reports a short write
   errno = write_error();
   return -1;
 }

@@ -1,4 +1,4 @@
-// node e2e/export.mjs [--slow]: exported pages, programs and files. Prints one line for each test. UGOKI_BIN names the program `ugoki`.
+// Tests of exported pages, programs and files: node e2e/export.mjs [--slow]. Prints one line for each test. UGOKI_BIN is the path of `ugoki`.
 // Every form of the content must reach the same state, bit by bit, after the same recorded inputs.
 import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
@@ -50,7 +50,7 @@ const written = JSON.parse(run('export', at('park.ugoki'), '--html', at('park.ht
 const plain = JSON.parse(run('run', at('park.ugx'), '--steps', String(steps), '--json')).state_hash;
 const wanted = JSON.parse(run('run', at('park.ugoki'), '--steps', String(steps), '--inputs', at('inputs.json'), '--json')).state_hash;
 
-await test('`ugoki export` names the files that it wrote', () => {
+await test('`ugoki export` lists the files that it wrote', () => {
   expect(written.files.map((f) => f.kind).join() === 'html,native,script,ugx,page,ugx' || written.files.length === 6, JSON.stringify(written));
   for (const f of written.files) expect(statSync(f.file).size === f.bytes, f.file);
 });
@@ -64,7 +64,7 @@ await test('a page without motion data is smaller than 1.5 MB', () => {
 
 await test('recorded inputs change the run', () => expect(plain !== wanted, `both runs end with ${plain}`));
 
-await test('the native program runs in an empty folder without environment and gives the same state', () => {
+await test('the native program in an empty folder without environment variables reaches the same state', () => {
   mkdirSync(at('bare'));
   copyFileSync(at('park'), at('bare/park'));
   copyFileSync(at('inputs.json'), at('bare/inputs.json'));
@@ -92,7 +92,7 @@ await test('the native program refuses damaged content and wrong inputs', () => 
   expect(wrong.status === 1 && /inputs\/0\/character.*nobody/.test(wrong.stderr), wrong.stderr);
 });
 
-await test('`ugoki export` refuses what it cannot do with a sentence', () => {
+await test('`ugoki export` refuses wrong targets and missing outputs with a message', () => {
   expect(/does not exist|unknown/i.test(refused('export', at('none.ugoki'), '--html', at('x.html'))), 'missing project');
   expect(/Name at/.test(refused('export', at('park.ugoki'))), 'no output');
   expect(/header specifies/.test((writeFileSync(at('bad.ugx'), readFileSync(at('park.ugx')).subarray(0, 5000)), refused('export', at('bad.ugx'), '--html', at('x.html')))), 'truncated');
@@ -128,7 +128,7 @@ const repeat = (page, count) =>
 
 const page = await open(`file://${at('park.html')}`);
 
-await test('the page opens from a disk, plays by itself and asks for nothing outside', async () => {
+await test('the page opens from a disk, starts to play, and sends no request to the network', async () => {
   await page.waitForFunction(() => document.querySelector('ugoki-player').time > 0.05, undefined, { timeout: 30000 });
   const { first, name } = await page.evaluate(() => ({ first: document.querySelector('ugoki-player').first_picture, name: document.title }));
   console.log(`# first picture ${first.toFixed(0)} ms after the page began to load the content (software rendering)`);
@@ -136,12 +136,12 @@ await test('the page opens from a disk, plays by itself and asks for nothing out
   expect(errors.length === 0, errors.join('; '));
 });
 
-await test('the page gives the same state as `ugoki run` after the recorded inputs', async () => {
+await test('the page reaches the same state as `ugoki run` after the recorded inputs', async () => {
   const { done, hash } = await repeat(page, steps);
   expect(done === steps && hash === wanted, `${done} steps, ${hash}, wanted ${wanted}`);
 });
 
-await test('inputs recorded in the page repeat the run elsewhere', async () => {
+await test('inputs recorded in the page repeat the run in `ugoki run`', async () => {
   const { recorded } = await repeat(page, steps);
   writeFileSync(at('again.json'), JSON.stringify({ inputs: recorded }));
   const again = JSON.parse(run('run', at('park.ugx'), '--steps', String(steps), '--inputs', at('again.json'), '--json')).state_hash;
@@ -159,7 +159,7 @@ const find_character = (p, index) =>
     return { x: box.left + (0.5 + 0.5 * v.x) * box.width, y: box.top + (0.5 - 0.5 * v.y) * box.height };
   }, index);
 
-await test('a drag pulls a character; with the tool push an arrow pushes it', async () => {
+await test('a drag pulls a character with the tool pull, and pushes it with the tool push', async () => {
   for (const tool of ['pull', 'push']) {
     await page.evaluate((t) => {
       const player = document.querySelector('ugoki-player');
@@ -186,7 +186,7 @@ await test('a drag pulls a character; with the tool push an arrow pushes it', as
   }
 });
 
-await test('a drag beside the characters turns the view, and the wheel zooms', async () => {
+await test('a drag on the background turns the view, and the wheel zooms', async () => {
   const eye = () => page.evaluate(() => ({ ...document.querySelector('ugoki-player').view.rig.goal }));
   const before = await eye();
   await page.mouse.move(60, 120);
@@ -241,7 +241,7 @@ await test('on a phone one finger pulls and two fingers zoom', async () => {
   await phone.context().close();
 });
 
-await test('the native program serves its page, runs the content, and gives the same state', async () => {
+await test('the native program serves its page, runs the content, and reaches the same state', async () => {
   const program = spawn(at('park'), ['--no-open', '--json'], { stdio: ['ignore', 'pipe', 'inherit'] });
   try {
     const text = await new Promise((done, fail) => {
@@ -267,7 +267,7 @@ await test('the native program serves its page, runs the content, and gives the 
   }
 });
 
-await test('the element and the frame obey another page', async () => {
+await test('the element and an exported page in a frame are controlled by another page', async () => {
   copyFileSync(at('park.html'), at('embed/park.html'));
   writeFileSync(at('embed/frame.html'), '<!doctype html><iframe src="park.html" style="width: 700px; height: 400px"></iframe>');
   const server = createServer((request, reply) => {
@@ -316,7 +316,7 @@ await test('the element and the frame obey another page', async () => {
   }
 });
 
-await test('damaged content in a page gives a sentence, not an empty page', async () => {
+await test('a page with damaged content shows a message', async () => {
   const html = readFileSync(at('park.html'), 'utf8');
   const bytes = readFileSync(at('park.ugx'));
   bytes[bytes.length >> 1] ^= 1;
@@ -395,7 +395,7 @@ function rows_of(text) {
 }
 const sweep = (count, table, ...more) => ['bake', at('park.ugoki'), '--vary', `push=0:400:${count / 4}`, '--vary', 'push-angle=0,90,180,270', '--vary', 'push-time=0.05', '--duration', '0.2', '--table', at(table), ...more];
 
-await test('a sweep that is killed again and again ends complete, and no run is computed twice', async () => {
+await test('a sweep that is killed several times gives the complete table and repeats no finished run', async () => {
   const [count, kills] = slow ? [1000, 5] : [80, 3];
   run(...sweep(count, 'whole.db', '--csv', at('whole.csv')));
   const whole = rows_of(readFileSync(at('whole.csv'), 'utf8'));
@@ -407,7 +407,7 @@ await test('a sweep that is killed again and again ends complete, and no run is 
     const ended = new Promise((done) => killed.on('exit', (code, signal) => done(signal)));
     await new Promise((done) => setTimeout(done, slow ? 1500 : 500));
     killed.kill('SIGKILL');
-    if ((await ended) !== 'SIGKILL') break; // it was done before
+    if ((await ended) !== 'SIGKILL') break; // the sweep ended before the kill
   }
   const last = JSON.parse(run(...sweep(count, 'killed.db', '--json', '--csv', at('killed.csv'))));
   before = count - last.added;
@@ -429,7 +429,7 @@ await test('parts of a sweep are merged to the same table, and another sweep is 
 
 await test('the scripts of --slurm compute the parts and merge them', () => {
   run(...sweep(12, 'cluster.db', '--slurm', '2', '--dry-run'));
-  // a Slurm of one line: runs each task of the array, then the merge
+  // Replaces Slurm: runs each task of the array, then the merge.
   for (const task of ['0', '1']) execFileSync('bash', [at('cluster.slurm')], { env: { ...process.env, SLURM_ARRAY_TASK_ID: task, SLURM_CPUS_PER_TASK: '1' } });
   execFileSync('bash', [at('cluster.merge.slurm')]);
   const done = JSON.parse(run(...sweep(12, 'cluster.db', '--json')));

@@ -66,8 +66,8 @@ struct Subject {
   Character character;
 };
 
-/// True if the file's rest pose is a T pose already: trunk and limbs differ from the canonical pose by less than 8 degrees. Such a pose
-/// stays, because it is more exactly symmetric than a pose that was estimated from the motion.
+/// True if the file's rest pose is already a T pose: trunk and limbs differ from the canonical pose by less than 8 degrees. Such a pose is
+/// kept, because it is more symmetric than a pose that is estimated from the motion.
 bool is_canonical(const Character& c, std::span<const Mat3> turns) {
   if (c.plan != BodyPlan::human || turns.empty()) return false;
   std::vector<int> joints = c.trunk;
@@ -76,7 +76,7 @@ bool is_canonical(const Character& c, std::span<const Mat3> turns) {
   return std::ranges::all_of(joints, [&](int i) { return norm(log_map(to_quat(turns[at(i)]))) < 8 * degree; });
 }
 
-/// Recognises the character and gives it its canonical rest pose. If only the file's rest pose shows a human, that pose stays.
+/// Recognises the character and gives it its canonical rest pose. If a human is recognised only in the file's rest pose, that pose is kept.
 Subject make_subject(const MeasuredMotion& motion) {
   Subject s;
   s.character = recognise_character(motion);
@@ -146,7 +146,7 @@ class Maker {
     return (parent < 0 ? Mat3::identity() : subject_.turns[at(parent)]) * subject_.turns[i].transposed();
   }
   [[nodiscard]] bool is_helper(std::size_t i) const { return !anatomy_.helper.empty() && anatomy_.helper[i] != 0; }
-  /// Fixed joint of a link that only follows, at its mean position and first orientation relative to its parent.
+  /// Fixed joint of a link that only follows its parent, at the link's mean position and first orientation relative to the parent.
   [[nodiscard]] Joint follower(std::size_t i) const {
     Joint joint;
     joint.X_PJ.p = m_.skeleton.joints[i].offset;
@@ -322,7 +322,7 @@ class Maker {
     return static_cast<std::size_t>(heaviest - spec_.links.begin());
   }
 
-  /// Links of a character that is not human.
+  /// Makes the links of a character that is not human.
   void build_creature() {
     const Creature creature = make_creature(subject_.character, m_, o_);
     if (subject_.character.plan == BodyPlan::four_legs)

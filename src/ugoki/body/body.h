@@ -43,7 +43,7 @@ struct Body {
   bool level_floor = true;               ///< BodyOptions::level_floor
   std::vector<Mat3> rest;                ///< [joints] turns from the file's rest pose to the body's (canonical_turns); empty: the same pose
   std::vector<Sole> soles;               ///< left, right; empty if not human; in the body's rest pose
-  double confidence = 0;                 ///< 0 ... 1 that the anatomy is right
+  double confidence = 0;                 ///< 0 ... 1: confidence in the anatomy
   std::vector<std::string> report;       ///< sentences for display: what was recognised, estimated, widened, shifted
 };
 

@@ -12,8 +12,8 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// Mass of a four-legged mammal, kg per cubed metre of the distance between hips and shoulders. A cat of 4 kg has 0.27 m (200), a shepherd
-// dog of 32 kg 0.53 m (215), a horse of 540 kg 1.25 m (276; Buchner et al. 1997), a rat of 0.3 kg 0.10 m (300).
+// kg/m^3: mass of a four-legged mammal divided by the cube of the distance between hips and shoulders. Examples: cat, 4 kg and 0.27 m
+// (200); shepherd dog, 32 kg and 0.53 m (215); horse, 540 kg and 1.25 m (276; Buchner et al. 1997); rat, 0.3 kg and 0.10 m (300).
 constexpr double mass_per_trunk = 235;
 constexpr double gravity = 9.81;
 
@@ -80,7 +80,7 @@ class Maker {
  private:
   [[nodiscard]] int parent(int i) const { return m_.skeleton.joints[at(i)].parent; }
   [[nodiscard]] bool four_legs() const { return f_.plan == BodyPlan::four_legs; }
-  /// Parts of the body are known: masses and radii come from a table.
+  /// True if the parts of the body are known; masses and radii then come from a table.
   [[nodiscard]] bool known() const { return four_legs() || f_.winged; }
   [[nodiscard]] SidedPart part(int i) const { return known() ? f_.parts[at(i)] : SidedPart{}; }
   [[nodiscard]] std::span<const PartShape> table() const {
@@ -130,7 +130,7 @@ class Maker {
     return static_cast<int>(std::ranges::count_if(m_.skeleton.joints, [&](const SkeletonJoint& j) { return j.parent == i; }));
   }
 
-  /// Joints without mass of their own: helpers, and ends whose bone and offset are tiny.
+  /// Marks the joints whose links get no mass: helpers, and ends whose bone and offset are tiny.
   void find_followers() {
     for (int i = n_ - 1; i >= 0; --i) {
       bool only_followers = true;
@@ -180,8 +180,8 @@ class Maker {
     }
   }
 
-  /// Feet: the ends of the tree that come close to the floor get a pad that reaches down to it, so that all feet stand on one level
-  /// although joints lie at different heights in them. The floor is level, below the lowest end.
+  /// Adds a pad to each end of the tree that comes close to the floor. The pads reach down to the floor, so that all feet stand on one
+  /// level although their joints are at different heights. The floor is a level plane below the lowest end.
   void add_pads() {
     if (m_.frames == 0) return;
     struct End {
@@ -199,7 +199,7 @@ class Maker {
       poses.push_back(X);
     }
     for (int i = 0; i < n_; ++i) {
-      bool last = true;  // no child with mass of its own
+      bool last = true;  // the joint has no child with mass
       for (int c = i + 1; c < n_; ++c)
         if (parent(c) == i) last = last && link(c).follows;
       // A body without legs lies on its belly: every joint can touch the floor.
@@ -222,7 +222,7 @@ class Maker {
       ends.push_back(e);
     }
     if (ends.empty()) return;
-    // The floor: the level that the lowest of all shapes reaches in a tenth of the frames.
+    // The floor is the level that the lowest of all shapes reaches in a tenth of the frames.
     double floor = 1e300;
     std::vector<double> lows;
     for (int i = 0; i < n_; ++i)
@@ -270,7 +270,7 @@ class Maker {
     if (known()) {
       const double length = f_.trunk_length;
       total = f_.winged ? bird_mass(wing_span()) : mass_per_trunk * length * length * length;
-      // Shares of the parts; within a part, in proportion to the volumes of the links.
+      // Each part gets its share of the mass. Within a part the mass is distributed in proportion to the volumes of the links.
       std::vector<double> volume(table().size(), 0.0);
       const auto group = [&](int i) { return static_cast<std::size_t>(&shape_of(part(i).part) - table().data()); };
       for (int i = 0; i < n_; ++i) volume[group(i)] += link(i).inertia.mass;
@@ -293,7 +293,7 @@ class Maker {
                                              " m between hips and shoulders."
                                        : "Mass " + to_text_of(total) + " kg: capsules of density 1000 kg/m^3 along the bones.");
   }
-  /// Length [m] of both stretched wings and the distance of the shoulders.
+  /// Wing span [m]: the length of both stretched wings plus the distance between the shoulders.
   [[nodiscard]] double wing_span() const {
     double span = norm(p_[at(f_.arms[0].proximal)] - p_[at(f_.arms[1].proximal)]);
     for (const Limb& wing : f_.arms) {
@@ -312,7 +312,8 @@ class Maker {
   static std::string to_text_of(double kilograms) { return to_fixed(kilograms, kilograms < 1 ? 3 : 1); }
   static void scale(Inertia& i, double factor) { i = {i.mass * factor, i.h * factor, i.I * factor}; }
 
-  /// Links far lighter than the body make the equations of motion ill-conditioned; they get at least a small share of mass and moment.
+  /// Gives very light links at least a small share of mass and moment of inertia. Links far lighter than the body make the equations of
+  /// motion ill-conditioned.
   void protect_small_links() {
     const double min_mass = 1e-3 * out_.mass, min_link_moment = 1e-3 * out_.mass * 0.0004 * size_ * size_;
     double sum = 0;
@@ -328,7 +329,8 @@ class Maker {
       if (!l.follows) scale(l.inertia, out_.mass / sum);
   }
 
-  /// Joints that carry others are strong enough to bear the body's weight at their lever; times follow from the size (sqrt(height / g)).
+  /// Sets the strength of the joints. Joints that carry others can bear the body's weight at their lever. Time constants follow from the
+  /// size: sqrt(height / g).
   void find_strengths() {
     const double lever = std::max(out_.height, 0.25 * size_);
     const double moment = out_.mass * gravity * lever, time = std::sqrt(lever / gravity);

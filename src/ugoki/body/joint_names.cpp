@@ -14,7 +14,7 @@ bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 char lower(char c) { return is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// Words of a name in lower case: separated by punctuation, by a change from small to capital letters ("LeftUpLeg"), before the last of
+/// Splits a name into words in lower case: at punctuation, at a change from small to capital letters ("LeftUpLeg"), before the last of
 /// several capitals ("LThigh"), and between letters and digits. A namespace before ':' or '|' is left out.
 std::vector<std::string> words_of(const std::string& name) {
   const std::size_t start = name.find_last_of(":|");
@@ -224,7 +224,7 @@ const Entry* find_contained(std::string_view joined) {
   return nullptr;
 }
 
-/// Takes a side that is written without a separator: "leftfoot", "rthumb". @return the side, and `word` without it
+/// Removes from `word` a side that is written without a separator ("leftfoot", "rthumb"). @return the side
 int take_side(std::string& word) {
   for (const auto& [mark, side] : {std::pair<std::string_view, int>{"left", 1}, {"right", -1}}) {
     if (word.size() > mark.size() && word.starts_with(mark)) {
@@ -281,7 +281,7 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
     }
   }
   out.weak = joined == "wrist" || joined == "heel" || joined == "hipjoint";
-  // A hip on one side is a thigh, without a side the pelvis.
+  // A hip with a side is a thigh; a hip without a side is the pelvis.
   if (out.part == Part::thigh && out.second == Part::pelvis) out.part = out.side != 0 ? Part::thigh : Part::pelvis;
   if (out.part == Part::pelvis && out.second == Part::thigh) out.part = out.side != 0 ? Part::thigh : Part::pelvis;
   return out;
@@ -301,7 +301,7 @@ std::vector<NameEvidence> read_joint_names(std::span<const std::string> names) {
     std::vector<std::string> kept;
     for (const std::string& w : list)
       if (count[w] * 10 <= names.size() * 6 || names.size() < 4) kept.push_back(w);
-    // "L" or "left" as the last word of a prefix that all joints of one side share stays, because half of the joints have it.
+    // A side in a prefix ("L", "left") is kept, because only about half of the joints share it.
     if (!kept.empty()) list = std::move(kept);
   }
   std::vector<NameEvidence> out;

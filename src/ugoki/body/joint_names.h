@@ -12,9 +12,9 @@ namespace ugoki::body {
 
 /// Evidence from one joint's name.
 struct NameEvidence {
-  Part part = Part::other;    ///< the part that begins at the joint; `other`: the name names none
+  Part part = Part::other;    ///< the part that begins at the joint; `other`: the name states no part
   Part second = Part::other;  ///< a second meaning of an ambiguous word ("leg": shank or thigh); `other`: none
-  int side = 0;               ///< 1 left, -1 right, 0 not named
+  int side = 0;               ///< 1 left, -1 right, 0 not stated
   bool helper = false;        ///< a bone that only follows: twist, roll, end, effector, hair, cloth, face, camera ...
   bool weak = false;          ///< the word often names a joint next to the one where `part` begins ("wrist": in the forearm, or the hand)
   bool end = false;           ///< a helper that marks the end of its parent's bone ("HeadNub", "LeftToe_End")
@@ -24,9 +24,9 @@ struct NameEvidence {
   bool fore = false, hind = false;  ///< limb of a four-legged animal: in front, behind
 };
 
-/// Reads the names of one skeleton together: words that most joints share ("mixamorig", "Bip01", "CC_Base", "J_Bip", "def") are no
-/// evidence. Separators (_ - . : | blank), capitals and digits divide a name into words; English, German, French, Spanish, Italian and
-/// Latin names of parts and sides are known.
+/// Reads the joint names of one skeleton. Words that most joints share ("mixamorig", "Bip01", "CC_Base", "J_Bip", "def") are ignored.
+/// Separators (_ - . : | blank), capitals and digits divide a name into words. English, German, French, Spanish, Italian and Latin names of
+/// parts and sides are known.
 [[nodiscard]] std::vector<NameEvidence> read_joint_names(std::span<const std::string> names);
 
 }  // namespace ugoki::body

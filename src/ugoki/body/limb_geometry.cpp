@@ -43,7 +43,7 @@ std::size_t find_thumb_among(const MotionShape& motion, const Limb& arm, std::sp
       if (tips.size() == 2) others = wrist - motion.p(f, arm.distal);
       straight += dot(direction(k), normalized(others));
     }
-    // Of two fingers, the shorter one is rather the thumb.
+    // With two fingers, the shorter one is more likely the thumb.
     if (tips.size() == 2)
       straight +=
           motion.frames() * 0.5 * motion.distance(arm.end, tips[k]).mean / std::max(1e-9, motion.distance(arm.end, tips[1 - k]).mean);
@@ -68,14 +68,14 @@ Anatomy anatomy_of(const Character& character, const Skeleton& skeleton) {
   a.helper = character.helper;
   for (std::size_t i = 0; i < n; ++i)
     if (const int parent = skeleton.joints[i].parent; parent >= 0) a.children[at(parent)].push_back(static_cast<int>(i));
-  // The bone of a joint ends at its farthest child or end site that does not only follow.
+  // The bone of a joint ends at its farthest end site or child; children that only follow do not count.
   for (std::size_t i = 0; i < n; ++i) {
     Vec3 best{};
     for (const Vec3& e : skeleton.joints[i].end_sites)
       if (norm(e) > norm(best)) best = e;
     for (const int c : a.children[i])
       if (character.helper[at(c)] == 0 && norm(a.p[at(c)] - a.p[i]) > norm(best)) best = a.p[at(c)] - a.p[i];
-    // An end bone is the end of its parent's bone if nothing else is.
+    // If the joint has no other end, its bone ends at its farthest child that only follows.
     if (!(norm(best) > 0))
       for (const int c : a.children[i])
         if (norm(a.p[at(c)] - a.p[i]) > norm(best)) best = a.p[at(c)] - a.p[i];

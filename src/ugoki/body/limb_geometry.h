@@ -19,7 +19,7 @@ struct Branch {
   std::vector<int> path;  ///< joints from `first` to `leaf`
 };
 
-/// Two branches of one joint that are alike.
+/// Two similar branches of one joint.
 struct Pair {
   int from = -1;
   int first = -1, second = -1;  ///< indices of branches
@@ -32,7 +32,7 @@ struct Sections {
   double cost = 1e9;
 };
 
-/// The part belongs to a leg, an arm, the middle of the body.
+/// True if the part belongs to a leg (is_leg), to an arm (is_arm), to the middle of the body (is_middle).
 [[nodiscard]] inline bool is_leg(Part p) {
   return p == Part::hip || p == Part::thigh || p == Part::shank || p == Part::foot || p == Part::toes;
 }
@@ -49,7 +49,7 @@ inline void swap_sides(Branch (&legs)[2], Branch (&arms)[2], Sections (&leg_part
   std::swap(arm_parts[0], arm_parts[1]);
 }
 
-/// Agreement of the order of two legs with their shape: positive if the first leg is the left one. Left is up x forward; forward is the
+/// Returns a positive value if the shape of two legs shows that the first leg is the left one. Left is up x forward; forward is the
 /// direction of feet and knees. @param size m, of the character
 [[nodiscard]] double facing_of(const MotionShape& motion, const Branch (&legs)[2], const Sections (&leg_parts)[2], double size);
 

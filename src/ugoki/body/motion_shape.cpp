@@ -5,7 +5,7 @@
 namespace ugoki::body {
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double free_share = 0.25;  // a joint that shifts by more than this share of the character's size is not joined to its parent
+constexpr double free_share = 0.25;  // share of the character's size; no bone connects a joint that shifts further to its parent
 }  // namespace
 
 MotionShape::MotionShape(const MeasuredMotion& m, int max_frames) : m_(m) {
@@ -35,7 +35,8 @@ MotionShape::MotionShape(const MeasuredMotion& m, int max_frames) : m_(m) {
     std::nth_element(l.begin(), l.begin() + static_cast<std::ptrdiff_t>(l.size() / 2), l.end());
     length_[at(i)] = l[l.size() / 2];
   }
-  // The character's size: the longest path along bones that keep their length. Far longer bones than most connect a character to its scene.
+  // The character's size is the longest path along bones of constant length. Bones that are far longer than most others connect a character
+  // to its scene and do not count.
   std::vector<double> rigid;
   for (int i = 0; i < n; ++i)
     if (m.skeleton.joints[at(i)].parent >= 0 && length_[at(i)] > 0 && shift[at(i)] <= 0.05 * length_[at(i)])

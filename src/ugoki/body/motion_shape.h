@@ -1,5 +1,5 @@
 #pragma once
-// Shape of a skeleton as its motion shows it: positions of joints in sampled frames, and lengths that do not depend on the rest pose.
+// Shape of a skeleton, measured from its motion: positions of joints in sampled frames, and lengths that do not depend on the rest pose.
 // Internal to body.
 
 #include <vector>

@@ -57,7 +57,7 @@ class Recogniser {
     return path;
   }
 
-  /// Longest paths below each joint, and the branches that are long enough for a limb. Joints that only follow begin no branch.
+  /// Finds the longest path below each joint, and the branches that are long enough for a limb. Joints that only follow begin no branch.
   void find_branches() {
     const auto n = at(n_);
     down_.assign(n, 0);
@@ -66,7 +66,7 @@ class Recogniser {
       for (const Vec3& e : m_.skeleton.joints[at(i)].end_sites) down_[at(i)] = std::max(down_[at(i)], heir_[at(i)] < 0 ? norm(e) : 0.0);
       const int p = parent(i);
       if (p >= 0 && !shape_.is_free(i) && ignored(i) && name(i).end && heir_[at(p)] < 0)
-        down_[at(p)] = std::max(down_[at(p)], shape_.bone_length(i));  // the end of the parent's bone
+        down_[at(p)] = std::max(down_[at(p)], shape_.bone_length(i));  // joint i is the end of its parent's bone
       if (p < 0 || shape_.is_free(i) || ignored(i)) continue;
       const double d = shape_.bone_length(i) + down_[at(i)];
       if (d > down_[at(p)] || heir_[at(p)] < 0) {
@@ -105,7 +105,7 @@ class Recogniser {
       }
   }
 
-  /// A helper by its name, without a body part by name anywhere below.
+  /// True if the name of joint i is that of a helper and no joint below has the name of a body part.
   [[nodiscard]] bool ignored(int i) const {
     if (!name(i).helper) return false;
     for (int k = i + 1; k < n_; ++k)
@@ -127,7 +127,7 @@ class Recogniser {
     return std::clamp(sum, -2.0, 2.0);
   }
 
-  /// Pairs of like branches of one joint.
+  /// Finds the pairs of similar branches of one joint.
   void find_pairs() {
     for (std::size_t k = 0; k < branches_.size(); ++k)
       for (std::size_t l = k + 1; l < branches_.size(); ++l) {
@@ -164,7 +164,7 @@ class Recogniser {
         if (legs.from == arms.from || l == a || component_[at(legs.from)] != component_[at(arms.from)]) continue;
         const Branch &leg = branches_[at(legs.first)], &arm = branches_[at(arms.first)];
         const Branch &leg2 = branches_[at(legs.second)], &arm2 = branches_[at(arms.second)];
-        // No limb carries the other pair.
+        // A limb must not carry the other pair.
         if (is_below(arms.from, leg.first) || is_below(arms.from, leg2.first)) continue;
         if (is_below(legs.from, arm.first) || is_below(legs.from, arm2.first)) continue;
         double score = legs.score + arms.score;
@@ -196,7 +196,7 @@ class Recogniser {
         }
       }
     if (best_legs < 0) {
-      f_.why_not = pairs_.empty() ? "it has no pair of like limbs." : "it has no two pairs of like limbs, as legs and arms are.";
+      f_.why_not = pairs_.empty() ? "it has no pair of similar limbs." : "it has no two pairs of similar limbs that can be legs and arms.";
       return;
     }
     const Pair legs = pairs_[at(best_legs)], arms = pairs_[at(best_arms)];
@@ -219,7 +219,7 @@ class Recogniser {
     build(legs, arms, head);
   }
 
-  /// How well a branch serves as neck and head.
+  /// Score of a branch as neck and head; higher is better.
   [[nodiscard]] double score_head(int h, const Pair& legs, const Pair& arms) const {
     const Branch& b = branches_[at(h)];
     if (h == legs.first || h == legs.second || h == arms.first || h == arms.second) return -1e9;
@@ -232,7 +232,7 @@ class Recogniser {
       if (name(i).part == Part::head || name(i).part == Part::neck) score = 3;
     for (const int i : b.path)
       if (name(i).tail || is_leg(name(i).part) || is_arm(name(i).part) || name(i).wing) score = -3;
-    // On the arms' side of the spine.
+    // The head is close to the arms along the spine.
     const int common = common_ancestor(b.from, arms.from);
     double to_arms = 0;
     for (int i = arms.from; i >= 0 && i != common; i = parent(i)) to_arms += shape_.bone_length(i);
@@ -241,7 +241,7 @@ class Recogniser {
     score -= 4 * to_arms / arm;
     score -= b.from == legs.from && legs.from != arms.from ? 4 : 0;
     score -= square(ugoki::log(b.length / (0.5 * arm)) / ugoki::log(2.5));
-    // A single branch: no like branch beside it.
+    // The head has no similar branch beside it.
     for (const Branch& other : branches_)
       if (other.from == b.from && other.first != b.first && std::fabs(other.length - b.length) < 0.03 * b.length &&
           other.path.size() == b.path.size())
@@ -258,7 +258,7 @@ class Recogniser {
       if (name(c).end) length = std::max(length, shape_.bone_length(c));
     return length;
   }
-  /// How well the name of a joint fits the section that begins at it.
+  /// Agreement of a joint's name with the section that begins at the joint.
   [[nodiscard]] double fits(int joint, Part wanted) const {
     const NameEvidence& e = name(joint);
     if (e.helper) return -4;
@@ -267,8 +267,8 @@ class Recogniser {
     return e.second == wanted ? 1.2 : -2;
   }
 
-  /// Cost of dividing a limb at the joints u, l, e of its path: by the lengths of the bones, their constancy in the motion, the joints'
-  /// names, and usual proportions. e = size of the path: the arm ends at the tip of its last bone.
+  /// Cost of dividing a limb at the joints u, l, e of its path. The cost depends on the lengths of the bones, their constancy in the
+  /// motion, the joints' names, and usual proportions. If e is the size of the path, the arm ends at the tip of its last bone.
   [[nodiscard]] double division_cost(const Branch& b, bool leg, int u, int l, int e) const {
     const int count = static_cast<int>(b.path.size());
     const auto path = [&](int k) { return b.path[at(k)]; };
@@ -288,7 +288,7 @@ class Recogniser {
     if (ends) cost += 3;
     cost -= fits(path(u), leg ? Part::thigh : Part::upper_arm) + fits(path(l), leg ? Part::shank : Part::forearm);
     if (!ends) cost -= fits(path(e), leg ? Part::foot : Part::hand);
-    // The distances between neighbouring joints of the sections are constant; what bends or stretches is not one section.
+    // The distance between the two ends of a section is constant in the motion; a chain that bends or stretches is more than one section.
     cost += 60 * shape_.distance(path(u), path(l)).spread / upper;
     if (!ends) cost += 60 * shape_.distance(path(l), path(e)).spread / lower;
     return cost;
@@ -382,7 +382,7 @@ class Recogniser {
     find_helpers();
   }
 
-  /// The head: the first neck joint that is named a head, otherwise the last one that carries a bone of the neck's length.
+  /// Finds the head: the first neck joint that is named a head, otherwise the last one that carries a bone of the neck's length.
   void find_head() {
     for (const int i : f_.neck) f_.parts[at(i)] = {Part::neck, 0};
     int head = -1;
@@ -392,7 +392,7 @@ class Recogniser {
         break;
       }
     if (head < 0) {
-      // Without a name: the last joint that carries a bone. An end without a bone of its own is the top of the head.
+      // Without a name, the head is the last joint that carries a bone. An end without a bone is the top of the head.
       const bool end = m_.skeleton.joints[at(f_.neck.back())].end_sites.empty() && f_.neck.size() > 1;
       head = end ? f_.neck[f_.neck.size() - 2] : f_.neck.back();
     }
@@ -404,11 +404,11 @@ class Recogniser {
     f_.parts[at(head)] = {Part::head, 0};
   }
 
-  /// Orders both pairs: left first. Names decide unless the character's own shape and movement contradict them clearly.
+  /// Puts the left limb of each pair first. Names decide unless the character's shape and movement clearly contradict them.
   void choose_sides(Branch (&legs)[2], Branch (&arms)[2], Sections (&leg_parts)[2], Sections (&arm_parts)[2]) {
     double names = 0;
     for (int s = 0; s < 2; ++s) names += (s == 0 ? 1 : -1) * (named_side(legs[s]) + named_side(arms[s]));
-    // Arms and legs are ordered alike: the first arm is on the side of the first leg.
+    // Arms and legs get the same order: the first arm is on the side of the first leg.
     double same = 0;
     for (int f = 0; f < shape_.frames(); ++f) {
       const Vec3 hips = shape_.p(f, legs[0].path[at(leg_parts[0].upper)]) - shape_.p(f, legs[1].path[at(leg_parts[1].upper)]);
@@ -423,7 +423,7 @@ class Recogniser {
       names = 0;
       for (int s = 0; s < 2; ++s) names += (s == 0 ? 1 : -1) * (named_side(legs[s]) + named_side(arms[s]));
     }
-    // Shape: left is up x forward; forward is where feet point and knees bend.
+    // By the shape, left is up x forward; forward is the direction in which feet point and knees bend.
     const double shape = facing_of(shape_, legs, leg_parts, size_);
     if (std::fabs(names) > 0.5) {
       if (names < 0) swap_sides(legs, arms, leg_parts, arm_parts);
@@ -439,7 +439,7 @@ class Recogniser {
       doubt_ += std::fabs(shape) < 0.3 ? 0.3 : 0.1;
     }
   }
-  /// The longest branch at the pelvis that is neither leg nor spine, or joints named tail.
+  /// Finds the tail: the longest branch at the pelvis that is neither leg nor spine, or joints that are named tail.
   void find_tail() {
     const Branch* tail = nullptr;
     for (const Branch& b : branches_) {
@@ -453,7 +453,8 @@ class Recogniser {
     if (tail) f_.tail = tail->path;
   }
 
-  /// Number of pairs of like branches of the trunk beside legs and arms that are as long as limbs; 0 if the names are those of a human.
+  /// Number of further pairs of limbs: similar branches of the trunk, besides legs and arms, that are as long as limbs. 0 if the names are
+  /// those of a human.
   [[nodiscard]] int more_limbs() const {
     int human_names = 0;
     for (const std::array<Limb, 2>* limbs : {&f_.legs, &f_.arms})
@@ -477,7 +478,7 @@ class Recogniser {
     return count;
   }
 
-  /// Human or four-legged, by the inclination of the trunk, the proportions and the names.
+  /// Decides between human and four-legged by the inclination of the trunk, the proportions and the names.
   void decide_plan() {
     double upright = 0, legs = 0, trunk = 0;
     for (int f = 0; f < shape_.frames(); ++f) {
@@ -527,7 +528,7 @@ class Recogniser {
     f_.confidence = std::clamp(0.55 + 0.2 * std::fabs(animal - 1) - doubt_, 0.05, 0.99);
   }
 
-  /// Joints without a part get the part of their parent; below hand and foot they are fingers, thumb or toes.
+  /// Gives joints without a part the part of their parent. Joints below hand and foot become fingers, thumb or toes.
   void mark_rest() {
     for (int i = 0; i < n_; ++i) {
       SidedPart& own = f_.parts[at(i)];
@@ -535,7 +536,7 @@ class Recogniser {
       const int p = parent(i);
       if (p < 0 || !is_below(i, f_.pelvis)) continue;
       own = f_.parts[at(p)];
-      // What branches off at the hand or the forearm is a finger.
+      // A branch at the hand or the forearm is a finger.
       if (own.part == Part::hand || own.part == Part::forearm) own.part = Part::fingers;
       if (own.part == Part::foot) own.part = Part::toes;
     }
@@ -548,7 +549,7 @@ class Recogniser {
     }
   }
 
-  /// Without a joint named thumb: of several fingers of a hand, the one that points away from the others.
+  /// Finds the thumb if no joint is named thumb: of several fingers of a hand, the one that points away from the others.
   void find_thumb(int side) {
     const int sign = side == 0 ? 1 : -1, wrist = f_.arms[at(side)].end;
     if (wrist < 0) return;
@@ -571,7 +572,7 @@ class Recogniser {
       if (is_below(i, fingers[thumb]) && f_.parts[at(i)].part == Part::fingers) f_.parts[at(i)].part = Part::thumb;
   }
 
-  /// Joints that only follow: named helpers, and ends whose parent has another joint on the way to the limb's tip.
+  /// Marks the joints that only follow: named helpers, and ends whose parent has another joint on the path to the limb's tip.
   void find_helpers() {
     for (int i = 0; i < n_; ++i)
       if (is_below(i, f_.pelvis) && ignored(i)) f_.helper[at(i)] = 1;

@@ -1,6 +1,6 @@
 #pragma once
-// Recognises the character in a measured motion from the shape of its joint tree, its joints' names and its movement together. The rest
-// pose of the file plays no part: files with the same world motion give the same result. docs/design/anatomy.md describes the method.
+// Recognises the character in a measured motion from the shape of its joint tree, its joints' names and its movement. The result does not
+// depend on the rest pose of the file: files with the same world motion give the same result. docs/design/anatomy.md describes the method.
 
 #include <span>
 #include <string>
@@ -22,7 +22,7 @@ enum class BodyPlan {
 struct Character {
   BodyPlan plan = BodyPlan::other;
   std::string why_not;                      ///< if the plan is `other`: a sentence with the reason
-  double confidence = 0;                    ///< 0 ... 1 that plan and limbs are right
+  double confidence = 0;                    ///< 0 ... 1: confidence in plan and limbs
   bool winged = false;                      ///< the limbs in `arms` are wings; the plan is `other`
   int pelvis = -1, chest = -1;              ///< joints that carry the (hind) legs and the arms (forelegs)
   int head = -1;                            ///< joint of the head
@@ -35,7 +35,7 @@ struct Character {
   std::vector<char> free;                   ///< [joints] 1: the joint moves far relative to its parent, so that no bone connects them
   std::vector<int> root_path;               ///< joints above the pelvis from the root; they only carry the character
   double leg_length = 0, trunk_length = 0;  ///< m, mean of thigh and shank; hips to shoulders; human and four-legged only
-  Vec3 up;                             ///< mean direction of trunk and legs in the file's world; human only; below length 1 if it varies
+  Vec3 up;                             ///< mean direction of trunk and legs in the file's world; human only; shorter than 1 if it varies
   std::vector<std::string> decisions;  ///< one sentence for each decision, with its evidence
 };
 

@@ -1,4 +1,4 @@
-// Canonical rest poses: the posture from which limits, masses and shapes are measured, whatever the rest pose of the file is.
+// Canonical rest poses. Limits, masses and shapes are measured in this pose. It does not depend on the rest pose of the file.
 
 #include <algorithm>
 
@@ -116,7 +116,7 @@ class Poser {
     return Mat3::columns(forward, {-forward.y, forward.x, 0}, {0, 0, 1});
   }
 
-  /// Weights of the frames: those in which the character stands upright with straight legs count most.
+  /// Calculates the weights of the frames. Frames in which the character stands upright with straight legs get the largest weights.
   void weigh_frames() {
     const int frames = shape_.frames();
     std::vector<double> score(at(frames));
@@ -135,7 +135,7 @@ class Poser {
     for (int f = 0; f < frames; ++f) weight_.push_back(ugoki::exp(20 * (score[at(f)] - best)));
   }
 
-  /// Mean orientations and positions of all joints over the weighted frames, in heading axes.
+  /// Calculates the weighted mean orientations and positions of all joints over the frames, in heading axes.
   void find_mean() {
     const int frames = shape_.frames();
     int best = 0;
@@ -187,7 +187,7 @@ class Poser {
     level(i, mean_p_[at(f_.trunk[k + 1])] - mean_p_[at(i)]);
   }
 
-  /// Foot and toes as they stand: their mean orientation over the frames in which ankle and toes are lowest, pointing forward.
+  /// Poses foot and toes as they stand: in their mean orientation over the frames in which ankle and toes are lowest, pointing forward.
   void pose_foot(int s, std::vector<char>& done) {
     const Limb& leg = f_.legs[at(s)];
     const int frames = shape_.frames();

@@ -49,7 +49,8 @@ class DenseIsland {
   /// Above this number of rows, making B and factoring the Newton matrix cost more than sweeps along the chains of the links.
   static constexpr int max_rows = 96;
 
-  /// Solves the island, beginning with the impulses in `island.p`. Without convergence, `island.p` receives the best impulses found. O(rows^2 chain length) to make B, O(active rows^3) for each Newton step.
+  /// Solves the island, beginning with the impulses in `island.p`. Without convergence, `island.p` receives the best impulses found.
+  /// O(rows^2 chain length) to make B, O(active rows^3) for each Newton step.
   /// @param tolerance m/s: converged when a sweep changes no velocity by more
   DenseResult solve(const IslandRows& island, double tolerance);
 

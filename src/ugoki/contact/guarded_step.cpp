@@ -100,7 +100,7 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
   depth_ = 0;
   bool added = false;
   for (collision::ContactPoint& c : found_) {
-    // An overlap that exists since the beginning of the step is pushed out at the recovery speed, not within this step.
+    // An overlap that has existed since the beginning of the step is pushed out at the recovery speed, not within this step.
     double before = 0, along = -1;
     bool known = false;
     for (const collision::ContactPoint& g : given) {
@@ -111,7 +111,7 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
     }
     // A body that has gone through a thin non-convex wall has the opposite contact normal: do not push it further through.
     if (known && along < -0.5 && c.distance < -too_deep && !is_convex_pair(c)) continue;
-    // Deep overlaps exist from the beginning of the simulation. Further passes cannot remove contradictions between them.
+    // Deep overlaps exist from the beginning of the simulation. Further passes cannot remove contradictions between their normals.
     if (before < -StepperOptions::deep_overlap && c.distance > before - too_deep) continue;
     if (c.distance > before - (before < -options_.depth ? 0.02 : 0.25) * options_.depth) continue;
     depth_ = std::max(depth_, before - c.distance);

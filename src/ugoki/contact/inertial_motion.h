@@ -4,10 +4,10 @@
 // The step of a system whose joints turn by more than InertialMotion::threshold in a step is split: all forces and impulses change the
 // velocity first, with the bias forces of zero velocity, and then the system moves without forces,
 //   M(q) vdot + b(q, v) = 0 without gravity,   q' = v,   and for closed systems the loops' constraints with their forces.
-// One evaluation of b per step, at any velocity, lets the energy of fast chains grow or makes the step diverge. For open systems the
-// classical Runge-Kutta method of order 4 loses a fraction of about turn^6 / 144 of the energy of a rotation in a substep [Hairer, Wanner II, section IV.2: its
-// stability function at an imaginary argument], 4e-7 at 0.2 rad. Rotations are integrated as rotation vectors from the
-// substep's start. Closed systems move in shorter substeps with impulses in their loops.
+// One evaluation of b per step, at any velocity, lets the energy of fast chains grow or makes the step diverge. Open systems are integrated
+// by the classical Runge-Kutta method of order 4. In a substep it loses a fraction of about turn^6 / 144 of the energy of a rotation, 4e-7
+// at 0.2 rad [Hairer, Wanner II, section IV.2: its stability function at an imaginary argument]. Rotations are integrated as rotation
+// vectors from the substep's start. Closed systems move in shorter substeps with impulses in their loops.
 // Sources: Hairer, Norsett, Wanner, Solving ordinary differential equations I (1993), section II.1; Iserles, Munthe-Kaas, Norsett, Zanna
 // (2000), Lie-group methods.
 

@@ -39,7 +39,8 @@
 namespace ugoki::contact {
 
 struct StepperOptions {
-  /// m: a deeper overlap is not made by a step (GuardedStep splits the step at a fifth of it); it was there at the beginning.
+  /// m: an overlap deeper than this was present at the beginning of the simulation. A step does not create such an overlap, because
+  /// GuardedStep splits the step at a fifth of this depth.
   static constexpr double deep_overlap = 5e-3;
 
   Vec3 gravity{0, 0, -9.81};     ///< m/s^2
@@ -179,9 +180,7 @@ class Stepper {
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;
-  // Maximum number of rows of an island for the dense solver. 0 if a system has loops: with the dense solver, a falling cassie_v2 (robot)
-  // gains the energy of its weight times 0.6 m (FallingRobots tests).
-  int max_dense_rows_ = DenseIsland::max_rows;
+  int max_dense_rows_ = DenseIsland::max_rows;  // maximum number of rows of an island for the dense solver
   CollisionImpulse impact_;
   std::vector<LinkSystem> impact_systems_;
   std::vector<double> impact_impulses_;  // [contacts] N s: normal impulse of the impact phase

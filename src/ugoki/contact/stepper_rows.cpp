@@ -12,10 +12,11 @@ namespace {
 // High bits that keep the warm-start keys of limits and of rolling rows apart from contact keys.
 constexpr std::uint64_t limit_key = 0x8000000000000000ULL;
 constexpr std::uint64_t roll_key = 0x4000000000000000ULL;
-// Softness of deep overlaps: contacts that contradict each other share a bounded impulse. Tests: overlap_test.cpp.
+// Softness of contacts in deep overlaps (RowBlock::softness). It bounds the impulses of contacts with contradictory normals.
+// Tests: overlap_test.cpp.
 constexpr double deep_softness = 0.3;
-// Their recovery speed as a fraction of StepperOptions::recovery_speed: contacts near a joint move the far end of a limb up to ten times
-// as fast. Tests: overlap_test.cpp.
+// Recovery speed of deep overlaps as a fraction of StepperOptions::recovery_speed. It is below 1 because contacts near a joint move the far
+// end of a limb up to ten times as fast. Tests: overlap_test.cpp.
 constexpr double deep_recovery = 0.5;
 
 }  // namespace
@@ -88,7 +89,7 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
   frame[2] = t2;
   RowBlock& block = solver_.begin_block(RowKind::contact, c.key);
   block.contact = index;
-  // Overlaps of this depth exist from the beginning. Their normals may contradict each other, and friction would lock them.
+  // Overlaps of this depth exist from the beginning. Their normals may contradict each other, and friction would then lock the bodies.
   const bool deep = gap < -StepperOptions::deep_overlap;
   block.mu = deep ? 0 : c.friction;
   block.softness = deep ? deep_softness : 0;

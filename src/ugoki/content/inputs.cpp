@@ -13,7 +13,7 @@ namespace {
 using lsi::EventKind;
 using lsi::EventRecord;
 
-constexpr double max_step = 1e12;  // steps; a larger number is not an integer of a run that can end
+constexpr double max_step = 1e12;  // steps; no run that ends has so many (at 500 steps/s they take 63 years)
 
 /// Reads one list of recorded inputs.
 class Reader {
@@ -136,8 +136,8 @@ class Reader {
   std::vector<PlayerInput> out_;
 };
 
-/// The complete state of the devices. In messages of a page, mouse.wheel is a difference; a recording has the sum in the field `wheel`, so
-/// that no bit of it is lost.
+/// JSON of the complete state of the devices. In messages of a page, mouse.wheel is the difference to the previous message. A recording
+/// stores the sum of these differences in the field `wheel`, because the sum is the state of the devices and is restored exactly.
 Json devices_json(const circuit::DeviceState& state) {
   const circuit::MouseState& m = state.mouse;
   Json pads = Json::array();

@@ -19,7 +19,7 @@ inline constexpr std::size_t max_recorded_inputs = 1'000'000;
 /// @param content the executable data that the inputs refer to @param name for messages
 [[nodiscard]] Result<std::vector<PlayerInput>> read_inputs(std::string_view text, const Executable& content, std::string_view name);
 
-/// The inputs in the form that read_inputs() reads; read_inputs() gives the same inputs, bit by bit.
+/// Returns the inputs as JSON text. read_inputs() of this text returns the same inputs, bit by bit.
 [[nodiscard]] std::string write_inputs(const std::vector<PlayerInput>& inputs, const Executable& content);
 
 }  // namespace ugoki::content

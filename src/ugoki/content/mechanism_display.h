@@ -1,5 +1,5 @@
 #pragma once
-// JSON of mechanisms and of whole scenes for web pages, which draw them.
+// JSON of mechanisms and of whole scenes, from which web pages draw them.
 
 #include <span>
 #include <string>

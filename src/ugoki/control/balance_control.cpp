@@ -28,8 +28,9 @@ SmoothStep smooth_step(double x) {
   return {x * x * x * (10 + x * (6 * x - 15)), 30 * x * x * (1 - x) * (1 - x), 60 * x * (1 - x) * (1 - 2 * x)};
 }
 
-/// Factor on the shift of a touch-down, because the reference moves to the new foot only during the double support that follows.
-/// With x = w0 * (duration of the double support) the error at its end is E e^x - shift (e^x - 1) / x.
+/// Factor on the shift of a touch-down. It is above 1 because the anchor moves to the new foot only during the double support that follows.
+/// With x = w0 * (duration of the double support) and the error E at touch-down, the error at the end of the double support is
+/// E e^x - shift (e^x - 1) / x. The factor makes it zero.
 double transfer_factor(double x) { return x < 1e-3 ? 1 + 0.5 * x : x * exp(x) / (exp(x) - 1); }
 
 }  // namespace
@@ -88,7 +89,7 @@ void BalanceControl::sample_reference(const BalanceState& state) {
   for (double& v : v_ref_) v *= state.rate;
   for (double& a : a_ref_) a *= state.rate * state.rate;
   dynamics::update_kinematics(m, q_ref_, v_ref_, ref_);
-  // The centre of mass keeps its natural speed while the phase hurries or waits.
+  // The wanted velocity of the centre of mass is that of rate 1, also while the time of the reference runs faster or slower.
   want_ = dynamics::calc_centroidal(m, ref_);
   want_rate_ = dynamics::calc_centroidal_momentum_rate(m, ref_, a_ref_) * (1 / (state.rate * state.rate));
   want_.velocity = want_.velocity / state.rate;
@@ -138,7 +139,7 @@ void BalanceControl::update_phase(const BalanceInput& in, BalanceState& state) {
       }
     } else if (foot.reacts) {
       if (!planned.stands || state.clock > foot.begin + foot.length + 0.3)
-        foot.reacts = 0;  // the reference or the search for the floor goes on
+        foot.reacts = 0;  // the reference, or the search for the floor, continues
       if (touching_[f] > 0 && state.clock > foot.begin + options_.early * foot.length) {
         foot.stands = 1;
         foot.reacts = foot.early = 0;
@@ -181,7 +182,7 @@ double BalanceControl::distance_to_support(int foot, const BalanceInput& in, con
   }
   closest = p;
   if (hull_.empty()) return -1e3;
-  // Monotone chain (Andrew 1979), counter-clockwise, in place behind the points
+  // Convex hull by the monotone chain (Andrew 1979), counter-clockwise, stored behind the points.
   std::sort(hull_.begin(), hull_.end(), [](const Vec3& a, const Vec3& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
   const std::size_t n = hull_.size();
   const auto turn = [](const Vec3& o, const Vec3& a, const Vec3& b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); };
@@ -232,7 +233,7 @@ void BalanceControl::update_reactions(const BalanceInput& in, BalanceState& stat
   const double margin = distance_to_support(-1, in, state, dcm, edge);
   state.trouble =
       margin < -options_.step_margin * norm(horizontal(want_.velocity)) && norm(error) > options_.step_error ? state.trouble + in.dt : 0;
-  // Pelvis: x ahead, y left
+  // The x axis of the pelvis points ahead, its y axis to the left.
   const Vec3 left = normalized(horizontal(ws_.X_WB[0].R * transpose_times(rest_pelvis_, Vec3{0, 1, 0})), {0, 1, 0});
   const auto place = [&](std::size_t f) { return horizontal(ws_.X_WB[at(feet_[f].link)] * feet_[f].sole); };
   const auto offset = [&](std::size_t f) { return place(f) - horizontal(ref_.X_WB[at(feet_[f].link)] * feet_[f].sole); };
@@ -245,7 +246,7 @@ void BalanceControl::update_reactions(const BalanceInput& in, BalanceState& stat
     const std::size_t other = 1 - f;
     Vec3 p;
     distance_to_support(static_cast<int>(other), in, state, dcm, p);
-    Vec3 shift = p + (dcm - p) * grow - wanted - offset(other);  // from the reference displaced to the standing foot
+    Vec3 shift = p + (dcm - p) * grow - wanted - offset(other);  // m, relative to the reference displaced to the standing foot
     // The feet must not cross.
     const double side = f == left_foot_ ? 1 : -1;
     const Vec3 landing = horizontal(ref_.X_WB[at(feet_[f].link)] * feet_[f].sole) + offset(other) + shift;
@@ -326,7 +327,7 @@ void BalanceControl::add_point_rows(int link, const Vec3& p, const Vec3& target,
   }
 }
 
-/// Orientation of a foot in the reference, with a nearly level sole made level: measured soles are tilted by degrees while they stand.
+/// Orientation of a foot in the reference. A nearly level sole is made level: measured soles are tilted by degrees while they stand.
 Mat3 BalanceControl::levelled(std::size_t f) const {
   const Mat3& R = ref_.X_WB[at(feet_[f].link)].R;
   const Vec3 normal = R * feet_[f].normal, axis = cross(normal, Vec3{0, 0, 1});
@@ -356,7 +357,7 @@ void BalanceControl::add_swing_task(std::size_t f, const BalanceState& state) {
   const BalanceState::FootState& memory = state.feet[f];
   const auto l = at(foot.link);
   const ScheduledFoot planned = schedule_.at(f, state.time);
-  // A reaction step has its own clock.
+  // The phase of a reaction step follows BalanceState::clock, not the time of the reference.
   const double length = memory.reacts ? memory.length : planned.end - planned.begin;
   const double passed = memory.reacts ? state.clock - memory.begin : state.time - planned.begin;
   const bool late = memory.reacts ? passed >= length : planned.stands;
@@ -475,7 +476,7 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
       const ScheduledFoot next = schedule_.at(other, planned.end);
       if (next.stands && std::isfinite(next.end)) double_support = std::max(double_support, next.end - planned.end);
     }
-    if (foot.reacts) {  // closed form for the pendulum on the standing foot, at the point that the DCM has come nearest to
+    if (foot.reacts) {  // DCM of the pendulum on the point of the standing foot that is closest to the DCM
       const Vec3 dcm = horizontal(now_.centre + now_.velocity / w0);
       Vec3 p;
       if (distance_to_support(-1, in, state, dcm, p) < -1e2) continue;  // no foot stands
@@ -550,7 +551,7 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   for (std::size_t r = 0; r < 6; ++r) state.multipliers[r] = program_.balance_multipliers()[r];
   for (const Link& link : m.links()) joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
   find_torques(in, edge, tau);
-  // Limits that the solution exceeds become balances; few do, so that the others cost nothing.
+  // Only the limits that the solution exceeds become balances of the program. They are few, so the other limits add no cost.
   limited_.clear();
   for (int round = 0; round < options_.limit_rounds; ++round) {
     const std::size_t known = limited_.size();

@@ -1,22 +1,21 @@
 #pragma once
-// Balance control: a character follows a reference motion on its own feet, without an external force, by steps where they are needed.
+// Balance control: a character follows a reference motion on its own feet without an external force, and steps when balance requires it.
 //
 // Each tick:
-//   1. Phase. The controller owns the time of the reference. It plays at rate 1, and faster after a foot has landed early. A foot lifts at
-//   the
-//      time of the reference and stands when it touches the ground. A foot that is late is pressed down.
-//   2. Anchor. The reference is displaced in the plane so that its standing foot coincides with the real one. Nothing draws the character
-//      back to the path of the clip.
+//   1. Phase. The controller advances the time of the reference: at rate 1, and faster after a foot has landed early. A foot lifts when the
+//      foot of the reference lifts, and stands when it touches the ground. A foot that lands late is pressed down.
+//   2. Anchor. The reference is displaced in the horizontal plane so that its standing foot coincides with the real one. No force draws the
+//      character back to the path of the clip.
 //   3. Centre of mass. With the error e of the centre of mass from the anchored reference, w0 = sqrt(g / height) and a gain k:
 //        c'' = c''_ref - w0 k e - (w0 + k) e'     in the plane
 //      This is the law p = p_ref + (1 + k / w0) (xi - xi_ref) of the divergent component of motion (DCM) xi = c + c' / w0.
 //   4. Swing feet. A foot begins its swing where it left the ground and lands at the reference plus a shift. The shift is the error of the
-//      DCM that is predicted for the touch-down, so that a push is answered by a step.
-//   5. Reaction steps. If the DCM leaves the support while the reference stands, a foot steps to where the DCM will be when it lands. Where
-//      the DCM of a pendulum on a point p goes is known in closed form: xi(T) = p + (xi - p) exp(w0 T). Several steps may follow each
-//      other. The feet stay where they have landed until the reference makes its next steps.
-//   6. A quadratic program (quadratic_program.h) finds accelerations, contact forces and torques. The root receives no force but those of
-//      the ground; the soles stand as constraints; drives keep their limits.
+//      DCM that is predicted for the touch-down, so that the character steps in the direction of a push.
+//   5. Reaction steps. If the DCM leaves the support while the reference stands, a foot steps to the position that the DCM will have at
+//      the landing. The DCM of a pendulum on a point p moves by xi(T) = p + (xi - p) exp(w0 T). Several steps may follow each other. The
+//      feet stay where they have landed until the reference makes its next steps.
+//   6. A quadratic program (quadratic_program.h) finds accelerations, contact forces and torques. Only ground forces act on the root.
+//      Standing soles are constraints, and the drives stay within their limits.
 //
 // Sources: Kajita et al. (2003), Englsberger et al. (2015), DCM; Khadiv et al. (2016), step adaptation; Lee, Kim, Lee (2010), correction of
 // measured motions that grows with the phase; Abe, da Silva, Popovic (2007), de Lasa et al. (2010), whole-body quadratic programs.
@@ -38,43 +37,43 @@ namespace ugoki::control {
 struct BalanceOptions {
   double com_gain = 3;  ///< 1/s: k of step 3
   double com_weight = 100;
-  double height_frequency = 10;  ///< rad/s: vertical error of the centre of mass, critically damped
-  double trunk_frequency = 15;   ///< rad/s: orientation of pelvis and chest
+  double height_frequency = 10;  ///< rad/s: natural frequency of the vertical error of the centre of mass (critically damped)
+  double trunk_frequency = 15;   ///< rad/s: natural frequency of the errors of the orientation of pelvis and chest
   double pelvis_weight = 3, chest_weight = 1;
-  double momentum_gain = 5;      ///< 1/s: decay of the error of angular momentum
-  double momentum_weight = 0.3;  ///< of the angular momentum divided by the mean moment of inertia about the centre of mass
-  double joint_frequency = 20;   ///< rad/s
+  double momentum_gain = 5;      ///< 1/s: decay rate of the error of angular momentum
+  double momentum_weight = 0.3;  ///< weight of the angular momentum divided by the mean moment of inertia about the centre of mass
+  double joint_frequency = 20;   ///< rad/s: natural frequency of the errors of joints
   double joint_weight = 1, leg_weight = 0.3;
-  double swing_frequency = 45;  ///< rad/s
+  double swing_frequency = 45;  ///< rad/s: natural frequency of the errors of swing feet
   double swing_weight = 60, swing_turn_weight = 3;
-  double flat = 0.15, steep = 0.4;  ///< rad: a sole that the reference tilts by less than `flat` is level; by more than `steep` it is kept
-  double sole_damping = 40;         ///< 1/s: decay of the velocity of a standing point
+  double flat = 0.15, steep = 0.4;  ///< rad: a sole that is tilted by less than `flat` is made level; a tilt above `steep` is kept
+  double sole_damping = 40;         ///< 1/s: decay rate of the velocity of a standing point
   double sole_weight = 1e5;         ///< weight of the constraints of standing feet
   double friction_margin = 0.7;     ///< fraction of the friction coefficient that forces may use
   double load_cost = 1e-6;          ///< cost of a squared edge force, N^-2
-  double touch = 1e-3;              ///< m: points closer to the ground bear load
-  double lifting = 0.15;            ///< m/s: a point that the reference lifts faster than the slowest point of the foot bears no load
-  double lifted = 0.01;             ///< m: ... or that the reference has lifted by this above the lowest point of the foot, and still lifts
-  double anchor_time = 0.04;        ///< s: time constant of the anchor
-  double heading_time = 0.2;        ///< s: time constant of the anchor's heading; 0: the heading is not anchored
-  double shift_growth = 2;          ///< 1/s: growth of the DCM error that is assumed until touch-down; w0 without any effort of the ankles
-  double max_transfer = 0.3;        ///< s: longer double supports count as this long for the shift of a step
-  double shift_time = 0.03;         ///< s: time constant of the shift of a step
-  double max_shift = 0.8;           ///< m
+  double touch = 1e-3;              ///< m: only points closer to the ground bear load
+  double lifting = 0.15;      ///< m/s: a point that rises faster in the reference than the foot's slowest point plus this bears no load
+  double lifted = 0.01;       ///< m: a rising point that is higher in the reference than the foot's lowest point plus this: no load
+  double anchor_time = 0.04;  ///< s: time constant of the anchor
+  double heading_time = 0.2;  ///< s: time constant of the anchor's heading; 0: the heading is not anchored
+  double shift_growth = 2;    ///< 1/s: assumed growth rate of the DCM error until touch-down; without torques of the ankles it is w0
+  double max_transfer = 0.3;  ///< s: longer double supports count as this long for the shift of a step
+  double shift_time = 0.03;   ///< s: time constant of the shift of a step
+  double max_shift = 0.8;     ///< m: maximum shift of a step
   double hurry = 1, hurry_from = 0.15,
-         max_hurry = 1.4;        ///< 1/m, m: a swing with a shift above `hurry_from` runs faster by `hurry` times the rest
+         max_hurry = 1.4;        ///< 1/m, m, factor: rate of a swing = 1 + hurry (shift - hurry_from), at least 1, at most max_hurry
   double clearance = 0.01;       ///< m: added to the height of a swing foot in the middle of the swing
   double aim_depth = 0.01;       ///< m: a swing foot aims this far below the floor at the end of the swing
-  double press_speed = 0.8;      ///< m/s downwards: speed of a foot that is late
+  double press_speed = 0.8;      ///< m/s downwards: speed of a foot that lands later than in the reference
   double step_time = 0.27;       ///< s: duration of a reaction step
   double step_delay = 0.04;      ///< s: time for which the DCM must be outside the support before a reaction step
-  double step_margin = 0.3;      ///< s: a reaction step begins when the DCM is outside the support by the speed of the reference times this
+  double step_margin = 0.3;      ///< s: distance of the DCM from the support that starts a reaction step, divided by the reference's speed
   double step_error = 0.06;      ///< m: minimum error of the DCM for a reaction step
   double step_clearance = 0.05;  ///< m: height of a reaction step
   double separation = 0.14;      ///< m: minimum lateral distance of the feet after a reaction step
   double early = 0.6;            ///< fraction of the swing after which a touching foot stands
   double early_rate = 1.6, late_rate = 1;  ///< rate of the reference's time after an early and before a late touch-down
-  int limit_rounds = 2;                    ///< how often the program is solved again with the torque limits that its solution exceeds
+  int limit_rounds = 2;                    ///< maximum number of repeated solutions with the torque limits that the solution exceeds
   Vec3 gravity{0, 0, -9.81};               ///< m/s^2, world
 };
 
@@ -86,18 +85,18 @@ struct BalanceState {
     std::uint64_t early = 0;       ///< 1: the foot stands, although it still swings in the reference
     std::uint64_t reacts = 0;      ///< 1: the foot makes a step that the reference does not make
     double begin = 0, length = 0;  ///< s: begin, on BalanceState::clock, and duration of this step
-    double lost = 0;               ///< s: time since a standing foot touched the ground last
+    double lost = 0;               ///< s: time since a standing foot last touched the ground
     double offset[3] = {0, 0, 0};  ///< m, world: foot minus reference when the foot left the ground
     double shift[2] = {0, 0};      ///< m, world: shift of the next touch-down
   };
   std::uint64_t started = 0;
-  double time = 0;                   ///< s, of the reference
-  double rate = 1;                   ///< s of the reference per s
+  double time = 0;                   ///< s: time of the reference
+  double rate = 1;                   ///< seconds of the reference per second
   double clock = 0;                  ///< s: time since the start
-  double trouble = 0;                ///< s: how long the DCM has been outside the support
+  double trouble = 0;                ///< s: time for which the DCM has been outside the support
   double x = 0, y = 0, heading = 0;  ///< m, rad: displacement of the reference
   FootState feet[max_feet];
-  double multipliers[6] = {0, 0, 0, 0, 0, 0};  ///< start of the quadratic program
+  double multipliers[6] = {0, 0, 0, 0, 0, 0};  ///< multipliers from which the quadratic program starts
 };
 
 /// Input of one tick. All spans refer to the caller's memory.
@@ -114,13 +113,13 @@ struct BalanceOutput {
   int iterations = 0;   ///< Newton steps of the quadratic program
   double residual = 0;  ///< N | N m: error of the equations of motion
   int limits = 0;       ///< torque limits that the plan reaches
-  bool solved = true;   ///< the quadratic program converged
+  bool solved = true;   ///< true: the quadratic program converged
 };
 
 /// Controller of one character; see the steps at the top of this file.
 class BalanceControl {
  public:
-  /// @param reference kept; must fit the mechanism
+  /// @param reference motion of this mechanism; the controller keeps the pointer
   BalanceControl(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> reference, const BalanceOptions& options, double floor = 0);
   /// Calculates the drive torques of one tick. @param tau [nv, out] N | N m, zero for the root
   BalanceOutput step(const BalanceInput& input, BalanceState& state, std::span<double> tau);
@@ -150,8 +149,8 @@ class BalanceControl {
   void add_swing_task(std::size_t foot, const BalanceState& state);
   void add_standing_foot(std::size_t foot);
   void update_reactions(const BalanceInput& in, BalanceState& state, double w0);
-  /// Convex hull, in the plane, of the contact points of a foot (-1: of all standing feet). @return signed distance of p from its edge,
-  /// positive inside; the closest point of the hull is `closest`
+  /// Computes the distance of p from the edge of the support: the convex hull, in the horizontal plane, of the contact points of a foot
+  /// (-1: of all standing feet). @param closest [out] closest point of the hull @return m: signed distance, positive inside
   double distance_to_support(int foot, const BalanceInput& in, const BalanceState& state, const Vec3& p, Vec3& closest);
   void lift(std::size_t foot, BalanceState& state);
   /// Sets wanted_ and the torques of the program's solution. @param edge (load) -> direction of its force

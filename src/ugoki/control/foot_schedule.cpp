@@ -48,7 +48,7 @@ std::vector<Foot> feet_of(const Mechanism& m) {
 FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion, double floor, double rate)
     : stances_(feet.size()) {
   const int frames = std::max(1, static_cast<int>(std::floor(motion.end() * rate))) + 1;
-  const int margin = static_cast<int>(rate), part = 20 * margin;  // frames: parts of 20 s, each labelled with 1 s before and after it
+  const int margin = static_cast<int>(rate), part = 20 * margin;  // frames: parts of 20 s, labelled together with 1 s before and after
   std::vector<double> q(idx(m.nq())), v(idx(m.nv())), a(v.size());
   std::vector<int> parts;  // only the poses of the feet are kept
   std::vector<std::vector<LinkPoint>> points;

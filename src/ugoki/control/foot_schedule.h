@@ -13,7 +13,7 @@ namespace ugoki::control {
 class ReferenceMotion {
  public:
   virtual ~ReferenceMotion() = default;
-  /// Reference at time t [s]. @param q [nq, out]  @param v, a [nv, out] rad/s | m/s, rad/s^2 | m/s^2
+  /// Returns the reference at time t [s]. @param q [nq, out]  @param v, a [nv, out] rad/s | m/s, rad/s^2 | m/s^2
   virtual void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const = 0;
   [[nodiscard]] virtual double end() const = 0;  ///< s: the motion is sampled from 0 to end()
 };
@@ -27,7 +27,7 @@ struct Foot {
   Vec3 normal;                    ///< unit, in the frame of `link`: upward normal of the sole, vertical in the neutral position
   Vec3 sole;                      ///< m, in the frame of `link`: mean of the lowest support points of `link` in the neutral position
 };
-/// The feet of a mechanism (find_feet), toes joined to their foot.
+/// Returns the feet of a mechanism (find_feet). The toes belong to their foot.
 [[nodiscard]] std::vector<Foot> feet_of(const Mechanism& mechanism);
 
 /// A time interval in which a foot stands, s.
@@ -39,7 +39,7 @@ struct Stance {
 struct ScheduledFoot {
   bool stands = false;
   double begin = 0;  ///< s: begin of the present stance or swing
-  double end = 0;    ///< s: end of the present stance or swing; after the motion's end if there is no other
+  double end = 0;    ///< s: end of the present stance or swing; after the end of the motion if no other one follows
 };
 
 /// Stances of all feet over a reference motion.

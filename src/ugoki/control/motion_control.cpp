@@ -39,8 +39,8 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
     high = std::max(high, X[i].p.z);
     for (const Shape& s : m.links()[i].shapes) low = std::min(low, lowest_point(s, X[i]));
   }
-  // Long, low characters (a snake, a crocodile) and characters whose root is their lowest link: their moments act at the distances of their
-  // mass from the root.
+  // For long, low characters (a snake, a crocodile) and characters whose root is their lowest link, the lever is the distance of their mass
+  // from the root.
   double spread = 0;
   for (std::size_t i = 0; i < X.size(); ++i) {
     const double mass = m.links()[i].inertia.mass;

@@ -81,9 +81,9 @@ class MotionControl {
 
   [[nodiscard]] const ControlOptions& options() const { return options_; }
   [[nodiscard]] const Mechanism& mechanism() const { return *mechanism_; }
-  /// m: lever that converts moments to forces in the norm of the assist. It is the height of the root above the character's lowest point
-  /// in the neutral position, or half the character's height, or the root mean square
-  /// horizontal distance of its mass from the root, whichever is larger; at least 0.1 m.
+  /// m: lever that converts moments to forces in the norm of the assist. It is the maximum of the height of the root above the character's
+  /// lowest point in the neutral position, half the character's height, the root mean square horizontal distance of the character's mass
+  /// from the root, and 0.1 m.
   [[nodiscard]] double lever() const { return lever_; }
   /// The assist as an external wrench on the root link about the world origin.
   /// @param root m, world: origin of the root link

@@ -209,7 +209,7 @@ bool QuadraticProgram::solve(std::span<const double> start) {
   double value = objective(z, edge);
   bool converged = false;
   for (iterations_ = 0; iterations_ < max_iterations; ++iterations_) {
-    // Value of each balance's row, c x + g beta + s, minus its bound; which balances are free to move.
+    // Compute the value of each balance's row, c x + g beta + s, minus its bound, and find the balances that are free to move.
     std::size_t count = 0;
     residual_ = 0;
     for (std::size_t r = 0; r < nb; ++r) {
@@ -267,7 +267,7 @@ bool QuadraticProgram::solve(std::span<const double> start) {
         break;
       }
     }
-    if (!moved) {  // rounding: no further decrease is possible
+    if (!moved) {  // rounding prevents a further decrease
       converged = residual_ <= 1e-6 * scale;
       break;
     }

@@ -12,10 +12,10 @@
 //
 // The dual problem has one unknown z_r for each row: x = x0 + W^-1 C^T z, beta = max(0, G^T z) / eps, s = sigma z. Its optimum satisfies
 //   (C W^-1 C^T + diag(sigma)) z + G max(0, G^T z) / eps = t - C x0.
-// The equations contain no loads, so that a Cholesky factorization eliminates them once. The remaining core has as many unknowns as there
-// are balances: six for the root, and one for each limit that is reached. The core is strictly convex and piecewise quadratic. A projected
-// semismooth Newton method with line search solves it exactly. The method stops when the set of loaded edges and reached limits no longer
-// changes. A good start is the core's solution of the previous tick.
+// The equations contain no loads, so one Cholesky factorization eliminates them. The remaining core has as many unknowns as there are
+// balances: six for the root, and one for each limit that is reached. The core is strictly convex and piecewise quadratic. A projected
+// semismooth Newton method with line search solves the core exactly. The method stops when the set of loaded edges and reached limits no
+// longer changes. A good start is the core's solution of the previous tick.
 //
 // Sources: Bertsekas (1982), Projected Newton methods; Qi, Sun (1993), semismooth Newton methods; Goldfarb, Idnani (1983) for the dual.
 
@@ -37,16 +37,16 @@ class QuadraticProgram {
   [[nodiscard]] std::span<double> weights() { return {weights_.data(), n_}; }  ///< [n] w > 0
   [[nodiscard]] std::span<double> centre() { return {centre_.data(), n_}; }    ///< [n] x0
 
-  /// Adds an equation. All equations come before solve(). @return row c [n], zeros to be overwritten; valid until the next row is added
+  /// Adds an equation; call it before solve(). @return row c [n], zeros to be overwritten; valid until the next row is added
   std::span<double> add_equation(double target, double softness);
-  /// A balance to fill: c [n] and g [m], zeros.
+  /// The coefficients c [n] and g [m] of a new balance, zeros to be overwritten.
   struct Balance {
     std::span<double> c, g;
   };
-  /// Adds a balance, also after solve(); the next solve() then starts from the present solution.
+  /// Adds a balance. It can also be added after solve(); the next solve() then starts from the present solution.
   Balance add_balance(double lower, double upper, double softness);
 
-  /// Solves the program. @param start multipliers of the first balances to start from; empty or shorter: zero for the others
+  /// Solves the program. @param start first values of the multipliers of the first balances; the other multipliers start at zero
   /// @return false if the method did not converge within the maximum number of iterations; the result is then the best found
   bool solve(std::span<const double> start = {});
 

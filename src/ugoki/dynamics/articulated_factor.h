@@ -1,10 +1,10 @@
 #pragma once
-// Factor of the inertia matrix of an open link system without the matrix itself.
+// Factor of the inertia matrix of an open link system, computed without the matrix.
 //
 // M' = M + diag(extra) = L^T D L is the factor of dynamics.h. The articulated-body recursion yields the same D and, instead of L, the
 // products U_k = IA_k S_k of the articulated-body inertia IA_k [6 x 6] and the motion subspace column S_k of each DOF k:
 //   D_k = S_k . U_k + armature_k + extra_k,   IA of the parent DOF += IA_k - U_k U_k^T / D_k
-// Products with L^-1 and L^-T are recursions along the tree: 12 multiplications per DOF, where the sparse L needs one per ancestor.
+// Products with L^-1 and L^-T are recursions along the tree. They need 12 multiplications per DOF; the sparse L needs one per ancestor.
 // The DOFs of one joint are eliminated one after the other, as if massless links connected them.
 // All spatial vectors are in world axes about Workspace::p0, angular part first.
 // Sources: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 7; Rodriguez, Jain, Kreutz-Delgado (1991), A spatial operator algebra

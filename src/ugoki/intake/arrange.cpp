@@ -16,7 +16,7 @@ bool is_below(const Skeleton& s, int i, int ancestor) {
   return false;
 }
 
-/// Writes world poses of all frames as local ones. @param world [frames][joints]
+/// Sets the local poses of all frames from world poses. @param world [frames][joints]
 void set_world(MeasuredMotion& m, const std::vector<std::vector<Pose>>& world) {
   const std::size_t n = m.skeleton.joints.size();
   m.translations.resize(at(m.frames) * n);
@@ -82,7 +82,7 @@ void keep_joints(MeasuredMotion& m, std::span<const char> keep) {
 }
 
 std::vector<std::string> attach_to_rigid_ancestors(std::span<MeasuredMotion> motions) {
-  constexpr double rigid = 3e-4;  // m, and a tenth of the shift relative to the parent
+  constexpr double rigid = 3e-4;  // m: maximum shift relative to a rigid ancestor; also at most a tenth of the shift relative to the parent
   std::vector<std::string> names;
   const std::size_t n = motions[0].skeleton.joints.size();
   std::vector<int> parents;
@@ -181,11 +181,11 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
   for (const MeasuredMotion& m : motions)
     if (m.frames > longest->frames) longest = &m;
   if (const std::vector<std::string> joints = attach_to_rigid_ancestors(motions); !joints.empty())
-    report.push_back(
-        "Joints that shift against their parent, but not against a joint above it, were attached to that joint: " + list_of(joints) + ".");
+    report.push_back("Joints that shift relative to their parent, but not relative to a joint above it, were attached to that joint: " +
+                     list_of(joints) + ".");
   body::Character character = body::recognise_character(*longest);
   if (character.plan == body::BodyPlan::other && character.pelvis >= 0 && character.chest >= 0) {
-    // Legs and arms were found, but the root lies between or beyond them: the joint that carries the legs becomes the root.
+    // Legs and arms were found, but the root is between or beyond them. The joint that carries the legs becomes the root.
     std::vector<MeasuredMotion> turned(motions.begin(), motions.end());
     const std::string name = motions[0].skeleton.joints[at(character.pelvis)].name;
     for (MeasuredMotion& m : turned) make_root(m, character.pelvis);
@@ -204,7 +204,7 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
     return character;
   }
   const Skeleton& s = motions[0].skeleton;
-  // The root of the character: the pelvis, or a joint above it that moves with it as one body and carries no other joint outside.
+  // The pelvis becomes the root of the character.
   const int root = character.pelvis;
   std::vector<char> keep(s.joints.size(), 0);
   std::vector<std::string> carriers, strangers;
@@ -213,7 +213,7 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
     if (keep[at(i)] != 0) continue;
     (is_below(s, root, i) ? carriers : strangers).push_back(s.joints[at(i)].name);
   }
-  // Bodies that move freely although they hang in the character's tree (cameras, targets), unless parts of the character.
+  // Remove bodies that move freely although they are below the character's root in the tree (cameras, targets).
   for (int i = root + 1; i < static_cast<int>(s.joints.size()); ++i) {
     const int parent = s.joints[at(i)].parent;
     if (keep[at(i)] == 0 || parent < 0) continue;
@@ -264,7 +264,7 @@ std::optional<double> unit_by_height(const body::Character& character, double me
       best = unit;
     }
   }
-  // No usual unit gives a usual height: the character gets the height of a usual person.
+  // If no usual unit gives a usual height, the character gets a height of 1.7 m. 0.22: a usual height is 1.7 m within a factor of 1.25.
   if (smallest > 0.22 && !trusted) return metres_per_unit * 1.7 / height;
   if (std::fabs(std::log(height / 1.7)) <= smallest + 1e-9) return std::nullopt;
   return best;
@@ -300,13 +300,13 @@ std::optional<Vec3> belt_velocity(const body::Character& character, const Measur
   };
   const Vec3 belt{quantile(vx, 0.5), quantile(vy, 0.5), 0};
   const double speed = norm(belt), scale = character.leg_length;
-  if (speed < 0.35 * scale) return std::nullopt;  // slower than about 0.3 m/s for a person
-  // Most standing feet move alike.
+  if (speed < 0.35 * scale) return std::nullopt;  // for a person this is about 0.3 m/s
+  // Most standing feet must move in the same direction.
   const Vec3 along = belt / speed;
   int alike = 0;
   for (std::size_t k = 0; k < vx.size(); ++k) alike += vx[k] * along.x + vy[k] * along.y > 0.5 * speed ? 1 : 0;
   if (alike < static_cast<int>(0.7 * static_cast<double>(vx.size()))) return std::nullopt;
-  // The character itself stays: it travels less than a third of the way that the belt moves.
+  // The character must stay in place: it travels less than a third of the distance that the belt moves.
   const Vec3 moved = world.back()[at(character.pelvis)].p - world.front()[at(character.pelvis)].p;
   if (norm(Vec3{moved.x, moved.y, 0}) > 0.33 * speed * motion.duration() + 0.1 * scale) return std::nullopt;
   return belt;

@@ -1,5 +1,5 @@
 #pragma once
-// Reduces the joints of a file to those of one character, so that bodies do not depend on what else the file holds.
+// Reduces the joints of a file to those of one character, so that bodies do not depend on other objects in the file.
 
 #include <optional>
 #include <span>
@@ -12,33 +12,33 @@
 namespace ugoki::intake {
 
 /// Reduces the motions to their character:
-///   - joints that carry the character's pelvis and nothing else of the character (scene roots, "reference", "armature") are removed; the
-///   pelvis
-///     becomes the root. If the spine branches off above the joint that carries the legs, the skeleton is re-rooted there.
+///   - joints that carry the character's pelvis and no other part of the character (scene roots, "reference", "armature") are removed, and
+///     the pelvis becomes the root. If the spine branches off above the joint that carries the legs, that joint becomes the root.
 ///   - joints outside the character (cameras, lights, footsteps, targets, other characters) are removed.
-/// World positions of the remaining joints do not change. Without a recognised character only lone carriers are removed
+/// World positions of the remaining joints do not change. If no character is recognised, only roots that carry a single joint are removed
 /// (remove_carrier_roots).
 /// @param motions all on the same skeleton
 /// @param report receives sentences about what was removed
 /// @return the character, with the indices of the remaining joints
 [[nodiscard]] body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report);
 
-/// Up axis of the file as the posture of a human character shows it, if it clearly differs from the z axis: trunk and legs point along one
-/// axis in most frames. @return that axis (unit, along a coordinate axis); nothing if z is up or no axis stands out
+/// Finds the up axis of the file from the posture of a human character: trunk and legs point along this axis in most frames.
+/// @return the axis (unit, along a coordinate axis); nothing if z is up or no axis is clearly up
 [[nodiscard]] std::optional<Vec3> up_by_posture(const body::Character& character);
 
 /// Unit of length, m per present metre, that gives a human character a usual height. @param trusted the unit is given by the file
 /// @return nothing if the height is plausible
 [[nodiscard]] std::optional<double> unit_by_height(const body::Character& character, double metres_per_unit, bool trusted);
 
-/// Gives joints that shift relative to their parent to the ancestor to which they are rigid. (3ds Max Biped hangs thighs into the spine and
-/// collar bones into the neck, although they move with pelvis and chest.) World poses do not change.
+/// Attaches joints that shift relative to their parent to the ancestor with which they move rigidly. (In 3ds Max Biped, thighs are children
+/// of the spine and collar bones of the neck, although they move with pelvis and chest.) World poses do not change.
 /// @param motions all on the same skeleton
 /// @return names of the joints with a new parent
 std::vector<std::string> attach_to_rigid_ancestors(std::span<MeasuredMotion> motions);
 
-/// The motion with another root: the joints between the present root and joint `root` are reversed. Each reversed joint lies where its
-/// child was, about which it turns. World poses of all other joints do not change. Joints that are not below the present root stay.
+/// Makes joint `root` the root of the motion: the chain of joints from the present root to `root` is reversed. Each reversed joint moves to
+/// the position of its former child, about which it turns. World poses of all other joints do not change, nor do joints that are not below
+/// the present root.
 void make_root(MeasuredMotion& motion, int root);
 
 /// Velocity [m/s, horizontal] of the floor under a character that walks in place (on a treadmill, or an animation without travel): the

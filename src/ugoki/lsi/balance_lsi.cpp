@@ -12,7 +12,7 @@
 namespace ugoki::lsi {
 namespace {
 
-/// The track of a character as a reference motion. Does not allocate; used by one LSI only.
+/// The track of a character as a reference motion. Does not allocate. Each object is used by one LSI only.
 class TrackReference final : public control::ReferenceMotion {
  public:
   explicit TrackReference(const Character& character)
@@ -34,7 +34,7 @@ class TrackReference final : public control::ReferenceMotion {
     for (const TrackClip& clip : track_->clips()) end = std::max(end, clip.clip.end());
     return end;
   }
-  /// Reference payload at time t [s]; valid until the next call.
+  /// Returns the reference payload at time t [s]; valid until the next call.
   [[nodiscard]] std::span<const double> payload(double t) const {
     const TrackMoment now = track_->moment(t);
     track_->sample_clip(now.current, t, current_);

@@ -7,7 +7,7 @@
 
 namespace ugoki {
 namespace {
-constexpr double margin = 0.06;  // s at both ends of a stance that do not count
+constexpr double margin = 0.06;  // s: duration of each end of a stance that does not count (reason: foot_slip.h)
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 double length(const Vec3& x) { return std::sqrt(x.x * x.x + x.y * x.y); }
 }  // namespace
@@ -71,7 +71,7 @@ void FootSlip::add(std::span<const Pose> X_WB, std::span<const std::uint8_t> on,
       const Vec3 p = lowest->at.p + transpose_times(X.R, Vec3{0, 0, -lowest->at.radius});
       const Vec3 d = X * p - before_[at(lowest->slot)] * p;
       foot.age += dt;
-      // A displacement counts when it is older than the margin, if it was made after the margin at the begin of the stance.
+      // Displacements in the margin at the begin of the stance are dropped. Later ones count as soon as they are older than the margin.
       if (foot.age > margin && foot.held < recent) {
         foot.steps[at((foot.head + foot.held) % recent)] = {d.x, d.y, dt};
         ++foot.held;

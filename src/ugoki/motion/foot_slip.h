@@ -1,5 +1,5 @@
 #pragma once
-// Slip of standing feet: how far a foot slides over the ground in one stance.
+// Slip of standing feet: the distance that a foot slides over the ground in one stance.
 
 #include <array>
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace ugoki {
 
-/// Measures the net slip of each stance, updated frame by frame from the links' poses. In each frame the material point of the foot that is
-/// lowest is followed; the slip of a stance is the horizontal length of the sum of its displacements. A foot that rolls from heel to toe
-/// has no slip, because its lowest point rests. Noise of a capture cancels out, because displacements are added as vectors: the length of
-/// the path would grow with the frame rate. The first and the last 0.06 s of a stance do not count, because labels of contacts are not more
-/// accurate than that and a foot moves at up to 0.6 m/s there. Toes and their foot are one foot. No allocation after construction.
+/// Measures the net slip of each stance, updated frame by frame from the links' poses. In each frame the lowest material point of the foot
+/// is displaced since the previous frame; the slip of a stance is the horizontal length of the sum of these displacements. A foot that
+/// rolls from heel to toe has no slip, because its lowest point rests. The noise of a capture cancels out, because displacements are added
+/// as vectors; the length of the path would grow with the frame rate. The first and the last 0.06 s of a stance do not count, because
+/// labels of contacts are not more accurate and a foot moves at up to 0.6 m/s there. The toes belong to their foot. No allocation after
+/// construction.
 class FootSlip {
  public:
   /// @param links the feet, for example find_feet(mechanism)
@@ -27,9 +28,9 @@ class FootSlip {
   void add(std::span<const Pose> X_WB, std::span<const std::uint8_t> on, double dt);
   void reset();
 
-  [[nodiscard]] int stances() const { return stances_; }           ///< stances of more than 0.12 s that have ended, and the present ones
-  [[nodiscard]] double mean_cm() const;                            ///< mean slip of a stance, cm
-  [[nodiscard]] double worst_cm() const;                           ///< maximum slip of a stance, cm
+  [[nodiscard]] int stances() const { return stances_; }           ///< number of ended stances of more than 0.12 s
+  [[nodiscard]] double mean_cm() const;                            ///< mean slip of a stance, cm; includes present stances
+  [[nodiscard]] double worst_cm() const;                           ///< maximum slip of a stance, cm; includes present stances
   [[nodiscard]] double worst_time() const { return worst_time_; }  ///< s after the first frame: end of the stance with the maximum slip
 
   /// Internal state as an array of doubles, for saving and restoring. @param out, in [memory_size()]
@@ -38,14 +39,14 @@ class FootSlip {
   void restore(std::span<const double> in);
 
  private:
-  static constexpr int recent = 32;  ///< frames whose displacements are kept until it is known that the stance goes on
+  static constexpr int recent = 32;  ///< maximum number of displacements that are kept until they are older than the margin of 0.06 s
   struct Foot {
     int first = 0, count = 0;  ///< range of its points in points_
     bool stood = false;
     double age = 0;  ///< s: duration of the present stance
     Vec3 slide;      ///< m: sum of the displacements that count
     int head = 0, held = 0;
-    std::array<Vec3, recent> steps;  ///< m: last displacements (x, y) and their durations (z), a ring
+    std::array<Vec3, recent> steps;  ///< m, m, s: ring buffer of the last displacements (x, y) and their durations (z)
   };
   struct Point {
     int slot;  ///< index in links_

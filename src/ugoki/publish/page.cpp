@@ -78,7 +78,7 @@ Result<std::string> make_page(std::string page, std::string_view title, std::spa
                            engine == PageEngine::native ? R"(<html lang="en" data-engine="native">)"
                                                         : R"(<html lang="en" data-engine="pictures">)");
   if (!good)
-    return fail(ErrorCode::structure, "player.html", "The player's page lacks a mark, so it was not made by this version of Ugoki.",
+    return fail(ErrorCode::structure, "player.html", "The player's page lacks a placeholder, so another version of Ugoki made it.",
                 "Build the page again: run ./start once.");
   return page;
 }

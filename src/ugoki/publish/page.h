@@ -17,15 +17,16 @@ enum class PageEngine {
   pictures  ///< in the page, which draws pictures for the program that serves it
 };
 
-/// Fills the player's page. @param page text of player.html, which Ugoki's build makes @param ugx executable data
-/// Errors: the page lacks one of its marks.
+/// Returns the player's page with its placeholders filled. @param page text of player.html, which Ugoki's build makes
+/// @param ugx executable data
+/// Errors: the page lacks one of its placeholders.
 [[nodiscard]] Result<std::string> make_page(std::string page, std::string_view title, std::span<const std::byte> ugx,
                                             PageEngine engine = PageEngine::inside);
 
-/// The bytes as gzip (RFC 1952), with the highest compression; equal bytes give equal results.
+/// Compresses bytes to gzip (RFC 1952) with the highest compression. Equal bytes give equal results.
 [[nodiscard]] std::string to_gzip(std::span<const std::byte> bytes);
 
-/// The text with the characters & < > " and ' replaced by HTML entities.
+/// Returns the text with the characters & < > " and ' replaced by HTML entities.
 [[nodiscard]] std::string escape_html(std::string_view text);
 
 }  // namespace ugoki::publish

@@ -20,7 +20,7 @@ Result<std::string> read_player_part(const std::string& name, const std::string&
   for (const fs::path& place : places)
     if (fs::is_regular_file(place / name, ec)) return files::read_file((place / name).string());
   return fail(ErrorCode::io, name, "This part of the player was not found in " + places.front().lexically_normal().string() + ".",
-              "Build it once with ./start, or name its folder with --player.");
+              "Build the player once with ./start, or specify its folder with --player.");
 }
 
 }  // namespace ugoki::publish

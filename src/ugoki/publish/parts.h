@@ -7,8 +7,8 @@
 
 namespace ugoki::publish {
 
-/// The bytes of a part. Looks in `folder`, or if it is empty, beside the running program: ../share/ugoki, the program's folder, and
-/// ../libexec/ugoki. Errors: the part was not found or cannot be read.
+/// Returns the bytes of a part. Looks in `folder`. If `folder` is empty, looks in three folders relative to the running program's folder:
+/// ../share/ugoki, the folder itself, and ../libexec/ugoki. Errors: the part was not found or cannot be read.
 [[nodiscard]] Result<std::string> read_player_part(const std::string& name, const std::string& folder = {});
 
 }  // namespace ugoki::publish

@@ -60,17 +60,17 @@ Result<Payload> read_payload(std::span<const std::byte> file, std::string_view n
   if (const auto version = load<std::uint32_t>(trailer, 8); version != payload_version)
     return fail(
         ErrorCode::unsupported, location,
-        "Its content has version " + std::to_string(version) + "; this program reads version " + std::to_string(payload_version) + ".",
+        "The content has version " + std::to_string(version) + "; this program reads version " + std::to_string(payload_version) + ".",
         remedy);
   const std::uint64_t room = file.size() - trailer_size;
   const auto page_at = load<std::uint64_t>(trailer, 16), page_size = load<std::uint64_t>(trailer, 24);
   const auto ugx_at = load<std::uint64_t>(trailer, 32), ugx_size = load<std::uint64_t>(trailer, 40);
   if (page_at > room || page_size > room - page_at || ugx_at > room || ugx_size > room - ugx_at)
-    return fail(ErrorCode::truncated, location, "Its content does not fit into the file.", remedy);
+    return fail(ErrorCode::truncated, location, "The file is shorter than its content.", remedy);
   Payload out{{reinterpret_cast<const char*>(file.data()) + page_at, static_cast<std::size_t>(page_size)},
               file.subspan(static_cast<std::size_t>(ugx_at), static_cast<std::size_t>(ugx_size))};
   if (hash_of(out.page, out.ugx) != load<std::uint64_t>(trailer, 48))
-    return fail(ErrorCode::syntax, location, "Its content is damaged (checksum).", remedy);
+    return fail(ErrorCode::syntax, location, "The content is damaged (checksum).", remedy);
   return out;
 }
 

@@ -9,12 +9,12 @@ namespace ugoki::publish {
 namespace {
 
 constexpr int around = 24;  // vertices around a round shape: the triangles deviate by 1 - cos(pi / 24) = 0.86 % of the radius
-constexpr int rings = 12;   // from pole to pole
+constexpr int rings = 12;   // intervals between the rings of vertices from pole to pole
 
 std::uint32_t index(std::size_t i) { return static_cast<std::uint32_t>(i); }
 
-/// Adds a surface of revolution about z through the given profile of (radius, height, normal's radius, normal's height), from the lowest to
-/// the highest point. A profile point with radius 0 is a pole.
+/// A point of the profile of a surface of revolution about z: radius, height, and the same components of the normal. A profile goes from
+/// the lowest to the highest point. A point with radius 0 is a pole.
 struct ProfilePoint {
   double r, z, nr, nz;
 };
@@ -37,7 +37,7 @@ void revolve(const std::vector<ProfilePoint>& profile, Surface& out) {
   }
 }
 
-/// A sphere of radius 1 whose upper half is moved up by `gap` and whose lower half is moved down by it.
+/// The profile of a sphere whose upper half is moved up by `gap` and whose lower half is moved down by `gap`.
 std::vector<ProfilePoint> round_profile(double r, double gap) {
   std::vector<ProfilePoint> profile;
   for (int i = 0; i <= rings; ++i) {
@@ -49,7 +49,7 @@ std::vector<ProfilePoint> round_profile(double r, double gap) {
   return profile;
 }
 
-/// A triangle with corners of its own and a flat normal.
+/// Adds a triangle that shares no vertex with other triangles, with a flat normal.
 void add_flat(const Vec3& a, const Vec3& b, const Vec3& c, Surface& out) {
   const Vec3 n = cross(b - a, c - a);
   const double length = norm(n);

@@ -17,10 +17,10 @@ struct Surface {
 };
 
 /// Appends the surface of a shape, in the frame of its link. Round shapes have vertices on their exact surface, so the triangles are inside
-/// of it; the deviation is below 1 % of the radius. Meshes keep their triangles, with flat shading.
+/// the shape; the deviation is below 1 % of the radius. Meshes keep their triangles, with flat shading.
 void add_surface(const Shape& shape, Surface& out);
 
-/// The surface of all visible shapes of a link, in the link's frame.
+/// Returns the surface of all visible shapes of a link, in the link's frame.
 [[nodiscard]] Surface link_surface(const Link& link);
 
 }  // namespace ugoki::publish

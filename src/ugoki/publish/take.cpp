@@ -34,7 +34,7 @@ Result<Take> record_take(content::Player& player, double duration, double rate, 
     }
     ++take.frames;
     if (progress && !progress(static_cast<double>(f + 1) / frames))
-      return fail(ErrorCode::conflict, content.name, "The export was cancelled.", "Start it again.");
+      return fail(ErrorCode::conflict, content.name, "The export was cancelled.", "Start the export again.");
   }
   return take;
 }
@@ -44,7 +44,7 @@ TakeView view_at(const Take& take, int frame) {
       std::find_if(take.characters.begin(), take.characters.end(), [&](const TakeCharacter& c) { return c.id == take.camera.follow; });
   Vec3 target = {0, 0, 0.9};
   if (followed != take.characters.end() && take.frames > 0) {
-    // The mean over half a second around the frame: a camera that follows every step of a walk shakes.
+    // The camera follows the mean over half a second around the frame. A camera that follows every step of a walk shakes.
     const int reach = static_cast<int>(std::lround(0.25 * take.rate));
     const int low = std::max(0, frame - reach), high = std::min(take.frames - 1, frame + reach);
     Vec3 sum;

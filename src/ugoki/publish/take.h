@@ -1,5 +1,5 @@
 #pragma once
-// A take: what content did in one run, as poses of all links at every display frame; and its forms for other tools.
+// A take: the recorded motion of content in one run, as poses of all links at every display frame. Writers for other tools.
 
 #include <functional>
 #include <string>
@@ -31,23 +31,23 @@ struct Take {
   content::ScenarioCamera camera;
 };
 
-/// Called with the completed fraction, 0 ... 1; false ends the work.
+/// Callback with the completed fraction, 0 ... 1. The work ends if it returns false.
 using TakeProgress = std::function<bool(double)>;
 
-/// Runs a player from its present state to `duration` [s] and keeps frames at times 0, 1/rate, 2/rate ... Each is the state after the step
-/// closest to that time.
+/// Runs a player from its present state to `duration` [s] and records frames at the times 0, 1/rate, 2/rate ... Each frame is the state
+/// after the step closest to its time.
 /// Errors: the run stopped; `progress` returned false.
 [[nodiscard]] Result<Take> record_take(content::Player& player, double duration, double rate, const TakeProgress& progress = {});
 
-/// Binary glTF 2.0: one skin, mesh, material and skeleton for each character, one animation, one camera. Y up, Z forward, metres.
-/// World positions of the joints have single precision.
+/// Returns the take as binary glTF 2.0: one skin, mesh, material and skeleton for each character, one animation, one camera. Y up, Z
+/// forward, metres. World positions of the joints have single precision.
 [[nodiscard]] std::vector<std::byte> write_take_glb(const Take& take);
 
-/// USD as text (*.usda): UsdSkel skeletons with animations, bound meshes, materials and a camera. Z up, metres.
+/// Returns the take as USD text (*.usda): UsdSkel skeletons with animations, bound meshes, materials and a camera. Z up, metres.
 [[nodiscard]] std::string write_take_usda(const Take& take);
 
-/// A table with a row for each frame: time [s]; for each character its centre of mass [m] and for each link position [m] and unit
-/// quaternion (w x y z), world. Names of columns: "character/link x". Numbers have 9 significant digits.
+/// Returns the take as a CSV table with a row for each frame: time [s]; for each character the centre of mass [m], and for each link
+/// position [m] and unit quaternion (w x y z), world. Names of columns: "character/link x". Numbers have 9 significant digits.
 [[nodiscard]] std::string write_take_csv(const Take& take);
 
 /// The position [m] of the take's camera at a frame, and the unit vectors of its picture: right, up, and backwards (away from the scene).

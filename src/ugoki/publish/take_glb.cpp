@@ -14,7 +14,7 @@ namespace {
 
 using json::Json;
 
-/// Vector in the axes of glTF (Y up, Z forward) of one in ours (Z up, X forward): a cyclic permutation.
+/// Converts a vector from our axes (Z up, X forward) to those of glTF (Y up, Z forward): a cyclic permutation.
 Vec3 to_file(const Vec3& v) { return {v.y, v.z, v.x}; }
 Quat to_file(const Quat& q) {
   const Vec3 v = to_file(q.vec());
@@ -72,7 +72,7 @@ class Writer {
     channels_.push_back({{"sampler", samplers_.size() - 1}, {"target", {{"node", node}, {"path", path}}}});
   }
 
-  /// Adds the node of each link below an armature node, with its keys.
+  /// Adds a node for each link below an armature node, and the animation keys of each node.
   void add_character(const TakeCharacter& c) {
     const std::size_t armature = nodes_.size(), first = armature + 1;
     nodes_.push_back({{"name", c.name.empty() ? c.id : c.name}, {"children", Json::array()}});
@@ -120,7 +120,7 @@ class Writer {
     for (std::size_t l = 0; l < c.links(); ++l) {
       joints.push_back(first + l);
       const Pose X = pose_of(c.pose(0, l)), inverse = X.inverse();
-      // columns of the inverse in the axes of the file: the images of the file's x, y, z are those of our y, z, x
+      // Columns of the inverse in the axes of the file. The axes x, y, z of the file are our axes y, z, x.
       for (const int axis : {1, 2, 0}) {
         const Vec3 column = to_file(inverse.R.column(axis));
         put(binds, column);
@@ -178,7 +178,7 @@ class Writer {
       still = still && norm(view.position - first.position) < 1e-7;
       put(positions, to_file(view.position));
     }
-    // a glTF camera looks along -z with y up: its axes x, y, z are right, up, back
+    // A glTF camera looks along -z with y up. Its axes x, y, z point right, up and back.
     const Vec3 x = to_file(first.right), y = to_file(first.up), z = to_file(first.back);
     const Mat3 R = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
     nodes_.push_back(

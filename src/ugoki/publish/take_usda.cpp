@@ -15,7 +15,7 @@ namespace {
 
 Pose pose_of(const content::DisplayPose& x) { return {to_matrix(x.r), x.p}; }
 
-/// A name that USD allows (letters, digits and _; no digit first) and that is not in `used` yet.
+/// Returns a name that USD allows (letters, digits and _; no digit first) and that is not yet in `used`.
 std::string usd_name(const std::string& name, std::set<std::string>& used) {
   std::string out;
   for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) != 0 && (c & 0x80) == 0 ? c : '_';
@@ -60,7 +60,7 @@ class Writer {
     }
     out_ += ')';
   }
-  /// A matrix of USD: row vectors, so the rows are the images of the axes and the last row is the position.
+  /// Writes a pose as a matrix of USD. USD multiplies row vectors, so the first three rows are the axes and the last row is the position.
   void matrix(const Pose& X) {
     out_ += "( ";
     for (int r = 0; r < 3; ++r) {
@@ -92,7 +92,7 @@ class Writer {
   }
 
   void add_character(const TakeCharacter& c, const std::string& name) {
-    // a joint is named by its path from the root
+    // USD names a joint by its path from the root.
     std::vector<std::string> paths;
     std::set<std::string> used;
     for (std::size_t l = 0; l < c.links(); ++l) {
@@ -210,7 +210,7 @@ class Writer {
   }
 
   void add_camera() {
-    // aperture in tenths of a unit: focal length 50 with the vertical angle of view of the content's camera, 16:9
+    // The aperture, in tenths of a scene unit, follows from the focal length 50, the camera's vertical angle of view, and the ratio 16:9.
     const double vertical = 2 * 50 * std::tan(take_field_of_view / 2);
     out_ += "    def Camera \"Camera\"\n    {\n        float focalLength = 50\n        float horizontalAperture = ";
     add_number(out_, vertical * 16 / 9);

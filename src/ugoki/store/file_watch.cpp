@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::array<const char*, 3> suffixes = {"", "-wal", "-shm"};
 
-/// Bytes of a library file, far behind those that SQLite locks, which mark the names under which the file is open: one byte for each name.
+/// Range of bytes, far behind the bytes that SQLite locks. A lock on one of them marks a name under which the library file is open.
 constexpr off_t first_name_byte = off_t{1} << 41, name_bytes = off_t{1} << 30;
 
-/// True if any open descriptor has a lock in the range that `file` has not.
+/// True if an open descriptor other than `file` has a lock in the range.
 bool is_locked(int file, off_t begin, off_t size) {
   if (size == 0) return false;
   struct flock range{};
@@ -51,7 +51,7 @@ bool lock_byte(int file, off_t byte, short type) {
 
 }  // namespace
 
-/// Marks, while it exists, that this process has a file open under a name.
+/// An object of this class marks that this process has a file open under a name.
 class FileWatch::NameMark {
  public:
   /// @param file descriptor of the file
@@ -59,7 +59,7 @@ class FileWatch::NameMark {
   NameMark(const NameMark&) = delete;
   NameMark& operator=(const NameMark&) = delete;
   ~NameMark() { lock_byte(file_, byte_, F_UNLCK); }
-  /// False if another name of the file is marked.
+  /// Sets the mark. @return false if another name of the file is marked
   [[nodiscard]] bool set() const {
     if (!lock_byte(file_, byte_, F_RDLCK)) return true;
     return !is_locked(file_, first_name_byte, byte_ - first_name_byte) &&
@@ -159,7 +159,7 @@ std::optional<FileLoss> FileWatch::overwritten(Database& database, const std::op
   constexpr int max_attempts = 20;
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     const Result<std::optional<StampRow>> read = stamp_in_file(database);
-    if (!read) return std::nullopt;  // the disk fails; this is not the work of another program
+    if (!read) return std::nullopt;  // the disk failed; no other program caused the error
     const std::optional<StampRow>& now = *read;
     if (now && (now == in_file_ || now == last_)) {
       in_file_ = now;

@@ -2,8 +2,8 @@
 // Detects that another program replaced, removed or overwrote the SQLite file of an open library, or opened it under another name.
 // Internal to store.
 //
-// A library is used by several programs at once, so that other programs may change its stamp (stamp.h) at any time. SQLite itself does not
-// notice a file that is replaced: it would acknowledge changes that nobody can find again, or merge its log into the wrong file.
+// Several programs use a library at once, so other programs may change its stamp (stamp.h) at any time. SQLite itself does not notice that
+// a file was replaced. It would acknowledge changes that are lost afterwards, or merge its log into the wrong file.
 
 #include <array>
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace ugoki::store {
 struct FileLoss {
   std::string what;       ///< description as a sentence without its full stop
   bool readable = true;   ///< the open connection can still read the library
-  bool unlinked = false;  ///< the open file has no name any more, so that its contents are lost when it is closed
+  bool unlinked = false;  ///< the open file no longer has a name, so that its contents are lost when it is closed
 };
 
 /// Observes the files of one connection.
@@ -29,10 +29,11 @@ class FileWatch {
   /// name (hard link); SQLite would then use two write-ahead logs for one file.
   [[nodiscard]] static Result<FileWatch> begin(Database& database);
 
-  /// The loss if the path no longer names the open file, or the -wal and -shm files are others. O(1): three system calls.
+  /// Returns the loss if the path no longer names the open file, or if the -wal or -shm file was replaced. O(1): three system calls.
   [[nodiscard]] std::optional<FileLoss> moved() const;
-  /// The loss if another program overwrote the file in place. Call it within a write transaction, or after its commit with the new stamp.
-  /// O(1) unless another program has changed the library since the last call. @param committed stamp that this connection just committed
+  /// Returns the loss if another program overwrote the file in place. Call it within a write transaction, or after its commit with the new
+  /// stamp. O(1) unless another program has changed the library since the last call.
+  /// @param committed stamp that this connection just committed
   [[nodiscard]] std::optional<FileLoss> overwritten(Database& database, const std::optional<StampRow>& committed = std::nullopt);
   /// Removes the -wal and -shm files if they belong to the lost file, so that they are not applied to the file that is now at the path.
   void remove_side_files() const;

@@ -38,7 +38,7 @@ struct LogChecksum {
   }
 };
 
-/// Reads the page `number`, counted from 1, of a database file. Shorter at the end of the file.
+/// Reads the page `number`, counted from 1, of a database file. The result is shorter than a page at the end of the file.
 std::vector<std::byte> read_page(std::ifstream& file, std::uint64_t number, std::uint32_t size) {
   std::vector<std::byte> page(size);
   file.clear();
@@ -55,7 +55,7 @@ Result<std::optional<StampRow>> stamp_in_file(const std::string& path, const Log
   for (const std::uint32_t page : log.pages)
     if (const std::optional<StampRow> row = stamp_on_page(read_page(file, page, log.page_size))) return row;
   if (!log.pages.empty()) return std::nullopt;
-  // A log without stamps: of a file without stamps, or of another file.
+  // A log without stamps belongs to a file without stamps, or to another file.
   Result<Database> database = Database::open(path, OpenMode::main_file_only);
   if (!database) return fail(std::move(database.error()));
   if (Result<std::optional<StampRow>> row = read_stamp(*database); row) return row;

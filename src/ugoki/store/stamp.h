@@ -1,5 +1,6 @@
 #pragma once
-// The stamp of a project file or library file: shows whether a write-ahead log belongs to the database file beside it. For store and project.
+// The stamp of a project file or library file. It shows whether a write-ahead log belongs to the database file beside it. Used by the
+// modules store and project.
 //
 // SQLite does not record to which file a -wal file belongs. If the file is replaced while its log remains (after a crash, by a copy or
 // a checkout), SQLite would write the pages of the log into the wrong file. Every transaction therefore writes one row: a new random stamp
@@ -57,7 +58,7 @@ struct LogStamps {
 /// Reads the -wal file `log` as SQLite does: up to the first frame with another salt or a wrong checksum. A missing file has no
 /// transactions.
 [[nodiscard]] LogStamps read_log(const std::string& log);
-/// True if the log belongs to the database file with the stamp `file`; empty optional: the file has no table `stamp`.
+/// True if the log belongs to the database file with the stamp `file`. An empty `file` means that the file has no table `stamp`.
 [[nodiscard]] bool belongs(const std::optional<StampRow>& file, const LogStamps& log);
 
 }  // namespace ugoki::store

@@ -15,7 +15,7 @@ std::string text_of(std::span<const std::byte> bytes) { return {reinterpret_cast
 
 Result<ApiReply> export_content(std::string_view form, std::string_view name, const std::vector<std::byte>& ugx) {
   if (form == "ugx") return ApiReply{200, text_of(ugx), "application/octet-stream"};
-  // Opens with the standard LSIs only: that is what a page and a native program have.
+  // The content is opened with the standard LSIs only, because a page and a native program have no others.
   Result<content::Player> player = content::Player::open(ugx, name);
   if (!player) return fail(std::move(player.error()));
   if (form == "html" || form == "native") {
@@ -24,14 +24,14 @@ Result<ApiReply> export_content(std::string_view form, std::string_view name, co
     const bool native = form == "native";
     page = publish::make_page(std::move(*page), name, ugx, native ? publish::PageEngine::native : publish::PageEngine::inside);
     if (!page) return fail(std::move(page.error()));
-    // octet-stream also for pages: the studio's origin must never show them, because their scripts would have its rights
+    // Pages are sent as octet-stream too. A page that the studio's origin showed could run its scripts with the studio's rights.
     if (!native) return ApiReply{200, std::move(*page), "application/octet-stream"};
     const Result<std::string> program = publish::read_player_part("ugoki_player");
     if (!program) return fail(program.error());
     return ApiReply{200, text_of(publish::append_payload(std::as_bytes(std::span(*program)), *page, ugx)), "application/octet-stream"};
   }
   if (form != "glb" && form != "usda" && form != "csv")
-    return fail(ErrorCode::unknown, "/api/export", "There is no form '" + std::string(form) + "'.",
+    return fail(ErrorCode::unknown, "/api/export", "'" + std::string(form) + "' is not a form of export.",
                 "Use html, native, ugx, glb, usda or csv.");
   const Result<publish::Take> take = publish::record_take(*player, player->content().duration, player->content().frame_rate);
   if (!take) return fail(take.error());

@@ -1,6 +1,6 @@
 /**
- * The element <ugoki-player>: shows and plays content. Attributes: `src` (address of a *.ugx file; without it the content inside the page),
- * `autoplay`, `theme` (dark, light), `tool` (pull, push), `controls="none"`. docs/export.md describes its methods and events.
+ * The element <ugoki-player> shows and plays content. Attributes: `src` (address of a *.ugx file; without `src`, the content inside the page
+ * is played), `autoplay`, `theme` (dark, light), `tool` (pull, push), `controls="none"`. docs/export.md describes its methods and events.
  */
 import { format_time } from '../core/format';
 import { assist_force, assist_over_cap, body_weight, CharacterState } from '../core/frames';
@@ -29,8 +29,8 @@ const icons = {
   all: icon('<path d="M2.5 5.5v-3h3M10.5 2.5h3v3M13.5 10.5v3h-3M5.5 13.5h-3v-3"/>'),
 };
 
-const step_budget = 13; // ms of each picture for the engine; the rest of 16.7 ms is for drawing
-const max_backlog = 0.1; // s of content that may be late; beyond this the content runs slower than real time
+const step_budget = 13; // ms: time of the engine for each picture; the rest of 16.7 ms is for drawing
+const max_backlog = 0.1; // s: maximum delay of the content; if the delay is larger, the content runs slower than real time
 
 export class UgokiPlayer extends HTMLElement implements GestureHost {
   static observedAttributes = ['src', 'theme', 'tool'];
@@ -50,9 +50,9 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
   private last_text = 0;
   private resizer: ResizeObserver | null = null;
   private readonly released = new AbortController();
-  /** Pictures drawn so far. */
+  /** Number of pictures drawn so far. */
   pictures = 0;
-  /** ms from the start of loading to the first picture; 0 before it. */
+  /** ms: time from the start of loading to the first picture; 0 before the first picture. */
   first_picture = 0;
   private began = 0;
 
@@ -82,7 +82,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
   get scene(): Scene | null {
     return this.opened?.engine.scene ?? null;
   }
-  /** s since the beginning of the content */
+  /** Time since the beginning of the content, s. */
   get time(): number {
     return this.opened?.engine.time ?? 0;
   }
@@ -98,7 +98,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
   get ended(): boolean {
     return this.finished;
   }
-  /** Speed; 1 is real time. */
+  /** Playback speed; 1 is real time. */
   get speed(): number {
     return this.rate;
   }
@@ -153,12 +153,12 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     return done;
   }
 
-  /** @param character id or index, link: name or index, force: N, world, duration: s */
+  /** Pushes a link. @param character id or index; link: name or index; force: N, world; duration: s */
   push(character: string | number, link: string | number, force: Vec3, duration = 0.2): void {
     const [c, l] = this.find(character, link);
     this.opened?.engine.push(c, l, force, duration);
   }
-  /** @param point m, in the frame of the link, target: m, world */
+  /** Begins to pull a point of a link towards a target. @param point m, in the frame of the link; target: m, world */
   grab(character: string | number, link: string | number, point: Vec3, target: Vec3): void {
     const [c, l] = this.find(character, link);
     this.opened?.engine.grab(c, l, point, target);
@@ -173,11 +173,11 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
   async schedule(inputs: RecordedInput[]): Promise<void> {
     await this.opened?.engine.schedule(inputs);
   }
-  /** The inputs since the last reset(). */
+  /** Returns the inputs since the last reset(). */
   async recorded(): Promise<RecordedInput[]> {
     return (await this.opened?.engine.recorded()) ?? [];
   }
-  /** Hash of all positions and velocities; equal hashes mean equal bits. */
+  /** Returns the hash of all positions and velocities; equal hashes mean equal bits. */
   async state_hash(): Promise<string> {
     return (await this.opened?.engine.state_hash()) ?? '';
   }
@@ -186,7 +186,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     this.opened?.view.frame_all();
     this.invalidate();
   }
-  /** @param character id or index; null: the camera stays */
+  /** Follows a character with the camera. @param character id or index; null: the camera stays */
   follow(character: string | number | null): void {
     if (!this.opened) return;
     this.opened.view.followed = character === null ? -1 : this.find(character, 0)[0];
@@ -194,7 +194,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     this.show_state();
     this.invalidate();
   }
-  /** Azimuth and elevation in rad, distance in m, of the camera around its target. */
+  /** Places the camera around its target: azimuth and elevation in rad, distance in m. */
   look(azimuth: number, elevation: number, distance?: number): void {
     const rig = this.opened?.view.rig;
     if (!rig) return;
@@ -202,7 +202,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     if (distance !== undefined) rig.set({ distance }, false);
     this.invalidate();
   }
-  /** Centre of mass [m], root assist [body weights] and state of every character. */
+  /** Centre of mass [m], root assist [body weights] and state of each character. */
   get characters(): { id: string; name: string; centre_of_mass: Vec3; assist: number; state: 'tracking' | 'released' | 'passive' }[] {
     const frame = this.opened?.engine.frame;
     if (!frame || !this.scene) return [];
@@ -246,7 +246,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     label.style.transform = `translate(${x + 14}px, ${y + 12}px)`;
   }
 
-  // ---- life ----
+  // ---- opening and closing of the content ----
 
   private get theme(): 'dark' | 'light' {
     return this.getAttribute('theme') === 'light' ? 'light' : 'dark';
@@ -304,7 +304,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     this.opened?.engine.dispose();
     this.opened?.view.dispose();
     if (this.opened) {
-      // a canvas keeps its WebGL context, and its listeners belong to the closed content
+      // Replace the canvas: it would keep its WebGL context and the listeners of the closed content.
       const fresh = this.parts.canvas.cloneNode() as HTMLElement;
       this.parts.canvas.replaceWith(fresh);
       this.parts.canvas = fresh;
@@ -369,7 +369,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     if (this.finished) this.show_state();
   }
 
-  // ---- what is shown ----
+  // ---- display of the state ----
 
   private show_values(now: number): void {
     const opened = this.opened;
@@ -507,7 +507,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     this.follow(view.followed >= 0 ? null : Math.max(0, stored));
   }
 
-  /** Keys, pointer and wheel: those that the content reads go to the content, the others to the player. */
+  /** Passes keys, pointer and wheel to the content if the content reads them, otherwise to the player. */
   private listen_to_devices(): void {
     const { signal } = this.released;
     const key = (event: KeyboardEvent): void => {

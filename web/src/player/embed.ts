@@ -1,4 +1,4 @@
-/** ugoki-player.js: the element <ugoki-player src="content.ugx"> for any page. The engine is part of the script. */
+/** The script ugoki-player.js: the element <ugoki-player src="content.ugx"> for any page. The script contains the engine. */
 import { set_engine_bytes, start } from './page';
 import { from_base64, unpack } from './payload';
 

@@ -1,4 +1,4 @@
-/** The engine behind a player: runs the content and gives its frames. Independent of how it is drawn. */
+/** Interface of the engine of a player. The engine runs the content and returns its frames; it draws nothing. */
 import type { Frame } from '../core/frames';
 import type { Devices, InputMessage } from '../core/play_controls';
 import type { MechanismData, Vec3 } from '../core/protocol';
@@ -13,12 +13,12 @@ export interface SceneCharacter {
   tracks: boolean;
 }
 
-/** What the page shows before the first frame: scene_json() of the engine. */
+/** Description of the content, known before the first frame: scene_json() of the engine. */
 export interface Scene {
   name: string;
-  /** s */
+  /** Duration of the content, s. */
   duration: number;
-  /** Display frames a second. */
+  /** Display frames per second. */
   frame_rate: number;
   /** Simulation step, s. */
   step: number;
@@ -42,20 +42,20 @@ export interface Engine {
   readonly devices: Devices;
   /** Steps since time 0. */
   readonly steps: number;
-  /** s since time 0 */
+  /** Time since the beginning of the content, s. */
   readonly time: number;
-  /** Why the run stopped before its end; empty while it runs. */
+  /** Reason why the run stopped before its end; empty while it runs. */
   readonly stopped: string;
   /** The current frame; null before the first one. */
   readonly frame: Frame | null;
 
-  /** Lets `seconds` of content pass, within about `budget` ms of processor time. @return seconds that have passed */
+  /** Runs `seconds` of content, within about `budget` ms of processor time. @return seconds of content that were run */
   advance(seconds: number, budget: number): number;
   /** Runs exactly `count` steps, or fewer if the run stops. @return steps done */
   step(count: number): number | Promise<number>;
   reset(): void;
 
-  /** Force [N], world, at the link's centre of mass, for `duration` s. Characters and links are indices. */
+  /** Applies a force [N], world, at the link's centre of mass for `duration` s. Characters and links are indices. */
   push(character: number, link: number, force: Vec3, duration: number): void;
   /** Pulls `point` [m, link's frame] towards `target` [m, world] until release(). */
   grab(character: number, link: number, point: Vec3, target: Vec3): void;
@@ -63,9 +63,9 @@ export interface Engine {
   release(): void;
   input(message: InputMessage): void;
 
-  /** Sets inputs that act at their steps after the next reset(). Throws an Error with the problem if they are not valid. */
+  /** Sets inputs that act at their steps after the next reset(). Throws an Error that describes the problem if they are not valid. */
   schedule(inputs: RecordedInput[]): void | Promise<void>;
-  /** All inputs since the last reset(). */
+  /** Returns all inputs since the last reset(). */
   recorded(): RecordedInput[] | Promise<RecordedInput[]>;
   /** Hash of the positions and velocities of all characters, 16 hexadecimal digits. */
   state_hash(): string | Promise<string>;

@@ -1,6 +1,7 @@
 /**
- * Mouse and touch on the picture: orbit, pan and zoom; pull or push a character. One finger or the left button on a character acts on it,
- * beside it turns the view; two fingers pan and zoom; the right or middle button pans. Shift swaps pull and push.
+ * Mouse and touch gestures on the picture. A drag that begins on a character, with one finger or the left button, pulls or pushes the
+ * character; Shift swaps pull and push. A drag that begins beside the characters turns the view. Two fingers pan and zoom, the wheel zooms,
+ * and the right or middle button pans.
  */
 import * as THREE from 'three';
 import type { Vec3 } from '../core/protocol';
@@ -9,12 +10,12 @@ import type { Hit, SceneView } from './scene_view';
 
 export type Tool = 'pull' | 'push';
 
-/** Force of a push for each metre that the arrow is long, as a fraction of the character's weight (N/m per N); an arrow of 1 m on a person
- * of 70 kg pushes with 480 N for push_time, enough for a step. */
+/** Force of a push divided by the arrow's length and the character's weight, 1/m. An arrow of 1 m on a person of 70 kg pushes with 480 N
+ * for push_time, enough to make the person step. */
 const push_gain = 0.7;
 const push_time = 0.2; // s
 const max_arrow = 2.5; // m
-const mouse_reach = 10; // px around the pointer in which a character is found
+const mouse_reach = 10; // px: distance from the pointer up to which a character is found
 const touch_reach = 22;
 
 type Gesture =
@@ -26,7 +27,7 @@ export interface GestureHost {
   readonly view: SceneView;
   readonly engine: Engine;
   readonly tool: Tool;
-  /** True while the user may act on characters: the content plays. */
+  /** True while the user may act on characters, that is, while the content plays. */
   readonly live: boolean;
   /** Weight of a character, N. */
   weight(character: number): number;

@@ -1,4 +1,4 @@
-/** The page of a player: where engine and content come from, and messages of a page that shows this one in a frame. */
+/** The page of a player. It finds the engine and the content, and answers messages of a page that shows this page in a frame. */
 import type { Engine } from './engine';
 import { set_engine_source, UgokiPlayer } from './element';
 import { inline_data } from './payload';
@@ -19,7 +19,7 @@ const content_of = async (src: string | null): Promise<Uint8Array> => {
 
 let module: Promise<Uint8Array<ArrayBuffer> | null> | null = null;
 
-/** The engine inside the page; in a page that a native program serves, the program itself. */
+/** Opens the engine inside the page. If a native program serves the page, the program is the engine. */
 async function open_engine(src: string | null): Promise<Engine> {
   if (src === null && document.documentElement.dataset.engine === 'native') return open_remote_engine();
   module ??= engine_bytes();
@@ -29,19 +29,19 @@ async function open_engine(src: string | null): Promise<Engine> {
 }
 
 let engine_bytes = (): Promise<Uint8Array<ArrayBuffer> | null> => inline_data('ugoki-engine');
-/** Takes the engine from elsewhere than the page: ugoki-player.js carries it itself. */
+/** Sets an engine that is not inside the page: the script ugoki-player.js contains the engine. */
 export function set_engine_bytes(get: () => Promise<Uint8Array<ArrayBuffer> | null>): void {
   engine_bytes = get;
 }
 
-/** Defines the element, or draws pictures if the page was made for that. Players that the page already contains begin to load. */
+/** Defines the element, or draws pictures if the page was made for pictures. Players that the page already contains begin to load. */
 export function start(): void {
   set_engine_source(open_engine);
   if (document.documentElement.dataset.engine === 'pictures') void draw_pictures(() => open_engine(null));
   else if (!customElements.get('ugoki-player')) customElements.define('ugoki-player', UgokiPlayer);
 }
 
-/** Commands that a page outside of the frame may send: postMessage({ugoki: 'play'}) and so on. Each is answered with {ugoki: 'done', ...}. */
+/** Commands that the page outside the frame may send, for example postMessage({ugoki: 'play'}). Each is answered with {ugoki: 'done', ...}. */
 const commands: Record<string, (player: UgokiPlayer, arguments_: unknown[]) => unknown> = {
   play: (p) => p.play(),
   pause: (p) => p.pause(),
@@ -67,7 +67,7 @@ if (window.parent !== window) {
     const player = document.querySelector<UgokiPlayer>('ugoki-player');
     const command = commands[event.data.ugoki];
     const answer = (fields: object): void => window.parent.postMessage({ ugoki: 'done', id: event.data.id, ...fields }, '*');
-    if (!player || !command) return answer({ error: `There is no command '${event.data.ugoki}'.` });
+    if (!player || !command) return answer({ error: `'${event.data.ugoki}' is not a command.` });
     void (async () => command(player, event.data.arguments ?? []))().then(
       (result) => answer({ result }),
       (error: Error) => answer({ error: error.message }),

@@ -1,6 +1,6 @@
-/** Reads the data that an exported page carries inline: gzip in Base64. */
+/** Reads the data inside an exported page: gzip in Base64. */
 
-/** Bytes of Base64 text; white space is ignored. */
+/** Decodes Base64 text; white space is ignored. */
 export function from_base64(text: string): Uint8Array<ArrayBuffer> {
   const letters = atob(text.replace(/\s/g, ''));
   const bytes = new Uint8Array(letters.length);
@@ -16,7 +16,7 @@ export async function unpack(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** The data of an element `<script type="..." id="ID">BASE64</script>`; null if the page has no such element or it is empty. */
+/** Returns the data of an element `<script type="..." id="ID">BASE64</script>`; null if the page has no such element or the element is empty. */
 export async function inline_data(id: string): Promise<Uint8Array<ArrayBuffer> | null> {
   const text = document.getElementById(id)?.textContent?.trim();
   return text ? unpack(from_base64(text)) : null;

@@ -11,21 +11,21 @@ interface Settings {
   /** Time of the first picture, s. */
   from: number;
   count: number;
-  /** Sub-frames of a picture. */
+  /** Number of sub-frames of a picture. */
   blur: number;
-  /** Fraction of the time between two pictures in which the sub-frames are. */
+  /** Fraction of the time between two pictures over which the sub-frames are spread. */
   shutter: number;
   transparent: boolean;
   theme: 'dark' | 'light';
   assist: boolean;
   png: boolean;
   raw: boolean;
-  /** Number of pictures that may be under way. */
+  /** Maximum number of pictures that are sent but not yet answered. */
   ahead: number;
   inputs?: RecordedInput[];
 }
 
-/** Draws all pictures and sends them. A problem is reported to the program. */
+/** Draws all pictures and sends them to the program. Errors are reported to the program. */
 export async function draw_pictures(open: () => Promise<Engine>): Promise<void> {
   const access = new Access({
     fragment: () => location.hash,
@@ -56,7 +56,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
   view.first_view();
   const { step } = engine.scene;
   let shown = 0; // time up to which the camera has followed, s
-  /** Runs the content and the camera to a time. The camera moves in equal steps, so that it does not depend on the pictures' rate. */
+  /** Runs the content and the camera to a time. The camera moves in equal steps, so that its motion does not depend on the pictures' rate. */
   const go_to = async (time: number): Promise<void> => {
     const tick = 1 / 60;
     for (;;) {
@@ -122,7 +122,7 @@ function draw_flat(canvas: HTMLCanvasElement, pixels: Uint8Array): HTMLCanvasEle
   return canvas;
 }
 
-/** Divides colours by alpha: WebGL has premultiplied colours, files have not. */
+/** Divides colours by alpha, because WebGL uses premultiplied colours and picture files do not. */
 function straighten(pixels: Uint8Array | Uint8ClampedArray): void {
   for (let j = 0; j < pixels.length; j += 4) {
     const alpha = pixels[j + 3]!;

@@ -1,6 +1,6 @@
 /**
- * The engine in a native program that serves this page (docs/export.md, "Native programs"). The page remains the clock: it asks for the time
- * that passed since the last picture, and the program answers with a frame. At most one such request is under way.
+ * The engine in a native program that serves this page (docs/export.md, "A native program"). The page is the clock: it requests the time that
+ * has passed since the last picture, and the program answers with a frame. At most one such request waits for its answer.
  */
 import { Access } from '../core/access';
 import { decode_frame, type Frame } from '../core/frames';
@@ -22,14 +22,14 @@ export class RemoteEngine implements Engine {
   stopped = '';
   frame: Frame | null = null;
   private asked = false;
-  private reported = 0; // time that advance() has returned so far, s
+  private reported = 0; // s: sum of the times that advance() has returned
   private last_id = 0;
   private readonly waiting = new Map<number, { done: (value: unknown) => void; failed: (error: Error) => void }>();
 
   constructor(private readonly socket: WebSocket, readonly scene: Scene, readonly devices: Devices) {
     socket.addEventListener('message', (event: MessageEvent<string | ArrayBuffer>) => this.receive(event.data));
     socket.addEventListener('close', () => {
-      if (this.stopped === '') this.stopped = 'The program that runs this content has ended. Start it again.';
+      if (this.stopped === '') this.stopped = 'The program that runs this content has ended. Start the program again.';
       for (const { failed } of this.waiting.values()) failed(new Error(this.stopped));
       this.waiting.clear();
     });
@@ -135,7 +135,7 @@ export async function open_remote_engine(): Promise<RemoteEngine> {
   socket.binaryType = 'arraybuffer';
   return new Promise((done, failed) => {
     let engine: RemoteEngine | null = null;
-    const lost = (): void => failed(new Error('The program does not answer. Start it again.'));
+    const lost = (): void => failed(new Error('The program does not answer. Start the program again.'));
     socket.addEventListener('error', lost);
     socket.addEventListener('close', lost);
     socket.addEventListener('message', (event: MessageEvent<string | ArrayBuffer>) => {

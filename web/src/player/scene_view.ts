@@ -1,4 +1,4 @@
-/** Draws the frames of an engine: characters, floor, root assist, contacts, and the user's pull or push. Knows nothing of buttons. */
+/** Draws the frames of an engine: characters, floor, root assist, contacts, and the user's pull or push. Contains no buttons. */
 import * as THREE from 'three';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, type Frame } from '../core/frames';
 import { CameraRig } from '../view/camera';
@@ -9,7 +9,7 @@ import type { Scene } from './engine';
 
 const max_contacts = 48; // further contacts are not drawn
 
-/** The link under a pointer; indices into the scene, point in the world, m. */
+/** The link under a pointer: indices into the scene, and the point in the world, m. */
 export interface Hit {
   character: number;
   link: number;
@@ -110,7 +110,7 @@ export class SceneView {
       if (!this.assist || share <= 0.004) return arrow.hide();
       const root = this.characters[i]!.links.find((m) => m)?.matrixWorld ?? new THREE.Matrix4();
       arrow.material.color.copy(assist_color(assist_over_cap(frame, character)));
-      // the length grows with the square root of the force: 1 % of the weight is visible (0.19 m), 100 % fits the view (1.9 m)
+      // The length grows with the square root of the force: 1 % of the weight is visible (0.19 m), 100 % fits into the view (1.9 m).
       arrow.show(new THREE.Vector3().setFromMatrixPosition(root), force.setLength(1.9 * Math.sqrt(Math.min(share, 1))));
     });
     this.discs.begin();
@@ -220,7 +220,7 @@ export class SceneView {
     return this.rig.update(dt);
   }
 
-  /** @param still true: nothing moves, so the picture is drawn at full resolution */
+  /** Draws the picture. @param still true: nothing moves, so the picture is drawn at full resolution */
   draw(still: boolean): void {
     const { camera } = this.rig;
     const { target, distance } = this.rig.current;

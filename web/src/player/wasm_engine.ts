@@ -33,7 +33,7 @@ interface Exports {
 
 const simulate_flag = 2; // bit of the frame's flags: the frame comes from the simulation
 
-/** An error of the engine or of the content, with the engine's sentence. */
+/** An error of the engine or of the content, with the engine's message. */
 export class EngineError extends Error {}
 
 export class WasmEngine implements Engine {
@@ -79,7 +79,7 @@ export class WasmEngine implements Engine {
     const deadline = performance.now() + budget;
     let left = Math.floor(seconds / step + 1e-6);
     let done = 0;
-    let together = 1; // steps between two looks at the clock: one step takes between 0.02 ms and hundreds of ms
+    let together = 1; // number of steps between two readings of the clock; one step takes between 0.02 ms and hundreds of ms
     while (left > 0 && this.stopped === '') {
       const before = performance.now();
       const count = this.step(Math.min(left, together));
@@ -139,7 +139,7 @@ export class WasmEngine implements Engine {
     return half(this.wasm.ugoki_hash_high()) + half(this.wasm.ugoki_hash_low());
   }
   dispose(): void {
-    // the module's memory is freed with the instance
+    // The browser frees the memory of the module with the instance.
   }
 
   private message(): string {
@@ -185,7 +185,7 @@ export async function open_wasm_engine(module: Uint8Array<ArrayBuffer>, content:
       fd_seek: bad_descriptor,
       fd_fdstat_get: bad_descriptor,
       proc_exit: (status: number) => {
-        throw new EngineError(`the engine ended with status ${status}. ${output}`);
+        throw new EngineError(`The engine ended with status ${status}. ${output}`);
       },
     },
   });

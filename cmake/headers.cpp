@@ -1,0 +1,1 @@
+// Empty source of the targets that precompile headers.
