@@ -16,12 +16,39 @@ if(UGOKI_SANITIZE)
   target_link_options(ugoki_settings INTERFACE -fsanitize=${UGOKI_SANITIZE})
 endif()
 
+# Parsing the headers of the standard library, JSON and GoogleTest takes a quarter of the build time of a source that includes them. With this option
+# they are parsed once: for the modules that use JSON, and for the tests. Sources still include what they use; builds without the option show it.
+option(UGOKI_PRECOMPILED_HEADERS "Precompile the headers of the standard library, JSON and GoogleTest" OFF)
+if(UGOKI_PRECOMPILED_HEADERS)  # without time stamps compiler caches can keep the files
+  target_compile_options(ugoki_settings INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>)
+endif()
+set(ugoki_standard_headers <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional> <map> <memory> <optional> <span>
+  <string> <string_view> <utility> <vector>)
+
+# use_precompiled(<target> <kind> LIBS <targets>... HEADERS <headers>... [OPTIONS <options>...]): compiles the headers once for all targets of a kind.
+function(use_precompiled target kind)
+  cmake_parse_arguments(ARG "" "" "LIBS;HEADERS;OPTIONS" ${ARGN})
+  if(NOT UGOKI_PRECOMPILED_HEADERS)
+    return()
+  endif()
+  if(NOT TARGET ugoki_${kind}_headers)
+    add_library(ugoki_${kind}_headers OBJECT ${PROJECT_SOURCE_DIR}/cmake/headers.cpp)
+    target_link_libraries(ugoki_${kind}_headers PRIVATE ugoki_settings ${ARG_LIBS})
+    target_compile_options(ugoki_${kind}_headers PRIVATE ${ARG_OPTIONS})
+    target_precompile_headers(ugoki_${kind}_headers PRIVATE ${ugoki_standard_headers} ${ARG_HEADERS})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ugoki_${kind}_headers)
+endfunction()
+
 # ugoki_module(<name> SOURCES <files>... [DEPENDS <modules>...] [PRIVATE_LIBS <targets>...]): adds the library ugoki_<name>.
 function(ugoki_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_LIBS" ${ARGN})
   if(ARG_SOURCES)
     add_library(ugoki_${name} STATIC ${ARG_SOURCES})
     target_link_libraries(ugoki_${name} PUBLIC ugoki_settings PRIVATE ${ARG_PRIVATE_LIBS})
+    if(nlohmann_json::nlohmann_json IN_LIST ARG_PRIVATE_LIBS)
+      use_precompiled(ugoki_${name} json LIBS nlohmann_json::nlohmann_json HEADERS <nlohmann/json.hpp>)
+    endif()
     set(visibility PUBLIC)
   else()
     add_library(ugoki_${name} INTERFACE)
@@ -39,6 +66,7 @@ endfunction()
 function(ugoki_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LIBS" ${ARGN})
   find_package(GTest REQUIRED)
+  find_package(nlohmann_json REQUIRED)
   add_executable(ugoki_${name}_test ${ARG_SOURCES})
   if(TARGET ugoki_${name})
     target_link_libraries(ugoki_${name}_test PRIVATE ugoki_${name})
@@ -47,6 +75,10 @@ function(ugoki_test name)
     target_link_libraries(ugoki_${name}_test PRIVATE ugoki_${dep})
   endforeach()
   target_link_libraries(ugoki_${name}_test PRIVATE ugoki_settings GTest::gtest_main ${ARG_LIBS})
+  # -O1: the code of tests compiles in half the time and runs nearly as fast. The bits are those of -O3 (-ffp-contract=off).
+  set(optimise $<$<CONFIG:Release>:-O1>)
+  target_compile_options(ugoki_${name}_test PRIVATE ${optimise})
+  use_precompiled(ugoki_${name}_test test LIBS GTest::gtest nlohmann_json::nlohmann_json HEADERS <gtest/gtest.h> <nlohmann/json.hpp> OPTIONS ${optimise})
   target_compile_definitions(ugoki_${name}_test PRIVATE
     UGOKI_SHARED_DATA="${PROJECT_SOURCE_DIR}/../shared/data" UGOKI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   add_test(NAME ${name} COMMAND ugoki_${name}_test --gtest_filter=-Slow*)

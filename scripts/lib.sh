@@ -46,6 +46,8 @@ build_jobs() {
   echo $((cores < memory ? cores : memory))
 }
 
+export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime # ccache needs them for precompiled headers
+
 # configure PRESET [cmake options]: runs cmake if the preset was not configured yet or the options have changed.
 configure() {
   local preset=$1 dir="$root/build/$1"

@@ -161,7 +161,7 @@ TEST(Capture, CancelledWorkEndsBeforeTheNextFrame) {
       const auto c = solve_markers(*motion, {.cutoff = -1, .cancelled = [&] { return ++calls > allowed; }});
       ASSERT_FALSE(c);
       EXPECT_EQ(static_cast<int>(c.error().problems.front().code), static_cast<int>(ErrorCode::cancelled));
-      EXPECT_LE(calls, allowed + 5);  // each of the two passes asks once more, and the work asks after each pass
+      EXPECT_LE(calls, allowed + 5);  // each of the two passes asks one more time, and the work asks after each pass
     }
   }
 }
