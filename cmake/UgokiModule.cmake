@@ -19,9 +19,6 @@ endif()
 # Parsing the headers of the standard library, JSON and GoogleTest takes a quarter of the build time of a source that includes them. With this option
 # they are parsed once: for the modules that use JSON, and for the tests. Sources still include what they use; builds without the option show it.
 option(UGOKI_PRECOMPILED_HEADERS "Precompile the headers of the standard library, JSON and GoogleTest" OFF)
-if(UGOKI_PRECOMPILED_HEADERS)  # without time stamps compiler caches can keep the files
-  target_compile_options(ugoki_settings INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>)
-endif()
 set(ugoki_standard_headers <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional> <map> <memory> <optional> <span>
   <string> <string_view> <utility> <vector>)
 
@@ -31,10 +28,13 @@ function(use_precompiled target kind)
   if(NOT UGOKI_PRECOMPILED_HEADERS)
     return()
   endif()
+  # A time stamp in the precompiled header would keep compiler caches from finding the results.
+  set(no_time_stamp $<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>)
+  target_compile_options(${target} PRIVATE ${no_time_stamp})
   if(NOT TARGET ugoki_${kind}_headers)
     add_library(ugoki_${kind}_headers OBJECT ${PROJECT_SOURCE_DIR}/cmake/headers.cpp)
     target_link_libraries(ugoki_${kind}_headers PRIVATE ugoki_settings ${ARG_LIBS})
-    target_compile_options(ugoki_${kind}_headers PRIVATE ${ARG_OPTIONS})
+    target_compile_options(ugoki_${kind}_headers PRIVATE ${no_time_stamp} ${ARG_OPTIONS})
     target_precompile_headers(ugoki_${kind}_headers PRIVATE ${ugoki_standard_headers} ${ARG_HEADERS})
   endif()
   target_precompile_headers(${target} REUSE_FROM ugoki_${kind}_headers)
