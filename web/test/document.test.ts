@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { apply_command, blend_spans, content_end, find_character, find_clip, track_end } from '../src/core/document';
+import { apply_command, blend_spans, content_end, find_character, find_clip, free_name, free_place, track_end } from '../src/core/document';
 import { valid_selection } from '../src/core/state';
 import { sample_document } from './sample';
 
@@ -51,5 +51,23 @@ describe('reading a document', () => {
     expect(valid_selection({ kind: 'clip', character: 'human', clip: 'gone' }, doc)).toEqual({ kind: 'character', character: 'human' });
     expect(valid_selection({ kind: 'event', event: 'gone' }, doc)).toEqual({ kind: 'none' });
     expect(valid_selection({ kind: 'clip', character: 'human', clip: 'k1' }, doc).kind).toBe('clip');
+  });
+});
+
+describe('places and names of new characters', () => {
+  it('puts twenty copies beside each other', () => {
+    let doc = sample_document();
+    const first = doc.characters[0]!;
+    for (let n = 0; n < 20; n++) {
+      const place = { ...first.place, ...free_place(doc, { x: first.place.x, y: first.place.y + 1 }) };
+      doc = { ...doc, characters: [...doc.characters, { ...first, id: `copy ${n}`, name: free_name(doc, first.name), place }] };
+    }
+    const places = doc.characters.map((c) => c.place);
+    for (const [i, a] of places.entries()) for (const b of places.slice(0, i)) expect(Math.hypot(a.x - b.x, a.y - b.y)).toBeGreaterThan(0.89);
+    expect(new Set(doc.characters.map((c) => c.name)).size).toBe(doc.characters.length);
+    expect(doc.characters.at(-1)!.name).toBe(`${first.name} 21`);
+  });
+  it('keeps a place that is free', () => {
+    expect(free_place(sample_document(), { x: 50, y: 3 })).toEqual({ x: 50, y: 3 });
   });
 });

@@ -193,3 +193,23 @@ export function blend_spans(track: readonly Clip[]): { from: number; to: number;
   }
   return spans;
 }
+
+const clearance = 0.9; // m, between the places of two characters: two humans with outstretched elbows do not touch
+
+/** The place nearest to `wanted`, in steps of 1 m to the left or right, at which no other character stands. */
+export function free_place(doc: ScenarioDocument, wanted: { x: number; y: number }): { x: number; y: number } {
+  const is_free = (y: number): boolean => doc.characters.every((c) => Math.hypot(c.place.x - wanted.x, c.place.y - y) >= clearance);
+  for (let step = 0; step <= doc.characters.length; step++)
+    for (const y of [wanted.y + step, wanted.y - step]) if (is_free(y)) return { x: wanted.x, y };
+  return wanted;
+}
+
+/** `name` with the smallest number that no character has: "Human 2" for a copy of "Human" or of "Human 2". */
+export function free_name(doc: ScenarioDocument, name: string): string {
+  const used = new Set(doc.characters.map((c) => c.name));
+  if (!used.has(name)) return name;
+  const stem = name.replace(/ \d+$/, '');
+  let n = 2;
+  while (used.has(`${stem} ${n}`)) n++;
+  return `${stem} ${n}`;
+}

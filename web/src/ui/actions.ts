@@ -1,5 +1,5 @@
 /** All commands of the page: id, label, keys, and the function that runs. */
-import { content_end, find_character, find_clip, find_event, track_end, type Clip, type Command } from '../core/document';
+import { content_end, find_character, find_clip, find_event, free_name, free_place, track_end, type Clip, type Command } from '../core/document';
 import type { AppCommand } from '../core/commands';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
@@ -59,10 +59,12 @@ function duplicate(): void {
     if (!character) return;
     const id = session.fresh_id('c');
     const { track, ...fields } = character;
-    const place = { ...character.place, y: character.place.y + 1 };
+    const place = { ...character.place, ...free_place(document, { x: character.place.x, y: character.place.y + 1 }) };
     const clips = track.map((clip): Command => ({ ...clip, type: 'clip.add', character: id, id: session.fresh_id('k') }));
-    const name = `${character.name} 2`;
-    void session.edit({ type: 'group', label: `Duplicate ${character.name}`, commands: [{ ...fields, type: 'character.add', id, name, place }, ...clips] });
+    const name = free_name(document, character.name);
+    void session.edit({ type: 'group', label: `Duplicate ${character.name}`, commands: [{ ...fields, type: 'character.add', id, name, place }, ...clips] }).then((ok) => {
+      if (ok) session.select({ kind: 'character', character: id });
+    });
   }
 }
 
@@ -91,10 +93,9 @@ export function add_character(mechanism: string, place?: { x: number; y: number 
   const entry = session.entry(mechanism);
   const id = session.fresh_id('c');
   const { document } = state();
-  const used_names = new Set(document?.characters.map((c) => c.name));
-  let name = entry?.name ?? 'Character';
-  for (let n = 2; used_names.has(name); n++) name = `${entry?.name ?? 'Character'} ${n}`;
-  const position = place ?? { x: 0, y: -1.2 * (document?.characters.length ?? 0) }; // m: side by side
+  const name = document ? free_name(document, entry?.name ?? 'Character') : (entry?.name ?? 'Character');
+  const wanted = place ?? { x: 0, y: 0 };
+  const position = document ? free_place(document, wanted) : wanted;
   const round = (v: number): number => Math.round(v * 100) / 100;
   const add: Command = { type: 'character.add', mechanism, id, name, place: { x: round(position.x), y: round(position.y) } };
   const length = motion ? session.entry(motion)?.duration : undefined;
