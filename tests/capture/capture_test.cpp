@@ -151,21 +151,6 @@ TEST(Capture, AnimalMotionIsRecovered) {
   EXPECT_NEAR(c->size, 3, 0.3);
 }
 
-TEST(Capture, CancelledWorkEndsBeforeTheNextFrame) {
-  const Known k = make_known(human_markers(), 1.05, 4, 0.006);
-  MarkerMotion gaps = k.markers;
-  hide(gaps, "RKNE", 60, 119);  // a gap that is filled from the pose of the body, so that the frames are solved twice
-  for (const MarkerMotion* motion : {&k.markers, static_cast<const MarkerMotion*>(&gaps)}) {
-    for (const int allowed : {0, 1, 40}) {
-      int calls = 0;
-      const auto c = solve_markers(*motion, {.cutoff = -1, .cancelled = [&] { return ++calls > allowed; }});
-      ASSERT_FALSE(c);
-      EXPECT_EQ(static_cast<int>(c.error().problems.front().code), static_cast<int>(ErrorCode::cancelled));
-      EXPECT_LE(calls, allowed + 5);  // each of the two passes asks one more time, and the work asks after each pass
-    }
-  }
-}
-
 TEST(Capture, ResidualsNameMarkerAndFrame) {
   Known k = make_known(human_markers(), 1, 3, 0);
   const int knee = k.markers.find("LKNE");
@@ -183,6 +168,21 @@ void hide(MarkerMotion& m, const std::string& label, int first, int last) {
   for (int f = first; f <= last; ++f) {
     m.positions[m.index(f, marker)] = {};
     m.residuals[m.index(f, marker)] = -1;
+  }
+}
+
+TEST(Capture, CancelledWorkEndsBeforeTheNextFrame) {
+  const Known k = make_known(human_markers(), 1.05, 4, 0.006);
+  MarkerMotion gaps = k.markers;
+  hide(gaps, "RKNE", 60, 119);  // a gap that is filled from the pose of the body, so that the frames are solved twice
+  for (const MarkerMotion* motion : {&k.markers, static_cast<const MarkerMotion*>(&gaps)}) {
+    for (const int allowed : {0, 1, 40}) {
+      int calls = 0;
+      const auto c = solve_markers(*motion, {.cutoff = -1, .cancelled = [&] { return ++calls > allowed; }});
+      ASSERT_FALSE(c);
+      EXPECT_EQ(static_cast<int>(c.error().problems.front().code), static_cast<int>(ErrorCode::cancelled));
+      EXPECT_LE(calls, allowed + 5);  // each of the two passes asks one more time, and the work asks after each pass
+    }
   }
 }
 

@@ -79,7 +79,7 @@ std::string joined(const std::vector<std::string>& words, std::string_view befor
 }
 
 /// The word as a quoted lexeme of PostgreSQL's text search.
-std::string quoted(std::string_view word) {
+std::string lexeme(std::string_view word) {
   std::string out = "'";
   for (const char c : word) {
     if (c == '\'' || c == '\\') out += c;
@@ -155,7 +155,7 @@ std::string SearchText::tsvector() const {
   std::string out;
   std::size_t position = 0;
   const auto add = [&](const std::vector<std::string>& words) {
-    for (const std::string& word : words) out += quoted(word) + ":" + std::to_string(++position) + " ";
+    for (const std::string& word : words) out += lexeme(word) + ":" + std::to_string(++position) + " ";
     ++position;  // a gap in the positions, so that no phrase matches across two lists
   };
   add(name);
@@ -163,7 +163,7 @@ std::string SearchText::tsvector() const {
   add(marks);
   const auto add_pairs = [&](const std::vector<std::string>& words, bool of_name) {
     for (std::size_t i = 1; i < words.size(); ++i)
-      if (words[i - 1] != field_separator && words[i] != field_separator) out += quoted(pair_mark(of_name, words[i - 1], words[i])) + " ";
+      if (words[i - 1] != field_separator && words[i] != field_separator) out += lexeme(pair_mark(of_name, words[i - 1], words[i])) + " ";
   };
   add_pairs(name, false);
   add_pairs(other, false);
@@ -196,12 +196,12 @@ std::string SearchPhrases::tsquery(bool in_name, const std::vector<std::string>&
     const bool by_pairs = !exact_phrases && phrase.size() > 1;
     for (std::size_t i = by_pairs ? 1 : 0; i < phrase.size(); ++i) {
       const std::string mark = by_pairs ? pair_mark(in_name, phrase[i - 1], phrase[i]) : in_name ? name_mark(phrase[i]) : phrase[i];
-      all += quoted(mark) + (i + 1 == phrase.size() ? ":*)" : exact_phrases ? " <-> " : " & ");
+      all += lexeme(mark) + (i + 1 == phrase.size() ? ":*)" : exact_phrases ? " <-> " : " & ");
     }
   }
-  for (const std::string& tag : tags) all += (all.empty() ? "" : " & ") + quoted(tag_mark(tag));
+  for (const std::string& tag : tags) all += (all.empty() ? "" : " & ") + lexeme(tag_mark(tag));
   std::string any;
-  for (const std::string& kind : kinds) any += (any.empty() ? "(" : " | ") + quoted(kind_mark(kind));
+  for (const std::string& kind : kinds) any += (any.empty() ? "(" : " | ") + lexeme(kind_mark(kind));
   if (!any.empty()) all += (all.empty() ? "" : " & ") + any + ")";
   return all;
 }
