@@ -1,4 +1,4 @@
-# Installation with `cmake --install`, and a Debian package with CPack. scripts/package builds all files that they contain.
+# Installation with `cmake --install`, and a Debian package with CPack. scripts/package builds all installed files.
 set(share share/ugoki)
 install(TARGETS ugoki RUNTIME DESTINATION bin)
 install(TARGETS ugoki_native_player RUNTIME DESTINATION libexec/ugoki)

@@ -17,7 +17,7 @@ if(UGOKI_SANITIZE)
 endif()
 
 # Parsing the headers of the standard library, JSON and GoogleTest takes a quarter of the build time of a source that includes them. With this option
-# they are parsed once: for the modules that use JSON, and for the tests. Sources still include what they use; builds without the option show it.
+# they are parsed once: for the modules that use JSON, and for the tests. Builds without the option check that sources include all they use.
 option(UGOKI_PRECOMPILED_HEADERS "Precompile the headers of the standard library, JSON and GoogleTest" OFF)
 set(ugoki_standard_headers <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional> <map> <memory> <optional> <span>
   <string> <string_view> <utility> <vector>)

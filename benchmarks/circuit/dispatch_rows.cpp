@@ -1,5 +1,5 @@
-// Cost of an LSI that adds two values: a library behind the C interface in a circuit (results are checked to be finite, and the running LSI
-// is recorded), compared with virtual calls on objects and a flow graph of oneTBB. Nanoseconds per LSI.
+// Cost [ns] of one LSI (function block of a circuit) that adds two values. The LSI is in a library behind the C interface; the circuit
+// checks that results are finite and records the running LSI. Compared with virtual calls on objects and a flow graph of oneTBB.
 
 #include <cmath>
 #include <memory>

@@ -1,5 +1,5 @@
-// Overhead of the circuit in the sample content's execution: the interpreter is compared with a hand-written loop of the same calls in the
-// same order. The loop has its own memory and no checks, names or rates.
+// Overhead of the circuit of the sample content: the interpreter is compared with a hand-written loop of the same calls in the same order.
+// The loop has its own memory; it has no checks, names or rates.
 
 #include <cstring>
 

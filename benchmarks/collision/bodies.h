@@ -14,7 +14,7 @@ struct PlainBody {
   double radius = 0, half_length = 0;   ///< m, capsule
 };
 
-/// Motion of two groups of bodies: bodies 0 to first_of_b - 1 are group a, the others are group b.
+/// Motion of two groups of bodies: group a consists of bodies 0 to first_of_b - 1, group b of the others.
 struct PlainMotion {
   std::vector<PlainBody> bodies;
   int first_of_b = 0;
@@ -23,22 +23,22 @@ struct PlainMotion {
   std::vector<double> translations;  ///< [steps][bodies][3] m
 };
 
-/// Signed distance [m] of bodies i and j at the present step; the same function is used for the pair lists of all libraries.
+/// Signed distance [m] between bodies i and j at the current step. All libraries use the same function to list the pairs within a margin.
 using PlainDistance = double (*)(void* context, int i, int j);
 
-/// The broad-phase structure of a library over all bodies.
+/// The bodies in one library's broad phase.
 class BodiesPeer {
  public:
   virtual ~BodiesPeer() = default;
   [[nodiscard]] virtual std::string name() const = 0;
-  /// Moves all bodies to a step's poses. @return m: minimum distance between the groups; negative infinity: not supported
+  /// Moves all bodies to a step's poses. @return minimum distance [m] between the groups; negative infinity: not supported
   [[nodiscard]] virtual double nearest(int step) = 0;
   /// Moves all bodies to a step's poses. @return number of pairs of bodies within `margin`
   [[nodiscard]] virtual int count_within(int step, double margin, PlainDistance distance, void* context) = 0;
 };
 
 /// Makes a peer; nullptr if the library is not installed. The motion must outlive the peer.
-/// @param margin m: for count_within()
+/// @param margin margin [m] of the later calls of count_within()
 [[nodiscard]] std::unique_ptr<BodiesPeer> make_fcl_bodies(const PlainMotion& motion, double margin);
 [[nodiscard]] std::unique_ptr<BodiesPeer> make_bullet_bodies(const PlainMotion& motion, double margin);
 

@@ -1,5 +1,5 @@
-// Rows of the superior tree: the closest pair of two groups, and all pairs within a margin, in coherent motion. A row's time is that
-// of one step: all bodies are moved, then the query runs.
+// Rows of the superior tree (box hierarchy over groups of bodies): the closest pair of two groups, and all pairs within a margin, in
+// coherent motion. A row's time is the time of one step: all bodies are moved, then the query runs.
 
 #include <algorithm>
 #include <cmath>
@@ -116,7 +116,7 @@ void characters_of_200(Table& table) { nearest_rows(table, 10); }
 const RowRegistration register_20(300, characters_of_20);
 const RowRegistration register_200(310, characters_of_200);
 
-/// Row of the pairs within a margin. For the pair lists of all libraries the distances are calculated by Ugoki's closed-form functions.
+/// Adds the row of pairs within a margin. All libraries use Ugoki's closed-form functions for the distances of their pairs.
 void swarm(Table& table) {
   constexpr int bodies = 2000;
   constexpr double margin = 0.02;

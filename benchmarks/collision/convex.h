@@ -17,7 +17,7 @@ struct PlainPlace {
   double R[9], p[3];
 };
 
-/// Calculates the distance of two hulls with one library, including the library's own warm start from query to query.
+/// Calculates the distance between two hulls with one library, including the library's own warm start from query to query.
 class ConvexPeer {
  public:
   virtual ~ConvexPeer() = default;

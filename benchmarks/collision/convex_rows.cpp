@@ -20,7 +20,7 @@ using collision::Hull;
 using collision::Support;
 
 constexpr int poses = 2000;
-constexpr double apart = 1.5;  // m, distance of the centres of two hulls that are about 1 m long
+constexpr double apart = 1.5;  // m, distance between the centres of two hulls that are about 1 m long
 
 class Draw {
  public:
@@ -72,7 +72,7 @@ struct Places {
   }
 };
 
-/// Poses along a path forth and back, so that the first pose can follow the last.
+/// Poses along a trajectory back and forth, so that the first pose can follow the last.
 Places coherent() {
   Draw draw(7);
   Quat qa, qb;
@@ -98,8 +98,8 @@ Places incoherent() {
   return out;
 }
 
-/// Checks the results: ours must be certified at every pose (distance at most 1e-9 m above its lower bound). A peer must agree within its
-/// accuracy at nine of ten poses, because each peer sometimes stops too early.
+/// Checks the results. Our distance must be certified at every pose (at most 1e-9 m above its lower bound). A peer's distance must agree
+/// within its accuracy at nine of ten poses, because each peer sometimes stops too early.
 void check(const Support& a, const Support& b, const Places& places, ConvexPeer* peer, const std::string& row) {
   GilbertCache cache;
   int off = 0;

@@ -1,5 +1,5 @@
 // Rows of non-convex meshes: a bumpy torus and a knot, 1k, 10k and 100k triangles each, in coherent motion (1 degree and about 0.01 m per
-// step), exact distances. A row's time is that of one query, the mean over a path forth and back.
+// step), exact distances. A row's time is the mean time of one query over a trajectory back and forth.
 //
 // In scene `hole` the knot moves in the hole of the torus, in `near` next to the torus, in `far` several body sizes away.
 
@@ -85,8 +85,8 @@ std::vector<Pose> make_path(const Place& location) {
 
 PlainPose plain(const Pose& X) { return {{X.R.xx, X.R.xy, X.R.xz, X.R.yx, X.R.yy, X.R.yz, X.R.zx, X.R.zy, X.R.zz}, {X.p.x, X.p.y, X.p.z}}; }
 
-/// Returns for each function the mean over the path of the minimum time of each pose, in ns. The functions alternate, each running the
-/// complete path. Disturbances by other processes then affect single poses, not the mean.
+/// Returns for each function the mean over the trajectory of the minimum time of each pose, in ns. The functions alternate, each running
+/// the complete trajectory. Disturbances by other processes then affect single poses, not the mean.
 std::vector<double> measure_path(const std::vector<std::function<void(std::size_t)>>& functions, std::size_t poses) {
   using Clock = std::chrono::steady_clock;
   std::vector<std::vector<double>> minimum(functions.size(), std::vector<double>(poses, 1e300));

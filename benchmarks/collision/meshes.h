@@ -17,17 +17,17 @@ struct PlainPose {
   double R[9], p[3];
 };
 
-/// Calculates the distance of two meshes with one library.
+/// Calculates the distance between two meshes with one library.
 class MeshPeer {
  public:
   virtual ~MeshPeer() = default;
   [[nodiscard]] virtual std::string name() const = 0;
-  /// m: distance; 0 or less if the meshes intersect
+  /// Distance [m] between the meshes; 0 or less if they intersect.
   virtual double distance(const PlainPose& X_AB) = 0;
 };
 
 enum class MeshBounds { rss, obb_rss };
-/// Make a peer; null if the library is not installed.
+/// Makes a peer; null if the library is not installed.
 [[nodiscard]] std::unique_ptr<MeshPeer> make_fcl_meshes(const PlainMesh& a, const PlainMesh& b, MeshBounds bounds);
 [[nodiscard]] std::unique_ptr<MeshPeer> make_coal_meshes(const PlainMesh& a, const PlainMesh& b, MeshBounds bounds);
 /// PQP with a warm start from the closest triangles of the previous query.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int steps_of_a_round = 360;
 
-/// Number of steps, so small that all poses fit into a core's cache. The bodies move forth and back on a part of the circular path.
+/// Number of steps, limited so that all poses fit into a core's cache. The bodies move back and forth on a part of the circular path.
 int steps_for(int bodies) { return std::clamp(8000 / bodies, 20, steps_of_a_round); }
 int forth_and_back(int step, int steps) { return steps == steps_of_a_round || 2 * step < steps ? step : steps - step; }
 
@@ -22,8 +22,8 @@ struct Bone {
   Vec3 joint;    ///< m, position of the joint in the parent's frame
   Vec3 half;     ///< m, half extents of the link
   Vec3 centre;   ///< m, centre of the link's shape in the link's frame
-  int rounds;    ///< oscillations of the joint during a complete round
-  double angle;  ///< rad: amplitude
+  int rounds;    ///< number of oscillations of the joint while the character walks once around the circle
+  double angle;  ///< rad, amplitude of the oscillations
 };
 
 /// Bones of a character: height 1.8 m, z up, facing x; the last link is a stick in the right hand.

@@ -9,9 +9,9 @@
 
 namespace ugoki::benchmarks {
 
-/// A motion in our types and, as plain arrays, for the peers.
+/// A motion in Ugoki's types, and as plain arrays for the peers (other libraries).
 struct Motion {
-  std::vector<collision::Collider> colliders;  ///< in the frame of the body
+  std::vector<collision::Collider> colliders;  ///< shapes, each in the frame of its body
   std::vector<int> groups;                     ///< [bodies] 0 or 1
   std::vector<Pose> poses;                     ///< [steps][bodies]
   PlainMotion plain;

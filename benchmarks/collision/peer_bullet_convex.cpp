@@ -1,4 +1,4 @@
-// Bullet's two algorithms for the distance of convex hulls, both started from the last separating direction.
+// Bullet's two algorithms for the distance between convex hulls, both started from the last separating direction.
 
 #include "convex.h"
 
@@ -48,7 +48,7 @@ class PairDetector final : public ConvexPeer {
   PairDetector(const PlainHull& a, const PlainHull& b) {
     fill(a_, a);
     fill(b_, b);
-    detector_ = std::make_unique<btGjkPairDetector>(&a_, &b_, &simplex_, &depth_);  // it copies the margins here
+    detector_ = std::make_unique<btGjkPairDetector>(&a_, &b_, &simplex_, &depth_);  // the constructor copies the margins
     detector_->setCachedSeparatingAxis({1, 0, 0});
   }
   std::string name() const override { return "Bullet GjkPairDetector"; }

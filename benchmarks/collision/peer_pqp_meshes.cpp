@@ -1,4 +1,4 @@
-// PQP with a warm start: it keeps the last pair of triangles.
+// PQP with a warm start from the closest triangles of the previous query.
 
 #include "meshes.h"
 

@@ -9,7 +9,7 @@ enum class HeapShape : unsigned char { box, sphere, capsule, cylinder };
 
 struct HeapBody {
   HeapShape shape = HeapShape::box;
-  double size[3] = {0, 0, 0};            ///< m: half extents; sphere, capsule and cylinder: radius, half length along z
+  double size[3] = {0, 0, 0};            ///< m; box: half extents; sphere, capsule and cylinder: radius, half length along z
   double density = 0;                    ///< kg/m^3
   double position[3] = {0, 0, 0};        ///< m
   double orientation[4] = {1, 0, 0, 0};  ///< w x y z

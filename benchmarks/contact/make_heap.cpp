@@ -9,7 +9,7 @@ namespace ugoki::benchmarks {
 
 std::vector<HeapBody> make_heap(int count) {
   std::mt19937_64 engine(1);
-  const auto uniform = [&](double low, double high) {  // equal values with every standard library
+  const auto uniform = [&](double low, double high) {  // gives the same values with every standard library
     return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
   };
   std::vector<HeapBody> heap;

@@ -31,7 +31,7 @@ struct Options {
   std::vector<std::string> files;
 };
 
-/// The parameters that --set changes.
+/// The parameters that the option --set changes, with their names.
 std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions& o) {
   return {{"com-gain", &o.com_gain},
           {"com-weight", &o.com_weight},

@@ -142,7 +142,7 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
       if (link.joint.nv() > 0) square += e, count += 1;
       by_link[static_cast<std::size_t>(i)] += e;
     }
-    // The net slip of a stance is the sum of the displacements of the point that is lowest at each time.
+    // Net slip of a stance: at each tick the displacement of the foot's lowest point is added.
     for (std::size_t f = 0; f < stances.size(); ++f) {
       const control::Foot& foot = control.feet()[f];
       const LinkPoint* lowest = nullptr;

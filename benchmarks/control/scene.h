@@ -21,7 +21,7 @@ struct ClipFile {
 /// Reads a BVH or AMC file, or makes a sample motion: `sample-stand`, `sample-walk`, `sample-dog-trot`, `sample-dog-stand`.
 Result<ClipFile> read_clip(const std::string& path);
 
-/// Reference: a motion played once, or a cyclic motion repeated.
+/// Reference motion: a motion played once, or a cyclic motion repeated.
 class MotionReference final : public control::ReferenceMotion {
  public:
   MotionReference(MechanismPtr mechanism, const Motion& motion, double length);
@@ -34,21 +34,21 @@ class MotionReference final : public control::ReferenceMotion {
   Clip clip_;
 };
 
-/// A force at the centre of mass of the chest.
+/// A force on the chest's centre of mass.
 struct Push {
   double time = 1e9, duration = 0.2;  ///< s
-  Vec3 force;                         ///< N, world
+  Vec3 force;                         ///< N, world axes
 };
 
 /// Result of a run.
 struct Outcome {
   double time = 0;  ///< s: duration of the run, or time of the fall
   bool fell = false;
-  double tracking_deg = 0;                     ///< rms
-  double control_us = 0, total_us = 0;         ///< us of processor time in a tick, mean
-  double slip_worst_cm = 0, slip_mean_cm = 0;  ///< net slip of a stance
-  int max_iterations = 0, unsolved = 0;        ///< Newton steps of the quadratic program; ticks in which it did not converge
-  std::uint64_t hash = 0;                      ///< of the last positions
+  double tracking_deg = 0;                     ///< degrees, rms tracking error of the joints
+  double control_us = 0, total_us = 0;         ///< us, mean processor time per tick
+  double slip_worst_cm = 0, slip_mean_cm = 0;  ///< cm, net slip of a stance: maximum and mean
+  int max_iterations = 0, unsolved = 0;        ///< maximum Newton steps of the quadratic program; ticks in which it did not converge
+  std::uint64_t hash = 0;                      ///< hash of the final positions
 };
 
 struct RunSettings {

@@ -1,5 +1,5 @@
-// Rows of closed links: the humanoid with feet and hands welded to the world (6 rows each), with hand welded to hand and foot to foot, and
-// four-bars in series. Forward dynamics from q and v, including loop forces. MuJoCo's loops are soft, so its results differ.
+// Rows of closed links: the humanoid with feet and hands welded to the world (6 constraint rows each), with hand welded to hand and foot to
+// foot, and four-bars in series. Forward dynamics from q and v, including loop forces. MuJoCo's loops are soft, so its results differ.
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +71,7 @@ void humanoid_loops(Table& table) {
   const State s = lively_state(*m);
   dynamics::Workspace ws(*m);
   update_kinematics(*m, s.q, s.v, ws);
-  // Ends of the four longest chains: hands and feet.
+  // The links at the ends of the four longest chains: hands and feet.
   std::vector<std::pair<int, int>> leaves;  // (depth, link)
   for (int i = 0; i < m->link_count(); ++i) {
     bool leaf = true;

@@ -85,7 +85,7 @@ class Dart final : public Peer {
   }
 
  private:
-  /// DART recomputes position-dependent quantities only if the positions have changed.
+  /// Alternates between two positions, because DART recomputes position-dependent quantities only if the positions have changed.
   void move() { skeleton_->setPositions(positions_[which_ ^= 1]); }
 
   SkeletonPtr skeleton_;

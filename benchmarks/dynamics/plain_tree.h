@@ -21,7 +21,7 @@ struct PlainLink {
 
 /// A closed loop: link b welded to link a, or a ball joint between a point of a and a point of b.
 struct PlainLoop {
-  int a = -1, b = -1;  ///< a -1: the world
+  int a = -1, b = -1;  ///< link indices; a = -1: the world
   bool weld = true;
   double p[3] = {};          ///< weld: origin of b in a; ball: the point in a, in m
   double rotation[4] = {1};  ///< weld: orientation of b in a, wxyz
@@ -38,7 +38,7 @@ struct PlainTree {
   double gravity = -9.81;  ///< m/s^2 along z
 };
 
-/// The tree in another physics engine. A function returns false if the engine does not support it.
+/// The tree in another physics engine. forward(), inverse() and inertia() return false if the engine does not support the task.
 class Peer {
  public:
   virtual ~Peer() = default;
@@ -53,7 +53,7 @@ class Peer {
   virtual std::vector<double> joint_torques() { return {}; }
 };
 
-/// Make a peer; null if the engine is not installed.
+/// Makes a peer; null if the engine is not installed.
 std::unique_ptr<Peer> make_mujoco(const PlainTree& tree);
 std::unique_ptr<Peer> make_bullet(const PlainTree& tree);
 std::unique_ptr<Peer> make_dart(const PlainTree& tree);

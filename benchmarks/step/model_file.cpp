@@ -24,8 +24,8 @@ T value_of(Result<T> result) {
   return std::move(*result);
 }
 
-/// Removes descendants that are only drawn (cameras, lights, sites, default materials) or that use a mesh. Removes the attribute `material`
-/// of all other nodes.
+/// Removes descendants that only affect the picture (cameras, lights, sites, default materials) or that use a mesh. Removes the attribute
+/// `material` of all other nodes.
 void clean(pugi::xml_node node) {
   node.remove_attribute("material");
   for (pugi::xml_node child = node.first_child(); child;) {
@@ -129,7 +129,8 @@ void finish_mjcf(StepSource& source, const std::string& reduced) {
   pugi::xml_node size = root.append_child("size");
   size.append_attribute("nconmax") = source.max_contacts;
   size.append_attribute("njmax") = 4 * source.max_contacts + 500;
-  // Bodies that are fixed to each other are separate bodies in the file.
+  // Excludes pairs of links that our scene does not test completely. By link, because links fixed to each other are separate bodies in the
+  // file.
   const Mechanism& m = *source.mechanisms.at(0);
   const collision::Scene scene({source.mechanisms.at(0)});
   std::set<std::pair<int, int>> touching;

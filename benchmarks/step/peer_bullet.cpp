@@ -1,5 +1,5 @@
-// Bullet (libbullet-dev, double precision): btMultiBody for linked bodies, btRigidBody for free ones, with the usual settings of its world.
-// Bullet has no armature; here it is part of the links' inertia. Bullet has no springs and dampers in joints; here they are torques.
+// Bullet (libbullet-dev, double precision): btMultiBody for linked bodies, btRigidBody for free ones, with the default settings of its
+// world. Bullet has no armature; here it is part of the links' inertia. Bullet has no springs and dampers in joints; here they are torques.
 
 #include "scene.h"
 
@@ -113,7 +113,7 @@ class BulletWorld final : public StepWorld {
     Frame link_in_principal;
   };
 
-  /// The shapes of a link in its principal frame; null: it has none.
+  /// The shapes of a link in the link's principal frame; null if the link has no shapes.
   btCollisionShape* shape_of(const StepBody& b, int link) {
     const Frame to_principal = inverse(b.links[static_cast<std::size_t>(link)].principal);
     std::unique_ptr<btCompoundShape> compound;

@@ -81,7 +81,7 @@ class MujocoWorld final : public StepWorld {
     Frame link_in_body;
   };
 
-  /// Springs of the joints are MuJoCo's position servos: explicit stiffness and implicit damping.
+  /// Adds the servos as springs and dampers of the hinges, like MuJoCo's position servos: explicit stiffness and implicit damping.
   void set_servos(const StepScene& scene) {
     mjModel& m = *model_;
     for (int j = 0; j < m.njnt; ++j) {

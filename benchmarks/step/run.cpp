@@ -14,8 +14,8 @@ namespace {
 constexpr int repetitions = 3;
 constexpr int sample_steps = 25;         // number of steps from one computation of the energy to the next
 constexpr double time_limit = 10;        // s: a repetition ends after this time
-constexpr double energy_slack = 0.05;    // allowed growth, fraction of the initial energy: the sum leaves out the energy of springs
-constexpr double fall_tolerance = 2e-4;  // m, allowed difference to Ugoki after 0.1 s, because integrators and springs differ
+constexpr double energy_slack = 0.05;    // maximum growth as a fraction of the initial energy; the energy leaves out springs
+constexpr double fall_tolerance = 2e-4;  // m, maximum difference from Ugoki's positions after 0.1 s, because integrators and springs differ
 
 struct Engine {
   std::string name;
@@ -35,9 +35,9 @@ const std::vector<Engine>& engines() {
 /// One engine's run of a scene.
 struct Run {
   const Engine* engine = nullptr;
-  std::vector<double> ns;                                                            ///< [steps] minimum over the repetitions
-  std::vector<double> depth;                                                         ///< [steps] m
-  std::vector<int> contacts;                                                         ///< [steps]
+  std::vector<double> ns;                                                            ///< [steps] ns, minimum over the repetitions
+  std::vector<double> depth;                                                         ///< [steps] m, maximum penetration
+  std::vector<int> contacts;                                                         ///< [steps] number of contact points
   double begin_energy = 0, lowest_energy = 0, last_kinetic = 0, last_potential = 0;  ///< J
   std::vector<Frame> end;                                                            ///< poses after the last step
   bool repeats = true;                                                               ///< true: all repetitions end in the same positions
@@ -47,7 +47,7 @@ struct Run {
 /// Kinetic and potential energy of the motion between two instants.
 struct Energy {
   double kinetic = 0, potential = 0;  ///< J
-  double lowest = 0;                  ///< m: lowest centre of mass
+  double lowest = 0;                  ///< m, height of the lowest centre of mass
 };
 
 Energy energy_of(const StepScene& scene, const std::vector<Frame>& before, const std::vector<Frame>& after) {
@@ -252,7 +252,7 @@ void run_scene(Table& table, const StepSource& source) {
     }
     runs.emplace_back().engine = &e;
   }
-  for (int k = 0; k < repetitions; ++k)  // engines take turns; a repetition has the steps that the first one completed
+  for (int k = 0; k < repetitions; ++k)  // engines alternate; every repetition runs as many steps as the first one
     for (Run& run : runs)
       if (k == 0 || !run.ns.empty()) repeat(source, run, k);
   for (const Run& run : runs)

@@ -33,7 +33,7 @@ struct StepLink {
   double inertia[6] = {0, 0, 0, 0, 0, 0};  ///< kg m^2 about the centre of mass: xx yy zz xy xz yz
   Frame principal;                         ///< pose of the principal axes, at the centre of mass, in the link
   double moments[3] = {0, 0, 0};           ///< kg m^2: principal moments, including the armature about the joint axis
-  Frame file_frame;                        ///< frame of the file's body in the link
+  Frame file_frame;                        ///< pose of the file's body in the link
 };
 
 struct StepShape {
@@ -58,7 +58,7 @@ struct StepBody {
   Frame base;                                 ///< initial pose of link 0 in the world
 };
 
-/// A stretch of a run that becomes a row of the table.
+/// A time interval of a run that becomes a row of the table.
 struct StepPhase {
   std::string row;
   int steps = 0;
@@ -71,13 +71,13 @@ struct StepScene {
   std::vector<StepPhase> phases;
   double dt = 0.002;                         ///< s
   double gravity = 9.81;                     ///< m/s^2
-  double friction = 0.9;                     ///< of all contacts
+  double friction = 0.9;                     ///< friction coefficient of all contacts
   double servo_gain = 0, servo_damping = 0;  ///< N m/rad, N m s/rad: servos that hold the neutral position; 0: none
-  double rest_energy = 0.01;  ///< at rest: the final kinetic energy is at most this fraction of the initial energy
-  double stands = 0;          ///< fallen: the final potential energy is below this fraction of the initial energy
+  double rest_energy = 0.01;  ///< the bodies are at rest if the final kinetic energy is at most this fraction of the initial energy
+  double stands = 0;          ///< the character has fallen if the final potential energy is below this fraction of the initial energy
   double sunk = 0.02;         ///< m: a centre of mass deeper in the ground than this is a failure
   int max_contacts = 500;     ///< number of contacts for which MuJoCo reserves memory
-  bool limits = true;         ///< joints have their limits
+  bool limits = true;         ///< true: the limits of the joints are active
   std::string mjcf;           ///< if not empty: text that MuJoCo reads instead of one written from the bodies
   std::string mjcf_geom;      ///< attributes of MuJoCo's contacts in written text, for example solref
 

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes from which both our world and the plain description for the peers are made.
+// Scenes from which both Ugoki's world and the plain description for the peers (other engines) are made.
 
 #include <map>
 #include <string>
@@ -16,7 +16,7 @@ struct StepSource : StepScene {
   std::vector<MechanismPtr> mechanisms;
   std::vector<State> states;            ///< initial, one for each mechanism
   std::vector<std::vector<int>> links;  ///< [bodies][StepBody::links] index of the link in the mechanism
-  int partly_excluded = 0;              ///< number of link pairs of which Ugoki tests some shapes and the peers none (they exclude links)
+  int partly_excluded = 0;              ///< number of link pairs of which Ugoki tests some shapes; peers exclude such pairs completely
 
   /// Adds a mechanism with a floating base at the pose `base`, at rest. @param q [nq] positions of the joints; empty: neutral
   void add(const MechanismPtr& mechanism, const Pose& base, const std::map<std::string, Pose>& file_frames = {},
@@ -30,7 +30,7 @@ struct StepSource : StepScene {
 /// The mechanisms of a file of the shared data, one for each floating base.
 struct StepModel {
   std::vector<MechanismPtr> mechanisms;
-  std::map<std::string, Pose> file_frames;  ///< by name: frame of the file's body in the link
+  std::map<std::string, Pose> file_frames;  ///< pose of the file's body in the link, by link name
   std::string mjcf;                         ///< MJCF files: the text for MuJoCo
 };
 
@@ -45,10 +45,10 @@ StepModel read_model(const std::string& path, double friction, const std::vector
 /// those of the file. Adds a floor, the time step and the excluded pairs of bodies.
 std::string reduce_mjcf(const std::string& text, const std::vector<std::string>& without);
 
-/// Completes the text with the parts that depend on the scene: sizes, time step, excluded pairs. `source` has one body.
+/// Sets source.mjcf: the reduced text with the parts that depend on the scene (sizes, time step, excluded pairs). `source` has one body.
 void finish_mjcf(StepSource& source, const std::string& reduced);
 
-/// Lowest and highest point of the shapes of a mechanism in the world, z in m.
+/// Lowest and highest z coordinate [m] of the shapes of a mechanism in the world.
 std::pair<double, double> heights(const Mechanism& m, const State& s);
 
 StepWorldPtr make_ugoki(const StepSource& source);

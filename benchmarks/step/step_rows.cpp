@@ -30,7 +30,7 @@ Pose above_ground(const Mechanism& m, const Quat& turn, double x, double y, doub
   return {base.R, {x, y, height - heights(m, s).first}};
 }
 
-/// Rotation of the link 0 in the neutral position, turned by the rotation vector r.
+/// Orientation of link 0 in the neutral position, rotated by the rotation vector r [rad].
 Quat turned(const Mechanism& m, const Vec3& r) { return exp_map(r) * to_quat(m.link(0).joint.X_PJ.R); }
 
 const std::string open_chain = "mechanism/open_chain/";
@@ -113,7 +113,7 @@ void heap_of_humanoids(Table& table) {
   StepSource source;
   source.name = f.row;
   source.friction = f.friction;
-  source.mjcf_geom = "solref=\".015 1\" solimp=\".9 .99 .003\"";  // as in the file
+  source.mjcf_geom = "solref=\".015 1\" solimp=\".9 .99 .003\"";  // the values of the MJCF file
   source.max_contacts = 2000;
   source.phases = {{f.row, 2 * second}};
   double top = 0;
@@ -175,7 +175,7 @@ void chain(Table& table) {
   MechanismSpec spec;
   spec.name = "chain";
   for (int k = 0; k < links; ++k) {
-    const int i = k <= links - 1 - root ? root + k : links - 1 - k;  // 50 ... 99, 49 ... 0
+    const int i = k <= links - 1 - root ? root + k : links - 1 - k;  // order of k: links 50 ... 99, then 49 ... 0
     LinkSpec link;
     link.name = "link " + std::to_string(i);
     const bool after = i > root, before = i < root;

@@ -14,7 +14,7 @@
 namespace ugoki::benchmarks {
 namespace {
 
-constexpr double margin = 0.02;  // m, the initial value of the LSI's parameter
+constexpr double margin = 0.02;  // m, contact margin: the default of the LSI's parameter
 
 class UgokiWorld final : public StepWorld {
  public:
@@ -148,7 +148,7 @@ class UgokiWorld final : public StepWorld {
   std::vector<std::vector<Pose>> poses_;
   std::vector<std::span<const Pose>> views_;
   std::vector<double> reach_;                         // [bodies] m: reach of a free body's shapes; 0: linked body
-  std::vector<std::vector<double>> gains_, targets_;  // [bodies][nv] servos
+  std::vector<std::vector<double>> gains_, targets_;  // [bodies][nv] of the servos; empty: none
   std::vector<collision::SystemMotion> motions_;
   std::vector<contact::StepSystem> systems_;
   std::vector<char> touches_itself_;

@@ -8,7 +8,7 @@
  * them from C++ structs. Include this header directly to fill in the tables by hand, for example from another language. The guide is
  * docs/lsi.md.
  *
- * Versions. Every struct begins with `size`, its size in bytes as the side that filled it in was compiled. New fields are added at the end
+ * Versions. Every struct begins with `size`, its size in bytes as known to the side that filled it in. New fields are added at the end
  * only, and the values of types, kinds and flags never change. Therefore a host reads libraries that are older or newer than itself, and a
  * library runs under an older host if it asks UGOKI_HAS before it reads a field that was added later. UGOKI_LSI_ABI changes only when this
  * compatibility is broken; a host refuses libraries with another value.
@@ -96,12 +96,12 @@ typedef struct ugoki_input {
   uint32_t size;
   uint32_t type;           /* enum ugoki_type */
   uint32_t flags;          /* enum ugoki_input_flag, or-ed together */
-  uint32_t count;          /* elements; 0: as the type has, or as many as the connected output has */
+  uint32_t count;          /* elements; 0: the fixed number of the type, or as many as the connected output has */
   const char* name;        /* 1 to 100 characters, unique among the inputs; spaces are allowed, '.' is not */
   const char* unit;        /* for example "N m"; null: none */
   const char* doc;         /* one sentence; null: none */
   double value;            /* default of an optional input without wire; finite */
-  double minimum, maximum; /* range that the LSI is made for; a value set in place of a wire is refused outside. Equal: no range */
+  double minimum, maximum; /* intended range; a value set in place of a wire must be inside it. Equal bounds: no range */
 } ugoki_input;
 
 enum ugoki_output_flag { UGOKI_DELAYED = 1 /* written by `advance`; all consumers see the new value from the next tick on */ };
@@ -111,11 +111,11 @@ typedef struct ugoki_output {
   uint32_t size;
   uint32_t type;           /* enum ugoki_type */
   uint32_t flags;          /* enum ugoki_output_flag */
-  uint32_t count;          /* elements; 0: as the type has, or as many as the input named by `like` */
+  uint32_t count;          /* elements; 0: the fixed number of the type, or as many as the input named by `like` */
   const char* name;        /* 1 to 100 characters, unique among the outputs; spaces are allowed, '.' is not */
   const char* unit;        /* for example "N m"; null: none */
   const char* doc;         /* one sentence; null: none */
-  double minimum, maximum; /* usual range of the values, for plots. Equal: unknown */
+  double minimum, maximum; /* expected range of the values, for plots. Equal bounds: unknown */
   uint32_t like;           /* i + 1: the output has as many elements as input i; 0: see `count` */
   uint32_t reserved;
 } ugoki_output;
@@ -128,7 +128,7 @@ enum ugoki_parameter_kind {
   UGOKI_CHOICE = 4, /* one word of a list */
   UGOKI_VECTOR3 = 5
 };
-enum ugoki_parameter_flag { UGOKI_FIXED = 1 /* cannot be changed while the circuit runs; texts never can */ };
+enum ugoki_parameter_flag { UGOKI_FIXED = 1 /* cannot be changed while the circuit runs; text parameters never can */ };
 
 /* A parameter: a value that the user sets in the inspector and that is saved with the circuit. */
 typedef struct ugoki_parameter {
@@ -141,7 +141,7 @@ typedef struct ugoki_parameter {
   const char* doc;            /* one sentence; null: none */
   double initial[3];          /* number, integer: initial[0]; boolean: initial[0] is 0 or 1; choice: initial[0] is an index into `choices`;
                                  vector: all three; text: not used */
-  double minimum, maximum;    /* allowed range of numbers, integers and components of vectors. Equal: any number */
+  double minimum, maximum;    /* allowed range of numbers, integers and components of vectors. Equal bounds: any value */
   const char* const* choices; /* [choice_count] words of a choice */
   const char* text;           /* initial value of a text; null: empty */
 } ugoki_parameter;

@@ -55,7 +55,7 @@ enum class Role { in, out, delayed_out, parameter, state };
 /// C++ type of the numbers of a member.
 enum class Number { f64, f32, i32, boolean };
 
-/// Type and count of the numbers of a member of type T. Other types than the five below do not compile.
+/// Type and count of the numbers of a member of type T. Only the five types below compile.
 template <class T>
 struct Shape;
 template <>
@@ -127,7 +127,7 @@ inline std::uint32_t type_of(std::uint32_t count) {
   return count == 1 ? UGOKI_SCALAR : count == 3 ? UGOKI_VECTOR : count == 4 ? UGOKI_ROTATION : count == 7 ? UGOKI_POSE : UGOKI_JOINT_VALUES;
 }
 
-/// Where the numbers of a pin or parameter are in the struct: `count` numbers at `offset` bytes.
+/// Location of the numbers of a pin or parameter in the struct: `count` numbers at `offset` bytes.
 struct Wire {
   Number number;
   std::uint32_t count;
@@ -138,7 +138,7 @@ struct Wire {
 };
 
 /// The constant tables that describe the struct S to the host (ugoki/lsi.h), and the functions that the host calls. One static object for
-/// each S; it lives as long as the library is loaded.
+/// each S; it exists as long as the library is loaded.
 template <class S>
 struct Tables {
   static_assert(std::is_trivially_copyable_v<S>,
@@ -296,7 +296,7 @@ bool declare(const char* name, const char* doc, std::initializer_list<Member<S>>
 }  // namespace lsi_detail
 
 /// An input pin for the member `where`. A single number needs no wire: without one it keeps the initial value of the member. Arrays need a
-/// wire. @param range that the LSI is made for; a value set in place of a wire is refused outside
+/// wire. @param range intended values; a value set in place of a wire must be inside it
 template <class S, class T>
 lsi_detail::Member<S> in(T S::* where, const char* name, const char* unit = "", const char* doc = "", Range range = {}) {
   return lsi_detail::member(lsi_detail::Role::in, where, name, unit, doc, range);

@@ -24,8 +24,8 @@ void* operator new(std::size_t size) {
   throw std::bad_alloc();
 }
 void* operator new[](std::size_t size) { return operator new(size); }
-// Replaces all forms of operator new whose memory our operator delete frees, including nothrow (used by FCL). A form left to the address
-// sanitizer would not match our free().
+// Replaces all forms of operator new whose memory our operator delete frees, including nothrow (used by FCL). Memory from a form that the
+// address sanitizer provides could not be freed by our free().
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++count;
   return std::malloc(size > 0 ? size : 1);

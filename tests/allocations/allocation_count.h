@@ -1,5 +1,5 @@
 #pragma once
-// Counts allocations, for tests that steps allocate nothing. Linking ugoki_allocation_count replaces operator new in the program.
+// Counts allocations, for tests that a step allocates nothing. Linking ugoki_allocation_count replaces operator new in the program.
 
 namespace ugoki {
 

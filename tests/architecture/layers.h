@@ -11,7 +11,7 @@ namespace ugoki::architecture {
 /// A module and its allowed dependencies.
 struct Layer {
   std::string module;
-  bool core = false;              ///< builds for WebAssembly
+  bool core = false;              ///< true: also builds for WebAssembly
   std::set<std::string> may_use;  ///< modules that it may include, without itself
 };
 

@@ -1,5 +1,5 @@
-// Project rules that a compiler does not check: light headers, no operating system and no transcendental functions of libm in the core,
-// short files, a README for each module.
+// Project rules that a compiler does not check: public headers include no heavy libraries, the core uses neither the operating system nor
+// transcendental functions of libm, files are short, and each module has a README.
 
 #include "sources.h"
 

@@ -37,7 +37,7 @@ TEST(Number, RejectsTextThatIsNotOneFiniteNumber) {
                            "infinity", "0x10", "1e999", "-1e999", "1d",    "one", "+",   ".",  "1\t", "\xff", "1e+"})
     EXPECT_EQ(parse_double(text), std::nullopt) << '"' << text << '"';
   EXPECT_EQ(parse_double(std::string_view("1\0 2", 4)), std::nullopt);
-  EXPECT_EQ(parse_double(std::string(1000, '9')), std::nullopt);  // overflows
+  EXPECT_EQ(parse_double(std::string(1000, '9')), std::nullopt);  // overflow is refused
   const char tail[] = {'7', '7', '8'};
   EXPECT_EQ(parse_double(std::string_view(tail, 2)), 77.0);  // the parser does not read past the end of the text
 }

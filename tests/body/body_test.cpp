@@ -150,7 +150,7 @@ TEST(Body, MassFromTheFileIsUsedIfPlausible) {
   MeasuredMotion measured = testing::made_character(10);
   measured.skeleton.mass = 81;
   EXPECT_NEAR(make_body(measured)->mass, 81, 1e-9);
-  measured.skeleton.mass = 1;  // the value in CMU's files
+  measured.skeleton.mass = 1;  // kg, a placeholder in CMU's files
   const auto body = make_body(measured);
   EXPECT_NEAR(body->mass, 22.5 * body->height * body->height, 1e-9);
 }

@@ -86,10 +86,10 @@ Hopper hopper() {
     out.motion.q.insert(out.motion.q.end(), q, q + 7);
     ++out.motion.frames;
   };
-  for (int i = 0; i < 30; ++i) add(0, 0.5 - 0.4 * i / 29.0);           // comes down
-  for (int i = 0; i < 40; ++i) add(0.001 * i, 0.1);                    // stands, sliding at 0.1 m/s
-  for (int i = 0; i < 20; ++i) add(0.039 + 0.02 * i, 0.1 + 0.01 * i);  // leaves at 2 m/s
-  for (int i = 0; i < 3; ++i) add(0.5, 0.11);                          // touches for 30 ms only
+  for (int i = 0; i < 30; ++i) add(0, 0.5 - 0.4 * i / 29.0);           // the foot comes down
+  for (int i = 0; i < 40; ++i) add(0.001 * i, 0.1);                    // the foot stands, sliding at 0.1 m/s
+  for (int i = 0; i < 20; ++i) add(0.039 + 0.02 * i, 0.1 + 0.01 * i);  // the foot leaves at 2 m/s
+  for (int i = 0; i < 3; ++i) add(0.5, 0.11);                          // the foot touches the ground for 30 ms only
   for (int i = 0; i < 20; ++i) add(0.6 + 0.02 * i, 0.3);
   return out;
 }
@@ -151,7 +151,7 @@ TEST(Measures, ARollingFootDoesNotSkate) {
 TEST(Measures, PenetrationIsTheDepthBelowTheGround) {
   const Hopper h = hopper();
   GroundPenetration penetration(*h.mechanism, 0.02);
-  for (const double z : {0.5, 0.11, 0.12}) {  // m: one frame above the ground, one 10 mm deep, one touching the ground
+  for (const double z : {0.5, 0.11, 0.12}) {  // m: the ball's centre in three frames: above the ground, 10 mm deep, touching the ground
     const Pose X{Mat3::identity(), {0, 0, z}};
     penetration.add(std::span(&X, 1));
   }

@@ -1,4 +1,4 @@
-// Tests of the recognition of characters: names of many conventions, parts, plans, canonical rest poses.
+// Tests of the recognition of characters: names of many conventions, body parts, body plans, canonical rest poses.
 #include "ugoki/body/recognise.h"
 
 #include <gtest/gtest.h>

@@ -95,7 +95,7 @@ Vec3 position(const MeasuredMotion& m, int frame, const std::string& joint) {
   return X[static_cast<std::size_t>(joint_of(m, joint))].p;
 }
 
-/// Root mean square [m] of the distance between the same joints of two motions.
+/// Root mean square [m] of the distance between corresponding joints of two motions.
 double rms_distance(const MeasuredMotion& a, const MeasuredMotion& b, const std::vector<std::pair<std::string, std::string>>& joints) {
   double sum = 0;
   std::vector<Pose> X, Y;
@@ -174,14 +174,14 @@ void hide(MarkerMotion& m, const std::string& label, int first, int last) {
 TEST(Capture, CancelledWorkEndsBeforeTheNextFrame) {
   const Known k = make_known(human_markers(), 1.05, 4, 0.006);
   MarkerMotion gaps = k.markers;
-  hide(gaps, "RKNE", 60, 119);  // a gap that is filled from the pose of the body, so that the frames are solved twice
+  hide(gaps, "RKNE", 60, 119);  // this gap is filled from the pose of the body, which needs a second pass over the frames
   for (const MarkerMotion* motion : {&k.markers, static_cast<const MarkerMotion*>(&gaps)}) {
     for (const int allowed : {0, 1, 40}) {
       int calls = 0;
       const auto c = solve_markers(*motion, {.cutoff = -1, .cancelled = [&] { return ++calls > allowed; }});
       ASSERT_FALSE(c);
       EXPECT_EQ(static_cast<int>(c.error().problems.front().code), static_cast<int>(ErrorCode::cancelled));
-      EXPECT_LE(calls, allowed + 5);  // each of the two passes asks one more time, and the work asks after each pass
+      EXPECT_LE(calls, allowed + 5);  // each of the two passes may call it one more time, and solve_markers() after each pass
     }
   }
 }
@@ -352,7 +352,7 @@ TEST(Capture, MeasuredWalkAgreesWithThePublishedSolution) {
     SCOPED_TRACE(seed);
     MarkerMotion damaged = *markers;
     damage(damaged, seed);
-    if (seed > 2)  // arms have few markers
+    if (seed > 2)  // also hide arm markers: arms have few
       for (const char* label : {"LELB", "RELB", "RWRA", "LWRB", "RKNE"})
         hide(damaged, label, 40 * static_cast<int>(seed) - 60, 40 * static_cast<int>(seed));
     const auto d = solve_markers(damaged);

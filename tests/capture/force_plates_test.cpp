@@ -14,7 +14,7 @@ namespace {
 
 constexpr double weight = 700;  // N
 
-/// Load of one foot: the ground's force [N], its centre of pressure [m] and its free moment about the vertical [N m].
+/// Load under one foot: the ground's force [N], its centre of pressure [m] and its free moment about the vertical [N m].
 struct Load {
   Vec3 force, centre;
   double twist = 0;
@@ -89,18 +89,18 @@ MarkerMotion recording(const PlateVariant& b) {
       if (b.type == 1) {
         v = {F.x, F.y, F.z, 1000 * at.x, 1000 * at.y, per_moment * T.z};
       } else {
-        const Vec3 M = cross(at - sensor, F) + T;  // about the sensor
+        const Vec3 M = cross(at - sensor, F) + T;  // moment about the sensor
         if (b.type == 3) {
           // Distribute force and moment over the four corner sensors: x and y forces from the moment about z, z forces from the others.
           const double fx34 = 0.5 * (F.x + 0.5 * M.z / s), fx12 = F.x - fx34, fy14 = 0.5 * (F.y + 0.5 * M.z / a), fy23 = F.y - fy14;
-          const double u = M.x / s, w = -M.y / a;  // z1 + z2 - z3 - z4 and z1 + z4 - z2 - z3
+          const double u = M.x / s, w = -M.y / a;  // z1 + z2 - z3 - z4 and z1 + z4 - z2 - z3, where z1 ... z4 are vertical forces
           const double z1 = 0.25 * (F.z + u + w), z2 = 0.25 * (F.z + u - w), z3 = 0.25 * (F.z - u - w), z4 = 0.25 * (F.z - u + w);
           v = {fx12, fx34, fy14, fy23, z1, z2, z3, z4};
         } else {
           v = {F.x, F.y, F.z, per_moment * M.x, per_moment * M.y, per_moment * M.z};
           if (b.type == 4) {
             const double fx = F.x / 100;
-            v = {fx, (F.y - 3 * fx) / 100, F.z / 100, 10 * M.x, 10 * M.y, 10 * M.z};  // N mm / 100
+            v = {fx, (F.y - 3 * fx) / 100, F.z / 100, 10 * M.x, 10 * M.y, 10 * M.z};  // moments in N mm, divided by 100
           }
         }
       }
@@ -117,7 +117,7 @@ MarkerMotion recording(const PlateVariant& b) {
   return m;
 }
 
-/// Compares the computed contact forces with load_at. @param force_error share of the weight @param position_error m
+/// Compares the computed contact forces with load_at. @param force_error fraction of the weight @param position_error m
 void check(const MarkerMotion& m, const std::string& what, double force_error = 1e-6, double position_error = 1e-9) {
   SCOPED_TRACE(what);
   ForcePlateOptions options;

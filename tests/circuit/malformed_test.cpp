@@ -33,8 +33,8 @@ Error refuse(const std::string& text) {
   return made ? Error{} : made.error();
 }
 
-/// Whether the path "circuit/lsis/5(arm)/lsis/0/type" exists in the document; " 'arm/g'" may follow it. The last part may name a missing
-/// field.
+/// Whether the document contains the path, for example "circuit/lsis/5(arm)/lsis/0/type"; " 'arm/g'" may follow the path. Its last part may
+/// be the name of a missing field.
 bool path_exists(const Json& top, std::string path) {
   if (path.starts_with("circuit:")) return true;  // location "circuit:line" in a text that is not JSON
   if (const auto name = path.find(" '"); name != std::string::npos) path.resize(name);
@@ -158,7 +158,7 @@ TEST_F(Malformed, AllAreRefusedWithPathAndRemedy) {
     o.erase(f);
     return true;
   });
-  // Ends of wires that do not exist.
+  // Wires from or to an LSI or pin that does not exist.
   each_field("an end of", [&](const std::string&, Json& o, const std::string& f) {
     if (f != "from" && f != "to") return false;
     o[f] = "nobody.out";

@@ -120,7 +120,7 @@ TEST(Observe, SteppingLsisGivesTheSameBitsAsTicks) {
   EXPECT_EQ(value(*a, "k.out"), -40);
   EXPECT_EQ(a->ticks(), 0u);
   const std::vector<std::byte> middle = state_of(*a);
-  for (int n = 0; n < 4; ++n) ASSERT_TRUE(a->step_lsi());  // place, sum, v, x: the tick is complete
+  for (int n = 0; n < 4; ++n) ASSERT_TRUE(a->step_lsi());  // after the LSIs place, sum, v and x the tick is complete
   EXPECT_EQ(a->ticks(), 1u);
   ASSERT_TRUE(b->tick());
   EXPECT_EQ(state_of(*a), state_of(*b));

@@ -57,7 +57,7 @@ TEST(Run, EveryTenthTickHoldsOutputBetween) {
   }
 }
 
-/// LSIs that use the time since their last run. All of them run every `every` ticks and have the circuit's input x as input.
+/// LSIs whose result depends on the time since their last run. Each runs in every `every`-th tick and reads the circuit's input x.
 std::string timed_lsis(int every) {
   std::string lsis, ends;
   const auto add = [&](const std::string& id, const std::string& type, const std::string& input, const std::string& parameters) {
@@ -143,7 +143,7 @@ TEST(Run, RestoreRefusesForeignOrDamagedBytesAndChangesNothing) {
   EXPECT_FALSE(a->restore(foreign));
   EXPECT_FALSE(a->restore({}));
   EXPECT_FALSE(a->restore(std::span<const std::byte>(good).first(good.size() - 1)));
-  for (const std::size_t at : {std::size_t{16}, std::size_t{60}, good.size() - 1}) {  // a byte of the ticks, the arena, the parameters
+  for (const std::size_t at : {std::size_t{16}, std::size_t{60}, good.size() - 1}) {  // damages tick count, LSI state, parameters
     std::vector<std::byte> damaged = good;
     damaged[at] ^= std::byte{1};
     EXPECT_FALSE(a->restore(damaged)) << at;
@@ -169,7 +169,7 @@ TEST(Run, AdoptCopiesStateOfUnchangedLsis) {
   ASSERT_TRUE(a);
   for (int k = 0; k < 50; ++k) ASSERT_TRUE(a->tick());
   std::string changed = oscillator;
-  changed.replace(changed.find("\"low-pass\""), 10, "\"integrator\"");  // a state of the same size, but another LSI
+  changed.replace(changed.find("\"low-pass\""), 10, "\"integrator\"");  // an LSI of another type, with a state of the same size
   auto b = build(changed);
   ASSERT_TRUE(b) << b.error().text();
   EXPECT_EQ(b->adopt(*a), 4u);
@@ -280,7 +280,7 @@ TEST(Run, PayloadsOfDifferentSizesAreWiredCorrectly) {
     "wires": [{"from": "a.out", "to": "sum.a"}, {"from": "b.out", "to": "sum.b"}, {"from": "sum.out", "to": "late.in"}, {"from": "late.out", "to": "twice.in"},
               {"from": "twice.out", "to": "parts.in"}]})");
   ASSERT_TRUE(i) << i.error().text();
-  EXPECT_EQ(i->find_output("turn.out")->numbers()[0], 1);  // the identity at first
+  EXPECT_EQ(i->find_output("turn.out")->numbers()[0], 1);  // the identity rotation at first
   EXPECT_EQ(i->find_output("place.out")->numbers()[3], 1);
   ASSERT_TRUE(i->tick());
   EXPECT_EQ(value(*i, "parts.y"), 0);

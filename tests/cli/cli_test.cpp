@@ -130,7 +130,7 @@ TEST_F(CliTest, BadFilesDoNotChangeTheLibrary) {
   }
   fails({"import", folder_ + "/absent.bvh"}, "absent.bvh");
   EXPECT_NE(ugoki({"import", folder_ + "/half.bvh"}).err.find("half.bvh:"), std::string::npos) << "the error should name file and line";
-  // Of several files the good ones are stored; the exit status still reports the failure.
+  // If one of several files is bad, the good ones are stored; the exit status still reports the failure.
   const Output mixed = ugoki({"import", folder_ + "/half.bvh", walk("second.bvh"), "--json"});
   EXPECT_EQ(mixed.status, 1);
   const Json j = Json::parse(mixed.out, nullptr, false);
@@ -244,18 +244,18 @@ TEST_F(CliTest, InterruptLeavesNoIncompleteFile) {
     EXPECT_EQ(entry.path().filename().string().find("frames"), std::string::npos) << entry.path();
 }
 
-/// Starts a verb that waits for data of a pipe, sends it the signal up to twice, and returns its exit status.
+/// Starts a command that waits for data of a pipe, sends it the signal up to twice, and returns its exit status.
 int ended_by(const std::vector<std::string>& arguments, const std::string& pipe, const std::vector<std::string>& environment, int signal_number) {
   EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  const int writer = ::open(pipe.c_str(), O_RDWR | O_CLOEXEC);  // the verb's open succeeds, and its read waits
+  const int writer = ::open(pipe.c_str(), O_RDWR | O_CLOEXEC);  // the command can open the pipe, and its read waits
   ::signal(signal_number, SIG_DFL);  // a shell starts programs in the background with SIGINT ignored, which children inherit
   const pid_t child = start_program(arguments, environment);
-  ::usleep(500'000);  // the verb has begun to read; an earlier signal ends it too
+  ::usleep(500'000);  // us: the command has begun to read; an earlier signal ends it too
   for (int k = 0; k < 2; ++k) {
     ::kill(child, signal_number);
     ::usleep(300'000);
   }
-  const std::jthread rescue([child](const std::stop_token& stop) {  // a verb that ignores the signals fails the test and does not hang it
+  const std::jthread rescue([child](const std::stop_token& stop) {  // a command that ignores the signals fails the test without a hang
     for (int k = 0; k < 300 && !stop.stop_requested(); ++k) ::usleep(100'000);
     if (!stop.stop_requested()) ::kill(child, SIGKILL);
   });

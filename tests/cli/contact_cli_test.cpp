@@ -1,4 +1,4 @@
-// Contact between bodies, through `ugoki run`: stacks, slopes, heavy on light bodies, heaps, a ball and a plate.
+// Contact between bodies, through `ugoki run`: stacks, slopes, heavy bodies on light ones, heaps, a ball and a plate.
 
 #include <cmath>
 #include <cstring>
@@ -20,7 +20,7 @@ struct Body {
   Shape shape;
   double density = 500;  // kg/m^3
   Vec3 location;         // m
-  double heading = 0;    // degrees
+  double heading = 0;    // degrees, rotation about the vertical
   bool fixed = false;
 };
 

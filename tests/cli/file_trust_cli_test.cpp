@@ -1,4 +1,4 @@
-// Files that the program leaves beside the files that it reads; errors for wrong paths and for files that cannot grow.
+// Reading a file leaves no side files next to it, new files are private, and wrong paths and files that cannot grow are reported.
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -58,7 +58,7 @@ TEST_F(FileTrustCliTest, MistypedPathsAndFoldersAreReported) {
   EXPECT_FALSE(fs::exists(missing));
 }
 
-/// Runs the program with a limit of the size of files that it writes.
+/// Runs the program with a limit on the size of the files that it writes.
 TEST_F(FileTrustCliTest, FileSizeLimitIsReportedAsAnError) {
   const std::string project = path("park.ugoki");
   does({"new", project});

@@ -174,8 +174,8 @@ TEST_F(LsiCliTest, NothingOfALibraryRunsBeforeConsent) {
 TEST_F(LsiCliTest, NothingOfALibraryIsMappedBeforeConsent) {
   if (std::system("strace -o /dev/null true 2> /dev/null") != 0) GTEST_SKIP() << "strace cannot be used here (apt-get install strace)";
   const std::string library = evil(), log = folder_ + "/calls";
-  // File descriptors are printed with their paths (-y), so that a mapping of the library shows its name. Copies that are loaded have the
-  // name of the library too.
+  // strace prints file descriptors with their paths (-y), so that a mapping of the library shows the library's name. The program loads a
+  // copy of the library; the copy's path contains this name too.
   const auto mappings = [&](const std::string& arguments, const char* answer) {
     const std::string command = "printf '" + std::string(answer) + "' | UGOKI_LSI=" + folder_ + "/shelf strace -f -y -e trace=openat,mmap,execve -o " +
                                 log + " script -qec '" UGOKI_PROGRAM " lsi install " + library + arguments + "' /dev/null > /dev/null 2>&1";

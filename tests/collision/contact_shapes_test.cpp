@@ -251,8 +251,8 @@ TEST(ContactShapes, HoleOfAMeshIsFreeOfContacts) {
     for (const auto& q : xy) p.push_back({q[0], q[1], z});
   for (int i = 0; i < 4; ++i) {
     const int j = (i + 1) % 4;
-    t.insert(t.end(), {{i, j, 8 + j}, {i, 8 + j, 8 + i}});                                                   // outside
-    t.insert(t.end(), {{4 + i, 12 + j, 4 + j}, {4 + i, 12 + i, 12 + j}});                                    // inside
+    t.insert(t.end(), {{i, j, 8 + j}, {i, 8 + j, 8 + i}});                                                   // outer faces
+    t.insert(t.end(), {{4 + i, 12 + j, 4 + j}, {4 + i, 12 + i, 12 + j}});                                    // inner faces
     t.insert(t.end(), {{8 + i, 8 + j, 12 + j}, {8 + i, 12 + j, 12 + i}, {i, 4 + j, j}, {i, 4 + i, 4 + j}});  // top and bottom
   }
   const GeometryPtr g = make_geometry(p, t, false, "frame").value();

@@ -1,4 +1,4 @@
-// Distance of a convex shape and a mesh, compared with Gilbert's method for every triangle, and with the distance of two meshes.
+// Distance between a convex shape and a mesh, compared with Gilbert's method for every triangle, and with the distance between two meshes.
 
 #include "ugoki/collision/convex_mesh.h"
 

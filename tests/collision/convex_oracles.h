@@ -67,8 +67,8 @@ inline double outside(const Support& s, const Pose& X, const Vec3& p) {
 
 inline double size_of(const Support& s) { return s.kind == SupportKind::half_space ? 0 : bounding_radius(s); }
 
-/// Error [m] of a claimed distance of two convex shapes. The distance is proved if pa and pb are points of the shapes and a slab with
-/// normal n between the shapes is as thick as the distance of pa and pb. Returns the maximum violation of these conditions.
+/// Error [m] of a claimed distance between two convex shapes. The distance is proved if pa and pb are points of the shapes and a slab with
+/// normal n between the shapes is as thick as the distance between pa and pb. Returns the maximum violation of these conditions.
 inline double certificate(const Support& a, const Pose& A, const Support& b, const Pose& B, double distance, const Vec3& pa, const Vec3& pb,
                           const Vec3& n) {
   const double core = distance + a.radius + b.radius;
@@ -93,7 +93,7 @@ inline std::vector<Vec3> on_ellipsoid(Random& random, int n, const Vec3& axes) {
   return points;
 }
 
-/// Hulls for random_support(): round ones with 4 ... 400 vertices, a plate 1e-4 thick, a needle, a flat one and a segment.
+/// Hulls for random_support(): round hulls with 4 ... 400 vertices, a plate of thickness 1e-4, a needle, a flat hull and a segment.
 inline std::vector<Hull> some_hulls(Random& random) {
   std::vector<Hull> hulls;
   for (const int n : {4, 5, 8, 12, 17, 40, 120, 400}) hulls.push_back(hull_of(on_ellipsoid(random, n, {0.5, 0.4, 0.3})));

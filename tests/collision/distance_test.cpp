@@ -48,7 +48,7 @@ TEST(Distance, CapsuleCapsule) {
   EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, at(3, 0, 0)).d, 0.8, 1e-15);                                 // in line
   EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, turned({0, 0, 1}, pi / 2, {0.3, 0.2, 0.5})).d, 0.3, 1e-15);  // crossing
   EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, turned({0, 0, 1}, pi / 2, {0, 0, 0.05})).d, -0.15, 1e-15);
-  EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, at(3, 3, 4)).d, std::sqrt(26.0) - 0.2, 1e-14);  // ends
+  EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, at(3, 3, 4)).d, std::sqrt(26.0) - 0.2, 1e-14);  // closest points at the ends
 }
 
 TEST(Distance, SphereBox) {

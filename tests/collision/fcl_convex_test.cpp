@@ -1,4 +1,4 @@
-// Distances of convex shapes compared with FCL (Flexible Collision Library), to FCL's accuracy.
+// Distances between convex shapes compared with FCL (Flexible Collision Library), to FCL's accuracy.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Distances of meshes compared with FCL (Flexible Collision Library).
+// Distances between meshes compared with FCL (Flexible Collision Library).
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Distances of spheres, capsules and boxes compared with FCL (Flexible Collision Library).
+// Distances between spheres, capsules and boxes compared with FCL (Flexible Collision Library).
 
 #include <gtest/gtest.h>
 

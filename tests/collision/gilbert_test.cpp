@@ -1,5 +1,5 @@
-// Gilbert distances: certified by their own duality gap, and compared with brute force over all features and with closed forms.
-// fcl_convex_test.cpp compares them with FCL.
+// Gilbert distances: certified by the duality gap, and compared with brute force over all features and with closed forms.
+// fcl_convex_test.cpp compares the distances with FCL.
 
 #include <limits>
 
@@ -114,7 +114,7 @@ TEST(Gilbert, CoincidentShapesTouch) {
   }
 }
 
-/// Distance of p from the triangle a, b, c: minimum over its plane, edges and corners.
+/// Distance of p from the triangle a, b, c: minimum of the distances from its plane, edges and corners.
 double point_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = cross(b - a, c - a);
   double best = 1e300;

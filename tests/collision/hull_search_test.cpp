@@ -10,7 +10,7 @@ namespace {
 
 constexpr double allowed = 1e-9;  // error relative to the sum of the sizes of both hulls
 
-/// Hulls of 2 ... 3000 vertices, scaled by `scale`: round ones, plates 1e-4 thick, needles, boxes, flat ones, a fan, a segment.
+/// Hulls of 2 ... 3000 vertices, scaled by `scale`: round hulls, plates of thickness 1e-4, needles, boxes, flat hulls, a fan, a segment.
 std::vector<Hull> all_kinds(test::Random& random, double scale) {
   std::vector<std::vector<Vec3>> sets;
   for (const int n : {4, 6, 12, 17, 40, 400, 3000}) sets.push_back(test::on_ellipsoid(random, n, {0.5, 0.4, 0.3}));
@@ -78,7 +78,7 @@ GilbertCache any_cache(test::Random& random) {
 
 /// Statistics over all queries.
 struct Tally {
-  int separated = 0, quick = 0, maximum = 0;  // separated results; those after at most 2 support points; maximum of these points
+  int separated = 0, quick = 0, maximum = 0;  // separated results; results after at most 2 iterations; maximum number of iterations
   double worst = 0, off = 0;                  // maximum relative error, and maximum relative distance from the cached features
 };
 

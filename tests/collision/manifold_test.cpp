@@ -111,11 +111,11 @@ TEST(Manifold, CapsuleOnBoxHasTwoPoints) {
       EXPECT_LT(norm(p.n - Vec3{0, 0, 1}), 1e-9);
     }
   };
-  expect_two(at(0, 0, 0.62), -0.5, 0.5, 0.02);                                             // above
-  expect_two(at(0, 0, 0.58), -0.5, 0.5, -0.02);                                            // pressed in
+  expect_two(at(0, 0, 0.62), -0.5, 0.5, 0.02);                                             // above the box
+  expect_two(at(0, 0, 0.58), -0.5, 0.5, -0.02);                                            // pressed into the box
   expect_two(at(0, 0, 0.45), -0.5, 0.5, -0.15);                                            // the capsule's axis is inside the box
-  expect_two(at(0.8, 0, 0.58), 0.3, 1.0, -0.02);                                           // overhanging
-  EXPECT_EQ(manifold(capsule, turned({0, 1, 0}, 1, {0, 0, 0.9}), box, {}, 0.2).count, 1);  // on one end
+  expect_two(at(0.8, 0, 0.58), 0.3, 1.0, -0.02);                                           // overhanging the box
+  EXPECT_EQ(manifold(capsule, turned({0, 1, 0}, 1, {0, 0, 0.9}), box, {}, 0.2).count, 1);  // only one end is near
   // The capsule is parallel to an edge of the box and overlaps the edge diagonally.
   EXPECT_EQ(manifold(capsule, at(0, 1.05, 0.55), box, {}, 0.05).count, 2);
   // Exchanged shapes: the normal is reversed.
@@ -149,7 +149,7 @@ TEST(Manifold, BoxOnBoxHasFourCorners) {
       EXPECT_EQ(manifold(small, A, large, {}, 0.05).count, 4) << angle << " " << tilt;
     }
   }
-  // Boxes of the same size, turned so that the common face is an octagon: four of its corners remain.
+  // Boxes of the same size, turned so that the common face is an octagon: four of its corners become contact points.
   const Shape cube = Shape::box({0.5, 0.5, 0.5});
   const Manifold octagon = manifold(cube, turned({0, 0, 1}, pi / 4, {0, 0, 0.99}), cube, {}, 0.05);
   EXPECT_EQ(octagon.count, 4);

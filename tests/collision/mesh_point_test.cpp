@@ -115,7 +115,7 @@ TEST(MeshPenetration, DepthMatchesDeepestOfAllVertices) {
   EXPECT_GT(penetrating, 15);
 }
 
-// A small box sinks into a large one: the depth is that of its lower corners, along the vertical, for both orders of the boxes.
+// A small box sinks into a large one: the depth is the vertical depth of the small box's lower corners, for both orders of the boxes.
 TEST(MeshPenetration, BoxInBoxHasKnownDepth) {
   const SphereTree floor = tree_of(test::box_mesh({5, 5, 1})), box = tree_of(test::box_mesh({0.3, 0.2, 0.1}));
   BubbleWorkspace workspace;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A mesh made of the surfaces of several boxes. Outside of all boxes its distance is that of the nearest box.
+/// A mesh made of the surfaces of several boxes. For a point outside of all boxes, the distance is the distance to the nearest box.
 struct BoxMesh {
   std::vector<Shape> parts;
   Collider collider;
@@ -128,7 +128,7 @@ TEST(PairDistance, NonConvexMeshesMatchTheirConvexParts) {
       ASSERT_LT(norm(d.pa - d.pb - d.n * d.distance), 1e-9);
     }
   }
-  EXPECT_GT(by_method[static_cast<int>(DistanceMethod::hulls)], 50);  // hulls give the exact distance where hull vertices are nearest
+  EXPECT_GT(by_method[static_cast<int>(DistanceMethod::hulls)], 50);  // hulls are exact where the closest points are vertices of the hulls
   EXPECT_GT(by_method[static_cast<int>(DistanceMethod::bubble)], 500);
 }
 

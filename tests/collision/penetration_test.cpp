@@ -149,8 +149,8 @@ TEST(Penetration, FlatAndTouchingShapesHaveKnownDepth) {
                         {&square, &square, {I, {2, 2, 0}}, 0},       // corners touch
                         {&square, &square, {turned, {0, 0, 0}}, 1},  // crossed
                         {&square, &square, {turned, {0, 0, 1}}, 0},  // an edge touches the face
-                        {&square, &rod, {I, {0, 0, 0}}, 1},          // through its middle
-                        {&square, &rod, {turned, {0, 0, 0}}, 0},     // in its plane
+                        {&square, &rod, {I, {0, 0, 0}}, 1},          // the rod crosses the square
+                        {&square, &rod, {turned, {0, 0, 0}}, 0},     // the rod is in the square's plane
                         {&rod, &rod, {}, 0},                         // on the same line
                         {&rod, &rod, {I, {0, 0, 2}}, 0},             // end to end
                         {&rod, &rod, {turned, {0, 0, 0}}, 0}};       // crossed

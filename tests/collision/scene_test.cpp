@@ -215,7 +215,7 @@ TEST(Scene, VirtualLinkBelongsToTheBodyOfItsRealLink) {
                       link("c2", "d", JointType::revolute, at(1, 0, 0), {bead})}};
   spec.links.back().real = "c";
   const Scene scene({make(std::move(spec))});
-  // The virtual link c2 is the same body as c, so that d is connected to c.
+  // The virtual link c2 is the same body as c, so d is adjacent to c and cannot collide with c or c2.
   EXPECT_EQ(pairs_of(scene), (Names{{"a", "c"}, {"a", "c2"}, {"b", "d"}}));
 }
 

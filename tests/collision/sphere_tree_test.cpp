@@ -25,7 +25,7 @@ Vec3 lane(const float (*v)[block_lanes], int i) {
   return {static_cast<double>(v[0][i]), static_cast<double>(v[1][i]), static_cast<double>(v[2][i])};
 }
 
-/// Checks that the bounds in lane i of a block contain all triangles below the lane, and appends the indices of these triangles to `below`.
+/// Checks that the bounds in lane i of a block contain all triangles in the lane's subtree, and appends the triangles' indices to `below`.
 void check_below(const SphereTree& tree, std::int32_t block, int i, std::vector<std::int32_t>& below) {
   const BoundBlock& b = tree.blocks[at(block)];
   std::vector<std::int32_t> mine;

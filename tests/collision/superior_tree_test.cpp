@@ -1,4 +1,4 @@
-// The queries of the superior tree, compared with measuring all pairs.
+// The queries of the superior tree (box hierarchy over groups of bodies), compared with measuring all pairs.
 
 #include "ugoki/collision/superior_tree.h"
 
@@ -51,7 +51,7 @@ class World {
   std::vector<Vec3> spin_, drift_;
 };
 
-/// The closed-form distances as a PairFunction. Above the cutoff it returns the weakest bound that is allowed.
+/// The closed-form distances as a PairFunction. Above the cutoff it returns the cutoff, the weakest lower bound that is allowed.
 class ClosedForms : public PairFunction {
  public:
   explicit ClosedForms(const World& world) : world_(world) {}
@@ -243,7 +243,7 @@ TEST(SuperiorTree, CoherentStepsExamineFewPairs) {
     front += nearest.counts().front;
   }
   EXPECT_LT(examined, 200 * 200);
-  EXPECT_LT(front, 200 * 4000);  // of 40000 pairs in each step
+  EXPECT_LT(front, 200 * 4000);  // sum over 200 steps of the number of node pairs in the front; there are 40000 pairs of bodies
 }
 
 TEST(SuperiorTree, DistantPairsAtRestAreNotMeasuredAgain) {
@@ -257,7 +257,7 @@ TEST(SuperiorTree, DistantPairsAtRestAreNotMeasuredAgain) {
     tree.update(w.poses);
     f.calls = g.calls = 0;
     (void)nearest.find(tree, f);
-    within.find(tree, step < 3 ? -1 : 0.05, g, found);  // the margin becomes 0.05 when the bodies are at rest
+    within.find(tree, step < 3 ? -1 : 0.05, g, found);  // finds no pair in the first three steps; then the margin becomes 0.05 m
   }
   EXPECT_EQ(f.calls, 1);
   EXPECT_EQ(g.calls, static_cast<int>(found.size()));

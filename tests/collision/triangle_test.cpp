@@ -1,5 +1,5 @@
-// Distance of two triangles, certified by its closest points: they are on the triangles (so the distance is not too small), and the slab
-// between them separates the triangles (so the distance is not too large).
+// Distance between two triangles, certified by the closest points: they are on the triangles (so the distance is not too small), and the
+// slab between them separates the triangles (so the distance is not too large).
 
 #include "ugoki/collision/triangle_distance.h"
 

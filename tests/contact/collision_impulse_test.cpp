@@ -128,7 +128,7 @@ TEST(CollisionImpulse, BoxLandingFlatReboundsWithoutRotation) {
 TEST(CollisionImpulse, ElasticCollisionsOfRandomMechanismsConserveEnergyAndMomentum) {
   RandomSource random(7);
   for (unsigned seed = 0; seed < 60; ++seed) {
-    for (int kind = 0; kind < 3; ++kind) {  // open, mixed, closed
+    for (int kind = 0; kind < 3; ++kind) {  // open, mixed, closed systems
       RandomParty party(random, seed, kind, 1, false, 1 + random.below(6));
       const double energy = party.energy();
       const Vec6 momentum = party.momentum();
@@ -191,8 +191,8 @@ TEST(CollisionImpulse, ClosedSystemsMatchGeneralizedInertia) {
     if (open > 1e-9) continue;
     ++compared;
     const double u = -party.approach(c);
-    // The velocity change dv of the closed system has the minimum kinetic energy subject to J_loops dv = 0. Solved here with a dense
-    // basis H of the changes that the loops allow.
+    // The velocity change dv of the closed system has the minimum kinetic energy subject to J_loops dv = 0. It is computed here with a
+    // dense basis H of the changes that the loops allow.
     double inverse_mass = 0;
     std::vector<std::vector<double>> response(2);
     for (std::size_t s = 0; s < 2; ++s) {

@@ -10,8 +10,8 @@
 
 namespace ugoki::contact {
 
-/// Checks the velocities after a step at the contacts before it, and the contact forces. No system may have moved in inertial substeps,
-/// because these change the velocities after the contacts have acted.
+/// Checks the contact forces, and the velocities after a step at the contacts found before the step. No system may have moved in inertial
+/// substeps, because these change the velocities after the contacts have acted.
 /// @param tolerance m/s
 inline void check_laws(World& w, double dt, double tolerance) {
   std::vector<dynamics::Workspace> before;

@@ -30,8 +30,8 @@ LinkSpec bar(const std::string& name, const std::string& parent, const Vec3& at,
   return l;
 }
 
-/// Four bars in a ring. With equal lengths and q = (.., pi/2, pi/2, pi/2) they form a closed square. The last pin is a loop, or a virtual
-/// link.
+/// Four bars in a ring. With equal lengths and q = (.., pi/2, pi/2, pi/2) they form a closed square. The last pin is modelled as a loop or
+/// as a virtual link.
 /// @param third m: length of the third bar
 MechanismSpec square(bool virtual_link, JointType base, double third = 0.4) {
   MechanismSpec spec;

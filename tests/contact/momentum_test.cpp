@@ -9,7 +9,7 @@
 namespace ugoki::contact {
 namespace {
 
-/// Numerical difficulty of a random system.
+/// Kinds of random systems; each is a different numerical difficulty.
 enum class Kind { open, plain, many_loops, unequal, flat, doubled };
 
 void make_unequal(RandomSource& random, MechanismSpec& spec) {

@@ -63,7 +63,7 @@ struct Outcome {
   bool ok = true;
   double depth = 0;    ///< m: maximum overlap at the end
   double speed = 0;    ///< m/s: maximum speed of a link's origin
-  double slowest = 0;  ///< cost of the most expensive step, as a multiple of the mean; only measured, not tested
+  double slowest = 0;  ///< cost of the most expensive step as a multiple of the mean cost; printed, not tested
 };
 
 /// Runs a random scene without gravity for 2 s, so that only the overlaps cause speeds.
@@ -72,7 +72,7 @@ Outcome run(unsigned seed) {
   std::vector<MechanismPtr> systems;
   std::vector<Vec3> places;
   const int kind = static_cast<int>(seed % 4);
-  if (kind == 0) {  // duplicates in place, up to 10 cm apart
+  if (kind == 0) {  // copies of one character at the same position or up to 10 cm apart
     const MechanismPtr m = character(random);
     const int count = 2 + random.below(2);
     for (int i = 0; i < count; ++i) {

@@ -22,7 +22,7 @@ TEST(VelocitySolver, FastSlidingContactDoesNotKeepClosing) {
       VelocitySolver solver;
       solver.set_systems(std::array{0, 3});
       solver.begin_block(RowKind::contact, 1).mu = mu;
-      const double entries[12] = {1, lift, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // the three rows in lanes, entry by entry
+      const double entries[12] = {1, lift, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // for each DOF the entries of the three rows and a zero
       std::ranges::copy(entries, solver.add_segment(0, nullptr, 3).begin());
       const double target[3] = {closing, sliding, 0};
       solver.end_block(target, {});

@@ -66,9 +66,9 @@ Shape make_sheet(int n, double thick, At&& at, const std::function<bool(int, int
   return Shape::mesh(prepared(g.vertices, g.triangles));
 }
 
-constexpr double ring = 0.5, bore = 0.12, nowhere = std::numeric_limits<double>::quiet_NaN();  // m
+constexpr double ring = 0.5, bore = 0.12, nowhere = std::numeric_limits<double>::quiet_NaN();  // m; `nowhere`: no wall near
 
-/// A closed tube: the wall is the volume between two tori; bodies are enclosed in the inner torus.
+/// A closed tube: the wall is the volume between two tori; bodies move inside the inner torus.
 Shape make_tube(double thick) {
   constexpr int along = 28, around = 14;
   Geometry g;
@@ -195,7 +195,7 @@ void nothing_passes(int count, unsigned seed) {
   }
 }
 TEST(Walls, FastBodiesDoNotPassThem) { nothing_passes(40, 1); }
-/// Only fixed tubes are tested: in tests with half of the tubes free, 7 of 1500 bodies, up to as long as the tube is wide, got out.
+/// Only fixed tubes are tested: with half of the tubes free, 7 of 1500 bodies got out. The bodies are up to as long as the tube is wide.
 TEST(Slow_Walls, FastBodiesDoNotPassThem) {
   for (const Wall kind : {Wall::bent, Wall::bowl, Wall::holed, Wall::tube})
     EXPECT_EQ(throw_at_walls(kind, 1000, 2, kind == Wall::tube).passed, 0);

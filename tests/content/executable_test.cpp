@@ -90,7 +90,7 @@ TEST(Executable, LoopedClipIsContinuousAcrossCycles) {
   const auto e = read_executable(*bytes, "park.ugx");
   ASSERT_TRUE(e);
   const Mechanism& walker = *e->mechanisms[static_cast<std::size_t>(e->characters[0].mechanism)];
-  double max_step = 0, path = 0;  // m
+  double max_step = 0, path = 0;  // m: longest displacement of the root in 1 ms; length of the root's path
   Placement last = root_placement(walker, pose_at(*e, 0, 1, 2));
   for (double t = 2.001; t < 5.5; t += 0.001) {
     const Placement now = root_placement(walker, pose_at(*e, 0, 1, t));

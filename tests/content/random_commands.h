@@ -44,7 +44,7 @@ class RandomCommands {
     }
   }
 
-  /// Random number from 0 to `n` - 1.
+  /// Random index from 0 to `n` - 1.
   std::size_t pick(std::size_t n) { return random_() % n; }
 
  private:

@@ -86,7 +86,7 @@ struct Simulation {
     guard.forget();
     ASSERT_EQ(guard.step(std::span(&system, 1), contacts, 0.002).status, contact::StepStatus::ok);
   }
-  [[nodiscard]] double below() const { return control.reference()[2] - state.q[2]; }  // m: root below its reference
+  [[nodiscard]] double below() const { return control.reference()[2] - state.q[2]; }  // m, height of the reference root above the root
   /// rms angle of the joints from the reference, degrees.
   [[nodiscard]] double tracking_error() const {
     std::vector<double> e(state.v.size());
@@ -192,7 +192,7 @@ TEST(BalanceControl, SameBitsAfterRestore) {
 TEST(FootSchedule, FindsTheStancesOfAWalk) {
   const Walker w;
   const Motion motion = motion_of(w.body, w.walk);
-  const auto reference = std::make_shared<const Looped>(w.body.mechanism, motion, 45);  // longer than two parts of the schedule
+  const auto reference = std::make_shared<const Looped>(w.body.mechanism, motion, 45);  // s; the schedule works in parts of 20 s
   const std::vector<Foot> feet = feet_of(*w.body.mechanism);
   ASSERT_EQ(feet.size(), 2u);
   const FootSchedule schedule(*w.body.mechanism, feet, *reference, 0);
@@ -201,7 +201,7 @@ TEST(FootSchedule, FindsTheStancesOfAWalk) {
     EXPECT_NEAR(static_cast<double>(schedule.stances(f).size()), 45 / cycle, 1.5);
     for (const Stance& s : schedule.stances(f)) {
       if (!std::isfinite(s.begin) || !std::isfinite(s.end) || s.begin == 0) continue;
-      EXPECT_NEAR((s.end - s.begin) / cycle, 0.62, 0.08);  // usual fraction of a stride for which a walking foot stands
+      EXPECT_NEAR((s.end - s.begin) / cycle, 0.62, 0.08);  // a foot of a walking human stands for about 62 % of a stride
     }
   }
   for (double t = 0; t < 45; t += 0.1) EXPECT_TRUE(schedule.at(0, t).stands || schedule.at(1, t).stands) << t;

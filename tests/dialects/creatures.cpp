@@ -37,7 +37,7 @@ MeasuredMotion make_creature(std::uint64_t seed) {
   for (int pair = 0; pair < pairs; ++pair) {
     const auto place = static_cast<std::size_t>(pairs == 1 ? 0 : pair * segments / std::max(1, pairs - 1));
     const int from = trunk[place];
-    const double leg = hips + rise[place];  // all feet reach the floor
+    const double leg = hips + rise[place];  // the height of the trunk's joint, so that all feet reach the floor
     const int bones = 2 + below(3);
     const double shift = uniform(-0.05, 0.05), knee = uniform(-0.15, 0.15);
     for (const double side : {1.0, -1.0}) {

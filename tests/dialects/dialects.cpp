@@ -186,7 +186,7 @@ std::vector<Dialect> all_dialects() {
     out.back().seed = out.size();
     return out.back();
   };
-  for (int c = 0; c < count; ++c) add(conventions[c].name).convention = c;  // 14
+  for (int c = 0; c < count; ++c) add(conventions[c].name).convention = c;  // 14 dialects
   add("random rest").rest = RestPose::random;
   add("bones along x").rest = RestPose::along_x;
   add("bones along y").rest = RestPose::along_y;

@@ -8,9 +8,9 @@
 namespace ugoki::dialects {
 
 struct Outcome {
-  double tracking = 0;   ///< deg, rms
-  double assist = 0;     ///< body weights, rms
-  double released = -1;  ///< s; below 0: never
+  double tracking = 0;   ///< degrees, rms difference of the joints from the motion
+  double assist = 0;     ///< rms of the root assist, in body weights
+  double released = -1;  ///< s, time at which control was released; below 0: never
   std::string error;     ///< reason why the run stopped early; empty: it did not
 };
 

@@ -49,7 +49,7 @@ TEST(SlowStanding, EverySharedMotionFileStandsInItsMeanPose) {
     std::printf("%-40s %-6s %8.3f m %9.3f kg  %6.2f deg  %.3f bw  %s %s\n", file.c_str(), in->body->human ? "human" : "other",
                 in->body->height, in->body->mass, o.tracking, o.assist, o.released >= 0 ? "RELEASED" : "", o.error.c_str());
     EXPECT_EQ(o.error, "");
-    // Two poses have no balance, so control is released: a bird in flight, whose feet are not under its weight, and a rod on its end.
+    // Two poses cannot be balanced, so control is released: a bird in flight, whose feet are not under its weight, and a rod on its end.
     if (file == "animal/bird-animations.glb" || file == "human/bvh/sinusoidal.bvh") continue;
     EXPECT_LT(o.released, 0) << "released at " << o.released << " s";
     ++stood;

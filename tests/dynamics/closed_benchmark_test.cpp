@@ -28,9 +28,9 @@ std::vector<std::vector<double>> read_curve(const std::string& name) {
   return rows;
 }
 
-// `q`, `v`, `a`: published solution of the IVP test set, computed with PSIDE at tolerance 1e-14. `extended_q`, `extended_v`: the textbook's
-// equations integrated in extended precision with 60,000 steps of order 4. The published values agree with the integrated ones 1e-12 s
-// later.
+// `q`, `v`, `a`: published solution of the IVP test set, computed with PSIDE at tolerance 1e-14. `extended_q`, `extended_v`: solution of
+// the textbook's equations, integrated in extended precision with 60,000 steps of order 4. The published values equal the integrated values
+// at a time 1e-12 s later.
 TEST(ClosedBenchmark, AndrewsMechanismMatchesPublishedStateAt30Milliseconds) {
   const double q[7] = {15.81077119629904,   -15.75637105984298, 0.04082224013073101, 0.5244099658805304,
                        -0.5347301163226948, 1.048080741042263,  0.5347301163226948};

@@ -46,7 +46,7 @@ class ClosedMotion {
   [[nodiscard]] double q(int i) const { return integrator.q()[static_cast<std::size_t>(i)]; }
   [[nodiscard]] double v(int i) const { return integrator.v()[static_cast<std::size_t>(i)]; }
   double energy() { return system.calc_energy(integrator.q(), integrator.v()); }
-  /// Maximum gap of any row [m | rad].
+  /// Maximum gap of any constraint row [m | rad].
   double gap() {
     update_gaps(system.mechanism(), integrator.q(), system.closed);
     return measure_gap(system.closed).gap;

@@ -77,7 +77,7 @@ struct ReferenceDynamics {
       for (std::size_t j = 0; j < 3; ++j) out[i][j] = out[i][j] + K[i][j] * s + K2[i][j] * c;
     return out;
   }
-  /// exp of a small rotation vector up to its square: exact to second order in time, and to first order in an imaginary disturbance.
+  /// Rotation matrix of a small rotation vector: exact to second order in time, and to first order in an imaginary disturbance.
   static M3 small_turn(const V3& u) {
     const M3 K = skew(u), K2 = times(K, K);
     M3 out = mat(Mat3::identity());

@@ -1,5 +1,5 @@
 // Rings of links whose joints permit only planar motion, only rotation about one point, or only translation. No joint moves along most
-// rows of their loops. In rotated frames the entries of such rows are rounding errors instead of exact zeros.
+// constraint rows of the loops. In rotated frames the entries of such rows are rounding errors instead of exact zeros.
 
 #include <gtest/gtest.h>
 
@@ -98,9 +98,9 @@ Ring make_ring(unsigned seed, RingKind kind, LoopType type, bool floating, bool 
 /// Relative errors of the forward dynamics of a ring.
 struct Errors {
   double to_dense = 0;  ///< accelerations, compared with the dense solution
-  double row = 0;       ///< acceleration along the independent rows; should be zero
+  double row = 0;       ///< acceleration along the independent constraint rows; should be zero
   double balance = 0;   ///< error of the joint forces, with the loop forces included
-  int rank = 0;         ///< rank found by the function that starts from q and v
+  int rank = 0;         ///< rank found by calc_closed_forward_dynamics()
   int dense_rank = 0;   ///< rank found by the dense solution
   int staged_rank = 0;  ///< rank found by factor_closed_links()
 };

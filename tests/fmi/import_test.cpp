@@ -310,7 +310,7 @@ double triangle_wave(double t, double speed) {
   return s <= 2 ? s - 1 : 3 - s;
 }
 
-/// The model "events".
+/// Fixture with the model "events" (units/events.h).
 class Events : public FmiTest {
  protected:
   plugin::LiveLibrary live_ = library(unit("events", "events", 3));
@@ -332,7 +332,7 @@ TEST_F(Events, AreHandledAtTheirTime) {
     const double t = 0.1 * n, quarters = std::floor(t / 0.25 + 1e-9), turns = std::floor((t * 0.7 + 1) / 2);
     EXPECT_NEAR(value(*i, "u.x"), triangle_wave(t, 0.7), 1e-12) << n;
     EXPECT_EQ(value(*i, "u.held"), 0.25 * quarters) << n;
-    EXPECT_EQ(value(*i, "u.events"), 1 + quarters + turns) << n;  // each event is counted once; the first one is that of the initialisation
+    EXPECT_EQ(value(*i, "u.events"), 1 + quarters + turns) << n;  // each event is counted once; the initialisation is the first
     ASSERT_TRUE(i->tick()) << i->stopped()->text();
   }
 }

@@ -6,7 +6,7 @@ namespace ugoki::formats {
 namespace {
 
 const std::string good_asf =
-    ":version 1.10\n"                              // 1
+    ":version 1.10\n"                              // line 1
     ":units\n mass 1\n length 0.45\n angle deg\n"  // 2-5
     ":root\n"                                      // 6
     " order TX TY TZ RX RY RZ\n"                   // 7
@@ -28,7 +28,7 @@ const std::string good_asf =
     " end\n";                                      // 32
 
 const std::string good_amc =
-    "#!OML:ASF character\n:FULLY-SPECIFIED\n:DEGREES\n"            // 1-3
+    "#!OML:ASF character\n:FULLY-SPECIFIED\n:DEGREES\n"            // lines 1-3
     "1\nroot 1 2 3 4 5 6\nthigh 7 8\nshin 9\n"                     // 4-7
     "2\nroot 1.5 2.5 3.5 4.5 5.5 6.5\nthigh 7.5 8.5\nshin 9.5\n";  // 8-11
 

@@ -8,7 +8,7 @@ namespace ugoki::formats {
 namespace {
 
 const std::string good =
-    "HIERARCHY\n"                                                               // 1
+    "HIERARCHY\n"                                                               // line 1
     "ROOT Hips\n{\n"                                                            // 2, 3
     "OFFSET 0 0 0\n"                                                            // 4
     "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"  // 5

@@ -68,7 +68,7 @@ struct C3dBytes {
     std::vector<std::byte> out;
     out.push_back(std::byte{2});
     out.push_back(std::byte{0x50});
-    for (const int w : {2, 4, 5, 7, 0}) word(out, w);  // markers, measurements, first and last frame, gap
+    for (const int w : {2, 4, 5, 7, 0}) word(out, w);  // markers, analog values per frame, first and last frame, maximum gap
     number(out, scale());
     word(out, 2 + static_cast<int>(p.size() / 512));
     word(out, 2);

@@ -10,7 +10,7 @@ namespace ugoki::formats {
 namespace {
 
 const std::string good =
-    "PathFileType\t4\t(X/Y/Z)\twalk.trc\n"                                                                   // 1
+    "PathFileType\t4\t(X/Y/Z)\twalk.trc\n"                                                                   // line 1
     "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n"  // 2
     "50\t50\t2\t2\tmm\t50\t7\t2\n"                                                                           // 3
     "Frame#\tTime\tHead\t\t\tHeel\t\t\n"                                                                     // 4

@@ -73,7 +73,7 @@ class Changes {
     if (sql.find("?2") != std::string::npos) blob ? statement->bind_blob(2, bytes_of(value)) : statement->bind(2, value);
     (void)statement->run();
   }
-  /// Replaces a blob by other data, and its hash in every table that refers to it.
+  /// Replaces the data of a blob, and the blob's hash in every table that refers to the blob.
   void set_blob(std::string_view key, std::string_view value) {
     const std::string number(key.substr(0, 9)), hash = sha256(bytes_of(value));
     if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos) return;

@@ -10,7 +10,7 @@
 namespace ugoki {
 namespace {
 
-/// Reads the bytes one after the other; zeros behind their end.
+/// Reads the bytes one after the other; after the last byte it returns zeros.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}

@@ -80,13 +80,13 @@ void change(std::string& s, const std::vector<std::string>& all, Random& random,
       if (size > 0) s.replace(at, size, words[below(random, words.size())]);
       break;
     }
-    case 6: {  // a piece of the input again
+    case 6: {  // repeats a piece of the input
       const std::size_t at = below(random, s.size()), size = below(random, std::min<std::size_t>(200, s.size() - at));
       s.insert(below(random, s.size()), s.substr(at, size));
       break;
     }
     case 7: s.erase(below(random, s.size()), below(random, 40)); break;
-    case 8: {  // a piece of another input
+    case 8: {  // inserts a piece of another input
       const std::string& other = all[below(random, all.size())];
       if (other.empty()) break;
       const std::size_t at = below(random, other.size());
@@ -97,7 +97,7 @@ void change(std::string& s, const std::vector<std::string>& all, Random& random,
 }
 
 /// Calls `target` with `count` changed inputs. Each call must end within seconds, and the process may grow to 1 GiB.
-/// @param folders of the seeds @param numbers_only true: only numbers are changed, so that most inputs are accepted
+/// @param folders folders with the seeds @param numbers_only true: changes only numbers, so that most inputs are accepted
 void run(void (*target)(const std::uint8_t*, std::size_t), int count, std::uint64_t seed, std::initializer_list<const char*> folders,
          bool numbers_only) {
   const std::vector<std::string> all = seeds(folders);
@@ -114,7 +114,7 @@ void run(void (*target)(const std::uint8_t*, std::size_t), int count, std::uint6
       longest = seconds;
       slowest = input;
     }
-    // A hang, not a measurement. A body of 2 km that is 1 mm thin and spins takes 3 s for ten steps, because the stepper divides its steps.
+    // A limit [s] for hangs. A body of 2 km that is 1 mm thin and spins takes 3 s for ten steps, because the stepper divides its steps.
     ASSERT_LT(seconds, 8) << "input " << i << " of seed " << seed << "\n" << input;
   }
   rusage use{};
@@ -132,7 +132,7 @@ TEST(HostileUgx, SeedsOfThePlayerRun) {
   }
 }
 
-/// For the search for a cause: UGOKI_UGX_INPUT names a file with one input; run it with --gtest_also_run_disabled_tests.
+/// For debugging: UGOKI_UGX_INPUT names a file with one input; run it with --gtest_also_run_disabled_tests.
 TEST(HostileUgx, DISABLED_GivenInputIsRun) {
   const char* path = std::getenv("UGOKI_UGX_INPUT");
   if (path == nullptr) GTEST_SKIP() << "UGOKI_UGX_INPUT is not set";

@@ -1,4 +1,4 @@
-// Tests of the reduction of files to one character: carriers, other joints, other roots, other parents of joints, walking in place.
+// Tests of the reduction of files to one character: carrier joints, unrelated joints, other roots, other parents, walking in place.
 #include "ugoki/intake/arrange.h"
 
 #include <gtest/gtest.h>

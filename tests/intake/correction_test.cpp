@@ -43,7 +43,7 @@ TEST(Correction, EveryOrientationIsARotationToOurAxes) {
   EXPECT_EQ(valid, 24);
 }
 
-/// Maximum distance [m] of the same joint in two motions.
+/// Maximum distance [m], over all frames, between the same joint in two motions.
 double max_distance(const MeasuredMotion& a, const MeasuredMotion& b) {
   std::vector<Pose> A(static_cast<std::size_t>(a.joint_count())), B(A.size());
   double worst = 0;

@@ -24,9 +24,9 @@
 namespace ugoki {
 namespace {
 
-constexpr unsigned time_limit = 300;  // s for one skeleton; they take milliseconds, so only a builder that does not end reaches it
+constexpr unsigned time_limit = 300;  // s for one skeleton; most take milliseconds, so only an endless loop reaches it
 
-char running[64] = "";  // what the handler prints
+char running[64] = "";  // text that print_seed() prints
 
 /// Prints the seed of the running skeleton when the test program hangs or crashes.
 extern "C" void print_seed(int signal) {

@@ -1,5 +1,5 @@
 // Runs the examples in examples/lsi/spatial, world, closed and motion: one circuit for each LSI of mathematics, rotations, mechanics,
-// distances and motions, which documents and tests it. Other tests check impulses by the law of momentum, and distances after a restore.
+// distances and motions. The circuit documents and tests the LSI. Other tests check impulses, and distances after a restore.
 
 #include <cmath>
 #include <filesystem>
@@ -40,7 +40,7 @@ TEST(LsiExamples, EveryLsiHasAPassingExample) {
     if (groups.contains(c.group)) EXPECT_TRUE(shown.contains(c.name)) << "no example shows '" << c.name << "'";
 }
 
-/// An event that sets the position and velocity of the ball at `time`, s.
+/// An event that sets the position and velocity of the ball at `time` [s].
 ScheduledEvent put_ball(double time, const Vec3& p, const Vec3& v) {
   ScheduledEvent e;
   e.time = time;

@@ -274,10 +274,10 @@ TEST(Pull, IsSpringAndDamperForSmallStepsAndStableForLargeSteps) {
   dynamics::Workspace ws(*ball);
   State s(*ball);
   const Vec3 slow = calc_pull(*ball, ws, s.q, s.v, 0, {}, {0.01, 0, 0}, 1e-9);
-  EXPECT_NEAR(slow.x, ball->mass() * 100 * 0.01, 1e-6);  // k x
+  EXPECT_NEAR(slow.x, ball->mass() * 100 * 0.01, 1e-6);  // spring force k x
   s.v[3] = 1;
   const Vec3 damped = calc_pull(*ball, ws, s.q, s.v, 0, {}, {0, 0, 0}, 1e-9);
-  EXPECT_NEAR(damped.x, -2 * 0.7 * ball->mass() * 10, 1e-6);  // -c u
+  EXPECT_NEAR(damped.x, -2 * 0.7 * ball->mass() * 10, 1e-6);  // damping force -c u
   // With a step of 1 s the force does not reverse the velocity of the ball.
   const Vec3 stiff = calc_pull(*ball, ws, s.q, s.v, 0, {}, {0, 0, 0}, 1.0);
   EXPECT_GT(1 + stiff.x / ball->mass() * 1.0, -1e-9);

@@ -193,7 +193,7 @@ TEST(Combine, WeldedSwordAddsMassAndNoDofs) {
   ASSERT_GE(hand, 0);
   const auto armed = combine(*man, *sword, {.link_a = man->link(hand).name, .link_b = "blade", .X_AB = {Mat3::identity(), {0, 0, -0.08}}});
   ASSERT_TRUE(armed.has_value());
-  EXPECT_EQ(armed->mechanism->nv(), man->nv());  // a weld
+  EXPECT_EQ(armed->mechanism->nv(), man->nv());  // a weld adds no DOF
   EXPECT_NEAR(armed->mechanism->mass(), man->mass() + 0.8 * 0.04 * 0.008 * 7800, 1e-9);
 }
 

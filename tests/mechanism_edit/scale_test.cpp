@@ -160,8 +160,8 @@ TEST(Growth, SixYearOldHasAHeavierHeadAndShorterLegs) {
       thigh_before = norm(man->link(i).joint.X_PJ.p);
     }
   }
-  EXPECT_GT(head / m.mass(), 2 * before / man->mass());                   // a child's head is heavy
-  EXPECT_LT(thigh / thigh_before, 0.95 * 1.154 / standing_height(*man));  // a child's legs are short
+  EXPECT_GT(head / m.mass(), 2 * before / man->mass());                   // a child's head is heavy for its body
+  EXPECT_LT(thigh / thigh_before, 0.95 * 1.154 / standing_height(*man));  // a child's legs are short for its height
   EXPECT_GT(thigh / thigh_before, 0.80 * 1.154 / standing_height(*man));
   // Density is kept: shapes and mass of every link shrink alike.
   double volume_before = 0, volume_after = 0;

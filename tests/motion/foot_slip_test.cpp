@@ -44,7 +44,7 @@ TEST(FootSlip, SlidingFootSlipsByItsDistanceWithoutTheMargins) {
 
 TEST(FootSlip, RollingFootDoesNotSlip) {
   Stance s;
-  for (int i = 0; i <= 200; ++i) {  // from 20 degrees on the heel to 30 degrees on the tip, about the edge that touches
+  for (int i = 0; i <= 200; ++i) {  // rolls from 20 degrees on the heel to 30 degrees on the tip, about the edge that touches
     const double angle = (20 - 50.0 * i / 200) * pi / 180, edge = angle > 0 ? -0.1 : 0.1;
     const Mat3 R = rotation_about({0, 1, 0}, -angle);
     s.add({R, Vec3{edge, 0, 0} - R * Vec3{edge, 0, 0}}, true, 0.002);
@@ -55,7 +55,7 @@ TEST(FootSlip, RollingFootDoesNotSlip) {
 TEST(FootSlip, NoiseOfACaptureCancelsOut) {
   Stance s;
   for (int i = 0; i < 120; ++i) s.add({Mat3::identity(), {0.001 * (i % 2), 0.001 * (i / 2 % 2), 0}}, true, 1.0 / 120);
-  EXPECT_LT(s.slip.worst_cm(), 0.15);  // the path is 12 cm or more
+  EXPECT_LT(s.slip.worst_cm(), 0.15);  // cm; the noise moves the foot by 12 cm or more in total
 }
 
 TEST(FootSlip, RestoredMeasureGoesOnAsBefore) {

@@ -53,7 +53,7 @@ TEST(MarkerRepair, SplinesAreExactOnStraightLinesAndCloseOnParabolas) {
   hide(m, 0, 20, 20);
   hide(m, 1, 20, 23);
   EXPECT_EQ(fill_short_gaps(m, 0.05), 5);
-  EXPECT_LT(norm(m.at(20, 0) - parabola(20)), 3e-4);  // slopes next to a gap are one-sided
+  EXPECT_LT(norm(m.at(20, 0) - parabola(20)), 3e-4);  // m; slopes next to a gap are estimated from one side only
   for (int f = 20; f <= 23; ++f) EXPECT_LT(norm(m.at(f, 1) - line(f)), 1e-12);
   EXPECT_TRUE(m.seen(20, 0));
 }

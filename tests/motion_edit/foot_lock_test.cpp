@@ -34,7 +34,7 @@ TEST(Feet, AreFoundByLabelOrByPosition) {
   }
   const Character dog = dog_trot();
   EXPECT_EQ(find_foot_limbs(dog.m()).size(), 4U);
-  // Without labels the lowest ends of the limbs are the feet.
+  // Without labels, the feet are found as the lowest ends of the limbs.
   MechanismSpec spec = dog.m().spec();
   for (LinkSpec& l : spec.links) l.label.clear();
   const MechanismPtr bare = Mechanism::make(spec).value();
@@ -136,7 +136,7 @@ TEST(FootLock, JointsStaySmooth) {
     }
     return maximum;
   };
-  EXPECT_LT(max_acceleration(locked), 4 * max_acceleration(walk) + 300);  // rad/s^2: a knee that becomes straight in one frame exceeds it
+  EXPECT_LT(max_acceleration(locked), 4 * max_acceleration(walk) + 300);  // rad/s^2; a knee that becomes straight in one frame has more
 }
 
 TEST(FootLock, LegTooShortLowersThePelvis) {

@@ -161,7 +161,7 @@ TEST(Player, RecordedInputsReplayToTheSameBits) {
   a.grab(0, 0, {0, 0, 0.5}, {1, 2, 1.5});
   for (int k = 0; k < 50; ++k) {
     a.drag({1 + 0.002 * k, 2, 1.5});
-    a.drag({1 + 0.004 * k, 2, 1.5});  // replaces the previous one, because both come between the same two steps
+    a.drag({1 + 0.004 * k, 2, 1.5});  // replaces the previous drag, because both arrive between the same two steps
     run(a, 1);
   }
   a.release();

@@ -31,7 +31,7 @@ double fine(double x) { return x; }
 
 class GuardTest : public PluginTest {
  protected:
-  /// Runs the LSI for 3 ticks in a guarded process, which then needs memory and waits. @return the error, or "status N"
+  /// Runs the LSI for 3 ticks in a guarded process, which then allocates memory and waits `wait_ms`. @return the error, or "status N"
   std::string run(const std::string& lsi, int wait_ms = 0) {
     if (library_.empty()) library_ = build("bad.c", bad);
     const Result<int> done = run_guarded(

@@ -92,7 +92,7 @@ inline std::string rogue_source(const Misbehaving& m) {
          std::string(m.body) + " }\n  return t;\n}\n";
 }
 
-/// Library sources whose code misbehaves while it is loaded, and a part of the message.
+/// Library sources whose code misbehaves while it is loaded, and a part of the message that the user must see.
 struct MisbehavingLoad {
   std::string_view name, source, report;
 };

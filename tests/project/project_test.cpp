@@ -21,7 +21,7 @@ using content::testing::make_scenario;
 /// In each round a child process applies commands and is killed at a random time. Every acknowledged command must be in the file
 /// afterwards.
 void kill_editors(const std::string& path, const std::function<void()>& make, int rounds, unsigned seed) {
-  constexpr int rounds_per_project = 20;  // checking a round undoes the whole history
+  constexpr int rounds_per_project = 20;  // limits the history, because checking a round undoes all of it
   std::mt19937 random_time(seed);
   std::size_t count = 0;
   for (int round = 0; round < rounds; ++round) {

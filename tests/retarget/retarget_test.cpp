@@ -1,4 +1,4 @@
-// Retargeting of the sample characters: exact results, joint limits, sliding feet, holds, mapping files, errors.
+// Retargeting of the sample characters: exact results, joint limits, sliding feet, hands held in place, mapping files, errors.
 
 #include "ugoki/retarget/retarget.h"
 
@@ -36,7 +36,7 @@ MechanismPtr scaled(const Mechanism& m, double s) {
   return *Mechanism::make(std::move(spec));
 }
 
-/// Maximum distance [m], over all frames, of a link of `b` from `scale` times the position of the same link of `a`.
+/// Maximum distance [m], over all frames, between the position of a link of `b` and `scale` times the position of the link in `a`.
 double worst_distance(const Mechanism& a, const Motion& x, const Mechanism& b, const Motion& y, double scale) {
   double worst = 0;
   std::vector<Pose> X(at(a.link_count())), Y(at(b.link_count()));

@@ -1,5 +1,5 @@
 // Compares our MJCF reader with MuJoCo's, in random states: poses, inertia matrix, inverse and forward dynamics, loops. The results can
-// agree up to rounding, because both readers take the same inertias from the same text.
+// agree up to rounding, because both readers read the same inertias from the same text.
 
 #include <gtest/gtest.h>
 
@@ -259,7 +259,7 @@ class Pair {
   std::vector<int> body_link_;    ///< MuJoCo's body - 1 -> our link
 };
 
-/// Compares the constraint rows of balls, of the translations of welds, and of gears.
+/// Compares the constraint rows of ball loops, of the translations of weld loops, and of gears.
 void Pair::compare_loops(std::mt19937& random, Worst& worst) {
   set_state(random);
   const mjModel& p = *peer_.model;
@@ -370,7 +370,7 @@ void check_file(const std::string& name, int states) {
 }
 
 /// A rotated box that replaces a missing mesh file. Its coordinates are exact in single precision. It is a box because MuJoCo 2.2.2 uses
-/// the volume of a mesh's inertia box; later versions and we integrate the volume.
+/// the volume of a mesh's inertia box; later versions of MuJoCo, and Ugoki, integrate the volume.
 std::string stand_in(const std::string& path) {
   const std::string file = std::filesystem::path(path).filename().string();
   std::mt19937 random(static_cast<unsigned>(std::hash<std::string>()(file)));
@@ -498,7 +498,7 @@ TEST(MjcfPeer, HumanoidAndAHundredBodies) {
   PeerModel peer = open_text_with_mujoco(alone);
   check(*bodies, peer, "model__humanoid__humanoid100.xml (the bodies)", 2);
 
-  // The remaining links are those of the file of the humanoid; their names have a prefix.
+  // The remaining links come from the humanoid's file; their names have a prefix.
   const std::string humanoid_name = folder + "model__humanoid__humanoid.xml";
   const auto humanoid = read_mjcf(load_data(humanoid_name), humanoid_name);
   ASSERT_TRUE(humanoid.has_value());

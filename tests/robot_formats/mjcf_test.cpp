@@ -432,7 +432,7 @@ TEST(MjcfMesh, HullOfPoints) {
   EXPECT_GT(v, 0.99 * 4.0 / 3.0 * pi);
 }
 
-const std::string brick =  // 2 x 4 x 6 about (1, 0, 0)
+const std::string brick =  // a box of 2 x 4 x 6 with its centre at (1, 0, 0)
     "v 0 -2 -3\nv 2 -2 -3\nv 0 2 -3\nv 2 2 -3\nv 0 -2 3\nv 2 -2 3\nv 0 2 3\nv 2 2 3\n"
     "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 

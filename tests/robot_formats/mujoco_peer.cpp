@@ -118,7 +118,7 @@ class Lowering {
     for (pugi::xml_node child : node.children()) add_suffix(child, suffix);
   }
 
-  /// Inserts copies of the children of a frame or replicate before it. Nested frames and replicates must be expanded first.
+  /// Inserts copies of the children of a <frame> or <replicate> before this element. Nested frames and replicates must be expanded first.
   void copy_out(pugi::xml_node holder, const Frame& by, const std::string& suffix) const {
     for (const pugi::xml_node child : holder.children()) {
       if (child.type() != pugi::node_element) continue;

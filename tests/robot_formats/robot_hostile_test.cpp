@@ -54,7 +54,7 @@ void refuse_all(const std::string& good, const std::vector<Case>& cases, const s
 }
 
 const std::string good_urdf =
-    "<robot name='r'>\n"                                                                                  // 1
+    "<robot name='r'>\n"                                                                                  // line 1
     "<link name='base'><inertial><mass value='1'/>\n"                                                     // 2
     "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\n"                      // 3
     "<link name='arm'>\n"                                                                                 // 4
@@ -197,7 +197,7 @@ TEST(RobotHostile, UnusualUrdfIsReadWithNotes) {
 }
 
 const std::string good_sdf =
-    "<sdf version='1.7'><model name='m'>\n"                                                                               // 1
+    "<sdf version='1.7'><model name='m'>\n"                                                                               // line 1
     "<link name='a'><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link>\n"  // 2
     "<link name='b'><pose relative_to='a'>1 0 0 0 0 0</pose>\n"                                                           // 3
     "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>\n"                        // 4
@@ -320,7 +320,7 @@ TEST(RobotHostile, SdfNestingIsBoundedAndLongFilesAreRead) {
 }
 
 const std::string good_yaml =
-    "closed_loop: [[base, tip], [j, arm]]\n"  // 1
+    "closed_loop: [[base, tip], [j, arm]]\n"  // line 1
     "type: [6d, ball]\n"                      // 2
     "name_mot: [j]\n"                         // 3
     "joint_name: [k]\n"                       // 4

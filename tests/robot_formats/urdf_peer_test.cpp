@@ -96,7 +96,7 @@ std::string for_mujoco(const std::string& text, bool floating) {
   return text_of(document);
 }
 
-/// @param principal write inertias along their principal axes, so that the results can be compared up to rounding
+/// @param principal true: inertias are written along their principal axes, so that the results can be compared up to rounding
 void compare(const std::string& path, int states, bool principal, bool print) {
   SCOPED_TRACE(path);
   pugi::xml_document document;

@@ -36,7 +36,7 @@ struct Nodes {
       for (const Json& channel : animation["channels"])
         if (channel["target"].contains("node") && channel["target"]["path"] != "weights")
           moved[channel["target"]["node"].get<std::size_t>()] = true;
-    // Joints are the joints of skins, plus those of their ancestors that have a joint or an animated node above them.
+    // Expected joints: the joints of skins, and every ancestor of a joint that is itself animated or is below a joint or an animated node.
     kept = skinned;
     for (std::size_t i = 0; i < n; ++i) {
       if (!skinned[i]) continue;

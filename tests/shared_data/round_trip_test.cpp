@@ -155,7 +155,7 @@ TEST(SharedRoundTrip, Recordings) {
       ASSERT_TRUE(bytes) << bytes.error().text();
       const auto back = formats::read_c3d(*bytes, "again.c3d");
       ASSERT_TRUE(back) << back.error().text();
-      expect_same_markers(m, *back, 1.2e-7 * reach);  // 24 bits
+      expect_same_markers(m, *back, 1.2e-7 * reach);  // single precision: 24 bits
       EXPECT_EQ(back->first_frame, m.first_frame);
       EXPECT_EQ(back->unit, m.unit);
       EXPECT_EQ(back->plates.size(), m.plates.size());

@@ -39,7 +39,7 @@ std::string reason_against(const std::string& path) {
     any_body = any_body || document_of((folder / file).generic_string()).select_node("//worldbody//body");
   }
   if (!any_body && !root.select_node("//worldbody//body")) return "no body";
-  // The mass of a body without <inertial> is that of its geoms; it is unknown for a missing mesh.
+  // A body without <inertial> has the mass of its geoms, which is unknown if a mesh is missing.
   const pugi::xml_node compiler = root.child("compiler");
   const fs::path meshes = folder / compiler.attribute("meshdir").as_string(compiler.attribute("assetdir").value());
   for (const pugi::xpath_node n : root.select_nodes("//asset/mesh[@file]")) {

@@ -54,9 +54,9 @@ std::string data_of(const std::string& key, int version) {
 
 /// The acknowledged changes, as read from the pipe.
 struct Acknowledged {
-  std::map<std::string, int> versions;      ///< newest version, by id
-  std::map<std::string, std::string> keys;  ///< name, by id
-  std::vector<std::string> tagged;          ///< ids
+  std::map<std::string, int> versions;      ///< entry id -> newest version
+  std::map<std::string, std::string> keys;  ///< entry id -> name
+  std::vector<std::string> tagged;          ///< ids of the tagged entries
   int steps = 0;                            ///< number of lines read from the pipe; the writer sends one line per acknowledged change
   std::string trouble;                      ///< line with an error of the child; empty: none
 

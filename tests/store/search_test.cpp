@@ -160,7 +160,7 @@ TEST(SearchOnBothTest, BothDatabasesMatchALinearSearch) {
   ASSERT_TRUE(lite->put(items) && team->put(items));
   Result<Library> lite_scan = Library::open(lite->path()), team_scan = Library::open(team->path());
   ASSERT_TRUE(lite_scan && team_scan);
-  body_of(*lite_scan).sort_limit = body_of(*team_scan).sort_limit = 5;  // these scan the rows in order; the other two sort the matches
+  body_of(*lite_scan).sort_limit = body_of(*team_scan).sort_limit = 5;  // *_scan read rows in order; the other two sort the matches
   const char* texts[] = {"",         "wa",
                          "walk",     "walk slow",
                          "歩行",     "歩",

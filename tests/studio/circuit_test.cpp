@@ -175,7 +175,7 @@ TEST_F(CircuitStudioTest, KeysReachTheCircuitAndAreReplayedAfterAnEdit) {
   ASSERT_FALSE(p.event("values", [&](const json& e) { return pin(e, 0) == 1 && pin(e, 1) == 0; }).is_null());
   ASSERT_EQ(p.ask({{"op", "pause"}})["ok"], true);
   const double head = p.ask({{"op", "hello"}})["transport"]["simulated"].get<double>();
-  // After an edit that does not affect the counter, the content is recomputed up to the shown time with the recorded key.
+  // After an edit that does not affect the counter, the content is recomputed up to the shown time with the recorded key press.
   ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "k"}, {"type", "clock"}})})))["ok"], true);
   const json again = p.event("values", [&](const json& e) { return e["time"].get<double>() > head - 0.01; });
   ASSERT_FALSE(again.is_null());

@@ -102,7 +102,7 @@ class FakeSimulation final : public Simulation {
   }
   std::uint8_t feet_on_ground(int) override {
     return static_cast<std::uint8_t>(s_.step / 250 % 2 == 0 ? 2 : 1);
-  }  // the feet change every 250 steps
+  }  // the standing foot changes every 250 steps
 
  private:
   struct State {

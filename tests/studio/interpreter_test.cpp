@@ -206,7 +206,7 @@ TEST_F(InterpreterTest, ScrubbingShowsRecordedFramesAndPlayContinues) {
   const std::uint64_t digest = interpreter.head_digest();
   ASSERT_TRUE(interpreter.seek(1));
   EXPECT_EQ(shown().number, 60u);
-  EXPECT_EQ(shown().flags, content::frame_simulate);  // not live
+  EXPECT_EQ(shown().flags, content::frame_simulate);  // without frame_live: the frame is recorded
   const float there = shown().characters[0].links[0][0];
   ASSERT_TRUE(interpreter.step_frames(-1));
   EXPECT_EQ(shown().number, 59u);

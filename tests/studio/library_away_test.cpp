@@ -1,4 +1,4 @@
-// A studio whose library is on a PostgreSQL server that stops responding: everything else goes on, and nothing acknowledged is lost.
+// A studio whose library is on a PostgreSQL server that stops responding: all other functions continue, and nothing acknowledged is lost.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -92,7 +92,7 @@ TEST_F(LibraryAwayTest, OtherRequestsAreAnsweredAndTheLibraryComesBack) {
   for (int i = 0; i < 20; ++i) lists.push_back(std::async(std::launch::async, [this] { return api("GET", "/api/library"); }));
   std::future<Reply> save =
       std::async(std::launch::async, [this] { return api("POST", "/api/entry/" + motion_, R"({"base": 2, "name": "lost"})"); });
-  const int add = page.post(clip_add(6.5));  // reads the library
+  const int add = page.post(clip_add(6.5));  // adding the clip needs the library
   // None of these requests waits for the library. After their answers, the requests for lists are still waiting.
   for (int i = 0; i < 5; ++i) {
     EXPECT_EQ(api("GET", "/api/reference-character").status, 200);
@@ -104,8 +104,8 @@ TEST_F(LibraryAwayTest, OtherRequestsAreAnsweredAndTheLibraryComesBack) {
   Page other(studio_->port(), studio_->token());
   EXPECT_TRUE(other.ask({{"op", "command"}, {"command", {{"type", "scenario.set"}, {"name", "edited"}}}})["ok"]);
   EXPECT_TRUE(lists.front().wait_for(std::chrono::seconds(0)) == std::future_status::timeout);
-  // All twenty are answered after one time limit, not one after another. Then the library counts as away, and requests are refused without
-  // a new attempt on it.
+  // All twenty requests for lists are answered after one time limit, not one after another. From then on the studio treats the library as
+  // unreachable: it refuses requests without a new attempt.
   for (std::future<Reply>& list : lists) {
     ASSERT_EQ(list.wait_for(std::chrono::seconds(30)), std::future_status::ready);
     const Reply reply = list.get();
@@ -120,7 +120,7 @@ TEST_F(LibraryAwayTest, OtherRequestsAreAnsweredAndTheLibraryComesBack) {
 
   for (int i = 0; i < 3; ++i) {
     std::future<Reply> list = std::async(std::launch::async, [this] { return api("GET", "/api/library"); });
-    EXPECT_EQ(list.wait_for(std::chrono::seconds(2)), std::future_status::ready);  // an attempt takes 3 s or more
+    EXPECT_EQ(list.wait_for(std::chrono::seconds(2)), std::future_status::ready);  // an attempt to reach the library takes 3 s or more
     EXPECT_EQ(list.get().status, 503);
   }
 
@@ -137,7 +137,7 @@ TEST_F(LibraryAwayTest, ChangesOfOtherPeopleReachOpenPages) {
   Page page(studio_->port(), studio_->token());
   ASSERT_TRUE(page.ask({{"op", "hello"}})["ok"]);
   ASSERT_EQ(api("GET", "/api/library").status, 200);
-  ::usleep(3'000'000);  // the first poll begins to observe the library
+  ::usleep(3'000'000);  // us; waits for the first poll, after which the studio notices changes of the library
   Result<store::Library> library = store::Library::open(location_);
   ASSERT_TRUE(library);
   ASSERT_TRUE(library->rename(motion_, "renamed elsewhere"));

@@ -45,7 +45,7 @@ TEST(LibraryQueueTest, WorkBehindASilentLibraryIsRefusedUntilAPollFindsItBack) {
   EXPECT_EQ(ran, 1);
   EXPECT_EQ(refused, 19);
   while (polls == 0) std::this_thread::yield();
-  // A poll now waits for the library. The refusal does not wait for the poll.
+  // A poll now waits for the library. A new request is refused at once, without waiting for the poll.
   EXPECT_EQ(post().wait_for(std::chrono::seconds(0)), std::future_status::ready);
   back = true;
   while (queue.away()) std::this_thread::yield();

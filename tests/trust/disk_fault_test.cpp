@@ -38,7 +38,7 @@ void report_refusal(const Error& error) {
   report((clear ? "- " : "? ") + text);
 }
 
-/// Saves versions of one library entry until some saves were refused. Reports "+ N" when version N is saved.
+/// Saves versions of one library entry until one of the limits above is reached. Reports "+ N" when version N is saved.
 void work_on_library(const std::string& path) {
   int refusals = 0, changes = 0;
   while (refusals < max_refusals && changes < max_changes) {
@@ -66,7 +66,7 @@ void work_on_library(const std::string& path) {
   }
 }
 
-/// Renames the scenario until some changes were refused. Reports "+ NAME" when the name is stored.
+/// Renames the scenario until one of the limits above is reached. Reports "+ NAME" when the name is stored.
 void work_on_project(const std::string& path) {
   int refusals = 0, changes = 0;
   while (refusals < max_refusals && changes < max_changes) {

@@ -12,7 +12,7 @@ enum class ErrorCode {
   syntax,       ///< the text or bytes do not conform to the format
   truncated,    ///< the data ends too early
   range,        ///< a value is outside its allowed range, or not finite
-  unknown,      ///< a name refers to nothing
+  unknown,      ///< a name refers to no existing item
   duplicate,    ///< two items have the same name, or several items match one name
   structure,    ///< the items are inconsistent (impossible mechanism, wire between incompatible pins)
   unsupported,  ///< the data is valid, but not supported by this program

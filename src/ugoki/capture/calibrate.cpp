@@ -14,11 +14,11 @@ bool neighbours(const MarkerSet& set, int a, int b) {
   return a == b || parent(a) == b || parent(b) == a;
 }
 
-/// Unknowns shared by all frames: three for each marker offset, then three for each unknown segment offset. A mirrored pair of segments
-/// shares its unknowns, with the sign of y changed on the second side.
+/// Unknowns shared by all frames: three coordinates for each marker offset, then three for each unknown segment offset. A left and a right
+/// segment share their unknowns; the sign of y is changed on the second side.
 struct Shared {
-  std::vector<int> of_segment;  // [segments] index of the first unknown; -1: the offset is known
-  std::vector<char> flipped;    // [segments] 1: uses the mirrored segment's unknowns
+  std::vector<int> of_segment;  // [segments] index of the first unknown of the segment's offset; -1: the offset is known
+  std::vector<char> flipped;    // [segments] 1: the segment uses the mirrored unknowns of the other side
   std::vector<double> prior;    // [unknowns] 1 / sigma^2
   int count = 0;
 };
@@ -52,7 +52,7 @@ Shared shared_unknowns(const Subject& s) {
 
 Vec3 flip(const Vec3& v, char flipped) { return flipped != 0 ? Vec3{v.x, -v.y, v.z} : v; }
 
-/// Difference [unknowns] [m] of every shared unknown from the marker set's value, scaled to the subject's size.
+/// Difference [m] between every shared unknown and the marker set's value, which is scaled to the subject's size. Returns [unknowns].
 std::vector<double> departures(const Subject& s, const Shared& shared) {
   std::vector<double> out(static_cast<std::size_t>(shared.count));
   const auto put = [&](int at, const Vec3& v) {
@@ -64,7 +64,7 @@ std::vector<double> departures(const Subject& s, const Shared& shared) {
   return out;
 }
 
-/// Adds the step [unknowns] [m] to marker offsets and segment offsets.
+/// Adds the step [m] of all unknowns to the marker offsets and segment offsets.
 void apply(Subject& s, const Shared& shared, const std::vector<double>& step) {
   const auto get = [&](int at) {
     const double* d = step.data() + at;
@@ -75,7 +75,7 @@ void apply(Subject& s, const Shared& shared, const std::vector<double>& step) {
     if (shared.of_segment[i] >= 0) s.offsets[i] += flip(get(shared.of_segment[i]), shared.flipped[i]);
 }
 
-/// Block of three columns of the Jacobian of a marker's world position with respect to the shared unknowns.
+/// Three columns (one offset) of the Jacobian of a marker's world position with respect to the shared unknowns.
 struct Block {
   int column;
   Mat3 J;
@@ -93,9 +93,9 @@ void shared_blocks(const Subject& s, const Shared& shared, const Kinematics& k, 
   }
 }
 
-/// Normal equations S x = -r for the step x of the shared unknowns, with all poses eliminated (Schur complement). Each frame adds
-/// S += C - B^T H^-1 B and r += c - B^T H^-1 g. H and g are matrix and gradient of the frame's pose, C and c those of the shared
-/// unknowns; B couples pose and shared unknowns.
+/// Normal equations S x = -r for the step x of the shared unknowns, with all poses eliminated (Schur complement). Each frame adds S += C -
+/// B^T H^-1 B and r += c - B^T H^-1 g. H and g are the matrix and gradient for the frame's pose, C and c those for the shared unknowns; B
+/// couples pose and shared unknowns.
 class Reduction {
  public:
   explicit Reduction(const Shared& shared) : shared_(shared), n_(static_cast<std::size_t>(shared.count)), S(n_ * n_), r(n_) {}
@@ -130,7 +130,7 @@ class Reduction {
     eliminate(solver, nf, s.dofs);
   }
 
-  /// Step [unknowns] of the shared unknowns; empty if S is not positive definite. g is zero, because the poses are at their optimum.
+  /// Returns the step of the shared unknowns; empty if S is not positive definite. g is zero here, because the poses are at their optimum.
   std::vector<double> solve(const std::vector<double>& departure) {
     std::vector<double> step(n_);
     for (std::size_t i = 0; i < n_; ++i) {
@@ -204,7 +204,7 @@ double estimate_size(const MarkerSet& set, const std::vector<int>& match, const 
       if (match[a] < 0 || match[b] < 0) continue;
       const auto ma = static_cast<std::size_t>(match[a]), mb = static_cast<std::size_t>(match[b]);
       if (!neighbours(set, set.markers[ma].segment, set.markers[mb].segment)) continue;
-      // Markers of clusters are placed anywhere on their segment, so that their distances contain no information about the size.
+      // Markers of clusters may be anywhere on their segment, so that distances between them contain no information about the size.
       if (set.markers[ma].sigma >= 0.06 || set.markers[mb].sigma >= 0.06) continue;
       const double own = norm(marker_position(model, k, ma) - marker_position(model, k, mb));
       double sum = 0;
@@ -261,7 +261,7 @@ double find_first_pose(PoseSolver& solver, const Subject& subject, const Measure
           start.rotations[i] = axis_angle({1, 0, 0}, s.offset.y > 0 ? -arms : arms);
       }
       start.p = middle;
-      // First a coarse fit with a large sigma, then a fine one. The Huber limit is disabled (1 km), because all markers are far off.
+      // A coarse fit with a large sigma, then a fine fit. The Huber limit is disabled (1 km), because all markers are far from their goals.
       PoseOptions options;
       options.marker_sigma = 0.1 * subject.size;
       options.outlier = 1e3;

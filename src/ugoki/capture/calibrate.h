@@ -1,5 +1,5 @@
 #pragma once
-// Calibration: segment lengths of a subject and positions of the markers on its segments, from the recording. Internal to capture.
+// Calibration: finds segment lengths of a subject and positions of the markers on its segments from a recording. Internal to capture.
 
 #include "ugoki/capture/pose_solver.h"
 
@@ -9,16 +9,16 @@ namespace ugoki::capture {
 /// measured distance to model distance. 0 if no such pair was ever seen together.
 [[nodiscard]] double estimate_size(const MarkerSet& set, const std::vector<int>& match, const MarkerMotion& motion);
 
-/// Indices of at most `count` frames spread over the recording. The recording is divided into `count` parts. Of each part the frame with
-/// the most seen markers is chosen, if more than half of the used markers are seen in it.
+/// Returns the indices of at most `count` frames spread over the recording. The recording is divided into `count` parts of equal length. In
+/// each part, the frame with the most seen markers is chosen, if more than half of the used markers are seen in this frame.
 [[nodiscard]] std::vector<int> choose_frames(const MarkerMotion& motion, const Subject& subject, int count);
 
-/// Finds a pose without an initial guess. Fits from eight headings, each with arms sideways and arms hanging, and keeps the best fit.
+/// Finds a pose without an initial guess: fits from eight headings, each with the arms sideways and hanging, and keeps the best fit.
 /// @param pose [out] the pose @return its cost (PoseSolver::solve)
 double find_first_pose(PoseSolver& solver, const Subject& subject, const MeasuredFrame& frame, ModelPose& pose);
 
-/// Fits segment lengths (equal on both sides), marker offsets and the poses of all `frames` simultaneously: Gauss-Newton with the poses
-/// eliminated by the Schur complement; the marker set's standard deviations are the priors.
+/// Fits segment lengths (equal on both sides), marker offsets and the poses of all `frames` simultaneously: Gauss-Newton method with the
+/// poses eliminated by the Schur complement. The marker set's standard deviations are the priors.
 /// @param poses [frames, in and out] initial and fitted poses
 /// @return root mean square of the marker errors, m
 double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses);

@@ -13,10 +13,10 @@ namespace {
 
 std::string millimetres(double metres) { return to_fixed(1000 * metres, 1) + " mm"; }
 
-/// Marker set that contains most of the labels; null if none contains any.
+/// The marker set that contains most of the recording's labels. `set` is null if no set contains any label.
 struct Choice {
   const MarkerSet* set = nullptr;
-  std::vector<int> match;  // [labels] match_labels
+  std::vector<int> match;  // [labels] result of match_labels
   int known = 0;           // number of matched labels
 };
 Choice choose_set(const MarkerMotion& motion) {
@@ -26,8 +26,8 @@ Choice choose_set(const MarkerMotion& motion) {
   Choice best;
   for (const MarkerSet* set : {&human_markers(), &human_key_points(), &quadruped_key_points()}) {
     Choice c{set, match_labels(*set, motion.labels), 0};
-    // Labels that were prepared but never filled (an upper body that was not captured) are not markers of the recording. A few unseen ones
-    // stay, because their places follow from the body.
+    // Labels that are never seen (for example an upper body that was not captured) are not markers of the recording, if they are more than
+    // a third of the matched labels. Fewer unseen labels are kept, because the positions of these markers follow from the body.
     std::size_t matched = 0, unseen = 0;
     for (std::size_t k = 0; k < n; ++k) {
       matched += c.match[k] >= 0 ? 1 : 0;
@@ -49,7 +49,7 @@ int marked_segments(const Choice& choice) {
   return static_cast<int>(std::count(marked.begin(), marked.end(), 1));
 }
 
-/// List of the set's markers that the recording does not contain.
+/// Returns a list of the set's markers that the recording does not contain.
 std::string missing_labels(const Choice& choice) {
   std::string out;
   for (std::size_t k = 0; k < choice.set->markers.size(); ++k) {
@@ -59,7 +59,7 @@ std::string missing_labels(const Choice& choice) {
   return out;
 }
 
-/// DOFs of a segment's joint for the skeleton; ball joints have three axes without limits.
+/// Returns the DOFs of a segment's joint in the skeleton; ball joints have three axes without limits.
 std::vector<MeasuredDof> dofs_of(const ModelSegment& s) {
   switch (s.joint) {
     case ModelJoint::hinge: return {{s.axis, true, s.lower, s.upper}};
@@ -159,7 +159,7 @@ class Solver {
   std::vector<long> seen_;
 };
 
-/// True if all seen marker positions are within 1 mm of one plane, as in a projected recording, which does not determine a body in space.
+/// True if all seen marker positions are within 1 mm of one plane, as in a projected recording. Such a recording does not determine a pose.
 bool is_planar(const MarkerMotion& m) {
   Vec3 middle;
   double count = 0;
@@ -169,7 +169,7 @@ bool is_planar(const MarkerMotion& m) {
     count += 1;
   }
   middle = middle / std::max(1.0, count);
-  // Normal of the plane: from the farthest point and the point that gives the longest cross product with it.
+  // Normal of the plane: cross product of the farthest point and the point with the largest cross product with it, relative to the mean.
   Vec3 a, normal;
   for (std::size_t i = 0; i < m.positions.size(); ++i)
     if (m.residuals[i] >= 0 && norm(m.positions[i] - middle) > norm(a)) a = m.positions[i] - middle;
@@ -184,7 +184,7 @@ bool is_planar(const MarkerMotion& m) {
   return true;
 }
 
-/// The markers without spikes and short gaps, low-pass filtered. Long gaps remain. @param report receives a sentence for each change
+/// Returns the markers without spikes and short gaps, low-pass filtered. Long gaps remain. @param report receives one sentence a change
 MarkerMotion clean(const MarkerMotion& motion, const CaptureOptions& options, std::vector<std::string>& report) {
   MarkerMotion out = motion;
   if (const int spikes = remove_spikes(out); spikes > 0) report.push_back(std::to_string(spikes) + " spikes were removed.");
@@ -204,7 +204,7 @@ struct Fit {
   std::string set_name;
   Subject subject;
   ModelPose first;                  // pose in frame `from`
-  int from = 0;                     // frame with which solving begins
+  int from = 0;                     // frame in which the solver begins
   std::vector<std::string> unused;  // labels unknown to the set
 };
 
@@ -252,7 +252,7 @@ Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers,
   return out;
 }
 
-/// First and last frame of the longest part in which the body's pose is known: interruptions of up to half a second are bridged.
+/// Returns the longest range of frames in which the body's pose is known; interruptions of up to half a second are included.
 std::pair<int, int> known_part(const MarkerMotion& markers, const Subject& subject) {
   const int bridge = static_cast<int>(0.5 * markers.rate);
   int best_from = 0, best_to = -1, from = -1, last = -1;
@@ -268,7 +268,7 @@ std::pair<int, int> known_part(const MarkerMotion& markers, const Subject& subje
   return {best_from, best_to};
 }
 
-/// Cuts the converted motion to the frames from ... to.
+/// Cuts the converted motion to the frames `from` to `to`, both included.
 void trim(Capture& out, int from, int to) {
   const std::size_t n = out.measured.skeleton.joints.size();
   const auto cut = [&](auto& list, std::size_t width) {
@@ -281,7 +281,7 @@ void trim(Capture& out, int from, int to) {
   out.measured.frames = to - from + 1;
 }
 
-/// Fills long gaps from the body's pose. @param report receives the numbers of frames and positions
+/// Fills long gaps from the body's pose. @param report receives two counts: frames with an unknown pose, filled positions
 void fill_by_body(MarkerMotion& markers, const Fit& fit, const std::function<bool()>& cancelled, std::vector<std::string>& report) {
   int unknown = 0;
   for (int f = 0; f < markers.frames; ++f) unknown += enough_markers_seen(markers, fit.subject, f) ? 0 : 1;

@@ -1,5 +1,5 @@
 #pragma once
-// From markers to a moving skeleton: segment lengths, marker offsets, and the joints of every frame by least squares.
+// Converts marker recordings to a moving skeleton: segment lengths, marker offsets, and the joints of every frame by least squares.
 
 #include <functional>
 #include <string>
@@ -19,7 +19,7 @@ struct CaptureOptions {
   std::function<bool()> cancelled = {};  ///< called before each frame; true ends the work: solve_markers fails with ErrorCode::cancelled
 };
 
-/// Fit of one marker: distances between recorded and reconstructed position.
+/// Fit of one marker: distances between recorded and reconstructed positions.
 struct MarkerResidual {
   std::string label, segment;
   double rms = 0, maximum = 0;  ///< m
@@ -29,11 +29,11 @@ struct MarkerResidual {
 
 /// Result of solve_markers.
 struct Capture {
-  MeasuredMotion measured;                ///< the skeleton and its motion
-  std::string marker_set;                 ///< name for display
+  MeasuredMotion measured;                ///< the skeleton and its motion, both found from the markers
+  std::string marker_set;                 ///< name of the chosen marker set, for display
   double size = 1;                        ///< size of the subject relative to the model
   double rms = 0;                         ///< m, root mean square distance to the recorded positions, over all seen markers and frames
-  std::vector<MarkerResidual> residuals;  ///< one for each used marker
+  std::vector<MarkerResidual> residuals;  ///< one entry for each used marker
   std::vector<double> frame_rms;          ///< [frames] m, root mean square over the markers
   std::vector<std::string> unused;        ///< labels that the marker set does not contain
   std::vector<std::string> report;        ///< sentences for display
@@ -41,13 +41,14 @@ struct Capture {
 
 /// Result of fill_markers.
 struct FilledMarkers {
-  MarkerMotion markers;             ///< recorded positions unchanged; filled positions have residual 0, those still missing -1
+  MarkerMotion markers;             ///< recorded positions unchanged; filled positions have residual 0, missing ones -1
   std::vector<std::string> report;  ///< sentences for display
 };
 
-/// Fills the gaps of a recording. Short gaps are filled by splines, longer ones from the body pose that the other markers determine.
-/// A marker that is never seen gets the mirrored offset of its partner on the other side of the body. Markers unknown to the marker set are
-/// filled from markers that move with them as one rigid body; so are all markers if no body is recognised. Remaining gaps are reported.
+/// Fills the gaps of a recording. Short gaps are filled by splines, longer ones from the body pose that the other markers determine. A
+/// marker that is never seen gets the mirrored offset of its partner on the other side of the body. Markers unknown to the marker set are
+/// filled from markers that move with them as one rigid body; if no body is recognised, this applies to all markers. Remaining gaps are
+/// reported.
 [[nodiscard]] FilledMarkers fill_markers(const MarkerMotion& motion, const CaptureOptions& options = {});
 
 /// Chooses the marker set that contains most of the labels, fits it to the recording, and solves every frame.

@@ -9,8 +9,8 @@
 namespace ugoki::capture {
 namespace {
 
-constexpr double quiet_share = 0.1;  // share of the samples that must be unloaded to determine an offset
-constexpr double quiet_load = 0.05;  // share of the load range; samples with a smaller load count as unloaded for the offset
+constexpr double quiet_share = 0.1;  // minimum share of unloaded samples for determining an offset
+constexpr double quiet_load = 0.05;  // share of the load's range; when the offset is determined, samples below this load count as unloaded
 constexpr double min_size = 0.01;    // m, minimum length of a plate's sides
 constexpr double newton_of_lbf = 4.4482216152605, metre_of_inch = 0.0254;
 
@@ -18,24 +18,25 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string plate_name(std::size_t i) { return "force plate " + std::to_string(i + 1); }
 
-/// `s` in lower case, without characters other than letters and digits.
+/// Returns `s` in lower case, with letters and digits only.
 std::string folded(std::string s) {
   std::erase_if(s, [](unsigned char c) { return std::isalnum(c) == 0; });
   for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return s;
 }
 
-/// Newtons per unit; 1 if the unit is unknown.
+/// Returns newtons per unit; 1 if the unit is unknown.
 double force_unit(const std::string& unit) {
   const std::string u = folded(unit);
   return u == "kn" ? 1000 : u == "lbf" || u == "lb" || u == "lbs" ? newton_of_lbf : 1;
 }
-/// Metres per unit; `otherwise` if the unit is unknown.
+/// Returns metres per unit; `otherwise` if the unit is unknown.
 double length_unit(const std::string& unit, double otherwise) {
   const std::string u = folded(unit);
   return u == "m" ? 1 : u == "cm" ? 0.01 : u == "mm" ? 0.001 : u == "in" || u == "inch" ? metre_of_inch : otherwise;
 }
-/// Newton metres per unit. If the unit is unknown, `length`, the file's length unit [m], because the moment is then in N times this unit.
+/// Returns newton metres per unit. If the unit is unknown: `length`, the file's length unit [m], as the moment is then in N times this
+/// unit.
 double moment_unit(const std::string& unit, double length) {
   const std::string u = folded(unit);
   if (u == "nm") return 1;
@@ -46,13 +47,13 @@ double moment_unit(const std::string& unit, double length) {
   return length;
 }
 
-/// Pose of a plate. Its axes follow from its corners, which C3D stores in the order (+x +y), (-x +y), (-x -y), (+x -y).
+/// Pose of a plate. Its axes follow from its corners, which C3D lists in the order (+x +y), (-x +y), (-x -y), (+x -y).
 struct PlatePose {
-  Mat3 R;       ///< plate to world
-  Vec3 middle;  ///< m, world
+  Mat3 R;       ///< rotation from the plate to the world
+  Vec3 middle;  ///< m, world: centre of the surface
 };
 
-/// Evaluates the channels of one plate.
+/// Computes forces and moments of one plate from its analog channels.
 class Plate {
  public:
   Plate(const MarkerMotion& motion, std::size_t index, const ForcePlateOptions& o)
@@ -87,7 +88,7 @@ class Plate {
     read();
     if (o_.remove_offset) remove_offset(report);
     const PlatePose plate_pose = find_pose();
-    // The sensor is below the surface, whatever sign the file gives its position.
+    // The sensor is below the surface, whatever the sign of its position in the file.
     Vec3 to_surface = plate_.origin;
     if (plate_.type == 3) to_surface = {0, 0, plate_.origin.z};
     if ((plate_pose.R * to_surface).z < 0) to_surface = -to_surface;
@@ -137,7 +138,7 @@ class Plate {
     for (std::size_t s = 0; s < samples_; ++s) load[s] = vertical(s);
     std::vector<double> sorted = load;
     std::sort(sorted.begin(), sorted.end());
-    // A load has one sign only, so the unloaded value is the end of the range that is closer to zero.
+    // A load has only one sign, so the unloaded value is the end of the range that is closer to zero.
     const double low = sorted.front(), high = sorted.back();
     const double base = std::fabs(low) < std::fabs(high) ? low : high;
     if (high - low < 10 * o_.threshold) return;
@@ -147,11 +148,11 @@ class Plate {
       for (std::size_t k = 0; k < channels_; ++k) quiet[k].push_back(values_[s * channels_ + k]);
     }
     if (static_cast<double>(quiet[0].size()) < quiet_share * static_cast<double>(samples_)) return;
-    const std::size_t last = plate_.type == 1 ? 3 : channels_;  // type 1: channels 4 to 6 (centre of pressure, moment) have no offset
+    const std::size_t last = plate_.type == 1 ? 3 : channels_;  // type 1: channels 4 to 6 (centre of pressure, moment) keep their offset
     std::vector<double> offset(channels_, 0.0);
     for (std::size_t k = 0; k < last; ++k) {
       const auto middle = quiet[k].begin() + static_cast<std::ptrdiff_t>(quiet[k].size() / 2);
-      std::nth_element(quiet[k].begin(), middle, quiet[k].end());  // the median is robust against the beginnings of steps
+      std::nth_element(quiet[k].begin(), middle, quiet[k].end());  // median, because samples at the beginning of a step are outliers
       offset[k] = *middle;
       for (std::size_t s = 0; s < samples_; ++s) values_[s * channels_ + k] -= offset[k];
     }
@@ -186,7 +187,7 @@ class Plate {
     wrench_.insert(wrench_.end(), {F.x, F.y, F.z, M.x, M.y, M.z});
   }
 
-  /// Low-pass filters the wrench; a cutoff of a third of the sampling rate or more is ignored.
+  /// Low-pass filters the wrench. Without effect if the cut-off is a third of the sampling rate or more.
   void filter() {
     const double rate = motion_.analog_rate;
     if (o_.cutoff >= rate / 3) return;
@@ -202,7 +203,7 @@ class Plate {
     }
   }
 
-  /// Inverts the wrench if its mean points down: some laboratories record the force on the plate instead of the force on the foot.
+  /// Inverts the wrench if its mean force points down: some laboratories record the force on the plate instead of the force on the foot.
   void turn_upwards(const PlatePose& plate_pose, std::vector<std::string>& report) {
     double sum = 0;
     for (std::size_t s = 0; s < samples_; ++s) sum += (plate_pose.R * Vec3{wrench_[6 * s], wrench_[6 * s + 1], wrench_[6 * s + 2]}).z;

@@ -33,7 +33,7 @@ BodyPoses find_body_poses(const MarkerMotion& markers, const Subject& subject, c
   return out;
 }
 
-/// Recorded position of used marker m in the segment's frame, minus its calibrated offset [m]. The pose is solved without this marker.
+/// Position of used marker m in the segment's frame minus its calibrated offset [m]; the pose is solved without this marker.
 Vec3 offset_from_others(const MarkerMotion& markers, const Subject& subject, const BodyPoses& bodies, std::size_t m, int frame) {
   MeasuredFrame measured = measured_frame(markers, subject, frame);
   measured.seen[m] = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Fills positions of unseen markers from the pose of the subject that carries them. Internal to capture.
+// Fills positions of unseen markers from the pose of the subject that wears them. Internal to capture.
 
 #include <functional>
 
@@ -24,7 +24,7 @@ void solve_frames(const MarkerMotion& markers, const Subject& subject, const Mod
       PoseOptions options;
       if (f != from) {
         options.near = &near;
-        options.step_sigma = 30 / markers.rate;  // rad, a weak prior: decisive only for DOFs that no seen marker determines
+        options.step_sigma = 30 / markers.rate;  // rad, a weak prior: it has an effect only on DOFs that no seen marker determines
       }
       solver.solve(subject, measured_frame(markers, subject, f), options, pose);
       visit(f, solver, pose);
@@ -32,13 +32,13 @@ void solve_frames(const MarkerMotion& markers, const Subject& subject, const Mod
   }
 }
 
-/// True if at least a third of the subject's markers is seen in the frame. With fewer markers the pose is dominated by the priors.
+/// True if at least a third of the subject's markers are seen in the frame. If fewer are seen, the priors dominate the pose.
 [[nodiscard]] bool enough_markers_seen(const MarkerMotion& markers, const Subject& subject, int frame);
 
-/// Fills every gap of the subject's markers from the pose of the marker's segment, which the other markers determine. At each end of
-/// the gap this position differs from the recorded one. The two differences are interpolated over the gap, so that there is no jump.
-/// Frames without enough_markers_seen are not filled.
-/// @param first, from, cancelled as for solve_frames; after a cancellation the markers are unchanged @return number of filled positions
+/// Fills every gap of the subject's markers from the pose of the marker's segment, which the other markers determine. At each end of the
+/// gap this position differs from the recorded one; the two differences are interpolated over the gap, so that the path has no jump. Frames
+/// in which enough_markers_seen() is false are not filled.
+/// @param first, from, cancelled as in solve_frames; after a cancellation the markers are unchanged @return number of filled positions
 int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from,
                       const std::function<bool()>& cancelled);
 

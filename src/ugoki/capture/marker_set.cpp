@@ -11,7 +11,7 @@ Vec3 mirrored(const Vec3& v) { return {v.x, -v.y, v.z}; }
 /// Mirror image of a rotation axis in the plane y = 0. The axis is a pseudovector: y is kept, x and z are inverted.
 Vec3 mirrored_axis(const Vec3& a) { return {-a.x, a.y, -a.z}; }
 
-/// Builds a marker set from segments in the middle of the body and from pairs of left and right segments.
+/// Builds a marker set from segments in the middle of the body and pairs of left and right segments.
 class Builder {
  public:
   explicit Builder(std::string name) { set_.name = std::move(name); }
@@ -21,7 +21,7 @@ class Builder {
     set_.segments.push_back(std::move(s));
     return static_cast<int>(set_.segments.size()) - 1;
   }
-  /// Adds `left` and its mirror image, which gets the next index. In the mirror image "Left" in the name becomes "Right", and a left
+  /// Adds `left` and its mirror image, which gets the next index. In the mirror image, "Left" in the name becomes "Right", and a left
   /// parent is replaced by the right one. @return index of the left segment
   int pair(ModelSegment left) {
     const int index = static_cast<int>(set_.segments.size());
@@ -75,12 +75,12 @@ ModelSegment hinge(std::string name, int parent, const Vec3& offset, const Vec3&
   return s;
 }
 
-/// Indices of the (left) segments of a person.
+/// Indices of the segments of a person; of paired segments, the left one.
 struct Person {
   int hips = 0, thigh = 0, shank = 0, ankle = 0, chest = 0, head = 0, collar = 0, arm = 0, forearm = 0, hand = 0;
 };
 
-/// Adds the segments of a person of 1.75 m. Segment lengths: de Leva (1996).
+/// Adds the segments of a person with a height of 1.75 m. Segment lengths: de Leva (1996).
 Person add_person(Builder& b) {
   ModelSegment root = ball("Hips", -1, {}, {}, 1e3);
   root.joint = ModelJoint::root;
@@ -119,8 +119,8 @@ Person add_person(Builder& b) {
   return {hips, thigh, shank, ankle, chest, head, collar, arm, forearm, hand};
 }
 
-/// A person with markers on the skin. Marker positions relative to the joint centres: palpation rules of the Plug-in Gait model, and for
-/// the labels of other sets the bony landmarks that they name (van Sint Jan 2007, Colour Atlas of Skeletal Landmark Definitions).
+/// A person with markers on the skin. Marker positions relative to the joint centres: palpation rules of the Plug-in Gait model; for labels
+/// of other sets, the bony landmarks that the labels name (van Sint Jan 2007, Colour Atlas of Skeletal Landmark Definitions).
 MarkerSet make_human() {
   Builder b("human, markers on the skin");
   const auto [hips, thigh, shank, ankle, chest, head, collar, arm, forearm, hand] = add_person(b);
@@ -184,7 +184,7 @@ MarkerSet make_human() {
   return b.finish();
 }
 
-/// A person with key points at the joint centres, as video systems give them (COCO, OpenPose, HALPE, Theia and Xsens exports).
+/// A person with key points at the joint centres, as video-based systems export them (COCO, OpenPose, HALPE, Theia and Xsens).
 MarkerSet make_human_key_points() {
   Builder b("human, key points on the joints");
   const auto [hips, thigh, shank, ankle, chest, head, collar, arm, forearm, hand] = add_person(b);
@@ -258,7 +258,7 @@ MarkerSet make_quadruped() {
   return b.finish();
 }
 
-/// Capital letters without blanks, '_', '-' and '.'.
+/// Returns the label in capital letters, without blanks, '_', '-' and '.'.
 std::string normalized_label(const std::string& label) {
   std::string out;
   for (const char c : label)
@@ -266,7 +266,7 @@ std::string normalized_label(const std::string& label) {
   return out;
 }
 
-/// The label in the forms in which sets write it: as it is; with the side as first letter ("left_knee", "Knee Left", "knee.L" -> "LKNEE").
+/// Returns the spellings under which sets may list the label: unchanged; side as first letter ("left_knee", "knee.L" -> "LKNEE").
 std::vector<std::string> forms_of(const std::string& label) {
   const std::string plain = normalized_label(label);
   std::vector<std::string> out = {plain};
@@ -282,12 +282,12 @@ std::vector<std::string> forms_of(const std::string& label) {
   return out;
 }
 
-/// Length of a prefix that all labels share up to a separator ("Jim_LASI", "Subject1.RKNE"); 0: none. At least four labels are needed.
+/// Returns the length of a prefix that all labels share up to a separator ("Jim_LASI", "Subject1.RKNE"); 0: none, or under four labels.
 std::size_t common_prefix(const std::vector<std::string>& labels) {
   if (labels.size() < 4) return 0;
   std::size_t length = labels[0].size();
   for (const std::string& label : labels) {
-    if (label.starts_with('*')) continue;  // unlabelled
+    if (label.starts_with('*')) continue;  // labels of unidentified markers begin with *
     std::size_t k = 0;
     while (k < length && k < label.size() && label[k] == labels[0][k]) ++k;
     length = k;

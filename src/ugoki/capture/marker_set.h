@@ -1,5 +1,5 @@
 #pragma once
-// Marker sets: labels, segments and positions of the markers on a model skeleton.
+// Marker sets: labels of markers, and their positions on the segments of a model skeleton.
 
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@ namespace ugoki::capture {
 enum class ModelJoint : unsigned char { root, ball, hinge, universal, fixed };
 
 /// A segment of the model and the joint at its start. Rest posture: a person stands with arms sideways and palms forward; an animal stands.
-/// At rest all frames are parallel to the world: X forward, Y left, Z up. Lengths refer to the model's own size.
+/// At rest all segment frames are parallel to the world: X forward, Y left, Z up. Lengths are those of the model, not of a subject.
 struct ModelSegment {
   std::string name;
   int parent = -1;    ///< index in MarkerSet::segments; -1: root
@@ -22,18 +22,18 @@ struct ModelSegment {
   Vec3 axis, second_axis;            ///< unit; hinge: axis; universal: axis (outer) and second_axis (inner)
   double lower = 0, upper = 0;       ///< rad, limits of the first axis
   double lower2 = 0, upper2 = 0;     ///< rad, limits of the second axis
-  double stiffness_sigma = 1e3;      ///< rad, standard deviation from rest; shares a rotation among joints that markers cannot distinguish
+  double stiffness_sigma = 1e3;      ///< rad, standard deviation from rest; divides a rotation among joints that markers cannot distinguish
   int mirror = -1;                   ///< index of the segment on the other side of the body; -1: none
   std::vector<Vec3> end_sites = {};  ///< m, in the segment's frame
 };
 
 /// A marker of a marker set.
 struct ModelMarker {
-  std::vector<std::string> labels;  ///< labels in use, in capital letters; the first is the usual one
+  std::vector<std::string> labels;  ///< labels in use, in capital letters; the first one is the most common
   int segment = 0;                  ///< index in MarkerSet::segments
-  Vec3 at;                          ///< m, in the segment's frame
-  double sigma = 0;                 ///< m, standard deviation of the placement
-  double noise = 1;                 ///< factor on PoseOptions::marker_sigma: motion of the skin relative to the bone at this marker
+  Vec3 at;                          ///< m, position in the segment's frame
+  double sigma = 0;                 ///< m, standard deviation of the position on the body
+  double noise = 1;                 ///< factor on PoseOptions::marker_sigma, for the motion of the skin relative to the bone
 };
 
 /// A model skeleton with its markers.
@@ -50,9 +50,9 @@ struct MarkerSet {
 /// Four-legged animal with key points on its joints (Snout, SpineF, ShoulderL, HipR ...).
 [[nodiscard]] const MarkerSet& quadruped_key_points();
 
-/// Index into set.markers [labels] for each label of the recording; -1: not in the set. Case, blanks, '_', '-', '.', a prefix before ':'
-/// and a prefix that all labels share are ignored. "Left" and "right" may be written out, in front or behind ("left_knee", "Knee Left",
-/// "knee.L").
+/// Returns the index into set.markers for each label of the recording; -1: not in the set. Case, blanks, '_', '-', '.', a prefix before ':'
+/// and a prefix that all labels share are ignored. "Left" and "right" may be written out, at the beginning or the end ("left_knee", "Knee
+/// Left", "knee.L").
 [[nodiscard]] std::vector<int> match_labels(const MarkerSet& set, const std::vector<std::string>& labels);
 
 }  // namespace ugoki::capture

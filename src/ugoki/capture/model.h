@@ -29,18 +29,18 @@ struct Subject {
   [[nodiscard]] const ModelSegment& segment(std::size_t i) const { return set->segments[i]; }
   [[nodiscard]] const ModelMarker& marker(std::size_t used) const { return set->markers[static_cast<std::size_t>(markers[used])]; }
   [[nodiscard]] std::size_t segment_count() const { return set->segments.size(); }
-  /// All joints at rest, root at the origin.
+  /// Returns the pose with all joints at rest and the root at the origin.
   [[nodiscard]] ModelPose rest() const;
 };
 
-/// Subject of the given relative size before calibration. @param match match_labels of the recording @param set must outlive the subject
+/// Returns a subject of the given relative size before calibration. @param match result of match_labels @param set must outlive the subject
 [[nodiscard]] Subject make_subject(const MarkerSet& set, const std::vector<int>& match, double size);
 
 /// World poses of all segments, and the world axes of all DOFs.
 struct Kinematics {
   std::vector<Mat3> R;     ///< [segments] orientation
   std::vector<Vec3> p;     ///< [segments] m, position of the joint
-  std::vector<Vec3> axes;  ///< [DOFs] unit; the root's first three are translations along X, Y, Z
+  std::vector<Vec3> axes;  ///< [DOFs] unit vectors; the root's first three are translations along X, Y, Z
 };
 /// Computes `k` for a pose. O(segments).
 void calc_kinematics(const Subject& subject, const ModelPose& pose, Kinematics& k);
@@ -48,10 +48,10 @@ void calc_kinematics(const Subject& subject, const ModelPose& pose, Kinematics& 
 /// Rotation of segment i's joint in the parent's frame.
 [[nodiscard]] Quat joint_rotation(const Subject& subject, const ModelPose& pose, std::size_t i);
 
-/// Adds `step` [DOFs] (m, rad about the DOFs' axes) to the pose; angles are clamped to their limits.
+/// Adds `step` [DOFs] (m along or rad about the DOFs' axes) to the pose; angles are clamped to their limits.
 void move(const Subject& subject, std::span<const double> step, ModelPose& pose);
 
-/// World position [m] of a used marker. @param used index among the used markers
+/// World position [m] of a used marker. @param used index in Subject::markers
 [[nodiscard]] inline Vec3 marker_position(const Subject& subject, const Kinematics& k, std::size_t used) {
   const auto s = static_cast<std::size_t>(subject.marker(used).segment);
   return k.p[s] + k.R[s] * subject.marker_offsets[used];

@@ -8,7 +8,7 @@
 namespace ugoki::capture {
 namespace {
 
-/// Range of the rotational DOFs of a segment's joint; the root's three translations precede them.
+/// Range of the rotational DOFs of a segment's joint. In the root's joint three translations precede them.
 struct RotationDofs {
   std::size_t first;
   int count;
@@ -25,7 +25,7 @@ RotationDofs rotation_dofs(const Subject& s, std::size_t i) {
   return {first, 0};
 }
 
-/// Deviation [rad] of segment i's joint from pose `from` (null: rest) in its rotational DOFs.
+/// Deviation [rad] of segment i's joint from pose `from` (null: from rest) along its rotational DOFs.
 Vec3 departure(const Subject& s, const ModelPose& pose, const ModelPose* from, std::size_t i) {
   const ModelJoint joint = s.segment(i).joint;
   if (joint == ModelJoint::root || joint == ModelJoint::ball)
@@ -34,7 +34,7 @@ Vec3 departure(const Subject& s, const ModelPose& pose, const ModelPose* from, s
           pose.angles[2 * i + 1] - (from == nullptr ? 0 : from->angles[2 * i + 1]), 0};
 }
 
-/// Huber loss of r >= 0.
+/// Huber loss of an error r >= 0.
 double huber(double r, double limit) { return r <= limit ? 0.5 * r * r : limit * (r - 0.5 * limit); }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// Finds the pose in which a subject's markers fit their measured positions best. Internal to capture.
+// Finds the pose in which a subject's markers are closest to their measured positions. Internal to capture.
 
 #include <span>
 #include <vector>
@@ -14,26 +14,26 @@ struct MeasuredFrame {
   std::vector<char> seen;       ///< [used markers] 1: seen
   int count = 0;                ///< number of seen markers
 };
-/// One frame of a recording.
+/// Returns the measured positions of the subject's markers in one frame of a recording.
 [[nodiscard]] MeasuredFrame measured_frame(const MarkerMotion& motion, const Subject& subject, int frame);
 
 /// Weights of PoseSolver::solve.
 struct PoseOptions {
   double marker_sigma = 0.01;       ///< m, standard deviation of a marker on moving skin
-  double outlier = 0.05;            ///< m, Huber limit: larger errors count linearly
+  double outlier = 0.05;            ///< m, Huber limit: the cost of larger errors is linear
   double step_sigma = 0;            ///< rad, standard deviation of joint rotations from `near`; 0: no such prior
   const ModelPose* near = nullptr;  ///< pose of the neighbouring frame; null: none
   int max_iterations = 30;
 };
 
-/// Weight [1/m^2] of a marker in the normal equations. @param distance m, marker to its measured position @param noise ModelMarker::noise
+/// Weight [1/m^2] of a marker in the normal equations. @param noise ModelMarker::noise @param distance m, marker to its measured position
 [[nodiscard]] double marker_weight(const PoseOptions& options, double noise, double distance);
 
 /// Minimises marker errors, deviation from rest (weighted by stiffness_sigma) and deviation from `near` by the Levenberg-Marquardt method.
 /// Joint limits are kept by projection.
 class PoseSolver {
  public:
-  /// @param pose [in and out] start and result
+  /// @param pose [in and out] initial pose and solution
   /// @return the cost: half the sum of squared deviations, each divided by its standard deviation (Huber loss for markers)
   double solve(const Subject& subject, const MeasuredFrame& frame, const PoseOptions& options, ModelPose& pose);
 

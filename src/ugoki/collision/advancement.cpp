@@ -21,8 +21,8 @@ struct Mover {
   double alpha = 0;
 };
 
-/// Maximum distance [m] of the body's points from its centre. For convex bodies, of the points of its core (support.h): the approach is
-/// bounded for the cores, because rotation does not change the radius around them.
+/// Maximum distance [m] of the body's points from its centre. For convex bodies only the points of the core (support.h) count: the approach
+/// is bounded for the cores, because rotation does not change the radius around them.
 double reach(const Mover& m, bool convex) { return convex ? m.shape.bound - m.shape.support.radius : m.shape.bound; }
 
 /// Bound of the approach of two bodies. Their distance d decreases within a time s at most to d(t) - (speed s + acceleration s^2 / 2).
@@ -60,7 +60,7 @@ struct PairCheck {
   bool known = false;  ///< false: a pose or velocity is not finite, or a shape has no surface
 };
 
-/// Measures the distance of bodies a and b, and computes a time in which they cannot touch.
+/// Measures the distance between bodies a and b, and computes a time in which they cannot touch.
 /// @param remaining s: time until the end of the step
 PairCheck check_pair(const Mover& a, const Mover& b, double remaining, double tolerance, PairCache& cache, DistanceWorkspace& workspace) {
   PairCheck out;
@@ -336,9 +336,9 @@ SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt,
 }
 
 /// True if the penetration depth of two convex bodies may exceed the limit of find_passage() before `end` [s]. The depth stays below the
-/// limit until c.time. This holds because the signed distance of convex bodies decreases at most as fast as their points approach along its
-/// normal, also while they overlap. `both` is the sum of the half widths. The search stops 2 % of `both` before the limit. Each iteration
-/// aims at 1 % of `both` before the limit, so that the number of iterations stays small.
+/// limit until c.time. This holds because the signed distance between convex bodies decreases at most as fast as their points approach
+/// along its normal, also while they overlap. `both` is the sum of the half widths. The search stops 2 % of `both` before the limit. Each
+/// iteration aims at 1 % of `both` before the limit, so that the number of iterations stays small.
 bool ImpactSearch::passes_through(Candidate& c, double end, double dt) {
   constexpr int max_checks = 20000;  // limits the loop; a pair that reaches this count is reported as unsafe
   const SceneShape &sa = scene_.shapes()[static_cast<std::size_t>(c.a)], &sb = scene_.shapes()[static_cast<std::size_t>(c.b)];

@@ -2,10 +2,10 @@
 // Conservative advancement: finds the time at which two moving bodies first touch, from their true distances. No impact of a fast or
 // thin body is missed.
 //
-// At time t the distance of bodies a and b is d, along the unit vector n from b towards a. They cannot touch before they have approached
-// each other by d. Their approach speed at t is at most n . (v_b - v_a) + |n x w_a| r_a + |n x w_b| r_b. For each body, v is the velocity
-// of its centre, w its angular velocity, and r the maximum distance of its points from its centre. The maximum acceleration of the points
-// bounds the growth of the approach speed until the end of the step. These two bounds give a time before which the bodies cannot
+// At time t the distance between bodies a and b is d, along the unit vector n from b towards a. They cannot touch before they have
+// approached each other by d. Their approach speed at t is at most n . (v_b - v_a) + |n x w_a| r_a + |n x w_b| r_b. For each body, v is the
+// velocity of its centre, w its angular velocity, and r the maximum distance of its points from its centre. The maximum acceleration of the
+// points bounds the growth of the approach speed until the end of the step. These two bounds give a time before which the bodies cannot
 // touch. The search advances to that time and measures the distance again.
 // Sources: Mirtich, Impulse-based dynamic simulation of rigid body systems (1996); Zhang, Lee, Kim, Interactive continuous collision
 // detection for non-convex polyhedra (2006); Zhang, Redon, Lee, Kim, Continuous collision detection for articulated models (2007).
@@ -37,7 +37,7 @@ enum class ImpactStatus : std::uint8_t {
 struct Impact {
   ImpactStatus status = ImpactStatus::none;
   double time = 0;     ///< s from the start of the step, never after the true impact; status none: the step length
-  PairDistance near;   ///< distance of the bodies at `time`; status none: the last measured distance, at an earlier time
+  PairDistance near;   ///< distance between the bodies at `time`; status none: the last measured distance, at an earlier time
   int iterations = 0;  ///< count of distances measured
 };
 
@@ -93,11 +93,11 @@ class ImpactSearch {
   [[nodiscard]] SceneImpact find(std::span<const SystemMotion> systems, double dt, double margin);
 
   /// Checks whether a shape may pass through another one within the step. Pairs with the ground and pairs of two non-convex shapes are
-  /// skipped. The returned time is one up to which no pair has exceeded its limit. The limits are:
+  /// skipped. Up to the returned time, no pair exceeds its limit. The limits are:
   /// - Two convex shapes: a penetration depth of half the sum of their half widths (half_width_of(), core.h). If their depth at the start
   ///   exceeds 0.4 of that sum, the limit is this depth plus a tenth of the sum.
   /// - A convex shape and a surface of triangles: the core of the convex shape (core.h) comes close to the surface.
-  /// Convex pairs that approach by less than the sum of their half widths are skipped without measuring a distance.
+  /// Convex pairs that approach by less than the sum of their half widths are skipped; their distance is not measured.
   /// @return status impact with the time [s] up to which no limit is exceeded, or status none with the length of the step
   [[nodiscard]] SceneImpact find_passage(std::span<const SystemMotion> systems, double dt);
 
@@ -148,7 +148,7 @@ class ImpactSearch {
   std::span<const SystemMotion> motions_;
   std::vector<System> systems_;
   double min_travel_ = 0;                      // m: pairs of shapes whose summed Sweep::travel is below this are skipped
-  std::vector<Sweep> sweeps_;                  // [shapes]
+  std::vector<Sweep> sweeps_;                  // [shapes] swept sphere of each shape
   std::vector<double> half_width_;             // [shapes] m: half_width_of() of each shape
   std::vector<std::pair<double, int>> order_;  // [shapes] sorted: minimum x [m, world] of a swept sphere, index of its shape
   std::vector<Candidate> candidates_;

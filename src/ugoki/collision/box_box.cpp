@@ -25,7 +25,7 @@ struct Axes {
 
 /// Computes the separations of two boxes along their face normals and the cross products of their edges.
 /// @param stop m: return as soon as a separation is at least this
-/// @param bias m: a face of b is used only if its separation exceeds that of a's best face by this, so that contacts do not alternate
+/// @param bias m: a face of b is used only if its separation exceeds that of a's best face by the bias, so that contacts do not alternate
 Axes calc_axes(const Box& a, const Box& b, double stop, double bias) {
   const Mat3 R = a.X.R.transposed() * b.X.R;  // b's axes in a's frame, as columns
   const Vec3 p = transpose_times(a.X.R, b.X.p - a.X.p);

@@ -18,8 +18,8 @@ struct BoxPair {
   double distance = 0;  ///< m, between the surfaces; negative: minus the penetration depth
 };
 
-/// Closest (deepest) points of two boxes, exact up to rounding. Overlapping boxes: separating axis test. Separate boxes: distances of
-/// edges and corners to the other box.
+/// Closest (deepest) points of two boxes, exact up to rounding. Overlapping boxes: separating axis test. Separate boxes: distances of edges
+/// and corners from the other box.
 [[nodiscard]] BoxPair nearest_on_boxes(const Box& a, const Box& b);
 
 /// Adds up to 4 contact points of two boxes with distances below `margin` [m] to `out`. They are the corners of a face of one box, clipped

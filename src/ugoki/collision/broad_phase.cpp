@@ -3,7 +3,7 @@
 namespace ugoki::collision {
 namespace {
 
-// Up to this count of pairs (140 bodies), testing all pairs is as fast as scanning the tree's front (docs/design/superior-tree.md).
+// Up to this count of pairs (140 bodies), testing all pairs is as fast as the superior tree (docs/design/superior-tree.md).
 constexpr std::size_t max_all_pairs = 10000;
 
 }  // namespace

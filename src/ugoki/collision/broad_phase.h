@@ -1,6 +1,6 @@
 #pragma once
-// Broad phase of collision detection for crowds: finds the close pairs of shapes with a superior tree over their bounding spheres, instead
-// of testing all pairs. The result depends only on the current spheres, not on earlier calls.
+// Broad phase of collision detection for crowds: finds the close pairs of shapes with a superior tree (superior_tree.h) over their bounding
+// spheres, instead of testing all pairs. The result depends only on the current spheres, not on earlier calls.
 
 #include <cstdint>
 #include <span>
@@ -20,8 +20,8 @@ class BroadPhase {
 
   /// Returns pairs (a, b), a < b, of indices into Scene::shapes(), sorted by (a, b). The list contains all pairs whose spheres are closer
   /// than `margin` [m] and of which at least one shape is movable. Pairs of movable shapes of the same system are contained only if
-  /// covers() is true for this system. Some pairs in the list may be farther apart. The span is valid until the next call. No allocation in
-  /// coherent motion.
+  /// covers() is true for this system. The list may also contain pairs that are farther apart than `margin`. The span is valid until the
+  /// next call. No allocation in coherent motion.
   /// @param balls [shapes] m, world: bounding spheres; spheres that are not finite are in no pair
   [[nodiscard]] std::span<const BodyPair> find(const Scene& scene, std::span<const Workspace::Ball> balls, double margin);
 

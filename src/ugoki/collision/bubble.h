@@ -1,5 +1,5 @@
 #pragma once
-// Exact distances of non-convex meshes (the "bubble" method of Nagashima (1999)): a search of two sphere trees, warm-started from the
+// Exact distances between non-convex meshes (the "bubble" method of Nagashima (1999)): a search of two sphere trees, warm-started from the
 // closest triangles of the previous query.
 // Source: Quinlan, Efficient distance computation between non-convex objects (1994).
 //
@@ -70,7 +70,7 @@ struct BubbleWorkspace {
 /// True if the searches accept this pose: all values are finite and their magnitudes sum to less than 1e9.
 [[nodiscard]] bool can_be_placed(const Pose& X);
 
-/// Distance of mesh a at pose X_WA and mesh b at pose X_WB.
+/// Distance between mesh a at pose X_WA and mesh b at pose X_WB.
 /// @param warm [in, out] the closest triangles of the previous query of this pair; {} at the first query
 /// No allocation once the workspace has grown. Same bits on every machine for the same warm start.
 [[nodiscard]] BubbleDistance find_distance(const SphereTree& a, const Pose& X_WA, const SphereTree& b, const Pose& X_WB, TrianglePair& warm,

@@ -16,7 +16,7 @@ namespace ugoki::collision {
 /// View of a SphereTree.
 struct KernelTree {
   const BoundBlock* blocks;
-  const double* vertices;         ///< [3 * vertices] m
+  const double* vertices;         ///< [3 * vertices] m, x, y, z of each vertex
   const std::int32_t* triangles;  ///< [3 * triangles] indices of vertices
 };
 
@@ -44,7 +44,7 @@ struct KernelQuery {
   KernelPose<float> X_AB_f, X_BA_f;  ///< X_AB in float, and its inverse, for the tests of bounds
   float slack;                       ///< m: upper bound of the rounding errors in the tests of bounds
   float towards_b[3];  ///< unit, a's frame: estimated direction from a's closest point to b's; zero: unknown. A good estimate saves tests
-  double best2;        ///< m^2 [in, out]: squared search radius; afterwards the squared distance of `nearest`
+  double best2;        ///< m^2 [in, out]: squared search radius; afterwards squared distance between the triangles in `nearest`
   double shrink;       ///< 1 / (1 + relative_error): factor of the search radius once `nearest` is set
   KernelPair nearest;  ///< [in, out] the pair of triangles with squared distance best2; -1, -1: none
   KernelEntry* stack;  ///< [stack_size()] scratch memory

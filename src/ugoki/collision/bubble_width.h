@@ -76,7 +76,7 @@ T magnitude(T x) {
 }
 
 /// Separation [m] of two boxes along s.towards: the box of s and, in each lane, the box given by centre, axes and half extents. It is a
-/// lower bound of the distance of the boxes and may be negative.
+/// lower bound of the distance between the boxes and may be negative.
 template <class T>
 T gap_along(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* half) {
   F1 reach_s(0);
@@ -100,8 +100,8 @@ typename T::Mask beyond_along_centres(const Single& s, const Vec3T<T>& box, cons
   return length2 > reach;
 }
 
-/// Lower bound [m^2] of the squared distance of two boxes (as in gap_along()): the larger of two squared distances. Each is that of one box
-/// from the bounding box of the other box along the axes of the first box.
+/// Lower bound [m^2] of the squared distance between two boxes (as in gap_along()): the larger of two squared distances. Each is between
+/// one box and the bounding box of the other box along the axes of the first box.
 template <class T>
 T box_gap2(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* half) {
   const Vec3T<T> apart = box - spread<T>(s.box);
@@ -233,7 +233,7 @@ class Search {
     for (int i = 0; i < kept && !done_; i += Doubles::count) test_leaves(i, kept - i < Doubles::count ? kept - i : Doubles::count);
   }
 
-  /// Measures the distances of `count` pairs of triangles, starting at leaves_[first], one pair per lane.
+  /// Measures the distances between the triangles of `count` pairs, starting at leaves_[first], one pair per lane.
   void test_leaves(int first, int count) {
     double corners[18][Doubles::count];
     for (int lane = 0; lane < Doubles::count; ++lane) {
@@ -285,8 +285,8 @@ class Search {
   std::int32_t top_ = 0;          // count of entries on the stack
   int leaf_count_ = 0;
   KernelPair leaves_[leaf_room];
-  float leaf_gap2_[leaf_room];  // m^2: lower bound of the squared distance of each pair in leaves_
-  bool done_ = false;           // `pairs` is full, or the closest pair has distance 0
+  float leaf_gap2_[leaf_room];  // m^2: lower bound of the squared distance for each pair in leaves_
+  bool done_ = false;           // true: `pairs` is full, or the closest pair has distance 0
 };
 
 void search(KernelQuery& query) { Search(query).run(); }

@@ -9,9 +9,9 @@
 
 namespace ugoki::collision {
 
-/// A corner of the incident patch after clipping; a candidate for a contact point.
+/// A corner of the incident patch after it was clipped to the reference patch by cut(); a candidate for a contact point.
 struct Candidate {
-  Vec3 p;                     ///< m: on the surface of the incident body
+  Vec3 p;                     ///< m: on the surface of the incident body, to which the incident patch belongs
   double h = 0;               ///< m: height above the surface of the reference body
   std::uint32_t feature = 0;  ///< < 2^24: see ManifoldPoint::feature
 };

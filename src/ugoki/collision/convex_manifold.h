@@ -1,6 +1,6 @@
 #pragma once
-// Contact points of two convex shapes. The normal at the closest (deepest) points selects a face or edge of each shape. These are clipped
-// against each other.
+// Contact points of two convex shapes. The normal at the closest (deepest) points selects a face or edge of each shape. The two selected
+// features are clipped against each other.
 
 #include <vector>
 

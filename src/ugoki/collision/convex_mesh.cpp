@@ -28,7 +28,7 @@ class Search {
     best.distance = above;
   }
 
-  /// Measures the distance of the shape and triangle t, and stores the result in `best` if it is the minimum so far.
+  /// Measures the distance between the shape and triangle t, and stores the result in `best` if it is the minimum so far.
   /// @param cache warm start, possibly from another triangle
   void try_triangle(std::int32_t t, const GilbertCache& cache) {
     Hull& h = work_.corners;
@@ -89,7 +89,7 @@ class Search {
   }
 
   /// Pushes the bounds of a block on the stack, the closest on top. The lower bound of each distance is the larger of two values: the
-  /// distance of the bounding spheres, and the separation along the direction of the closest pair of points so far.
+  /// distance between the bounding spheres, and the separation along the direction of the closest pair of points so far.
   void expand(std::int32_t index) {
     const BoundBlock& block = tree_.blocks[at(index)];
     const std::size_t first = work_.stack.size();
@@ -123,7 +123,7 @@ bool is_bounded(const Support& s) {
   return s.kind != SupportKind::half_space && sum < 1e9;
 }
 
-/// Distance of a sphere from a mesh: the distance of its centre, less the radius.
+/// Distance of a sphere from a mesh: the distance of the sphere's centre from the mesh, less the radius.
 BubbleDistance point_distance(double radius, const Pose& X_WA, const SphereTree& b, const Pose& X_WB, ConvexMeshCache& cache,
                               ConvexMeshWorkspace& workspace, const BubbleOptions& options) {
   BubbleDistance out;

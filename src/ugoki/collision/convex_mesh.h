@@ -1,6 +1,6 @@
 #pragma once
-// Exact distance of a convex shape and a mesh: a search of the mesh's sphere tree. Gilbert's method gives the distance of the shape from
-// the bounds and, at the leaves, from the triangles.
+// Exact distance between a convex shape and a mesh: a search of the mesh's sphere tree. Gilbert's method gives the distance of the shape
+// from the tree's boxes and, at the leaves, from the triangles.
 //
 // The convex shape is solid; a mesh means its SURFACE. A shape inside a closed mesh has a positive distance from the mesh's walls.
 
@@ -30,9 +30,9 @@ class ConvexMeshWorkspace {
   ConvexMeshWorkspace();
 };
 
-/// Distance of shape a at pose X_WA (bounded: no half-space) and mesh b at pose X_WB. For polytopes the error is at most 1e-12 of the
-/// sizes; for curved shapes it is the duality gap of Gilbert's method (distance - lower). The options are those for two meshes (bubble.h).
-/// Status touching: the shape intersects the surface, and the distance is 0. BubbleDistance::nearest.a is always -1.
+/// Distance between shape a at pose X_WA (bounded: no half-space) and mesh b at pose X_WB. For polytopes the error is at most 1e-12 of the
+/// shapes' sizes; for curved shapes it is the duality gap of Gilbert's method (distance - lower). The options are those for two meshes
+/// (bubble.h). Status touching: the shape intersects the surface, and the distance is 0. BubbleDistance::nearest.a is always -1.
 /// @param cache [in, out] warm start of this pair
 [[nodiscard]] BubbleDistance find_distance(const Support& a, const Pose& X_WA, const SphereTree& b, const Pose& X_WB,
                                            ConvexMeshCache& cache, ConvexMeshWorkspace& workspace, const BubbleOptions& options = {});

@@ -8,8 +8,8 @@
 
 namespace ugoki::collision {
 
-/// Half width [m] of the shape: half the minimum distance of two parallel planes that enclose it. For hulls only planes parallel to a face
-/// or to two axes of the shape's frame are considered.
+/// Half width [m] of the shape: half the minimum distance between two parallel planes that enclose it. For hulls only planes parallel to a
+/// face or to two axes of the shape's frame are considered.
 [[nodiscard]] double half_width_of(const Collider& c);
 
 /// Core of a convex shape. All points of the core are at least `depth` below the shape's surface. For ellipsoids and hulls the core may be

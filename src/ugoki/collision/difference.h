@@ -1,6 +1,6 @@
 #pragma once
-// Minkowski difference a - b of the cores of two shapes, in the frame of a. The penetration search grows its polytope inside this
-// difference.
+// Minkowski difference a - b of the cores (support.h) of two shapes, in the frame of a. The penetration search grows its polytope inside
+// this difference.
 
 #include "ugoki/collision/simplex.h"
 #include "ugoki/collision/support_point.h"

@@ -1,5 +1,5 @@
 #pragma once
-// True distance of two shapes, for single queries. For repeated queries of the same pair use pair_distance.h, which keeps caches.
+// True distance between two shapes, for single queries. For repeated queries of the same pair use pair_distance.h, which keeps caches.
 
 #include "ugoki/collision/collider.h"
 

@@ -190,7 +190,7 @@ struct Search {
         if (!is_still(a) || !is_still(b)) between(a, b);
   }
 
-  /// The same contacts as all_pairs(), in the same order. The candidate pairs come from the superior tree.
+  /// The same contacts as all_pairs(), in the same order. The candidate pairs come from the superior tree (broad_phase.h).
   void crowd() {
     const std::span<const SceneShape> shapes = scene.shapes();
     if (!work.broad_phase) work.broad_phase = std::make_unique<BroadPhase>();

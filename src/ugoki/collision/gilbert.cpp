@@ -6,7 +6,7 @@
 namespace ugoki::collision {
 namespace {
 
-/// Distance of two shapes in closed form, if one of them is a half-space.
+/// Distance between two shapes in closed form, if one of them is a half-space.
 GilbertResult half_space_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB) {
   GilbertResult out;
   const bool first = a.kind == SupportKind::half_space;

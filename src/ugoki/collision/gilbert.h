@@ -1,5 +1,5 @@
 #pragma once
-// Gilbert distance: the true distance of two convex shapes with proved upper and lower bounds. Fast in coherent motion, as each query
+// Gilbert distance: the true distance between two convex shapes with proved upper and lower bounds. Fast in coherent motion, as each query
 // starts from the closest features of the previous one.
 //
 // Design: docs/design/convex-distance.md.
@@ -20,7 +20,7 @@ namespace ugoki::collision {
 /// zero at the start.
 struct GilbertTrend {
   std::int32_t pace = 0;                   ///< 1024 times the smoothed count of closest vertices (0 ... 2) that change per query
-  double inverse_distance = 0;             ///< 1/m: inverse of the distance of the previous query; 0: no prediction yet
+  double inverse_distance = 0;             ///< 1/m: inverse of the distance found by the previous query; 0: no prediction yet
   std::array<double, 4> next{}, change{};  ///< world: predicted direction from b towards a (length about 1), and its change per query
 };
 
@@ -37,7 +37,7 @@ enum class GilbertStatus : std::uint8_t {
   separated,      ///< the cores (support.h) are apart, and distance - lower <= the tolerance
   touching,       ///< the cores overlap, or touch to 1e-14 of the coordinates: no separating direction; see penetration.h
   beyond,         ///< lower > options.farthest; the other results are estimates
-  not_converged,  ///< stopped by max_iterations or by rounding: `distance` and `lower` are valid bounds with a larger gap
+  not_converged,  ///< stopped by max_iterations or by rounding: `distance` and `lower` are valid bounds, but not within the tolerance
   not_finite,     ///< a pose or size is NaN or infinite: the result is undefined
   not_bounded,    ///< both shapes are half-spaces
 };
@@ -48,8 +48,8 @@ struct GilbertOptions {
   int max_iterations = 200;                                   ///< limit of GilbertResult::iterations; penetration.h allows twice as many
 };
 
-/// Result of gilbert_distance(). If separated: pa - pb = n * distance. The distance is that of the cores less both radii. It is negative if
-/// the shapes overlap but their cores do not.
+/// Result of gilbert_distance(). If separated: pa - pb = n * distance. `distance` is the distance between the cores less both radii;
+/// negative if the shapes overlap but their cores do not.
 struct GilbertResult {
   GilbertStatus status = GilbertStatus::not_finite;
   double distance = 0;  ///< m, between pa and pb: upper bound of the true distance. touching: minus the sum of the radii
@@ -59,7 +59,7 @@ struct GilbertResult {
   int iterations = 0;   ///< count of support points computed per shape
 };
 
-/// Distance of a at pose X_WA and b at pose X_WB. No allocation. Same bits on every machine for the same cache.
+/// Distance between a at pose X_WA and b at pose X_WB. No allocation. Same bits on every machine for the same cache.
 /// @param cache [in, out] warm start of this pair
 [[nodiscard]] GilbertResult gilbert_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
                                              const GilbertOptions& options = {});

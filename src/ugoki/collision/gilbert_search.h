@@ -13,7 +13,7 @@ namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see above
 
 constexpr double rounding = 1e-15;  ///< relative to the coordinates: rounding error of a difference of support points
-constexpr double touch = 1e-14;     ///< relative to the coordinates: cores closer than this are touching
+constexpr double touch = 1e-14;     ///< relative to the coordinates: cores (support.h) closer than this are touching
 
 constexpr int max_restarts = 5;  ///< restarts from a single point before the search returns not_converged
 
@@ -124,7 +124,7 @@ class Search {
       v_ = v;
       if (out.status == GilbertStatus::beyond) break;
       if (simplex_.count > 1 && !(next < vv) && out.iterations > 1) {
-        // The simplex is so small that rounding prevents progress: restart from the last support point, which is almost the closest.
+        // The simplex is so small that rounding prevents progress: restart from the last support point, which is almost the closest point.
         if (++restarts > max_restarts) break;
         simplex_.count = 1;
         simplex_.corner[0] = c;

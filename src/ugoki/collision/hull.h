@@ -21,7 +21,7 @@ struct HullWalk {
     std::int32_t more;        ///< index into `overflow` of the ninth neighbour
     std::int32_t more_count;  ///< count of neighbours beyond eight
   };
-  std::vector<Node> nodes;             ///< [vertices]
+  std::vector<Node> nodes;             ///< [vertices] one node for each vertex of the hull
   std::vector<Node> scan;              ///< hulls of at most 16 vertices: one or two nodes that list all vertices; else empty
   std::vector<std::int32_t> overflow;  ///< vertex indices: neighbours of each vertex after the eighth
   std::vector<std::int32_t> seeds;  ///< [6 * cells^2] extreme vertex along the central direction of each cell of a cube map of directions

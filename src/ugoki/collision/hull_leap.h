@@ -127,7 +127,7 @@ class HullLeap : public HullSearch {
   /// Vertices of a and b that form the fan's feature closest to the origin: at its corner [0], and at the ends of its two edges [1], [2].
   struct Corners {
     std::int32_t a[3], b[3];
-    bool parallelogram;  ///< the face is spanned by an edge of a and an edge of b
+    bool parallelogram;  ///< true: the feature is the face spanned by an edge of a and an edge of b
   };
   static Corners corners_of(const LaneFan& fan, const HullWalk::Node& a, const TwoLowest& in_a, std::int32_t ia, const HullWalk::Node& b,
                             const TwoLowest& in_b, std::int32_t ib) {
@@ -207,15 +207,15 @@ class HullLeap : public HullSearch {
   }
 };
 
-/// Distance of two hulls with Hull::walk, by the general search (gilbert_search.h).
+/// Distance between two hulls with Hull::walk, by the general search (gilbert_search.h).
 [[gnu::noinline]] static GilbertResult general_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB,
                                                         GilbertCache& cache, const GilbertOptions& options) {
   if (!all_finite(X_WA) || !all_finite(X_WB)) return {};
   return Search<HullCore, HullCore>(a, X_WA, b, X_WB, cache, options).run();
 }
 
-/// Distance of two hulls with Hull::walk that moved far since the previous query. Not inlined, so that this function takes no registers
-/// from the code for hulls that moved little.
+/// Distance between two hulls with Hull::walk that moved far since the previous query. Not inlined, so that this function takes no
+/// registers from the code for hulls that moved little.
 [[gnu::noinline]] static GilbertResult fast_motion_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB,
                                                             GilbertCache& cache, const GilbertOptions& options) {
   GilbertResult out;
@@ -223,7 +223,7 @@ class HullLeap : public HullSearch {
   return general_distance(a, X_WA, b, X_WB, cache, options);
 }
 
-/// Distance of two hulls with Hull::walk. Selects the search for fast or slow motion; the general search is the fallback.
+/// Distance between two hulls with Hull::walk. Selects the search for fast or slow motion; the general search is the fallback.
 static inline GilbertResult hull_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
                                           const GilbertOptions& options) {
   if (cache.trend.pace > fast_pace) [[unlikely]]

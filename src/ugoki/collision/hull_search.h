@@ -189,7 +189,7 @@ class HullSearch {
   };
 
   /// Gilbert's iteration: each step inspects the rings of two vertices, descends on both hulls, and adds the new corner to the simplex. It
-  /// ends when no neighbour is lower and the duality gap is within the tolerance.
+  /// ends when no neighbour is lower along v and the duality gap is within the tolerance.
   /// @param a, b vertices of hulls a and b at which the search starts
   /// @param is_new true: the corner (a, b) is not yet in the simplex
   /// @param k count of rings inspected so far, including the first of this call

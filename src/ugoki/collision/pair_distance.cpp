@@ -12,9 +12,9 @@ namespace ugoki::collision {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Fractions of the smaller bounding radius, for the switch between hulls and triangles:
-constexpr double hysteresis = 0.02;  // extra hull distance before the switch returns to the hulls
-constexpr double far_apart = 0.25;   // replaces larger cutoffs, so that even with an infinite cutoff the switch returns to the hulls
+// Fractions of the smaller bounding radius, for the choice between convex hulls and triangles:
+constexpr double hysteresis = 0.02;  // extra distance between the hulls before queries start with the hulls again
+constexpr double far_apart = 0.25;   // upper limit of the cutoff, so that even with an infinite cutoff queries return to the hulls
 
 BoxPair nearest_round_box(const Round& round, const Box& box) {
   const Round s = in_box(round, box.X);
@@ -72,7 +72,7 @@ bool on_shape(const Collider& c, const std::array<std::int32_t, 3>& vertices, in
   return count > 0 && std::all_of(vertices.begin(), vertices.begin() + count, [&](std::int32_t v) { return v == vertices[0]; });
 }
 
-/// Distance of the convex hulls of two shapes; `lower` = -infinity if a hull is not known or the hulls overlap.
+/// Distance between the convex hulls of two shapes; `lower` = -infinity if a hull is not known or the hulls overlap.
 PairDistance of_hulls(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double cutoff, PairCache& cache) {
   const auto known = [](const Collider& c) { return c.convex || (c.support.hull != nullptr && !c.support.hull->vertices.empty()); };
   if (!known(a) || !known(b)) return unknown();

@@ -28,7 +28,7 @@ double size_of(const SuperiorTree::Box& b) {
 }
 
 /// Margin [m] added to the limit of a distance query. The resulting bound then rules the pair out for about the next eight steps at the
-/// present speed, or permanently if nothing moves.
+/// present speed, or permanently if no body moves.
 double bound_margin(const SuperiorTree& tree, const PairFront::Entry& e) {
   return 8 * (tree.last_travel(e.a) + tree.last_travel(e.b)) + 4 * tree.slack();
 }

@@ -2,10 +2,10 @@
 // Queries of the superior tree: the closest pair of two groups, all pairs closer than a margin, or all pairs whose boxes are closer
 // than a margin. A PairFilter excludes pairs.
 //
-// Each query keeps a front: pairs of nodes that together cover all pairs of bodies, each with a lower bound of its distance. A step
-// subtracts from each bound the motion of both nodes since the bound was computed. It examines only the pairs that the bound does not
-// rule out: first by the nodes' boxes, then by splitting a node into its children, last (for two bodies) by the true distance, which
-// becomes the new bound. In coherent motion a step examines a few pairs, whatever the number of bodies.
+// Each query keeps a front: pairs of nodes that together cover all pairs of bodies, each with a lower bound of the distance between its
+// nodes. A step subtracts from each bound the motion of both nodes since the bound was computed. It examines only the pairs that the bound
+// does not rule out: first by the nodes' boxes, then by splitting a node into its children, last (for two bodies) by the true distance,
+// which becomes the new bound. In coherent motion a step examines only a few pairs, independent of the number of bodies.
 
 #include <cstdint>
 #include <limits>
@@ -16,11 +16,11 @@
 
 namespace ugoki::collision {
 
-/// Computes the distance of two bodies at the poses of the tree's last update. Implemented by the caller of a query.
+/// Computes the distance between two bodies at the poses of the tree's last update. Implemented by the caller of a query.
 class PairFunction {
  public:
   virtual ~PairFunction() = default;
-  /// Distance of bodies a and b.
+  /// Distance between bodies a and b.
   /// @param cutoff m: for a larger distance the result may be exact = false with `lower` above the cutoff
   /// @param cache [in, out] warm start of this pair in this query; empty at the first call for the pair
   [[nodiscard]] virtual PairDistance distance(int a, int b, double cutoff, PairCache& cache) = 0;
@@ -59,9 +59,9 @@ class PairFilter {
 
 /// Work of the last find() of a query, for tuning.
 struct QueryCounts {
-  int front = 0;       ///< pairs of nodes in the front
-  int candidates = 0;  ///< pairs of the front that their distance bounds did not rule out
-  int distances = 0;   ///< calls of PairFunction::distance
+  int front = 0;       ///< number of pairs of nodes in the front
+  int candidates = 0;  ///< number of pairs of the front that their distance bounds did not rule out
+  int distances = 0;   ///< number of calls of PairFunction::distance
 };
 
 /// Common base of the queries: holds the front, a list of pairs of nodes.
@@ -90,7 +90,7 @@ class PairFront {
   /// split, finer entries are appended, each of two bodies or farther apart than `limit`. The key of the old entry becomes infinite, which
   /// rules this entry out permanently.
   void refine(SuperiorTree& tree, std::size_t index, double limit);
-  /// Computes the distance of an entry of two bodies and stores PairDistance::lower as the entry's new bound.
+  /// Computes the distance between the two bodies of an entry, and stores PairDistance::lower as the entry's new bound.
   PairDistance measure(SuperiorTree& tree, std::size_t index, double cutoff, PairFunction& distance);
   /// Lower bound [m] of the entry's distance at the present poses.
   [[nodiscard]] double bound(const SuperiorTree& tree, const Entry& e) const {

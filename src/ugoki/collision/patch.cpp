@@ -7,7 +7,7 @@ namespace {
 
 constexpr double side_sine = 0.17;  // sin 10 degrees: a straight side is the patch if it is perpendicular to d within 10 degrees
 
-/// Adds the face of a box (half extents e, pose X) whose normal is closest to `local` (shape's frame).
+/// Adds the face of a box (half extents e, pose X) whose normal is closest to the direction `local` (shape's frame).
 void add_box_face(const Vec3& e, const Pose& X, const Vec3& local, Patch& out) {
   const Vec3 size{std::fabs(local.x), std::fabs(local.y), std::fabs(local.z)};
   const int w = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2, u = (w + 1) % 3, v = (w + 2) % 3;
@@ -25,7 +25,7 @@ void add_box_face(const Vec3& e, const Pose& X, const Vec3& local, Patch& out) {
   out.face = static_cast<std::uint32_t>(2 * w) + (up < 0 ? 1 : 0);
 }
 
-/// Adds one of the faces around the hull's vertex farthest along `local` (shape's frame): the face whose normal is closest to `local`.
+/// Adds one face around the hull's vertex farthest along `local` (shape's frame): that with the normal closest to `local`.
 void add_hull_face(const Hull& hull, const PreparedGeometry& around, const Pose& X, const Vec3& local, std::int32_t hint, Patch& out) {
   const std::int32_t vertex = find_extreme_vertex(hull, local, hint);
   const auto v = static_cast<std::size_t>(vertex);
@@ -73,7 +73,7 @@ void add_end(const Vec3& size, const Pose& X, const Vec3& local, Patch& out) {
   out.face = local.z < 0 ? 1 : 0;
 }
 
-/// Adds the straight line on the side of a cylinder that faces `local` (shape's frame).
+/// Adds the straight line on the side of a cylinder that is farthest along the direction `local` (shape's frame).
 void add_side(const Vec3& size, const Pose& X, const Vec3& local, Patch& out) {
   const double radial = std::sqrt(local.x * local.x + local.y * local.y);
   const double x = size.x * local.x / radial, y = size.x * local.y / radial;

@@ -1,5 +1,5 @@
 #pragma once
-// A patch is the part of a convex shape's surface with which the shape can rest on another shape: a face, a straight side, or a point.
+// A patch is the part of a convex shape's surface with which the shape can rest on another shape: a face, a straight side or a point.
 // Internal to collision/.
 
 #include <array>

@@ -22,7 +22,7 @@ namespace {
 /// Relative to the size of the coordinates: a Minkowski difference thinner than this counts as flat, without an interior.
 constexpr double flat = 1e-14;
 
-/// Result of the expansion: the shortest translation that moves the origin out of the Minkowski difference of the cores.
+/// Result of the expansion: the shortest translation that moves the origin out of the Minkowski difference of the cores (support.h).
 struct MinimumTranslation {
   Vec3 n;            ///< unit, frame of a: outward from the difference, that is from a towards b
   double depth = 0;  ///< m: extent of the difference along n, measured from the origin

@@ -1,6 +1,6 @@
 #pragma once
-// Expanding polytope of the EPA (penetration.h): the convex hull of points of the Minkowski difference of two shapes. It grows by one
-// point at a time and knows the plane of each face.
+// Expanding polytope of the EPA (penetration.h): the convex hull of points of the Minkowski difference of two shapes. It grows by one point
+// at a time and stores the plane of each face.
 
 #include <cstdint>
 #include <vector>

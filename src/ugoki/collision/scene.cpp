@@ -18,7 +18,7 @@ struct Bodies {
   static constexpr int no_body = -2;
   std::vector<int> body;                    // [links] body of the link: index of the body's first link; -1: the world
   std::vector<std::pair<int, int>> joined;  // pairs of bodies that a joint or a loop joint connects, smaller index first
-  std::vector<Vec3> joint_origin;           // [links] m: origin of the joint of the link's body, in the frame of the parent's first link
+  std::vector<Vec3> joint_origin;           // [links] m: origin of the joint of the link's body; frame: parent body's first link
   std::vector<int> parent_of;               // [links] body to which the joint of the link's body is attached; no_body: floating
 
   explicit Bodies(const Mechanism& m) {
@@ -37,7 +37,7 @@ struct Bodies {
       const Vec3 origin = X_parent * link.joint.X_PJ.p;
       joint_origin.push_back(welded && link.parent >= 0 ? joint_origin[p] : origin);
     }
-    for (std::size_t i = 0; i < count; ++i) {  // a virtual link belongs to the body of its real link
+    for (std::size_t i = 0; i < count; ++i) {  // a virtual link is a second body of its real link (LinkSpec::real)
       const Link& link = m.links()[i];
       if (link.real >= 0) join(parent_of[i], body[static_cast<std::size_t>(link.real)]);
       join(parent_of[i], body[i]);

@@ -65,9 +65,9 @@ class Scene {
   Ground ground_;
   SceneOptions options_;
   std::vector<SceneShape> shapes_;
-  std::vector<int> first_shape_;                    // [systems + 1]
-  std::vector<std::vector<ShapePair>> self_pairs_;  // [systems]
-  std::vector<std::uint8_t> self_on_;               // [systems]
+  std::vector<int> first_shape_;                    // [systems + 1] see first_shape()
+  std::vector<std::vector<ShapePair>> self_pairs_;  // [systems] see self_pairs()
+  std::vector<std::uint8_t> self_on_;               // [systems] 1: self-collision is on
   std::uint64_t content_ = 0;
 };
 
@@ -90,7 +90,7 @@ struct Workspace {
   std::vector<Extent> extents;       ///< [systems] boxes that contain all bounding spheres of a system
   std::vector<ShapePair> near;       ///< candidate pairs from the broad phase
   PairTable pairs;                   ///< warm start of each pair of convex shapes
-  std::vector<std::int32_t> lowest;  ///< [shapes] index of the hull vertex that was nearest to the ground
+  std::vector<std::int32_t> lowest;  ///< [shapes] index of the hull vertex that was nearest to the ground; start of the next search
   std::uint64_t content = 0;         ///< Scene::content() of the scene to which `pairs` and `lowest` belong
   ManifoldWorkspace manifold;
   std::unique_ptr<BroadPhase> broad_phase;  ///< created for scenes with many possible pairs
@@ -120,9 +120,9 @@ void begin_from(const Scene& scene, std::span<const std::span<const Pose>> X_WB,
 /// - box with ground: every corner within the margin;
 /// - other convex shapes: up to 4 with each other, up to 6 with the ground;
 /// - pairs with a non-convex shape: up to 16.
-/// The minimum distance over the points of a pair is the true distance of the two shapes, if that is below the margin. For overlapping
-/// boxes, cylinders and meshes the minimum is accurate to 1e-4 of the smallest half extent, because faces are preferred to edges. For
-/// surfaces of triangles that pierce each other, see surface_manifold.h. Shapes at poses that are not finite have no contacts.
+/// The minimum distance over the points of a pair is the true distance between the two shapes, if this distance is below the margin. For
+/// overlapping boxes, cylinders and meshes the minimum is accurate to 1e-4 of the smallest half extent, because faces are preferred to
+/// edges. For surfaces of triangles that pierce each other, see surface_manifold.h. Shapes at poses that are not finite have no contacts.
 ///
 /// Scenes with few possible pairs test all pairs; larger scenes (crowds, mechanisms with hundreds of links) get candidate pairs from the
 /// superior tree (broad_phase.h). Both methods give the same contacts. No allocation after the first calls with the same workspace and

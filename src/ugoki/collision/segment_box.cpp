@@ -90,7 +90,7 @@ SegmentBox minimum_translation(const Round& s, const Vec3& e) {
   }
   if (out.edge < 0) {
     const int i = out.n.x != 0 ? 0 : out.n.y != 0 ? 1 : 2;
-    // The deepest end of the segment; if it is parallel to the face, the middle of its part over the face.
+    // The deepest point is an end of the segment; if the segment is parallel to the face, the middle of its part over the face.
     const double tilt = s.d[i] * out.n[i];
     double low = -s.half, high = s.half;
     const bool over = cut_to_slab(s, e, (i + 1) % 3, low, high) && cut_to_slab(s, e, (i + 2) % 3, low, high);

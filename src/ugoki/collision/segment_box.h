@@ -1,5 +1,5 @@
 #pragma once
-// Distance of a segment and a box, in the box's frame.
+// Distance between a segment and a box, in the box's frame.
 
 #include "ugoki/collision/round.h"
 
@@ -22,7 +22,7 @@ struct SegmentBox {
 /// Point of the solid box with half extents e nearest to p, in the box's frame.
 inline Vec3 clamp_to(const Vec3& p, const Vec3& e) { return {clamp_to(p.x, e.x), clamp_to(p.y, e.y), clamp_to(p.z, e.z)}; }
 
-/// Clips [low, high] to the parameters at which the segment's i-th coordinate is within the box. False if nothing remains.
+/// Clips [low, high] to the parameters at which the segment's i-th coordinate is within the box. @return false if no parameter remains
 [[nodiscard]] bool cut_to_slab(const Round& s, const Vec3& e, int i, double& low, double& high);
 
 /// The segment in the frame of a box at pose X.

@@ -51,7 +51,7 @@ struct SphereTree {
 struct SphereTreeReport {
   std::size_t spheres = 0, triangles = 0, bytes = 0;  ///< counts, and memory of the arrays
   std::vector<std::size_t> spheres_at;                ///< [depth] count of spheres; the root has depth 0
-  std::vector<double> mean_radius;                    ///< [depth] m
+  std::vector<double> mean_radius;                    ///< [depth] m, mean radius of the spheres
   /// [depth] Overlap of two spheres with the same parent, as a fraction of the smaller diameter (0: apart, 1: one inside the other); mean
   /// over all sibling pairs of that depth.
   std::vector<double> mean_overlap;

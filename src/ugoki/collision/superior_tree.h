@@ -2,8 +2,8 @@
 // The superior tree: a hierarchy of boxes over groups of links. It also bounds the motion of its nodes, so that bounds of distances stay
 // usable in later steps.
 //
-// Each node (one link, or several) accumulates an upper bound of the motion of its points, called travel. A lower bound of the distance of
-// two nodes, computed once, remains valid in all later steps after the travel of both nodes since then is subtracted (PairFront in
+// Each node (one link, or several) accumulates an upper bound of the motion of its points, called travel. A lower bound of the distance
+// between two nodes, computed once, remains valid in all later steps after the travel of both nodes since then is subtracted (PairFront in
 // pair_queries.h). Boxes are recomputed only on demand.
 // Sources: Nagashima (1999) section 6.2; Mirtich, Timewarp rigid body simulation (2000): bounds from motion; Li, Chen (1998): fronts.
 
@@ -45,9 +45,9 @@ class SuperiorTree {
   [[nodiscard]] int bodies() const { return static_cast<int>(bodies_.size()); }
   [[nodiscard]] int groups() const { return static_cast<int>(group_root_.size()); }
   [[nodiscard]] int group_of(int body) const { return bodies_[static_cast<std::size_t>(body)].group; }
-  /// Index of the node over all bodies of a group; -1 if the group has no bodies.
+  /// Index of the node that contains all bodies of a group; -1 if the group has no bodies.
   [[nodiscard]] int group_root(int group) const { return group_root_[static_cast<std::size_t>(group)]; }
-  /// Index of the node over all bodies; -1 if the tree has no bodies.
+  /// Index of the node that contains all bodies; -1 if the tree has no bodies.
   [[nodiscard]] int root() const { return root_; }
   [[nodiscard]] bool is_body(int node) const { return node < bodies(); }
   [[nodiscard]] int left(int node) const { return children_[static_cast<std::size_t>(node - bodies())].left; }
@@ -90,10 +90,10 @@ class SuperiorTree {
   std::vector<std::uint8_t> present_;    // [bodies] 1: the pose is finite
   std::vector<Children> children_;       // [bodies - 1] entry i: children of node bodies + i; parents are before their children
   std::vector<double> travel_, step_;    // [nodes] m: travel(), last_travel()
-  std::vector<Box> boxes_;               // [nodes]
+  std::vector<Box> boxes_;               // [nodes] result of box(); valid if box_made_ equals updates_
   std::vector<std::uint64_t> box_made_;  // [nodes] value of updates_ when the box was computed
   std::vector<int> node_group_;          // [nodes] group_of_node()
-  std::vector<int> group_root_;          // [groups]
+  std::vector<int> group_root_;          // [groups] result of group_root()
   std::vector<Item> items_, roots_;      // scratch of make_topology()
   int root_ = -1, made_ = 0;             // made_: next free index into children_
   std::uint64_t updates_ = 0;
@@ -101,8 +101,8 @@ class SuperiorTree {
   double slack_ = 0, size_when_made_ = 0;
 };
 
-/// Lower bound [m] of the signed distance of two bodies from the boxes that contain them: the distance of the boxes or, if the boxes
-/// overlap, minus the minimum overlap over the three axes.
+/// Lower bound [m] of the signed distance between two bodies, from the boxes that contain them: the distance between the boxes or, if the
+/// boxes overlap, minus the minimum overlap over the three axes.
 [[nodiscard]] inline double box_distance(const SuperiorTree::Box& a, const SuperiorTree::Box& b) {
   const auto gap = [](double low_a, double high_a, double low_b, double high_b) {
     const double x = low_a - high_b, y = low_b - high_a;

@@ -40,8 +40,8 @@ class Surface {
 };
 
 /// True if a body can touch point q of the facet with the contact normal n (unit, from the surface towards the body). If q is on a side or
-/// a corner, n must be in the range of the normals of the adjacent triangles. A body touches no side between coplanar triangles and no side
-/// of a dent. If several facets share q, only the facet with the minimum index returns true.
+/// a corner, n must be in the range of the normals of the adjacent triangles. A body can touch neither a side between coplanar triangles
+/// nor a concave side. If several facets share q, only the facet with the minimum index returns true.
 [[nodiscard]] bool touches_from(const Surface& surface, const Surface::Facet& facet, const Vec3& q, const Vec3& n);
 
 }  // namespace ugoki::collision

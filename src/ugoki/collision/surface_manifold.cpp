@@ -99,7 +99,7 @@ struct FallbackContact {
   ManifoldPoint apart{{}, {}, 1e300, 0}, pierced{{}, {}, -1e300, 0};
   double nearest = 1e300;  // m: minimum signed distance over the triangles
 
-  /// Considers the triangle f with the signed distance d.
+  /// Updates the contact with triangle f, whose signed distance from the shape is d.
   /// @param lowest m: point of the shape that is deepest below the plane of f
   /// @param height m: height of this point above the plane
   void update(const Surface::Facet& f, bool closed, const SignedDistance& d, const Vec3& lowest, double height) {

@@ -24,16 +24,16 @@ struct ManifoldWorkspace {
   ManifoldWorkspace();
 };
 
-/// Adds to `out` the contact points of the convex shape a and the surface b with a distance below `margin` [m]. Each triangle within reach
-/// gives a point at its closest points. If a face of `a` rests on the triangle, it gives the corners of the face, clipped to the triangle.
-/// add_spanning() (clipping.h) then keeps few of the points.
+/// Adds to `out` the contact points of the convex shape a and the surface b with a distance below `margin` [m]. Each triangle closer than
+/// the margin gives a contact at the closest points of `a` and the triangle. If a face of `a` rests on the triangle, the triangle gives the
+/// corners of this face, clipped to the triangle. add_spanning() (clipping.h) then keeps few of the points.
 /// @param X_WS, X_WT world poses of shape a (frame S) and shape b (frame T), not of their links
 /// @param flip true: normals point from a to b instead of from b to a
 void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double margin, bool flip,
                         ManifoldWorkspace& workspace, Manifold& out);
 
 /// Adds to `out` the contact points of two meshes with a distance below `margin` [m]. For two triangles that pierce each other, the depth
-/// is the maximum depth of the corners of one triangle below the plane of the other. Of the two choices, the smaller depth is used.
+/// is the maximum depth of the corners of one triangle below the plane of the other. The smaller of the two depths is used.
 void add_surface_surface(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double margin,
                          ManifoldWorkspace& workspace, Manifold& out);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Distance of two triangles, exact up to rounding for all shapes and positions.
+// Distance between two triangles, exact up to rounding for all shapes and positions.
 
 #include <array>
 #include <cstdint>
@@ -10,16 +10,16 @@ namespace ugoki::collision {
 
 using TriangleCorners = std::array<Vec3, 3>;  ///< m
 
-/// Distance of two triangles a and b.
+/// Distance between two triangles a and b.
 struct TriangleDistance {
   double distance = 0;  ///< m; exactly 0 if the triangles pierce each other
   Vec3 pa, pb;          ///< m: closest points on a and b
 };
 
 /// Distance and closest points of two triangles. The error is below 1e-14 of the maximum difference of coordinates between the corners,
-/// also for needles, caps, triangles without area, and parallel or coplanar triangles. NaN or infinite coordinates give NaN.
-/// Source: the closest points of two disjoint triangles are on two sides, or on a corner and a face (Ericson, Real-Time Collision
-/// Detection (2005), 5.1.10); sides as in Ericson 5.1.9, with cross products instead of differences of squares.
+/// also for needles, caps (an angle near 180 degrees), triangles without area, and parallel or coplanar triangles. NaN or infinite
+/// coordinates give NaN. Source: the closest points of two disjoint triangles are on two sides, or on a corner and a face (Ericson,
+/// Real-Time Collision Detection (2005), 5.1.10); sides as in Ericson 5.1.9, with cross products instead of differences of squares.
 [[nodiscard]] TriangleDistance triangle_distance(const TriangleCorners& a, const TriangleCorners& b);
 
 /// True if the triangles pierce each other or touch (their distance is at most 1e-14 of their size).

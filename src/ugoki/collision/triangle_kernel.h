@@ -1,6 +1,6 @@
 #pragma once
-// Distance of triangle pairs in SIMD lanes, one pair per lane: the template behind triangle_distance.h and the leaves of bubble.h. Internal
-// to collision/.
+// Distances between two triangles in SIMD lanes, one pair per lane: the template behind triangle_distance.h and the leaves of bubble.h.
+// Internal to collision/.
 //
 // Every candidate distance is computed from two points on the triangles, so that its error is a few units in the last place. The code has a
 // single branch: it skips the piercing test if no lane can pierce.
@@ -77,7 +77,7 @@ struct Foot {
 };
 
 /// Tests triangle q against face f of the other triangle, and updates `best`: corners of q above the face, and sides of q that pierce it.
-/// swapped: f belongs to triangle b.
+/// @tparam swapped true: f is the face of triangle b
 template <bool with_points, bool swapped, class T>
 void try_face(const Face<T>& f, const Vec3T<T>* q, ClosestPoints<T>& best) {
   Foot<T> feet[3];

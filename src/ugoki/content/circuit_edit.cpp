@@ -24,7 +24,7 @@ bool is_one_of(std::string_view word, std::span<const std::string_view> words) {
   return false;
 }
 
-/// The key that identifies an item of `list`. `item` is a whole item, or the value of a change's field `take`. Empty optional: no key.
+/// Returns the key of an item of `list`; std::nullopt: no key. `item` is a whole item, or the value of a change's field `take`.
 std::optional<std::string> key_of(std::string_view list, const Json& item) {
   const auto text = [&](const char* field) -> std::optional<std::string> {
     const auto it = item.find(field);
@@ -41,7 +41,7 @@ std::optional<std::string> key_of(std::string_view list, const Json& item) {
   return text(list == "probes" ? "pin" : "name");
 }
 
-/// One list of one circuit while changes are applied. Removed items are null until finish(), so that indices stay valid.
+/// One list of a circuit while changes are applied. A removed item is null until finish(), so that indices stay valid.
 class List {
  public:
   List(Json& items, std::string_view name) : items_(&items), name_(name) {
@@ -119,8 +119,8 @@ class Editor {
   }
 
  private:
-  /// The circuit that field `in` of a change names, from the outermost circuit inwards; null and a problem if there is none.
-  /// The last result is cached, because an editor sends many changes of one circuit.
+  /// Returns the circuit that field `in` of a change names, from the outermost circuit inwards. If there is none, returns null and adds a
+  /// problem. The last result is cached, because an editor sends many changes of one circuit.
   Json* find_circuit(Fields& f) {
     const Json* names = f.find("in");
     if (!names) return &circuit_;
@@ -178,7 +178,7 @@ class Editor {
   Json& circuit_;
   Error& problems_;
   std::map<std::pair<Json*, std::string>, List> open_;
-  std::string found_names_;  ///< names of the cached circuit `found_` and of the circuits around it, one a line
+  std::string found_names_;  ///< names from the last find_circuit(), one a line: from the outermost circuit to `found_`
   Json* found_ = nullptr;    ///< result of the last find_circuit(); null: none or no longer valid
 };
 

@@ -13,7 +13,7 @@ namespace ugoki::content {
 namespace {
 
 constexpr std::size_t max_command_size = 16u << 20;  // bytes of JSON: 16 MiB
-constexpr std::size_t max_commands = 10'000;         // maximum number in one group, nested groups included
+constexpr std::size_t max_commands = 10'000;         // maximum number in one group, including nested groups
 
 /// Applies one command (with the commands of a group) to a copy of the document.
 class Work {
@@ -22,7 +22,7 @@ class Work {
     effect_.scenario = scenario;
   }
 
-  /// Applies one command to the copy. @return the label; problems are collected and returned by finish()
+  /// Applies one command to the copy. Problems are collected and returned by finish(). @return the label for undo menus
   std::string apply(const Json& command, const std::string& path) {
     Fields f(command, path, problems_);
     std::string type;
@@ -78,13 +78,13 @@ class Work {
     }
     return std::any_of(effect_.scenario.events.begin(), effect_.scenario.events.end(), [&](const ScenarioEvent& e) { return e.id == id; });
   }
-  /// Keeps an id given by the command; if it is empty, creates a new id of `letter` and a number.
+  /// Keeps an id that the command gives. If `id` is empty, creates a new id: `letter` followed by a number.
   void assign_id(std::string& id, char letter) {
     if (id.empty()) {
       do id = letter + std::to_string(next_id_++);
       while (used(id));
     } else if (const auto number = parse_long(std::string_view(id).substr(1)); number && *number >= 0 && *number < 1'000'000'000) {
-      next_id_ = std::max(next_id_, static_cast<std::uint64_t>(*number) + 1);  // the command gives "k7": 7 is not used again
+      next_id_ = std::max(next_id_, static_cast<std::uint64_t>(*number) + 1);  // a command that gives "k7" uses up the number 7
     }
     effect_.created.push_back(id);
   }
@@ -101,7 +101,7 @@ class Work {
     if (!c) report_missing(f, key, "character", id);
     return c;
   }
-  /// The clip that the fields `character` and `id` name: its character and its index in the track; {null, 0} and a problem if missing.
+  /// Returns the character and the clip's index in its track, from the fields `character` and `id`; {null, 0} and a problem if missing.
   std::pair<ScenarioCharacter*, std::size_t> clip_in(Fields& f) {
     ScenarioCharacter* c = character_in(f, "character");
     std::string id;
@@ -288,7 +288,7 @@ class Work {
     return document().circuit.empty() ? "Use default circuit" : "Change circuit";
   }
 
-  /// Changes the stored circuit item by item. A document without a circuit of its own first gets a copy of the default circuit.
+  /// Changes the stored circuit item by item. A document without its own circuit first gets a copy of the default circuit.
   std::string circuit_edit(Fields& f) {
     std::string label = "Change circuit";
     f.text("label", label);

@@ -19,13 +19,13 @@ struct CommandEffect {
 };
 
 /// Applies one command (a JSON object with `type`) to a valid document and returns the changed document. Errors: the command is malformed,
-/// names an item that does not exist, or would make the document invalid; all problems are then reported.
-/// @param next_id counter for new ids. It only increases, so that an id is never reused; unchanged after an error
+/// names an item that does not exist, or would make the document invalid; all problems are reported.
+/// @param next_id counter for new ids. It only increases, so that an id is never reused; it is unchanged after an error
 [[nodiscard]] Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view command, const Catalogue& catalogue,
                                                   std::uint64_t& next_id);
 
-/// Ids of the mechanisms and motions that the command refers to. The caller can fetch them from a library before it applies the command.
-/// Empty for a malformed command.
+/// Returns the ids of the mechanisms and motions that the command refers to, so that the caller can fetch them from a library before it
+/// applies the command. Empty for a malformed command.
 [[nodiscard]] std::vector<std::string> resources_named(std::string_view command);
 
 }  // namespace ugoki::content

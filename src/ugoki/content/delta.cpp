@@ -28,7 +28,7 @@ bool identical(const Json& a, const Json& b) {
 
 std::size_t index_in(const Json& value) { return value.is_number_unsigned() ? value.get<std::size_t>() : static_cast<std::size_t>(-1); }
 
-/// Applies the delta in place. False if the delta does not fit; `target` may then be partly changed.
+/// Applies the delta in place. Returns false if the delta does not fit `target`, which may then be partly changed.
 bool apply(Json& target, const Json& delta) {
   if (!delta.is_object() || delta.size() != 1) return false;
   const std::string& kind = delta.begin().key();

@@ -31,8 +31,8 @@ class Writer {
 
 void encode_frame(const DisplayFrame& frame, std::uint32_t number, std::uint32_t flags, std::vector<std::byte>& out) {
   Writer w(out);
-  w.u32(0x46474b55);  // "UKGF"
-  w.u32(1);           // version
+  w.u32(0x46474b55);  // the characters "UKGF"
+  w.u32(1);           // version of the format
   w.f64(frame.time);
   w.u32(number);
   w.u32(flags | (frame.grabbed ? frame_grab : 0u));

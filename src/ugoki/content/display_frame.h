@@ -11,8 +11,8 @@
 
 namespace ugoki::content {
 
-/// tracking: follows its track. released: control has released it, because the root assist exceeded its cap. passive: not controlled.
-/// edit: posed from its track, without physics.
+/// State of a character. tracking: it follows its track. released: control has released it, because the root assist exceeded its cap.
+/// passive: it is not controlled. edit: it is posed from its track, without physics.
 enum class CharacterState : std::uint32_t { tracking = 0, released = 1, passive = 2, edit = 3 };
 
 /// Position [m] and rotation of a link in the world.
@@ -25,25 +25,25 @@ struct DisplayCharacter {
   CharacterState state = CharacterState::passive;
   Vec3 assist_force;        ///< N, world
   Vec3 assist_moment;       ///< N m, world, about the root link's origin
-  double assist_ratio = 0;  ///< requested root assist divided by its cap
-  double weight = 0;        ///< N
+  double assist_ratio = 0;  ///< root assist that control requested, divided by its cap
+  double weight = 0;        ///< N, weight of the character
   Vec3 centre_of_mass;      ///< m, world
   std::vector<DisplayPose> links;
 };
 
 struct DisplayContact {
-  Vec3 point;                   ///< m, world
-  Vec3 force;                   ///< N, world, acts on the link
+  Vec3 point;                   ///< m, world: contact point
+  Vec3 force;                   ///< N, world: force on the link
   Vec3 normal;                  ///< unit vector, world; points towards the link
-  int character = 0, link = 0;  ///< indices
+  int character = 0, link = 0;  ///< index of the character, and of the link in it
 };
 
 struct DisplayFrame {
-  double time = 0;  ///< s
+  double time = 0;  ///< s, time of the frame
   bool grabbed = false;
-  Vec3 grab_point, grab_target;  ///< m, world
+  Vec3 grab_point, grab_target;  ///< m, world: grabbed point, and target of the pull
   std::vector<DisplayCharacter> characters;
-  std::vector<DisplayContact> contacts;  ///< only contacts with a force
+  std::vector<DisplayContact> contacts;  ///< only contacts whose force is not zero
 };
 
 /// Bits of the frame's flags.

@@ -176,7 +176,7 @@ class Reader {
       event.type = e.type;
       event.time = e.time;
       while (s.characters[static_cast<std::size_t>(event.character)].id != e.character)
-        ++event.character;  // the character exists, because check_scenario() passed
+        ++event.character;  // the loop ends: check_scenario() has checked that the character exists
       event.duration = e.duration;
       if (e.type == EventType::push) {
         const int mechanism = index_of(out_.mechanism_ids, s.characters[static_cast<std::size_t>(event.character)].mechanism);

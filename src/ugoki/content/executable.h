@@ -14,8 +14,8 @@
 
 namespace ugoki::content {
 
-/// Limits of executable data, so that a stranger's file can neither exhaust the player nor keep it busy for minutes with one step. Content
-/// beyond them is refused; documents of the studio are far inside.
+/// Limits of executable data. They prevent that a file of unknown origin exhausts memory, or keeps the player busy for minutes with one
+/// step. Data beyond a limit are refused; documents of the studio are far below all limits.
 struct ExecutableLimits {
   static constexpr double length = 1e4;           ///< m: sizes of shapes, and positions of shapes, joints and centres of mass
   static constexpr double mass = 1e9;             ///< kg, of a link
@@ -42,7 +42,7 @@ struct ExecutableCharacter {
 struct ExecutableEvent {
   std::string id;
   EventType type = EventType::push;
-  double time = 0;            ///< s
+  double time = 0;            ///< s, time at which the event begins
   int character = 0;          ///< index into Executable::characters
   double duration = 0;        ///< s (push)
   int link = 0;               ///< index of the link (push)

@@ -18,17 +18,17 @@ struct Resources {
   std::map<std::string, MotionPtr, std::less<>> motions;
 };
 
-/// The properties of a mechanism or motion that check_scenario() needs.
+/// Returns the properties of a mechanism or motion that check_scenario() needs.
 [[nodiscard]] MechanismFacts facts_of(const Mechanism& mechanism);
 [[nodiscard]] MotionFacts facts_of(const Motion& motion);
-/// The properties of all resources that check_scenario() needs.
+/// Returns the properties of all resources that check_scenario() needs.
 [[nodiscard]] Catalogue catalogue_of(const Resources& resources);
 
-/// Index of the link with the name `text`, or else of the first link with the label `text` ("chest", "thigh left"); -1: none.
+/// Returns the index of the link with the name `text`, or else of the first link with the label `text` ("chest", "thigh left"); -1: none.
 [[nodiscard]] int find_link(const Mechanism& mechanism, std::string_view text);
 
-/// Executable data (*.ugx, see ugx.h) with only the resources that the document uses. Each clip is placed at the planar pose where the
-/// previous clip of its track ends. Equal input gives equal bytes. All problems are reported.
+/// Makes executable data (*.ugx, see ugx.h) with only those resources that the document uses. Each clip begins at the planar pose in which
+/// the previous clip of its track ends. Equal input gives equal bytes. All problems are reported.
 [[nodiscard]] Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resources& resources);
 
 }  // namespace ugoki::content

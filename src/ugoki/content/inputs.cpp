@@ -13,7 +13,7 @@ namespace {
 using lsi::EventKind;
 using lsi::EventRecord;
 
-constexpr double max_step = 1e12;  // steps; no run that ends has so many (at 500 steps/s they take 63 years)
+constexpr double max_step = 1e12;  // steps; an upper bound for any run (at 500 steps/s this number takes 63 years)
 
 /// Reads one list of recorded inputs.
 class Reader {
@@ -136,8 +136,8 @@ class Reader {
   std::vector<PlayerInput> out_;
 };
 
-/// JSON of the complete state of the devices. In messages of a page, mouse.wheel is the difference to the previous message. A recording
-/// stores the sum of these differences in the field `wheel`, because the sum is the state of the devices and is restored exactly.
+/// Returns the complete state of the devices as JSON. In messages of a web page, mouse.wheel is the difference from the previous message. A
+/// recording stores the sum of these differences in the field `wheel`, because the sum is the devices' state and can be restored exactly.
 Json devices_json(const circuit::DeviceState& state) {
   const circuit::MouseState& m = state.mouse;
   Json pads = Json::array();

@@ -15,11 +15,11 @@ namespace ugoki::content {
 inline constexpr std::size_t max_recorded_inputs = 1'000'000;
 
 /// Reads {"inputs": [{"step": n, "type": "push" | "grab" | "drag" | "release" | "throw" | "input", ...}]}. Inputs of one step keep their
-/// order. A character is given by id or index, a link by name, label or index. Pass the result to Player::schedule().
+/// order. Characters are given by id or index, links by name, label or index. The result is the argument of Player::schedule().
 /// @param content the executable data that the inputs refer to @param name for messages
 [[nodiscard]] Result<std::vector<PlayerInput>> read_inputs(std::string_view text, const Executable& content, std::string_view name);
 
-/// Returns the inputs as JSON text. read_inputs() of this text returns the same inputs, bit by bit.
+/// Returns the inputs as JSON text, from which read_inputs() restores the same inputs bit by bit.
 [[nodiscard]] std::string write_inputs(const std::vector<PlayerInput>& inputs, const Executable& content);
 
 }  // namespace ugoki::content

@@ -4,7 +4,7 @@ namespace ugoki::content {
 
 void Fields::number(std::string_view key, double& value) {
   json::Fields::number(key, value);
-  if (value == 0) value = 0;  // -0 becomes +0
+  if (value == 0) value = 0;  // replaces -0 by +0
 }
 
 void Fields::vec3(std::string_view key, Vec3& value) {

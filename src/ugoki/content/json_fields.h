@@ -19,7 +19,7 @@ class Fields : public json::Fields {
   using json::Fields::Fields;
 
   void number(std::string_view key, double& value);
-  /// A list of three numbers.
+  /// Reads a list of three numbers.
   void vec3(std::string_view key, Vec3& value);
 };
 

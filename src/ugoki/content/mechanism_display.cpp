@@ -18,7 +18,7 @@ std::string packed(const std::vector<T>& values) {
   return to_base64({reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)});
 }
 
-/// JSON of a surface: vertices as 32-bit floats x y z and triangles as 32-bit indices, both in Base64.
+/// Returns a surface as JSON: vertices as 32-bit floats x y z and triangles as 32-bit indices, both in Base64.
 Json surface_json(const Geometry& g) {
   std::vector<float> points;
   for (const Vec3& p : g.vertices)

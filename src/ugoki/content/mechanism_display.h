@@ -1,5 +1,5 @@
 #pragma once
-// JSON of mechanisms and of whole scenes, from which web pages draw them.
+// JSON of mechanisms and of whole scenes, for web pages that draw them.
 
 #include <span>
 #include <string>
@@ -11,17 +11,17 @@
 
 namespace ugoki::content {
 
-/// JSON of a mechanism's links with their visible shapes: the answer of GET /api/mechanism/ID (docs/studio-protocol.md).
-/// @param q [nq] position coordinates for the poses in the field "neutral"; empty: the mechanism's neutral position
+/// Returns a mechanism's links with their visible shapes as JSON: the answer of GET /api/mechanism/ID (docs/studio-protocol.md).
+/// @param q [nq] position coordinates for the poses in the field "neutral"; empty: q of the mechanism's neutral position
 [[nodiscard]] std::string mechanism_json(std::string_view id, const Mechanism& mechanism, std::span<const double> q = {});
 
-/// The pose as [x, y, z, qw, qx, qy, qz], m and unit quaternion.
+/// Returns the pose as [x, y, z, qw, qx, qy, qz]: m, unit quaternion.
 [[nodiscard]] std::vector<double> pose_json(const Pose& X);
 
-/// Height of the visible shapes in the neutral position, from the lowest to the highest point, m; 0 without shapes.
+/// Returns the height [m] of the visible shapes in the neutral position, from the lowest to the highest point; 0 without shapes.
 [[nodiscard]] double shown_height(const Mechanism& mechanism);
 
-/// JSON of everything that a page needs to show executable data before the first frame:
+/// Returns all data as JSON that a page needs to show executable data before the first frame:
 /// {"name", "duration", "frame_rate", "step", "ground", "camera", "look", "characters": [{"id", "name", "color", "mechanism", "tracks"}],
 /// "mechanisms": [mechanism_json() ...]}; `mechanism` of a character is an index into `mechanisms`.
 [[nodiscard]] std::string scene_json(const Executable& content);

@@ -25,12 +25,12 @@ struct Player::Machine {
   std::unique_ptr<circuit::Interpreter> interpreter;
   PinView state, contacts, events, poses, characters, measures;  // outputs of the circuit
   std::vector<PinView> touches;                                  // output `touches` of every dynamics LSI
-  std::span<std::byte> live;                                     // input `live` of the circuit: events of the user for the next step
+  std::span<std::byte> live;                                     // input `live` of the circuit: the user's events for the next step
   circuit::DeviceFeed devices;
-  std::vector<PlayerInput> inputs;     // applied so far
+  std::vector<PlayerInput> inputs;     // inputs applied since the start
   std::vector<PlayerInput> scheduled;  // sorted by step
   std::size_t next_scheduled = 0;      // index into `scheduled`
-  bool displayed = false;              // the display LSIs have run since the last step
+  bool displayed = false;              // true: the display LSIs have run since the last step
 
   [[nodiscard]] bool is_link(int character, int link) const {
     return character >= 0 && character < static_cast<int>(world->characters().size()) && link >= 0 &&
@@ -49,9 +49,9 @@ struct Player::Machine {
 
 namespace {
 
-constexpr std::size_t max_live = 32;  // records in the payload of an event pin
+constexpr std::size_t max_live = 32;  // maximum number of records in the payload of an event pin
 
-/// The circuit's output `name`. Reports a problem if it is missing or does not have this type and element count.
+/// Returns the circuit's output `name`. Reports a problem if it is missing or has another type or element count.
 PinView find_pin(const circuit::Interpreter& interpreter, const char* name, PinTypeId type, std::uint32_t count, Error& problems) {
   const auto view = interpreter.find_circuit_output(name);
   if (view && view->type == type && view->count == count) return *view;
@@ -117,7 +117,7 @@ Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view nam
   return Player(std::move(machine));
 }
 
-/// Finds the circuit's inputs and outputs that the player uses.
+/// Finds those inputs and outputs of the circuit that the player uses.
 Result<void> Player::Machine::bind() {
   Machine& m = *this;
   Error problems;
@@ -177,7 +177,7 @@ void Player::Machine::add_input(const EventRecord& record) {
   const std::uint64_t step = interpreter->ticks();
   std::size_t count = lsi::records<EventRecord>(live.data()).size();
   EventRecord* records = lsi::record_room<EventRecord>(live.data());
-  // Of several drags between two steps only the last target has an effect.
+  // If the target was dragged several times between two steps, only the last target has an effect.
   const bool replaces_drag = record.kind == EventKind::drag && count > 0 && records[count - 1].kind == EventKind::drag;
   if (replaces_drag) {
     --count;
@@ -192,7 +192,7 @@ void Player::Machine::add_input(const EventRecord& record) {
 void Player::Machine::add_input(std::shared_ptr<const circuit::DeviceState> held) {
   const std::uint64_t step = interpreter->ticks();
   devices.give(*held);
-  // Of several device states between two steps only the last has an effect.
+  // If several device states arrive between two steps, only the last one has an effect.
   if (!inputs.empty() && inputs.back().held && inputs.back().step == step) inputs.pop_back();
   inputs.push_back({step, {}, std::move(held)});
 }
@@ -342,7 +342,7 @@ Result<void> Player::restore(std::span<const std::byte> bytes) {
   Machine& m = *machine_;
   if (Result<void> done = m.interpreter->restore(bytes); !done) return done;
   const std::uint64_t now = m.interpreter->ticks();
-  // Inputs of this step may have arrived before or after the state was saved. A device state is kept only if it is the restored one;
+  // Inputs of this step may have arrived before or after the state was saved. A device state is kept only if it equals the restored one;
   // events are taken from the restored input `live` below.
   std::erase_if(m.inputs, [&](const PlayerInput& i) { return i.step >= now && !(i.step == now && i.held && m.devices.has(*i.held)); });
   for (const EventRecord& e : lsi::records<EventRecord>(m.live.data())) m.inputs.push_back({now, e, nullptr});
@@ -380,7 +380,7 @@ void Player::display_frame(DisplayFrame& frame) {
   }
   frame.contacts.clear();
   for (const lsi::ContactRecord& c : lsi::records<lsi::ContactRecord>(m.contacts.bytes.data()))
-    if (norm(c.force) > 1e-9)  // N: far below any visible force; skips contacts without a force
+    if (norm(c.force) > 1e-9)  // N: far below any visible force; smaller forces count as no force
       frame.contacts.push_back({c.point.p, c.force, c.point.n, c.point.system_a, c.point.link_a});
   frame.grabbed = false;
   for (const EventRecord& e : lsi::records<EventRecord>(m.events.bytes.data())) {

@@ -18,19 +18,19 @@
 
 namespace ugoki::content {
 
-/// An input of the user between two steps. It acts from step `step` on.
+/// An input of the user between two steps. It has an effect from step `step` on.
 struct PlayerInput {
   std::uint64_t step = 0;
   lsi::EventRecord record;                           ///< the event, if `held` is null
   std::shared_ptr<const circuit::DeviceState> held;  ///< new state of keyboard, mouse and gamepads; null: the input is `record`
 };
 
-/// Measures of how natural a character's motion has been since the start. For passive characters, release_time and feet_on_ground are -1
-/// and the other values 0.
+/// Measures of the naturalness of a character's motion since the start. For passive characters, release_time and feet_on_ground are -1 and
+/// the other values 0.
 struct PlayerMeasures {
-  double tracking_rms_deg = 0;     ///< deviation of the joints from the reference while the character tracks, degrees
-  double assist_rms_bw = 0;        ///< root assist, body weights (moments are divided by the root's height)
-  double assist_force_rms_bw = 0;  ///< force of the root assist alone, body weights
+  double tracking_rms_deg = 0;     ///< deg, RMS deviation of the joints from the reference while the character tracks it
+  double assist_rms_bw = 0;        ///< RMS root assist, body weights (moments are divided by the root's height)
+  double assist_force_rms_bw = 0;  ///< RMS force of the root assist alone, body weights
   double assist_max_bw = 0;        ///< maximum root assist, body weights
   double foot_skate_cm = 0;        ///< mean net slip of a foot per stance
   double foot_skate_worst_cm = 0;  ///< maximum net slip in one stance
@@ -41,22 +41,23 @@ struct PlayerMeasures {
   int feet_on_ground = -1;   ///< number of feet that are on the ground now; -1: the character has no feet
 };
 
-/// A touch (contact interval) of two links that began or ended in a step.
+/// A touch (contact interval) of two links that began or ended during a step.
 struct PlayerTouch {
   double time = 0;     ///< time at the end of the step, s
-  bool ended = false;  ///< true: the touch is over and `impulse` covers the whole touch; false: it began, `impulse` covers the first step
+  bool ended = false;  ///< false: touch began, `impulse` is that of the first step; true: touch ended, `impulse` is the total
   int character_a = -1, link_a = -1, character_b = -1, link_b = -1;  ///< indices; character -1 and link -1: the ground
   Vec3 point;                                                        ///< m, world: contact point when the touch began
   Vec3 impulse;                                                      ///< N s, world, acts on link a
-  double duration = 0;                                               ///< s
-  /// Count of further touches that began or ended in this step and are not listed; 0: this is a touch. Only `time` and `words` are set then.
+  double duration = 0;                                               ///< s, duration of the touch
+  /// Number of further touches that began or ended in this step and are not listed; then only `time` and `words` are set. 0: this is a
+  /// touch.
   std::size_t omitted = 0;
-  std::string words;                                                 ///< description for display: "hand left of anna touched box, 12 N s"
+  std::string words;  ///< description for display: "hand left of anna touched box, 12 N s"
 };
 
-/// Options that the host program of a player sets.
+/// Options that the host program (the program that contains the player) sets.
 struct PlayerOptions {
-  std::shared_ptr<const circuit::Library> library;  ///< all LSIs that the circuit may use; null: lsi::standard_library()
+  std::shared_ptr<const circuit::Library> library;  ///< LSIs (function blocks) that circuits may use; null: lsi::standard_library()
   circuit::Activity* activity = nullptr;            ///< records which LSI runs; must outlive the player; may be null
 };
 
@@ -65,7 +66,7 @@ struct PlayerOptions {
 
 class Player {
  public:
-  /// Reads and checks executable data and builds the circuit and the world. Keeps no reference to the bytes.
+  /// Reads and checks executable data and builds the circuit and the world. Keeps no reference to `ugx`.
   /// @param name name of the data in messages
   [[nodiscard]] static Result<Player> open(std::span<const std::byte> ugx, std::string_view name = "executable data",
                                            PlayerOptions options = {});
@@ -78,19 +79,19 @@ class Player {
   [[nodiscard]] const lsi::World& world() const;
   [[nodiscard]] double step_size() const;  ///< s
 
-  /// Runs one step. An error names LSI, body, joint and time. The last valid state is kept, and further steps return the same error
-  /// until restore() or reset(). Does not allocate.
+  /// Runs one step. An error names LSI, body, joint and time. After an error the last valid state is kept, and further steps return the
+  /// same error until restore() or reset(). Does not allocate.
   [[nodiscard]] Result<void> step();
-  /// Touches that began or ended in the last step. @param out is cleared first
+  /// Lists the touches that began or ended in the last step. @param out is cleared first
   void touches(std::vector<PlayerTouch>& out) const;
   [[nodiscard]] std::uint64_t step_count() const;  ///< steps since time 0
   [[nodiscard]] double time() const;               ///< s
-  /// Returns to time 0 and clears inputs(); scheduled inputs are kept and act again.
+  /// Returns to time 0 and clears inputs(); scheduled inputs are kept and are applied again.
   void reset();
 
-  // Inputs act from the next step on and are recorded in inputs(). Indices refer to content(); inputs with an index out of range or a
-  // value that is not finite are ignored.
-  /// Force [N], world, at the link's centre of mass, for `duration` s.
+  // Inputs have an effect from the next step on and are recorded in inputs(). Indices refer to content(). An input with an index out of
+  // range or with a value that is not finite is ignored.
+  /// Applies a force [N], world, at the link's centre of mass for `duration` [s].
   void push(int character, int link, const Vec3& force, double duration);
   /// Attaches a spring that pulls the point [m, link's frame] towards the target [m, world] until release().
   void grab(int character, int link, const Vec3& point, const Vec3& target);
@@ -98,41 +99,42 @@ class Player {
   void drag(const Vec3& target);
   /// Removes the spring.
   void release();
-  /// Sets the root's position [m], velocity [m/s] and spin [rad/s], world; for characters with a floating root.
+  /// Sets the root's position [m], velocity [m/s] and spin [rad/s] in the world. Only for characters with a floating root.
   void throw_from(int character, const Vec3& from, const Vec3& velocity, const Vec3& spin);
-  /// Sets the state of keyboard, mouse and gamepads. Recorded only if it changes a key, button or axis that the circuit reads.
+  /// Sets the state of keyboard, mouse and gamepads. Recorded only if a key, button or axis changes that the circuit reads.
   void hold(const circuit::DeviceState& state);
-  /// The keys, buttons and axes that the circuit reads. change_library() updates it.
+  /// Returns the keys, buttons and axes that the circuit reads. change_library() updates them.
   [[nodiscard]] const circuit::DeviceFeed& devices() const;
 
-  /// All inputs since the start or the last reset(). restore() removes the inputs of later steps.
+  /// Returns all inputs since the start or the last reset(). restore() removes the inputs of later steps.
   [[nodiscard]] const std::vector<PlayerInput>& inputs() const;
-  /// Sets inputs that are applied at their steps. With the inputs() of another run, this run gives bit-identical results.
+  /// Sets inputs that are applied at their steps. With the inputs() of another run, this run gives bitwise equal results.
   void schedule(std::vector<PlayerInput> inputs);
 
-  /// Hash of q and v of all characters.
+  /// Returns a hash of q and v of all characters.
   [[nodiscard]] std::uint64_t state_hash() const;
   [[nodiscard]] std::span<const double> q(int character) const;  ///< [nq] position coordinates
   [[nodiscard]] std::span<const double> v(int character) const;  ///< [nv] velocities
 
-  /// Writes the complete state to `bytes`. After restore() with these bytes, the run continues with bit-identical results.
+  /// Writes the complete state to `bytes`. After restore() with these bytes, the run continues with bitwise equal results.
   void save(std::vector<std::byte>& bytes);
   [[nodiscard]] Result<void> restore(std::span<const std::byte> bytes);
 
-  /// The current display frame. @param frame is overwritten; its memory is reused
+  /// Computes the current display frame. @param frame is overwritten; its memory is reused
   void display_frame(DisplayFrame& frame);
-  /// The poses of the tracks at `time` [s], without physics. All characters are in the state `edit`.
+  /// Computes the poses of the tracks at `time` [s], without physics. All characters are in the state `edit`.
   void pose_at(double time, DisplayFrame& frame) const;
   [[nodiscard]] PlayerMeasures measures(int character);
-  /// Index of the link with the name or label `name`, or -1.
+  /// Returns the index of the link with the name or label `name`; -1: none.
   [[nodiscard]] int find_link(int character, std::string_view name) const;
 
-  /// Continues the run with the LSIs of another library, for example after an LSI was rebuilt. Each LSI keeps its state if the layout of
-  /// its state allows it. An error in building the circuit leaves the player unchanged. @return which states were kept
+  /// Continues the run with the LSIs of another library, for example after an LSI was rebuilt. An LSI keeps its state if the layout of the
+  /// state allows this. If the circuit cannot be built, the player is unchanged. @return which states were kept
   [[nodiscard]] Result<circuit::Interpreter::Adoption> change_library(std::shared_ptr<const circuit::Library> library);
   [[nodiscard]] const circuit::Library& library() const;
 
-  /// Interpreter of the running circuit, for probes, timing and parameters. change_library() replaces the circuit in the interpreter.
+  /// Returns the interpreter of the running circuit, for probes, timing and parameters. change_library() replaces the interpreter's
+  /// circuit.
   [[nodiscard]] circuit::Interpreter& interpreter();
 
  private:

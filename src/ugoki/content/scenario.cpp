@@ -138,7 +138,7 @@ class Checker {
     if (clip.loop && !motion.cyclic)
       problems_.add(ErrorCode::structure, location + "/loop", "Motion '" + motion.name + "' is not cyclic, so it cannot be looped.",
                     "Switch loop off, or use a cyclic motion.");
-    // s: a clip edge that was dragged and rounded may exceed the motion's end by this much; the last frame is then held
+    // s: after dragging and rounding, a clip may exceed the motion's end by this time; then it holds the last frame
     constexpr double slack = 0.01;
     const double needed = clip.offset + clip.length * clip.speed;
     if (!clip.loop && needed > motion.duration + slack)

@@ -15,15 +15,15 @@ namespace ugoki::content {
 
 inline constexpr int scenario_version = 1;
 
-/// A clip of a character's track as stored in the document.
+/// A clip of a character's track, as stored in the document.
 struct ScenarioClip {
   std::string id;
   std::string motion;  ///< id of a motion
-  double start = 0;    ///< s on the track
-  double length = 0;   ///< s on the track, above 0
-  double offset = 0;   ///< time in the motion at the clip's start, s
+  double start = 0;    ///< s, start on the track
+  double length = 0;   ///< s, length on the track, above 0
+  double offset = 0;   ///< s, time in the motion at the clip's start
   double speed = 1;    ///< s of motion per s of track
-  double blend = 0.3;  ///< duration of the cross-fade from the previous clip, s
+  double blend = 0.3;  ///< s, duration of the cross-fade from the previous clip
   bool loop = false;   ///< repeat a cyclic motion
   friend bool operator==(const ScenarioClip&, const ScenarioClip&) = default;
 };
@@ -34,14 +34,14 @@ struct ScenarioControl {
   ControlMode mode = ControlMode::track;
   double tracking = 1;        ///< factor on the tracking gains, 0 ... 2
   double balance = 1;         ///< factor on the balance gains, 0 ... 2
-  double assist_limit = 0.5;  ///< cap of the root-assist wrench, body weights; control releases the character beyond it
+  double assist_limit = 0.5;  ///< cap of the root assist, body weights; above it, control releases the character
   friend bool operator==(const ScenarioControl&, const ScenarioControl&) = default;
 };
 
 /// Position and heading of a character at the start.
 struct ScenarioPlace {
   double x = 0, y = 0, z = 0;  ///< m, world
-  double heading = 0;          ///< degrees about Z
+  double heading = 0;          ///< deg, about Z
   friend bool operator==(const ScenarioPlace&, const ScenarioPlace&) = default;
 };
 
@@ -60,8 +60,8 @@ enum class EventType { push, throw_ };
 struct ScenarioEvent {
   std::string id;
   EventType type = EventType::push;
-  double time = 0;            ///< s
-  std::string character;      ///< id of a character
+  double time = 0;            ///< s, time at which the event begins
+  std::string character;      ///< id of the character on which it acts
   double duration = 0.2;      ///< s (push)
   std::string link;           ///< name or label of the link (push)
   Vec3 force;                 ///< N, world (push)
@@ -70,7 +70,7 @@ struct ScenarioEvent {
 };
 
 struct ScenarioGround {
-  double height = 0;       ///< m
+  double height = 0;       ///< m, world
   double friction = 0.9;   ///< Coulomb friction coefficient
   double restitution = 0;  ///< coefficient of restitution, 0 ... 1
   friend bool operator==(const ScenarioGround&, const ScenarioGround&) = default;
@@ -78,7 +78,7 @@ struct ScenarioGround {
 
 struct ScenarioCamera {
   std::string follow;                      ///< id of the character that the camera follows; empty: none
-  double distance = 5;                     ///< m
+  double distance = 5;                     ///< m, from the camera to its target
   double azimuth = 0.7, elevation = 0.25;  ///< rad
   friend bool operator==(const ScenarioCamera&, const ScenarioCamera&) = default;
 };
@@ -103,7 +103,7 @@ struct Scenario {
   std::string circuit;  ///< JSON object of docs/circuit.md; empty: the default circuit
   friend bool operator==(const Scenario&, const Scenario&) = default;
 
-  /// The character with this id, or null.
+  /// Returns the character with this id, or null.
   [[nodiscard]] const ScenarioCharacter* find_character(std::string_view id) const;
   [[nodiscard]] ScenarioCharacter* find_character(std::string_view id);
 };
@@ -112,7 +112,7 @@ struct Scenario {
 struct MechanismFacts {
   std::string name;
   int nq = 0;                              ///< count of position coordinates
-  bool free_root = false;                  ///< the first joint is floating: the mechanism can be placed and thrown
+  bool free_root = false;                  ///< true: the first joint is floating, so that the mechanism can be placed and thrown
   std::vector<std::string> links, labels;  ///< names of all links; labels of the links that have one
 };
 /// Properties of a motion that check_scenario() needs.
@@ -128,15 +128,15 @@ struct Catalogue {
   std::map<std::string, MotionFacts, std::less<>> motions;        ///< by id
 };
 
-/// Reads the JSON form. All problems are reported, each with its JSON path ("characters/0/track/2/speed") after `name`.
-/// Absent fields have their defaults; unknown fields are errors. Clips and events are sorted (see put_in_order()).
+/// Reads the JSON form. All problems are reported, each with its JSON path ("characters/0/track/2/speed") after `name`. Absent fields get
+/// their default values; unknown fields are errors. Clips and events are sorted (see put_in_order()).
 [[nodiscard]] Result<Scenario> read_scenario(std::string_view json, std::string_view name);
 
-/// The canonical JSON form, two blanks of indentation: equal documents give equal text.
+/// Returns the canonical JSON form, indented by two blanks: equal documents give equal text.
 [[nodiscard]] std::string write_scenario(const Scenario& scenario);
 
-/// Problems of the whole document: values out of range and invalid ids. With `catalogue`, references to mechanisms, motions and links are
-/// checked as well.
+/// Returns the problems of the whole document: values out of range and invalid ids. With `catalogue`, references to mechanisms, motions and
+/// links are also checked.
 [[nodiscard]] Error check_scenario(const Scenario& scenario, const Catalogue* catalogue = nullptr, std::string_view name = "scenario");
 
 /// True if `text` is a valid id: 1 ... `max_size` letters, digits, '-', '_' or '.'.
@@ -144,7 +144,7 @@ struct Catalogue {
 /// Maximum size of a mechanism's or motion's id: "mechanism/ID" must fit into the 31 bytes of a section name of *.ugx.
 inline constexpr std::size_t max_resource_id = 21;
 
-/// Sorts clips by start and events by time; equal ones by id.
+/// Sorts clips by start and events by time; if these are equal, by id.
 void put_in_order(Scenario& scenario);
 
 }  // namespace ugoki::content

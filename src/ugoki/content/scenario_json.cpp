@@ -5,7 +5,7 @@
 namespace ugoki::content {
 namespace {
 
-/// Calls read(fields) for the object in field `key`, if the field is present.
+/// Calls read(fields) with the fields of the object `key`, if it is present.
 template <class Read>
 void read_object(Fields& parent, std::string_view key, Read read) {
   const Json* object = parent.find(key);

@@ -6,7 +6,7 @@
 
 namespace ugoki::content {
 
-// Each of these functions reads one JSON object into `out`. Absent fields keep the value that `out` has, so commands can merge fields.
+// Each of these functions reads one JSON object into `out`. Absent fields keep their value in `out`, so commands can change single fields.
 void read_clip(Fields& fields, ScenarioClip& out);
 void read_place(Fields& fields, ScenarioPlace& out);
 void read_control(Fields& fields, ScenarioControl& out);

@@ -36,7 +36,8 @@ double calc_end_speed(const ScenarioCharacter& character, const Mechanism& mecha
     if (!resources.motions.contains(clip.motion)) return 0;
   const Clip last = lay_track(character, mechanism, resources).back();
   const Motion& motion = *resources.motions.find(character.track.back().motion)->second;
-  constexpr double span = 0.1;  // s, for the finite difference: long enough to average measurement noise, shorter than a footstep
+  constexpr double span = 0.1;  // s, interval of the finite difference: long enough to average measurement noise, shorter than a walking
+                                // step
   const double end = last.start + last.length, before = std::max(last.start, end - span);
   if (!(end > before)) return 0;
   std::vector<double> q0(static_cast<std::size_t>(mechanism.nq())), q1(q0.size());

@@ -1,5 +1,5 @@
 #pragma once
-// Turns the clips of a scenario's track into clips that are placed in the world.
+// Converts the clips of a scenario's track to clips that are placed in the world.
 
 #include <vector>
 
@@ -9,21 +9,21 @@
 
 namespace ugoki::content {
 
-/// Converts the timing and blending of a clip; its placement in the world is not set.
+/// Converts the timing and blending of a clip; does not set its placement in the world.
 [[nodiscard]] Clip to_clip(const ScenarioClip& clip);
 
-/// The planar pose of a character at the start; heading converted from degrees to rad.
+/// Returns the planar pose of a character at the start; the heading is converted from degrees to rad.
 [[nodiscard]] Placement to_placement(const ScenarioPlace& place);
 
-/// The placed clips of the track, sorted by start. The first is placed where the character is at the start, each later clip at the planar
-/// pose that the previous clip has when the later clip starts. `resources` must contain the motions, and they must fit the mechanism.
+/// Returns the placed clips of the track, sorted by start. The first clip begins where the character is placed at the start, each later
+/// clip at the planar pose that the previous clip has at this time. `resources` must contain the motions, and they must fit the mechanism.
 [[nodiscard]] std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources);
 
-/// Speed of the root link at the end of the track, m/s. After its end, a track holds its last pose; a character that reaches the end at
-/// high speed therefore falls. 0 if the track is empty, a motion is missing, or the root joint is not floating.
+/// Returns the speed [m/s] of the root link at the end of the track. After its end, a track holds its last pose, so a character that
+/// reaches the end at high speed falls. 0 if the track is empty, a motion is missing, or the root joint is not floating.
 [[nodiscard]] double calc_end_speed(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources);
 
-/// [nq] Position coordinates at time 0: the first clip's pose, or without a track the neutral pose at the character's place.
+/// Returns position coordinates [nq] at time 0: the pose of the first clip or, without a track, the neutral pose at the character's place.
 /// @param track result of lay_track()
 [[nodiscard]] std::vector<double> start_position(const ScenarioCharacter& character, const Mechanism& mechanism,
                                                  const std::vector<Clip>& track, const Resources& resources);

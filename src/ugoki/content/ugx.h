@@ -47,7 +47,7 @@ struct UgxSection {
 class Ugx {
  public:
   [[nodiscard]] std::span<const UgxSection> sections() const { return sections_; }
-  /// The section of this name, or null.
+  /// Returns the section of this name, or null.
   [[nodiscard]] const UgxSection* find(std::string_view name) const;
 
  private:
@@ -64,7 +64,7 @@ class UgxWriter {
   /// Adds a section. @param name 1 ... 31 bytes, unique in the file
   void add(std::string name, std::vector<std::byte> bytes);
   void add(std::string name, std::string_view text);
-  /// The bytes of the file.
+  /// Returns the bytes of the file.
   [[nodiscard]] std::vector<std::byte> finish() const;
 
  private:

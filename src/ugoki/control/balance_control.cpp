@@ -18,7 +18,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Vec3 horizontal(const Vec3& x) { return {x.x, x.y, 0}; }
 
-/// Smooth step from 0 to 1 with its first two derivatives.
+/// Smooth step from 0 to 1 and its first two derivatives.
 struct SmoothStep {
   double value = 0, rate = 0, acceleration = 0;
 };
@@ -28,9 +28,9 @@ SmoothStep smooth_step(double x) {
   return {x * x * x * (10 + x * (6 * x - 15)), 30 * x * x * (1 - x) * (1 - x), 60 * x * (1 - x) * (1 - 2 * x)};
 }
 
-/// Factor on the shift of a touch-down. It is above 1 because the anchor moves to the new foot only during the double support that follows.
-/// With x = w0 * (duration of the double support) and the error E at touch-down, the error at the end of the double support is
-/// E e^x - shift (e^x - 1) / x. The factor makes it zero.
+/// Factor on the shift of a touch-down. It is above 1 because the anchor moves to the new foot only during the following double support.
+/// With x = w0 * (duration of the double support) and the error E at touch-down, the error at the end of the double support is E e^x -
+/// shift (e^x - 1) / x. This error is zero for shift = factor * E.
 double transfer_factor(double x) { return x < 1e-3 ? 1 + 0.5 * x : x * exp(x) / (exp(x) - 1); }
 
 }  // namespace
@@ -65,7 +65,7 @@ BalanceControl::BalanceControl(MechanismPtr mechanism, std::shared_ptr<const Ref
   for (int i = 0; i < m.link_count(); ++i)
     if (m.link(i).label == "chest") chest_ = i;
   weight_ = m.mass() * norm(options_.gravity);
-  // Rows: centre of mass, angular momentum, pelvis, chest; then at most 6 for each foot or part of a foot
+  // Rows of the program: centre of mass, angular momentum, pelvis, chest; then at most 6 for each foot or link of a foot
   int parts = 0;
   for (const Foot& foot : feet_) parts += static_cast<int>(foot.parts.size());
   program_.reserve(m.nv(), 4 * static_cast<int>(max_bearing), 12 + 6 * parts, 6 + static_cast<int>(max_limits));
@@ -89,7 +89,7 @@ void BalanceControl::sample_reference(const BalanceState& state) {
   for (double& v : v_ref_) v *= state.rate;
   for (double& a : a_ref_) a *= state.rate * state.rate;
   dynamics::update_kinematics(m, q_ref_, v_ref_, ref_);
-  // The wanted velocity of the centre of mass is that of rate 1, also while the time of the reference runs faster or slower.
+  // The wanted velocity of the centre of mass is the velocity at rate 1, also while the time of the reference runs faster or slower.
   want_ = dynamics::calc_centroidal(m, ref_);
   want_rate_ = dynamics::calc_centroidal_momentum_rate(m, ref_, a_ref_) * (1 / (state.rate * state.rate));
   want_.velocity = want_.velocity / state.rate;
@@ -139,7 +139,7 @@ void BalanceControl::update_phase(const BalanceInput& in, BalanceState& state) {
       }
     } else if (foot.reacts) {
       if (!planned.stands || state.clock > foot.begin + foot.length + 0.3)
-        foot.reacts = 0;  // the reference, or the search for the floor, continues
+        foot.reacts = 0;  // the step ends: the reference lifts the foot, or the foot is pressed down until it touches the ground
       if (touching_[f] > 0 && state.clock > foot.begin + options_.early * foot.length) {
         foot.stands = 1;
         foot.reacts = foot.early = 0;
@@ -182,7 +182,7 @@ double BalanceControl::distance_to_support(int foot, const BalanceInput& in, con
   }
   closest = p;
   if (hull_.empty()) return -1e3;
-  // Convex hull by the monotone chain (Andrew 1979), counter-clockwise, stored behind the points.
+  // Convex hull by the monotone chain (Andrew 1979), counter-clockwise, stored in hull_ after the points.
   std::sort(hull_.begin(), hull_.end(), [](const Vec3& a, const Vec3& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
   const std::size_t n = hull_.size();
   const auto turn = [](const Vec3& o, const Vec3& a, const Vec3& b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); };
@@ -233,7 +233,7 @@ void BalanceControl::update_reactions(const BalanceInput& in, BalanceState& stat
   const double margin = distance_to_support(-1, in, state, dcm, edge);
   state.trouble =
       margin < -options_.step_margin * norm(horizontal(want_.velocity)) && norm(error) > options_.step_error ? state.trouble + in.dt : 0;
-  // The x axis of the pelvis points ahead, its y axis to the left.
+  // In the neutral position, the pelvis faces x and its left is y.
   const Vec3 left = normalized(horizontal(ws_.X_WB[0].R * transpose_times(rest_pelvis_, Vec3{0, 1, 0})), {0, 1, 0});
   const auto place = [&](std::size_t f) { return horizontal(ws_.X_WB[at(feet_[f].link)] * feet_[f].sole); };
   const auto offset = [&](std::size_t f) { return place(f) - horizontal(ref_.X_WB[at(feet_[f].link)] * feet_[f].sole); };
@@ -246,7 +246,7 @@ void BalanceControl::update_reactions(const BalanceInput& in, BalanceState& stat
     const std::size_t other = 1 - f;
     Vec3 p;
     distance_to_support(static_cast<int>(other), in, state, dcm, p);
-    Vec3 shift = p + (dcm - p) * grow - wanted - offset(other);  // m, relative to the reference displaced to the standing foot
+    Vec3 shift = p + (dcm - p) * grow - wanted - offset(other);  // m, relative to the reference as displaced to the other, standing foot
     // The feet must not cross.
     const double side = f == left_foot_ ? 1 : -1;
     const Vec3 landing = horizontal(ref_.X_WB[at(feet_[f].link)] * feet_[f].sole) + offset(other) + shift;
@@ -272,7 +272,7 @@ void BalanceControl::update_reactions(const BalanceInput& in, BalanceState& stat
 }
 
 void BalanceControl::update_anchor(const BalanceInput& in, BalanceState& state) {
-  // The foot that landed last takes over the anchor during double support.
+  // During double support the anchor moves to the foot that landed last.
   int standing = 0;
   double last_begin = -1e300, first_end = 1e300;
   std::size_t last = 0;
@@ -309,7 +309,7 @@ void BalanceControl::update_anchor(const BalanceInput& in, BalanceState& state) 
   if (standing > 1) anchor_rest_ = std::max(0.0, first_end - state.time) / state.rate;
   const double follow = std::min(1.0, in.dt / options_.anchor_time);
   const double angle = options_.heading_time > 0 ? turn * std::min(1.0, in.dt / options_.heading_time) : 0;
-  // Rotation about the standing foot of the reference, then translation
+  // Rotates the reference about its standing foot, then translates it.
   const Vec3 pivot = horizontal(centre), moved = pivot - rotation_about({0, 0, 1}, angle) * pivot + horizontal(shift) * follow;
   const Placement next = Placement{moved.x, moved.y, 0, angle} * Placement{state.x, state.y, 0, state.heading};
   state.x = next.x;
@@ -327,7 +327,7 @@ void BalanceControl::add_point_rows(int link, const Vec3& p, const Vec3& target,
   }
 }
 
-/// Orientation of a foot in the reference. A nearly level sole is made level: measured soles are tilted by degrees while they stand.
+/// Orientation of a foot in the reference. A nearly level sole is made level, because measured soles are tilted by a few degrees in stance.
 Mat3 BalanceControl::levelled(std::size_t f) const {
   const Mat3& R = ref_.X_WB[at(feet_[f].link)].R;
   const Vec3 normal = R * feet_[f].normal, axis = cross(normal, Vec3{0, 0, 1});
@@ -357,7 +357,7 @@ void BalanceControl::add_swing_task(std::size_t f, const BalanceState& state) {
   const BalanceState::FootState& memory = state.feet[f];
   const auto l = at(foot.link);
   const ScheduledFoot planned = schedule_.at(f, state.time);
-  // The phase of a reaction step follows BalanceState::clock, not the time of the reference.
+  // The phase of a reaction step is measured by BalanceState::clock, not by the time of the reference.
   const double length = memory.reacts ? memory.length : planned.end - planned.begin;
   const double passed = memory.reacts ? state.clock - memory.begin : state.time - planned.begin;
   const bool late = memory.reacts ? passed >= length : planned.stands;
@@ -389,7 +389,7 @@ void BalanceControl::add_swing_task(std::size_t f, const BalanceState& state) {
 }
 
 void BalanceControl::add_standing_foot(std::size_t f) {
-  // Rows for each part that bears load: three at the first point, two at the second, one at a third that is not on their line.
+  // Rows for each link that bears load: three at the first point, two at the second, one at a third point that is not on their line.
   for (const int link : feet_[f].parts) {
     const Bearing *first = nullptr, *second = nullptr, *third = nullptr;
     double best = 1e-3;
@@ -429,7 +429,7 @@ void BalanceControl::find_torques(const BalanceInput& in, const Edge& edge, std:
     for (const int i : dynamics::chain_of_link(ws_, bearing_[b].link))
       tau[at(i)] -= dot(ws_.S[at(i)].w, moment) + dot(ws_.S[at(i)].v, force);
   }
-  for (std::size_t i = 6; i < wanted_.size(); ++i) {  // the stepper adds the joints' dampers and springs
+  for (std::size_t i = 6; i < wanted_.size(); ++i) {  // compensate the joints' dampers and springs, which the stepper applies
     const Dof& d = ws_.dofs[i];
     const double next = in.v[i] + in.dt * wanted_[i];
     tau[i] += d.damping * next;
@@ -454,8 +454,8 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   // 3. Centre of mass
   const double g = norm(options_.gravity);
   const double w0 = std::sqrt(g / std::max(0.05, want_.centre.z - floor_));
-  // While the reference moves from one foot to the other at the velocity u for the time T that remains, the DCM that arrives without
-  // effort is ahead of it by u / w0 (1 - exp(-w0 T)).
+  // The reference moves from one foot to the other at the velocity u for the remaining time T. A DCM that is ahead of the reference by u /
+  // w0 (1 - exp(-w0 T)) arrives without effort.
   const Vec3 e = now_.centre - want_.centre;
   const Vec3 e_rate = now_.velocity - want_.velocity - anchor_rate_ * (1 - exp(-w0 * anchor_rest_));
   out.dcm_error = horizontal(e + e_rate / w0);
@@ -470,13 +470,13 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
     const ScheduledFoot planned = schedule_.at(f, state.time);
     if (foot.stands || (!foot.reacts && (planned.stands || !std::isfinite(planned.end)))) continue;
     const double rest = foot.reacts ? std::max(0.0, foot.begin + foot.length - state.clock) : (planned.end - state.time) / state.rate;
-    double double_support = 0;  // s, after this touch-down
+    double double_support = 0;  // s, duration of the double support after this touch-down
     for (std::size_t other = 0; other < feet_.size(); ++other) {
       if (other == f) continue;
       const ScheduledFoot next = schedule_.at(other, planned.end);
       if (next.stands && std::isfinite(next.end)) double_support = std::max(double_support, next.end - planned.end);
     }
-    if (foot.reacts) {  // DCM of the pendulum on the point of the standing foot that is closest to the DCM
+    if (foot.reacts) {  // DCM of an inverted pendulum on p, the point of the support closest to the DCM
       const Vec3 dcm = horizontal(now_.centre + now_.velocity / w0);
       Vec3 p;
       if (distance_to_support(-1, in, state, dcm, p) < -1e2) continue;  // no foot stands
@@ -551,7 +551,7 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   for (std::size_t r = 0; r < 6; ++r) state.multipliers[r] = program_.balance_multipliers()[r];
   for (const Link& link : m.links()) joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
   find_torques(in, edge, tau);
-  // Only the limits that the solution exceeds become balances of the program. They are few, so the other limits add no cost.
+  // Add only those torque limits that the solution exceeds. They are few, so the other limits add no cost.
   limited_.clear();
   for (int round = 0; round < options_.limit_rounds; ++round) {
     const std::size_t known = limited_.size();

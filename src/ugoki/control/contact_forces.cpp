@@ -45,7 +45,7 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
   if (supports.empty()) return wrench;
   for (const Support& s : supports) {
     const Vec3 t1 = any_perpendicular(s.n), t2 = cross(s.n, t1);
-    const double scale = 1 / std::sqrt(s.cost);  // scales columns and edges, so that all costs become 1
+    const double scale = 1 / std::sqrt(s.cost);  // scales columns and edges, so that all costs are 1
     for (const Vec3& t : {t1, -t1, t2, -t2}) {
       const Vec3 edge = (s.n + t * s.friction) * scale;
       edges_.push_back(edge);
@@ -54,8 +54,8 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
   }
   const Array6 w = to_array({wrench.w / lever, wrench.v});
 
-  // Minimize phi(y) = |y|^2 / 2 + |max(0, G^T y)|^2 / (2 eps) - w.y; beta = max(0, G^T y) / eps, missing wrench = y.
-  // Symbols: contact_forces.h.
+  // Minimize phi(y) = |y|^2 / 2 + |max(0, G^T y)|^2 / (2 eps) - w.y; then beta = max(0, G^T y) / eps, and the missing wrench is y. Symbols:
+  // contact_forces.h.
   const auto objective = [&](const Array6& y) {
     double value = 0;
     for (std::size_t i = 0; i < 6; ++i) value += y[i] * (0.5 * y[i] - w[i]);
@@ -78,7 +78,7 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
     const Vec6 yv = to_vec(y);
     for (const Vec6& column : columns_) {
       const double b = dot(column, yv);
-      // First iteration (y = 0): assume that every edge along the wanted wrench bears load.
+      // First iteration (y = 0): assume that every edge bears load whose wrench has a positive product with the wanted one.
       if (iterations_ > 0 ? b <= 0 : dot(column, to_vec(w)) <= 0) continue;
       const Array6 g = to_array(column);
       for (std::size_t i = 0; i < 6; ++i) {

@@ -1,10 +1,10 @@
 #pragma once
-// Contact forces that provide the wrench w needed by a character's wanted motion. They solve a small quadratic program:
+// Contact forces that provide the wrench w of a character's wanted motion. They are the solution of a small quadratic program:
 //   minimize  |W (G beta - w)|^2 + eps sum cost_k beta_k^2   over   beta >= 0
-// Column k of G is the wrench of a unit force along edge k of a contact's friction pyramid; beta_k [N] is the force along that edge. Its
-// square has the weight eps cost_k. W weights forces by 1 and moments by 1 / lever. The program is solved exactly through its dual, a
-// strongly convex problem with 6 unknowns y for any number of contacts: W^-2 y + G max(0, G^T y) / eps = w (here cost_k = 1). This equation
-// is piecewise linear and is solved by Newton's method.
+// Column k of G is the wrench of a unit force along edge k of a contact's friction pyramid; beta_k [N] is the force along this edge, with
+// the cost eps cost_k beta_k^2. W weights forces by 1 and moments by 1 / lever. The program is solved exactly through its dual problem,
+// which is strongly convex and has 6 unknowns y for any number of contacts: W^-2 y + G max(0, G^T y) / eps = w (for cost_k = 1). This
+// equation is piecewise linear and is solved by Newton's method.
 // Sources: Abe, da Silva, Popovic (2007); Qi, Sun (1993) for the semismooth method.
 
 #include <array>
@@ -20,18 +20,18 @@ struct Support {
   Vec3 p;               ///< m, world: contact point
   Vec3 n;               ///< unit, world: normal, towards the character
   double friction = 0;  ///< Coulomb coefficient
-  double cost = 1;      ///< factor on the cost of squared force at this contact
+  double cost = 1;      ///< factor on the cost of the squared force at this contact
 };
 
 /// Solves the quadratic program at the top of this file.
 class ContactForceProblem {
  public:
-  /// Reserves memory for `capacity` supports; solve() allocates only for more.
+  /// Reserves memory for `capacity` supports; solve() allocates memory only for more supports.
   explicit ContactForceProblem(std::size_t capacity = 64);
 
   /// @param origin   m, world: reference point of `wrench` and of the result
   /// @param wrench   wanted: moment about `origin` [N m], force [N], world axes
-  /// @param lever    m: a moment counts like the force that has this lever
+  /// @param lever    m: a moment M has the same weight as a force M / lever
   /// @param softness eps: cost of squared contact force relative to squared missing force
   /// @param forces [supports, out] N, world axes, inside the friction pyramids
   /// @return missing wrench: `wrench` minus the wrench of the forces

@@ -48,9 +48,9 @@ std::vector<Foot> feet_of(const Mechanism& m) {
 FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion, double floor, double rate)
     : stances_(feet.size()) {
   const int frames = std::max(1, static_cast<int>(std::floor(motion.end() * rate))) + 1;
-  const int margin = static_cast<int>(rate), part = 20 * margin;  // frames: parts of 20 s, labelled together with 1 s before and after
+  const int margin = static_cast<int>(rate), part = 20 * margin;  // frames: the motion is labelled in parts of 20 s, with 1 s around each
   std::vector<double> q(idx(m.nq())), v(idx(m.nv())), a(v.size());
-  std::vector<int> parts;  // only the poses of the feet are kept
+  std::vector<int> parts;  // links whose poses are kept: only the feet
   std::vector<std::vector<LinkPoint>> points;
   for (const Foot& foot : feet) {
     points.push_back(foot.points);

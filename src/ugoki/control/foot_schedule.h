@@ -9,37 +9,37 @@
 
 namespace ugoki::control {
 
-/// A motion over time, as the reference of a controller.
+/// A motion over time that serves as the reference of a controller.
 class ReferenceMotion {
  public:
   virtual ~ReferenceMotion() = default;
   /// Returns the reference at time t [s]. @param q [nq, out]  @param v, a [nv, out] rad/s | m/s, rad/s^2 | m/s^2
   virtual void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const = 0;
-  [[nodiscard]] virtual double end() const = 0;  ///< s: the motion is sampled from 0 to end()
+  [[nodiscard]] virtual double end() const = 0;  ///< s: duration; the motion is sampled from 0 to end()
 };
 
-/// A foot: a link that can stand, with the links behind it that can also touch the ground (toes).
+/// A foot: a link that can stand, with its descendants that can also touch the ground (toes).
 struct Foot {
   int link = -1;
   std::vector<int> parts;         ///< links: `link` and its descendants that are feet
   std::vector<LinkPoint> points;  ///< support points of all parts
-  std::vector<int> dofs;          ///< DOFs between the root and `link`, without those of the root
+  std::vector<int> dofs;          ///< DOFs between the root and `link`, without the root's own DOFs
   Vec3 normal;                    ///< unit, in the frame of `link`: upward normal of the sole, vertical in the neutral position
   Vec3 sole;                      ///< m, in the frame of `link`: mean of the lowest support points of `link` in the neutral position
 };
-/// Returns the feet of a mechanism (find_feet). The toes belong to their foot.
+/// Returns the feet of a mechanism (find_feet). Toes are part of their foot.
 [[nodiscard]] std::vector<Foot> feet_of(const Mechanism& mechanism);
 
-/// A time interval in which a foot stands, s.
+/// A time interval [s] in which a foot stands.
 struct Stance {
   double begin = 0, end = 0;
 };
 
-/// State of a foot in the schedule at one time.
+/// State of a foot in the schedule at a given time.
 struct ScheduledFoot {
   bool stands = false;
-  double begin = 0;  ///< s: begin of the present stance or swing
-  double end = 0;    ///< s: end of the present stance or swing; after the end of the motion if no other one follows
+  double begin = 0;  ///< s: begin of the present stance or swing; -infinity if it began before the motion
+  double end = 0;    ///< s: end of the present stance or swing; infinity if no stance or swing follows
 };
 
 /// Stances of all feet over a reference motion.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t max_supports = 64;
 
-/// m, world: lowest z of a shape.
+/// Height [m, world] of the shape's lowest point.
 double lowest_point(const Shape& s, const Pose& X_WB) {
   const Pose X = X_WB * s.X_BS;
   return X.p.z - reach(s, -X.R.row(2));
@@ -39,8 +39,8 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
     high = std::max(high, X[i].p.z);
     for (const Shape& s : m.links()[i].shapes) low = std::min(low, lowest_point(s, X[i]));
   }
-  // For long, low characters (a snake, a crocodile) and characters whose root is their lowest link, the lever is the distance of their mass
-  // from the root.
+  // For long, low characters (a snake, a crocodile), and characters whose root is their lowest link, the lever is the horizontal distance
+  // of their mass from the root.
   double spread = 0;
   for (std::size_t i = 0; i < X.size(); ++i) {
     const double mass = m.links()[i].inertia.mass;
@@ -73,7 +73,7 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
     if (norm(v_ref - c.n * rise) > options_.sliding_speed) continue;
     // Load on a point that is about to lift (a heel) is costly, so that other points (the toes) carry it.
     const double lift = std::max(0.0, rise) / options_.lifting_speed, cost = 1 + lift * lift;
-    supports_.push_back({c.p, c.n, 0.7 * c.friction, cost * cost});  // 0.7: margin inside the friction cone
+    supports_.push_back({c.p, c.n, 0.7 * c.friction, cost * cost});  // 0.7: margin to the edge of the friction cone
     support_links_.push_back(c.link_a);
     offsets_.push_back(c.p - p_ref);
     for (const int f : dynamics::chain_of_link(ws, c.link_a)) bears_load_[static_cast<std::size_t>(f)] = 1;
@@ -81,7 +81,7 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
 }
 
 double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, std::span<double> tau) {
-  if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // no free fall, because the assist can carry the whole weight
+  if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // free fall is not needed, because the assist can carry the whole weight
   const double depth = std::clamp(-ahead.z / (options_.fall_depth * lever_), 0.0, 1.0);
   const double up = missing.v.z > 0 ? missing.v.z * (1 - depth * depth) : missing.v.z;  // the assist must not pull the character down
   const double share = std::min(1.0, std::fabs(up) / weight_);
@@ -97,7 +97,7 @@ void MotionControl::update_shift(const ControlInput& in, std::span<const Vec3> f
                                  double (&shift)[3]) const {
   Vec3 next{shift[0], shift[1], shift[2]}, weighted;
   double load = 0;
-  for (std::size_t c = 0; c < supports_.size(); ++c) {  // weighted by the load on each support
+  for (std::size_t c = 0; c < supports_.size(); ++c) {  // mean offset of the supports, weighted by their loads
     const double share = dot(forces[c], supports_[c].n);
     weighted += offsets_[c] * share;
     load += share;
@@ -122,13 +122,13 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   for (std::size_t i = 0; i < n; ++i) tau[i] = servo_gain[i] = servo_velocity[i] = 0;
   if (out.released) return out;
 
-  // Supports: contact points that touch and that are planted in the reference.
+  // Supports: contact points that touch the ground and that are planted in the reference.
   const std::size_t root_dofs = floating_ ? 6 : 0;
   dynamics::update_kinematics(m, in.q, in.v, ws);
   find_supports(in, {state.shift[0], state.shift[1], state.shift[2]});
 
-  // 1. Wanted accelerations, from the errors predicted for the end of the step (stable PD). The root and the joints that carry it share
-  // one gain: feet on the ground couple these DOFs, and unequal gains on coupled DOFs are unstable.
+  // 1. Wanted accelerations, from the errors predicted for the end of the step (stable PD). The root and the joints between root and
+  // supports share one gain: feet on the ground couple these DOFs, and unequal gains on coupled DOFs are unstable.
   difference(m, in.q, in.q_ref, wanted_);
   if (floating_)
     for (std::size_t k = 0; k < 3; ++k) wanted_[3 + k] += state.shift[k];
@@ -148,7 +148,7 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   if (floating_) {
     const std::span<Vec3> forces(forces_.data(), supports_.size());
     out.wanted = problem_.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
-    // 4. Weight that neither the ground nor an assist below one body weight can carry
+    // 4. Free fall: the weight that neither the ground nor an assist below one body weight can carry
     const Vec3 ahead{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]};
     const double falling = apply_free_fall(ahead, out.wanted, tau);
     for (std::size_t c = 0; c < supports_.size(); ++c) {

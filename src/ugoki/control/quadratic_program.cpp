@@ -15,8 +15,8 @@ void ensure(std::vector<double>& v, std::size_t size) {
   if (v.size() < size) v.resize(size);
 }
 
-/// Replaces the upper triangle of the symmetric positive-definite A [n * stride] by U with A = U^T U. Pivots that rounding made
-/// non-positive are replaced by a large number, which drops the row.
+/// Replaces the upper triangle of the symmetric positive definite matrix A [n * stride] by U with A = U^T U. If rounding made a pivot
+/// non-positive, it is replaced by a large number, which removes this row from the solution.
 void factor(double* A, std::size_t n, std::size_t stride) {
   for (std::size_t k = 0; k < n; ++k) {
     double* row = A + k * stride;
@@ -33,7 +33,7 @@ void factor(double* A, std::size_t n, std::size_t stride) {
     }
   }
 }
-/// b <- U^-T b
+/// Solves U^T x = b; b is replaced by x.
 void solve_lower(const double* U, std::size_t n, std::size_t stride, double* b) {
   for (std::size_t k = 0; k < n; ++k) {
     const double* row = U + k * stride;
@@ -43,7 +43,7 @@ void solve_lower(const double* U, std::size_t n, std::size_t stride, double* b) 
     for (std::size_t j = k + 1; j < n; ++j) b[j] -= row[j] * x;
   }
 }
-/// b <- U^-1 b
+/// Solves U x = b; b is replaced by x.
 void solve_upper(const double* U, std::size_t n, std::size_t stride, double* b) {
   for (std::size_t k = n; k-- > 0;) {
     const double* row = U + k * stride;
@@ -134,7 +134,7 @@ void QuadraticProgram::factor_equations() {
   }
   for (std::size_t r = 0; r < rows_; ++r) {
     double& d = u_[r * rows_ + r];
-    d += sigma_[r] + 1e-13 * d;  // rounding of dependent rows
+    d += sigma_[r] + 1e-13 * d;  // small addition, because rows may be linearly dependent up to rounding
   }
   factor(u_.data(), rows_, rows_);
   solve_lower(u_.data(), rows_, rows_, y_.data());
@@ -142,7 +142,7 @@ void QuadraticProgram::factor_equations() {
 }
 
 void QuadraticProgram::eliminate(std::size_t r) {
-  if (stride_ < balances_) {  // grow the core, keeping its content
+  if (stride_ < balances_) {  // enlarge the core's matrix, keeping its values
     const std::size_t stride = std::max(balances_, 2 * stride_);
     std::vector<double> k(stride * stride, 0.0);
     for (std::size_t i = 0; i < r; ++i)
@@ -175,7 +175,7 @@ void QuadraticProgram::eliminate(std::size_t r) {
   }
 }
 
-/// Value of the core's objective. @param edge [m, out] G^T z
+/// Value of the objective of the core (the problem of the balances, see quadratic_program.h). @param edge [m, out] G^T z
 double QuadraticProgram::objective(std::span<const double> z, std::span<double> edge) const {
   double value = 0;
   std::ranges::fill(edge, 0.0);
@@ -209,7 +209,7 @@ bool QuadraticProgram::solve(std::span<const double> start) {
   double value = objective(z, edge);
   bool converged = false;
   for (iterations_ = 0; iterations_ < max_iterations; ++iterations_) {
-    // Compute the value of each balance's row, c x + g beta + s, minus its bound, and find the balances that are free to move.
+    // Compute c x + g beta + s minus its bound for each balance, and find the balances whose multipliers are free to change.
     std::size_t count = 0;
     residual_ = 0;
     for (std::size_t r = 0; r < nb; ++r) {
@@ -229,7 +229,7 @@ bool QuadraticProgram::solve(std::span<const double> start) {
       converged = true;
       break;
     }
-    // Newton step of the free balances
+    // Newton step for the free balances
     for (std::size_t a = 0; a < count; ++a) {
       const auto r = static_cast<std::size_t>(free_[a]);
       step_[a] = -value_[r];
@@ -250,11 +250,11 @@ bool QuadraticProgram::solve(std::span<const double> start) {
     bool moved = false;
     for (int tries = 0; tries < 40; ++tries, length *= 0.5) {
       std::ranges::copy(z, trial.begin());
-      double decrease = 0;  // of the linear model
+      double decrease = 0;  // predicted by the linear model
       for (std::size_t a = 0; a < count; ++a) {
         const auto r = static_cast<std::size_t>(free_[a]);
         double next = z[r] + length * step_[a];
-        if (lower_[r] < upper_[r] && next * sign_[r] < 0) next = 0;  // the multiplier of a limit keeps its sign
+        if (lower_[r] < upper_[r] && next * sign_[r] < 0) next = 0;  // the multiplier of an inequality must not change its sign
         decrease += value_[r] * (next - z[r]);
         trial[r] = next;
       }
@@ -267,7 +267,7 @@ bool QuadraticProgram::solve(std::span<const double> start) {
         break;
       }
     }
-    if (!moved) {  // rounding prevents a further decrease
+    if (!moved) {  // rounding errors prevent a further decrease
       converged = residual_ <= 1e-6 * scale;
       break;
     }
@@ -277,7 +277,7 @@ bool QuadraticProgram::solve(std::span<const double> start) {
 }
 
 void QuadraticProgram::recover() {
-  // Equations: U^T U z1 = (t - C x0) - C W^-1 c2^T z2
+  // Multipliers z1 of the equations: U^T U z1 = (t - C x0) - C W^-1 c2^T z2
   ensure(all_z_, rows_);
   for (std::size_t j = 0; j < rows_; ++j) all_z_[j] = y_[j];
   for (std::size_t r = 0; r < balances_; ++r)

@@ -1,21 +1,21 @@
 #pragma once
-// Quadratic program of whole-body control. Unknowns: accelerations x [n], and loads beta [m], which cannot be negative. Loads are forces
-// along the edges of the friction pyramids of the contacts.
+// Quadratic program of whole-body control. Unknowns: accelerations x [n], and loads beta [m], which cannot be negative. A load is a force
+// along an edge of a contact's friction pyramid.
 //
 //   minimize  1/2 sum_i w_i (x_i - x0_i)^2 + 1/2 sum_r s_r^2 / sigma_r + 1/2 eps sum_k beta_k^2
 //   equations   c_r x             + s_r  =  t_r                  tasks and contacts
 //   balances    l_r <= c_r x + g_r beta + s_r <= u_r             equations of motion (l = u), limits of torques and accelerations
 //               beta_k >= 0
 //
-// A row's softness sigma_r >= 0 is the reciprocal of its weight; a row with sigma_r = 0 is met exactly. Tasks of different priority are
-// rows of different softness.
+// A row's softness sigma_r >= 0 is the reciprocal of its weight; a row with sigma_r = 0 is satisfied exactly. Rows of different softness
+// express tasks of different priority.
 //
-// The dual problem has one unknown z_r for each row: x = x0 + W^-1 C^T z, beta = max(0, G^T z) / eps, s = sigma z. Its optimum satisfies
+// The dual problem has one unknown z_r for each row: x = x0 + W^-1 C^T z, beta = max(0, G^T z) / eps, s = sigma z. Its solution satisfies
 //   (C W^-1 C^T + diag(sigma)) z + G max(0, G^T z) / eps = t - C x0.
-// The equations contain no loads, so one Cholesky factorization eliminates them. The remaining core has as many unknowns as there are
-// balances: six for the root, and one for each limit that is reached. The core is strictly convex and piecewise quadratic. A projected
-// semismooth Newton method with line search solves the core exactly. The method stops when the set of loaded edges and reached limits no
-// longer changes. A good start is the core's solution of the previous tick.
+// The equations contain no loads, so one Cholesky factorization eliminates them. The remaining problem, the core, has one unknown for each
+// balance: six for the root, and one for each limit that is reached. The core is strictly convex and piecewise quadratic. A projected
+// semismooth Newton method with line search solves it exactly. The method stops when the set of loaded edges and reached limits no longer
+// changes. The core's solution of the previous tick is a good start.
 //
 // Sources: Bertsekas (1982), Projected Newton methods; Qi, Sun (1993), semismooth Newton methods; Goldfarb, Idnani (1983) for the dual.
 
@@ -28,25 +28,25 @@ namespace ugoki::control {
 class QuadraticProgram {
  public:
   /// Starts a program. Allocates only if a size exceeds all earlier sizes. The caller fills weights(), centre(), and the rows.
-  /// @param loads m  @param load_cost eps > 0
+  /// @param loads number m of loads  @param load_cost eps > 0
   void begin(int unknowns, int loads, double load_cost);
 
-  /// Allocates for programs up to this size, so that smaller ones allocate nothing.
+  /// Allocates memory for programs up to this size; smaller programs then allocate nothing.
   void reserve(int unknowns, int loads, int equations, int balances);
 
   [[nodiscard]] std::span<double> weights() { return {weights_.data(), n_}; }  ///< [n] w > 0
   [[nodiscard]] std::span<double> centre() { return {centre_.data(), n_}; }    ///< [n] x0
 
-  /// Adds an equation; call it before solve(). @return row c [n], zeros to be overwritten; valid until the next row is added
+  /// Adds an equation; call it before solve(). @return its row c [n], zeros to be overwritten; valid until the next row is added
   std::span<double> add_equation(double target, double softness);
-  /// The coefficients c [n] and g [m] of a new balance, zeros to be overwritten.
+  /// Coefficients c [n] and g [m] of a new balance, filled with zeros for the caller to overwrite.
   struct Balance {
     std::span<double> c, g;
   };
-  /// Adds a balance. It can also be added after solve(); the next solve() then starts from the present solution.
+  /// Adds a balance. If it is added after solve(), the next solve() starts from the present solution.
   Balance add_balance(double lower, double upper, double softness);
 
-  /// Solves the program. @param start first values of the multipliers of the first balances; the other multipliers start at zero
+  /// Solves the program. @param start initial multipliers of the first balances; the other multipliers start at zero
   /// @return false if the method did not converge within the maximum number of iterations; the result is then the best found
   bool solve(std::span<const double> start = {});
 
@@ -56,7 +56,7 @@ class QuadraticProgram {
   /// Slack s_r of a balance.
   [[nodiscard]] double slack(int balance) const;
   [[nodiscard]] int iterations() const { return iterations_; }  ///< Newton steps of the last solve()
-  [[nodiscard]] double residual() const { return residual_; }   ///< maximum violation of the optimality conditions, units of the rows
+  [[nodiscard]] double residual() const { return residual_; }   ///< maximum violation of the optimality conditions, in units of the rows
   [[nodiscard]] std::size_t equations() const { return rows_; }
 
  private:
@@ -75,7 +75,7 @@ class QuadraticProgram {
   std::vector<double> y_;                             // [rows] U^-T (t - C x0)
   std::vector<double> bc_, bg_, lower_, upper_, bs_;  // balances: c [n], g [m], limits, softness
   std::vector<double> v_;                             // [balances * rows] U^-T (C W^-1 c)
-  std::vector<double> k_, base_;                      // core: matrix [balances * stride], offset of c x with z = 0 and equations eliminated
+  std::vector<double> k_, base_;                      // core: matrix [balances * stride]; c x for z = 0 after elimination of the equations
   std::size_t stride_ = 0;
   std::vector<double> z_, x_, beta_, all_z_;
   std::vector<double> edge_, trial_edge_, value_, step_, trial_, h_;  // scratch of solve()

@@ -8,10 +8,10 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// Three rows side by side, and an unused lane. Lanes do not affect each other, so any register width gives the same bits.
+/// Three constraint rows in SIMD lanes; lane 3 is unused. Lanes do not affect each other, so any register width gives the same bits.
 typedef double Four __attribute__((vector_size(32)));
 
-/// The sum of six products in a fixed order, in two independent halves.
+/// Scalar product of two vectors of six elements: two independent sums of three products, so that the order of additions is fixed.
 inline double product(const double* a, const double* b) {
   return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
 }

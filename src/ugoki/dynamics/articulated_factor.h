@@ -4,8 +4,8 @@
 // M' = M + diag(extra) = L^T D L is the factor of dynamics.h. The articulated-body recursion yields the same D and, instead of L, the
 // products U_k = IA_k S_k of the articulated-body inertia IA_k [6 x 6] and the motion subspace column S_k of each DOF k:
 //   D_k = S_k . U_k + armature_k + extra_k,   IA of the parent DOF += IA_k - U_k U_k^T / D_k
-// Products with L^-1 and L^-T are recursions along the tree. They need 12 multiplications per DOF; the sparse L needs one per ancestor.
-// The DOFs of one joint are eliminated one after the other, as if massless links connected them.
+// Products with L^-1 and L^-T are recursions along the tree. These recursions need 12 multiplications per DOF; the sparse L needs one for
+// each ancestor of each DOF. The DOFs of one joint are eliminated one after the other, as if massless links connected them.
 // All spatial vectors are in world axes about Workspace::p0, angular part first.
 // Sources: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 7; Rodriguez, Jain, Kreutz-Delgado (1991), A spatial operator algebra
 // for manipulator modeling and control (the factor of M by articulated bodies).
@@ -32,7 +32,7 @@ class ArticulatedFactor {
 
   /// Whitens three constraint rows at once: y = D^-1/2 L^-T J^T for the rows J of three wrenches on the link that DOF `last` moves.
   /// O(chain length). @param f [3] wrenches of unit magnitude about p0
-  /// @param y [chain length][4, out] entry of each DOF of the chain for the rows 0, 1, 2, root first; lane 3 is zero
+  /// @param y [chain length][4, out] one entry for each DOF of the chain, root first; lanes 0, 1, 2: the three rows; lane 3: zero
   void whiten_wrenches(int last, const Vec6* f, double* y) const;
 
   /// Whitens one row that is nonzero only at the last DOFs of the chain of DOF `last`. O(chain length).
@@ -56,7 +56,7 @@ class ArticulatedFactor {
     int depth;             // number of ancestors
   };
   struct Inertia6 {
-    double x[36];  // symmetric, row by row
+    double x[36];  // symmetric matrix, row by row
   };
   std::vector<Dof> dofs_;
   std::vector<int> first_link_, links_;      // links rigidly attached to each DOF: links_[first_link_[k]] to links_[first_link_[k + 1] - 1]

@@ -33,10 +33,10 @@ class BatchWorkspace {
   void set(std::vector<Real>& array, int instance, std::span<const double> x) const;
   void get(const std::vector<Real>& array, int instance, std::span<double> x) const;
 
-  std::vector<Real> q;         ///< [blocks][nq][lanes]
-  std::vector<Real> v;         ///< [blocks][nv][lanes]
-  std::vector<Real> tau;       ///< [blocks][nv][lanes]
-  std::vector<Real> vdot;      ///< [blocks][nv][lanes]
+  std::vector<Real> q;         ///< [blocks][nq][lanes] coordinates
+  std::vector<Real> v;         ///< [blocks][nv][lanes] velocities
+  std::vector<Real> tau;       ///< [blocks][nv][lanes] joint forces
+  std::vector<Real> vdot;      ///< [blocks][nv][lanes] accelerations
   std::vector<Real> external;  ///< [blocks][links * 6][lanes] external wrenches as in dynamics.h; empty before use_external()
   std::vector<char> singular;  ///< [blocks * lanes] 1 if forward dynamics found a singular articulated inertia in the instance
   void use_external();         ///< resizes `external` and fills it with zeros; allocates

@@ -4,8 +4,8 @@
 //
 //   h_G = A_G(q) v,   h_G' = A_G vdot + A_G' v = sum of the external wrenches about G, gravity included
 //
-// Source: Orin, Goswami, Lee, Centroidal dynamics of a humanoid robot (2013). Nothing here allocates. The inertia of a
-// virtual link is its entry in Workspace::I. Joint armature is not included.
+// Source: Orin, Goswami, Lee, Centroidal dynamics of a humanoid robot (2013). Nothing here allocates. A virtual link has the inertia that
+// Workspace::I stores for it. Joint armature is not included.
 
 #include "ugoki/dynamics/workspace.h"
 

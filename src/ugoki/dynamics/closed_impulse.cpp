@@ -9,7 +9,7 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// Maximum number of solves in refine(). The loop usually stops earlier, when a correction is not half as large as the previous one.
+/// Maximum number of solves in refine(). The loop usually stops earlier, when a correction is more than half as large as the previous one.
 constexpr int max_rounds = 6;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }

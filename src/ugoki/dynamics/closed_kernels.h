@@ -1,6 +1,6 @@
 #pragma once
 // The fast kernels of closed link systems: kernel_forward.h extended by the loops' multipliers (method: closed_links.h). Internal to
-// dynamics/. The rows of one loop, at most six, are stored in one vector of eight lanes.
+// dynamics/. The constraint rows of one loop, at most six, are stored in one vector of eight lanes.
 
 #include "ugoki/dynamics/closed_structure.h"
 #include "ugoki/dynamics/kernels.h"
@@ -14,7 +14,7 @@ inline constexpr int loop_lanes = 8;
 struct alignas(64) LoopColumns {
   double c[6][loop_lanes];
 };
-/// One value for each row of a loop, in SIMD lanes.
+/// One value for each constraint row of a loop, in SIMD lanes.
 struct alignas(64) LoopLanes {
   double x[loop_lanes];
 };
@@ -66,17 +66,17 @@ struct ClosedArguments {
 
   // Inputs. At the two end nodes of a loop, P contains the unit wrenches of its rows: negative for link b, positive for link a. g contains
   // the residuals of the rows.
-  LoopColumns* P;  ///< [present] columns P in the node's axes about the node's origin
-  LoopLanes* g;    ///< [entries]
+  LoopColumns* P;  ///< [present] columns P, in the axes of the node and about its origin
+  LoopLanes* g;    ///< [entries] residuals of the rows
   // Scratch and results. S: joint axis of a DOF; D: pivot of a DOF (kernel_forward.h)
   LoopLanes* s;        ///< S . P of each DOF; [s_slots], in forward_by_paths() [DOFs of all paths]
   LoopLanes* t;        ///< [DOFs of all paths] s / D, D: pivot of the DOF
   LoopLanes* reduced;  ///< [entries] amount that earlier eliminations subtracted from the diagonal of Lambda
   double* mobility;    ///< 1/(kg m^2) [entries] sum over the DOFs on the loop's path: 1 / D if rotating, 1 / (D length2) if sliding
-  LoopBlock* Lambda;   ///< [blocks]
+  LoopBlock* Lambda;   ///< [blocks] blocks of the condensed matrix
   LoopBlock* Y;        ///< [neighbours] C^-1 Lambda(eliminated loop, neighbour)
-  LoopFactor* factor;  ///< [entries]
-  LoopLanes* lambda;   ///< [entries, out]
+  LoopFactor* factor;  ///< [entries] results of the eliminations
+  LoopLanes* lambda;   ///< [entries, out] multipliers
 };
 
 /// The closed kernels of one SIMD width.

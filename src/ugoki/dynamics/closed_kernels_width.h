@@ -20,7 +20,7 @@ UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, const Mat3T<T>& 
   const RevoluteCrossing<T, K> X = pass.template revolute<K>(o);
   return of_rows(X.down(R.row(0)), X.down(R.row(1)), X.down(R.row(2)));
 }
-/// Transforms each row of R from the axes of the parent to the axes of node i.
+/// Matrix whose rows are the rows of R, converted from the axes of the parent to the axes of node i.
 template <class P, class T>
 UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, int i, const Mat3T<T>& R) {
   switch (o.crossing) {
@@ -57,7 +57,7 @@ UGOKI_INLINE void move_node(const Kernel& kernel, const Arguments& a, const Movi
 
 /// Computes the motions of the requested nodes of `kernel`. Call its turn_all() first.
 /// @param rotations true: only R is computed @param base motion of the kernel's base
-/// @param wanted (node) -> NodeWanted @param receive (node, Moving), called for every requested node except `passage` ones
+/// @param wanted (node) -> NodeWanted @param receive (node, Moving), called for every requested node, but not for NodeWanted::passage
 /// @return [nodes] motions, valid for the requested nodes; stored in the kernel's free scratch memory
 template <class T, class Kernel, class Arguments, class Wanted, class Receive>
 const Moving<T>* move_nodes(const Kernel& kernel, const Arguments& a, bool rotations, const Moving<T>& base, Wanted&& wanted,
@@ -80,7 +80,7 @@ const Moving<T>* move_nodes(const Kernel& kernel, const Arguments& a, bool rotat
   return all;
 }
 
-/// Writes one lane of a motion from move_nodes() to `to`. @param rotation write only R and spin
+/// Writes one lane of a motion from move_nodes() to `to`. @param rotation true: only R and spin are written
 template <class T>
 void store(const Moving<T>& from, bool rotation, const V3<T>& spin, int lane, NodeMotion& to) {
   const auto value = [&](const T& x) {

@@ -32,7 +32,7 @@ void add(ArticulatedInertia& a, const ArticulatedInertia& b) {
   a.M = a.M + b.M;
 }
 
-/// Returns the larger of |p0| and the maximum distance of a link's origin from p0, m. Rounding errors of positions are proportional to it.
+/// Returns the larger of |p0| and the maximum distance of a link's origin from p0 [m]: the scale of rounding errors of positions.
 double extent(const Workspace& ws) {
   double maximum = norm(ws.p0);
   for (const Pose& X : ws.X_WB) maximum = std::max(maximum, norm(X.p - ws.p0));
@@ -123,7 +123,7 @@ class ClosedSolver {
     for (std::size_t k = 0; k < x_.row.size(); ++k) c_.multipliers_[at(x_.row[k])] = c_.lambda_[k];
   }
 
-  /// Sets ws.pA to the velocity-dependent minus the external forces, and g_ to the velocity products of the rows.
+  /// Sets ws.pA to the velocity-dependent forces minus the external forces, and g_ to the velocity products of the rows.
   void forces_of_motion(std::span<const Vec6> external) {
     for (std::size_t i = 0; i < ws_.pA.size(); ++i) {
       ws_.pA[i] = cross_force(ws_.V[i], c_.I_[i] * ws_.V[i]);
@@ -181,7 +181,7 @@ class ClosedSolver {
   }
 
   double* s_of(const Node& n, const Link& link, int dof) const { return c_.s_.data() + n.s_row + (dof - link.v_index) * n.passing_rows; }
-  /// rows_at(): number of rows of a passing loop of the node. first_row(): index of its first row at the node. @param passing its index
+  /// rows_at(), first_row(): number of rows and index of the first row of passing loop `passing` at the node.
   int rows_at(const Node& n, int passing) const { return x_.entries[at(x_.present[at(n.present + passing)].entry)].rows; }
   int first_row(const Node& n, int passing) const { return x_.present[at(n.present + passing)].row - n.row; }
   double* block(int index) const { return c_.Lambda_.data() + 36 * index; }

@@ -2,12 +2,12 @@
 // Forward dynamics of closed link systems at a cost linear in the number of links: the articulated-body recursion extended by the
 // multipliers lambda of the loops.
 //
-//   M vdot + b = tau + J^T lambda,   J vdot + dJ/dt v = 0            (paper, section 5, with multipliers)
+//   M vdot + b = tau + J^T lambda,   J vdot + dJ/dt v = 0            (Nagashima 1999, section 5, with multipliers)
 //
 // The recursion from the tips to the base computes three quantities. The first is the articulated inertia of each link. The second are the
-// columns P: the wrenches that unit multipliers of the loops not yet eliminated exert on the link. The third is the condensed matrix
-// Lambda = J M^-1 J^T of these multipliers. A loop is eliminated at the link where its two branches meet, by a pivoted Cholesky
-// factorization of its own block of Lambda. Rows that depend on others get no multiplier. The elimination adds the loop's stiffness to the
+// columns P: the wrenches that unit multipliers of the loops not yet eliminated exert on the link. The third is the condensed matrix of
+// these multipliers, Lambda = J M^-1 J^T. A loop is eliminated at the link where its two branches meet, by a pivoted Cholesky factorization
+// of its own block of Lambda. Rows that depend linearly on other rows get no multiplier. The elimination adds the loop's stiffness to the
 // articulated inertia. A loop therefore costs as much as its own links, independent of the number of other loops. Loops that meet at the
 // same link, or at the world, are eliminated in minimum-degree order.
 //
@@ -37,9 +37,9 @@ struct InertiaShare {
 inline constexpr double dependent_row = 1e-12;
 /// Threshold for immobile rows: rows that no joint of the loop moves. Examples: the out-of-plane rows of planar chains, the position rows
 /// of chains whose axes meet in one point. Such a row's diagonal entry of Lambda is only rounding error. A row counts as immobile if this
-/// entry is below this fraction of its upper bound. The bound is the entry if every joint on the loop's path moved the row at right angles,
-/// at a distance equal to the mechanism's characteristic length. 1e-24 in Lambda is 1e-12 in J. The loop's other rows cannot serve as the
-/// scale, because all of them may be immobile. Tests: rings_test.cpp.
+/// entry is below this fraction of its upper bound. The bound is the value that the entry would have if every joint on the loop's path
+/// moved the row at right angles, at the mechanism's characteristic length. 1e-24 in Lambda is 1e-12 in J. The loop's other rows cannot
+/// serve as the scale, because all of them may be immobile. Tests: rings_test.cpp.
 inline constexpr double immobile_row = 1e-24;
 /// Pivot threshold of position corrections, as a fraction of typical_pivot_ratio(). At an angle d from a singular position a gap of size
 /// eps (rounding) causes a correction of eps / d in position, eps / d^2 in velocity and eps / d^3 in acceleration. The value is the square
@@ -108,16 +108,16 @@ class ClosedLinks {
   std::vector<double> Lambda_;          ///< [blocks * 36] blocks of Lambda, row-major; row length: rows of the second loop
   std::vector<double> C_;               ///< [entries * 36] Cholesky factor of the loop's diagonal block
   std::vector<double> Y_;               ///< [neighbours * 36] C^-1 Lambda(eliminated loop, neighbour)
-  std::vector<int> rank_of_;            ///< [entries]
+  std::vector<int> rank_of_;            ///< [entries] number of independent rows of each closed loop
   std::vector<int> pivots_;             ///< [multipliers] for each loop, its row indices in pivot order
   std::vector<Vec6> Z_;                 ///< [multipliers] C^-1 P^T
   std::vector<double> reduced_;         ///< [multipliers] amount that eliminations subtracted from the diagonal of Lambda
   std::vector<double> terms_;           ///< [multipliers] upper bound of the diagonal of Lambda; scale of immobile_row
   double length_ = 1;                   ///< m: characteristic length of the mechanism
   std::vector<double> g_, z_, lambda_;  ///< [multipliers] residuals, C^-1 g, multipliers
-  std::vector<double> multipliers_;     ///< [rows of all loops]
-  std::vector<char> independent_;       ///< [rows of all loops]
-  std::vector<double> delta_;           ///< [nv] corrections of the projections
+  std::vector<double> multipliers_;     ///< [rows of all loops] see multipliers()
+  std::vector<char> independent_;       ///< [rows of all loops] see independent()
+  std::vector<double> delta_;           ///< [nv] change of v or q that a projection computes
   int rank_ = 0;
   int singular_dof_ = -1;
   double min_pivot_ratio_ = 1;
@@ -167,8 +167,8 @@ void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, 
                         std::span<double> x);
 
 /// Closes the loops in position: changes q by Newton steps of minimum kinetic energy until the gaps are at rounding. Near a singular
-/// position, directions that are nearly singular are not corrected if the gaps can be closed without them (dependent_correction).
-/// Calls update_kinematics() with `v` and factor_closed_links(); both are valid for the final q on return.
+/// position, nearly singular directions are left uncorrected if the gaps can be closed without them (dependent_correction). Calls
+/// update_kinematics() with `v` and factor_closed_links(); both are valid for the final q on return.
 /// @param gap [out] maximum remaining gap, m | rad @param limit maximum number of Newton steps
 [[nodiscard]] ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,
                                             std::span<const double> v, double& gap, int limit = 20);

@@ -21,7 +21,7 @@ void open_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double
 constexpr std::size_t branch_points = 8;  ///< sample points of interpolate_through(): a polynomial of degree 7
 constexpr double branch_step = 0.04;      ///< travel of the fastest DOF between adjacent sample points: rad, or a fraction of cw.length
 
-/// Scope guard: while the object exists, the choice of theta_G cannot change.
+/// Scope guard: while the object exists, the choice of theta_G, the independent DOFs, cannot change.
 class HeldChoice {
  public:
   explicit HeldChoice(ClosedWorkspace& cw) : cw_(cw), before_(cw.hold_choice) { cw.hold_choice = true; }
@@ -35,9 +35,10 @@ class HeldChoice {
 };
 
 /// Value of a quantity near a singular position, interpolated along the motion.
-/// Near such a position, solving for theta_S is a division 0 / 0. At a distance d from the position, rounding errors of velocities grow as
-/// 1 / d^2 and those of accelerations as 1 / d^3. The motion itself passes through the position on one smooth branch. The function
-/// therefore evaluates the quantity at points far enough before and after the position, and interpolates with Lagrange's polynomial.
+/// Near such a position, solving for the dependent DOFs is a division 0 / 0. At a distance d from the position, rounding errors
+/// of velocities grow as 1 / d^2 and those of accelerations as 1 / d^3. The motion itself passes through the position on one smooth branch.
+/// The function therefore evaluates the quantity at points far enough before and after the position, and interpolates with Lagrange's
+/// polynomial.
 /// @param q, v state, closed in position; v points along the branch
 /// @param evaluate (out [nv]) -> bool: writes the quantity at the state (cw.q3, cw.v3); false: not available there
 /// @param out [nv, out] the interpolated quantity
@@ -58,7 +59,7 @@ bool interpolate_through(const Mechanism& m, ClosedWorkspace& cw, std::span<cons
     if (!close_theta_S(m, cw.q3, cw).closed) continue;
     update_partition(m, cw);
     if (cw.is_nearly_singular()) continue;
-    cw.hold_choice = true;  // one theta_G for all points
+    cw.hold_choice = true;  // the same independent DOFs theta_G for all points
     std::ranges::copy(v, cw.v3.begin());
     apply_partition(cw, cw.v3);
     if (!evaluate(std::span(cw.branch).subspan(count * n, n))) continue;
@@ -216,7 +217,7 @@ bool calc_closed_acceleration(const Mechanism& m, ClosedWorkspace& cw, std::span
                               std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot) {
   std::ranges::copy(q, cw.q2.begin());
   std::ranges::copy(v, cw.v2.begin());
-  // All stages of a step must integrate the same theta_G; project_closed_state() may choose another one after the step
+  // All stages of a step must integrate the same independent DOFs theta_G; project_closed_state() may change them after the step
   const HeldChoice held(cw);
   if (!project_closed_state(m, cw.q2, cw.v2, cw).closed) return false;
   update_closed(m, cw.q2, cw.v2, cw);

@@ -1,11 +1,11 @@
 #pragma once
-// Dynamics of closed link systems by the paper's method (section 5, 2-4): the reference that the faster methods must agree with.
+// Dynamics of closed link systems by the paper's method (Nagashima 1999, section 5, 2-4): the reference for the faster methods.
 //
 //   A_G vdot_G + b_G = H^T tau,   A_G = H^T A H,   b_G = H^T (A h + b),   vdot = H vdot_G + h            h = dH/dt v_G
 //
 // A and b (paper eq. (1)) come from the open system's inverse dynamics with unit accelerations. H (eq. (5)) comes from loop_partition.h.
-// theta_G are the independent DOFs, theta_S the dependent ones. Exact and dense: O(rows nv rank + DOFs links). Other symbols and units are
-// those of dynamics.h. Nothing allocates.
+// theta_G are the independent DOFs, theta_S the dependent ones. The method is exact, with dense matrices: O(rows nv rank + DOFs links).
+// Other symbols and units are those of dynamics.h. Nothing allocates.
 
 #include "ugoki/dynamics/loop_closure.h"
 
@@ -40,8 +40,8 @@ void expand_acceleration(const ClosedWorkspace& cw, std::span<const double> vdot
 void calc_loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> tau, const Vec3& gravity,
                       std::span<const Vec6> external, std::span<const double> vdot, std::span<double> multipliers);
 
-// Two functions for integrators, whose stages have small gaps. Both functions keep theta_G and solve for theta_S (coordinate partitioning).
-// A Runge-Kutta method on q and v is then equivalent to one on theta_G alone, and the loops are closed in each stage.
+// Two functions for integrators, in whose stages the loops have small gaps. Both functions keep theta_G and solve for theta_S (coordinate
+// partitioning). A Runge-Kutta method on q and v is then equivalent to one on theta_G alone, and the loops are closed in each stage.
 
 /// Closes the positions and velocities of a state. @return the remaining gap, see Closure
 [[nodiscard]] Closure project_closed_state(const Mechanism& m, std::span<double> q, std::span<double> v, ClosedWorkspace& cw);

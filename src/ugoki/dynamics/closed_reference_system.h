@@ -1,6 +1,6 @@
 #pragma once
-// A closed link system as a MotionSystem for the integrators, computed by the paper's method (closed_reference.h). Each stage moves the
-// independent DOFs theta_G and solves exactly for the dependent DOFs theta_S.
+// A closed link system as a MotionSystem for the integrators, computed by the method of Nagashima (1999, closed_reference.h). Each stage
+// moves the independent DOFs theta_G and solves exactly for the dependent DOFs theta_S.
 
 #include "ugoki/dynamics/closed_reference.h"
 #include "ugoki/dynamics/open_system.h"

@@ -21,7 +21,7 @@ struct ClosedKernelState {
   std::vector<int> end_links;      ///< indices of the links that closed loops connect, ascending
   bool world_bound = false;        ///< every loop is a weld or ball joint between the world and a link: see is_world_bound()
   std::vector<NodeWanted> needed;  ///< [nodes] see ClosedArguments
-  std::vector<NodeMotion> motion;  ///< [nodes]
+  std::vector<NodeMotion> motion;  ///< [nodes] poses and velocities of the nodes
   std::vector<double> turning;     ///< [nodes] see ClosedArguments
   double length2 = 1;              ///< m^2
   std::vector<Pose> X_WB;          ///< [links] poses in the world, valid for end_links

@@ -1,6 +1,6 @@
 #pragma once
-// Structure of the elimination of closed loops in a recursion over a tree: which loops' multipliers are present at which node, which
-// blocks of the condensed matrix Lambda exist, and in which order loops are eliminated. Rebuilt when loops are closed or opened.
+// Structure of the elimination of closed loops in a recursion over a tree: which loops' multipliers are present at which node, which blocks
+// of the condensed matrix Lambda (closed_links.h) exist, and in which order loops are eliminated. Rebuilt when loops are closed or opened.
 // Internal to dynamics/.
 //
 // A loop is present at every node from its two end nodes up to the node where its two branches meet; the loop is eliminated at that node.
@@ -18,7 +18,7 @@ struct ClosedTree {
   std::vector<int> parent;        ///< [nodes] -1: the world
   std::vector<int> dofs;          ///< [nodes] number of DOFs
   std::vector<int> node_of_link;  ///< [links] -1: fixed to the world
-  std::vector<int> node_of_dof;   ///< [nv]
+  std::vector<int> node_of_dof;   ///< [nv] node of each DOF
 };
 
 struct ClosedStructure {

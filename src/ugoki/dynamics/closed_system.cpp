@@ -97,7 +97,7 @@ void ClosedSystem::open(int loop) {
 int ClosedSystem::accelerate(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
   calc_forces(t, q, v);
   if (calc_closed_forward_dynamics(mechanism(), links_, q, v, forces(), options().gravity, external, vdot) == ClosedStatus::ok) return -1;
-  Workspace& ws = workspace();  // repeats the factorization in stages to find the singular DOF
+  Workspace& ws = workspace();  // repeats the factorization with the staged functions, which find the singular DOF
   update_kinematics(mechanism(), q, v, ws);
   return factor_closed_links(mechanism(), ws, links_, q, v) == ClosedStatus::ok ? 0 : links_.singular_dof();
 }

@@ -24,8 +24,8 @@ class ClosedSystem : public OpenSystem {
   /// Then v jumps to the closest velocity, in the kinetic-energy norm, that opens no loop. links().multipliers() returns the impulses
   /// [N s | N m s] of that jump. Momentum changes only by the impulses on the world; kinetic energy never increases. Allocates.
   ClosingReport close(int loop, std::span<double> q, std::span<double> v);
-  /// Finds the rows that depend on others at every position (three in every planar loop), and leaves them out from now on. This is faster,
-  /// and remains correct if the frames of redundant rows are not exactly consistent, as in most model files. Allocates.
+  /// Finds the rows that depend on others at every position (three in every planar loop), and leaves them out from now on. The computation
+  /// becomes faster, and stays correct even if the frames of redundant rows are not exactly consistent, as in most model files. Allocates.
   /// @param q [nq] closed position; q and five positions near q are tested @return number of rows left out
   int leave_out_redundant_rows(std::span<const double> q);
   /// Opens a loop. Positions and velocities do not change. Allocates.
@@ -43,7 +43,7 @@ class ClosedSystem : public OpenSystem {
   }
   [[nodiscard]] Projection project(double t, std::span<double> q, std::span<double> v) override;
 
-  /// The loops. multipliers() returns forces after calc_acceleration(), and impulses after close().
+  /// The loops. Their multipliers() are forces after calc_acceleration(), and impulses after close().
   [[nodiscard]] const ClosedLinks& links() const { return links_; }
   void set_memory(const ClosedLinks::Memory& memory) { links_.set_memory(memory); }
 

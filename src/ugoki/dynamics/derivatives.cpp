@@ -25,7 +25,7 @@ Mat3 coriolis_block(const Inertia& inertia, const Vec6& V) {
 /// Product of D with a motion whose angular part is w. @param E, p blocks of D, see coriolis_block()
 Vec6 coriolis_times(const Mat3& E, const Vec3& p, const Vec3& w) { return {E * w, cross(p, w) * -2.0}; }
 
-/// Outward sweep: motion of links and joint axes, and the force that each link needs by itself, without its children.
+/// Outward sweep: motion of links and joint axes, and the force that the motion of each link needs, without its children.
 void sweep_out(const Mechanism& m, const Workspace& ws, std::span<const double> v, std::span<const double> vdot, const Vec3& gravity,
                std::span<const Vec6> external, InverseDerivatives& d) {
   const std::span<const Link> links = m.links();

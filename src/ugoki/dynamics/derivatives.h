@@ -8,8 +8,8 @@
 // axis of the link; for translations of floating joints it is a shift along an axis of the joint frame. v, vdot, tau and the external
 // wrenches (about the world origin) are constant.
 //
-// Link i has the spatial velocity V, acceleration A (gravity subtracted) and inertia I, in world axes about one point. It needs the force
-// f_i = I A + V x* I V. If DOF j, with axis S_j, moves the link, the derivatives of f_i are
+// Link i has the spatial velocity V, acceleration A (gravity subtracted) and inertia I, in world axes about one point. This motion needs
+// the force f_i = I A + V x* I V. If DOF j, with axis S_j, moves the link, the derivatives of f_i are
 //   df_i/dq_j = S_j x* f_i + I_i Psi2_j + D_i Psi1_j,     df_i/dv_j = D_i S_j + I_i (Psi1_j + dS_j/dt)
 //   Psi1_j = W x S_j,  Psi2_j = Y x S_j + W x Psi1_j,  D = V x* I - I V x + (I V) x~*
 // x and x* are Featherstone's cross products with a motion and with a force, and h x~* m = m x* h. W and Y are the velocity and
@@ -34,16 +34,16 @@ struct InverseDerivatives {
   std::vector<double> below_q, above_q;  ///< [chain entries] N m/rad, N/m, ...
   std::vector<double> below_v, above_v;  ///< [chain entries] N m s/rad, N s/m, ...
 
-  // Scratch memory of the recursions over links; the symbols are those at the top
-  std::vector<Vec6> S_dot, psi1, psi2;  ///< [nv]
+  // Scratch memory of the recursions over links; symbols: see the top of this file
+  std::vector<Vec6> S_dot, psi1, psi2;  ///< [nv] dS/dt, Psi1 and Psi2 of each DOF
   std::vector<Vec6> df_dq, df_dv;       ///< [nv] derivative of the force on the subtree that the DOF moves
-  std::vector<Vec6> A, f, f_ext;        ///< [links]
+  std::vector<Vec6> A, f, f_ext;        ///< [links] acceleration, force f_i, external wrench
   std::vector<Inertia> I;               ///< [links] inertia of the link and all its descendants
-  std::vector<Mat3> E;                  ///< [links] angular block of D, summed as I
-  std::vector<Vec3> p;                  ///< [links] linear momentum, summed as I
+  std::vector<Mat3> E;                  ///< [links] angular block of D, summed over the link and its descendants
+  std::vector<Vec3> p;                  ///< [links] linear momentum, summed over the link and its descendants
 };
 
-/// Computes d tau / dq and d tau / dv into `d`, and d tau / dvdot = M as chain rows into ws.M (armature included).
+/// Computes d tau / dq and d tau / dv into `d`, and d tau / dvdot = M as chain rows (Workspace::chain) into ws.M (armature included).
 /// O(nv depth), no allocation. Call update_kinematics() with the same v first.
 /// @param vdot [nv]; empty: zero @param external [links] wrenches about the world origin, or empty
 void calc_inverse_dynamics_derivatives(const Mechanism& m, Workspace& ws, std::span<const double> v, std::span<const double> vdot,
@@ -64,7 +64,7 @@ void solve_columns(const Workspace& ws, std::span<double> X, std::size_t columns
 struct ForwardDerivatives {
   ForwardDerivatives(const Mechanism& mechanism, Workspace& ws);
 
-  std::vector<double> vdot;  ///< [nv]
+  std::vector<double> vdot;  ///< [nv] accelerations
   std::vector<double> dq;    ///< [nv * nv] row by row: d vdot_i / dq_j
   std::vector<double> dv;    ///< [nv * nv] d vdot_i / dv_j
   std::vector<double> dtau;  ///< [nv * nv] d vdot_i / dtau_j = M^-1, symmetric

@@ -1,5 +1,5 @@
 #pragma once
-// Dynamics of open link systems: tau = M(q) vdot + b(q, v) - sum_B J_B^T F_B   (paper, eq. (1)).
+// Dynamics of open link systems: tau = M(q) vdot + b(q, v) - sum_B J_B^T F_B   (Nagashima 1999, eq. (1)).
 //
 // Sources: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5-7; Nagashima (1999), section 5.
 // Symbols and units: q [nq] m | rad; v [nv] m/s | rad/s; vdot [nv] m/s^2 | rad/s^2; tau [nv] N | N m; gravity m/s^2, world axes;
@@ -25,8 +25,8 @@ void calc_inverse_dynamics(const Mechanism& m, Workspace& ws, std::span<const do
                                          std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external,
                                          std::span<double> vdot);
 
-/// Inertia matrix as chain rows in ws.M (composite-rigid-body algorithm; Featherstone ch. 6). Allocates the rows in the first call if the
-/// constructor of `ws` did not (Workspace::make_rows). O(nv depth).
+/// Inertia matrix as chain rows (Workspace::chain: only entries of DOFs and their ancestors) in ws.M, by the composite-rigid-body algorithm
+/// (Featherstone ch. 6). Allocates the rows in the first call if the constructor of `ws` did not (Workspace::make_rows). O(nv depth).
 void calc_inertia_rows(const Mechanism& m, Workspace& ws, std::span<const double> q);
 
 // Staged functions: they use the results of update_kinematics() in `ws`.
@@ -44,7 +44,7 @@ void calc_inverse_dynamics(const Mechanism& m, Workspace& ws, std::span<const do
 void calc_bias_forces(const Mechanism& m, Workspace& ws, std::span<const double> q, std::span<const double> v, const Vec3& gravity,
                       std::span<const Vec6> external, std::span<double> b);
 
-/// Inertia matrix as chain rows in ws.M (composite-rigid-body algorithm). Allocates like the function of the same name above. O(nv depth).
+/// Inertia matrix as chain rows in ws.M (composite-rigid-body algorithm). Allocates like calc_inertia_rows() above. O(nv depth).
 void calc_inertia_rows(const Mechanism& m, Workspace& ws);
 
 /// Inertia matrix as a full matrix; also sets ws.M. @param M [nv * nv, out]
@@ -69,8 +69,8 @@ void solve(const Workspace& ws, std::span<double> x);
 [[nodiscard]] bool calc_forward_dynamics_by_factor(const Mechanism& m, Workspace& ws, std::span<const double> tau, const Vec3& gravity,
                                                    std::span<const Vec6> external, std::span<double> vdot);
 
-/// Forward dynamics by the paper's unit-vector method: b = ID(0); column i of A is ID(e_i) - b; dense solve of eq. (2). This is the
-/// reference that the other methods must agree with. O(nv^3). Allocates. @return false if A is singular
+/// Forward dynamics by the unit-vector method of Nagashima (1999): b = ID(0); column i of A is ID(e_i) - b; dense solve of eq. (2). This is
+/// the reference that the other methods must agree with. O(nv^3). Allocates. @return false if A is singular
 [[nodiscard]] bool calc_forward_dynamics_by_unit_vectors(const Mechanism& m, Workspace& ws, std::span<const double> tau,
                                                          const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot);
 
@@ -83,7 +83,7 @@ void calc_point_jacobian(const Workspace& ws, int link, const Vec3& p_W, std::sp
 
 /// Kinetic energy of the links [J], without armature.
 [[nodiscard]] double kinetic_energy(const Mechanism& m, const Workspace& ws);
-/// Potential energy [J] in uniform gravity; zero for a mass at the world origin.
+/// Potential energy [J] in uniform gravity, relative to the world origin.
 [[nodiscard]] double potential_energy(const Mechanism& m, const Workspace& ws, const Vec3& gravity);
 /// Momentum about the world origin: angular [N m s], linear [N s].
 [[nodiscard]] Vec6 momentum(const Mechanism& m, const Workspace& ws);

@@ -31,7 +31,7 @@ struct Tableau {
   const double (*a)[6];  // [stages] rows of the tableau
   const double* error;   // [stages] weights of the result minus the embedded result; null: no error estimate
   const double* dense;   // [stages] weights of the quartic term of the continuous solution; null: cubic
-  int control_order;     // order of the error estimate, for step control
+  int control_order;     // see StepMethod::control_order()
 };
 
 class ExplicitRungeKutta final : public StepMethod {
@@ -99,8 +99,8 @@ class ExplicitRungeKutta final : public StepMethod {
   }
 
   const Tableau& tableau_;
-  std::vector<double> k_;      // [stages][2 * nv]
-  std::vector<double> error_;  // [2 * nv]
+  std::vector<double> k_;      // [stages][2 * nv] rates of the stages
+  std::vector<double> error_;  // [2 * nv] result of calc_weighted_sum(): first the error estimate, then the quartic term
 };
 
 constexpr double rk4_c[] = {0, 0.5, 0.5, 1, 1};

@@ -51,7 +51,7 @@ class GaussLegendre final : public StepMethod {
 
  private:
   /// Initial guess of the stage rates: extrapolated from the previous step's polynomial, or constant.
-  /// @param ratio this step's size over the previous one's; 0: constant
+  /// @param ratio size of this step divided by that of the previous step; 0: constant
   void predict(const StepEquation& f, std::span<const double> a0, double ratio) {
     const std::size_t n2 = z_.size(), n = n2 / 2;
     const std::span<const double> v0 = f.start_velocity();

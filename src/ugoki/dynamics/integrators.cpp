@@ -302,7 +302,7 @@ struct Integrator::Implementation final : StepEvents::Trajectory {
   bool has_a = false, has_g = false, restarted = true, accepted = false;
   Projection projected = Projection::kept;
   std::vector<double> q, q_base, q_new, q_probe;  // [nq] current, at the last step's start, candidate, scratch of event search
-  std::vector<double> v, v_base, v_new, v_probe;  // [nv] as q
+  std::vector<double> v, v_base, v_new, v_probe;  // [nv] velocities, in the order of the q arrays
   std::vector<double> a, u;                       // [nv] acceleration at the current state; scratch
 };
 

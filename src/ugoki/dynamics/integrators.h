@@ -3,10 +3,10 @@
 //
 // Within a step the configuration is q0 (+) u, where q0 is the configuration at the step's start. In the coordinates z = (u, v) the motion
 // is an ordinary differential equation, u' = T(u) v, v' = a(t, q0 (+) u, v), and every Runge-Kutta method keeps its order (Munthe-Kaas
-// 1999). Each step starts a new chart, so a rotation within a step stays far from the chart's singularity at |u| = 2 pi.
+// 1999). Each step starts a new chart (coordinates u), so a rotation within a step stays far from the chart's singularity at |u| = 2 pi.
 //
 //   method              order  step      use it for
-//   semi_implicit_euler 1      fixed     games, contact-like forces; cheapest, but its energy error is of order 1 and drifts in chaos
+//   semi_implicit_euler 1      fixed     games, forces like those of contacts; cheapest; energy error of order 1, drifts if chaotic
 //   runge_kutta_4       4      fixed     smooth motion in real time
 //   dormand_prince_54   5      adaptive  accurate results, events
 //   gauss_legendre_6    6      fixed     long conservative runs: symmetric, energy does not drift
@@ -43,7 +43,7 @@ struct IntegratorOptions {
   double step = 0;                                            ///< s: step size; adaptive methods: first step, 0 = estimated
   bool adaptive = true;                                       ///< false: dormand_prince_54 and radau_iia_5 use the fixed `step`
   double relative_tolerance = 1e-8;                           ///< relative to each coordinate and velocity; for rotations relative to 1 rad
-  double absolute_tolerance = 1e-8;                           ///< rad | m, rad/s | m/s
+  double absolute_tolerance = 1e-8;                           ///< of coordinates, rad | m, and velocities, rad/s | m/s
   double min_step = 1e-12;                                    ///< s
   double max_step = std::numeric_limits<double>::infinity();  ///< s
   long max_steps = 100'000'000;                               ///< limit for one advance()
@@ -63,7 +63,7 @@ struct IntegrationReport {
 /// Counts since the integrator was constructed.
 struct IntegrationStatistics {
   long steps = 0, rejected = 0;
-  long accelerations = 0;  ///< evaluations, including those for Jacobians and events
+  long accelerations = 0;  ///< number of evaluations, including those for Jacobians and events
   long jacobians = 0, factorizations = 0;
   long iterations = 0;  ///< iterations of implicit steps
   long events = 0;

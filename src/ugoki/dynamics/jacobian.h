@@ -17,7 +17,7 @@ enum class JacobianFrame {
 
 /// True if the axis S of DOF k of this joint type is constant in the link's frame B; false if it is constant in the joint's frame J.
 /// For the DOFs j of the same joint, dS/dq_j = S_j x S in the first case and 0 in the second. For the DOFs j of ancestors,
-/// dS/dq_j = S_j x S in both cases.
+/// dS/dq_j = S_j x S for both kinds of axes.
 [[nodiscard]] bool axis_moves_with_link(JointType type, int k);
 
 /// Time derivatives dS/dt of the motion subspaces, in world axes about the point p0, which is regarded as fixed in the world. O(links).

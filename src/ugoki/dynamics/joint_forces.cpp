@@ -9,7 +9,7 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// True where the DOF's coordinate is an angle.
+/// True if the coordinate of DOF k of the joint is an angle.
 bool is_angle(const Joint& joint, int k) {
   switch (joint.type) {
     case JointType::prismatic: return false;

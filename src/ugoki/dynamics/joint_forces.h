@@ -17,18 +17,18 @@
 namespace ugoki::dynamics {
 
 struct JointForceOptions {
-  double friction_speed = 1e-2;    ///< s: speed at which dry friction is 0.71 of its maximum, rad/s | m/s
+  double friction_speed = 1e-2;    ///< symbol s: speed at which dry friction is 0.71 of its maximum, rad/s | m/s
   double limit_turn = 5e3;         ///< stiffness K of limits on angles, N m/rad
   double limit_shift = 2e5;        ///< stiffness K of limits on distances, N/m
-  double limit_dissipation = 0.5;  ///< c: dissipation, s/rad | s/m; coefficient of restitution about 1 - 2/3 c * impact speed, if near 1
+  double limit_dissipation = 0.5;  ///< symbol c, s/rad | s/m: restitution is about 1 - 2/3 c * impact speed, where it is near 1
 };
 
 /// Energies and powers of the joint forces at one state.
 struct JointForceReport {
-  double spring_energy = 0;  ///< J stored in springs
-  double limit_energy = 0;   ///< J stored in exceeded limits
-  double loss = 0;           ///< W dissipated by dampers, dry friction and limits
-  double drive_power = 0;    ///< W delivered by the drives, after the effort limits
+  double spring_energy = 0;  ///< J: energy stored in springs
+  double limit_energy = 0;   ///< J: energy stored in exceeded limits
+  double loss = 0;           ///< W: power dissipated by dampers, dry friction and limits
+  double drive_power = 0;    ///< W: power delivered by the drives, after the effort limits
   int limits = 0;            ///< number of DOFs beyond a limit
   int saturated = 0;         ///< number of drives clamped to their effort
 };

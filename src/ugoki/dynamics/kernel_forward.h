@@ -212,7 +212,7 @@ class ForwardKernel {
   UGOKI_INLINE static T flush_tiny(T x) { return select(x < T(tiny_limit), select(T(-tiny_limit) < x, T(0), x), x); }
   UGOKI_INLINE static V3<T> flush_tiny(const V3<T>& x) { return {flush_tiny(x.x), flush_tiny(x.y), flush_tiny(x.z)}; }
 
-  // A batch stores accelerations by tree level, so only those of the current node's ancestors (reason: kernel_inverse.h).
+  // A batch stores accelerations by tree level: only the current node and its ancestors are kept (reason: kernel_inverse.h).
   static constexpr bool by_level = T::count > 1 && !twins && !closed;
   UGOKI_INLINE int state_index(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
   UGOKI_INLINE static int parent_state(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
@@ -587,7 +587,7 @@ class ForwardKernel {
   const KernelArguments<Real, Constant>& a_;
   V3<T>* w_;                 // [nodes + 1], the world first
   V3<T>* velocity_product_;  // [nodes] linear part of c in the parent's axes; set only for revolute nodes with a nonzero offset
-  DofPass* dof_;             // [nv]
+  DofPass* dof_;             // [nv] elimination results
   Vec6T<T>* acceleration_;   // [nodes + 1] at state_index()
   Articulated<T>* slots_;
   const Articulated<T>* twins_ = nullptr;

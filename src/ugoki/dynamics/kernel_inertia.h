@@ -1,11 +1,11 @@
 #pragma once
-// Inertia matrix from q as chain rows: the composite-rigid-body algorithm in the nodes' frames.
+// Inertia matrix from q as chain rows (Workspace::chain): the composite-rigid-body algorithm in the nodes' frames.
 //
 // Nodes are processed from the last to the first. The composite inertia Ic of a node (its body and all descendants) gives the forces
 // F = Ic S of its own DOFs with axes S. The forces F of all DOFs of its subtree, in the node's frame, give the entries S^T F of the inertia
 // matrix. Then Ic and the forces are transformed to the parent's frame. The forces of a subtree are a contiguous range, so they are
-// transformed in SIMD lanes. The entries are collected in the order of the forces and written to the chain rows some hundreds at a time.
-// Source: Featherstone (2008), ch. 6. For kernels_*.cpp only.
+// transformed in SIMD lanes. The entries are collected in the order of the forces, and written to the chain rows in groups of some
+// hundreds. Source: Featherstone (2008), ch. 6. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_crossing.h"
 
@@ -271,7 +271,7 @@ class InertiaKernel {
   InertiaT<T> from_child_;
   double *nx_, *ny_, *nz_, *fx_, *fy_, *fz_;  // [nv * lanes] components of the DOFs' forces, last nodes first
   double* entries_;                           // computed entries that are not yet copied to the chain rows
-  int entry_count_ = 0;                       // number of these entries
+  int entry_count_ = 0;                       // number of entries in entries_
   const int* next_index_;                     // indices in the chain rows of the next entries to copy
 };
 

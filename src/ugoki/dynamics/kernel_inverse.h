@@ -85,7 +85,7 @@ class InverseKernel {
  private:
   static constexpr bool twins = !std::is_same_v<Constant, Real>;
 
-  // A batch stores motions by tree level, so only those of the current node's ancestors. The scratch memory then fits in the L1 cache.
+  // A batch stores motions by tree level: only the current node and its ancestors are kept, so the scratch memory fits in the L1 cache.
   static constexpr bool by_level = T::count > 1 && !twins;
   UGOKI_INLINE int state_index(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
   UGOKI_INLINE static int parent_state(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
@@ -228,7 +228,7 @@ class InverseKernel {
   Pass<T, Constant> pass_;
   const KernelArguments<Real, Constant>& a_;
   Motion* motion_;  // [nodes + 1] at state_index(), the world first
-  Force* force_;    // [nodes]
+  Force* force_;    // [nodes] force that the node's body needs; in the inward sweep, plus those of its children
   Force passed_up_;
 };
 

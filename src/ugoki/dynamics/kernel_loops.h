@@ -3,7 +3,7 @@
 //
 // P are the columns of a loop at a node: bias forces (n, f) per unit of each multiplier. At every stage of the recursion, row k of the loop
 // is
-//   -P_k . a + g_k + sum Lambda lambda = 0     with a the acceleration of the node that the recursion has reached.
+//   -P_k . a + g_k + sum Lambda lambda = 0     where a is the acceleration of the node that the recursion has reached.
 // Eliminating a DOF gives s = S . P, P <- P - U d s, g <- g - s d u, Lambda <- Lambda + d s s^T, where d = 1 / D. A velocity product c
 // gives g <- g - P . c. S, U, D, u and c: kernel_forward.h. Method and sources: closed_links.h.
 
@@ -98,7 +98,7 @@ class LoopPass {
 
   // Outward sweep.
 
-  /// Solves for the loops that meet at the world. @param A0 acceleration of the world
+  /// Solves for the multipliers of the loops that meet at the world. @param A0 acceleration of the world
   void eliminate_world(int world, const Vec6T<T>& A0) {
     const ClosedStructure::Node& n = a_.nodes[world];
     for (int i = 0; i < n.present_count; ++i) subtract(a_.present[n.present + i].entry, along(columns(n.present + i), A0));
@@ -151,7 +151,7 @@ class LoopPass {
     LoopLanes& g = a_.g[entry];
     (Rows::load(g.x) - x).store(g.x);
   }
-  // The functions for nodes with passing loops are not inlined: the code for the other nodes, which are most, then needs fewer registers.
+  // Functions for nodes with passing loops are not inlined: the code for all other nodes (the majority) then needs fewer registers.
 
   template <class Along>
   UGOKI_NOINLINE void pass_dof(const ClosedStructure::Node& n, int which, int f, const Vec6T<T>& U, T d, T u, T sign, double mobility,

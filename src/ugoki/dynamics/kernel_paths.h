@@ -67,7 +67,7 @@ class PathForward {
     P.v += V3<Rows>{component(3), component(4), component(5)};
   }
 
-  /// Propagates columns of one loop from its two ends to the world: those of the loop's rows [rows, rows + Rows::count).
+  /// Propagates the columns P of a loop's rows [rows, rows + Rows::count) from the loop's two ends to the world.
   void follow(const LoopPaths::Path& path, int rows) {
     const Rows none(0);
     const Columns zero{{none, none, none}, {none, none, none}};

@@ -2,8 +2,8 @@
 // Tables of the fast kernels, and the choice of the SIMD width at run time. Internal to dynamics/.
 //
 // The source (kernel_*.h, templates on the scalar type) is compiled three times: for the baseline processor, for AVX2 and for AVX-512. All
-// three give identical bits: the same operations in the same order, without fused multiply-add. A single instance is computed with scalars,
-// except sines and cosines, which use SIMD lanes. A batch computes as many instances at once as fit in a register.
+// three versions give identical bits: the same operations in the same order, without fused multiply-add. A single instance is computed with
+// scalars, except sines and cosines, which use SIMD lanes. A batch computes as many instances at once as fit in a register.
 
 #include <cstddef>
 #include <span>
@@ -30,8 +30,8 @@ struct KernelArguments {
   double* sin = nullptr;  ///< [angles] sines, if sines and cosines are already computed; else null
   double* cos = nullptr;
 
-  const Real* q;           ///< [nq]
-  const Real* v;           ///< [nv]
+  const Real* q;           ///< [nq] coordinates
+  const Real* v;           ///< [nv] velocities
   const Real* in;          ///< [nv] vdot or tau; null: zero
   const Real* external;    ///< [links * 6] wrenches about the world origin in world axes, angular first; null: none
   Real* out;               ///< [nv] tau or vdot
@@ -55,15 +55,15 @@ struct TwinArguments {
     int base;                                         ///< node of the trunk to which the two twins are attached
     int twin_slot;                                    ///< NodeOrder::twin_slot of the node `base`
     int force_begin;                                  ///< index of the pair's first DOF in the trunk's force_dof (LinkTwins)
-    bool first;                                       ///< true: the first pair on its base
+    bool first;                                       ///< true: the first of the pairs attached to this base
   };
   KernelArguments<double> trunk;
   const int* trunk_node;  ///< [trunk.nodes] index in the LinkProgram of each node
   int pair_count;
   int twin_slots;            ///< number of trunk nodes with twins
   const int* angle_q;        ///< [angles] index in q of each angle: the trunk's angles, then those of each pair
-  const double* angle_sign;  ///< [angles]
-  int angles;                ///< a multiple of 16 (padded)
+  const double* angle_sign;  ///< [angles] factor of each angle: 1 or -1; 0 for padding
+  int angles;                ///< number of angles, padded to a multiple of 16
   Pair pairs[max_pairs];
 };
 
@@ -81,7 +81,7 @@ struct BatchKernels {
 struct Kernels {
   void (*inverse)(const KernelArguments<double>&);
   bool (*forward)(const KernelArguments<double>&);  ///< returns false: singular inertia
-  void (*inertia)(const KernelArguments<double>&);  ///< `out`: inertia matrix as chain rows
+  void (*inertia)(const KernelArguments<double>&);  ///< `out`: inertia matrix as chain rows (Workspace::chain)
   void (*inverse_twins)(const TwinArguments&);      ///< the *_twins kernels do not support external wrenches
   bool (*forward_twins)(const TwinArguments&);
   void (*inertia_twins)(const TwinArguments&);

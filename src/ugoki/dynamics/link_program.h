@@ -34,7 +34,7 @@ struct NodeOrder {
   Crossing crossing = Crossing::matrix;
   bool has_child = false;        ///< node + 1 is a child of this node
   bool first_child = false;      ///< node - 1 is the parent of this node
-  bool last_child = false;       ///< the parent has several children, and this node is the last of them
+  bool last_child = false;       ///< the parent has several children, and this node is the last one
   bool turned = true;            ///< NodeConstants::R is not the identity
   bool massless = false;         ///< NodeConstants::mass, h and I are all zero
   bool oblique = false;          ///< the products of inertia (off-diagonal entries of I) are not all zero
@@ -78,9 +78,9 @@ struct LinkAttachment {
 struct LinkProgram {
   explicit LinkProgram(const Mechanism& mechanism);
 
-  std::vector<NodeOrder> order;                  ///< [nodes]
-  std::vector<NodeConstants<double>> constants;  ///< [nodes]
-  std::vector<LinkAttachment> links;             ///< [links]
+  std::vector<NodeOrder> order;                  ///< [nodes] positions of the nodes in the tree
+  std::vector<NodeConstants<double>> constants;  ///< [nodes] constants of the nodes
+  std::vector<LinkAttachment> links;             ///< [links] node that carries each link
   std::vector<int> angle_q;                      ///< [angles] index in q of each angle
   std::vector<double> angle_sign;                ///< [angles] NodeConstants::sign of the angle's node
   std::vector<int> force_dof;                    ///< [nv] all DOFs, ordered from the last node to the first

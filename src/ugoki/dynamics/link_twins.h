@@ -33,13 +33,13 @@ struct LinkTwins {
     std::vector<int> q_of, v_of;  ///< [nq * 2], [nv * 2] indices in the mechanism's q and v, interleaved
     int base = 0, twin_slot = 0;  ///< base: node index in the trunk; twin_slot: NodeOrder::twin_slot of the base
     int force_begin = 0;          ///< index in the trunk's force_dof of the pair's first DOF
-    bool first = true;            ///< true: the first pair on its base
+    bool first = true;            ///< true: the first of the pairs attached to this base
     std::size_t scratch = 0;      ///< byte offset of the pair's memory in the scratch memory
   };
 
   explicit LinkTwins(const LinkProgram& program);
 
-  /// DOF pairs (ancestor or self, descendant) of the inertia matrix entries, in the order in which kernel_inertia.h computes them.
+  /// Pair of DOFs (ancestor or self, descendant) of each inertia matrix entry, in the order in which kernel_inertia.h computes them.
   [[nodiscard]] std::vector<std::pair<int, int>> entry_dofs() const;
 
   Part<double> trunk;  ///< its coordinate and DOF indices are those of the mechanism

@@ -9,10 +9,10 @@
 namespace ugoki::dynamics {
 namespace {
 
-constexpr double accepted_gap = 1e-11;  // rad, or fraction of cw.length: well above rounding error, far below what is visible
+constexpr double accepted_gap = 1e-11;  // rad, or fraction of cw.length: well above rounding error, far below visible gaps
 constexpr int max_starts = 24;          // number of start configurations that assemble() tries, the given one included
 
-/// Maximum distance of a link's origin from the reference point, m; at least cw.length. Rounding errors of gaps are proportional to it.
+/// Maximum distance [m] of a link's origin from the reference point; at least cw.length. Scale of the rounding errors of gaps.
 double extent(const ClosedWorkspace& cw) {
   double maximum = cw.length;
   for (const Pose& X : cw.open.X_WB) maximum = std::max(maximum, norm(X.p - cw.open.p0));
@@ -134,7 +134,7 @@ Closure close_theta_S(const Mechanism& m, std::span<double> q, ClosedWorkspace& 
   double last = 0;
   int iterations = 0;
   bool settled = false;
-  if (cw.rank != cw.full_rank) cw.rank = -1;  // the choice was made at a singular configuration: discard it
+  if (cw.rank != cw.full_rank) cw.rank = -1;  // the dependent DOFs were chosen at a singular configuration: choose again
   for (; iterations < 20; ++iterations) {
     update_gaps(m, q, cw);
     const double gap = max_gap(cw, cw.rank < 0 ? static_cast<int>(cw.active.size()) : cw.rank);

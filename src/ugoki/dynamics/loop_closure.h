@@ -27,8 +27,8 @@ struct Closure {
 /// @param weights [nv] cost of moving each DOF, with distances in units of cw.length; infinite: the DOF stays fixed. Empty: all 1
 [[nodiscard]] Closure close_positions(const Mechanism& m, std::span<double> q, ClosedWorkspace& cw, std::span<const double> weights = {});
 
-/// Closes the loops as close_positions() does, also from a distant configuration: if the given start fails, or closes a loop with
-/// its two axes antiparallel, perturbed starts are tried. The perturbations are deterministic. Allocates.
+/// Closes the loops as close_positions() does, also from a distant configuration: if the given start fails, or closes a loop with its two
+/// axes antiparallel, the function tries starts that are perturbed (the same perturbations in every run). Allocates.
 [[nodiscard]] Closure assemble(const Mechanism& m, std::span<double> q, ClosedWorkspace& cw, std::span<const double> weights = {});
 
 /// Replaces v by the nearest velocity with J v = 0, at a closed q. @param weights as in close_positions()
@@ -38,7 +38,7 @@ void close_velocities(const Mechanism& m, std::span<const double> q, std::span<d
 
 /// Rank of J in general position: the maximum rank found near a closed q, in a few pseudo-random steps along the degrees of freedom.
 /// Sets cw.full_rank, cw.full_pivot_ratio and cw.contradiction. Allocates.
-/// @param general [nq, out] a configuration at which J has this rank; may be `q` itself, or empty: not wanted
+/// @param general [nq, out] a configuration at which J has this rank; may alias `q`; empty: not returned
 int find_full_rank(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw, std::span<double> general = {});
 
 /// Computes kinematics and loop rows at q with zero velocity, into cw.open and cw.rows.

@@ -28,7 +28,7 @@ struct LoopDiagnosis {
 /// @param q [nq] a configuration whose loops are closed
 [[nodiscard]] LoopDiagnosis diagnose_loops(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw);
 
-/// The diagnosis in English sentences: "1 degree of freedom: ...". Rows are named by loop and direction.
+/// The diagnosis in English sentences: "1 degree of freedom: ...". The text names each row by its loop and direction.
 [[nodiscard]] std::string describe(const LoopDiagnosis& diagnosis, const ClosedWorkspace& cw);
 
 /// Error that explains why a loop cannot be closed: loop, row, remaining gap and, except for gears, the lengths of its links.

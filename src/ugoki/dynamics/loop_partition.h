@@ -1,14 +1,14 @@
 #pragma once
-// Closed link systems by the paper's method (section 5, 4): the constraint matrix J of all closed loops, its independent rows, and
-// the partition of the DOFs into independent ones, theta_G (as many as the system has degrees of freedom), and dependent ones,
-// theta_S:
+// Closed link systems by the paper's method (Nagashima 1999, section 5, 4): the constraint matrix J of all closed loops, its
+// independent rows, and the partition of the DOFs into independent ones, theta_G (as many as the system has degrees of freedom), and
+// dependent ones, theta_S:
 //
 //   J v = 0,   v_S = -J_S^-1 J_G v_G,   v = H v_G,   H = [E; -J_S^-1 J_G]                        paper eq. (5)
 //
 // E is the identity matrix. v contains exactly the joints of the cut tree, so the paper's W is H itself. The paper's S consists of the
 // rows of H that belong to driven joints.
 //
-// The independent rows and theta_S are called the choice. It is made by elimination with full pivoting on J, scaled to one unit
+// The independent rows and theta_S are called the choice. The choice is made by elimination with full pivoting on J, scaled to one unit
 // (distances in units of `length`). The choice is kept until an entry of J_S^-1 J_G becomes too large or a pivot too small; then a
 // new choice is made. The state is always the full q and v, so a new choice does not change the state. Where the rank drops for an
 // instant (dead points, change points), the dependent rows are left out: the system then has more degrees of freedom, and no small

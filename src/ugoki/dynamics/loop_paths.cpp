@@ -67,7 +67,7 @@ LoopPaths::LoopPaths(const LinkProgram& program, const ClosedStructure& x) {
     p.dof_count = int_of(dof.size()) - p.dof_begin;
     paths.push_back(p);
   }
-  // Find the block of Lambda of each two loops that have DOFs in common. The rows of a block belong to the first loop.
+  // Find the block of Lambda for each pair of loops that have DOFs in common. The rows of a block belong to the first loop.
   std::vector<std::vector<int>> block_of(x.entries.size(), std::vector<int>(x.entries.size(), -1));
   for (const ClosedStructure::Node& n : x.nodes)
     for (int k = n.pairs; k < n.pairs + n.pair_count; ++k) {

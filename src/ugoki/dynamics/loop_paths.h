@@ -41,7 +41,7 @@ struct LoopPaths {
   /// @param at_world structure that was constructed with ClosedStructure::Meeting::world
   LoopPaths(const LinkProgram& program, const ClosedStructure& at_world);
 
-  std::vector<Path> paths;  ///< [entries]
+  std::vector<Path> paths;  ///< [entries] one path for each closed loop
   std::vector<Visit> visits;
   std::vector<int> dof;  ///< DOFs of the nodes of all paths, path after path
   std::vector<Block> blocks;

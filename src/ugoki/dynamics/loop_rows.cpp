@@ -192,8 +192,8 @@ void calc_loop_jacobian_row(const Mechanism& m, const Workspace& ws, const Loop&
     J[static_cast<std::size_t>(loop.dof_b)] -= rows.slope[loop_index];
     return;
   }
-  // Walk from both links to their closest common ancestor. Above it, the contributions of the two branches cancel. Each step goes
-  // from the link with the larger index to its parent: that link cannot be the ancestor, because parents have smaller indices.
+  // Walk from both links to their closest common ancestor. Above this ancestor, the contributions of the two branches cancel. Each step
+  // goes from the link with the larger index to its parent: that link cannot be the ancestor, because parents have smaller indices.
   const Vec6& w = rows.W[static_cast<std::size_t>(rows.first[loop_index] + r)];
   int a = loop.link_a, b = loop.link_b;
   while (a != b) {

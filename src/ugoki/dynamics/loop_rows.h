@@ -1,5 +1,5 @@
 #pragma once
-// Constraint rows of loops: gaps, velocity rows and velocity products (paper, section 5: J(q) q' = 0).
+// Constraint rows (scalar equations) of loops: gaps, velocity rows and velocity products (Nagashima 1999, section 5: J(q) q' = 0).
 //
 // Row k of a loop between links a and b requires  w_k . (V_b - V_a) = 0.  The wrench w_k is about the reference point p0, in world
 // axes. A unit multiplier exerts w_k on link b and -w_k on link a. J_A and J_B are the loop joint's frames on links a and b, p_A

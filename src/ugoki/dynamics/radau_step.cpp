@@ -5,7 +5,7 @@
 // rates there. Each linear system (g - [0 1; J_q J_v]) (du, dv) = (r_u, r_v) is reduced to nv rows:
 //   (g^2 - g J_v - J_q) du = r_v + (g - J_v) r_u,   dv = g du - r_u
 // Here z = (u, v), g is an eigenvalue of A^-1 divided by h, and J_q, J_v are the derivatives of the acceleration.
-// Source: Hairer, Wanner, Solving ordinary differential equations II (1996), IV.8; the reduction is the usual one for second-order systems.
+// Source: Hairer, Wanner, Solving ordinary differential equations II (1996), IV.8; the reduction is standard for second-order systems.
 
 #include <algorithm>
 #include <cmath>
@@ -306,8 +306,8 @@ class RadauIIA final : public StepMethod {
   std::vector<std::size_t> real_pivots_, pair_pivots_;
   std::vector<double> real_x_;
   std::vector<Complex> pair_x_;
-  std::vector<double> Z_, W_, F_, G_;     // [3][2 * nv]
-  std::vector<double> z_, error_;         // [2 * nv]
+  std::vector<double> Z_, W_, F_, G_;     // [3][2 * nv] Z, T^-1 Z, stage rates F, Newton corrections of T^-1 Z
+  std::vector<double> z_, error_;         // [2 * nv] state of a stage; error estimate
   std::vector<double> old_, polynomial_;  // [3][2 * nv] continuous solution of the last accepted step and of the present one
 };
 

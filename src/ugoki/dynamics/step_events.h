@@ -48,7 +48,7 @@ class StepEvents {
                          std::span<double> g) const;
   [[nodiscard]] bool crosses(std::size_t event, double before, double after) const;
 
-  std::vector<double> g0_, low_, high_, middle_;  // [events]
+  std::vector<double> g0_, low_, high_, middle_;  // [events] event functions; step start; low, high, inner point of the search
   std::vector<EventDirection> directions_;
   std::vector<char> pending_;
 };

@@ -75,7 +75,7 @@ class StepMethod {
   /// Order of the error estimate plus one; step size control uses it as exponent. 0: the method has a fixed step.
   [[nodiscard]] virtual int control_order() const { return 0; }
   /// Computes a step of size h from the start set in `f`. @param a0 [nv] acceleration at the start
-  /// @param restarted the state does not continue the last accepted step, so nothing may be extrapolated from that step
+  /// @param restarted the state does not continue the last accepted step, so that step must not be used for extrapolation
   virtual void compute_step(StepEquation& f, std::span<const double> a0, double h, bool restarted, StepResult& out) = 0;
   /// Called after the last computed step was accepted.
   virtual void accept() {}

@@ -9,7 +9,7 @@
 namespace ugoki::dynamics {
 namespace {
 constexpr std::size_t entry_limit = std::numeric_limits<int>::max();  // entries are indexed by int
-constexpr std::size_t max_initial_entries = 1'000'000;                // M and L have 8 MB each then; larger ones are allocated on first use
+constexpr std::size_t max_initial_entries = 1'000'000;                // M and L then have 8 MB each; larger ones: allocated on first use
 }  // namespace
 
 Workspace::Workspace(const Mechanism& m) : program(m), twins(program) {

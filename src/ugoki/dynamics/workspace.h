@@ -44,7 +44,7 @@ struct Workspace {
   std::vector<int> row_start;    ///< [nv + 1] first entry of row i in `chain`, `M`, `L`; row i has depth[i] + 1 entries
   std::vector<int> chain;        ///< row i: the DOFs on the path from the base to DOF i, i included
   std::vector<int> entry_index;  ///< [entries of M] index in M of each entry, in the order in which kernel_inertia.h computes them
-  std::vector<int> link_chain;   ///< [links] deepest DOF that moves the link; -1: none
+  std::vector<int> link_chain;   ///< [links] DOF closest to the link among those that move it; -1: none
   std::vector<Dof> dofs;         ///< [nv] limits, armature and other properties of each DOF
 
   // Kinematics, computed by update_kinematics(). Spatial quantities are about p0, in world axes, angular part first.

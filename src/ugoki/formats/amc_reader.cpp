@@ -97,21 +97,21 @@ class AmcReader {
       if (*number <= last)
         return stop(ErrorCode::structure, line, "Frame " + std::to_string(*number) + " follows frame " + std::to_string(last) + ".",
                     "Sort the frames, each number once.");
-      const double max_gap = std::max(1.0, rate_);  // frames in one second
+      const double max_gap = std::max(1.0, rate_);  // number of frames in one second
       if (static_cast<double>(*number - last - 1) > max_gap)
         return stop(ErrorCode::structure, line,
                     "The frames between " + std::to_string(last) + " and " + std::to_string(*number) +
                         " are missing; at most one second is interpolated.",
                     "Split the motion there, or export it again.");
       missing_ += *number - last - 1;
-      // Missing frames take memory but no text. Limit the interpolated bone poses to 10 million plus 8 for each byte of text.
+      // Missing frames take memory but no text. Limit: 10 million interpolated bone poses, plus 8 for each byte of text.
       if (static_cast<std::uint64_t>(missing_) * asf_.bones.size() > 10'000'000 + 8 * text_size_)
         return stop(ErrorCode::range, line, "Too many frames are missing: " + std::to_string(missing_) + ".", "Export the motion again.");
     }
     numbers_.push_back(*number);
     frame_lines_.push_back(line);
     seen_.assign(asf_.bones.size(), 0);
-    // Bones without DOFs take memory in every frame but no text. Limit the bone poses to a million plus 8 for each byte of text.
+    // Bones without DOFs take memory in every frame but no text. Limit: a million bone poses, plus 8 for each byte of text.
     if (std::uint64_t{numbers_.size()} * asf_.bones.size() > 1'000'000 + 8 * text_size_)
       return stop(ErrorCode::range, line, "Almost no bone has degrees of freedom.", "Remove bones that never move.");
     values_.resize(values_.size() + values_per_frame_, 0.0);
@@ -166,7 +166,7 @@ class AmcReader {
     return true;
   }
 
-  /// Pose of one frame from its values.
+  /// Computes the pose of one frame from the values in the file.
   /// @param value       [values_per_frame_] file units
   /// @param angle_unit  rad per file unit of angle
   /// @param translation, rotation [joints, out] pose relative to the parent; translation in m
@@ -220,12 +220,12 @@ class AmcReader {
   std::map<std::string, std::size_t, std::less<>> index_;
   std::vector<std::size_t> first_;  ///< [bones] index of the bone's first value within a frame
   std::size_t values_per_frame_ = 0;
-  std::vector<char> seen_;        ///< [bones] the current frame has a line for the bone
+  std::vector<char> seen_;        ///< [bones] 1: the current frame has a line for the bone
   std::vector<long> numbers_;     ///< [frames] frame numbers of the file
   std::vector<int> frame_lines_;  ///< [frames] line in the file of each frame number
   std::vector<double> values_;    ///< [frames][values_per_frame_] file units
   long missing_ = 0;
-  mutable std::vector<double> stretch_;  ///< [bones] m, lengthening of the bones in the frame that is evaluated
+  mutable std::vector<double> stretch_;  ///< [bones] m, lengthening of each bone in the frame that evaluate_frame computes
 };
 
 }  // namespace

@@ -10,14 +10,14 @@
 namespace ugoki::formats {
 namespace {
 
-/// A bone of the ASF file. In the list of bones, the root is first and parents precede their children.
+/// A bone of the ASF file. The list of bones begins with the root; parents precede their children.
 struct Bone {
   std::string name;
   int parent = -1;     ///< index in the list of bones
   int joint = -1;      ///< index in the skeleton; -1: a bone that only connects a joint to its child or end site
-  Vec3 end;            ///< m, vector from the start to the end of the bone at rest, Ugoki's axes
-  bool turns = false;  ///< has the DOFs rx ry rz
-  bool moves = false;  ///< has the DOFs tx ty tz
+  Vec3 end;            ///< m, vector from the start to the end of the bone at rest, in Ugoki's axes (X forward, Y left, Z up)
+  bool turns = false;  ///< the bone has the DOFs rx ry rz
+  bool moves = false;  ///< the bone has the DOFs tx ty tz
 };
 
 class Writer {
@@ -39,7 +39,7 @@ class Writer {
   }
 
  private:
-  /// A unique bone name: `wanted`, changed to a single word that is not yet the name of another bone.
+  /// Returns a unique bone name: `wanted`, changed to a single word, and changed again if another bone has this name.
   std::string unique_name(const std::string& wanted) {
     std::string name;
     for (const char c : wanted)
@@ -62,12 +62,12 @@ class Writer {
     return static_cast<int>(bones_.size()) - 1;
   }
 
-  /// Adds the bone of a joint. Each child or end site that is not at the end of this bone gets a connecting bone.
+  /// Adds the bone of a joint. Each child or end site that does not coincide with the end of this bone gets a connecting bone.
   void add_joint(int joint, int parent) {
     const SkeletonJoint& j = joints_[static_cast<std::size_t>(joint)];
     const std::vector<int>& children = children_[static_cast<std::size_t>(joint)];
     const bool root = bones_.empty();
-    // The bone ends at a single child or end site; if there are several, or none, its length is zero.
+    // A joint with exactly one child or end site: its bone ends there. Otherwise the bone has length zero.
     const bool one_end = !root && ((children.size() == 1 && j.end_sites.empty()) || (children.empty() && j.end_sites.size() == 1));
     Bone bone;
     bone.name = root ? "root" : unique_name(j.name);
@@ -191,7 +191,7 @@ class Writer {
           for (int i = 0; i < 3; ++i) add_number(p[i]);
         }
         if (b.turns) {
-          // R = Rz Ry Rx about the file's axes x, y, z, which are Ugoki's axes y, z, x.
+          // The file's axes x, y, z are Ugoki's axes y, z, x. R = Rz Ry Rx about the file's axes.
           Vec3 angles;
           if (b.joint >= 0) {
             const Mat3 R = to_matrix(motion_.rotations[at]);

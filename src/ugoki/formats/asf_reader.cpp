@@ -18,7 +18,7 @@ struct Limit {
   double lower = -infinity, upper = infinity;
 };
 
-/// A bone, or the root, with its values as written in the file.
+/// A bone, or the root, with the values that the file contains.
 struct BoneText {
   std::string name;
   int line = 0;
@@ -34,7 +34,7 @@ struct BoneText {
   std::vector<int> children;
 };
 
-/// The words of a line, without the comment that begins with #. Parentheses and commas count as blanks.
+/// Splits a line into words, without the comment that begins with #. Parentheses and commas count as blanks.
 std::vector<std::string_view> words_of(std::string_view line) {
   if (const std::size_t hash = line.find('#'); hash != std::string_view::npos) line = line.substr(0, hash);
   std::vector<std::string_view> words;
@@ -136,7 +136,7 @@ class AsfReader {
     return true;
   }
 
-  /// @param keyword the keyword of the line, for messages
+  /// Parses a finite number; adds a problem if `word` is not one. @param keyword the keyword of the line, for messages
   std::optional<double> number(std::string_view word, const char* keyword) {
     const auto value = measured_number(word);
     if (!value) {
@@ -393,7 +393,7 @@ class AsfReader {
     return true;
   }
 
-  /// Puts the bones into depth-first order (order_), each parent before its children. False if a bone is not connected to the root.
+  /// Puts the bones into depth-first order (order_), each parent before its children. Returns false if a bone is not connected to the root.
   bool check_bones() {
     order_.push_back(0);
     std::vector<int> stack(bones_[0].children.rbegin(), bones_[0].children.rend());
@@ -422,7 +422,7 @@ class AsfReader {
     return problems_.empty();
   }
 
-  /// Rotation from the bone's own frame to Ugoki's axes: rotations by axis_angles, applied in the order axis_order.
+  /// Returns the rotation from the bone's own frame to Ugoki's axes: rotations by axis_angles, applied in the order axis_order.
   /// @param angle_unit rad per file unit of angle
   Quat axis_of(const BoneText& bone, double angle_unit) const {
     Quat q;
@@ -490,15 +490,15 @@ class AsfReader {
   FileAxes axes_;
   Section section_ = Section::none;
   int line_ = 1;
-  bool inside_ = false;      ///< between 'begin' and 'end'
-  bool in_limits_ = false;   ///< the next line may continue 'limits'
-  bool half_limit_ = false;  ///< the last pair of limits has only its lower value so far
+  bool inside_ = false;      ///< true between the lines 'begin' and 'end'
+  bool in_limits_ = false;   ///< true if the next line may continue the list 'limits'
+  bool half_limit_ = false;  ///< true if the last pair in 'limits' has only its lower value so far
   bool seen_root_ = false, seen_bones_ = false, seen_hierarchy_ = false;
   bool degrees_ = true;
   double mass_scale_ = 1, length_scale_ = 1, mass_ = 0;
   std::string name_;
   Vec3 root_position_;                             ///< file axes and units
-  std::vector<BoneText> bones_;                    ///< the root first
+  std::vector<BoneText> bones_;                    ///< the first one is the root
   std::map<std::string, int, std::less<>> index_;  ///< index in bones_ by name
   std::vector<int> order_;                         ///< indices in bones_, depth first
 };

@@ -8,13 +8,13 @@
 namespace ugoki::formats {
 namespace {
 
-/// A ROOT, JOINT or End Site whose closing brace has not been read.
+/// A ROOT, JOINT or End Site whose closing brace has not been read yet.
 struct OpenNode {
   int joint = -1;   ///< index in the skeleton; -1 while the node is an end site
   int parent = -1;  ///< index in the skeleton; -1: root
   bool end_site = false;
   bool has_offset = false, has_channels = false;
-  Vec3 offset;  ///< Ugoki's axes, file units
+  Vec3 offset;  ///< in Ugoki's axes and file units
   std::string name;
   int line = 0;
 };
@@ -37,7 +37,7 @@ class HierarchyReader {
   }
 
  private:
-  /// Reads one statement. False at MOTION, or after a problem that prevents further reading.
+  /// Reads one statement. Returns false at MOTION, or after a problem that prevents further reading.
   bool step() {
     skip_comments();
     if (!scanner_.skip_space()) {

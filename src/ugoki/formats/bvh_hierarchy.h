@@ -9,7 +9,7 @@
 
 namespace ugoki::formats {
 
-/// A channel: one of the values that each frame of the file contains.
+/// A channel: one of the values in each frame of the file.
 struct BvhChannel {
   int joint = 0;          ///< index in Skeleton::joints
   bool rotation = false;  ///< true: rotation about the axis; false: position along it

@@ -46,7 +46,7 @@ std::optional<MotionHeader> read_motion_header(Scanner& scanner, Problems& probl
   scanner.accept_on_line(':');
   token = scanner.word_on_line();
   const auto time = measured_number(token);
-  // Limits far beyond any recording: 1 MHz and one frame an hour.
+  // Accepted frame rates: one frame an hour to 1 MHz. Both limits are far beyond any recording.
   if (!time || *time < 1e-6 || *time > 3600) {
     NumberFault fault{ErrorCode::range, "The frame time is " + in_quotes(token) + "; it must be between 1e-6 and 3600 s.",
                       "Write the time between two frames in seconds, for example 0.0083333 for 120 frames per second."};
@@ -59,7 +59,7 @@ std::optional<MotionHeader> read_motion_header(Scanner& scanner, Problems& probl
   return header;
 }
 
-/// The values of all frames, [frames][channels], in file units and degrees.
+/// Reads the values of all frames, [frames][channels], in file units and degrees.
 std::optional<std::vector<double>> read_numbers(Scanner& scanner, std::size_t frames, std::size_t channels, std::size_t joints,
                                                 Problems& problems) {
   const int header_line = scanner.line();
@@ -72,8 +72,8 @@ std::optional<std::vector<double>> read_numbers(Scanner& scanner, std::size_t fr
     return std::nullopt;
   }
   const std::size_t count = frames * channels;
-  // Joints without channels take memory in every frame but no text. Limit the joint poses to a million plus 8 for each value in
-  // the text, so that memory stays proportional to the file.
+  // Joints without channels take memory in every frame but no text. Limit: a million joint poses, plus 8 for each value in the text, so
+  // that memory stays proportional to the file's size.
   if (std::uint64_t{frames} * joints > std::uint64_t{1'000'000} + std::uint64_t{8} * count) {
     problems.add(ErrorCode::range, header_line, "Almost all of the " + std::to_string(joints) + " joints have no channels.",
                  "Remove joints that never move.");
@@ -131,7 +131,7 @@ std::optional<std::vector<double>> read_numbers(Scanner& scanner, std::size_t fr
   return std::nullopt;
 }
 
-/// The unit of length, m per file unit, from the options. If they specify none, it is guessed from the size of the skeleton.
+/// Returns the unit of length, m per file unit, from the options. If the options specify none, it is guessed from the skeleton's size.
 double choose_unit(const Skeleton& skeleton, const BvhOptions& options, ReadNotes& notes) {
   notes.unit_guessed = !(options.metres_per_unit > 0) || !std::isfinite(options.metres_per_unit);
   if (!notes.unit_guessed) return options.metres_per_unit;

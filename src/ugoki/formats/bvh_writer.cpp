@@ -10,12 +10,12 @@
 namespace ugoki::formats {
 namespace {
 
-/// Three different axes of the file (0 x, 1 y, 2 z), the outermost rotation first.
+/// Order of rotations about three different axes of the file (0 x, 1 y, 2 z); the first one is the outermost.
 struct Order {
   int axis[3];
 };
 
-/// The order that `letters` specifies ("ZXY"), completed to three axes; ZXY if `letters` repeats an axis or has more than three letters.
+/// Parses `letters` ("ZXY"); missing axes are added. Returns ZXY if `letters` repeats an axis or has more than three letters.
 Order order_of(const std::string& letters) {
   Order order{{2, 0, 1}};
   bool used[3] = {false, false, false};
@@ -65,8 +65,8 @@ class Writer {
   void add_number(double value) {
     char buffer[400];
     if (!std::isfinite(value)) value = 0;
-    // Writing the value as an integer count of its last decimal digit is faster than std::to_chars of the double. The count is exact
-    // below 2^53 = 9.007e15.
+    // The value is written as an integer count of units in its last decimal digit, which is faster than std::to_chars of the double. The
+    // count is exact below 2^53 = 9.007e15.
     if (const double steps = std::round(value * scale_); std::fabs(steps) < 9e15) {
       const auto all = static_cast<std::uint64_t>(std::fabs(steps)), unit = static_cast<std::uint64_t>(scale_);
       if (steps < 0) out_ += '-';
@@ -102,7 +102,7 @@ class Writer {
     return name.empty() ? "joint" + std::to_string(i + 1) : name;
   }
 
-  /// Writes the joints depth first, without recursion. Records their order in sequence_; the values of each frame have this order.
+  /// Writes the joints depth first, without recursion. Stores their order in sequence_; the values of each frame have this order.
   void write_hierarchy() {
     struct Visit {
       std::size_t joint, next_child;
@@ -183,15 +183,15 @@ class Writer {
     out_ += '\n';
   }
 
-  /// Angles a0, a1, a2 [deg] with R = R0(a0) R1(a1) R2(a2), where Rn rotates about axis n of `order`. Returns the solution closest to
-  /// `previous` [deg], rounded as it is written. a1 and a2 are computed from R after the rounded outer rotation R0 was removed. This
-  /// compensates the rounding error of a0, also at the gimbal pole.
+  /// Returns angles a0, a1, a2 [deg] with R = R0(a0) R1(a1) R2(a2), where Rn rotates about axis n of `order`. Of the two solutions, returns
+  /// the one closest to `previous` [deg], rounded as it is written. a1 and a2 are computed from R after removal of the rounded outer
+  /// rotation R0. This compensates the rounding error of a0, also at the gimbal pole.
   Vec3 angles_near(const Mat3& R, const Order& order, const Vec3& previous) const {
     const int i = axes_.ours(order.axis[0]), j = axes_.ours(order.axis[1]), k = axes_.ours(order.axis[2]);
     const double sign = (j - i + 3) % 3 == 1 ? 1.0 : -1.0;
     const double jk = R.row(j)[k], kk = R.row(k)[k];
-    // At the gimbal pole (to within the rounding of the text) the outer and the inner axis coincide. The outer angle then keeps its
-    // previous value. `pole` is the sine of a quarter of a unit in the last written digit.
+    // At the gimbal pole the outer and the inner axis coincide, to within the rounding of the text. The outer angle then keeps its previous
+    // value. `pole` is the sine of a quarter of a unit in the last written digit.
     const double pole = 0.25 * (pi / 180) / scale_;
     const double a0 = jk * jk + kk * kk > pole * pole ? atan2(-sign * jk, kk) * (180 / pi) : previous.x;
     const Vec3 one = solve(R, i, j, k, sign, a0, previous);
@@ -200,7 +200,7 @@ class Writer {
     return distance(one, previous) <= distance(two, previous) ? one : two;
   }
 
-  /// The three angles [deg], rounded as they are written, if the outer angle is a0 [deg]. i, j, k, sign: see angles_near.
+  /// Returns the three angles [deg], rounded as they are written, for the outer angle a0 [deg]. i, j, k, sign: see angles_near.
   Vec3 solve(const Mat3& R, int i, int j, int k, double sign, double a0, const Vec3& previous) const {
     const double first = rounded(near(a0, previous.x), scale_);
     Vec3 axis;
@@ -211,7 +211,7 @@ class Writer {
     return {first, rounded(near(a1, previous.y), scale_), rounded(near(a2, previous.z), scale_)};
   }
 
-  /// `angle` plus the multiple of 360 that makes it closest to `target` [deg].
+  /// Adds the multiple of 360 to `angle` [deg] that makes the sum closest to `target` [deg].
   static double near(double angle, double target) { return angle + 360 * std::round((target - angle) / 360); }
   static double distance(const Vec3& a, const Vec3& b) { return std::fabs(a.x - b.x) + std::fabs(a.y - b.y) + std::fabs(a.z - b.z); }
 

@@ -16,18 +16,18 @@ namespace ugoki::formats {
 
 /// Which axis of a marker file points up.
 enum class UpAxis {
-  automatic,  ///< as the file specifies; otherwise the one of Y and Z along which the lowest marker stays closest to a constant height
+  automatic,  ///< as the file specifies; else Y or Z: the one along which the lowest marker stays closest to a constant height
   y,          ///< Y up, Z forward
   z,          ///< Z up, X forward
 };
 
 struct MarkerOptions {
   UpAxis up = UpAxis::automatic;
-  double metres_per_unit = 0;  ///< m per file unit; 0: the unit that the file specifies, or a guess if that unit is missing or implausible
+  double metres_per_unit = 0;  ///< m per file unit; 0: the unit in the file, or a guess if that unit is missing or implausible
 };
 
 /// Reads a whole C3D file from memory: Intel, DEC and SGI/MIPS number formats, integer and floating-point data.
-/// A marker position that is not finite counts as not seen in that frame; the notes report how many positions this concerns.
+/// A marker whose position is not finite counts as not seen in that frame; the notes report the number of such positions.
 /// @param notes if given, receives the unit, the up axis and other decisions of the reader
 /// Errors: a damaged header or parameter section, or missing data; location "file: section". O(bytes).
 [[nodiscard]] Result<MarkerMotion> read_c3d(std::span<const std::byte> bytes, std::string_view file_name, const MarkerOptions& options = {},
@@ -38,8 +38,9 @@ struct C3dWriteOptions {
   double metres_per_unit = 0;  ///< m per file unit; 0: unit of the file that was read, or millimetres if that unit has no name
 };
 
-/// The recording as a C3D file: Intel byte order, single-precision floating point. At most 255 events and 64 force platforms are written.
-/// Errors: more than 65535 markers, more than 65535 analog samples in a frame, or labels too long for the parameter section.
+/// Returns the recording as a C3D file: Intel byte order, single-precision floating point. Events after the first 255 and force platforms
+/// after the first 64 are left out. Errors: more than 65535 markers, more than 65535 analog samples in a frame, or labels too long for the
+/// parameter section.
 [[nodiscard]] Result<std::vector<std::byte>> write_c3d(const MarkerMotion& motion, const C3dWriteOptions& options = {});
 
 }  // namespace ugoki::formats

@@ -13,7 +13,7 @@ namespace {
 std::uint32_t byte_at(const std::byte* p, int i) { return std::to_integer<std::uint32_t>(p[i]); }
 int signed_byte(std::byte b) { return static_cast<std::int8_t>(std::to_integer<std::uint8_t>(b)); }
 
-/// The bytes as text in capital letters; parameter names are compared without regard to case.
+/// Returns the bytes as text in capital letters, because the case of parameter names is ignored.
 std::string name_at(std::span<const std::byte> bytes) {
   std::string name;
   for (const std::byte b : bytes) {
@@ -36,8 +36,8 @@ float C3dNumbers::real(const std::byte* p) const {
     case C3dProcessor::mips: return std::bit_cast<float>(byte_at(p, 0) << 24 | byte_at(p, 1) << 16 | byte_at(p, 2) << 8 | byte_at(p, 3));
     case C3dProcessor::dec: break;
   }
-  // DEC F format: the two 16-bit words are swapped. With the exponent e and the binary mantissa m, the value is 0.1m * 2^(e - 128) =
-  // 1.m * 2^(e - 129). This is a quarter of the IEEE value of the same bits.
+  // DEC F format: the two 16-bit words are swapped. With the exponent e and the binary mantissa m, the value is 0.1m * 2^(e - 128) = 1.m *
+  // 2^(e - 129). The same bits read as an IEEE number give four times this value.
   const std::uint32_t bits = byte_at(p, 1) << 24 | byte_at(p, 0) << 16 | byte_at(p, 3) << 8 | byte_at(p, 2);
   const int exponent = static_cast<int>(bits >> 23 & 0xff);
   if (exponent == 0) return (bits & 0x7fffff) != 0 && bits >> 31 != 0 ? std::numeric_limits<float>::quiet_NaN() : 0.0f;
@@ -52,7 +52,7 @@ Result<C3dParameters> C3dParameters::read(std::span<const std::byte> file, std::
   if (at + 4 > file.size()) return fail(ErrorCode::truncated, location, "The file ends before its parameter section.", again);
   C3dParameters out;
   const int processor = static_cast<int>(byte_at(file.data() + at, 3));
-  // Some programs write 0 for Intel.
+  // Some programs write 0 instead of 84 for Intel.
   if (processor != 0 && (processor < 84 || processor > 86))
     return fail(ErrorCode::unsupported, location,
                 "The processor type is " + std::to_string(processor) + "; it must be 84 (Intel), 85 (DEC) or 86 (SGI/MIPS).",
@@ -60,7 +60,7 @@ Result<C3dParameters> C3dParameters::read(std::span<const std::byte> file, std::
   out.numbers_.processor = processor == 0 ? C3dProcessor::intel : static_cast<C3dProcessor>(processor);
   std::vector<std::pair<int, std::string>> groups;
   std::vector<int> group_of;
-  std::string last = "the beginning of the section";  // last parameter read, for messages
+  std::string last = "the beginning of the section";  // name of the last parameter read, for messages
   const auto broken = [&](ErrorCode code, const std::string& fault) { return fail(code, location, fault + " after " + last + ".", again); };
   at += 4;
   while (true) {

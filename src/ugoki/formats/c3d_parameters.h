@@ -37,20 +37,20 @@ struct C3dParameter {
 /// All parameters of a file. Keeps views into the bytes of the file, which must outlive this object.
 class C3dParameters {
  public:
-  /// Reads the section that begins at byte `at` of `file`. Error messages name the last parameter before the fault.
+  /// Reads the section that begins at byte `at` of `file`. Error messages name the last parameter that was read before the fault.
   [[nodiscard]] static Result<C3dParameters> read(std::span<const std::byte> file, std::size_t at, std::string_view file_name);
 
   [[nodiscard]] const C3dNumbers& numbers() const { return numbers_; }
-  /// The parameter, or null. @param group, name in capital letters
+  /// Returns the parameter, or null if the file does not have it. @param group, name in capital letters
   [[nodiscard]] const C3dParameter* find(std::string_view group, std::string_view name) const;
-  /// All values as numbers; 16-bit integers are read as signed. Empty if the parameter is missing or is text.
+  /// Returns all values as numbers; 16-bit integers are read as signed. Empty if the parameter is missing or is text.
   [[nodiscard]] std::vector<double> values(std::string_view group, std::string_view name) const;
-  /// The first value; `otherwise` if the parameter is missing or is text.
+  /// Returns the first value; `otherwise` if the parameter is missing or is text.
   [[nodiscard]] double value(std::string_view group, std::string_view name, double otherwise) const;
-  /// The first value of a parameter that is a count. Files store counts as signed or unsigned 16-bit words; negative words are
+  /// Returns the first value of a parameter that is a count. Files store counts as signed or unsigned 16-bit words; negative words are
   /// therefore read as 32768 ... 65535. Floating-point values are returned unchanged. std::nullopt if the value is missing or not finite.
   [[nodiscard]] std::optional<double> count(std::string_view group, std::string_view name) const;
-  /// The texts of the parameter NAME and of its continuations NAME2, NAME3 ..., without blanks at either end, as UTF-8.
+  /// Returns the texts of the parameter NAME and of its continuations NAME2, NAME3 ..., without blanks at either end, as UTF-8.
   [[nodiscard]] std::vector<std::string> texts(std::string_view group, std::string_view name) const;
 
  private:

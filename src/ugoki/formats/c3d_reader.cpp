@@ -19,10 +19,10 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// Size and format of the data section, as the header and the parameters specify them.
+/// Size and format of the data section, from the header and the parameters.
 struct Layout {
-  std::size_t frames = 0, points = 0, channels = 0, samples = 0;  // samples: number per analog channel and frame
-  std::size_t start = 0;                                          // first byte of the data
+  std::size_t frames = 0, points = 0, channels = 0, samples = 0;  // samples: per analog channel and frame
+  std::size_t start = 0;                                          // offset of the first byte of the data
   int first_frame = 1;
   double rate = 0;    // frames per second
   double scale = 0;   // file units per integer step; negative: floating-point data
@@ -72,7 +72,7 @@ class Reader {
   }
   [[nodiscard]] const C3dNumbers& numbers() const { return parameters_.numbers(); }
 
-  /// A 32-bit value that the group TRIAL stores in two words, low word first; 0 if it is missing.
+  /// Reads a 32-bit value that the group TRIAL stores in two words, low word first; 0 if it is missing.
   [[nodiscard]] double field(std::string_view name) const {
     const std::vector<double> v = parameters_.values("TRIAL", name);
     if (v.size() < 2) return 0;
@@ -119,7 +119,7 @@ class Reader {
     return check_size();
   }
 
-  /// The header counts frames in 16 bits. Longer recordings store the first and last frame in TRIAL or the count in POINT:FRAMES.
+  /// The header counts frames in 16 bits. Longer recordings store first and last frame in TRIAL, or the number of frames in POINT:FRAMES.
   void count_frames() {
     const std::size_t first = header_word(4), last = header_word(5);
     layout_.first_frame = static_cast<int>(first);
@@ -141,7 +141,7 @@ class Reader {
       return {ErrorCode::structure, location("header"), "The file has neither markers nor analog channels.", again};
     const std::size_t bytes = layout_.frame_bytes();
     const std::size_t complete = layout_.start < file_.size() ? (file_.size() - layout_.start) / bytes : 0;
-    // Programs that crop a recording may leave the frame numbers in TRIAL unchanged; the header then matches the data.
+    // Programs that crop a recording may leave the frame numbers in TRIAL unchanged; then only the header's frame numbers match the data.
     const std::size_t in_header = header_word(5) >= header_word(4) ? header_word(5) - header_word(4) + 1 : 0;
     if (complete < layout_.frames && in_header > 0 && in_header < layout_.frames && complete >= in_header) {
       layout_.frames = in_header;
@@ -175,7 +175,7 @@ class Reader {
     if (nameless > 0) notes_.remarks.push_back(std::to_string(nameless) + " markers have no label; they were named '*' and their index.");
   }
 
-  /// Removes the subject's name from labels such as "Subject:LASI" if it is the same in all labels.
+  /// Removes the subject's name from labels such as "Subject:LASI" if all labels begin with the same name.
   void drop_common_prefix() {
     if (motion_.labels.empty()) return;
     const std::size_t colon = motion_.labels[0].find(':');
@@ -240,7 +240,7 @@ class Reader {
       valid = valid && is_finite(plate.origin) && norm(plate.origin) < max_magnitude;
       for (std::size_t k = 0; k < rows; ++k) {
         const double number = channels[rows * i + k];
-        if (number == 0 && k >= 6) continue;  // the table has 8 rows if any platform has 8 channels; those with 6 have 0 in rows 7 and 8
+        if (number == 0 && k >= 6) continue;  // the table has 8 rows if any platform has 8 channels; with 6 channels rows 7 and 8 are 0
         valid = valid && number >= 1 && number <= static_cast<double>(layout_.channels);
         if (valid) plate.channels.push_back(static_cast<int>(number) - 1);
       }
@@ -290,7 +290,7 @@ class Reader {
     return {};
   }
 
-  /// Reads the position and residual of one marker in one frame. False if a coordinate is not finite or the norm is 1e12 or more.
+  /// Reads the position and residual of one marker in one frame. Returns false if a coordinate is not finite or the norm is 1e12 or more.
   /// @param index index in motion_.positions [frames][markers]
   bool read_point(const std::byte* p, std::size_t index) {
     Vec3& x = motion_.positions[index];

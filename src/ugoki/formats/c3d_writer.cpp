@@ -14,16 +14,16 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "values are written as their bytes in memory, which must be little-endian");
 constexpr std::size_t block = 512;
 
-/// The low 16 bits of `n`. The words of C3D are signed; a count from 32768 to 65535 is stored with the bits of the unsigned 16-bit value.
+/// Returns the low 16 bits of `n`. The words of C3D are signed; a count from 32768 to 65535 has the bits of the unsigned 16-bit value.
 std::int16_t low_word(std::int64_t n) { return static_cast<std::int16_t>(static_cast<std::uint16_t>(n & 0xffff)); }
 
-/// Builds the parameter section. Each parameter belongs to the last group added.
+/// Builds the parameter section. A parameter belongs to the group that was added last before it.
 class Section {
  public:
   void group(const std::string& name) {
     ++group_;
     begin(name, -group_);
-    bytes_.push_back(std::byte{0});  // no description
+    bytes_.push_back(std::byte{0});  // no description text
     link();
   }
   void real(const std::string& name, std::vector<std::size_t> sizes, const std::vector<float>& values) {
@@ -32,7 +32,7 @@ class Section {
   void word(const std::string& name, std::vector<std::size_t> sizes, const std::vector<std::int16_t>& values) {
     parameter(name, 2, sizes, values.data(), values.size() * 2);
   }
-  /// Adds texts, padded to one common length. A parameter holds at most 255 of them; the others follow in NAME2, NAME3 ...
+  /// Adds texts, padded to one common length. A parameter has at most 255 texts; the others follow in NAME2, NAME3 ...
   void texts(const std::string& name, const std::vector<std::string>& values) {
     for (std::size_t part = 0, at = 0; part == 0 || at < values.size(); ++part) {
       const std::size_t count = std::min<std::size_t>(values.size() - at, 255);
@@ -51,7 +51,7 @@ class Section {
   }
   void text(const std::string& name, const std::string& value) { parameter(name, -1, {value.size()}, value.data(), value.size()); }
 
-  /// The bytes of the section, padded to a multiple of 512 bytes. Call once, last.
+  /// Returns the bytes of the section, padded to a multiple of 512 bytes. Call once, after all other functions.
   std::vector<std::byte> finish() {
     bytes_.insert(bytes_.end(), 2, std::byte{0});
     bytes_.resize((bytes_.size() + block - 1) / block * block);
@@ -83,7 +83,7 @@ class Section {
     const std::size_t at = bytes_.size();
     bytes_.resize(at + size);
     if (size > 0) std::memcpy(bytes_.data() + at, data, size);
-    bytes_.push_back(std::byte{0});  // no description
+    bytes_.push_back(std::byte{0});  // no description text
     link();
   }
 
@@ -180,7 +180,7 @@ std::vector<std::byte> make_parameters(const MarkerMotion& m, const FileAxes& ax
   add_analog(section, m);
   if (!m.plates.empty()) add_plates(section, m, axes, metres);
   if (!m.events.empty()) add_events(section, m);
-  // The section contains the block number of the data, which depends on the length of the section. A trial copy gives the length.
+  // The section contains the block number of the data, which depends on the section's own length. A trial copy gives this length.
   Section trial = section;
   trial.word("DATA_START", {}, {0});
   const std::size_t blocks = trial.finish().size() / block;

@@ -15,7 +15,7 @@
 namespace ugoki::formats {
 namespace {
 
-/// The point and the component that a column contains: "LASI" and 0 for "LASI.x". An empty name: the column is not a component of a point.
+/// The point and the component in a column: "LASI" and 0 for "LASI.x". An empty name: the column is not a component of a point.
 struct Component {
   std::string_view name;
   int axis = 0;  ///< 0 x, 1 y, 2 z
@@ -33,8 +33,8 @@ bool is_frame(std::string_view name) {
   return equal_ignoring_case(name, "frame") || equal_ignoring_case(name, "frame#") || equal_ignoring_case(name, "frames");
 }
 
-/// Frames per second, from the times of the rows if there is a time column, otherwise from the comment "# rate". Adds a problem if the
-/// times do not increase or are not evenly spaced (10 % tolerance).
+/// Returns the frames per second: from the rows' times if there is a time column, otherwise from the comment "# rate". Adds a problem if
+/// the times do not increase or are not evenly spaced (10 % tolerance).
 std::optional<double> rate_of_rows(const CsvTable& table, Problems& problems, ReadNotes& notes) {
   std::size_t column = table.columns.size();
   for (std::size_t i = 0; i < table.columns.size(); ++i)
@@ -70,7 +70,7 @@ std::optional<double> rate_of_rows(const CsvTable& table, Problems& problems, Re
 /// The points of a table and their columns.
 struct Points {
   std::vector<std::string> names;
-  std::vector<std::array<int, 3>> columns;  ///< [points] index of the column of x, of y and of z; -1: missing
+  std::vector<std::array<int, 3>> columns;  ///< [points] indices of the columns of x, y and z; -1: missing
 };
 
 bool find_points(const CsvTable& table, Problems& problems, ReadNotes& notes, Points& points) {

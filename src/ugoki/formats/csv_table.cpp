@@ -13,7 +13,7 @@ std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-/// Splits the header line into its fields and removes quotes. False if a quote is not closed.
+/// Splits the header line into its fields and removes quotes. Returns false if a closing quote is missing.
 bool split_names(std::string_view line, char separator, std::vector<std::string>& out) {
   std::string field;
   bool quoted = false, was_quoted = false;
@@ -38,7 +38,7 @@ bool split_names(std::string_view line, char separator, std::vector<std::string>
   return true;
 }
 
-/// Evaluates the comments "# rate: N" and "# up: y"; ignores others.
+/// Reads the values in the comments "# rate: N" and "# up: y"; ignores other comments.
 void read_comment(std::string_view line, CsvTable& table) {
   line.remove_prefix(1);
   const std::size_t colon = line.find(':');
@@ -116,7 +116,7 @@ bool read_csv_table(std::string_view text, Problems& problems, CsvTable& table, 
       std::string_view field = trimmed(line.substr(0, stop));
       if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = trimmed(field.substr(1, field.size() - 2));
       if (more) line.remove_prefix(stop + 1);
-      if (!more && field.empty() && n == width) break;  // the line ends with a separator: no further field
+      if (!more && field.empty() && n == width) break;  // a separator at the end of the line does not begin another field
       double value = std::numeric_limits<double>::quiet_NaN();
       if (!field.empty() && !equal_ignoring_case(field, "nan")) {
         const auto x = measured_number(field);

@@ -25,13 +25,13 @@ struct CsvTable {
   [[nodiscard]] double at(std::size_t row, std::size_t column) const { return numbers[row * columns.size() + column]; }
 };
 
-/// Reads a table. Lines that begin with # are comments; of these, "# rate: N" and "# up: y" are evaluated. The first other line that is not
-/// blank is the header line with the column names, which may be quoted (RFC 4180). The separator is the first of tab, semicolon and comma
-/// that occurs in the header line. Returns false if problems were added.
+/// Reads a table. Lines that begin with # are comments; only "# rate: N" and "# up: y" are used. The first other line that is not blank is
+/// the header line with the column names, which may be quoted (RFC 4180). The separator is the first of tab, semicolon and comma that
+/// occurs in the header line. Returns false if problems were added.
 /// @param rows false: read only the header line
 [[nodiscard]] bool read_csv_table(std::string_view text, Problems& problems, CsvTable& table, bool rows = true);
 
-/// `name` as a CSV field: quoted if it contains a separator, quote, line end, '#' or '[', or has blanks at an end.
+/// Returns `name` as a CSV field: quoted if it contains a separator, quote, line end, '#' or '[', or begins or ends with a blank.
 [[nodiscard]] std::string csv_name(std::string_view name);
 
 }  // namespace ugoki::formats

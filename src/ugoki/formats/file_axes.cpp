@@ -12,7 +12,7 @@ struct NamedUnit {
   double metres;
   const char* name;
 };
-// Units that guess_unit() tries. If two fit equally well, the earlier one is chosen.
+// Units that guess_unit() tries. If two units fit equally well, it chooses the earlier one.
 constexpr NamedUnit units[] = {{0.01, "centimetres"},
                                {1.0, "metres"},
                                {0.001, "millimetres"},
@@ -24,7 +24,7 @@ constexpr double usual_rates[] = {10,  12,  15,  20,  24,  25,  30,  40,  48,  5
                                   100, 120, 144, 150, 180, 200, 240, 250, 300, 360, 480, 500, 1000};
 constexpr double video_rates[] = {24000.0 / 1001, 30000.0 / 1001, 60000.0 / 1001, 120000.0 / 1001, 23.976, 29.97, 59.94, 119.88};
 
-/// The rate whose frame time is closest to `frame_time` [s]; 0 if none is closer than `tolerance` [s].
+/// Returns the rate whose frame time is closest to `frame_time` [s]; 0 if the difference is at least `tolerance` [s] for every rate.
 template <std::size_t n>
 double closest_rate(const double (&rates)[n], double frame_time, double tolerance) {
   double best = 0;
@@ -38,7 +38,7 @@ double closest_rate(const double (&rates)[n], double frame_time, double toleranc
   return best;
 }
 
-/// Value of one unit in the last written digit: 1e-7 for ".0083333"; 0 if the exponent is out of range.
+/// Returns the value of one unit in the last written digit: 1e-7 for ".0083333"; 0 if the exponent is out of range.
 double last_digit_value(std::string_view text) {
   double digit = 1;
   bool point = false;
@@ -98,7 +98,7 @@ double rate_of(double frame_time, std::string_view text) {
   const double exact = 1 / frame_time;
   const double whole = std::round(exact);
   if (std::fabs(exact - whole) < 1e-9 * exact) return whole;
-  // A rounded frame time differs from the exact one by half a unit in the last digit, a truncated one by up to a whole unit.
+  // A frame time that was rounded in the file has an error of at most half a unit in its last digit, a truncated one of up to a whole unit.
   const double digit = std::max(last_digit_value(text), 1e-15 * frame_time);
   if (digit > 0.2 * frame_time) return exact;  // too few digits to distinguish the rates
   if (const double rate = closest_rate(usual_rates, frame_time, digit); rate > 0) return rate;

@@ -1,5 +1,5 @@
 #pragma once
-// Conversion between the axes, units and frame rates of motion-capture files and those of Ugoki. Internal to formats.
+// Conversion of axes, units and frame rates of motion-capture files to those of Ugoki, and back. Internal to formats.
 
 #include <string>
 #include <string_view>
@@ -8,9 +8,8 @@
 
 namespace ugoki::formats {
 
-/// Axes of a file. Ugoki's axes ("ours") are X forward, Y left, Z up.
-/// Y up: file Z (forward) -> our X, file X (left) -> our Y, file Y (up) -> our Z. This is a cyclic permutation, so that
-/// handedness and the order of rotations do not change. Z up: the axes of the file are ours.
+/// Axes of a file. Ugoki's axes ("ours") are X forward, Y left, Z up. Y up: file Z (forward) -> our X, file X (left) -> our Y, file Y (up)
+/// -> our Z. This is a cyclic permutation: handedness and the order of rotations do not change. Z up: the file's axes equal ours.
 struct FileAxes {
   bool z_up = false;  ///< true: Z up, X forward; false: Y up, Z forward
 
@@ -32,17 +31,17 @@ struct UnitGuess {
   std::string name;
   bool plausible = false;  ///< true if the skeleton's size in this unit is between 1 m and 2.5 m
 };
-/// The unit in which `extent` is closest (in ratio) to the height of a person, 1.7 m.
+/// Guesses the unit in which `extent` is closest (in ratio) to the height of a person, 1.7 m.
 /// @param extent largest size of a skeleton at rest, file units; 0 or not finite: the result is centimetres, not plausible
 [[nodiscard]] UnitGuess guess_unit(double extent);
 
 /// Largest side [the skeleton's unit] of the axis-aligned box around all joints and end sites at rest.
 [[nodiscard]] double rest_extent(const Skeleton& skeleton);
 
-/// Frames per second of a file that gives its frame time as `text`, parsed as `frame_time` [s]. Files round or truncate the
-/// frame time ("0.0083333" for 120 frames per second). Candidates are, in this order, the usual rates (24, 25, 30, 60 ...), the
-/// video rates (29.97 ...) and the closest integer. The first whose exact frame time fits the written digits is returned;
-/// otherwise 1 / frame_time.
+/// Returns the frames per second of a file that gives its frame time as `text`, parsed as `frame_time` [s]. Files round or truncate the
+/// frame time ("0.0083333" for 120 frames per second). Candidates are, in this order, the usual rates (24, 25, 30, 60 ...), the video rates
+/// (29.97 ...) and the closest integer. The first candidate whose frame time agrees with the written digits is returned; if no candidate
+/// agrees, 1 / frame_time.
 [[nodiscard]] double rate_of(double frame_time, std::string_view text);
 
 }  // namespace ugoki::formats

@@ -46,15 +46,15 @@ std::vector<std::byte> GlbChunk::finish(Json root) {
   const auto word = [&](std::size_t v) {
     for (int k = 0; k < 4; ++k) out.push_back(static_cast<std::byte>(v >> (8 * k) & 0xff));
   };
-  word(0x46546C67);  // "glTF"
+  word(0x46546C67);  // the characters "glTF"
   word(2);
   word(12 + 8 + text.size() + 8 + bytes_.size());
   word(text.size());
-  word(0x4E4F534A);  // "JSON"
+  word(0x4E4F534A);  // the characters "JSON"
   const auto* p = reinterpret_cast<const std::byte*>(text.data());
   out.insert(out.end(), p, p + text.size());
   word(bytes_.size());
-  word(0x004E4942);  // "BIN"
+  word(0x004E4942);  // the characters "BIN"
   out.insert(out.end(), bytes_.begin(), bytes_.end());
   return out;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The binary part of a GLB file (glTF 2.0, section "GLB File Format Specification") while it is written.
+// Writer of the binary part of a GLB file (glTF 2.0, section "GLB File Format Specification").
 
 #include <array>
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace ugoki::formats {
 
-/// The binary chunk with its buffer views and accessors.
+/// The binary chunk with its buffer views and accessors, filled value by value.
 class GlbChunk {
  public:
-  /// Appends values, aligned to 4 bytes. @return index of their accessor
-  /// @param components numbers of an element, for example 3
+  /// Appends values, aligned to 4 bytes. @return index of the accessor of these values
+  /// @param components count of numbers in an element, for example 3
   /// @param type       glTF type of an element, for example "VEC3"
   /// @param kind       glTF component type: 5126 float, 5125 unsigned int, 5123 unsigned short
   /// @param target     glTF target of the buffer view (34962: vertex attributes, 34963: vertex indices); 0: none
@@ -28,7 +28,7 @@ class GlbChunk {
   /// Sets the minimum and maximum of each component, which glTF requires for positions and key times.
   void bound(int accessor, const std::vector<float>& values, std::size_t components);
 
-  /// The GLB file. @param root the JSON part without buffers, buffer views and accessors
+  /// Returns the GLB file. @param root the JSON part without buffers, buffer views and accessors
   [[nodiscard]] std::vector<std::byte> finish(json::Json root);
 
  private:
@@ -38,7 +38,7 @@ class GlbChunk {
   json::Json views_ = json::Json::array(), accessors_ = json::Json::array();
 };
 
-/// The rotation as x, y, z, w, normalised after rounding to single precision: validators check the norm of the stored values.
+/// Returns the rotation as x, y, z, w, normalised after rounding to single precision: validators check the norm of the stored values.
 [[nodiscard]] std::array<float, 4> glb_rotation(const Quat& q);
 
 }  // namespace ugoki::formats

@@ -24,15 +24,15 @@ struct GltfOptions {
 };
 
 /// Reads all animations of a file from memory and returns one measured motion for each. The skeleton consists of the joints of all skins,
-/// the nodes between them, and the animated nodes above them. Without skins it consists of all nodes. A file that animates no joint gives
-/// one frame at rest. The rest pose is the bind pose of the skin. Scales are included in the positions of the joints, so that world
-/// positions are those of the file.
-/// Errors: location "file:JSON path" or "file:chunk", each with a remedy. O(bytes + frames * joints).
+/// the nodes between them, and the animated nodes above them. In a file without skins it consists of all nodes. A file that animates no
+/// joint gives one frame at rest. The rest pose is the bind pose of the skin. Scales are included in the positions of the joints, so that
+/// the world positions equal those of the file.
+/// Errors have the location "file:JSON path" or "file:chunk", and a remedy. O(bytes + frames * joints).
 [[nodiscard]] Result<std::vector<MeasuredMotion>> read_gltf(std::span<const std::byte> bytes, std::string_view file_name,
                                                             const GltfOptions& options = {}, ReadNotes* notes = nullptr);
 
-/// The motion as a binary glTF file: Y up, metres, one node for each joint, a skin, a mesh of bones bound to the skin, and one animation
-/// with a key for every frame. World positions of the joints have single precision.
+/// Returns the motion as a binary glTF file: Y up, metres, one node for each joint, a skin, a mesh of bones bound to the skin, and one
+/// animation with a key for every frame. World positions of the joints have single precision.
 [[nodiscard]] std::vector<std::byte> write_glb(const MeasuredMotion& motion);
 
 }  // namespace ugoki::formats

@@ -14,7 +14,7 @@ namespace {
 using json::Json;
 
 constexpr const char* again = "Export the file again.";
-constexpr std::size_t max_numbers = 50'000'000;  // values of all accessors together; 400 MB as doubles
+constexpr std::size_t max_numbers = 50'000'000;  // limit for the values of all accessors together; 400 MB as doubles
 
 std::uint32_t little32(const std::byte* p) {
   std::uint32_t v = 0;
@@ -29,7 +29,7 @@ int base64_value(char c) {
   return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-/// Decodes base64 (RFC 4648) with or without padding, also in the URL alphabet; std::nullopt if `text` is not base64.
+/// Decodes base64 (RFC 4648) with or without padding, also in the URL alphabet. Returns std::nullopt if `text` is not base64.
 std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   std::vector<std::byte> out;
   out.reserve(text.size() / 4 * 3);
@@ -52,7 +52,7 @@ std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   return out;
 }
 
-/// `uri` with its percent escapes resolved.
+/// Returns `uri` with its percent escapes resolved.
 std::string unescaped(std::string_view uri) {
   std::string out;
   const auto hex = [](char c) {
@@ -86,8 +86,8 @@ class Parser {
   }
   static std::string path(std::string_view list, std::size_t i) { return std::string(list) + "/" + std::to_string(i); }
 
-  /// Finds the JSON text and the binary chunk, and parses the JSON. A GLB file has a header of 12 bytes, then chunks, each with its
-  /// length, type and data.
+  /// Finds the JSON text and the binary chunk, and parses the JSON. A GLB file has a header of 12 bytes, then chunks. A chunk has a length,
+  /// a type and data.
   bool split(std::span<const std::byte> bytes) {
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (text.starts_with("glTF")) {
@@ -136,19 +136,19 @@ class Parser {
     return true;
   }
 
-  /// The member `key` of an object; null if `object` is not an object or has no such member.
+  /// Returns the member `key` of an object; null if `object` is not an object or has no such member.
   static const Json* member(const Json& object, const char* key) {
     if (!object.is_object()) return nullptr;
     const auto it = object.find(key);
     return it == object.end() ? nullptr : &*it;
   }
-  /// The list `key` of the document; an empty list if it is missing.
+  /// Returns the list `key` of the document; an empty list if it is missing.
   const Json& list(const char* key) {
     static const Json nothing = Json::array();
     const Json* l = member(root_, key);
     return l != nullptr && l->is_array() ? *l : nothing;
   }
-  /// The integer `key` in [0, below); -1 if it is missing; std::nullopt if it has another type or value.
+  /// Returns the integer `key` in [0, below); -1 if it is missing; std::nullopt if it has another type or value.
   static std::optional<long> index(const Json& object, const char* key, std::size_t below) {
     const Json* v = member(object, key);
     if (v == nullptr) return -1;
@@ -156,13 +156,13 @@ class Parser {
     const auto n = v->get<std::uint64_t>();
     return n < below ? std::optional<long>(static_cast<long>(n)) : std::nullopt;
   }
-  /// The text `key`; empty if it is missing or not a string.
+  /// Returns the text `key`; empty if it is missing or not a string.
   static std::string text(const Json& object, const char* key) {
     const Json* v = member(object, key);
     return v != nullptr && v->is_string() ? v->get<std::string>() : std::string();
   }
-  /// Reads the list `key` of exactly n numbers of magnitude at most max_magnitude; false if it is anything else. If the list is missing,
-  /// `out` is unchanged and the result is true.
+  /// Reads the list `key` of exactly n numbers of magnitude at most max_magnitude. If the list is missing, `out` is unchanged and the
+  /// result is true. Returns false if the value is anything else.
   template <std::size_t n>
   static bool numbers(const Json& object, const char* key, std::array<double, n>& out) {
     const Json* v = member(object, key);
@@ -216,7 +216,7 @@ class Parser {
     out_.nodes.resize(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (!read_node(nodes[i], i)) return false;
-    // Cycles: the chain of parents of every node must end within max_depth steps.
+    // Find cycles: the chain of parents of every node must end within max_depth steps.
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       std::size_t steps = 0;
       for (int n = static_cast<int>(i); n >= 0; n = out_.nodes[static_cast<std::size_t>(n)].parent)
@@ -295,8 +295,8 @@ class Parser {
     return true;
   }
 
-  /// Reads `count` entries of `components` values from the buffer view `object[key]`, beginning at byte `offset` of the view.
-  /// @param kind glTF component type  @param norm integers are normalised to [0, 1] or [-1, 1]  @param size bytes of a component
+  /// Reads `count` elements of `components` values from the buffer view `object[key]`, beginning at byte `offset` of the view.
+  /// @param kind glTF component type  @param norm true: integers are normalised to [0, 1] or [-1, 1]  @param size bytes of a component
   bool view(const Json& object, const char* key, const std::string& location, std::size_t offset, long kind, bool norm, std::size_t size,
             std::size_t components, std::size_t count, std::vector<double>& out) {
     const Json& views = list("bufferViews");
@@ -340,7 +340,7 @@ class Parser {
     return norm ? std::max(v / 32767.0, -1.0) : v;
   }
 
-  /// Replaces those entries of `out` [count][components] whose indices a sparse accessor lists.
+  /// Replaces the elements of `out` [count][components] whose indices a sparse accessor lists.
   bool apply_sparse(const Json& sparse, const std::string& location, long kind, bool norm, std::size_t size, std::size_t components,
                     std::vector<double>& out) {
     const auto count = index(sparse, "count", out.size() / components + 1);
@@ -424,7 +424,7 @@ class Parser {
     GltfChannel channel;
     const std::string path = text(*target, "path");
     if (*node < 0 || (path != "translation" && path != "rotation" && path != "scale"))
-      return true;  // morph weights and extensions are not read
+      return true;  // morph weights and paths of extensions are not read
     channel.node = static_cast<int>(*node);
     channel.path = path == "rotation" ? GltfPath::rotation : path == "scale" ? GltfPath::scale : GltfPath::translation;
     const Json& sampler = samplers[static_cast<std::size_t>(*which)];
@@ -456,7 +456,7 @@ class Parser {
   Json root_;
   std::span<const std::byte> binary_;
   std::vector<std::vector<std::byte>> buffers_;
-  std::size_t read_ = 0;  ///< values of all accessors read
+  std::size_t read_ = 0;  ///< number of values read so far, over all accessors
   GltfDocument out_;
 };
 

@@ -36,7 +36,7 @@ struct GltfSkin {
 enum class GltfPath : unsigned char { translation, rotation, scale };
 enum class GltfInterpolation : unsigned char { linear, step, cubic };
 
-/// Keys of one property of one node.
+/// Animation keys of one property of one node.
 struct GltfChannel {
   int node = 0;  ///< index in GltfDocument::nodes
   GltfPath path = GltfPath::translation;
@@ -51,7 +51,7 @@ struct GltfAnimation {
 };
 
 struct GltfDocument {
-  std::vector<GltfNode> nodes;  ///< in file order; a parent may follow its children
+  std::vector<GltfNode> nodes;  ///< in file order; children may precede their parent
   std::vector<GltfSkin> skins;
   std::vector<GltfAnimation> animations;
 };

@@ -9,7 +9,8 @@
 namespace ugoki::formats {
 namespace {
 
-/// Value of a channel at time t [s]. Before the first key it is the first key's value, after the last key the last key's value.
+/// Computes the value of a channel at time t [s]. Before the first key it is the first key's value, after the last key the last key's
+/// value.
 /// @param out [3 or 4]; a rotation as x y z w
 void sample_channel(const GltfChannel& c, double t, double* out) {
   const std::size_t n = c.path == GltfPath::rotation ? 4 : 3;
@@ -38,7 +39,7 @@ void sample_channel(const GltfChannel& c, double t, double* out) {
   out[0] = q.x, out[1] = q.y, out[2] = q.z, out[3] = q.w;
 }
 
-/// The rotation in the linear part A, by Gram-Schmidt orthogonalisation of its columns x, y; scale, shear and mirroring are discarded.
+/// Returns the rotation in the linear part A, by Gram-Schmidt orthogonalisation of its columns x and y; drops scale, shear and mirroring.
 Mat3 rotation_of(const Mat3& A) {
   const Vec3 x = normalized(A.column(0), {1, 0, 0});
   const Vec3 y = normalized(A.column(1) - x * dot(x, A.column(1)), any_perpendicular(x));
@@ -119,7 +120,7 @@ class Reader {
     for (const GltfSkin& skin : doc_.skins)
       for (const int j : skin.joints) joint[static_cast<std::size_t>(j)] = 1;
     if (doc_.skins.empty()) joint.assign(joint.size(), 1);
-    // An ancestor of a joint is needed if it is animated, or if it is below a joint or below an animated node.
+    // An ancestor of a joint becomes a joint if it is animated, or if it is a descendant of a joint or of an animated node.
     std::vector<char> moved(doc_.nodes.size());
     for (const GltfAnimation& a : doc_.animations)
       for (const GltfChannel& c : a.channels) moved[static_cast<std::size_t>(c.node)] = 1;
@@ -150,14 +151,14 @@ class Reader {
     return false;
   }
 
-  /// The closest ancestor that is a joint; -1: none.
+  /// Returns the closest ancestor that is a joint; -1: none.
   [[nodiscard]] int parent_joint(std::size_t joint) const {
     for (int n = doc_.nodes[joints_[joint]].parent; n >= 0; n = doc_.nodes[static_cast<std::size_t>(n)].parent)
       if (joint_of_node_[static_cast<std::size_t>(n)] >= 0) return joint_of_node_[static_cast<std::size_t>(n)];
     return -1;
   }
 
-  /// Computes globals_, the world transforms of all nodes, at time t [s] of the animation; null: node transforms as in the file.
+  /// Computes globals_, the world transforms of all nodes, at time t [s] of the animation. If `animation` is null: the pose in the file.
   void calc_globals(const GltfAnimation* animation, double t) {
     std::vector<GltfNode>& posed = posed_;
     posed = doc_.nodes;
@@ -180,7 +181,7 @@ class Reader {
   }
 
   /// Sets the rest pose of the skins' joints to their bind pose: the world transform of the skinned mesh times the inverse of the joint's
-  /// inverse bind matrix.
+  /// matrix in GltfSkin::inverse_binds.
   void apply_bind_poses() {
     for (std::size_t s = 0; s < doc_.skins.size(); ++s) {
       const GltfSkin& skin = doc_.skins[s];
@@ -199,7 +200,7 @@ class Reader {
     }
   }
 
-  /// Frames per second that match the most closely spaced keys. @param first, last [out] s, range of all keys
+  /// Returns the frames per second that match the most closely spaced keys. @param first, last [out] s, time range of all keys
   double key_range(const GltfAnimation& a, double& first, double& last) const {
     double gap = 0;
     bool any = false;
@@ -214,13 +215,13 @@ class Reader {
     }
     if (gap == 0) return 30;
     const double rate = std::round(1 / gap);
-    // Times have single precision (1/24 s is 0.0416667), so a rate within 0.2 % of an integer is rounded to it. A rate below 10 is
-    // multiplied by an integer to reach at least 30, so that the curve between sparse keys is kept. The rate is at most 1000.
+    // Times have single precision (1/24 s is 0.0416667), so a rate within 0.2 % of an integer is rounded to this integer. A rate below 10
+    // is multiplied by an integer to reach at least 30, so that the curve between sparse keys is kept. The rate is at most 1000.
     const double near = std::fabs(rate * gap - 1) < 2e-3 ? rate : 1 / gap;
     return near < 10 ? near * std::ceil(30 / near - 1e-9) : std::min(near, 1000.0);
   }
 
-  /// A motion without frames: the skeleton at rest. @param animation name of the motion
+  /// Returns the skeleton at rest as a motion without frames. @param animation name of the motion
   MeasuredMotion start(const std::string& animation) const {
     MeasuredMotion m;
     m.name = animation;
@@ -238,7 +239,7 @@ class Reader {
       joint.translates = joint.parent < 0;
       m.skeleton.joints.push_back(std::move(joint));
     }
-    // A name that occurs more than once is made unique by an appended number.
+    // A repeated name is made unique by an appended number.
     std::vector<std::string> names;
     for (SkeletonJoint& j : m.skeleton.joints) {
       std::string unique = j.name;
@@ -279,7 +280,7 @@ class Reader {
         m.translations.push_back(local);
       }
     }
-    // A joint whose translation never differs from its offset by more than 1e-5 (relative) does not translate: the differences are
+    // A joint counts as not translating if its translation differs from its offset by at most 1e-5 (relative): such differences are
     // rounding errors of the file's single-precision numbers.
     for (std::size_t i = 0; i < m.translations.size(); ++i)
       if (const SkeletonJoint& joint = m.skeleton.joints[i % n]; !joint.translates) m.translations[i] = joint.offset;

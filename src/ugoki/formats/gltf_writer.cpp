@@ -15,14 +15,14 @@ void put(std::vector<float>& out, const Vec3& v) {
   for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(v[k]));
 }
 
-/// Appends a rotation, converted to file axes, as x y z w.
+/// Appends a rotation to `out` as x y z w, converted to file axes.
 void put(std::vector<float>& out, const Quat& q, const FileAxes& axes) {
   const Vec3 v = axes.to_file({q.x, q.y, q.z});
   const std::array<float, 4> x = glb_rotation({q.w, v.x, v.y, v.z});
   out.insert(out.end(), x.begin(), x.end());
 }
 
-/// Mesh of the bones. Each bone is a flat-shaded double pyramid with a square cross-section at a fifth of its length.
+/// Mesh of the bones. Each bone is a flat-shaded double pyramid: a square at a fifth of its length, tips at both ends.
 struct Bones {
   std::vector<float> positions, normals, weights;
   std::vector<std::uint16_t> joints;
@@ -33,7 +33,7 @@ struct Bones {
     const double length = norm(d);
     if (!(length > 1e-6)) return;
     const Vec3 z = d / length, x = any_perpendicular(z), y = cross(z, x);
-    const double w = 0.12 * length;  // half width
+    const double w = 0.12 * length;  // half the width of the square
     const Vec3 m = a + d * 0.2;
     const std::array<Vec3, 4> ring = {m + x * w, m + y * w, m - x * w, m - y * w};
     for (std::size_t k = 0; k < 4; ++k) {
@@ -55,7 +55,7 @@ struct Bones {
   }
 };
 
-/// Adds the mesh, its material and the skin to `root`; returns the node that shows them.
+/// Adds the mesh, its material and the skin to `root`; returns the node with mesh and skin.
 Json skin_and_mesh(const MeasuredMotion& m, const FileAxes& axes, GlbChunk& chunk, Json& root) {
   const std::vector<Vec3> rest = rest_positions(m.skeleton);
   const std::size_t n = rest.size();

@@ -24,9 +24,9 @@ constexpr NamedUnit units[] = {{"mm", 0.001},          {"m", 1},
                                {"centimeters", 0.01},  {"centimetres", 0.01},
                                {"feet", 0.3048}};
 
-/// Indicator [file units] of whether axis k points up: the up axis has the smallest value, because the lowest marker stays close to the
-/// floor at zero. Takes the minimum of coordinate k over the markers in about 200 frames. Returns |median| + 2 * mean absolute
-/// deviation of these minima. Infinite if all markers share one value of the coordinate, as in planar recordings.
+/// Returns an indicator [file units] that is smallest for the up axis k, because the lowest marker stays close to the floor at zero. Takes
+/// the minimum of coordinate k over the markers in about 200 frames. Returns |median| + 2 * mean absolute deviation of these minima;
+/// infinite if all markers share one value of the coordinate, as in planar recordings.
 double unsteadiness(const MarkerMotion& m, int k) {
   std::vector<double> low;
   double highest = -std::numeric_limits<double>::infinity();
@@ -53,7 +53,7 @@ double unsteadiness(const MarkerMotion& m, int k) {
   return std::fabs(median) + 2 * spread / static_cast<double>(low.size());
 }
 
-/// Extent of the markers in the first frame in which any is seen, in file units.
+/// Extent of the markers in the first frame with a seen marker, in file units.
 struct Reach {
   double extent = 0;    ///< largest side of the axis-aligned box around the seen markers
   double distance = 0;  ///< distance of the farthest seen marker from the origin
@@ -80,7 +80,7 @@ Reach reach_of(const MarkerMotion& m) {
   return {};
 }
 
-/// True if the markers would span more than 100 m, or if all were within 4 mm of the origin. No recording of a subject has such a size.
+/// True if the markers span more than 100 m, or are all within 4 mm of the origin. No recording of a subject has such a size.
 bool implausible(const Reach& reach, double metres) {
   return reach.extent * metres > 100 || (reach.distance > 0 && reach.distance * metres < 0.004);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The JSON form of a mechanism, meant to be written and read by people. docs/formats.md describes every field.
+// The JSON form of a mechanism, which people can read and write. docs/formats.md describes every field.
 
 #include <string>
 #include <string_view>
@@ -9,12 +9,12 @@
 
 namespace ugoki::formats {
 
-/// JSON text of the mechanism, SI units. Fields with their default value are omitted. read_mechanism restores every number bit for bit.
+/// Returns the JSON text of the mechanism, SI units. Default values are omitted. read_mechanism restores every number bit for bit.
 [[nodiscard]] std::string write_mechanism(const Mechanism& mechanism);
 
-/// Reads and validates a mechanism. Locations of errors: "file:line" for broken JSON; "file:path/in/the/JSON" for wrong types,
-/// unknown words and wrong lengths; "file: link name" for an impossible mechanism. All problems found are reported, but at
-/// most a hundred of the first two kinds.
+/// Reads and validates a mechanism. Locations of errors: "file:line" for broken JSON; "file:path/in/the/JSON" for wrong types, unknown
+/// words and wrong lengths; "file: link name" for an impossible mechanism. All problems found are reported, but at most a hundred of the
+/// first two kinds.
 [[nodiscard]] Result<MechanismPtr> read_mechanism(std::string_view text, std::string_view file_name);
 
 }  // namespace ugoki::formats

@@ -20,13 +20,13 @@ constexpr std::size_t max_surfaces = 100'000;  // maximum number of entries in "
 
 static_assert(std::endian::native == std::endian::little, "numbers are packed in little-endian byte order");
 
-/// Values as base64 text of their bytes ("packed"), in quotes.
+/// Encodes the bytes of values as base64 text ("packed"), in quotes.
 template <class T>
 std::string packed(const std::vector<T>& values) {
   return "\"" + to_base64({reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)}) + "\"";
 }
 
-/// Decodes packed values; adds a problem and returns false if `text` is not base64 of whole values of type T.
+/// Decodes packed values. Adds a problem and returns false if `text` is not base64 or does not contain whole values of type T.
 template <class T>
 bool unpack(Fields& f, const std::string& path, const std::string& text, std::vector<T>& out) {
   const std::optional<std::vector<std::uint8_t>> bytes = from_base64(text);
@@ -40,7 +40,7 @@ bool unpack(Fields& f, const std::string& path, const std::string& text, std::ve
   return true;
 }
 
-/// Reads the packed values of the field `key`. Returns false if the field is missing or invalid; the latter adds a problem.
+/// Reads the packed values of the field `key`. Returns false if the field is missing or invalid; an invalid field adds a problem.
 template <class T>
 bool read_packed(Fields& f, std::string_view key, std::vector<T>& out) {
   const Json* field = f.find(key);
@@ -51,7 +51,7 @@ bool read_packed(Fields& f, std::string_view key, std::vector<T>& out) {
   return false;
 }
 
-/// Reads `key`: packed values, or a list of lists of three numbers. @param number converts one number to the component type
+/// Reads the field `key`: packed values, or a list of lists of three numbers. @param number converts one number to the component type
 template <class Three, class Number>
 bool read_threes(Fields& f, std::string_view key, std::size_t maximum, std::vector<Three>& out, const Number& number) {
   const Json* field = f.find(key);
@@ -71,7 +71,7 @@ void report_all(Fields& f, const std::string& path, const Error& error) {
   for (const Problem& p : error.problems) f.report(p.code, path, p.message, p.remedy);
 }
 
-/// Reads "prepared", the collision data of a mesh; null, with problems added, if it is not valid.
+/// Reads "prepared", the collision data of a mesh. Returns null, and adds problems, if the data are not valid.
 collision::PreparedPtr read_prepared(Fields& g, const Geometry& geometry) {
   std::string of;
   g.text("of", of);
@@ -158,7 +158,7 @@ HeightFieldPtr read_height_field(Fields& f) {
   return nullptr;
 }
 
-/// Reads every entry of the list `key` into `out`, by its name.
+/// Reads all entries of the list `key` into `out`; the key in `out` is the entry's name.
 template <class Ptr, class Read>
 void read_table(Fields& document, std::string_view key, std::map<std::string, Ptr, std::less<>>& out, const Read& read) {
   const Json* list = document.list(key, max_surfaces, key);

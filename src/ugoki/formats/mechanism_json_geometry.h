@@ -1,6 +1,6 @@
 #pragma once
-// Meshes and height fields in the JSON form of a mechanism. Each is written once, a mesh together with its prepared collision data (convex
-// hull, sphere tree). Internal to formats.
+// Meshes and height fields in the JSON form of a mechanism. Each mesh and height field is written once, a mesh with its prepared collision
+// data (convex hull, sphere tree). Internal to formats.
 
 #include <map>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace ugoki::formats {
 
-/// The surfaces (meshes and height fields) of a document, by the names with which shapes refer to them.
+/// The surfaces (meshes and height fields) of a document, by the names that shapes use for them.
 struct SurfaceTables {
   std::map<std::string, GeometryPtr, std::less<>> geometries;
   std::map<std::string, HeightFieldPtr, std::less<>> height_fields;
@@ -19,10 +19,10 @@ struct SurfaceTables {
 /// Reads "geometries" and "height_fields" of the document. Problems are added to the document's list, with their JSON path.
 [[nodiscard]] SurfaceTables read_surfaces(json::Fields& document);
 
-/// The name under which a mesh or height field is written: its hash as 16 hexadecimal digits.
+/// Returns the name of a mesh or height field in the file: its hash as 16 hexadecimal digits.
 [[nodiscard]] std::string surface_name(std::uint64_t hash);
 
-/// JSON text of the members "geometries" and "height_fields", each after a leading comma; empty if no shape has a mesh or height field.
+/// Returns the JSON members "geometries" and "height_fields", each after a comma; empty if no shape has a mesh or height field.
 [[nodiscard]] std::string surfaces_text(const MechanismSpec& spec);
 
 }  // namespace ugoki::formats

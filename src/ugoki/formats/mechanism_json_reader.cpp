@@ -24,7 +24,7 @@ void read_symmetric(Fields& f, std::string_view key, Sym3& value) {
   if (f.numbers(key, x)) value = {x[0], x[1], x[2], x[3], x[4], x[5]};
 }
 
-/// Calls read(fields) with the object `key`, if it exists.
+/// Calls read(fields) with the fields of the object `key`, if it exists.
 template <class Read>
 void read_object(Fields& parent, std::string_view key, Read read) {
   const Json* object = parent.find(key);
@@ -35,7 +35,7 @@ void read_object(Fields& parent, std::string_view key, Read read) {
   f.refuse_others();
 }
 
-/// Calls read(fields, i) with every object of the list `key`, if it exists.
+/// Calls read(fields, i) with the fields of every object i in the list `key`, if it exists.
 template <class Read>
 void read_list(Fields& parent, std::string_view key, std::size_t maximum, Read read) {
   const Json* list = parent.list(key, maximum, key);
@@ -47,7 +47,7 @@ void read_list(Fields& parent, std::string_view key, std::size_t maximum, Read r
   }
 }
 
-/// Reads "position", three numbers [m], and "rotation", three rows of a matrix or a quaternion w x y z (normalised).
+/// Reads "position" (three numbers, m) and "rotation" (three rows of a matrix, or a quaternion w x y z, which is normalised).
 void read_pose(Fields& f, Pose& X) {
   read_vector(f, "position", X.p);
   const Json* r = f.find("rotation");
@@ -86,7 +86,7 @@ void read_dof(Fields& f, Dof& out) {
   f.number("effort", out.effort);
 }
 
-/// Reads "type" as an enumerator.
+/// Reads the field "type" as an enumerator.
 /// @param named function that returns the enumerator with a given name, or std::nullopt
 /// @param kind  word for the message, for example "joint"
 /// @param known list of the allowed names, for the message
@@ -135,7 +135,7 @@ std::optional<ShapeType> shape_type_named(std::string_view word) {
   return std::nullopt;
 }
 
-/// The entry of `table` that the field `key` names. Null if the field is missing, or if there is no entry of that name (a problem).
+/// Returns the entry of `table` named by the field `key`. Null if the field is missing, or if there is no such entry (adds a problem).
 template <class Ptr>
 Ptr read_surface(Fields& f, std::string_view key, const char* table_name, const std::map<std::string, Ptr, std::less<>>& table) {
   if (!f.has(key)) return nullptr;

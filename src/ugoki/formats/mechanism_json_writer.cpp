@@ -9,7 +9,7 @@ namespace ugoki::formats {
 namespace {
 
 std::string text_of(double value) {
-  // "-0" would be read as the integer 0 and lose its sign
+  // "-0" is read as the integer 0, which has no sign.
   return value == 0 && std::signbit(value) ? "-0.0" : to_text(value);
 }
 std::string text_of(const std::string& value) {
@@ -82,7 +82,7 @@ std::string joint_text(const Joint& j) {
   m.add_unless("axis", j.axis, standard.axis);
   m.add_unless("axis2", j.axis2, standard.axis2);
   m.add_unless("pitch", j.pitch, standard.pitch);
-  int written = 0;  // DOFs at the end of the list that have only default values are omitted
+  int written = 0;  // trailing DOFs with only default values are omitted
   for (int i = 0; i < j.nv(); ++i)
     if (dof_text(j.dofs[static_cast<std::size_t>(i)]) != "{}") written = i + 1;
   if (written > 0) {
@@ -96,8 +96,8 @@ std::string joint_text(const Joint& j) {
 std::string inertia_text(const Inertia& inertia) {
   Members m;
   m.add_unless("mass", inertia.mass, 0.0);
-  // Mass, centre of mass and the inertia about the centre of mass are easier to read than the stored values. They are written if
-  // the stored values can be restored from them bit for bit; otherwise the stored values are written.
+  // Mass, centre of mass and the inertia about the centre of mass are easier to read than the stored values. They are written if the stored
+  // values can be computed from them bit for bit; otherwise the stored values are written.
   const Vec3 centre = inertia.centre();
   const Sym3 about_centre = inertia.about_centre();
   const Inertia back = Inertia::from_centre(inertia.mass, centre, about_centre);

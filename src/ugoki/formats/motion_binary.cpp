@@ -18,9 +18,9 @@ static_assert(sizeof(Vec3) == 24 && sizeof(Quat) == 32);
 constexpr std::string_view motion_mark = "UGOKIMOT";
 constexpr std::string_view measured_mark = "UGOKIMEA";
 constexpr std::uint32_t format_version = 1;
-constexpr std::size_t header_size = 32;  // bytes: mark 8, version 4, reserved 4, payload size 8, checksum 8
+constexpr std::size_t header_size = 32;  // bytes: file signature 8, version 4, reserved 4, payload size 8, checksum 8
 
-/// Writes values one after the other after a header. finish() fills in the header.
+/// Appends values after space for a header; finish() fills in the header.
 class ByteWriter {
  public:
   ByteWriter() : bytes_(header_size) {}
@@ -58,7 +58,7 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads values one after the other. After the first error good() is false and every read returns zero.
+/// Reads values in sequence. After the first error good() is false and every read returns zero.
 class ByteReader {
  public:
   ByteReader(std::span<const std::byte> bytes, std::string_view name) : bytes_(bytes), name_(name) {}
@@ -112,7 +112,7 @@ class ByteReader {
     if (!std::isfinite(v)) refuse(ErrorCode::range, "A value is not finite.");
     return v;
   }
-  /// Reads a count of entries. A count that the remaining bytes cannot contain is an error, so that it never causes a large allocation.
+  /// Reads a count of entries. It is an error if the remaining bytes cannot contain this count, so that it never causes a large allocation.
   /// @param entry_size minimum size of one entry, bytes
   std::size_t count(std::size_t entry_size) {
     std::uint64_t v = 0;
@@ -146,7 +146,7 @@ class ByteReader {
     v.z = finite();
     return v;
   }
-  /// Adds an error if bytes are left.
+  /// Adds an error if bytes are left over.
   void end() {
     if (good() && at_ != bytes_.size()) refuse(ErrorCode::structure, "There are extra bytes at the end.");
   }
@@ -204,7 +204,7 @@ Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view na
   m.frames = in.integer();
   m.nq = in.integer();
   m.cyclic = in.flag();
-  const std::size_t tracks = in.count(16);  // minimum size of a track, bytes: 2 counts of 8 bytes, without the name and labels
+  const std::size_t tracks = in.count(16);  // minimum size of a track, bytes: 2 counts of 8 bytes; name and labels may be empty
   for (std::size_t i = 0; i < tracks && in.good(); ++i) {
     ContactTrack track;
     track.link = in.text();

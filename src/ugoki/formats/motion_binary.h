@@ -12,13 +12,13 @@
 
 namespace ugoki::formats {
 
-/// Bytes of `motion`, from which read_motion restores every number bit for bit. O(coordinates).
+/// Returns `motion` as bytes, from which read_motion restores every number bit for bit. O(coordinates).
 [[nodiscard]] std::vector<std::byte> write_motion(const Motion& motion);
-/// Reads bytes written by write_motion. Errors have the location "name: byte N". The size of the data bounds every allocation.
+/// Reads bytes of write_motion. Errors have the location "name: byte N". Allocations are bounded by the size of the data.
 /// @param name identifies the data in error messages
 [[nodiscard]] Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view name);
 
-/// As write_motion and read_motion, but for a measured motion with its skeleton.
+/// The same as write_motion and read_motion, for a measured motion with its skeleton.
 [[nodiscard]] std::vector<std::byte> write_measured_motion(const MeasuredMotion& motion);
 [[nodiscard]] Result<MeasuredMotion> read_measured_motion(std::span<const std::byte> bytes, std::string_view name);
 

@@ -13,7 +13,7 @@ bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 bool is_space(char c) { return is_blank(c) || is_line_end(c); }
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// 10^22 is the largest power of ten that a double represents exactly.
+// 10^22 is the largest power of ten that is exactly a double.
 constexpr double powers_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
@@ -72,7 +72,7 @@ std::string stem_of(std::string_view file_name) {
 }
 
 std::string utf8(std::string_view name) {
-  // Valid UTF-8 (RFC 3629): no overlong forms, no surrogates, nothing above U+10FFFF.
+  // Checks for valid UTF-8 (RFC 3629): no overlong forms, no surrogates, nothing above U+10FFFF.
   const auto byte = [&](std::size_t i) { return i < name.size() ? static_cast<unsigned char>(name[i]) : 0u; };
   const auto tail = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xBF) { return byte(i) >= low && byte(i) <= high; };
   bool valid = true;
@@ -112,9 +112,9 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
 }
 
 std::optional<double> measured_number(std::string_view token) {
-  // Fast path: a mantissa below 2^53 and a power of ten up to 10^22 are exact doubles, so that their quotient is rounded only
-  // once and is the correctly rounded value (Clinger, How to read floating point numbers accurately, 1990).
-  // At most 18 digits are read, so that the mantissa does not overflow.
+  // Fast path: a mantissa below 2^53 and a power of ten up to 10^22 are exact doubles. Their quotient is rounded only once, so it is the
+  // correctly rounded value (Clinger, How to read floating point numbers accurately, 1990). At most 18 digits are read, so that the
+  // mantissa does not overflow.
   std::size_t i = !token.empty() && (token[0] == '-' || token[0] == '+') ? 1 : 0;
   std::uint64_t mantissa = 0;
   std::size_t digits = 0, fraction = 0;

@@ -10,12 +10,12 @@
 
 namespace ugoki::formats {
 
-/// Limits of the size of a file's content. A reader rejects a file that exceeds one of them.
+/// Limits for the content of a file. A reader rejects a file that exceeds one of them.
 inline constexpr std::size_t max_joints = 10'000;        ///< joints, bones or glTF nodes
 inline constexpr std::size_t max_depth = 1'000;          ///< nesting of joints or glTF nodes
 inline constexpr std::size_t max_numbers = 400'000'000;  ///< values of all frames together; 3.2 GB as doubles
-/// Maximum magnitude of a number in a file, in the file's units. Larger lengths or angles cannot be measurements. The limit also
-/// keeps every product computed from such numbers finite.
+/// Maximum magnitude of a number in a file, in the file's units. Larger lengths or angles cannot be measurements. The limit also keeps all
+/// products of such numbers finite.
 inline constexpr double max_magnitude = 1e9;
 
 /// Problems found in one file. Keeps the first twenty and ignores the others.
@@ -32,36 +32,36 @@ class Problems {
   Error error_;
 };
 
-/// `text` without a UTF-8 byte order mark and without trailing padding. Empty, UTF-16 or binary text adds a problem and returns nothing.
-/// @param format name of the format for messages, for example "BVH"
+/// Returns `text` without a UTF-8 byte order mark and without trailing padding. Empty, UTF-16 or binary text adds a problem and returns
+/// std::nullopt. @param format name of the format for messages, for example "BVH"
 [[nodiscard]] std::optional<std::string_view> plain_text(std::string_view text, std::string_view format, Problems& problems);
 
-/// `token` in single quotes for messages: at most 40 bytes, every byte that is not printable ASCII replaced by '?'.
+/// Returns `token` in single quotes for messages: at most 40 bytes, '?' for every byte that is not printable ASCII.
 [[nodiscard]] std::string in_quotes(std::string_view token);
 
-/// `path` in single quotes for messages, control characters replaced by '?'. Of a path of more than 400 bytes only the end is kept,
+/// Returns `path` in single quotes for messages, with '?' for control characters. A path of more than 400 bytes is shortened to its end,
 /// because the end identifies the file.
 [[nodiscard]] std::string path_in_quotes(std::string_view path);
 
-/// The file name without folders and extension: "02_01" for "subjects/02_01.amc".
+/// Returns the file name without folders and extension: "02_01" for "subjects/02_01.amc".
 [[nodiscard]] std::string stem_of(std::string_view file_name);
 
-/// `name` as valid UTF-8. A valid name is returned unchanged; otherwise its bytes are interpreted as Latin-1.
+/// Returns `name` as valid UTF-8. A valid name is unchanged; otherwise its bytes are interpreted as Latin-1.
 [[nodiscard]] std::string utf8(std::string_view name);
 
-/// True if `a` and `b` are equal apart from the case of ASCII letters.
+/// True if `a` and `b` are equal when the case of ASCII letters is ignored.
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b);
 
-/// The number written in `token`; std::nullopt if `token` is not entirely one finite number of magnitude at most max_magnitude.
-/// Returns the same double as parse_double, bit for bit, but is faster.
+/// Parses `token`; std::nullopt unless the whole token is one finite number of magnitude at most max_magnitude. Returns the same double as
+/// parse_double, bit for bit, but is faster.
 [[nodiscard]] std::optional<double> measured_number(std::string_view token);
 
-/// Why a token is not accepted by measured_number.
+/// Reason why measured_number rejects a token.
 struct NumberFault {
   ErrorCode code;
   std::string message, remedy;  ///< one sentence each
 };
-/// The fault of `token`, which measured_number has rejected.
+/// Returns the reason why measured_number has rejected `token`.
 [[nodiscard]] NumberFault number_fault(std::string_view token);
 
 /// Reads a text from beginning to end. Lines end with LF, CR LF or CR and are counted from 1.
@@ -70,23 +70,23 @@ class Scanner {
   explicit Scanner(std::string_view text) : text_(text) {}
 
   [[nodiscard]] int line() const { return line_; }
-  /// Bytes not read yet.
+  /// Number of bytes not read yet.
   [[nodiscard]] std::size_t remaining() const { return text_.size() - at_; }
 
-  /// Skips blanks and line ends; false at the end of the text.
+  /// Skips blanks and line ends. Returns false at the end of the text.
   bool skip_space();
-  /// The next word, up to a blank or line end; empty at the end of the text. line() is then the word's line.
+  /// Consumes and returns the next word, up to a blank or line end; empty at the end of the text. line() is then the word's line.
   std::string_view word();
-  /// The next word without consuming it.
+  /// Returns the next word without consuming it.
   [[nodiscard]] std::string_view peek();
-  /// The next word on this line; empty if there is none.
+  /// Consumes and returns the next word on this line; empty if there is none.
   std::string_view word_on_line();
-  /// The rest of the line without blanks at either end. Ends before the character `stop`, if `stop` is given and present.
+  /// Consumes and returns the rest of the line without blanks at either end. If `stop` is given and present, ends before this character.
   /// Does not consume the line end.
   std::string_view rest_of_line(char stop = '\0');
-  /// Skips blanks and line ends, then consumes `keyword` if the text continues with it, ignoring case. A blank after it is not required.
+  /// Skips blanks and line ends, then consumes `keyword` if the text continues with it, ignoring case. The keyword may end within a word.
   bool accept(std::string_view keyword);
-  /// Skips blanks on this line, then consumes the character `c`; false if another character or the line end follows.
+  /// Skips blanks on this line, then consumes the character `c`. Returns false if another character or the line end follows.
   bool accept_on_line(char c);
 
  private:

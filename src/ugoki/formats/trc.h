@@ -21,7 +21,7 @@ struct TrcWriteOptions {
   int decimals = 6;            ///< digits after the decimal point, 1 ... 15
 };
 
-/// The markers of the recording as a TRC file. Analog channels, force platforms and events are not written.
+/// Returns the markers of the recording as a TRC file. Analog channels, force platforms and events are not written.
 [[nodiscard]] std::string write_trc(const MarkerMotion& motion, const TrcWriteOptions& options = {});
 
 }  // namespace ugoki::formats

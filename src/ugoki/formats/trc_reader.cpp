@@ -16,7 +16,7 @@ class Lines {
  public:
   explicit Lines(std::string_view text) : text_(text) {}
 
-  /// The next line without its end; false at the end of the text.
+  /// Returns the next line without its line end in `line`; false at the end of the text.
   bool next(std::string_view& line) {
     if (at_ >= text_.size()) return false;
     const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
@@ -40,8 +40,8 @@ std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-/// Removes the first column from `rest` and returns it; std::nullopt after the last column.
-/// @param ended [in, out] true once the last column has been returned
+/// Removes the first column from `rest` and returns it; std::nullopt if the last column has already been returned.
+/// @param ended [in, out] true after the last column was returned
 std::optional<std::string_view> next_column(std::string_view& rest, char separator, bool& ended) {
   if (ended) return std::nullopt;
   const std::size_t end = rest.find(separator);
@@ -73,7 +73,7 @@ class Reader {
     return false;
   }
 
-  /// The next line that is not blank; false at the end of the text.
+  /// Returns the next line that is not blank in `line`; false at the end of the text.
   bool next_line(std::string_view& line) {
     while (lines_.next(line))
       if (!trimmed(line).empty() && line.find_first_not_of("\t, ") != std::string_view::npos) return true;
@@ -113,7 +113,7 @@ class Reader {
     return true;
   }
 
-  /// Reads the line of marker names "Frame#  Time  LASI    RASI ...", each name above three columns, and the line "X1 Y1 Z1 ...".
+  /// Reads two lines: the marker names "Frame#  Time  LASI    RASI ..." (each above three columns), and "X1 Y1 Z1 ...".
   bool read_labels(MarkerMotion& motion) {
     std::string_view line;
     if (!next_line(line)) return refuse(ErrorCode::truncated, "The line with the marker names is missing.", "Export the file again.");
@@ -129,7 +129,7 @@ class Reader {
       }
       motion.labels.push_back(columns[i].empty() ? "*" + std::to_string(motion.labels.size()) : utf8(columns[i]));
     }
-    // Some programs put other numbers of tabs between the names: then the names count, if they are as many as NumMarkers.
+    // Some programs write other numbers of tabs between names: then names are matched in order, if their number equals NumMarkers.
     std::vector<std::string> named;
     for (std::size_t i = 2; i < columns.size(); ++i)
       if (!columns[i].empty()) named.push_back(utf8(columns[i]));
@@ -227,7 +227,7 @@ class Reader {
   ReadNotes& notes_;
   char separator_ = '\t';
   long declared_frames_ = -1, declared_markers_ = -1;  ///< from the header; -1: not given
-  std::size_t last_columns_ = 0, max_columns_ = 0;     ///< value columns of the last row; maximum over all rows
+  std::size_t last_columns_ = 0, max_columns_ = 0;     ///< number of value columns in the last row, and maximum over all rows
   std::vector<double> times_;                          ///< [frames] s
 };
 

@@ -9,7 +9,7 @@ namespace ugoki::geometry {
 
 struct PlanarPoint {
   double x = 0, y = 0;
-  std::int32_t index = 0;  ///< chosen by the caller
+  std::int32_t index = 0;  ///< identifier chosen by the caller
 };
 
 /// Indices (PlanarPoint::index) of the hull's corners, counter-clockwise. Points on an edge are not corners: three points count as

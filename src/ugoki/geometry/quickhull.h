@@ -13,7 +13,7 @@ namespace ugoki::geometry {
 
 /// Faces of a hull as polygons: indices into the caller's points.
 struct PolygonHull {
-  std::vector<std::int32_t> first_corner, corners;  ///< first_corner: [faces + 1]; corners: of a face clockwise or counter-clockwise
+  std::vector<std::int32_t> first_corner, corners;  ///< [faces + 1]; corners of each face, clockwise or counter-clockwise
   bool too_many = false;                            ///< true: stopped, because the hull has more vertices than allowed
 };
 

@@ -30,7 +30,7 @@ struct ExceededLimit {
 /// Checks the limits max_depth and max_fields before parsing, because the JSON library recurses per level and searches fields linearly.
 ExceededLimit exceeded_limit(std::string_view text) {
   int depth = 0;
-  int commas[max_depth + 1] = {};  // [levels] number of commas in the open object; the length of lists is not limited
+  int commas[max_depth + 1] = {};  // [levels] commas so far in the open object of each level; lists have no limit
   bool in_object[max_depth + 1] = {}, in_text = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -99,7 +99,7 @@ class FaultFinder : public nlohmann::json_sax<Json> {
   bool start_array(std::size_t) override { return true; }
   bool end_array() override { return true; }
   bool parse_error(std::size_t at, const std::string& last_token, const nlohmann::detail::exception& error) override {
-    constexpr int number_overflow = 406;  // id of the library's out_of_range exception
+    constexpr int number_overflow = 406;  // id of the JSON library's error "number overflow"
     read = at;
     token = last_token;
     unexpected = std::string_view(error.what()).contains(" - unexpected ");

@@ -35,7 +35,7 @@ inline constexpr std::size_t usual_max_size = 64u << 20;
 /// The error as JSON: {"problems": [{"code", "location", "message", "remedy"}]}.
 [[nodiscard]] Json error_json(const Error& error);
 
-/// Renames the field `former` of an object to `key`, unless the object has `key` already. @param object ordered or not
+/// Renames the field `former` of an object to `key`, unless the object has `key` already. @param object ordered or unordered JSON object
 template <class AnyJson>
 void rename_field(AnyJson& object, const char* former, const char* key) {
   if (!object.is_object() || !object.contains(former) || object.contains(key)) return;

@@ -12,7 +12,7 @@
 namespace ugoki::lsi {
 namespace {
 
-/// The track of a character as a reference motion. Does not allocate. Each object is used by one LSI only.
+/// The track of a character as the reference motion of a controller. Does not allocate. Used by only one LSI (function block).
 class TrackReference final : public control::ReferenceMotion {
  public:
   explicit TrackReference(const Character& character)
@@ -105,7 +105,7 @@ std::int32_t step(const Call* call) {
   const control::BalanceOutput out =
       self.balance->step({q, v, self.contacts, self.character->index, call->tick->dt}, memory.next, {drive, nv});
   std::ranges::copy(self.track->payload(memory.next.time), reference);
-  std::ranges::copy(self.balance->reference(), reference);  // displaced in the plane, at the controller's own time
+  std::ranges::copy(self.balance->reference(), reference);  // overwrites q by the controller's reference, which is displaced in the plane
   for (std::size_t k = 0; k < self.layout.feet; ++k)
     if (!memory.next.feet[self.foot_of[k]].stands) reference[self.layout.stance() + k] = 0;
   balance[0] = out.dcm_error.x;

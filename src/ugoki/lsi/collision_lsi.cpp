@@ -19,14 +19,14 @@ struct Collision {
   std::vector<std::vector<Pose>> poses;  // [characters][links]
   std::vector<std::span<const Pose>> views;
   std::vector<collision::ContactPoint> contacts;
-  double margin;  // m: pairs of shapes up to this gap are contacts
+  double margin;  // m: two shapes with a smaller gap than this are in contact
   std::unique_ptr<contact::SweptContacts> swept;
   std::vector<collision::SystemMotion> motions;
   std::vector<double> reach;  // [characters] free body: maximum distance of its shapes from its origin, m; otherwise 0
 };
 
-/// Whether a body may move farther than half the margin in one step; contacts must then be searched along the motion. A joint velocity in
-/// rad/s is compared like one in m/s, because links are about 1 m long.
+/// True if a body may move farther than half the margin in one step; contacts must then be searched along the motion. Joint velocities in
+/// rad/s and m/s have the same limit, because links are about 1 m long.
 bool is_fast(const Collision& self, double dt) {
   const double limit = 0.5 * self.margin / dt;
   for (std::size_t i = 0; i < self.motions.size(); ++i) {
@@ -44,13 +44,13 @@ std::int32_t step(const Call* call) {
   auto& self = object_of<Collision>(call);
   for (const Character& c : self.world->characters())
     calc_poses(*c.mechanism, q_of(c, circuit::input(call, 0)), self.poses[static_cast<std::size_t>(c.index)]);
-  self.workspace.forget();  // contacts must depend on the state alone, so that a restored run gives the same bits
+  self.workspace.forget();  // contacts must depend only on the state, so that a restored run gives the same bits
   collision::find_contacts(self.scene, self.views, self.margin, self.workspace, self.contacts);
   for (const Character& who : self.world->characters())
     self.motions[static_cast<std::size_t>(who.index)] = {q_of(who, circuit::input(call, 0)), v_of(who, circuit::input(call, 0))};
   if (is_fast(self, call->tick->dt)) self.swept->add(self.motions, self.views, call->tick->dt, self.margin, self.contacts);
   const std::size_t room = call->out_count[0];
-  if (self.contacts.size() > room) {  // keep the closest contacts; the key makes the order unique
+  if (self.contacts.size() > room) {  // keep the closest contacts; equal distances are ordered by key, so that the order is unique
     std::sort(self.contacts.begin(), self.contacts.end(),
               [](const auto& a, const auto& b) { return a.distance != b.distance ? a.distance < b.distance : a.key < b.key; });
     self.contacts.resize(room);

@@ -42,7 +42,7 @@ std::int32_t step(const Call* call) {
 
   const Joint& root = m.link(0).joint;
   if (root.type == JointType::floating) {
-    // The assist as forces on the root's own DOFs: angular ones in the axes of the root link, linear ones in the axes of its joint.
+    // The assist as forces on the root's DOFs: the moment in the axes of the root link, the force in the axes of the root's joint.
     const Vec3 moment = transpose_times(root.X_PJ.R * joint_pose(root, in.q.data()).R, out.assist.w);
     const Vec3 force = transpose_times(root.X_PJ.R, out.assist.v);
     for (int k = 0; k < 3; ++k) {

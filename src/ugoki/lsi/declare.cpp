@@ -28,7 +28,7 @@ circuit::Parameter number_parameter(std::string name, double initial, double min
   p.maximum = maximum;
   p.unit = std::move(unit);
   p.doc = std::move(doc);
-  p.live = false;  // these LSIs read their parameters in `make` only
+  p.live = false;  // the LSIs of this module read their parameters only in `make`
   return p;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Functions that shorten the declarations of this module's LSIs.
+// Functions that shorten the declarations of this module's LSIs (function blocks of a circuit).
 
 #include <string>
 #include <utility>
@@ -18,22 +18,22 @@ using circuit::Setup;
 [[nodiscard]] circuit::OutputPin output_pin(std::string name, PinTypeId type, std::string unit, std::string doc);
 [[nodiscard]] circuit::Parameter number_parameter(std::string name, double initial, double minimum, double maximum, std::string unit,
                                                   std::string doc);
-/// The parameter `character`: id of the character that an LSI works on.
+/// Returns the declaration of the parameter `character`: the id of the character that an LSI works on.
 [[nodiscard]] circuit::Parameter character_parameter();
 
-/// Returns the resource World of the content. If there is none: reports a problem and returns null.
+/// Returns the content's resource World. If there is none: reports a problem and returns null.
 [[nodiscard]] const World* world_of(Setup& setup);
 /// Returns the character that the parameter `character` names. If there is none: reports a problem and returns null.
 [[nodiscard]] const Character* character_of(Setup& setup);
 /// Reports a problem if the payload wired to input `pin` belongs to another character.
 void check_subject(Setup& setup, std::size_t pin, const std::string& pin_name, const Character& character);
 
-/// LsiClass::destroy for an object of type T created with new.
+/// Implements LsiClass::destroy for an object of type T that was created with new.
 template <class T>
 void destroy(void* object) {
   delete static_cast<T*>(object);
 }
-/// The object that `make` of the LSI created.
+/// Returns the object that `make` of the LSI created.
 template <class T>
 T& object_of(const Call* call) {
   return *static_cast<T*>(call->object);

@@ -1,4 +1,4 @@
-// Display: poses and other values that a viewer draws for the present state. It runs on demand.
+// Display: poses and other values that a viewer draws for the present state. The LSI runs on demand.
 
 #include "ugoki/lsi/declare.h"
 #include "ugoki/mechanism/state.h"
@@ -47,7 +47,7 @@ std::int32_t step(const Call* call) {
   return 0;
 }
 
-/// Index in Call::in of the wire of each character into input `pin`; -1: no wire. @param first  index of the pin's first wire
+/// Returns for each character the index in Call::in of its wire into input `pin`; -1: no wire. @param first  index of the pin's first wire
 std::vector<int> wires_by_character(Setup& s, std::size_t pin, std::size_t first, std::uint32_t count, const World& world) {
   std::vector<int> wires(world.characters().size(), -1);
   for (std::size_t k = 0; k < s.wires(pin); ++k) {

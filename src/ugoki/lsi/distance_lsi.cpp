@@ -1,7 +1,7 @@
 // Distance between two links (successive Gilbert), closest points of two characters, and collision impulses.
 //
-// The warm start of the next query is the state of the LSI: plain bytes that are saved and restored with the circuit. A restored run
-// therefore gives the same bits as an uninterrupted run.
+// The LSI's state is the warm start of the next query: plain bytes that are saved and restored with the circuit. A restored run therefore
+// gives the same bits as an uninterrupted run.
 
 #include <type_traits>
 
@@ -29,11 +29,11 @@ struct Part {
   int link;
 };
 
-/// The shapes of one of the two link systems, or of one link of a system.
+/// The shapes of one of the two link systems whose distance is computed, or of one link of a system.
 struct Side {
   const Character* character = nullptr;
   std::vector<Part> parts;
-  std::vector<Pose> X_WB;  // [links] world poses
+  std::vector<Pose> X_WB;  // [links] world poses of the system's links
 
   void move_to(const double* state) { calc_poses(*character->mechanism, q_of(*character, state), X_WB); }
   /// World pose of the shape with index `part`.
@@ -54,9 +54,9 @@ Side make_side(const Character& who, int link) {
   return side;
 }
 
-/// Warm start of the next query: the closest pair of parts found by the last query.
+/// Warm start of the next query: the closest pair of shapes found by the last query.
 struct Warm {
-  std::int32_t a = 0, b = 0;  // indices of the parts
+  std::int32_t a = 0, b = 0;  // indices of the two shapes (parts)
   collision::PairCache cache;
 };
 static_assert(std::is_trivially_copyable_v<Warm>);
@@ -66,7 +66,7 @@ struct Distance {
   collision::DistanceWorkspace workspace;
 };
 
-/// Lower bound of the distance between two parts, m: the distance of their bounding spheres.
+/// Lower bound of the distance between two shapes [m]: the distance between their bounding spheres.
 double min_distance(const Part& a, const Pose& X_a, const Part& b, const Pose& X_b) {
   return norm(X_a * a.collider.centre - X_b * b.collider.centre) - a.collider.bound - b.collider.bound;
 }
@@ -117,7 +117,7 @@ circuit::Parameter text_parameter(std::string name, std::string doc) {
   return p;
 }
 
-/// Index of the link of `who` that the parameter `name` specifies; -1: all links. Reports an unknown link and a link without shapes.
+/// Returns the index of the link that the parameter `name` names; -1: all links. Reports an unknown link, and a link without shapes.
 int link_of(Setup& s, const Character* who, const char* name) {
   if (!who || s.lsi_class().find_parameter(name) < 0) return -1;
   const int link = who->mechanism->find_link(s.text(name));
@@ -198,7 +198,7 @@ std::int32_t impulse(const Call* call) {
   const std::span<const double> p = self.solver.impulses();
   for (std::size_t i = 0; i < found.size(); ++i) {
     out[i] = found[i];
-    out[i].force = (p[i] / call->tick->dt) * found[i].point.n;  // paper eq. (17): the impulse as a force during one step
+    out[i].force = (p[i] / call->tick->dt) * found[i].point.n;  // paper eq. (17): the impulse, divided by the duration of the step
   }
   set_count(call->out[1], found.size());
   return 0;

@@ -22,29 +22,29 @@ struct Dynamics {
 
   const World* world;
   Stepper stepper;
-  collision::Scene scene;                      // shapes that the guard tests
-  contact::GuardedStep guard;                  // repeats steps that end in penetration, with additional contacts
+  collision::Scene scene;                      // shapes that the guard tests for penetration
+  contact::GuardedStep guard;                  // repeats a step that ends in penetration, with additional contacts
   std::vector<dynamics::Workspace> scratch;    // [characters] working memory for pulls
   std::vector<std::vector<Vec6>> external;     // [characters][links] wrenches of pushes and pulls, world
   std::vector<std::vector<double>> no_torque;  // [characters][nv] zeros
   std::vector<int> torque_wire;                // [characters] index in Call::in; -1: no wire
   std::vector<collision::ContactPoint> contacts;
   std::vector<contact::StepSystem> systems;
-  std::vector<char> touches_itself;  // [characters] whether it has contacts between its own links
+  std::vector<char> touches_itself;  // [characters] 1: the character has contacts between its own links
   contact::ContactEvents touches;
 };
 
 std::size_t warm_capacity(const World& world) {
-  std::size_t n = 2 * std::size_t{world.contact_capacity()};  // room for the contacts of the input and for as many that the guard adds
+  std::size_t n = 2 * std::size_t{world.contact_capacity()};  // room for the contacts of the input, and for as many added by the guard
   for (const Character& c : world.characters()) n += 3 * static_cast<std::size_t>(c.mechanism->nv());
   return n;
 }
 
-/// Offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, then the current touches. Each of
-/// the two is a count followed by records.
+/// Returns the offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, then the current touches.
+/// Both are stored as a count followed by records.
 std::size_t touches_at(const World& world) { return sizeof(std::uint64_t) + warm_capacity(world) * sizeof(Stepper::Warm); }
-// Maximum number of current touches that are saved, and of touch events per tick. Further touches are not saved, and
-// further events are replaced by one that counts them.
+// Maximum number of current touches that are saved, and maximum number of touch events per tick. Further touches are not saved; further
+// events are replaced by one event that counts them.
 constexpr std::size_t touch_capacity = 256, touch_events = 64;
 
 void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {
@@ -75,14 +75,14 @@ std::int32_t explain(const Call* call, const Dynamics& self, const contact::Step
                                  : "The velocity at " + joint + " has diverged.");
 }
 
-/// Makes one step. Without contacts at its start, the step is not guarded. Afterwards self.contacts are all contacts of the step.
+/// Makes one step. A step that starts without contacts is not guarded. Afterwards self.contacts contains all contacts of the step.
 contact::StepReport take_step(Dynamics& self, double dt, std::span<const Vec3>& forces) {
   if (self.contacts.empty()) return self.stepper.step(self.systems, self.contacts, dt);
-  std::ranges::fill(self.touches_itself, char{0});  // self-collision is tested only for characters with contacts between own links
+  std::ranges::fill(self.touches_itself, char{0});  // self-collision is tested only for characters with contacts between their own links
   for (const collision::ContactPoint& c : self.contacts)
     if (c.system_a >= 0 && c.system_a == c.system_b) self.touches_itself[static_cast<std::size_t>(c.system_a)] = 1;
   for (std::size_t s = 0; s < self.systems.size(); ++s) self.scene.set_self_collision(static_cast<int>(s), self.touches_itself[s] != 0);
-  self.guard.forget();  // a step must depend on the state alone, so that a restored run gives the same bits
+  self.guard.forget();  // a step must depend only on the state, so that a restored run gives the same bits
   const contact::StepReport report = self.guard.step(self.systems, self.contacts, dt);
   forces = self.guard.forces();
   const std::span<const collision::ContactPoint> all = self.guard.contacts();

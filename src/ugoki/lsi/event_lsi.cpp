@@ -1,4 +1,4 @@
-// Event: the events of the scenario and of the user that act at this tick.
+// Event: the events of the scenario and of the user that have an effect at this tick.
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace ugoki::lsi {
 namespace {
 
-constexpr std::size_t max_pushes = 16;  // maximum number of simultaneous pushes of the user; a further push replaces the oldest
+constexpr std::size_t max_pushes = 16;  // maximum number of simultaneous pushes of the user; a further push ends the oldest one
 
 /// Events of the user that last for several ticks: pushes, and the grab of a link. Plain data.
 struct Lasting {
@@ -22,14 +22,14 @@ struct EventState {
   Lasting now, next;  ///< `step` computes `next` from `now`; `advance` copies it to `now`
 };
 
-/// A push acts for an integral number of ticks: its duration rounded to ticks (at least 1), from the first tick at or after its time.
-/// The 1e-6 ticks absorb the rounding of time / dt; the bounds keep the conversion to an integer defined.
+/// A push acts for a whole number of ticks: its duration rounded to ticks (at least 1), from the first tick at or after its time. The term
+/// of 1e-6 ticks absorbs the rounding error of time / dt; the bounds keep the conversion to an integer defined.
 std::uint64_t first_tick(double time, double dt) { return static_cast<std::uint64_t>(std::clamp(std::ceil(time / dt - 1e-6), 0.0, 1e15)); }
 std::uint64_t tick_count(double duration, double dt) {
   return static_cast<std::uint64_t>(std::clamp(std::floor(duration / dt + 0.5), 1.0, 1e15));
 }
 
-/// The events of the scenario, each with its ticks [first, end).
+/// The events of the scenario, each with the ticks [first, end) at which it has an effect.
 struct Schedule {
   struct Entry {
     std::uint64_t first, end;
@@ -52,7 +52,7 @@ void* make(Setup& s) {
   return schedule;
 }
 
-/// Appends records to the output. add() returns false if the output is full.
+/// Writes records to the output. add() returns false if the output is full.
 class Output {
  public:
   explicit Output(const Call* call) : call_(call) {}
@@ -73,7 +73,7 @@ void add_live_events(const Call* call, Lasting& next) {
   for (const EventRecord& e : records<EventRecord>(call->in[0])) {
     switch (e.kind) {
       case EventKind::push:
-        if (next.pushes == max_pushes) {  // the oldest push ends early
+        if (next.pushes == max_pushes) {  // end the oldest push early
           std::move(next.push + 1, next.push + max_pushes, next.push);
           std::move(next.ticks_left + 1, next.ticks_left + max_pushes, next.ticks_left);
           --next.pushes;

@@ -16,7 +16,7 @@ using circuit::PinTypeId;
 constexpr double measure_rate = 120;       // Hz, rate of naturalness measurements
 constexpr double column = 240, row = 320;  // spacing of LSIs in the editor, px
 
-/// The character's id as part of LSI ids, which must not contain '.': replaces '.', truncates, and makes it unique.
+/// Converts a character's id to a part of LSI ids, which must not contain '.': replaces '.', shortens the id, and makes it unique.
 std::string id_part(const std::string& id, std::set<std::string>& used) {
   std::string part = id.substr(0, 40);
   std::replace(part.begin(), part.end(), '.', '_');
@@ -61,7 +61,7 @@ class Maker {
     Instance& naturalness = add("naturalness-" + part, "naturalness", 5, y + 70);
     naturalness.parameters = {character};
     naturalness.every = every_;
-    if (who.assist_limit == 0) {  // no help at all: the character balances itself
+    if (who.assist_limit == 0) {  // no root assist: the character balances itself
       add("control-" + part, "balance control", 4, y - 70).parameters = {character};
       wire("status.state", "control-" + part + ".state");
       wire("collision.contacts", "control-" + part + ".contacts");

@@ -1,5 +1,5 @@
 #pragma once
-// The default execution circuit, used by a content without a circuit of its own.
+// The default execution circuit, for content without a circuit of its own.
 
 #include <string>
 #include <vector>
@@ -11,13 +11,14 @@ namespace ugoki::lsi {
 struct CircuitCharacter {
   std::string id;
   bool follows_track = false;                            ///< false: the character moves passively
-  double tracking = 1, balance = 1, assist_limit = 0.5;  ///< parameters of its motion control LSI
+  double tracking = 1, balance = 1, assist_limit = 0.5;  ///< parameters of the character's motion control LSI
 };
 
-/// Makes the execution circuit. It contains event, collision analysis, dynamics, status and display, and for each character that follows a
-/// track: motion retrieval, interpolation, motion control and naturalness; balance control and naturalness if its assist limit is 0. Its input `live` receives the user's events; its outputs are
-/// `state`, `contacts`, `events`, `poses`, `characters` and `measures`.
-/// @param step  time between ticks, s. Naturalness is measured about 120 times a second, after each whole number of ticks
+/// Makes the execution circuit from LSIs (function blocks). It contains event, collision analysis, dynamics, status and display. For each
+/// character that follows a track it also contains motion retrieval, interpolation, motion control and naturalness; if the character's
+/// assist limit is 0, only balance control and naturalness. Its input `live` receives the user's events. Its outputs are `state`,
+/// `contacts`, `events`, `poses`, `characters` and `measures`.
+/// @param step  s, time between ticks. Naturalness is measured about 120 times a second, always after the same number of ticks
 [[nodiscard]] circuit::Circuit make_execution_circuit(const std::vector<CircuitCharacter>& characters, double step);
 
 }  // namespace ugoki::lsi

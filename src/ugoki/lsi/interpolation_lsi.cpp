@@ -48,7 +48,7 @@ void add_interpolation(circuit::Library& library) {
     }
     s.set_out(0, size, character->index);
   };
-  c.make = [](Setup& s) -> void* { return const_cast<Character*>(character_of(s)); };  // the LSI does not write to it
+  c.make = [](Setup& s) -> void* { return const_cast<Character*>(character_of(s)); };  // the LSI does not write to the character
   c.step = step;
   library.add(std::move(c));
 }

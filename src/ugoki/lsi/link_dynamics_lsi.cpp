@@ -1,5 +1,5 @@
-// Dynamics of one open or closed link system without contacts. A parameter chooses the integrator. Loops are closed to rounding; an input
-// opens and closes them while the circuit runs.
+// Dynamics of one open or closed link system without contacts. A parameter selects the integrator. Loops are closed up to rounding errors;
+// an input opens and closes loops while the circuit runs.
 
 #include <algorithm>
 #include <memory>
@@ -27,7 +27,7 @@ constexpr std::pair<const char*, IntegrationMethod> methods[] = {{"Runge-Kutta 4
                                                                  {"Radau IIA 5", IntegrationMethod::radau_iia_5},
                                                                  {"semi-implicit Euler", IntegrationMethod::semi_implicit_euler}};
 
-/// The system with a fixed set of closed loops, and the integrator that steps it.
+/// The system with a fixed set of closed loops, and its integrator.
 struct Variant {
   Variant(const Character& who, const dynamics::OpenSystemOptions& options, const dynamics::IntegratorOptions& integration,
           std::span<const int> opened)
@@ -45,7 +45,7 @@ struct Variant {
 
 struct LinkDynamics {
   const Character* character;
-  std::unique_ptr<Variant> closed, opened;  // opened: null if there is no loop to open
+  std::unique_ptr<Variant> closed, opened;  // system with its loops closed; with its loops opened (null: no loop to open)
 };
 
 std::int32_t explain(const Call* call, const LinkDynamics& self, const dynamics::IntegrationReport& report) {
@@ -62,7 +62,7 @@ std::int32_t explain(const Call* call, const LinkDynamics& self, const dynamics:
   }
 }
 
-/// Writes the acceleration at the beginning of the tick and the loop forces. Returns false if the inertia is singular.
+/// Writes the acceleration at the beginning of the tick, and the loop forces. Returns false if the inertia matrix is singular.
 bool write_forces(const Call* call, Variant& variant, std::span<const double> q, std::span<const double> v) {
   if (variant.system.calc_acceleration(call->tick->time, q, v, {output(call, out_acceleration), v.size()}) >= 0) return false;
   const std::span<const double> forces = variant.system.links().multipliers();
@@ -81,8 +81,8 @@ std::int32_t step(const Call* call) {
 
   dynamics::IntegrationReport report;
   report.status = IntegrationStatus::projection_failed;
-  // Loops may be open: they were opened, or the character was thrown. The projection closes them, and changes the velocity to the closest
-  // one that keeps them closed.
+  // Loops may be open, because they were opened or the character was thrown. The projection closes them, and changes the velocity to the
+  // closest one that keeps them closed.
   if (variant.system.project(call->tick->time, q, v) == dynamics::Projection::failed) return explain(call, self, report);
   report.status = IntegrationStatus::singular;
   if (!write_forces(call, variant, q, v)) return explain(call, self, report);
@@ -96,7 +96,7 @@ std::int32_t step(const Call* call) {
   return 0;
 }
 
-/// Indices of the loops that the input `closed` controls: all loops closed at the start, or only the one named by the parameter `loop`.
+/// Returns the loops that the input `closed` controls: the one that the parameter `loop` names, or all loops that are closed at the start.
 std::vector<int> controlled_loops(Setup& s, const Mechanism& m) {
   std::vector<int> loops;
   std::string names;
@@ -152,7 +152,7 @@ void* make(Setup& s) {
   return self.release();
 }
 
-/// Calls each(variant, address) for every existing variant; `address` is that of the variant's memory in the state of the LSI.
+/// Calls each(variant, address) for every existing variant; `address` is the address of the variant's memory in the LSI's state.
 template <class Each>
 void for_memories(const Call* call, Each each) {
   auto& self = object_of<LinkDynamics>(call);

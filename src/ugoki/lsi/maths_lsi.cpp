@@ -1,4 +1,4 @@
-// Trigonometric functions, powers and exponentials. They use the functions of spatial/elementary.h, which give the same bits on every
+// Trigonometric functions, powers and exponentials, computed by the functions of spatial/elementary.h, which give the same bits on every
 // machine.
 
 #include "ugoki/lsi/declare.h"

@@ -21,7 +21,7 @@ struct Body {
   dynamics::Workspace workspace;
   std::vector<double> zero;  // [nv]
   int link = 0;
-  std::unique_ptr<dynamics::ClosedLinks> closed = nullptr;  // set for forward dynamics of a mechanism with loops
+  std::unique_ptr<dynamics::ClosedLinks> closed = nullptr;  // only for forward dynamics of a mechanism with loops
 
   [[nodiscard]] const Mechanism& mechanism() const { return *character->mechanism; }
   void move_to(const double* state) {
@@ -101,7 +101,7 @@ std::int32_t link_pose(const Call* call) {
   return 0;
 }
 
-/// The numbers of an optional joint-values input; zeros without a wire.
+/// Returns the numbers of an optional input of type `joint values`; zeros if it has no wire.
 std::span<const double> dofs_in(const Call* call, std::size_t pin, const Body& body) {
   return {call->in[pin] ? input(call, pin) : body.zero.data(), body.zero.size()};
 }

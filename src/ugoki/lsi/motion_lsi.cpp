@@ -1,5 +1,5 @@
-// Operations on motions as software LSIs. Each LSI applies an operation to a clip of a character's track when the circuit is built, and
-// plays the resulting motion.
+// Operations on motions as software LSIs (function blocks). When the circuit is built, each LSI applies an operation to a clip of a
+// character's track; then it plays the resulting motion.
 
 #include "ugoki/lsi/motion_lsi.h"
 

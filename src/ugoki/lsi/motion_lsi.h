@@ -13,7 +13,7 @@ namespace ugoki::lsi {
 /// clip: reports a problem and returns null.
 [[nodiscard]] const Motion* clip_motion(Setup& setup, const Character& character, const char* parameter);
 
-/// Reports the problems of a motion operation as problems of this LSI.
+/// Reports the problems of a motion operation as problems of the LSI that is being built.
 void report(Setup& setup, const Error& error);
 
 /// Appends the numbers of a text: "0 0, 1 0.5" gives 0 0 1 0.5. Separators are space, tab, newline, ',' and ';'.
@@ -23,12 +23,12 @@ void report(Setup& setup, const Error& error);
 [[nodiscard]] circuit::Parameter text_parameter(std::string name, std::string doc);
 [[nodiscard]] circuit::Parameter clip_parameter(std::string name, double initial, std::string doc);
 
-/// A motion that is played as a reference (ReferenceLayout).
+/// A motion that is played as a reference (its layout: ReferenceLayout).
 class PlayedMotion {
  public:
   PlayedMotion(const Character& character, const Motion& motion);
-  /// Writes the reference at time t, s. A cyclic motion repeats without end; other motions keep their first and last frame outside their
-  /// duration. Allocates nothing.
+  /// Writes the reference at time t [s]. A cyclic motion repeats without end. Any other motion holds its first frame before its begin and
+  /// its last frame after its end. Allocates nothing.
   /// @param reference [layout.size(), out]
   void sample(double t, std::span<double> reference) const;
 
@@ -41,7 +41,7 @@ class PlayedMotion {
   std::vector<std::uint8_t> stance_;  // [frames][feet]
 };
 
-/// Makes an LSI class whose object is a PlayedMotion, with its pins and step. The caller adds parameters, `configure` and `make`.
+/// Makes an LSI class with pins and step function, whose object is a PlayedMotion. The caller adds parameters, `configure` and `make`.
 [[nodiscard]] circuit::LsiClass played_motion_class(std::string name, std::string doc);
 
 void add_motion_operations(circuit::Library& library);

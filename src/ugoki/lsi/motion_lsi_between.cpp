@@ -14,25 +14,25 @@ namespace {
 using motion_edit::Intermediate;
 using motion_edit::Progression;
 
-constexpr int steps_between = 8;  // number of weight intervals; cycles are computed at interval ends, poses interpolated inside
+constexpr int steps_between = 8;  // number of weight intervals; cycles are computed at their ends, poses are interpolated inside
 
 /// The motion cycle at one weight between the two clips.
 struct Between {
-  Progression progression;  // frame that moves along with the character at constant speed and turn
+  Progression progression;  // coordinate frame that moves with the character at constant speed and turning rate
   SmoothMotion smooth;
   double duration;  // s
   int frames;
   std::vector<std::uint8_t> stance;  // [frames][feet]
 };
 
-/// The object of the LSI.
+/// Data of the LSI that do not change while it runs, and working memory.
 struct Gait {
   const Character* character;
   std::vector<Between> cycles;                    // [steps_between + 1] in ascending order of weight
   mutable std::vector<double> q[3], other, v, a;  // working memory of step
 
-  /// Calculates the position coordinates at a phase of the mix of cycles i and i + 1, relative to their progression.
-  /// @param s share of cycle i + 1, 0 to 1
+  /// Computes the position coordinates at a phase of the mix of cycles i and i + 1, relative to their progression.
+  /// @param s weight of cycle i + 1, 0 to 1
   void local(std::size_t i, double s, double phase, std::vector<double>& out) const {
     const Mechanism& m = *character->mechanism;
     phase -= std::floor(phase);
@@ -51,12 +51,12 @@ struct Memory {
   double phase, x, y, heading;  // dimensionless, m, m, rad
 };
 
-/// The mix of the neighbouring cycles i and i + 1 at one weight.
+/// The mix of the neighbouring cycles i and i + 1 for the present weight.
 struct Mix {
   std::size_t i;
-  double s;             // share of cycle i + 1, 0 to 1
+  double s;             // weight of cycle i + 1, 0 to 1
   double duration;      // s, duration of a cycle
-  double vx, vy, turn;  // velocity of the mixed progression, m/s, m/s, rad/s
+  double vx, vy, turn;  // m/s, m/s, rad/s: velocity of the mixed progression
 };
 Mix mix_at(const Gait& gait, double weight) {
   const double x = std::clamp(std::isfinite(weight) ? weight : 0.0, 0.0, 1.0) * steps_between;
@@ -70,7 +70,7 @@ Mix mix_at(const Gait& gait, double weight) {
   return {i, s, T, rate(&Progression::vx), rate(&Progression::vy), rate(&Progression::turn)};
 }
 
-/// The placement of the progression dt seconds after `at`, at constant speed and turn.
+/// Returns the placement of the progression dt seconds after `at`, at constant speed and turning rate.
 Placement moved(const Memory& at, const Mix& mix, double dt) {
   Progression p;
   p.start = {at.x, at.y, 0, at.heading};

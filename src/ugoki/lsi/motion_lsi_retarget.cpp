@@ -1,4 +1,4 @@
-// LSIs "motion retarget" (a motion of another character, adapted to this one) and "split reference".
+// The LSIs "motion retarget" (adapts a motion of another character to this one) and "split reference".
 
 #include <algorithm>
 

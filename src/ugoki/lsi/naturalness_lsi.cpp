@@ -13,11 +13,11 @@ namespace {
 
 enum Input : std::size_t { in_state, in_reference, in_report, in_contacts };
 
-/// Sums since the start. Plain data.
+/// Sums since the start of the run. Plain data.
 struct Sums {
-  double tracking = 0, tracking_count = 0;  // squared angles, rad^2; number of joints summed
-  double assist = 0, assist_force = 0;      // squared root assist; square of its force alone; (body weights)^2
-  double assist_count = 0;                  // number of samples
+  double tracking = 0, tracking_count = 0;  // rad^2, sum of squared angles; number of summed joints
+  double assist = 0, assist_force = 0;      // (body weights)^2, sums: squared root assist; square of its force alone
+  double assist_count = 0;                  // number of summed samples of the root assist
   double assist_max = 0;                    // body weights
   double fell = 0;                          // 1: the character has fallen
   double release_time = -1;                 // s; -1: not released
@@ -33,13 +33,13 @@ struct Naturalness {
   std::vector<std::uint8_t> stance;  // [feet] 1: the foot stands in the reference
   std::vector<double> error;         // [nv] rad | m: difference between present position and reference
   std::vector<int> foot_of_link;     // [links] index of the foot (toes and heel are one foot); -1: none
-  std::vector<std::uint8_t> bears;   // [feet] 1: the foot touches the ground
+  std::vector<std::uint8_t> bears;   // [feet] 1: the foot touches the ground now
   int foot_count = 0;
   double upright = 0;  // m: height of the root above the lowest link in the neutral position
 };
 
-/// Sum of the squared angles between joints and reference over all joints that can rotate, rad^2; the root of a free body is left out.
-/// @param count [in, out]  increased by the number of joints summed
+/// Returns the sum [rad^2], over all joints that can rotate, of the squared angle between joint and reference. A floating root is left out.
+/// @param count [in, out]  increased by the number of these joints
 double squared_angles(const Mechanism& m, std::span<const double> error, double& count) {
   double sum = 0;
   for (const Link& link : m.links()) {
@@ -152,7 +152,7 @@ void* make(Setup& s) {
   return self;
 }
 
-/// Address in the state of the memory of `skate` and `penetration`, which follows the sums.
+/// Returns the address, in the state, of the memory of `skate` and `penetration`, which follows the sums.
 double* memory_of(const Call* call) { return reinterpret_cast<double*>(static_cast<std::byte*>(call->state) + sizeof(Sums)); }
 
 void store(const Call* call) {

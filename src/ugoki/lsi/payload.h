@@ -1,5 +1,5 @@
 #pragma once
-// Payloads of the physical pin types, as the standard LSIs use them.
+// Payloads (data on wires) of the physical pin types, as the standard LSIs use them.
 
 #include <cstddef>
 #include <cstdint>
@@ -43,7 +43,7 @@ struct ContactRecord {
 };
 static_assert(sizeof(ContactRecord) == 128 && std::is_trivially_copyable_v<ContactRecord>);
 
-/// The records in use of a payload that begins with their number; empty for a null payload.
+/// Returns the used records of a payload that begins with their number; empty for a null payload.
 template <class Record>
 std::span<const Record> records(const void* payload) {
   if (!payload) return {};
@@ -51,21 +51,21 @@ std::span<const Record> records(const void* payload) {
   std::memcpy(&count, payload, sizeof count);
   return {reinterpret_cast<const Record*>(static_cast<const std::byte*>(payload) + sizeof count), static_cast<std::size_t>(count)};
 }
-/// The memory of a payload's records; set_count sets the number of records in use.
+/// Returns the memory for a payload's records; set_count sets the number of used records.
 template <class Record>
 Record* record_room(void* payload) {
   return reinterpret_cast<Record*>(static_cast<std::byte*>(payload) + sizeof(std::uint64_t));
 }
 inline void set_count(void* payload, std::uint64_t count) { std::memcpy(payload, &count, sizeof count); }
 
-/// Indices into the output `report` of a motion control LSI, which describes the root assist (pin type `joint values`).
+/// Indices into the output `report` (pin type `joint values`) of a motion control LSI. The report describes the root assist.
 enum Report : std::size_t {
   report_force = 0,       ///< force: 3 entries, N, world axes
   report_moment = 3,      ///< moment: 3 entries, N m, world axes, about the origin of the root link
   report_ratio = 6,       ///< wanted assist / limit of the assist
-  report_size = 7,        ///< applied assist, body weights (moments are converted with a lever)
+  report_size = 7,        ///< applied assist, body weights (moments are divided by a lever)
   report_released = 8,    ///< 1 after the character was released, otherwise 0
-  report_force_size = 9,  ///< applied force alone, body weights
+  report_force_size = 9,  ///< applied force alone, without moments, body weights
   report_count = 10,      ///< number of entries
 };
 
@@ -81,16 +81,16 @@ enum CharacterEntry : std::size_t {
   character_entry_count = 12,  ///< number of entries
 };
 
-/// Indices into the measures of naturalness of one character since the start (pin type `joint values`).
+/// Indices into the naturalness measures of one character since the start (pin type `joint values`).
 enum Measure : std::size_t {
   measure_tracking = 0,         ///< rms angle between joints and reference until the release, degrees
-  measure_assist = 1,           ///< rms root assist, body weights (moments are converted with a lever)
+  measure_assist = 1,           ///< rms root assist, body weights (moments are divided by a lever)
   measure_assist_force = 2,     ///< rms force of the root assist alone, body weights
   measure_assist_max = 3,       ///< maximum root assist, body weights
   measure_skate = 4,            ///< net slip of a foot in one stance (FootSlip), mean over all stances, cm
   measure_skate_worst = 5,      ///< net slip of a foot in one stance, maximum, cm
-  measure_penetration = 6,      ///< maximum depth in the ground, mm
-  measure_penetration_rms = 7,  ///< rms depth in the ground, mm
+  measure_penetration = 6,      ///< maximum depth below the ground, mm
+  measure_penetration_rms = 7,  ///< rms depth below the ground, mm
   measure_fell = 8,             ///< 1: the root was far below its reference, or tilted from the reference by more than 1 rad; else 0
   measure_release_time = 9,     ///< time of the release, s; -1: not released
   measure_feet = 10,            ///< number of feet that touch the ground now; -1: the character has no feet

@@ -20,7 +20,7 @@ void put(const Vec3& v, double* to) {
   to[1] = v.y;
   to[2] = v.z;
 }
-/// The quaternion at x, normalised: filtered or summed quaternions do not have length 1.
+/// Returns the quaternion at x, normalised, because filtered or summed quaternions do not have length 1.
 Quat quat_at(const double* x) { return normalized({x[0], x[1], x[2], x[3]}); }
 void put(const Quat& q, double* to) {
   to[0] = q.w;
@@ -68,7 +68,7 @@ circuit::Parameter order_parameter() {
   p.doc = "Axes of the three angles in order. Each rotation is about the axis as rotated by the previous ones (intrinsic).";
   return p;
 }
-/// Returns the axes chosen by the parameter `order`. Call::parameters contains the index of the choice.
+/// Returns the axes selected by the parameter `order`. Call::parameters contains the index of the selected value.
 const char* order_of(const Call* c) { return orders[static_cast<std::size_t>(c->parameters[0])]; }
 
 std::int32_t from_axis(const Call* c) {

@@ -5,9 +5,9 @@
 namespace ugoki::lsi {
 namespace {
 
-constexpr std::size_t max_chain = 256;  // maximum number of DOFs between ground and link; the working memory is on the stack
+constexpr std::size_t max_chain = 256;  // maximum number of DOFs between ground and link, because the working memory is on the stack
 
-/// Mobility J M^-1 J^T of a point (J: Jacobian, M: inertia), 1/kg; zero if the link cannot move, or has more than max_chain DOFs.
+/// Mobility J M^-1 J^T of a point (J: Jacobian, M: inertia), 1/kg; zero if the link cannot move or its chain has more than max_chain DOFs.
 Mat3 mobility(const dynamics::Workspace& ws, int link, const Vec3& p) {
   const std::span<const int> chain = dynamics::chain_of_link(ws, link);
   if (chain.empty() || chain.size() > max_chain) return {};

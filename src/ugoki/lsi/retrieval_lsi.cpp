@@ -1,4 +1,4 @@
-// Motion retrieval: the references of the clips that a character's track plays at this tick.
+// Motion retrieval: the references of the clips that play in a character's track at this tick.
 
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/track_sampler.h"

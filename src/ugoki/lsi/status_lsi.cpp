@@ -5,7 +5,7 @@
 namespace ugoki::lsi {
 namespace {
 
-/// Sets the position and velocity of the root to those of the throw, and all joint velocities to zero.
+/// Sets the position and velocity of the root to the values in the throw event, and all joint velocities to zero.
 void throw_character(const Character& c, const EventRecord& e, double* state) {
   const Joint& root = c.mechanism->link(0).joint;
   if (root.type != JointType::floating) return;
@@ -26,7 +26,7 @@ std::int32_t init(const Call* call) {
   const World& world = *static_cast<const World*>(call->object);
   double* state = circuit::output(call, 0);
   for (const Character& c : world.characters()) {
-    std::ranges::copy(c.q0, q_of(c, state).begin());  // copies nothing for a character without coordinates (fixed to the world)
+    std::ranges::copy(c.q0, q_of(c, state).begin());  // copies nothing if the character has no coordinates (fixed to the world)
     std::ranges::copy(c.v0, v_of(c, state).begin());
   }
   return 0;
@@ -63,7 +63,7 @@ void add_status(circuit::Library& library) {
              "The wired state has " + std::to_string(s.in(0).count) + " numbers; states of this content have " + std::to_string(size) + ".",
              "Wire the output 'next' of a dynamics LSI.");
   };
-  c.make = [](Setup& s) -> void* { return const_cast<World*>(world_of(s)); };  // the LSI does not write to it
+  c.make = [](Setup& s) -> void* { return const_cast<World*>(world_of(s)); };  // the LSI does not write to the world
   c.init = init;
   c.advance = advance;
   library.add(std::move(c));

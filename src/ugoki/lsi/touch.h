@@ -1,5 +1,5 @@
 #pragma once
-// Conversion of touch events to event records, and their description as text.
+// Converts touch events to event records, and describes them as text.
 
 #include <string>
 
@@ -8,13 +8,13 @@
 
 namespace ugoki::lsi {
 
-/// The event as a record of kind `touch` (begin) or `parting` (end).
+/// Returns the event as a record of kind `touch` (the touch began) or `parting` (it ended).
 [[nodiscard]] EventRecord record_of(const contact::TouchEvent& event);
 
-/// A record of kind `omitted`: `count` further events have no record.
+/// Returns a record of kind `omitted`: there are `count` further events without a record.
 [[nodiscard]] EventRecord omitted_record(std::size_t count);
 
-/// Text for the journal: "left hand of anna touched box, 12 N s". Empty for other kinds of events.
+/// Returns a text for the journal: "left hand of anna touched box, 12 N s". Empty for other kinds of events.
 [[nodiscard]] std::string describe_touch(const World& world, const EventRecord& record);
 
 }  // namespace ugoki::lsi

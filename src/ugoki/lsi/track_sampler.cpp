@@ -11,7 +11,7 @@
 namespace ugoki::lsi {
 namespace {
 
-/// Stance of every foot in every frame, [frames][feet]: from the contact labels of the motion, or from label_contacts if it has none.
+/// Returns the stance of every foot in every frame, [frames][feet], from the motion's contact labels; without labels, from label_contacts.
 std::vector<std::uint8_t> stance_of(const Mechanism& mechanism, const Motion& motion, std::span<const int> feet) {
   Motion labelled;
   const Motion* source = &motion;
@@ -50,7 +50,7 @@ TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track,
       stance_.push_back(stance_of(*mechanism_, motion, feet));
     }
     Clip playing = track_[i].clip;
-    if (i + 1 < track_.size()) {  // during the transition to the next clip, this clip continues if its motion is long enough
+    if (i + 1 < track_.size()) {  // this clip continues during the transition to the next clip, if its motion is long enough
       const Clip& next = track_[i + 1].clip;
       playing.length = std::max(playing.length, next.start + next.blend - playing.start);
       if (!playing.loop && playing.speed > 0)
@@ -68,7 +68,7 @@ TrackMoment TrackSampler::moment(double t) const {
   const double passed = t - clip.start;
   if (m.current == 0 || !(passed < clip.blend)) return m;
   m.previous = m.current - 1;
-  // weight = 10 x^3 - 15 x^4 + 6 x^5: velocity and acceleration are zero at both ends
+  // weight = 10 x^3 - 15 x^4 + 6 x^5: the rate and acceleration of the weight are zero at both ends
   const double rate = 1 / clip.blend, x = passed * rate;
   m.blend.weight = x * x * x * (10 + x * (6 * x - 15));
   m.blend.rate = 30 * x * x * (1 - x) * (1 - x) * rate;

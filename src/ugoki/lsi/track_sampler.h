@@ -1,6 +1,6 @@
 #pragma once
-// Samples the editing track of a character as a reference for motion control. At any time up to two clips play: the current one, and
-// during a transition also the previous one.
+// Samples the editing track of a character as a reference for motion control. At any time at most two clips play: the current one and,
+// during a transition, the previous one.
 
 #include <span>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace ugoki::lsi {
 
-/// Layout of a reference payload (pin type `motion`): q [nq], v [nv], a [nv], stance [feet] (1 while a foot should stand, otherwise 0).
-/// The functions return the index of the first number of each part.
+/// Layout of a reference payload (pin type `motion`): q [nq], v [nv], a [nv], stance [feet] (1 while a foot should stand, otherwise 0). The
+/// functions return the index of the first number of q, v, a and stance.
 struct ReferenceLayout {
   std::size_t nq = 0, nv = 0, feet = 0;
   [[nodiscard]] std::size_t v() const { return nq; }
@@ -21,7 +21,7 @@ struct ReferenceLayout {
 };
 [[nodiscard]] ReferenceLayout reference_layout(const Mechanism& mechanism, std::size_t feet);
 
-/// Weight of the current clip in a transition, and its time derivatives.
+/// Weight of the current clip in a transition, and the weight's first and second time derivatives.
 struct BlendWeight {
   double weight = 1, rate = 0, acceleration = 0;  ///< 1, 1/s, 1/s^2
 };
@@ -36,7 +36,7 @@ class TrackSampler {
  public:
   /// @param track   not empty, sorted by start
   /// @param feet    indices of the links that are feet
-  /// @param smooth  true: make_reference filters the motions; false: they are played unchanged
+  /// @param smooth  true: the motions are filtered (make_reference); false: they are played unchanged
   TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track, std::span<const int> feet, bool smooth);
 
   [[nodiscard]] const ReferenceLayout& layout() const { return layout_; }
@@ -52,7 +52,7 @@ class TrackSampler {
  private:
   MechanismPtr mechanism_;
   std::vector<TrackClip> track_;
-  std::vector<Clip> playing_;                      // [clips] clips to play, extended into the transition to the next clip where possible
+  std::vector<Clip> playing_;                      // [clips] the clips, extended into the transition to the next clip where possible
   std::vector<SmoothMotion> motions_;              // one for each different motion
   std::vector<std::size_t> motion_of_;             // [clips] index into motions_
   std::vector<std::vector<std::uint8_t>> stance_;  // [motions][frames * feet] 1: the foot stands
@@ -61,7 +61,7 @@ class TrackSampler {
 };
 
 /// Blends two references. Rotations are interpolated along great arcs; velocities and accelerations are the time derivatives of the blended
-/// motion.
+/// position.
 /// @param out  must not alias an input
 void blend_references(const Mechanism& mechanism, const ReferenceLayout& layout, std::span<const double> previous,
                       std::span<const double> current, const BlendWeight& blend, std::span<double> out);

@@ -55,7 +55,7 @@ World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> 
     }
     characters_.push_back(std::move(c));
   }
-  contact_capacity_ = static_cast<std::uint32_t>(std::clamp<std::size_t>(8 * shapes, 64, 4096));  // see contact_capacity
+  contact_capacity_ = static_cast<std::uint32_t>(std::clamp<std::size_t>(8 * shapes, 64, 4096));  // contact_capacity() explains the numbers
 }
 
 const void* World::find(std::string_view kind, std::string_view name) const {

@@ -1,5 +1,5 @@
 #pragma once
-// The resources that the standard LSIs request while a circuit is built: characters, their editing tracks, scheduled events.
+// Resources that the standard LSIs (function blocks) request while a circuit is built: characters, their editing tracks, scheduled events.
 
 #include <memory>
 #include <span>
@@ -22,7 +22,7 @@ struct TrackClip {
   MotionPtr motion;
 };
 
-/// A character as specified by the host.
+/// A character as the host program specifies it.
 struct CharacterSpec {
   std::string id;
   MechanismPtr mechanism;
@@ -30,27 +30,27 @@ struct CharacterSpec {
   std::vector<double> q0;        ///< [nq] position at time 0 of a character without a track; empty: neutral position
 };
 
-/// A character as provided to LSIs.
+/// A character as LSIs see it.
 struct Character {
   static constexpr const char* resource_kind = "character";
   std::string id;
-  int index = 0;  ///< index of the character in the world; the subject of its payloads (circuit::Shape)
+  int index = 0;  ///< index of the character in the world; the subject of its payloads (circuit::Shape::subject)
   MechanismPtr mechanism;
   std::shared_ptr<const TrackSampler> track;  ///< null: the character has no track
   std::vector<double> q0, v0;                 ///< [nq], [nv] position and velocity at time 0
   std::vector<int> feet;                      ///< indices of links, from find_feet
-  std::size_t q_offset = 0, v_offset = 0;     ///< index in a state payload of the first number of q, and of v
-  std::size_t first_link = 0;                 ///< index of its first link in the display's poses
+  std::size_t q_offset = 0, v_offset = 0;     ///< index of the first number of q, and of v, in a state payload
+  std::size_t first_link = 0;                 ///< index of the character's first link in the poses of the display LSI
 };
 
 /// An event of the scenario.
 struct ScheduledEvent {
   EventRecord record;   ///< record of kind push or throwing
-  double time = 0;      ///< s
+  double time = 0;      ///< s, time at which the event begins
   double duration = 0;  ///< s (push)
 };
 
-/// All characters and events of a content. Provides itself and its characters as resources.
+/// All characters and events of a piece of content. Provides itself and its characters as resources.
 class World final : public circuit::Resources {
  public:
   static constexpr const char* resource_kind = "world";
@@ -64,9 +64,9 @@ class World final : public circuit::Resources {
   [[nodiscard]] const Vec3& gravity() const { return gravity_; }
   [[nodiscard]] const collision::Ground& ground() const { return ground_; }
   [[nodiscard]] std::vector<MechanismPtr> mechanisms() const;
-  [[nodiscard]] std::size_t state_size() const { return state_size_; }  ///< total nq + nv of all characters
-  [[nodiscard]] std::size_t link_count() const { return link_count_; }  ///< total of all characters
-  /// Elements of a state payload: state_size(), but at least 1.
+  [[nodiscard]] std::size_t state_size() const { return state_size_; }  ///< total nq + nv over all characters
+  [[nodiscard]] std::size_t link_count() const { return link_count_; }  ///< total number of links of all characters
+  /// Number of elements of a state payload: state_size(), but at least 1.
   [[nodiscard]] std::uint32_t state_count() const { return payload_count(state_size_); }
   /// Number of elements of a payload for n values: payloads have at least 1 element.
   [[nodiscard]] static std::uint32_t payload_count(std::size_t n) { return n ? static_cast<std::uint32_t>(n) : 1; }
@@ -82,7 +82,7 @@ class World final : public circuit::Resources {
   std::uint32_t contact_capacity_ = 64;
 };
 
-/// A character's q and v in a state payload.
+/// Returns a character's q and v in a state payload.
 inline std::span<const double> q_of(const Character& c, const double* state) {
   return {state + c.q_offset, static_cast<std::size_t>(c.mechanism->nq())};
 }

@@ -79,8 +79,8 @@ std::vector<std::int32_t> weld(std::vector<Vec3>& vertices) {
   return first;
 }
 
-/// True if the triangle has no area: two corners coincide, or the corners are collinear within rounding. The limit is a height of
-/// 1e-13 of the longest side, above the rounding errors of the cross product.
+/// True if the triangle has no area: two corners coincide, or the corners are collinear within rounding. Limit: the triangle's height is
+/// 1e-13 of its longest side, which is above the rounding errors of the cross product.
 bool is_flat(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 u = b - a, v = c - a, w = c - b;
   const double longest = std::max({dot(u, u), dot(v, v), dot(w, w)});

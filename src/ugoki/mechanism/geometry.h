@@ -19,8 +19,8 @@ struct PreparedGeometry;  // collision/prepared_geometry.h
 
 using Triangle = std::array<std::int32_t, 3>;  ///< indices of vertices, counter-clockwise seen from outside
 
-inline constexpr std::size_t max_triangles = 2'000'000;  ///< larger meshes are refused
-inline constexpr std::size_t max_heights = 4'000'000;    ///< larger height fields are refused
+inline constexpr std::size_t max_triangles = 2'000'000;  ///< meshes with more triangles are refused
+inline constexpr std::size_t max_heights = 4'000'000;    ///< height fields with more heights are refused
 
 /// A triangle mesh, in the frame of the shapes that use it.
 struct Geometry {
@@ -39,13 +39,13 @@ struct GeometryFindings {
   std::size_t unused_vertices = 0;    ///< removed: no triangle uses them
   std::size_t flat_triangles = 0;     ///< removed: their area is zero within rounding
   std::size_t doubled_triangles = 0;  ///< removed: another triangle has the same corners in the same cyclic order
-  std::size_t open_edges = 0;         ///< triangle sides without a neighbour that uses them in the opposite direction: holes, seams
+  std::size_t open_edges = 0;         ///< triangle sides that no other triangle uses in the opposite direction, at holes and seams
   bool inside_out = false;            ///< the surface is closed, but its normals point inwards
 };
 
-/// Makes a geometry: merges equal vertices, removes triangles without area and unused vertices, and computes hash and inertia.
-/// Errors (at `location`): no triangle with an area, an index out of range, a coordinate that is not finite or beyond 1e6 m, more
-/// than max_triangles triangles. If `convex`, also: the surface is open or encloses no volume. Convexity itself is not checked.
+/// Makes a geometry: merges equal vertices, removes triangles without area and unused vertices, and computes hash and inertia. Errors (at
+/// `location`): no triangle has an area, an index is out of range, a coordinate is not finite or beyond 1e6 m, more than max_triangles
+/// triangles. If `convex`, also: the surface is open or encloses no volume. Convexity itself is not checked.
 /// @param findings [out] defects found; may be null
 /// O(triangles log triangles)
 [[nodiscard]] Result<GeometryPtr> make_geometry(std::span<const Vec3> vertices, std::span<const Triangle> triangles, bool convex,
@@ -65,7 +65,7 @@ struct GeometryFindings {
 struct HeightField {
   int columns = 0, rows = 0;       ///< at least 2 each
   double half_x = 0, half_y = 0;   ///< m, half extents along x and y
-  double base = 0;                 ///< m, depth of the solid's bottom below z = 0; more than -lowest
+  double base = 0;                 ///< m, depth of the solid's bottom below z = 0; must be above -lowest
   std::vector<double> heights;     ///< [rows * columns] m, row by row
   double lowest = 0, highest = 0;  ///< m, minimum and maximum of `heights`
   std::uint64_t hash = 0;

@@ -8,8 +8,8 @@
 //   fixed         0  0                                                               1
 //   revolute      1  1  angle                    angle'                              rotation about axis
 //   prismatic     1  1  distance                 distance'                           translation along axis
-//   helical       1  1  angle                    angle'                              rotation about, pitch * angle along axis
-//   cylindrical   2  2  angle, distance          derivatives                         rotation about, translation along axis
+//   helical       1  1  angle                    angle'                              rotation about axis, shift pitch * angle along it
+//   cylindrical   2  2  angle, distance          derivatives                         rotation about axis, translation along it
 //   planar        3  3  x, y, angle              derivatives                         translation in J's x-y plane, rotation about z
 //   universal     2  2  angle, angle             derivatives                         rotation about axis, then about axis2
 //   spherical     4  3  unit quaternion wxyz     angular velocity in B               rotation
@@ -50,8 +50,8 @@ struct Joint {
   Pose X_PJ;                  ///< joint frame in the parent link's frame
   Vec3 axis = {0, 0, 1};      ///< unit, in J
   Vec3 axis2 = {0, 1, 0};     ///< unit, second axis of a universal joint, in J rotated by the first angle
-  double pitch = 0;           ///< m/rad (helical)
-  std::array<Dof, 6> dofs{};  ///< only the first nv are used
+  double pitch = 0;           ///< m/rad; only for the type helical
+  std::array<Dof, 6> dofs{};  ///< only the first nv elements are used
 
   [[nodiscard]] int nq() const { return position_count(type); }
   [[nodiscard]] int nv() const { return velocity_count(type); }

@@ -1,7 +1,7 @@
 #pragma once
 // Loops of a closed link system: constraints between two links, or between two DOFs, in addition to the tree of joints.
 //
-// Frame J_A is fixed in link a, frame J_B in link b. p is the position and R the rotation of J_B in J_A.
+// Frame J_A is fixed in link a, J_B in link b; p, R: position and rotation of J_B in J_A. Axis of A (of B): LoopSpec::axis in J_A (in J_B).
 //
 //   type         rows  constraint
 //   weld           6   p = 0, R = 1
@@ -27,7 +27,7 @@ namespace ugoki {
 enum class LoopType : std::uint8_t { weld, ball, revolute, prismatic, cylindrical, planar, universal, distance, gear };
 
 [[nodiscard]] int row_count(LoopType type);
-/// Number of rows that constrain positions. They come first; the other rows constrain rotations.
+/// Number of rows that constrain positions. These rows come first; the other rows constrain rotations.
 [[nodiscard]] int position_row_count(LoopType type);
 [[nodiscard]] std::string_view name_of(LoopType type);
 [[nodiscard]] std::optional<LoopType> loop_type_named(std::string_view name);
@@ -41,14 +41,14 @@ struct LoopSpec {
   Pose X_AJ = {};                                      ///< pose of J_A in link a
   Pose X_BJ = {};                                      ///< pose of J_B in link b
   Vec3 axis = {0, 0, 1};                               ///< unit, same components in J_A and in J_B
-  Vec3 axis2 = {0, 1, 0};                              ///< unit, in J_B (universal)
-  double length = 0;                                   ///< m (distance), above zero
+  Vec3 axis2 = {0, 1, 0};                              ///< unit, in J_B; only for the type universal
+  double length = 0;                                   ///< m, above zero; only for the type distance
   int dof_a = 0, dof_b = 0;                            ///< gear: index of the DOF (from 0) within the joint of link a, link b
   std::array<double, 5> polynomial = {0, 1, 0, 0, 0};  ///< gear: c0 ... c4, in the units of the two DOFs
   bool closed = true;                                  ///< false: inactive at the start; can be closed at run time
 };
 
-/// A loop in the run-time form. A link index of -1 is the world. Other fields are those of LoopSpec.
+/// A loop in the run-time form. A link index of -1 is the world. The other fields have the same meaning as in LoopSpec.
 struct Loop {
   std::string name = {};
   LoopType type = LoopType::weld;
@@ -59,7 +59,7 @@ struct Loop {
   int dof_a = 0, dof_b = 0;  ///< gear: velocity indices (in v) of the two DOFs
   std::array<double, 5> polynomial{};
   bool closed = true;
-  bool of_virtual_link = false;  ///< generated from a virtual link (link b) and its real link (link a)
+  bool of_virtual_link = false;  ///< true: generated from a virtual link (link b) and its real link (link a)
 
   [[nodiscard]] int rows() const { return row_count(type); }
 };

@@ -27,8 +27,8 @@ std::string impossible_inertia(const Inertia& inertia) {
   const Sym3 c = inertia.about_centre();
   const double scale = std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), 1e-300});
   const double slack = 1e-9 * scale;
-  // The inertia c about the centre of mass and the second moments of mass tr(c)/2 1 - c must be positive semidefinite (the latter
-  // is the triangle inequality). Both are checked by their principal minors, within a slack of 1e-9 for rounded input values.
+  // The inertia c about the centre of mass and the second moments of mass tr(c)/2 1 - c must be positive semidefinite (for the moments: the
+  // triangle inequality). The principal minors are checked with a relative slack of 1e-9, as inputs are rounded.
   const double t = 0.5 * (c.xx + c.yy + c.zz);
   const Sym3 moments{t - c.xx, t - c.yy, t - c.zz, -c.xy, -c.xz, -c.yz};
   for (const Sym3& s : {c, moments}) {

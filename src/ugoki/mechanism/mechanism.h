@@ -32,7 +32,7 @@ struct MechanismSpec {
   std::vector<LoopSpec> loops = {};  ///< without the loops of virtual links, which follow from LinkSpec::real
 };
 
-/// A link in the run-time form. Index -1 means none. (Paper, table 2.)
+/// A link in the run-time form. Index -1 means none. Source: Nagashima (1999), table 2.
 struct Link {
   std::string name;
   std::string label;
@@ -50,11 +50,11 @@ struct Link {
 
 class Mechanism {
  public:
-  /// Builds the run-time form: orders links with parents before children (otherwise in the given order) and sets the indices.
-  /// Reports all problems, each with the name of its link or loop: missing or duplicate name, unknown parent or real link,
-  /// cycle of parents, axis that is not a unit vector, lower limit above upper limit, negative damping, impossible inertia
-  /// (negative mass, triangle inequality), movable joint without mass or armature behind it, loop between a link and itself,
-  /// loop without length or DOF, values that are not finite. O(links log links)
+  /// Builds the run-time form: orders links with parents before children (otherwise in the given order) and sets the indices. Reports all
+  /// problems, each with the name of its link or loop: missing or duplicate name, unknown parent or real link, cycle of parents, axis that
+  /// is not a unit vector, lower limit above upper limit, negative damping, impossible inertia (negative mass, triangle inequality),
+  /// movable joint without armature whose link and descendants have no mass, loop between a link and itself, loop without length or DOF,
+  /// values that are not finite. O(links log links)
   [[nodiscard]] static Result<std::shared_ptr<const Mechanism>> make(MechanismSpec spec);
 
   [[nodiscard]] const std::string& name() const { return name_; }

@@ -23,7 +23,7 @@ Inertia field_inertia(const HeightField& f) {
   return sum;
 }
 
-/// Rotational inertia of a sphere, capsule, box, cylinder or ellipsoid about its centre, in the shape's axes. kg m^2
+/// Rotational inertia of a sphere, capsule, box, cylinder or ellipsoid about its centre [kg m^2], in the shape's axes.
 Sym3 about_origin(const Shape& s, double density) {
   const double mass = density * volume(s), r = s.radius, L = 2 * s.half_length;
   const Vec3 h = s.half_extents;

@@ -9,9 +9,9 @@
 namespace ugoki {
 
 struct State {
-  std::vector<double> q;       ///< [nq] m | rad | unit quaternions
-  std::vector<double> v;       ///< [nv] m/s | rad/s
-  std::vector<double> a;       ///< [nv] m/s^2 | rad/s^2
+  std::vector<double> q;       ///< [nq] coordinates, m | rad | unit quaternions
+  std::vector<double> v;       ///< [nv] velocities, m/s | rad/s
+  std::vector<double> a;       ///< [nv] accelerations, m/s^2 | rad/s^2
   std::vector<double> tau;     ///< [nv] joint forces, N | N m
   std::vector<Vec6> external;  ///< [links] external wrench on each link, about the WORLD origin, in world axes
   double time = 0;             ///< s
@@ -32,10 +32,10 @@ void calc_poses(const Mechanism& m, std::span<const double> q, std::span<Pose> X
 /// Velocity of every link in the link's own frame. @param q [nq] @param v [nv] @param V [links, out]
 void calc_velocities(const Mechanism& m, std::span<const double> q, std::span<const double> v, std::span<Vec6> V);
 
-/// q_out = q (+) v dt on the configuration manifold. q_out may alias q.
+/// Computes q_out = q (+) v dt: the configuration after moving for dt [s] at the constant velocity v. q_out may alias q.
 void integrate(const Mechanism& m, std::span<const double> q, std::span<const double> v, double dt, std::span<double> q_out);
 
-/// v = q1 (-) q0, the displacement on the configuration manifold, so that integrate(q0, v, 1) = q1.
+/// Computes v = q1 (-) q0: the constant velocity that leads from q0 to q1 in 1 s, so that integrate(q0, v, 1) = q1.
 void difference(const Mechanism& m, std::span<const double> q0, std::span<const double> q1, std::span<double> v);
 
 /// Interpolates from q0 (s = 0) to q1 (s = 1): linear for scalar coordinates, along a great arc for quaternions.

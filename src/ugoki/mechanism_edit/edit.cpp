@@ -34,7 +34,7 @@ class Editor {
   Editor(MechanismSpec& spec, int link, const Assignment& assignment, Edited& out)
       : spec_(spec), link_(spec.links[static_cast<std::size_t>(link)]), a_(assignment), out_(out) {}
 
-  /// @return empty, or a sentence that explains why the assignment is not possible
+  /// @return empty on success, otherwise a sentence that explains why the assignment is not possible
   std::string run() {
     const std::string_view field = a_.field;
     if (field == "name") return rename();

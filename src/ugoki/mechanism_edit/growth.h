@@ -15,9 +15,9 @@ struct Growth {
 /// @param age years; clamped to 2 to 20
 [[nodiscard]] Growth median_growth(double age, GrowthSex sex);
 
-/// Mass of body parts as fractions of the body mass; limbs for one side. Source: R. K. Jensen, "Changes in segment inertia proportions
-/// between 4 and 20 years", J. Biomechanics 22 (1989) 529-536, boys. The head follows the regression given there. The other parts follow
-/// the parabola through the values at 6, 12 and 18 years. All shares are then divided by their sum.
+/// Mass of body parts as fractions of the body mass; arm and leg parts: one side only. Source: R. K. Jensen, "Changes in segment inertia
+/// proportions between 4 and 20 years", J. Biomechanics 22 (1989) 529-536, boys. The head follows the regression given there. The other
+/// parts follow the parabola through the values at 6, 12 and 18 years. All shares are then divided by their sum.
 struct MassShares {
   double head, trunk, upper_arm, forearm, hand, thigh, shank, foot;
 };
@@ -26,7 +26,7 @@ struct MassShares {
 
 struct GrowOptions {
   double age = 0;          ///< years, at least 2 (from 20 on: adult); 0: not specified
-  double height = 0;       ///< m; 0: the median of the age; unchanged if no age is given
+  double height = 0;       ///< m; 0: the median of the age; if no age is given either: unchanged
   double mass = 0;         ///< kg; 0: the median of the age; if no age is given, scaled with the cube of the height
   double from_age = 20;    ///< years, age of the given body
   double from_height = 0;  ///< m, height of the given body; 0: standing_height()

@@ -38,7 +38,7 @@ class Orientation {
  public:
   explicit Orientation(std::size_t n) : up_(n), opposite_(n, 0) { std::iota(up_.begin(), up_.end(), 0); }
 
-  /// @return representative, and whether `i` is opposite to it
+  /// @return representative of the set of `i`, and whether `i` is oriented oppositely to it
   std::pair<std::int32_t, bool> find(std::int32_t i) {
     bool odd = false;
     std::int32_t root = i;
@@ -88,7 +88,7 @@ struct Part {
 
 std::string where(const Vec3& p) { return "(" + to_fixed(p.x, 4) + ", " + to_fixed(p.y, 4) + ", " + to_fixed(p.z, 4) + ") m"; }
 
-/// Describes the holes in a sentence. @param open sides without a partner; connected ones form the rim of a hole
+/// Describes the holes in a sentence. @param open sides without a partner; connected sides form the rim of a hole
 std::string describe_holes(const std::vector<Side>& open, const std::vector<Vec3>& vertices) {
   Orientation rims(vertices.size());
   for (const Side& s : open) (void)rims.join(s.low, s.high, false);

@@ -30,7 +30,7 @@ struct MeshInertia {
 /// Computes mass properties by the divergence theorem (Mirtich 1996; Eberly 2002), exact for the polyhedron except for rounding.
 /// Orientation is repaired: triangles that disagree with their neighbours are reversed towards the majority. A connected part with inward
 /// normals is a cavity and is subtracted if it is inside another part; otherwise it is reversed. The report names these repairs, and parts
-/// with outward normals inside another part, whose mass counts twice.
+/// with outward normals inside another part: the mass of such a part is counted twice.
 /// Errors: holes (number, position and width of the widest), a one-sided surface, no volume, and those of make_geometry.
 /// O(triangles log triangles + parts * triangles)
 [[nodiscard]] Result<MeshInertia> mesh_inertia(std::span<const Vec3> vertices, std::span<const Triangle> triangles,

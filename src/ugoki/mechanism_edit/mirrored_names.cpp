@@ -46,7 +46,7 @@ std::optional<std::pair<std::string_view, std::string_view>> side_word(std::stri
   return std::nullopt;
 }
 
-/// "lhand" -> "rhand"
+/// The name with l and r exchanged in its first letter: "lhand" -> "rhand".
 std::string other_letter(std::string_view name) {
   std::string out(name);
   if (out.empty()) return out;

@@ -46,7 +46,7 @@ struct Clip {
 
 /// Playback position of a clip in its motion.
 struct ClipPhase {
-  double time = 0;  ///< s from the motion's first frame, in [0, duration]
+  double time = 0;  ///< s from the motion's first animation frame, in [0, duration]
   long rounds = 0;  ///< completed repetitions (loop)
 };
 
@@ -56,18 +56,18 @@ struct ClipPhase {
 /// Displacement of the recorded motion after `rounds` repetitions: placement * cycle^rounds.
 [[nodiscard]] Placement placement_in(const Clip& clip, long rounds);
 
-/// Displacement of the root from the motion's first to its last frame, without the change of height. It is the offset between repetitions
-/// of a loop.
+/// Displacement of the root from the motion's first to its last animation frame, without the change of height: the offset between
+/// repetitions of a looped clip.
 [[nodiscard]] Placement cycle_of(const Motion& motion, const Mechanism& mechanism);
 
 /// Coordinates of the character at track time t [s], including the clip's placement. @param q [nq, out]
 void sample(const Clip& clip, const Motion& motion, const Mechanism& mechanism, double t, std::span<double> q);
 
-/// Sets clip.placement and clip.cycle so that at the clip's start the root has the x, y and heading of `at`. The recorded height is kept
-/// and raised by at.z.
+/// Sets clip.placement and clip.cycle so that at the clip's start the root has the x, y and heading of `at`. The root's height is the
+/// recorded height plus at.z.
 void lay_clip(Clip& clip, const Motion& motion, const Mechanism& mechanism, const Placement& at);
 
-/// Placement of the root on the floor at track time t [s], for aligning the next clip. z is the clip's placement.z.
+/// x, y and heading of the root at track time t [s], for aligning the next clip. z is the clip's placement.z, not the root's height.
 [[nodiscard]] Placement floor_placement(const Clip& clip, const Motion& motion, const Mechanism& mechanism, double t);
 
 }  // namespace ugoki

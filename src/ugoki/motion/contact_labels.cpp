@@ -9,7 +9,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Inverts runs of `value` that are shorter than `min_length` frames. Runs at the two ends of the motion are inverted only if `ends`.
+/// Inverts runs of `value` shorter than `min_length` frames. Runs at the two ends of the motion: only if `ends` is true.
 void remove_short_runs(std::vector<std::uint8_t>& on, std::uint8_t value, int min_length, bool ends) {
   const int n = static_cast<int>(on.size());
   for (int from = 0; from < n;) {

@@ -1,5 +1,5 @@
 #pragma once
-// Detects in which frames each foot of a motion is in contact with the ground.
+// Detects in which animation frames each foot of a motion is in contact with the ground. "Frame" without an owner: animation frame.
 
 #include <span>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace ugoki {
 
-/// A point of a link that can touch the ground: the centre of a sphere of the given radius. The radius is 0 for a corner.
+/// A point of a link that can touch the ground: the centre of a sphere of radius `radius`, or a corner (radius 0).
 struct SupportPoint {
   Vec3 p;             ///< m, in the link's frame
   double radius = 0;  ///< m
@@ -28,7 +28,7 @@ struct ContactLabelOptions {
   double speed_on = 0.35;     ///< m/s: see height_on
   double height_off = 0.045;  ///< m: a contact continues while a point is lower than this and slower than speed_off
   double speed_off = 0.6;     ///< m/s: see height_off
-  double span = 0;            ///< s: the speed is averaged over this time before and after the frame, at least one frame each
+  double span = 0;            ///< s: the speed is averaged over this time before the frame and after it, at least one frame each
   double min_contact = 0.05;  ///< s: shorter contacts are removed
   double min_gap = 0.04;      ///< s: shorter gaps between contacts are closed
 };
@@ -39,8 +39,8 @@ struct LinkPoint {
   SupportPoint location;  ///< position and radius in the link's frame
 };
 
-/// Returns for each frame 1 if any of the points is in contact with the ground, else 0. A point is in contact while it is low and slow,
-/// with hysteresis (ContactLabelOptions). [frames]
+/// Returns [frames]: 1 for each frame in which any of the points is in contact with the ground, else 0. A point is in contact while it is
+/// low and slow, with hysteresis (ContactLabelOptions).
 /// @param poses [frames][links] world poses of all links  @param rate frames per second
 [[nodiscard]] std::vector<std::uint8_t> find_contact(std::span<const std::vector<Pose>> poses, double rate,
                                                      std::span<const LinkPoint> places, const ContactLabelOptions& options = {});

@@ -56,7 +56,7 @@ double lowest_point(const Foot& foot, std::span<const Pose> X_WB) {
   return low;
 }
 
-/// Fills `low` and `bears` of the feet.
+/// Computes `low` and `bears` of all feet in all animation frames.
 void observe(const Motion& motion, const Mechanism& m, double floor, std::vector<Foot>& feet) {
   std::vector<Pose> X(at(m.link_count()));
   for (int f = 0; f < motion.frames; ++f) {
@@ -80,7 +80,7 @@ void observe(const Motion& motion, const Mechanism& m, double floor, std::vector
   }
 }
 
-/// Vertical correction of the root: the smoothed weighted mean of the corrections of the standing feet. [frames] m
+/// Vertical correction of the root: the smoothed weighted mean of the corrections of the standing feet, m [frames].
 std::vector<double> lift_of_root(const std::vector<Foot>& feet, double rate) {
   const std::size_t frames = feet.front().low.size();
   std::vector<double> value(frames), weight(frames);
@@ -94,7 +94,7 @@ std::vector<double> lift_of_root(const std::vector<Foot>& feet, double rate) {
   return pass_through(value, weight, root_time * rate * root_time * rate);
 }
 
-/// Remaining vertical correction of one foot after the root's correction, such that the foot is never below the floor. [frames] m
+/// Remaining vertical correction of one foot after the root's correction, such that the foot is never below the floor, m [frames].
 std::vector<double> lift_of_foot(const Foot& foot, std::span<const double> root, double rate) {
   std::vector<double> value(root.size());
   for (std::size_t f = 0; f < root.size(); ++f) value[f] = -foot.low[f] - root[f];

@@ -71,7 +71,7 @@ void FootSlip::add(std::span<const Pose> X_WB, std::span<const std::uint8_t> on,
       const Vec3 p = lowest->at.p + transpose_times(X.R, Vec3{0, 0, -lowest->at.radius});
       const Vec3 d = X * p - before_[at(lowest->slot)] * p;
       foot.age += dt;
-      // Displacements in the margin at the begin of the stance are dropped. Later ones count as soon as they are older than the margin.
+      // Displacements in the margin at the start of the stance are dropped. Later displacements count once they are older than the margin.
       if (foot.age > margin && foot.held < recent) {
         foot.steps[at((foot.head + foot.held) % recent)] = {d.x, d.y, dt};
         ++foot.held;

@@ -13,8 +13,8 @@ namespace ugoki {
 /// Measures the net slip of each stance, updated frame by frame from the links' poses. In each frame the lowest material point of the foot
 /// is displaced since the previous frame; the slip of a stance is the horizontal length of the sum of these displacements. A foot that
 /// rolls from heel to toe has no slip, because its lowest point rests. The noise of a capture cancels out, because displacements are added
-/// as vectors; the length of the path would grow with the frame rate. The first and the last 0.06 s of a stance do not count, because
-/// labels of contacts are not more accurate and a foot moves at up to 0.6 m/s there. The toes belong to their foot. No allocation after
+/// as vectors; a path length would instead grow with noise and frame rate. The first and the last 0.06 s of a stance do not count, because
+/// contact labels are only that accurate, and a foot moves at up to 0.6 m/s there. The toes belong to their foot. No allocation after
 /// construction.
 class FootSlip {
  public:
@@ -29,8 +29,8 @@ class FootSlip {
   void reset();
 
   [[nodiscard]] int stances() const { return stances_; }           ///< number of ended stances of more than 0.12 s
-  [[nodiscard]] double mean_cm() const;                            ///< mean slip of a stance, cm; includes present stances
-  [[nodiscard]] double worst_cm() const;                           ///< maximum slip of a stance, cm; includes present stances
+  [[nodiscard]] double mean_cm() const;                            ///< mean slip of a stance, cm; includes stances that have not ended
+  [[nodiscard]] double worst_cm() const;                           ///< maximum slip of a stance, cm; includes stances that have not ended
   [[nodiscard]] double worst_time() const { return worst_time_; }  ///< s after the first frame: end of the stance with the maximum slip
 
   /// Internal state as an array of doubles, for saving and restoring. @param out, in [memory_size()]
@@ -39,12 +39,12 @@ class FootSlip {
   void restore(std::span<const double> in);
 
  private:
-  static constexpr int recent = 32;  ///< maximum number of displacements that are kept until they are older than the margin of 0.06 s
+  static constexpr int recent = 32;  ///< maximum number of stored displacements; each is stored until it is 0.06 s old
   struct Foot {
-    int first = 0, count = 0;  ///< range of its points in points_
+    int first = 0, count = 0;  ///< range of the foot's points in points_
     bool stood = false;
     double age = 0;  ///< s: duration of the present stance
-    Vec3 slide;      ///< m: sum of the displacements that count
+    Vec3 slide;      ///< m: sum of the displacements, without those in the margins of the stance
     int head = 0, held = 0;
     std::array<Vec3, recent> steps;  ///< m, m, s: ring buffer of the last displacements (x, y) and their durations (z)
   };

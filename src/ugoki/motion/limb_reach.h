@@ -8,11 +8,11 @@
 namespace ugoki {
 
 struct ReachOptions {
-  double damping = 0.02;  ///< m/rad, damping of the least squares: errors much smaller than this do not bend a straight limb
+  double damping = 0.02;  ///< m/rad, damping of the least squares; position errors [m] far below this value do not bend a straight limb
   bool keep = false;      ///< true: damping pulls the joints towards their initial values, so that errors which only a large
                           ///< joint motion could remove remain; false: damping limits each iteration's step only
   double lever = 0.3;     ///< m: an orientation error [rad] times this length counts as a position error
-  double enough = 1e-5;   ///< m: the iteration stops below this error
+  double enough = 1e-5;   ///< m: the iteration stops when the error is below this length
   int iterations = 6;     ///< maximum number of iterations
   int held = -1;          ///< index of a link of the limb whose joint is not moved; -1: none
 };

@@ -113,7 +113,7 @@ bool carry(const MarkerMotion& m, int marker, const std::vector<int>& others, in
 }
 
 /// Sum of the squared changes that a filter with this cut-off makes, over all seen coordinates.
-/// @param count [out] number of these coordinates
+/// @param count [out] number of seen coordinates
 double removed(const MarkerMotion& motion, double cutoff, double& count) {
   MarkerMotion filtered = motion;
   filter_markers(filtered, cutoff);

@@ -7,7 +7,7 @@
 
 namespace ugoki {
 
-/// A range of frames [first, last] in which a marker was not seen.
+/// A range of animation frames [first, last] in which a marker was not seen.
 struct MarkerGap {
   int marker = 0, first = 0, last = 0;
 };
@@ -19,8 +19,8 @@ struct MarkerGap {
 /// six times the median of these distances for the marker. @return number of positions removed
 int remove_spikes(MarkerMotion& motion, double limit = 0.02);
 
-/// Fills gaps of at most `longest` [s] by cubic Hermite splines through the frames next to them. Gaps at the ends stay. Filled positions
-/// get a residual of 0. @return number of positions filled
+/// Fills gaps of at most `longest` [s] by cubic Hermite splines through the frames next to them. Gaps at the ends of the recording stay.
+/// Filled positions get a residual of 0. @return number of positions filled
 int fill_short_gaps(MarkerMotion& motion, double longest);
 
 /// Fills the remaining gaps of a marker from at least three (at most six) markers that move with it like one rigid body: those with the

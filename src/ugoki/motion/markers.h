@@ -29,7 +29,7 @@ struct MarkedEvent {
 struct ForcePlate {
   int type = 2;     ///< C3D type: 1 force and centre of pressure, 2 and 4 force and moment, 3 eight sensors
   Vec3 corners[4];  ///< m, world; order of the quadrants in the plate's axes: +x +y, -x +y, -x -y, +x -y
-  Vec3 origin;      ///< m, plate's axes: position of the sensor relative to the centre of the surface (types 2, 4); sizes (type 3)
+  Vec3 origin;      ///< m, plate's axes; types 2, 4: sensor position from the centre of the surface; type 3: sensor distances a, b, depth
   std::vector<int> channels;        ///< indices into MarkerMotion::analog
   std::vector<double> calibration;  ///< [6][6] row-major calibration matrix of type 4; otherwise empty
 };
@@ -38,7 +38,7 @@ struct ForcePlate {
 struct MarkerMotion {
   std::string name;
   std::string source;               ///< file name as read
-  std::vector<std::string> labels;  ///< [markers]
+  std::vector<std::string> labels;  ///< [markers] names of the markers
   double unit = 1;                  ///< m per length unit of the file
   double rate = 100;                ///< frames per second
   int frames = 0;
@@ -48,7 +48,7 @@ struct MarkerMotion {
 
   double analog_rate = 0;             ///< samples per second, an integer multiple of `rate`; 0 without channels
   std::vector<AnalogChannel> analog;  ///< [channels]
-  std::vector<double> samples;        ///< [frames * analog_rate / rate][channels]
+  std::vector<double> samples;        ///< [frames * analog_rate / rate][channels] in calibrated units
 
   std::vector<ForcePlate> plates;
   std::vector<MarkedEvent> events;

@@ -23,7 +23,7 @@ class FootSkate {
   void add(std::span<const Pose> X_WB, std::span<const std::uint8_t> on, double dt);
   void reset();
 
-  /// Mean length [cm] of the horizontal path of the lowest point per stance of one foot; 0 before the first stance.
+  /// Mean over all stances of the horizontal path length [cm] of the foot's lowest point; 0 before the first stance.
   [[nodiscard]] double mean_per_stance_cm() const;
   /// Longest path [cm] of the lowest point in one stance so far.
   [[nodiscard]] double worst_stance_cm() const { return 100 * worst_; }
@@ -39,8 +39,8 @@ class FootSkate {
  private:
   struct Foot {
     int link = 0;
-    int first = 0, count = 0;  ///< range of its points in points_
-    bool stood = false;        ///< the foot was standing in the previous frame
+    int first = 0, count = 0;  ///< range of the foot's points in points_
+    bool stood = false;        ///< true: the foot was standing in the previous frame
     double path = 0;           ///< m: path of the lowest point in the present stance
     Pose before;               ///< pose of the link in the previous frame
   };

@@ -24,9 +24,9 @@ struct Motion {
   double rate = 120;      ///< frames per second
   int frames = 0;
   int nq = 0;
-  std::vector<double> q;  ///< [frames][nq]
+  std::vector<double> q;  ///< [frames][nq] coordinates of the mechanism
   std::vector<ContactTrack> contacts;
-  bool cyclic = false;  ///< the last frame equals the first except for the displacement of the root
+  bool cyclic = false;  ///< the last animation frame equals the first except for the displacement of the root
 
   [[nodiscard]] double duration() const { return frames > 1 ? (frames - 1) / rate : 0; }
   [[nodiscard]] const double* frame(int i) const { return q.data() + static_cast<std::size_t>(i) * static_cast<std::size_t>(nq); }

@@ -1,5 +1,5 @@
 #pragma once
-// Smoothing of a sequence with weights.
+// Smoothing of a sequence whose values have weights.
 
 #include <span>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// Measured data as stored in motion-capture files: a skeleton of joints and, for every frame, each joint's local translation and
+// Measured data as stored in motion-capture files: a skeleton of joints and, for every animation frame, each joint's local translation and
 // rotation. Metres, radians, Z up, X forward; at rest every joint's frame is parallel to the world's.
 
 #include <string>
@@ -21,7 +21,7 @@ struct SkeletonJoint {
   int parent = -1;                     ///< index of the parent joint, smaller than the joint's own index; -1: a root
   Vec3 offset;                         ///< m, from the parent joint at rest (roots: from the origin)
   std::vector<Vec3> end_sites;         ///< m, ends of bones without a further joint, relative to this joint at rest
-  std::vector<MeasuredDof> dofs;       ///< rotation DOFs in the order of the file (outermost first); none: rigid
+  std::vector<MeasuredDof> dofs;       ///< rotation DOFs in the order of the file (outermost first); empty: a rigid joint
   bool translates = false;             ///< the translation of the joint is measured too
   std::string rotation_order = "ZXY";  ///< order of the rotation channels in the FILE's axes; used when the file is written again
 };

@@ -14,7 +14,7 @@ void normalize_quat(double* r) {
   for (int k = 0; k < 4; ++k) r[k] /= n;
 }
 
-/// Index of the quaternion's first number in the coordinates of the joint; -1: no quaternion.
+/// Index of the quaternion's first component in the coordinates of the joint; -1: no quaternion.
 int quat_of(const Joint& joint) { return joint.type == JointType::spherical ? 0 : joint.type == JointType::floating ? 3 : -1; }
 
 }  // namespace
@@ -29,7 +29,7 @@ SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, std::span<c
       nv_(static_cast<std::size_t>(m.nv())),
       q_(motion.q) {
   const auto n = static_cast<std::size_t>(frames_);
-  // A quaternion and its negative are the same rotation; the filter needs the sign that is closer to the previous frame.
+  // A quaternion and its negative are the same rotation; the filter needs the sign for which it is closer to the previous one.
   for (const Link& link : m.links()) {
     const int at = quat_of(link.joint);
     if (at < 0) continue;

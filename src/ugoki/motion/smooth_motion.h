@@ -16,7 +16,7 @@ class SmoothMotion {
   /// motion is cyclic. Then computes velocities and accelerations by central differences on the manifold.
   /// @param cutoff Hz; 0 or at least a third of the rate: no filter
   SmoothMotion(const Motion& motion, const Mechanism& mechanism, double cutoff);
-  /// As above, with one cut-off for each link's joint. @param cutoffs [links] Hz
+  /// Filters like the other constructor, but with one cut-off for each link's joint. @param cutoffs [links] Hz
   SmoothMotion(const Motion& motion, const Mechanism& mechanism, std::span<const double> cutoffs);
 
   [[nodiscard]] double duration() const { return frames_ > 1 ? (frames_ - 1) / rate_ : 0; }

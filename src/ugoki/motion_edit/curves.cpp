@@ -8,7 +8,7 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double min_key_gap = 1e-6;  // s, minimum distance of keys; interpolation divides by it
+constexpr double min_key_gap = 1e-6;  // s, minimum time between two keys; the interpolation divides by this time
 
 using Values = std::array<double, 3>;
 
@@ -35,13 +35,13 @@ struct Hermite {
   }
 };
 
-/// One curve with the motion's values in every frame.
+/// One curve, together with the values and slopes of the motion in every animation frame.
 struct Channel {
   Curve curve;
   std::vector<Values> value, slope;  // [frames]
   double rate = 0, bound = 0;
 
-  /// Distance between an interpolated and a true value: angle [rad] for rotations, otherwise the norm of the difference.
+  /// Difference between an interpolated and a true value: angle [rad] for rotations, otherwise the norm of the difference [m or rad].
   [[nodiscard]] double error(const Values& made, const Values& true_value) const {
     if (curve.kind == Curve::Kind::rotation) {
       const Quat a = exp_map({made[0], made[1], made[2]}), b = exp_map({true_value[0], true_value[1], true_value[2]});
@@ -95,8 +95,8 @@ struct Channel {
   }
 };
 
-/// Appends to c.value the joint's rotation vector in each frame, relative to the mean rotation. Full turns are added to a vector's length
-/// so that it is closest to the previous frame's vector.
+/// Appends to c.value the joint's rotation vector in each frame, relative to the mean rotation. Of the equivalent rotation vectors (which
+/// differ by full turns), the one closest to the previous frame's vector is used.
 void add_rotation(const Motion& motion, const Link& link, int coordinate, Channel& c) {
   const int first = link.q_index + coordinate;
   Quat reference = quat_at(motion.frame(0) + first);

@@ -9,7 +9,7 @@
 
 namespace ugoki::motion_edit {
 
-/// A key of a curve: time, value, and the slopes just before and just after that time. Unused components are 0.
+/// A key of a curve: time, value, and the slopes just before and just after this time. Unused components are 0.
 struct Key {
   double time = 0;                                ///< s
   std::array<double, 3> value{};                  ///< m or rad; for rotations the rotation vector relative to Curve::reference
@@ -23,7 +23,7 @@ struct Curve {
   Kind kind = Kind::coordinate;
   int coordinate = 0;     ///< index of the curve's first coordinate within the joint's coordinates
   int size = 1;           ///< number of components of a value: 1 or 3
-  Quat reference;         ///< rotations: orientation to which the rotation vectors are relative
+  Quat reference;         ///< for rotations: the orientation to which the rotation vectors are relative
   std::vector<Key> keys;  ///< sorted by time; at least one
 
   /// Value and slope at time t [s]: cubic Hermite interpolation between keys, constant before the first and after the last key.
@@ -36,7 +36,7 @@ struct MotionCurves {
   double rate = 120;  ///< frames per second of the source motion
   int frames = 0;
   bool cyclic = false;
-  std::vector<Curve> curves;  ///< of each joint: one per scalar coordinate, one for a floating joint's position, one for a rotation
+  std::vector<Curve> curves;  ///< for each joint: one curve per scalar coordinate, one for a floating joint's position, one for a rotation
   std::vector<ContactTrack> contacts;
 
   [[nodiscard]] int key_count() const;
@@ -48,13 +48,13 @@ struct ReduceOptions {
   double metres = 0.001;  ///< m, maximum translation error of any joint, including the root, in any frame
 };
 
-/// Converts a motion to curves with few keys such that the errors in every frame are within the bounds of `options`. A piece of a curve is
-/// split at its worst frame until this is true (Douglas-Peucker scheme; cubic Hermite pieces with the slopes of the motion). O(frames log
-/// frames) for most motions. Errors: the motion does not fit the mechanism; bounds that are not above 0.
+/// Converts a motion to curves with few keys such that the errors in every frame are within the bounds of `options`. A piece of a curve
+/// whose error is too large is split at its worst frame (Douglas-Peucker scheme; cubic Hermite pieces with the slopes of the motion).
+/// O(frames log frames) for most motions. Errors: the motion does not fit the mechanism; a bound that is not above 0.
 [[nodiscard]] Result<MotionCurves> reduce_keys(const Mechanism& mechanism, const Motion& motion, const ReduceOptions& options = {});
 
 /// Samples the curves as a motion. @param rate frames per second; 0: the rate of the curves
-/// Errors: a curve of a link or coordinate that the mechanism does not have; keys that are not sorted by time or not finite; no frames.
+/// Errors: a curve for a link or coordinate that the mechanism does not have; keys that are not sorted by time or not finite; no frames.
 [[nodiscard]] Result<Motion> to_motion(const Mechanism& mechanism, const MotionCurves& curves, double rate = 0);
 
 // Editing of keys. Errors name the curve's link and the allowed values.

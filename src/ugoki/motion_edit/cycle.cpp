@@ -10,7 +10,7 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double speed_time = 0.1;  // s: when frames are compared, a velocity difference counts as the distance that it covers in this time
+constexpr double speed_time = 0.1;  // s: in the comparison of frames, a velocity difference counts as the distance covered in this time
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -26,7 +26,7 @@ std::vector<double> velocity(const Mechanism& m, const Motion& motion, int f) {
   return v;
 }
 
-/// Difference between frames, independent of position and heading on the floor: joints, height and tilt of the root, and velocities.
+/// Difference between frames: joint coordinates, height and tilt of the root, velocities. Position and heading on the floor are ignored.
 class FrameDifference {
  public:
   FrameDifference(const Mechanism& m, const Motion& motion) : m_(m) {
@@ -46,7 +46,7 @@ class FrameDifference {
     }
   }
 
-  /// Mean square difference of frames i and j over the DOFs. rad^2 (m counts as rad)
+  /// Mean over the DOFs of the squared difference [rad^2] between frames i and j; 1 m counts as 1 rad.
   [[nodiscard]] double operator()(int i, int j) const {
     std::vector<double> d(at(m_.nv()));
     difference(m_, q_[at(i)], q_[at(j)], d);
@@ -133,7 +133,7 @@ Result<Stance> find_cycle(const Mechanism& m, const Motion& motion, const FootCo
 
 namespace {
 
-/// Moves the motion vertically so that its feet stand on the ground, unless that needs more than CycleOptions::level.
+/// Moves the motion vertically so that its feet stand on the ground, unless the displacement would exceed CycleOptions::level.
 /// @param raised [out] upward displacement, m
 Motion levelled(const Mechanism& m, const Motion& motion, std::span<const FootLimb> feet, const CycleOptions& o, double& raised) {
   Motion out = motion;
@@ -178,7 +178,7 @@ Result<Motion> make_cyclic(const Mechanism& m, const Motion& source, const Cycle
     const Placement way = cycle_of(out, m);
     std::vector<double> end(out.frame(n), out.frame(n) + nq), gap(nv), jump(nv), part(nv);
     displace_root(m, inverse(way), end);
-    difference(m, end, {out.frame(0), nq}, gap);  // displacement from the last to the first frame
+    difference(m, end, {out.frame(0), nq}, gap);  // gap = displacement from the last to the first frame
     const std::vector<double> v0 = velocity(m, motion, cycle.first);
     std::vector<double> v1 = velocity(m, motion, cycle.last);
     if (m.link(0).joint.type == JointType::floating) {

@@ -178,7 +178,7 @@ Result<Motion> join(const Mechanism& m, const Motion& first, const Motion& secon
   if (o.where_it_ends) {
     const Placement from = root_placement(m, {next->frame(0), nq}), to = root_placement(m, {first.frame(start), nq});
     by = to * inverse(from);
-    by.z = 0;  // heights above the floor are kept
+    by.z = 0;  // z = 0: heights above the floor are not changed
   }
   Motion out = first;
   out.name = first.name + " + " + second.name;

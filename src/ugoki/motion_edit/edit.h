@@ -27,17 +27,17 @@ struct ScaleOptions {
 /// Scales lengths and duration. Errors: factors outside 1e-6 to 1e6; a resulting rate outside 0.001 to 100000 frames per second.
 [[nodiscard]] Result<Motion> scale(const Mechanism& mechanism, const Motion& motion, const ScaleOptions& options);
 
-/// A pair of times: time in the new motion and the corresponding time in the source. s
+/// A pair of times [s]: time in the new motion and the corresponding time in the source.
 struct TimePoint {
   double time = 0, source = 0;
 };
 /// Returns the motion with its time mapped by a monotone cubic curve through the points (no overshoot: Fritsch and Carlson 1980). The time
-/// of the first point becomes 0. Errors: fewer than two points, times that do not increase, source times that decrease or are outside the
+/// of the first point becomes 0. Errors: fewer than two points; times that do not increase; source times that decrease or are outside the
 /// motion.
 [[nodiscard]] Result<Motion> time_warp(const Mechanism& mechanism, const Motion& motion, std::span<const TimePoint> points);
 
 struct JoinOptions {
-  double blend = 0.3;         ///< s of overlap in which the first motion is cross-faded to the second
+  double blend = 0.3;         ///< s, time of overlap in which the first motion is cross-faded to the second
   bool where_it_ends = true;  ///< true: the second motion is displaced to start where the first ends; false: it is not displaced
 };
 /// Returns the first motion followed by the second, at the rate of the first. Errors: a motion that does not fit the mechanism; a blend

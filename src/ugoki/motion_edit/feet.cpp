@@ -20,8 +20,8 @@ double lowest(std::span<const Pose> X_WB, int link, std::span<const SupportPoint
   return low;
 }
 
-/// Links that end a limb and have a point within a tenth of the character's height above the lowest point of all links, in the neutral
-/// position.
+/// Links at the ends of limbs that have a point within a tenth of the character's height above the lowest point of all links, in the
+/// neutral position.
 std::vector<int> lowest_ends(const Mechanism& m) {
   std::vector<Pose> X(at(m.link_count()));
   calc_poses(m, m.neutral(), X);
@@ -44,7 +44,7 @@ std::vector<int> lowest_ends(const Mechanism& m) {
   return ends;
 }
 
-/// Splits the points of the sole into back and front along its longer horizontal extent at rest. The back is the end closer to the ankle.
+/// Splits the points of the sole into back and front along the longer horizontal side of the sole at rest. The back is closer to the ankle.
 void find_heel_and_toe(std::span<const Pose> X, FootLimb& foot) {
   std::vector<Vec3> p;
   for (const LinkPoint& q : foot.points) p.push_back(X[at(q.link)] * q.location.p - X[at(foot.link)].p);

@@ -10,7 +10,7 @@
 
 namespace ugoki::motion_edit {
 
-/// A foot with its toes (or a paw, a hoof, the end of a robot's leg) and the limb that carries it.
+/// A foot with its toes (or a paw, a hoof, the end of a robot's leg) and the limb to which it belongs.
 struct FootLimb {
   int link = -1;                  ///< the foot: the first link of the limb that can touch the ground
   std::vector<int> parts;         ///< links that can touch the ground: the foot and its descendants

@@ -9,13 +9,13 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr int min_flight = 4;           // frames: shorter flights do not determine an acceleration
+constexpr int min_flight = 4;           // frames: the acceleration is not computed from shorter flights
 constexpr double stance_weight = 0.02;  // weight of acceleration errors in frames with contact; in flight it is 1
-constexpr double return_time = 0.15;    // s, time constant with which the displacement returns to 0
+constexpr double return_time = 0.15;    // s, time constant with which the vertical displacement returns to 0
 
 struct Flight {
   int first = 0, last = 0;
-  double acceleration = 0;  ///< m/s^2, mean
+  double acceleration = 0;  ///< m/s^2, mean vertical acceleration
 };
 
 std::vector<Flight> find_flights(std::span<const double> z, std::span<const std::uint8_t> bears, double rate) {
@@ -82,7 +82,7 @@ double flight_acceleration(std::span<const double> heights, std::span<const std:
 }
 
 // Finds the displacements u that minimise the sum over all frames of weight (u'' - c)^2 + stance_weight u^2 / return_time^4. In flights c
-// is the missing acceleration; in other frames c is 0.
+// is the difference between wanted and actual acceleration; in other frames c is 0.
 std::vector<double> raise_for_flight(std::span<const double> heights, std::span<const std::uint8_t> bears, double rate, double wanted) {
   const std::size_t n = heights.size();
   std::vector<double> c(n, 0.0), weight(n, stance_weight), u(n, 0.0);

@@ -8,14 +8,14 @@
 
 namespace ugoki::motion_edit {
 
-/// Thresholds for a leg length of 0.9 m. Heights scale with the leg length, speeds with its square root (Froude scaling).
+/// Thresholds of contact detection for a leg length of 0.9 m. Heights scale with leg length, speeds with its root (Froude scaling).
 struct FootContactOptions {
   bool find_ground = false;   ///< true: estimate the height of the ground from this motion (find_ground)
   double ground = 0;          ///< m, height of the ground; used if find_ground is false
   double height_on = 0.03;    ///< m: a contact starts when a point is lower than this and slower than speed_on
   double speed_on = 0.35;     ///< m/s: maximum speed of a point at which a contact starts
   double height_off = 0.045;  ///< m: a contact continues while a point is lower than this and slower than speed_off
-  double speed_off = 0.8;     ///< m/s: maximum speed of a point at which a contact continues
+  double speed_off = 0.8;     ///< s before and after a frame over which the speed of a point is averaged; at least one frame
   double span = 0.02;         ///< s before and after the frame over which the speed is averaged; at least one frame
   double min_contact = 0.05;  ///< s: shorter contacts are removed
   double min_gap = 0.04;      ///< s: shorter gaps between contacts are closed
@@ -35,8 +35,8 @@ struct FootContacts {
   [[nodiscard]] std::vector<Stance> stances(std::size_t foot) const;
 };
 
-/// Detects the contacts of `feet`; the overload without `feet` uses those of find_foot_limbs. A foot is in contact while one of its points
-/// is low and slow, with hysteresis. In a cyclic motion contacts continue across the seam. O(frames * points).
+/// Detects the contacts of `feet`; the overload without `feet` uses the feet of find_foot_limbs. A foot is in contact while one of its
+/// points is low and slow, with hysteresis. In a cyclic motion contacts continue across the seam. O(frames * points).
 [[nodiscard]] FootContacts find_contacts(const Mechanism& mechanism, const Motion& motion, std::vector<FootLimb> feet,
                                          const FootContactOptions& options = {});
 [[nodiscard]] FootContacts find_contacts(const Mechanism& mechanism, const Motion& motion, const FootContactOptions& options = {});
@@ -49,12 +49,12 @@ struct FootContacts {
 /// Replaces the motion's labels by the contacts: one track per foot, named after the foot's first link.
 void set_labels(const Mechanism& mechanism, const FootContacts& contacts, Motion& motion);
 
-/// Estimates the height [m] of the ground: the median height of the feet's lowest points in the slowest quarter of the frames. 0 without
-/// feet.
+/// Returns the estimated height [m] of the ground: the median height of the feet's lowest points in the slowest quarter of the frames. 0 if
+/// `feet` is empty.
 [[nodiscard]] double find_ground(const Mechanism& mechanism, const Motion& motion, std::span<const FootLimb> feet);
 
-/// Sliding of standing feet: the length of the horizontal path of the lowest material point in each stance, mean and maximum. cm. Defined
-/// like FootSkate, but for feet of several links.
+/// Sliding of standing feet [cm]: length of the horizontal path of the lowest material point in a stance, mean and maximum over the
+/// stances. FootSkate measures the same sliding, but for feet of one link.
 struct SkateReport {
   double mean_cm = 0, worst_cm = 0;
   int stances = 0;

@@ -11,7 +11,7 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double max_drop = 0.3;  // maximum lowering of the root as a fraction of the limb's length; goals farther away are not reached
+constexpr double max_drop = 0.3;  // maximum lowering of the root as a fraction of the limb's length; goals that need more are missed
 constexpr ReachOptions foot_reach = {.damping = 0.01, .keep = true, .lever = 0.15, .enough = 2e-6, .iterations = 40};
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -27,9 +27,9 @@ double drop_for(const FootLimb& foot, const Vec3& goal, std::span<const Pose> X,
   return std::min(-to_goal.z - (room > 0 ? std::sqrt(room) : 0.0), max_drop * foot.length);
 }
 
-/// The single hinge between a limb's base and its end (knee), which controls the limb's length. The distance between base and end is
-/// sqrt(a + b cos(angle)), with the angle measured from the straight limb. Damped least squares cannot bend a straight limb (its Jacobian
-/// is singular there); this closed form can.
+/// The single hinge between a limb's base and its end (the knee); its angle determines the distance between base and end, sqrt(a + b
+/// cos(angle)), with the angle measured from the straight limb. Damped least squares cannot bend a straight limb, because its Jacobian is
+/// singular there; this closed form can.
 class Knee {
  public:
   /// @param motion used to find the side to which the limb bends
@@ -57,7 +57,7 @@ class Knee {
     side_ = side_ < 0 ? -1 : 1;
   }
 
-  /// Link of the hinge; -1: none, or several joints between base and end.
+  /// Index of the hinge's link; -1: no joint or several joints between base and end.
   [[nodiscard]] int link() const { return link_; }
 
   /// Sets the hinge, within its limits, so that the distance from base to end equals the distance from base to `goal`. Updates q and X.
@@ -79,8 +79,8 @@ class Knee {
 
  private:
   struct Arc {
-    double a = 0, b = 0;  ///< m^2, of the squared distance a + b cos(angle) from the limb's base to its end
-    double angle = 0;     ///< rad from straight, in (-pi, pi]
+    double a = 0, b = 0;  ///< m^2: the squared distance from the limb's base to its end is a + b cos(angle)
+    double angle = 0;     ///< rad, angle of the hinge from the straight limb, in (-pi, pi]
   };
   /// Coefficients a and b (see Arc) and the present angle of the hinge.
   [[nodiscard]] Arc from_straight(std::span<const Pose> X) const {
@@ -99,7 +99,7 @@ class Knee {
   double side_ = 0;
 };
 
-/// Smooth upper envelope of `need`: the maximum within `reach` frames on both sides, smoothed by two moving averages over `reach` frames.
+/// Smooth upper envelope of `need`: maximum within `reach` frames before and after, smoothed by two moving averages over `reach` frames.
 std::vector<double> smooth_above(const std::vector<double>& need, int reach) {
   const int n = static_cast<int>(need.size()), half = std::max(1, reach / 2);
   if (std::all_of(need.begin(), need.end(), [](double x) { return x <= 0; })) return need;

@@ -1,5 +1,5 @@
 #pragma once
-// Foot lock: removes the sliding of standing feet. Computes goal poses of the feet and reaches them by inverse kinematics of the limbs.
+// Foot lock: removes the sliding of standing feet. It computes goal poses of the feet and reaches them by inverse kinematics of the limbs.
 
 #include <vector>
 
@@ -11,7 +11,7 @@ namespace ugoki::motion_edit {
 struct FootPath {
   std::vector<Pose> X_WF;            ///< [frames] pose of the foot's link in the world
   std::vector<std::uint8_t> bears;   ///< [frames] 1 while the foot is in contact
-  std::vector<SupportPoint> points;  ///< [frames][points of the limb] in the foot's frame, relative to which points of the toes can move
+  std::vector<SupportPoint> points;  ///< [frames][points of the limb] in the frame of the foot's link; toes can move these points
 };
 
 struct FootLockOptions {
@@ -19,7 +19,7 @@ struct FootLockOptions {
   double sole = 0.012;      ///< m for a leg of 0.9 m: points this far above the lowest point of the sole carry no load
   double stretch = 0.995;   ///< maximum extension as a fraction of the limb's length (or the source's extension, if larger); beyond it the
                             ///< pelvis is lowered
-  double drop_time = 0.12;  ///< s in which the pelvis is lowered and raised again
+  double drop_time = 0.12;  ///< s in which the pelvis is lowered, and in which it is raised again
   bool keep_on_ground = true;  ///< move the lowest point of a standing foot to the ground, and keep every foot above the ground
 };
 
@@ -30,10 +30,10 @@ struct FootLockReport {
   double max_drop = 0;    ///< m, maximum lowering of the pelvis
   double max_miss = 0;    ///< m, maximum distance of a standing foot from its goal: limb too short or joint limit reached
   int miss_frame = -1;    ///< frame of max_miss; -1: none
-  std::string miss_link;  ///< foot of max_miss
+  std::string miss_link;  ///< name of the foot with the distance max_miss
 };
 
-/// Returns the paths of the feet in the motion. [feet]
+/// Returns the paths of the feet in the motion, one for each foot.
 [[nodiscard]] std::vector<FootPath> foot_paths(const Mechanism& mechanism, const Motion& motion, const FootContacts& contacts);
 
 /// Changes the paths so that standing feet neither slide nor twist. In each stance the foot rolls without slipping over the loaded points

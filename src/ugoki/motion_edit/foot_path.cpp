@@ -11,9 +11,9 @@ namespace ugoki::motion_edit {
 namespace {
 
 constexpr double leg_of_options = 0.9;  // m, leg length for which FootLockOptions is specified
-constexpr double still_speed = 0.2;     // m/s: at this vertical speed the weight of a foot in contact has fallen to a quarter
+constexpr double still_speed = 0.2;     // m/s: at this vertical speed the weight of a foot in contact is a quarter of its weight at rest
 constexpr double lift_time = 0.02;      // s, time constant of the height correction
-constexpr double twist_radius = 0.02;   // m: loaded points within this radius do not lock the foot's twist; the motion's twist is kept
+constexpr double twist_radius = 0.02;   // m: if all loaded points are within this radius, the foot's twist is kept, not locked
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -48,7 +48,7 @@ class Pinning {
 
  private:
   [[nodiscard]] const SupportPoint& point(std::size_t f, std::size_t i) const { return path_.points[f * count_ + i]; }
-  /// Lowest point of the sphere of support point i in frame f, in the foot's frame. m
+  /// Lowest point [m] of the sphere of support point i in frame f, in the coordinate frame of the foot.
   [[nodiscard]] Vec3 material(std::size_t f, std::size_t i) const {
     const SupportPoint& s = point(f, i);
     return s.p + transpose_times(path_.X_WF[f].R, Vec3{0, 0, -s.radius});
@@ -77,13 +77,13 @@ class Pinning {
   void pin(std::size_t first, std::size_t last) {
     std::vector<Vec3> bearing(n_ ? last - first + 1 : 0);  // [frames of the stance] load-weighted centre of the sole on the original path
     double yaw = 0;
-    Vec3 shift;  // translation of the correction; its rotation by yaw is about the world's origin
+    Vec3 shift;  // translation of the correction; the correction's rotation by yaw is about the world's origin
     std::vector<Vec3> shifts;
     std::vector<double> yaws;
     for (std::size_t f = first; f <= last; ++f) {
       const double low = lowest(f);
       double sum = 0;
-      Vec3 a, b;  // load-weighted centres of the points: a: previous frame, corrected positions; b: this frame, original ones
+      Vec3 a, b;  // load-weighted centres of the points: a: previous frame, corrected positions; b: this frame, original positions
       std::vector<Vec3> was(count_), is(count_);
       std::vector<double> w(count_);
       const Mat3 R_before = rotation_about({0, 0, 1}, yaw);

@@ -15,8 +15,8 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double min_anchor_gap = 0.05;  // cycles, minimum distance of the touch-downs by which phases are aligned (anchors)
-constexpr double main_stance = 0.4;      // fraction of a foot's longest stance: shorter stances do not count as steps
+constexpr double min_anchor_gap = 0.05;  // cycles, minimum distance between the touch-downs by which phases are aligned (anchors)
+constexpr double main_stance = 0.4;      // fraction of the foot's longest stance; shorter stances do not count as steps
 constexpr double still = 0.05;           // m/s: the direction of travel of slower motions is ignored
 constexpr double min_part = 0.02;        // cycles, minimum duration of a stance or swing that is aligned separately
 
@@ -67,7 +67,7 @@ struct Intermediate::Impl {
   std::vector<std::vector<int>>
       in_limb;  ///< [feet] links whose joints follow the foot's own phase: the foot's limb and the foot's descendants
   std::vector<std::vector<double>>
-      anchors;  ///< [sources][anchors] cycles, increasing: phases of corresponding events in each source; their span is below one cycle
+      anchors;  ///< [sources][anchors] cycles, increasing: phases of corresponding touch-downs; their range is below one cycle
 
   [[nodiscard]] const Mechanism& m() const { return *mechanism; }
 
@@ -115,7 +115,7 @@ Result<void> Intermediate::Impl::align() {
                   "Make cycles of one stride each, or label the contacts by hand.");
     }
   }
-  // Unwrapped phases of all touch-downs in each source. The phases of the first touch-down are chosen closest to that of source 0; the
+  // Unwrapped phases of all touch-downs in each source. The phase of the first touch-down is the one closest to its phase in source 0; the
   // other touch-downs follow within about one cycle.
   struct Anchor {
     std::vector<double> phase;  // [sources]
@@ -132,7 +132,7 @@ Result<void> Intermediate::Impl::align() {
           own = j == 0 ? own : a.phase[0] + wrapped(own - a.phase[0], 1);
         else if (j == 0)
           own = reference + (own - reference) - std::floor(own - reference);
-        else  // the delay after the first touch-down is closest to that in source 0
+        else  // choose the phase whose delay after the first touch-down is closest to the delay in source 0
           own = reference + (a.phase[0] - first) + wrapped(own - reference - (a.phase[0] - first), 1);
         a.phase.push_back(own);
       }
@@ -197,7 +197,7 @@ Progression Intermediate::Impl::mixed_progression(std::span<const double> w, int
     turn += w[j] * sources[j].progression.turn;
   }
   frames = std::max(3, static_cast<int>(duration * rate + 0.5));
-  const double share = frames / rate / duration;  // the duration is rounded to whole frames; the speed is kept
+  const double share = frames / rate / duration;  // rounded / exact duration: the duration is rounded to whole frames, the speed is kept
   const auto speed = [](const Source& s) {
     return std::sqrt(s.progression.vx * s.progression.vx + s.progression.vy * s.progression.vy) / s.duration();
   };
@@ -353,8 +353,8 @@ std::vector<std::uint8_t> any_of_three_rounds(std::span<const std::vector<std::u
 
 }  // namespace
 
-/// Corrects the height in flight phases. The mean of heights also averages accelerations, so a mixture of motions with and without flight
-/// would fall too slowly. After the correction, the acceleration in flight is the mean over the sources with flight.
+/// Corrects the height in flight phases. A mean of heights is also a mean of accelerations, so a mixture of motions with and without flight
+/// would fall too slowly. After the correction, the acceleration in flight is the mean over those sources that have flight phases.
 void Intermediate::Impl::correct_flight(std::span<const double> w, Motion& mixed, const std::vector<FootPath>& paths) const {
   if (m().link(0).joint.type != JointType::floating) return;
   double wanted = 0, sum = 0;

@@ -11,7 +11,7 @@
 namespace ugoki::motion_edit {
 
 struct IntermediateOptions {
-  CycleOptions cycle;             ///< options of make_cyclic for the sources
+  CycleOptions cycle;             ///< options of make_cyclic, which makes the sources cyclic
   std::vector<std::string> feet;  ///< names of the links that stand on the ground; empty: find_foot_limbs
 };
 
@@ -26,9 +26,9 @@ struct CycleFacts {
 /// Motions of one mechanism whose contacts and phases are aligned, ready to be mixed.
 class Intermediate {
  public:
-  /// Makes the sources cyclic (make_cyclic) and aligns their phases by those touch-downs of feet that all sources have in the same order.
+  /// Makes the sources cyclic (make_cyclic) and aligns their phases by those touch-downs of feet that have the same order in all sources.
   /// If no foot steps in all sources, phases are shifted so that the poses are most similar. `mechanism` must outlive the result. Errors:
-  /// no source; a source that does not fit the mechanism or has no cycle; a foot whose number of steps per cycle differs.
+  /// no source; a source that does not fit the mechanism or has no cycle; a foot whose number of steps per cycle differs between sources.
   [[nodiscard]] static Result<Intermediate> make(const Mechanism& mechanism, std::span<const Motion* const> sources,
                                                  const IntermediateOptions& options = {});
   Intermediate(Intermediate&&) noexcept;
@@ -43,8 +43,8 @@ class Intermediate {
   [[nodiscard]] bool by_contacts() const;
 
   /// Returns the mixture with the given weights of the sources. Durations of the cycle and of stances, and the displacement over the
-  /// ground, are weighted means, so between two sources the speed changes monotonically with the weight. Feet are locked. If one source has
-  /// all the weight, its cycle is returned exactly.
+  /// ground, are weighted means; between two sources, the speed therefore changes monotonically with the weight. Feet are locked. If one
+  /// source has all the weight, its cycle is returned exactly.
   /// @param weights [count] at least 0, not all 0; normalised to the sum 1
   [[nodiscard]] Result<Motion> blend(std::span<const double> weights, FootLockReport* report = nullptr) const;
 
@@ -56,7 +56,7 @@ class Intermediate {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Intermediate::make followed by blend.
+/// Aligns the sources (Intermediate::make) and returns their mixture (Intermediate::blend).
 [[nodiscard]] Result<Motion> make_intermediate(const Mechanism& mechanism, std::span<const Motion* const> sources,
                                                std::span<const double> weights, const IntermediateOptions& options = {});
 

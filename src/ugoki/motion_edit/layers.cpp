@@ -20,7 +20,7 @@ Moment moment_of(const Motion& layer, const LayerOptions& o, double t, double en
   const double last = layer.cyclic ? std::max(end - o.offset, 0.0) : layer.duration();
   if (local < -1e-9 || local > last + 1e-9) return {};
   const auto eased = [](double x) { return x >= 1 ? 1.0 : x <= 0 ? 0.0 : x * x * x * (10 + x * (6 * x - 15)); };
-  // A layer that starts or ends with the base does not fade there.
+  // No fade-in if the layer starts with the base motion; no fade-out if it ends with the base motion.
   const double in = o.fade > 0 && o.offset > 0 ? eased(local / o.fade) : 1;
   const double out = o.fade > 0 && o.offset + last < end - 1e-9 ? eased((last - local) / o.fade) : 1;
   if (layer.cyclic && local > layer.duration() + 1e-9) local -= layer.duration() * std::floor(local / layer.duration());

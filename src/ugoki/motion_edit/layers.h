@@ -9,11 +9,11 @@
 
 namespace ugoki::motion_edit {
 
-/// Weight of each link's joint in a mixture: [links] 0 to 1.
+/// Weight (0 to 1) of each link's joint in a mixture: one value for each link.
 using JointMask = std::vector<double>;
 
 struct MaskEntry {
-  std::string link;           ///< name or label; "*" for all
+  std::string link;           ///< name or label of a link; "*" for all links
   double weight = 1;          ///< 0 to 1
   bool with_children = true;  ///< also applies to all descendants of the link
 };
@@ -27,14 +27,14 @@ struct LayerOptions {
   double fade = 0.2;  ///< s in which the layer fades in and out
 };
 
-/// Mixes two motions joint by joint: interpolates each joint from `base` to `other` by its weight in the mask, along great arcs for
-/// rotations. `other` begins at options.offset of the base; outside its duration it has no effect, unless it is cyclic: then it repeats.
+/// Mixes two motions joint by joint: interpolates each joint from `base` to `other` by its weight in the mask; rotations along great arcs.
+/// `other` begins at options.offset of the base; outside its duration it has no effect, unless it is cyclic: then it repeats.
 /// Errors: motions that do not fit the mechanism; a mask of another size; a weight outside 0 to 1; invalid times.
 [[nodiscard]] Result<Motion> mix_joints(const Mechanism& mechanism, const Motion& base, const Motion& other, const JointMask& mask,
                                         const LayerOptions& options = {});
 
-/// Additive layer: adds to `base` the displacements of the joints of `layer` relative to the first frame of `layer`, each in the joint's
-/// own frame. Timing and errors are those of mix_joints.
+/// Additive layer: adds to each joint of `base` the displacement of this joint in `layer` since the first frame of `layer`, in the joint's
+/// own coordinate frame. Timing and errors are the same as in mix_joints.
 [[nodiscard]] Result<Motion> add_layer(const Mechanism& mechanism, const Motion& base, const Motion& layer, const JointMask& mask,
                                        const LayerOptions& options = {});
 

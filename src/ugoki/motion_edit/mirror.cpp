@@ -11,12 +11,12 @@
 namespace ugoki::motion_edit {
 namespace {
 
-constexpr double alike = 0.9;  // minimum cosine between an axis and the mirror image of its partner's axis
+constexpr double alike = 0.9;  // minimum |cosine| between an axis and the mirror image of its partner's axis
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-Vec3 reflected(const Vec3& v) { return {v.x, -v.y, v.z}; }        // a position or direction
-Vec3 reflected_turn(const Vec3& w) { return {-w.x, w.y, -w.z}; }  // an axis of rotation
+Vec3 reflected(const Vec3& v) { return {v.x, -v.y, v.z}; }        // mirror image of a position or direction
+Vec3 reflected_turn(const Vec3& w) { return {-w.x, w.y, -w.z}; }  // mirror image of an axis of rotation
 
 /// The name with left and right exchanged; unchanged if it contains neither.
 std::string other_side(const std::string& name) {
@@ -38,7 +38,7 @@ std::string other_side(const std::string& name) {
   return name;
 }
 
-/// The name with its first letter exchanged if that is l or r, as in "lfemur".
+/// The name with a first letter l or r replaced by the other one, as in "lfemur"; otherwise unchanged.
 std::string other_initial(std::string name) {
   if (name.size() < 2) return name;
   const char c = name[0];

@@ -21,7 +21,7 @@ PhaseCurve::PhaseCurve(std::vector<Point> points) : points_(std::move(points)) {
   for (std::size_t i = 0; i < n; ++i) {
     const double before = rise[(i + n - 1) % n], after = rise[i];
     slopes_.push_back(2 * before * after /
-                      (before + after));  // the harmonic mean is at most twice either value, so the pieces are monotone
+                      (before + after));  // the harmonic mean is at most twice either slope, so the pieces are monotone
   }
 }
 

@@ -5,7 +5,7 @@
 namespace ugoki::motion_edit {
 namespace {
 
-/// sin(x)/x and (1 - cos(x))/x; by series for small x.
+/// Returns sin(x)/x and (1 - cos(x))/x, computed from their series for small x.
 std::pair<double, double> arc(double x) {
   if (std::fabs(x) < 1e-4) return {1 - x * x / 6, x / 2};
   const SinCos s = sin_cos(x);

@@ -34,7 +34,7 @@ struct Way {
     const double h = length[i] - length[i - 1];
     return h < 1e-12 ? p[i] : between(p[i - 1], p[i], (s - length[i - 1]) / h);
   }
-  /// Point and direction at arc length s; the direction is the chord from s - reach to s + reach [m].
+  /// Point at arc length s [m], and direction of the chord from s - reach to s + reach [m].
   [[nodiscard]] Placement frame(double s, double reach) const {
     const PathPoint here = point(s), a = point(s - reach), b = point(s + reach);
     return {here.x, here.y, 0, atan2(b.y - a.y, b.x - a.x)};

@@ -14,13 +14,13 @@ struct PathPoint {
 struct RootPathOptions {
   bool keep_speed = true;  ///< true: steps keep their length; the character may stop before the curve's end, or continue straight beyond
                            ///< it. false: the path is scaled to the curve's length
-  double smoothing = 0.8;  ///< s: sway of the root within this time is removed from the path
-  bool lock_feet = true;   ///< lock the feet afterwards (lock_feet)
+  double smoothing = 0.8;  ///< s, averaging time that removes the sway of the root from the path
+  bool lock_feet = true;   ///< lock the feet (motion_edit::lock_feet) after the path is bent
   FootContactOptions contacts;
   FootLockOptions lock;
 };
 
-/// The smoothed path of the root over the ground. [frames] @param smoothing s
+/// The smoothed path of the root over the ground: one point for each animation frame. @param smoothing s
 [[nodiscard]] std::vector<PathPoint> root_path(const Mechanism& mechanism, const Motion& motion, double smoothing = 0.8);
 
 /// Returns the motion along a smooth curve through the points (centripetal Catmull-Rom). It starts at the first point in the curve's

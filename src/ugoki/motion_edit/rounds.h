@@ -6,15 +6,15 @@
 
 namespace ugoki::motion_edit {
 
-/// Number of frames of one cycle of a cyclic motion, without its last frame, which is the first frame of the next cycle.
+/// Number of frames of one cycle of a cyclic motion. The last frame is not counted, because it is the first frame of the next cycle.
 [[nodiscard]] inline int round_frames(const Motion& motion) { return motion.frames - 1; }
 
 /// Returns three consecutive cycles; the middle one is `motion` itself. Contact labels are repeated. The result is not marked as cyclic.
 /// `motion` must have at least 2 frames.
 [[nodiscard]] Motion three_rounds(const Motion& motion, const Mechanism& mechanism);
 
-/// Returns the middle one of the three cycles `rounds`. Its last frame is set to its first frame displaced by `cycle` (the displacement of
-/// one cycle).
+/// Returns the middle one of the three cycles `rounds`. The last frame of the result is its first frame displaced by `cycle` (the
+/// displacement of one cycle).
 [[nodiscard]] Motion middle_round(const Motion& rounds, const Mechanism& mechanism, const Placement& cycle);
 
 }  // namespace ugoki::motion_edit

@@ -9,7 +9,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Far end of a link [m, link's frame]: of the centres of its shapes and of its capsules' caps, the one farthest from the joint.
+/// Far end of a link [m, link's frame]: among the centres of its shapes and of its capsules' caps, the point farthest from the joint.
 Vec3 far_end(const Link& link) {
   Vec3 end;
   for (const Shape& s : link.shapes) {

@@ -11,7 +11,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// The name in lower case, without a namespace prefix ("mixamorig:") and without blanks.
+/// Returns the name in lower case, without a namespace prefix ("mixamorig:") and without blanks.
 std::string normalized_name(const std::string& name) {
   const std::size_t colon = name.rfind(':');
   std::string out;
@@ -22,7 +22,7 @@ std::string normalized_name(const std::string& name) {
   return out;
 }
 
-/// Name of the mirrored link on the right side; empty if `left` does not name a link on the left side.
+/// Returns the name of the mirrored link on the right side; empty if `left` is not the name of a link on the left side.
 std::string right_name(const std::string& left) {
   std::string out = left;
   if (const std::size_t i = left.find("left"); i != std::string::npos) return out.replace(i, 4, "right");
@@ -38,7 +38,7 @@ std::string right_name(const std::string& left) {
   return {};
 }
 
-/// Index of the section (Slot) that a label names; -1: none.
+/// Returns the index of the limb section (Slot) that a link label names; -1: none.
 int slot_of_label(const std::string& label) {
   constexpr struct {
     const char* word;
@@ -52,15 +52,15 @@ int slot_of_label(const std::string& label) {
   return -1;
 }
 
-/// Subtree that is attached to the trunk and lies on one side: a candidate for a limb.
+/// Subtree that is attached to the trunk on one side of the body: a candidate for a limb.
 struct Branch {
   int root = -1;      ///< first link of the branch
   int attach = -1;    ///< parent of the root
-  int leaf = -1;      ///< link without children that is farthest from the root, measured along the bones
+  int leaf = -1;      ///< the leaf link whose distance from the root along the bones is largest
   int side = 0;       ///< 1 left, -1 right
   double length = 0;  ///< m, from root to leaf along the bones
   Vec3 base, tip;     ///< m, positions of root and leaf in anatomical axes
-  double low = 0;     ///< m, lowest point of the leaf in the neutral position
+  double low = 0;     ///< m, height of the lowest point of the leaf in the neutral position
 };
 
 /// Finds the anatomy of one mechanism; run() performs the steps in order.
@@ -85,7 +85,7 @@ class Finder {
  private:
   [[nodiscard]] const Link& link(int i) const { return m_.link(i); }
 
-  /// Sets R_WA: left is the mean horizontal direction from right-named to left-named partner links. Fills p_.
+  /// Sets R_WA: the axis to the left is the mean horizontal direction from right to left partner links, found by name. Fills p_.
   void turn_to_anatomical_axes() {
     std::vector<std::string> names;
     for (int i = 0; i < n_; ++i) names.push_back(normalized_name(link(i).name));
@@ -105,14 +105,14 @@ class Finder {
     for (int i = 0; i < n_; ++i) p_.push_back(transpose_times(anatomy_.R_WA, anatomy_.X_WB[at(i)].p));
   }
 
-  /// Lowest point [m] of a link in the neutral position.
+  /// Height [m] of a link's lowest point in the neutral position.
   [[nodiscard]] double low_of(int i) const {
     double low = p_[at(i)].z;
     for (const SupportPoint& s : support_points(link(i))) low = std::min(low, (anatomy_.X_WB[at(i)] * s.p).z - s.radius);
     return low;
   }
 
-  /// Sets extent, low_ and size_ (m) from the neutral position.
+  /// Sets anatomy_.extent, low_ and size_ (m), measured in the neutral position.
   void measure() {
     double low = 1e300, high = -1e300;
     Vec3 box_low{1e300, 1e300, 1e300}, box_high = box_low * -1.0;
@@ -142,7 +142,7 @@ class Finder {
 
   /// Collects maximal subtrees whose leaves are all on one side.
   void find_branches() {
-    // Bit mask of the sides on which the leaves below each link are: 1 left, 2 right, 4 middle.
+    // Bit mask of the sides of the leaf links among each link's descendants: 1 left, 2 right, 4 middle.
     sides_.assign(at(n_), 0);
     for (int i = n_; i-- > 0;) {
       if (link(i).child < 0) sides_[at(i)] = p_[at(i)].y > 0.012 * size_ ? 1 : p_[at(i)].y < -0.012 * size_ ? 2 : 4;
@@ -171,7 +171,7 @@ class Finder {
     }
   }
 
-  /// Index of the branch on the other side that is closest to the mirror image of branch `i`; -1: none within 0.35 of the character's size.
+  /// Returns the branch on the other side that is closest to the mirror image of branch `i`; -1: none within 0.35 of the character's size.
   [[nodiscard]] int partner_of(int i) const {
     const Branch& a = branches_[at(i)];
     int best = -1;
@@ -242,7 +242,7 @@ class Finder {
     return {};
   }
 
-  /// Sets the limbs that the mapping names: from the first named link to the farthest leaf below the last named link.
+  /// Sets the limbs that the mapping names: from the first named link to the farthest leaf link below the last named link.
   Error named_limbs() {
     Error wrong;
     for (int k = 0; k < limb_count; ++k) {
@@ -272,7 +272,7 @@ class Finder {
     return wrong;
   }
 
-  /// Links on the path through the tree from a to b, without a. Empty if a and b have no common ancestor.
+  /// Returns the links on the path through the tree from a to b, without a. Empty if a and b have no common ancestor.
   [[nodiscard]] std::vector<int> path_between(int a, int b) const {
     std::vector<int> up, down;
     int i = a, k = b;
@@ -366,7 +366,7 @@ class Finder {
     limb.begin.fill(n);
     limb.begin[0] = 0;
     if (n == 0) return {};
-    // Sections come from the mapping, else from labels, else from bone lengths.
+    // Sections are taken from the mapping; otherwise from labels; otherwise from bone lengths.
     std::vector<int> slots(at(n), -1);
     bool from_names = false, upper = false, lower = false;
     for (int i = 0; i < n; ++i) {
@@ -401,8 +401,8 @@ class Finder {
     return {};
   }
 
-  /// True if the joints at the position of links[first] only twist the preceding bone about its own axis: they belong to that bone.
-  /// @param bone m, vector of the preceding bone
+  /// True if the joints at the position of links[first] only twist the preceding bone about its own axis, so that they belong to that bone.
+  /// @param bone m, vector along the preceding bone
   [[nodiscard]] bool only_twists(const std::vector<int>& links, int first, const Vec3& bone) const {
     for (std::size_t i = at(first); i < links.size() && norm(p_[at(links[i])] - p_[at(links[at(first)])]) < 1e-3 * norm(bone); ++i) {
       const Joint& joint = link(links[i]).joint;
@@ -414,8 +414,8 @@ class Finder {
     return at(first) + 1 < links.size();
   }
 
-  /// Assigns sections by bone lengths: the two consecutive bones with the largest sum are the upper and the lower section. Coincident
-  /// joints count as one.
+  /// Assigns sections by bone lengths: the two consecutive bones with the largest sum are the upper and the lower section. Joints at the
+  /// same position count as one joint.
   [[nodiscard]] std::vector<int> slots_of_lengths(const std::vector<int>& links) const {
     const int n = static_cast<int>(links.size());
     std::vector<int> node_begin = {0};
@@ -431,7 +431,7 @@ class Finder {
       const int own = links[at(node_begin[at(i)])];
       if (i + 1 < nodes) {
         bone[at(i)] = norm(p_[at(links[at(node_begin[at(i + 1)])])] - p_[at(own)]);
-      } else {  // the last bone reaches to the end of its shapes
+      } else {  // the last bone ends at the farthest point of its shapes
         for (const SupportPoint& s : support_points(link(own))) bone[at(i)] = std::max(bone[at(i)], norm(s.p) + s.radius);
         bone[at(i)] = std::min(bone[at(i)], 0.35 * total);
       }

@@ -10,7 +10,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Quat quat_of(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 void set_quat(const Quat& r, double* q) {
-  // q and -q are the same rotation: choose the sign nearest to the previous value, so that coordinates stay continuous.
+  // q and -q are the same rotation: choose the sign closest to the previous value, so that coordinates stay continuous.
   const double sign = r.w * q[0] + r.x * q[1] + r.y * q[2] + r.z * q[3] < 0 ? -1.0 : 1.0;
   q[0] = sign * r.w;
   q[1] = sign * r.x;
@@ -89,7 +89,7 @@ bool ChainSolver::orient(int link, const Mat3& R_WB, double* q, std::span<Pose> 
       there = true;
       break;
     case JointType::revolute: {
-      // The closest rotation about the axis is the twist of the swing-twist decomposition.
+      // The closest rotation about a given axis is the twist part of the swing-twist decomposition.
       double angle = 2 * atan2(dot(turn.vec(), l.joint.axis), turn.w);
       const double middle =
           std::isfinite(lower[at(l.v_index)] + upper[at(l.v_index)]) ? 0.5 * (lower[at(l.v_index)] + upper[at(l.v_index)]) : own[0];
@@ -166,7 +166,7 @@ void ChainSolver::find_step(const Vec3& first, const Vec3& turn_error, const Vec
       for (Column& c : columns_)
         if (!c.at_limit) c.step += dot(c.J2 - M * c.J1, z);
     }
-    // DOFs that would pass their limit are fixed at it; the step is re-solved for the others with the remaining error.
+    // A DOF that would pass its limit is set to the limit; the step is re-solved for the other DOFs with the remaining error.
     bool changed = false;
     for (Column& c : columns_) {
       if (c.at_limit) continue;
@@ -185,8 +185,8 @@ void ChainSolver::find_step(const Vec3& first, const Vec3& turn_error, const Vec
 
 Mat3 ChainSolver::resistance(std::span<const int> chain, const Vec3& point, const Vec3& wish, double length, const double* q,
                              std::span<const Pose> X_WB) {
-  // softness: regularization (dimensionless, J is divided by the length). near_limit: rad | m, a DOF closer to its limit than this counts
-  // as at the limit.
+  // softness: regularization (dimensionless, because J is divided by the length). near_limit: rad | m; a DOF whose distance from its limit
+  // is smaller counts as at the limit.
   constexpr double softness = 1e-3, near_limit = 1e-3;
   gather(chain, q, X_WB);
   Mat3 A = Mat3::diagonal(softness, softness, softness);
@@ -211,7 +211,7 @@ void ChainSolver::apply(std::span<const int> chain, double share, double* q, std
       for (int k = 0; k < 3; ++k, ++next)
         x[k] = std::clamp(columns_[next].x + share * columns_[next].step, lower[at(l.v_index + k)], upper[at(l.v_index + k)]);
       set_quat(exp_map(x), own);
-      clamp(i, q);  // a rotation vector longer than pi is equivalent to one of opposite direction, which may be outside the limits
+      clamp(i, q);  // clamped rotation vector may be longer than pi; the equivalent shorter one may be outside the limits
     } else {
       for (int k = 0; k < l.joint.nv(); ++k, ++next)
         own[k] = std::clamp(columns_[next].x + share * columns_[next].step, lower[at(l.v_index + k)], upper[at(l.v_index + k)]);
@@ -253,7 +253,7 @@ ChainSolver::Miss ChainSolver::miss_of(const ChainGoal& goal, const Pose& X) {
 }
 
 double ChainSolver::solve(std::span<const int> chain, const ChainGoal& goal, double* q, std::span<Pose> X_WB) {
-  constexpr double enough = 1e-9;  // rad or share of the chain's size: with a smaller error the goal counts as reached
+  constexpr double enough = 1e-9;  // rad or share of the chain's size: at a smaller error the goal counts as reached
   const int end = chain.back();
   const bool direct = goal.first == ChainGoal::First::direction;
   const double scale = direct ? 1 : goal.length;

@@ -12,23 +12,23 @@ namespace ugoki::retarget {
 struct ChainGoal {
   enum class First { position, direction };
   First first = First::position;
-  Vec3 point;                 ///< point or direction that shall reach `target`, in the last link's frame; m or unit vector
-  Vec3 target;                ///< goal of `point`, in the world; m or unit vector
+  Vec3 point;                 ///< m or unit vector in the last link's frame: point or direction that shall reach `target`
+  Vec3 target;                ///< m or unit vector in the world: goal of `point`
   bool turn = true;           ///< second priority: also reach the orientation R with the remaining DOFs
   Mat3 R = Mat3::identity();  ///< wanted orientation of the last link in the world
-  double length = 1;          ///< m, size of the chain; makes position errors dimensionless
+  double length = 1;          ///< m, size of the chain, by which position errors are divided
   int iterations = 12;
 };
 
 /// Solves for the goal's position (or direction) by damped least squares, then for its orientation in the null space of the first task.
-/// Joint limits are kept at every step: a DOF that would pass its limit is set to the limit, and the step is re-solved for the others.
-/// Coordinates of spherical joints are the components of the rotation vector; the joint limits apply to them.
+/// Joint limits are kept at every step: a DOF that would pass its limit is set to the limit, and the step is re-solved for the other DOFs.
+/// The coordinates of a spherical joint are the components of its rotation vector; joint limits apply to these components.
 /// Source: Siciliano and Slotine 1991 (task priority); Buss 2009 (damping).
 class ChainSolver {
  public:
   explicit ChainSolver(const Mechanism& mechanism);
 
-  /// [nv] rad | m, limits of every DOF: those of the mechanism, or narrower ones set by the user of the solver.
+  /// [nv] rad | m, limits of every DOF: initially those of the mechanism; the user of the solver can narrow them.
   std::vector<double> lower, upper;
 
   /// @param chain links, each the child of the previous one
@@ -37,10 +37,11 @@ class ChainSolver {
   /// @return remaining error of the position [m] or direction [rad]
   double solve(std::span<const int> chain, const ChainGoal& goal, double* q, std::span<Pose> X_WB);
 
-  /// Symmetric matrix (world axes) that maps a desired displacement of a point on the last link to the part that the chain cannot follow.
-  /// Eigenvalues: near 0 in directions in which the point moves freely, near 1 where the chain is stretched out or at its limits.
+  /// Returns a symmetric matrix (world axes) that maps a desired displacement of a point on the last link to the part that the chain cannot
+  /// follow. Its eigenvalues are near 0 in directions in which the point moves freely, near 1 where the chain is stretched out or at its
+  /// limits.
   /// @param point m, in the world
-  /// @param wish m, desired displacement; its direction decides which limits would be passed @param length m, size of the chain
+  /// @param wish m, desired displacement; decides which limits would be passed @param length m, size of the chain
   [[nodiscard]] Mat3 resistance(std::span<const int> chain, const Vec3& point, const Vec3& wish, double length, const double* q,
                                 std::span<const Pose> X_WB);
 
@@ -56,7 +57,7 @@ class ChainSolver {
   /// One DOF of the chain: its Jacobian column and its step.
   struct Column {
     int link = 0, dof = 0;
-    Vec3 w, v;               // angular velocity of the link and velocity of its origin per unit rate of the coordinate, world axes
+    Vec3 w, v;               // per unit rate of the coordinate, world axes: angular velocity of the link, velocity of its origin
     Vec3 J1, J2;             // Jacobian columns of the first task (position or direction) and of the orientation
     double x = 0, step = 0;  // rad | m
     bool at_limit = false;

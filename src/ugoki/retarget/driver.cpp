@@ -9,7 +9,7 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double max_tilt = 0.35;  // rad, upper bound of the tilt of a trunk that follows a trunk of another kind
+constexpr double max_tilt = 0.35;  // rad, maximum tilt of the target's trunk if source and target are of different kinds (biped, quadruped)
 
 /// True if a and b are equal up to rounding: each row of a - b has a norm of at most 1e-9.
 bool near(const Mat3& a, const Mat3& b) {
@@ -22,7 +22,7 @@ bool near(const Mat3& a, const Mat3& b) {
 /// Rotation about Z contained in r (the twist of its swing-twist decomposition).
 Quat heading_of(const Quat& r) { return normalized(std::fabs(r.w) + std::fabs(r.z) > 1e-12 ? Quat{r.w, 0, 0, r.z} : Quat{}); }
 
-/// R with its tilt compressed smoothly, so that it stays below `max_tilt`; the heading is kept.
+/// Returns R with its tilt compressed smoothly to less than `max_tilt`; the heading is kept.
 Mat3 levelled(const Mat3& R) {
   const Quat r = to_quat(R), heading = heading_of(r);
   const Vec3 tilt = log_map(r * heading.conjugate());
@@ -45,7 +45,7 @@ Driver::Driver(const Rig& source, const Rig& target, const Mapping& mapping)
   map_limbs();
   map_extras(mapping);
   make_clusters();
-  // A knee with at least 0.4 rad of flexion must not overextend by more than 0.03 rad, whatever its mechanical limits are.
+  // A knee with at least 0.4 rad of flexion must not overextend by more than 0.03 rad, even if its mechanical limits allow more.
   for (int k = 0; k < 2; ++k) {
     const LimbRig& limb = t_.limbs[at(k)];
     if (!limb.found || limb.knee < 0 || (partner_[at(limb.knee)] >= 0 && is_twin(partner_[at(limb.knee)], limb.knee))) continue;
@@ -70,11 +70,11 @@ void Driver::add_goal(int target, int a, int b, double t, bool deviation, bool l
   goals_.push_back(w);
 }
 
-/// Maps a chain of source links to a chain of target links. If the numbers of links differ, each target link follows the source link (or
-/// the interpolation of two) at the same relative position in the chain.
+/// Maps a chain of source links to a chain of target links. If the chains have different numbers of links, each target link follows the
+/// source link at the same relative position, or an interpolation of the two source links around this position.
 void Driver::map_chain(const std::vector<int>& source, int source_base, const std::vector<int>& target, bool level) {
   const auto n = static_cast<double>(source.size()), count = static_cast<double>(target.size());
-  int dofs = 3;  // DOFs of the joints since the last link with a goal; fewer than three cannot reach an orientation alone
+  int dofs = 3;  // DOFs of the joints since the link that last got a goal; an orientation needs at least three
   for (std::size_t i = target.size(); i-- > 0;) {
     const bool last = i + 1 == target.size();
     if (source.size() == target.size()) partner_[at(target[i])] = source[i];
@@ -277,7 +277,7 @@ void Driver::pose(std::span<const double> q_S, std::span<const Pose> X_S, std::s
     std::copy_n(q_S.data() + s_.mechanism->link(from).q_index, link.joint.nq(), q.data() + link.q_index);
     solver_.clamp(to, q.data());
   }
-  // Legs placed by inverse kinematics start from the standing posture, so that the solution does not depend on the previous frame.
+  // Legs placed by inverse kinematics start from the standing posture, so that the solution is independent of the previous frame.
   for (int k = 0; k < limb_count; ++k)
     if (limbs_[at(k)].mode == LimbMode::placed && t_.anatomy.four_legs)
       for (const int i : t_.limbs[at(k)].chain)
@@ -309,7 +309,7 @@ Vec3 Driver::end_position(int k, std::span<const Pose> X_S) const {
   const Vec3 from_hip = position - X_S[at(s.root)].p, stand = toes ? s.stand_tip : s.stand;
   Vec3 rest = t.stand - Vec3{path_scale_ * stand.x, path_scale_ * stand.y, scale_ * (stand.z + crouch_)};
   // A biped that follows a four-legged source stands with its feet raised by 0.03 of the leg's length, because fully straight legs could
-  // not adjust.
+  // not correct the positions of their feet.
   if (!same_kind_ && !t_.anatomy.four_legs) rest.z += 0.03 * t.length;
   return Vec3{path_scale_ * from_hip.x, path_scale_ * from_hip.y, scale_ * from_hip.z} + rotation_about({0, 0, 1}, heading(X_S)) * rest;
 }
@@ -331,7 +331,7 @@ void Driver::place_from(const LimbRig& limb, int link, const double* q, std::spa
 }
 
 /// Bends the knee so that the distance from hip to end point equals the distance from hip to target (law of cosines in the plane normal to
-/// the knee's axis; components along the axis are constant). @return false if the target is out of reach
+/// the knee's axis; components along the axis are constant). @return false if the target is too far away or too close
 bool Driver::bend_knee(const LimbRig& limb, const Vec3& target, double* q, std::span<Pose> X) {
   const Link& knee = t_.mechanism->link(limb.knee);
   const Vec3 hip = X[at(limb.root)].p, k = X[at(limb.knee)].p, end = X[at(limb.end)] * limb.end_point;
@@ -344,7 +344,7 @@ bool Driver::bend_knee(const LimbRig& limb, const Vec3& target, double* q, std::
   const double distance = norm(target - hip);
   const double c = (dot(u, u) + dot(w, w) - distance * distance - 2 * ua * wa) / (2 * both);
   const double now = atan2(dot(axis, cross(up, wp)), dot(up, wp));
-  double turn = -acos(c) - now;  // flexion is measured from the straight limb (pi)
+  double turn = -acos(c) - now;  // flexion: difference from the straight limb (pi)
   turn -= 2 * pi * std::floor(turn / (2 * pi) + 0.5);
   double& angle = q[knee.q_index];
   angle += limb.knee_sign * turn;
@@ -355,7 +355,7 @@ bool Driver::bend_knee(const LimbRig& limb, const Vec3& target, double* q, std::
   return c >= -1;
 }
 
-/// Turns the upper section until the direction from hip to end point is the direction from hip to target.
+/// Turns the upper section of the limb until the direction from hip to end point equals the direction from hip to target.
 void Driver::aim(const LimbRig& limb, const Vec3& target, double* q, std::span<Pose> X) {
   const Vec3 hip = X[at(limb.root)].p, to = normalized(target - hip);
   const int last = limb.upper.back();
@@ -374,7 +374,7 @@ void Driver::aim(const LimbRig& limb, const Vec3& target, double* q, std::span<P
   place_from(limb, limb.upper.front(), q, X);
 }
 
-/// Turns the links beyond the end point to orientation R; the end point does not move.
+/// Turns the links beyond the end point so that the end link has the orientation R; the end point does not move.
 void Driver::turn_end(const LimbRig& limb, const Mat3& R, double* q, std::span<Pose> X) {
   int movable = 0;
   for (const int i : limb.ankle) {
@@ -400,7 +400,7 @@ double Driver::reach(int k, const Pose& X_goal, double* q, std::span<Pose> X, bo
   const Vec3 target = X_goal * limb.end_point;
   const double enough = 1e-8 * limb.length;
   double misses = norm(target - X[at(limb.end)] * limb.end_point);
-  bool stretched = false;  // the limb is straight and points at the goal: iterations cannot come closer
+  bool stretched = false;  // true: the limb is straight and points at the goal, so that iterations cannot come closer
   if (limb.end_is_ankle && misses > enough) {
     const bool too_short = !bend_knee(limb, target, q, X);
     aim(limb, target, q, X);

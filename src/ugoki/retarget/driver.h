@@ -1,5 +1,5 @@
 #pragma once
-// Maps one posture of the source to one posture of the target: which source link drives which target joints.
+// Maps one posture of the source to one posture of the target by assigning source links to target joints.
 
 #include <span>
 #include <string>
@@ -21,7 +21,7 @@ struct LimbDrive {
   LimbMode mode = LimbMode::none;
   int source = -1;      ///< limb of the source (LimbName); -1: none
   bool ground = false;  ///< the limb's end can stand on the ground
-  bool flat = false;    ///< the foot is kept level during stance, because source and target feet are of different kinds
+  bool flat = false;    ///< the foot is kept level in stance, because source and target have different kinds of feet
 };
 
 /// Computes postures of the target. `source` and `target` must outlive the driver.
@@ -32,7 +32,7 @@ class Driver {
   /// Computes all joint coordinates of the target. The root is placed so that the midpoint of the target's hips follows the scaled midpoint
   /// of the source's hips.
   /// @param q_S [nq of the source] @param X_S [links of the source]
-  /// @param q [nq of the target, in and out] in: the previous frame (or the standing posture), the start of iterative solutions
+  /// @param q [nq of the target, in and out] in: the previous frame (or the standing posture), from which iterative solutions start
   /// @param X [links of the target, out]
   void pose(std::span<const double> q_S, std::span<const Pose> X_S, std::span<double> q, std::span<Pose> X);
   /// Moves the limb's end link to X_goal by inverse kinematics. @param turn false: joints beyond the limb's end point keep their angles
@@ -51,7 +51,7 @@ class Driver {
   /// Heading [rad] of the source's pelvis about Z.
   [[nodiscard]] double heading(std::span<const Pose> X_S) const;
 
-  /// @param crouch m, how much lower than on straight legs the source usually holds its hips; not copied to a target of another kind
+  /// @param crouch m, usual height of the source's hips below the height on straight legs; not copied to a target of another kind
   void set_crouch(double crouch) { crouch_ = crouch; }
   /// Ratio of lengths, target over source.
   [[nodiscard]] double scale() const { return scale_; }
@@ -61,30 +61,30 @@ class Driver {
   void set_ground(double ground) { ground_ = ground; }
   [[nodiscard]] const LimbDrive& limb(int k) const { return limbs_[static_cast<std::size_t>(k)]; }
   [[nodiscard]] const ChainSolver& solver() const { return solver_; }
-  /// One sentence for each mapping: which source link drives which target links.
+  /// Returns one sentence for each mapped source link: which target links it drives.
   [[nodiscard]] std::vector<std::string> describe_mapping() const;
 
  private:
-  /// Goal orientation of a target link: follows source link a, or an orientation interpolated between source links a and b.
+  /// Goal orientation of a target link: it follows source link a, or an orientation interpolated between source links a and b.
   struct LinkGoal {
     int link = -1;              ///< link of the target
-    int a = -1, b = -1;         ///< links of the source; b -1: only a
+    int a = -1, b = -1;         ///< links of the source; b = -1: the goal follows only a
     double t = 0;               ///< interpolation parameter from a (0) to b (1)
-    bool level = false;         ///< the tilt is limited, because source and target trunk are of different kinds
+    bool level = false;         ///< true: the tilt is limited, because source and target trunk are of different kinds
     Mat3 K = Mat3::identity();  ///< constant rotation from the source's anatomical axes to the target link's frame
   };
-  /// How a cluster is solved. root: floating base; twin: coordinates are copied from identical joints of the source; single: one joint, in
-  /// closed form; general: iteratively.
+  /// Method by which a cluster is solved. root: floating base; twin: coordinates are copied from identical joints of the source; single:
+  /// one joint, in closed form; general: iteratively.
   enum class Kind { root, twin, single, general };
   /// Links of the target whose joints are solved together for one goal.
   struct Cluster {
     Kind kind = Kind::general;
     std::vector<int> links;
     int goal = -1;                  ///< index into goals_
-    int movable = -1;               ///< root, single: the link whose joint moves
+    int movable = -1;               ///< root, single: the link whose joint is solved
     Mat3 R_rel = Mat3::identity();  ///< root, single: orientation of the goal's link relative to the movable link
-    std::vector<int> twins;         ///< twin: [links] links of the source with the identical joints
-    bool from_stand = false;        ///< DOFs are redundant: in each frame the solution starts from the standing posture
+    std::vector<int> twins;         ///< twin: [links] source links whose joints are identical
+    bool from_stand = false;        ///< true: DOFs are redundant, so in each frame the solution starts from the standing posture
   };
 
   void map_trunk();

@@ -9,11 +9,11 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double swing_tilt = 0.6;  // share of the source's tilt that a foot of another kind keeps in mid-swing
+constexpr double swing_tilt = 0.6;  // fraction of the source's tilt that a foot of another kind keeps in mid-swing
 constexpr double tilt_time = 0.10;  // s, duration of the transition between level (stance) and tilted (swing)
 
-/// Contact labels of limb k: 1 in frames in which any link of the limb is labelled as in contact; empty if the motion has no labels for the
-/// limb.
+/// Returns the contact labels of limb k: 1 in frames in which any link of the limb is labelled as in contact; empty if the motion has no
+/// labels for the limb.
 std::vector<std::uint8_t> labelled(const Rig& rig, const Motion& motion, int k) {
   std::vector<std::uint8_t> on;
   for (const ContactTrack& track : motion.contacts) {
@@ -59,7 +59,7 @@ std::vector<std::vector<std::uint8_t>> source_contacts(const Rig& rig, const Mot
 void flatten(FootPlan& plan, const Mat3& F, double rate) {
   const std::vector<std::uint8_t>& on = plan.raw.bears;
   const std::size_t n = on.size();
-  // Distance in frames to the nearest stance.
+  // Time to the nearest stance, in frames.
   std::vector<double> away(n, 1e9);
   for (std::size_t f = 0; f < n; ++f) away[f] = on[f] ? 0 : f > 0 ? away[f - 1] + 1 : 1e9;
   for (std::size_t f = n; f-- > 0;)
@@ -74,8 +74,8 @@ void flatten(FootPlan& plan, const Mat3& F, double rate) {
 }
 
 void step_where_dragged(FootPlan& plan, double rate, double length) {
-  constexpr double max_drag = 0.2, step_height = 0.12;   // shares of the leg's length
-  constexpr double step_time = 0.12, min_stance = 0.06;  // s, half the duration of a step; shortest stance
+  constexpr double max_drag = 0.2, step_height = 0.12;   // fractions of the leg's length
+  constexpr double step_time = 0.12, min_stance = 0.06;  // s: half the duration of a step, shortest stance
   std::vector<std::uint8_t>& on = plan.raw.bears;
   const int n = static_cast<int>(on.size()), half = std::max(1, static_cast<int>(step_time * rate));
   const auto position = [&](int f) { return plan.raw.X_WF[at(f)].p; };

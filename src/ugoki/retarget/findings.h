@@ -6,7 +6,7 @@
 
 namespace ugoki::retarget {
 
-/// Fills the report's margins, speeds and foot sliding. With options.slow_down, slows the motion to the allowed joint speeds.
+/// Fills the report's joint margins, speeds and foot sliding. With options.slow_down, also slows the motion to the allowed joint speeds.
 void complete_report(const Rig& target, const Driver& driver, const RetargetOptions& options, Retargeted& result);
 
 }  // namespace ugoki::retarget

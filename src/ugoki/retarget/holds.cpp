@@ -7,12 +7,13 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double min_time = 0.4;              // s, shorter rests do not count
-constexpr double still_speed = 0.12;          // m/s for legs of 0.9 m (scales with the square root of the length); faster hands move
+constexpr double min_time = 0.4;              // s, shorter holds are ignored
+constexpr double still_speed = 0.12;          // m/s for legs of 0.9 m (scales with the root of the length): maximum speed of a hand that
+                                              // holds
 constexpr double min_hip_travel = 0.08;       // fraction of the leg's length: if the hips move less, the person merely stands still
 constexpr double max_hand_distance = 0.5;     // fraction of the leg's length: hands farther apart do not hold each other
 constexpr double max_distance_change = 0.02;  // m for legs of 0.9 m: tolerance for the distance between the hands
-constexpr double fade_time = 0.17;            // s, transition before and after a hold
+constexpr double fade_time = 0.17;            // s, duration of the transition before and after a hold
 
 /// Diagonal [m] of the bounding box of the points.
 double spread(std::span<const Vec3> p) {

@@ -14,12 +14,12 @@ namespace ugoki::retarget {
 struct Hold {
   enum class Kind {
     fixed,    ///< the hand stays at one point of the world while the body moves
-    together  ///< both hands move and keep their distance from each other
+    together  ///< both hands move and keep the distance between them
   };
   Kind kind = Kind::fixed;
-  int hand = 0;             ///< 0 left, 1 right; together: 0
+  int hand = 0;             ///< 0 left, 1 right; not used (0) for `together`
   int first = 0, last = 0;  ///< frames, both included
-  Vec3 point;               ///< m, in the source's world; fixed: the mean position of the wrist
+  Vec3 point;               ///< m, in the source's world: mean position of the wrist; not used for `together`
 };
 
 /// Finds all holds in the paths of the source's wrists. O(frames).
@@ -29,7 +29,7 @@ struct Hold {
 [[nodiscard]] std::vector<Hold> find_holds(const std::array<std::vector<Vec3>, 2>& hands, std::span<const Vec3> hips, double rate,
                                            double size);
 
-/// Weight of a hold in a frame: 1 inside, falling smoothly to 0 within 0.17 s before and after it.
+/// Weight of a hold in a frame: 1 inside the hold, decreasing smoothly to 0 within 0.17 s before and after it.
 [[nodiscard]] double weight_of(const Hold& hold, int frame, double rate);
 
 /// Sentence for display: "The left hand holds still in frames 10 to 80."

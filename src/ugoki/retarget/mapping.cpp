@@ -9,7 +9,7 @@ namespace {
 
 using json::Json;
 
-/// Reads one document and collects its problems (at most 50).
+/// Reads one mapping file and collects its problems (at most 50).
 class Reader {
  public:
   explicit Reader(std::string_view file) : file_(file) {}

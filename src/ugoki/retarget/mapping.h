@@ -10,10 +10,10 @@
 
 namespace ugoki::retarget {
 
-/// Content of a mapping file; default-constructed: everything is automatic.
+/// Content of a mapping file. In a default-constructed mapping everything is found automatically.
 struct Mapping {
   AnatomyNames source, target;
-  std::vector<std::pair<std::string, std::string>> links;  ///< (source link, target link): joints outside trunk and limbs (ears, fingers)
+  std::vector<std::pair<std::string, std::string>> links;  ///< (source link, target link) outside trunk and limbs (ears, fingers)
   std::vector<SoleSpec> soles;                             ///< soles of the target
   double speed = 0;  ///< rad/s (m/s for sliding joints), speed limit of all joints of the target; 0: none
   std::vector<std::pair<std::string, double>> link_speeds;  ///< (target link, its speed limit, same unit); takes precedence over `speed`

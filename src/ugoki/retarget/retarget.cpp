@@ -15,12 +15,12 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double near_enough = 1e-5;  // fraction of the leg's length: a standing foot this close to its goal has reached it
+constexpr double near_enough = 1e-5;  // fraction of the leg's length: at a smaller distance a standing foot has reached its goal
 constexpr double slip_weight =
-    20;  // roll() minimises distance to the goal + slip_weight * sliding: sliding accumulates over a stance, a height error does not
-constexpr int max_roll_iterations = 100;  // upper bound of the iterations of roll(); usually 2 or 3 suffice
-constexpr double fade_time = 0.06;        // s, time constant with which a swinging foot returns to its plan
-constexpr double shift_time = 0.1;        // s, window before and after a frame with an unreachable foot in which the root is moved
+    20;  // roll() minimises goal distance + slip_weight * sliding; sliding accumulates over a stance, a height error does not
+constexpr int max_roll_iterations = 100;  // maximum number of iterations of roll(); usually 2 or 3 suffice
+constexpr double fade_time = 0.06;        // s, time constant with which a swinging foot returns to its planned path
+constexpr double shift_time = 0.1;        // s, time before and after a frame with an unreachable foot in which the root is displaced
 
 /// One retargeting run; run() performs the steps in order.
 class Retargeting {
@@ -67,8 +67,8 @@ class Retargeting {
   [[nodiscard]] double* frame(int f) { return out_.motion.frame(f); }
   [[nodiscard]] const double* posture(int f) const { return postures_.data() + at(f) * at(m_.nq()); }
 
-  /// How much lower the source's hips usually are than on straight legs, m: 75th percentile of their height, at most 0.1 of the hip height.
-  /// 0 unless a biped drives a four-legged character.
+  /// Usual height [m] of the source's hips below their height on straight legs (75th percentile of the hips' height), at most 0.1 of the
+  /// hip height. 0 unless the source is a biped and the target has four legs.
   [[nodiscard]] double usual_crouch(double ground) const {
     if (s_.anatomy.four_legs == t_.anatomy.four_legs || s_.anatomy.four_legs) return 0;
     std::vector<double> heights;
@@ -98,7 +98,7 @@ class Retargeting {
     for (int f = 0; f < in_.frames; ++f) {
       const std::span<const double> q_S(in_.frame(f), at(in_.nq));
       calc_poses(*s_.mechanism, q_S, X_S);
-      if (f == 0)  // the first frame has no previous solution: iterate until it converges
+      if (f == 0)  // the first frame has no previous solution: iterate until convergence
         for (int i = 0; i < 5; ++i) driver_.pose(q_S, X_S, q_, X_);
       driver_.pose(q_S, X_S, q_, X_);
       std::copy(q_.begin(), q_.end(), frame(f));
@@ -172,8 +172,8 @@ class Retargeting {
     for (int k = 0; k < 3; ++k) frame(f)[k] += own[k];
   }
 
-  /// Displacement [m] of the root with which all standing feet reach their goals: Newton's method on the errors that the limbs cannot
-  /// remove.
+  /// Returns a displacement [m] of the root with which all standing feet reach their goals: Newton's method on the errors that remain after
+  /// inverse kinematics of the limbs.
   Vec3 find_shift(int f, Vec3 shift) {
     const double enough = near_enough * t_.leg_length, longest = 0.15 * t_.leg_length;
     Vec3 best = shift;
@@ -196,7 +196,7 @@ class Retargeting {
       Mat3 A = Mat3::diagonal(1e-4, 1e-4, 1e-4);
       for (std::size_t k = 0; k < feet_.size(); ++k) {
         if (!feet_[k].path.bears[at(f)]) continue;
-        // A foot at its goal resists motion of the root opposite to `wish`.
+        // A foot that has reached its goal resists a motion of the root opposite to `wish`.
         const bool there = norm(missing[k]) < enough;
         const Mat3 P = driver_.resistance(feet_[k].limb, there ? -wish : missing[k], frame(f), X_);
         A += P * P;
@@ -208,8 +208,8 @@ class Retargeting {
     return best;
   }
 
-  /// Smooth envelope of the displacements d [frames]: extreme values within shift_time of each frame, then a Hann average over the same
-  /// time.
+  /// Smooth envelope of the displacements d [frames]: sum of minimum and maximum within shift_time of each frame, then a Hann average over
+  /// the same time.
   [[nodiscard]] std::vector<Vec3> envelope(const std::vector<Vec3>& d) const {
     const int n = static_cast<int>(d.size()), w = std::max(1, static_cast<int>(shift_time * in_.rate + 0.5));
     std::vector<Vec3> wide(d.size()), out(d.size());
@@ -219,7 +219,7 @@ class Retargeting {
       hann.push_back(0.5 + 0.5 * cos(pi * i / (w + 1)));
       sum += hann.back();
     }
-    int quiet = w + 1;  // frames since the last displacement that is not zero
+    int quiet = w + 1;  // frames since the last nonzero displacement
     for (int f = 0; f < n + w; ++f) {
       quiet = f < n && d[at(f)] != Vec3{} ? 0 : quiet + 1;
       const int g = f - w;
@@ -238,8 +238,8 @@ class Retargeting {
     return out;
   }
 
-  /// Horizontal displacements [m] of the root that bring the centre of mass within 0.06 of the leg's length of the segment between
-  /// the standing feet.
+  /// Horizontal displacements [m] of the root. They bring the centre of mass to a distance of at most 0.06 of the leg's length from the
+  /// line segment between the standing feet.
   [[nodiscard]] std::vector<Vec3> shift_for_balance() {
     const double tolerance = 0.06 * t_.leg_length;
     std::vector<Vec3> need(at(in_.frames));
@@ -266,7 +266,7 @@ class Retargeting {
     return envelope(need);
   }
 
-  /// Solves all frames; repeats up to three times with a smooth displacement of the root where feet do not reach.
+  /// Solves all frames. If feet cannot reach their goals, displaces the root smoothly and solves again, up to three times.
   void solve_all() {
     std::vector<Vec3> shift(at(in_.frames)), extra(at(in_.frames));
     const bool movable = m_.link(0).joint.type == JointType::floating && o_.keep_contacts;
@@ -304,8 +304,8 @@ class Retargeting {
       }
   }
 
-  /// Soles whose orientation could not be reached (limits, missing DOFs) are planned a second time with the orientation that was reached.
-  /// roll() removes the remaining differences frame by frame.
+  /// Soles whose orientation could not be reached (limits, missing DOFs) are planned again with the orientation that was reached. roll()
+  /// removes the remaining differences frame by frame.
   void follow_real_soles() {
     if (!o_.keep_contacts) return;
     double worst = 0;
@@ -320,7 +320,7 @@ class Retargeting {
         worst = std::max(worst, 3 - off.trace());
       }
     }
-    if (worst > 1e-7) {  // squared angle: 1e-7 is 0.3 mrad
+    if (worst > 1e-7) {  // 3 - trace is the squared angle: 1e-7 is 0.3 mrad
       for (std::size_t k = 0; k < feet_.size(); ++k) {
         if (t_.limbs[at(feet_[k].limb)].point_foot) continue;
         for (int f = 0; f < in_.frames; ++f) feet_[k].raw.X_WF[at(f)].R = real[k][at(f)].R;
@@ -362,13 +362,13 @@ class Retargeting {
     return std::sqrt(d.x * d.x + d.y * d.y);
   }
 
-  /// Goes through the frames and keeps the lowest point of the sole where it was in the previous frame, at the planned height.
+  /// In each frame, keeps the lowest point of the sole at its position in the previous frame and at the planned height.
   void roll(FootPlan& plan) {
     const LimbRig& limb = t_.limbs[at(plan.limb)];
     const std::vector<LinkPoint>& points = limb.sole.points;
     const double fade = 1 / (1 + fade_time * in_.rate);
     std::vector<Pose> X_FP(points.size()), X_WP(points.size());
-    Vec3 off, best_off;  // m, displacement of the foot from its plan
+    Vec3 off, best_off;  // m, displacement of the foot from its planned path
     for (int f = 0; f < in_.frames && !cancelled(); ++f) {
       const bool stands = plan.path.bears[at(f)] != 0, stood = f > 0 && plan.path.bears[at(f - 1)] != 0;
       if (!stands) off = off * (1 - fade);
@@ -392,7 +392,7 @@ class Retargeting {
         const Mat3 turned = X.R.transposed() * X_[at(limb.end)].R;
         X = X_[at(limb.end)];
         const bool settled = i > 0 && 3 - turned.trace() < 1e-13;
-        // If turning the sole changes its lowest point, the iteration may oscillate: keep the best solution found.
+        // If turning the sole changes which point is lowest, the iteration may oscillate: keep the best solution found.
         const double slip = stands && stood ? slip_of(limb, X, X_FP, X_WP) : 0;
         if (settled || miss + slip_weight * slip < minimum) {
           minimum = miss + slip_weight * slip;
@@ -416,8 +416,8 @@ class Retargeting {
     return drive.mode == LimbMode::copied && !drive.ground && !s_.anatomy.four_legs;
   }
 
-  /// Moves hands that hold a fixed object to the object's point in the scaled world. Moves hands that hold each other to their scaled
-  /// distance.
+  /// Moves a hand that holds a fixed object to the object's point in the scaled world. Moves hands that hold each other to the scaled
+  /// distance between them.
   void hold() {
     if (!o_.keep_holds || !o_.keep_contacts) return;
     std::vector<Miss> misses(2);
@@ -458,7 +458,7 @@ class Retargeting {
       if (miss.frames > 0) hand_misses_.push_back(miss);
   }
 
-  /// Writes contact labels. A foot that missed its goal by more than 0.002 of the leg's length is not labelled.
+  /// Writes contact labels. A frame in which the foot misses its goal by more than 0.002 of the leg's length gets no label.
   void label() {
     for (FootPlan& plan : feet_) {
       const LimbRig& limb = t_.limbs[at(plan.limb)];
@@ -471,7 +471,7 @@ class Retargeting {
     }
   }
 
-  /// Adds sliding before correction and misses of one foot to the report.
+  /// Adds to the report the sliding of one foot before correction, and its distances from the goal.
   void add_foot_facts(FootPlan& plan) {
     int none = 0;
     out_.report.skate_before = std::max(out_.report.skate_before, path_skate(plan.raw, none));
@@ -505,7 +505,7 @@ class Retargeting {
   Retargeted out_;
 };
 
-/// Repeats the run with shorter steps (factor 0.8 each, at most 5 runs) until the feet reach their goals; returns the best run.
+/// Repeats the retargeting with shorter steps (factor 0.8 each, at most 5 runs) until the feet reach their goals; returns the best run.
 Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& motion, const RetargetOptions& options) {
   Retargeted best;
   double minimum = 1e300;
@@ -517,7 +517,7 @@ Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& mo
     double maximum = 0;
     for (const Miss& miss : out.report.misses) maximum = std::max(maximum, miss.maximum);
     out.report.misses.insert(out.report.misses.end(), run.hand_misses().begin(), run.hand_misses().end());
-    // A large displacement of the root is penalized like a foot that misses its goal.
+    // A large displacement of the root counts like a foot that misses its goal.
     maximum += 0.1 * std::max(0.0, out.report.max_shift - 0.1 * target.leg_length);
     if (maximum < minimum - 1e-4 || i == 0) {
       minimum = maximum;

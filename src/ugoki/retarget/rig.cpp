@@ -11,14 +11,14 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr Vec3 x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1};
 
-/// Rotation with columns d, the component of b normal to d (normalized), and their cross product.
+/// Returns a rotation matrix with columns d, the component of b normal to d (normalized), and their cross product.
 Mat3 axes_along(const Vec3& d, const Vec3& b) {
   Vec3 side = b - d * dot(d, b);
   side = norm(side) > 1e-6 ? normalized(side) : any_perpendicular(d);
   return Mat3::columns(d, side, cross(d, side));
 }
 
-/// Fills a Rig whose mechanism and anatomy are set.
+/// Computes all other members of a Rig whose mechanism and anatomy are set.
 class Maker {
  public:
   Maker(Rig& rig, const std::vector<SoleSpec>& soles) : r_(rig), m_(*rig.mechanism), anatomy_(rig.anatomy), soles_(soles), solver_(m_) {}
@@ -48,7 +48,7 @@ class Maker {
   }
 
  private:
-  /// Anatomical axes of the trunk in the world. On two legs they follow the line from hips to shoulders if the neutral position leans.
+  /// Anatomical axes of the trunk in the world. If a biped leans in the neutral position, they follow the line from hips to shoulders.
   [[nodiscard]] Mat3 trunk_axes() const {
     if (anatomy_.four_legs || !anatomy_.limbs[2].found() || !anatomy_.limbs[3].found()) return anatomy_.R_WA;
     const auto middle = [&](int k) {
@@ -62,7 +62,7 @@ class Maker {
   }
 
   [[nodiscard]] Vec3 origin(int link) const { return anatomy_.X_WB[at(link)].p; }
-  /// End [m, world] of the section `slot`: the next section's origin, or the far end of the last link's shapes.
+  /// Far end [m, world] of the section `slot`: the next section's origin, or the far end of the last link's shapes.
   [[nodiscard]] Vec3 end_of(const Limb& limb, Slot slot) const {
     for (int s = static_cast<int>(slot) + 1; s < slot_count; ++s)
       if (limb.has(static_cast<Slot>(s))) return origin(limb.first(static_cast<Slot>(s)));
@@ -75,7 +75,7 @@ class Maker {
   }
 
   /// Axis (unit, world, neutral position) about which knee or elbow bends; positive rotations flex.
-  /// @param du, dl directions of upper and lower section @param hinge out: link of the hinge; -1: none
+  /// @param du, dl directions of upper and lower section @param hinge [out] link of the hinge; -1: none
   [[nodiscard]] Vec3 bend_axis(const Limb& limb, const Vec3& du, const Vec3& dl, bool leg, int& hinge) const {
     const Vec3 forward = anatomy_.R_WA * x_axis;
     Vec3 usual = cross(du, leg ? -forward : forward);
@@ -86,7 +86,7 @@ class Maker {
     Vec3 axis{};
     for (int s = limb.begin[2]; s < limb.begin[3]; ++s) {
       const int i = limb.links[at(s)];
-      if (m_.link(i).joint.nv() > 0) hinge = -1;  // a joint below the hinge would change the hinge's effect
+      if (m_.link(i).joint.nv() > 0) hinge = -1;  // a movable joint after the hinge would change the hinge's effect
       if (m_.link(i).joint.type != JointType::revolute) continue;
       const Vec3 a = anatomy_.X_WB[at(i)].R * m_.link(i).joint.axis;
       if (std::fabs(dot(a, dl)) < 0.5) {
@@ -143,7 +143,7 @@ class Maker {
     out.bend_axis = transpose_times(anatomy_.X_WB[at(limb.last(Slot::upper))].R, b);
     if (out.knee >= 0) out.knee_sign = dot(anatomy_.X_WB[at(out.knee)].R * m_.link(out.knee).joint.axis, b) < 0 ? -1 : 1;
     const double side = k % 2 == 0 ? 1 : -1;
-    // Standing axes: legs straight down, arms hanging.
+    // In the standing posture legs are straight down and arms hang.
     const Vec3 bend_standing = leg ? y_axis : -y_axis;
     const Mat3 hanging = axes_along(-z_axis, bend_standing);
     set_axes(limb, Slot::upper, axes_along(du, b), hanging, du);
@@ -184,7 +184,7 @@ class Maker {
     return low;
   }
 
-  /// Sets the end link, its sole, and the chain from the root to it.
+  /// Finds the end link of limb k, its sole, and the chain from the limb's root to it.
   void find_end(int k) {
     const Limb& limb = anatomy_.limbs[at(k)];
     LimbRig& out = r_.limbs[at(k)];
@@ -232,7 +232,7 @@ class Maker {
     }
   }
 
-  /// Sets the sole of a limb. @param given sole of the mapping; null: from the shapes of the end link and its descendants
+  /// Sets the sole of a limb. @param given sole from the mapping; null: found from the shapes of the end link and its descendants
   void make_sole(LimbRig& out, const SoleSpec* given) {
     motion_edit::FootLimb& sole = out.sole;
     sole.link = out.end;
@@ -257,7 +257,7 @@ class Maker {
       out.has_sole = false;
       out.point_foot = true;
     } else {
-      // If all low points are close together (a ball at the end of a robot's leg), the orientation of the foot is free.
+      // If all low points are close together (a ball at the end of a robot's leg), the sole is a point and the foot's orientation is free.
       double low = 1e300;
       for (const auto& p : sole.points) low = std::min(low, height(p));
       std::vector<LinkPoint> bearing;
@@ -283,7 +283,7 @@ class Maker {
   }
   [[nodiscard]] double height(const LinkPoint& p) const { return (anatomy_.X_WB[at(p.link)] * p.location.p).z - p.location.radius; }
 
-  /// Bends legs that are straight in the neutral position (robots): each foot is raised towards its hip by 12 % of their distance.
+  /// Bends legs that are straight in the neutral position (robots): raises each foot towards the hip by 12 % of the distance between them.
   void stand_on_four() {
     for (int k = 0; k < limb_count; ++k) {
       LimbRig& limb = r_.limbs[at(k)];
@@ -307,7 +307,7 @@ class Maker {
       for (const int i : anatomy_.limbs[at(k)].links) r_.G[at(i)] = anatomy_.R_WA.transposed() * (X_[at(i)].R * r_.F[at(i)]);
   }
 
-  /// Sets `stand` and `stand_tip` of limb k from the standing posture.
+  /// Computes `stand` and `stand_tip` of limb k from the standing posture.
   void measure_stand(int k) {
     LimbRig& limb = r_.limbs[at(k)];
     if (!limb.found) return;
@@ -334,7 +334,7 @@ class Maker {
                       : leg.point_foot   ? Mat3::identity()
                                          : r_.F[at(leg.end)];
     for (const LinkPoint& p : leg.sole.points) {
-      // Points of the toes keep their neutral position relative to the foot.
+      // In the standing posture, points of the toes have the same position relative to the foot as in the neutral position.
       const Vec3 in_foot =
           anatomy_.X_WB[at(leg.end)].inverse() * (anatomy_.X_WB[at(p.link)] * p.location.p) - leg.end_point * (leg.point_foot ? 0 : 1);
       low = std::min(low, (leg.point_foot ? 0 : transpose_times(axes, in_foot).z) - p.location.radius);

@@ -7,11 +7,11 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr std::size_t max_parts = 12;                    // in the search: maximum number of folders, and of shortened paths
+constexpr std::size_t max_parts = 12;                    // limits of the search: number of folders, and number of shortened paths
 constexpr std::size_t max_bytes = std::size_t{1} << 31;  // total size of all mesh files of one description
-constexpr int max_absent = 500;                          // missing files after which no more are searched: each search tries many paths
+constexpr int max_absent = 500;                          // missing files after which the search ends, because each search tries many paths
 
-/// The folder of the file and its parent folders: "a/c.urdf" gives "a/", "", "../", "../../" ... At most `max_parts` folders.
+/// Returns the folder of the file and its parent folders: "a/c.urdf" gives "a/", "", "../", "../../" ... At most `max_parts` folders.
 std::vector<std::string> folders_above(std::string_view file_name) {
   std::vector<std::string> out;
   std::size_t slash = file_name.rfind('/');
@@ -40,7 +40,7 @@ std::vector<std::string> candidate_paths(std::string_view uri, std::string_view 
   while (path.starts_with('/')) path.remove_prefix(1);
   std::vector<std::string> out;
   for (std::size_t part = 0; part < max_parts && !path.empty(); ++part) {
-    const bool bare = path.find('/') == std::string_view::npos;  // a file name without folders is only searched in the description's folder
+    const bool bare = path.find('/') == std::string_view::npos;  // a file name without folders is searched only in the description's folder
     for (std::size_t i = 0; i < (bare ? 1 : folders.size()); ++i) out.push_back(folders[i] + std::string(path));
     if (bare) break;
     path.remove_prefix(path.find('/') + 1);

@@ -13,10 +13,10 @@
 
 namespace ugoki::robot_formats {
 
-/// Paths at which the file `uri` of the description `file_name` may be found, most likely path first. `package://a/b/c` and `model://a/b/c`
-/// are searched as a/b/c, b/c and c, because packages are often copied in part. a/b/c and b/c are searched in the description's folder and
-/// in every folder above it, c only in the description's folder. Any other path is relative to the description's folder. Empty for other
-/// schemes (http://).
+/// Returns the paths at which the file `uri` of the description `file_name` may be found, most likely path first. `package://a/b/c` and
+/// `model://a/b/c` are searched as a/b/c, b/c and c, because packages are often copied in part. a/b/c and b/c are searched in the
+/// description's folder and in every folder above it, c only in the description's folder. Paths without a scheme are relative to the
+/// description's folder. Returns no path for other schemes (http://).
 [[nodiscard]] std::vector<std::string> candidate_paths(std::string_view uri, std::string_view file_name);
 
 /// Loads and caches the meshes of one description.
@@ -24,9 +24,9 @@ class Assets {
  public:
   Assets(AssetReader read, std::string_view file_name) : read_(std::move(read)), file_name_(file_name) {}
 
-  /// The shape of the mesh after its vertices were multiplied by `scale`. std::nullopt if the file was not found; an Error if it was found
-  /// but cannot be used. The result is cached. The first call for a mesh costs O(file size).
-  /// @param how exact, hull or box
+  /// Returns the mesh as a shape, after its vertices were multiplied by `scale`. std::nullopt if the file was not found; an Error if it was
+  /// found but cannot be used. The result is cached. The first call for a mesh costs O(file size).
+  /// @param how exact surface, convex hull or box
   /// @param collides whether the shape takes part in collision detection
   [[nodiscard]] const Result<std::optional<MeshShape>>& mesh(const std::string& uri, const Vec3& scale, Meshes how, bool collides);
   /// All meshes read so far.

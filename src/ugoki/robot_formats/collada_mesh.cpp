@@ -19,7 +19,7 @@ struct Part {
   std::vector<std::array<int, 3>> triangles;
 };
 
-/// Affine map x -> A x + b. A may contain scales.
+/// Affine map x -> A x + b. A may contain scaling.
 struct Placement {
   Mat3 A = Mat3::identity();
   Vec3 b;
@@ -58,7 +58,7 @@ class ColladaReader {
     }
   }
 
-  /// Adds the faces of one <triangles>, <polylist> or <polygons>. Polygons are split into triangle fans.
+  /// Adds the faces of one <triangles>, <polylist> or <polygons> element. Polygons are split into triangle fans.
   void read_faces(pugi::xml_node faces, Part& part) {
     const std::string_view kind = faces.name();
     if (kind != "triangles" && kind != "polylist" && kind != "polygons") return;
@@ -112,7 +112,8 @@ class ColladaReader {
     return all;
   }
 
-  /// Adds the geometries of the node and its descendants; no recursion, so that deep files cannot exhaust the stack. True if any was added.
+  /// Adds the geometries of the node and its descendants; without recursion, so that deep files cannot exhaust the stack. True if it added
+  /// any.
   bool place(pugi::xml_node top) {
     bool placed = false;
     std::vector<std::pair<pugi::xml_node, Placement>> todo = {{top, {}}};

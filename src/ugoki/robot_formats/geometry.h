@@ -1,5 +1,5 @@
 #pragma once
-// Converts the geometry of a <collision> or <visual> element to an Ugoki shape; common to URDF and SDF. Internal to robot_formats.
+// Converts the geometry of a <collision> or <visual> element to an Ugoki shape. Used for URDF and SDF. Internal to robot_formats.
 
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@ namespace ugoki::robot_formats {
 
 enum class Primitive { box, sphere, cylinder, capsule, ellipsoid };
 
-/// Sizes [m] of a primitive; the primitive decides which of them are used.
+/// Sizes [m] of a primitive shape; the kind of primitive decides which of them are used.
 struct PrimitiveSize {
   Vec3 sides = {};    ///< box
   double radius = 0;  ///< sphere, cylinder, capsule
@@ -19,18 +19,18 @@ struct PrimitiveSize {
   Vec3 radii = {};    ///< ellipsoid
 };
 
-/// Element that defines a shape, and where and how the shape is used.
+/// Element that defines a shape, and position and purpose of the shape.
 struct ShapeUse {
-  pugi::xml_node node;  ///< <collision> or <visual>, for problems and notes
+  pugi::xml_node node;  ///< <collision> or <visual>, as the location of problems and notes
   bool collides = true;
   Pose X_BS;  ///< pose of the shape in the link frame
 };
 
-/// The primitive as a shape. If a size is zero, adds a note and returns std::nullopt.
+/// Returns the primitive as a shape. If a size is zero, adds a note and returns std::nullopt.
 [[nodiscard]] std::optional<Shape> primitive_shape(XmlFields& xml, Primitive kind, const PrimitiveSize& size, const ShapeUse& use);
 
-/// The mesh as a shape, in the form that `options.meshes` asks for. If the mesh cannot be read, adds a note or
-/// problem and returns std::nullopt.
+/// Returns the mesh as a shape, in the form that `options.meshes` selects. If the mesh cannot be read, adds a note or problem and returns
+/// std::nullopt.
 [[nodiscard]] std::optional<Shape> mesh_shape(XmlFields& xml, const std::string& uri, const Vec3& scale, const ShapeUse& use,
                                               const RobotOptions& options, Assets& assets);
 

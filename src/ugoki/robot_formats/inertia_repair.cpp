@@ -11,7 +11,7 @@ std::optional<double> make_physical(Inertia& inertia) {
   const Sym3 I = inertia.about_centre();
   const double half_trace = 0.5 * (I.xx + I.yy + I.zz);
   const SymmetricEigen P = symmetric_eigen({half_trace - I.xx, half_trace - I.yy, half_trace - I.zz, -I.xy, -I.xz, -I.yz});
-  // Stricter than Mechanism::make, which tolerates 1e-9 of the moments about the origin. Thus a repaired inertia always passes its test.
+  // Stricter than Mechanism::make, which tolerates 1e-9 of the moments about the origin, so that it accepts every repaired inertia.
   const double slack = 1e-10 * std::max({std::fabs(inertia.I.xx), std::fabs(inertia.I.yy), std::fabs(inertia.I.zz)});
   if (P.values.x >= -slack && P.values.y >= -slack && P.values.z >= -slack) return std::nullopt;
 

@@ -14,7 +14,7 @@ constexpr std::size_t max_entries = 100'000;
 
 int line_of(const YAML::Node& node) { return std::max(0, node.Mark().line) + 1; }
 
-/// Parses the loops file. Its methods may throw YAML::Exception; read_loops_yaml catches it.
+/// Parses the loops file. Its member functions may throw YAML::Exception, which read_loops_yaml catches.
 class LoopsYamlReader {
  public:
   explicit LoopsYamlReader(const std::string& file_name) : problems_(file_name) {}

@@ -15,8 +15,8 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double max_coordinate = 1e6;    // maximum magnitude of a coordinate, unit of the file
-constexpr double min_half_extent = 1e-4;  // m: flat meshes get a thickness, because a box of zero volume cannot collide
+constexpr double max_coordinate = 1e6;    // maximum magnitude of a coordinate, in the file's unit
+constexpr double min_half_extent = 1e-4;  // m: minimum half thickness of a box, because a box of zero volume cannot collide
 constexpr std::size_t max_points = 100'000'000;
 
 bool ends_with(std::string_view name, std::string_view ending) {
@@ -29,7 +29,7 @@ std::uint32_t u32(const char* p) {
   return out;
 }
 
-/// Makes a triangle of every three consecutive points.
+/// Makes one triangle of every three consecutive points.
 void join_in_threes(MeshFile& mesh) {
   for (int i = 0; i + 2 < static_cast<int>(mesh.points.size()); i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
 }
@@ -46,7 +46,7 @@ MeshFile binary_stl(std::string_view bytes, std::size_t triangles) {
   return out;
 }
 
-/// The next three numbers on the line; if one is missing or invalid, adds a problem to `error` and returns std::nullopt.
+/// Reads the next three numbers on the line. If one is missing or invalid, adds a problem to `error` and returns std::nullopt.
 std::optional<Vec3> point_on_line(formats::Scanner& scan, const std::string& file_name, Error& error) {
   Vec3 v;
   for (int i = 0; i < 3; ++i) {
@@ -86,7 +86,7 @@ Result<MeshFile> obj(std::string_view text, const std::string& file_name) {
       const std::optional<Vec3> p = point_on_line(scan, file_name, error);
       if (!p) return fail(std::move(error));
       out.points.push_back(*p);
-    } else if (kind == "f") {  // becomes a fan of triangles; "7/2/3" means point 7, -1 the last point
+    } else if (kind == "f") {  // a polygon becomes a triangle fan; "7/2/3" means point 7, -1 the last point
       std::array<int, 3> fan{};
       int corner = 0;
       for (std::string_view token = scan.word_on_line(); !token.empty(); token = scan.word_on_line(), ++corner) {
@@ -118,7 +118,7 @@ Result<MeshFile> read_kind(std::string_view bytes, const std::string& file_name)
   return fail(ErrorCode::unsupported, file_name, "Mesh files of this type cannot be read.", "Give an STL, OBJ or DAE file.");
 }
 
-/// The box around the points whose sides are parallel to the columns of R.
+/// Returns the bounding box of the points with sides parallel to the columns of R.
 Shape box_along(const std::vector<Vec3>& points, const Mat3& R) {
   Vec3 low = transpose_times(R, points.front()), high = low;
   for (const Vec3& point : points) {
@@ -162,7 +162,7 @@ Result<MeshFile> read_mesh(std::string_view bytes, std::string_view file_name) {
 Shape box_around(const std::vector<Vec3>& points) {
   const Shape aligned = box_along(points, Mat3::identity());
   const Shape rotated = box_along(points, principal_axes(points));
-  // The rotated box must be clearly smaller (10 %): otherwise the simpler axis-aligned box is used.
+  // The rotated box is used only if it is clearly smaller (10 %), because the axis-aligned box is simpler.
   return volume(rotated) < 0.9 * volume(aligned) ? rotated : aligned;
 }
 

@@ -20,8 +20,8 @@ struct MeshFile {
 /// than 100 million vertices, a coordinate that is not finite or greater than 1e6. Memory: a constant multiple of the file size.
 [[nodiscard]] Result<MeshFile> read_mesh(std::string_view bytes, std::string_view file_name);
 
-/// A box around the points, parallel to the frame's axes; or parallel to the principal axes of the points, if that box has less than 90 %
-/// of the volume. Each side is at least 0.2 mm. The box's pose is given in the points' frame. Needs at least one point.
+/// Returns a box around the points, parallel to the axes of their frame; or parallel to the principal axes of the points, if this box has
+/// less than 90 % of the volume. Each side is at least 0.2 mm. The box's pose is given in the points' frame. Needs at least one point.
 [[nodiscard]] Shape box_around(const std::vector<Vec3>& points);
 
 }  // namespace ugoki::robot_formats

@@ -5,9 +5,9 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr std::size_t max_files = 200;  // included and attached files of one model; bounds the recursion over includes
+constexpr std::size_t max_files = 200;  // maximum number of included and attached files of a model; bounds the recursion over includes
 
-/// Name of the set of defaults for elements of this name. All actuators share one set, as do both kinds of tendon, and all equalities.
+/// Name of the set of defaults for this kind of element. All actuators share one set; so do both kinds of tendon, and all equalities.
 std::string_view family_of(std::string_view kind) {
   for (const std::string_view k : {"motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor"})
     if (kind == k) return "general";
@@ -76,7 +76,7 @@ bool MjcfDocument::load(std::string_view text, const std::string& file_name, con
 }
 
 bool MjcfDocument::load_includes(const MjcfElement& from, const std::string& folder, MjcfFiles& files) {
-  // Iterates over the levels of one file; the recursion over included files is bounded by max_files.
+  // A loop over the levels of one file, no recursion. The recursion over included files is bounded by max_files.
   std::vector<pugi::xml_node> open = {from.node};
   bool complete = true;
   while (!open.empty()) {
@@ -222,7 +222,7 @@ void MjcfDefaults::read(const MjcfDocument& document) {
 void MjcfDefaults::read_class(const MjcfDocument& document, const MjcfElement& element, const std::string& parent, int depth) {
   std::string name = element.text("class");
   if (depth == 0) {
-    // The outermost class may have its own name: a class without settings whose parent is "main", so that both names mean the same.
+    // The outermost class may have its own name. It is stored as a class without settings whose parent is "main": both names mean the same.
     const bool named = !name.empty() && name != "main";
     if (named && outermost_names_.insert(name).second && !classes_.emplace(name, Class{"main", {}}).second)
       return element.problem(ErrorCode::duplicate, "Two default classes are named " + formats::in_quotes(name) + ".",

@@ -32,14 +32,14 @@ struct MjcfElement {
   void note(const std::string& sentence) const { file->note(node, sentence); }
 };
 
-/// All files opened while reading one model: their problems and notes, and limits on their number and total size.
+/// All files opened while one model is read: their problems and notes, and limits on their number and total size.
 class MjcfFiles {
  public:
   explicit MjcfFiles(const AssetReader& read) : read_(read) {}
 
-  /// Parses a file. Returns null and records a problem if parsing fails. The result is owned by this object.
+  /// Parses a file. Returns null and records a problem if parsing fails. This object owns the result.
   [[nodiscard]] XmlFields* parse(std::string_view text, const std::string& file_name);
-  /// The bytes of another file, or the Error of the reader function.
+  /// Returns the bytes of another file, or the Error of the reader function.
   [[nodiscard]] Result<std::string> read(const std::string& path) const;
   [[nodiscard]] bool failed() const;
   [[nodiscard]] bool full() const;
@@ -56,12 +56,12 @@ class MjcfFiles {
 /// One model: its file and all files that it includes. Each file may be included once.
 class MjcfDocument {
  public:
-  /// @param folder folder of the model's file, "" or ending with a slash; includes are relative to it
+  /// @param folder folder of the model's file: "", or ending with a slash; includes are relative to it
   [[nodiscard]] bool load(std::string_view text, const std::string& file_name, const std::string& folder, MjcfFiles& files);
   [[nodiscard]] MjcfElement root() const { return root_; }
-  /// Child elements. An <include> is replaced by the children of the included file's root.
+  /// Returns the child elements. An <include> is replaced by the children of the included file's root.
   [[nodiscard]] std::vector<MjcfElement> children(const MjcfElement& parent) const;
-  /// Children of the root with this element name ("worldbody"), in file order; MJCF allows several.
+  /// Returns the children of the root with this element name ("worldbody"), in file order; MJCF allows several.
   [[nodiscard]] std::vector<MjcfElement> sections(std::string_view kind) const;
 
  private:
@@ -73,8 +73,8 @@ class MjcfDocument {
   std::vector<std::string> paths_;                                ///< paths of the files read so far
 };
 
-/// The attributes of an element, in levels: the element itself, its default class, the parent of this class, and so on. The value of an
-/// attribute is taken from the first level that has it.
+/// The attributes of an element and of its default classes, in levels: the element itself, its default class, the parent of this class, and
+/// so on. The value of an attribute is taken from the first level that contains it.
 class MjcfAttributes {
  public:
   explicit MjcfAttributes(MjcfElement own) : levels_{own} {}
@@ -88,15 +88,15 @@ class MjcfAttributes {
   [[nodiscard]] int integer(const char* name, int fallback, int low, int high) const;
   [[nodiscard]] bool flag(const char* name, bool fallback) const;
   [[nodiscard]] Vec3 vec3(const char* name, const Vec3& fallback) const;
-  /// Index of the attribute's value in `words`; `fallback` if the attribute is absent or has another value (a problem).
+  /// Returns the index of the attribute's value in `words`; `fallback` if it is absent or, with a problem, if it has another value.
   [[nodiscard]] int keyword(const char* name, std::initializer_list<std::string_view> words, int fallback) const;
-  /// Reads two numbers; values of magnitude 1e9 or more mean infinite. If the attribute is absent or invalid, returns false and leaves
-  /// `out` unchanged; an invalid attribute also adds a problem.
+  /// Reads two numbers; a magnitude of 1e9 or more means infinite. If the attribute is absent or invalid, returns false and does not change
+  /// `out`; an invalid attribute also adds a problem.
   bool range(const char* name, std::span<double, 2> out) const;
   bool numbers(const char* name, std::span<double> out, Bounds bounds = {}) const;
-  /// Reads an attribute that may have fewer numbers than `out`: each level, starting with the most general class, overwrites as many
-  /// numbers as it has.
-  /// @return the maximum number of values that a level has; the rest of `out` is unchanged
+  /// Reads an attribute that may have fewer numbers than `out`. Each level, starting with the most general class, overwrites as many
+  /// numbers as it contains.
+  /// @return the maximum number of values in a level; the rest of `out` is unchanged
   std::size_t overlay(const char* name, std::span<double> out, Bounds bounds = {}) const;
 
  private:
@@ -109,14 +109,15 @@ class MjcfDefaults {
  public:
   void read(const MjcfDocument& document);
   [[nodiscard]] bool knows(const std::string& class_name) const { return classes_.contains(class_name); }
-  /// The attributes of an element with its default class: the one named by its attribute `class`, else `childclass`, else "main".
-  /// @param family which set of defaults to use, if the element name does not determine it (<joint> inside <equality>)
+  /// Returns the attributes of an element. Its default class is named by its attribute `class`, else by `childclass`, else it is "main".
+  /// @param family set of defaults to use, if the element name does not determine it (<joint> inside <equality>)
   [[nodiscard]] MjcfAttributes attributes(const MjcfElement& element, const std::string& childclass, std::string_view family = {}) const;
 
  private:
   struct Class {
     std::string parent;
-    std::map<std::string, std::vector<MjcfElement>, std::less<>> elements;  ///< by family of elements (family_of); the last has priority
+    std::map<std::string, std::vector<MjcfElement>, std::less<>> elements;  ///< by family of elements (family_of); later elements override
+                                                                            ///< earlier ones
   };
   void read_class(const MjcfDocument& document, const MjcfElement& element, const std::string& parent, int depth);
   std::map<std::string, Class, std::less<>> classes_;

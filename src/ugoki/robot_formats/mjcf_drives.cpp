@@ -12,7 +12,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Whether the actuator's force depends on the state (position, velocity), so that ctrlrange does not bound the force.
+/// True if the actuator's force depends on the state (position, velocity), so that ctrlrange does not limit the force.
 bool has_feedback(const MjcfAttributes& a) {
   const auto feeds_back = [](std::string_view kind) {
     return kind == "position" || kind == "velocity" || kind == "intvelocity" || kind == "damper" || kind == "cylinder" || kind == "dcmotor";
@@ -22,13 +22,13 @@ bool has_feedback(const MjcfAttributes& a) {
   return std::ranges::any_of(a.levels(), [&](const MjcfElement& e) { return feeds_back(e.kind()); });
 }
 
-/// Largest magnitude of the two bounds in the attribute `range`; infinite if it is absent.
+/// Larger magnitude of the two bounds in the attribute `range`; infinite if the attribute is absent.
 double max_magnitude(const MjcfAttributes& a, const char* range) {
   double v[2] = {0, 0};
   return a.range(range, v) ? std::max(std::fabs(v[0]), std::fabs(v[1])) : infinite;
 }
 
-/// Maximum force of an actuator before multiplication by its gear, N or N m; infinite if the force is not bounded.
+/// Maximum force of an actuator before multiplication by its gear, N or N m; infinite if the force has no limit.
 double max_force(const MjcfCompiler& c, const MjcfAttributes& a) {
   if (mjcf_limited(c, a, "forcelimited", "forcerange")) return max_magnitude(a, "forcerange");
   if (has_feedback(a) || a.own().kind() == "muscle" || !mjcf_limited(c, a, "ctrllimited", "ctrlrange")) return infinite;
@@ -40,7 +40,7 @@ double max_force(const MjcfCompiler& c, const MjcfAttributes& a) {
   return std::fabs(gain[0]) * max_magnitude(a, "ctrlrange");
 }
 
-/// Reads <actuator>: which joints are driven, and the sum of the force limits of their actuators.
+/// Reads <actuator>: finds the driven joints, and sums the force limits of their actuators.
 class DriveReader {
  public:
   explicit DriveReader(MjcfBuild& build) : build_(build), efforts_(build.spec.links.size(), 0.0), driven_(build.spec.links.size(), false) {}
@@ -73,7 +73,7 @@ class DriveReader {
       add(*build_.find_joint(copy, a.text(by)), std::fabs(gear[0]) * max_force(part.source->compiler(), a));
   }
 
-  /// Adds the effort limit of one actuator. 0 * infinity (gear 0, unbounded actuator) is NaN and counts as unbounded.
+  /// Adds the effort limit of one actuator. 0 * infinity (gear 0, actuator without limit) is NaN and counts as no limit.
   void add(const MjcfJoint& joint, double effort) {
     const auto link = static_cast<std::size_t>(joint.link);
     const bool scalar = joint.type == MjcfJointType::hinge || joint.type == MjcfJointType::slide;

@@ -29,7 +29,7 @@ void read_joint_range(const MjcfSource& source, const MjcfAttributes& a, MjcfJoi
 
 double first_number(const MjcfAttributes& a, const char* name, Bounds bounds = not_negative) {
   double v[5] = {};
-  (void)a.overlay(name, v, bounds);  // MuJoCo 3 allows polynomials; the first coefficient is the linear term
+  (void)a.overlay(name, v, bounds);  // MuJoCo 3 allows polynomials, in which the first coefficient is the linear term
   for (const double higher : std::span(v).subspan(1))
     if (higher != 0) {
       a.own().note("Nonlinear terms of '" + std::string(name) + "' are left out.");

@@ -1,4 +1,4 @@
-// Height fields of MJCF.
+// Reads height fields of MJCF.
 
 #include <algorithm>
 #include <bit>
@@ -19,7 +19,7 @@ std::uint32_t u32(const char* p) {
   return out;
 }
 
-/// Reads MuJoCo's own binary format: rows, columns (32 bits each), then one float per point. False if the bytes have another format.
+/// Reads MuJoCo's own binary format: rows, columns (32 bits each), then one float per point. Returns false for any other format.
 bool read_own_format(const std::string& bytes, HeightField& out) {
   if (bytes.size() < 8) return false;
   const std::uint32_t rows = u32(bytes.data()), columns = u32(bytes.data() + 4);
@@ -67,12 +67,12 @@ void MjcfSource::load_height_field(MjcfHeightField& asset) const {
     field.rows = a.integer("nrow", 0, 0, max_points_along);
     field.columns = a.integer("ncol", 0, 0, max_points_along);
     const std::size_t count = static_cast<std::size_t>(field.rows) * static_cast<std::size_t>(field.columns);
-    if (a.has("elevation") && count <= max_heights) {  // as seen from above: the first row has the maximum y
+    if (a.has("elevation") && count <= max_heights) {  // listed as seen from above: the first row is at the maximum y
       const std::vector<double> listed = asset.element.file->list(asset.element.attribute("elevation"), 0, max_heights);
       for (std::size_t r = static_cast<std::size_t>(field.rows); r-- > 0 && listed.size() == count;)
         for (std::size_t c = 0; c < static_cast<std::size_t>(field.columns); ++c)
           field.heights.push_back(listed[r * static_cast<std::size_t>(field.columns) + c]);
-    } else if (count <= max_heights) {  // no heights in the file: in MuJoCo a program may set them after loading
+    } else if (count <= max_heights) {  // no heights in the file: in MuJoCo a program can set them after loading, so all are 0 here
       field.heights.assign(count, 0.0);
     }
   }

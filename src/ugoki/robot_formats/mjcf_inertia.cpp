@@ -1,4 +1,4 @@
-// Mass properties of MJCF bodies.
+// Computes mass properties of MJCF bodies.
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,9 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double min_volume = 1e-15;  // m^3; smaller bodies count as empty, because dividing by their volume would lose all digits
+constexpr double min_volume = 1e-15;  // m^3; smaller bodies count as empty, because division by their volume would lose all digits
 
-/// Inertia at density 1 kg/m^3, about the centre and along the axes of the shape.
+/// Inertia of a shape with density 1 kg/m^3, about its centre and along its axes.
 Inertia unit_inertia(MjcfGeomType type, const Vec3& s) {
   switch (type) {
     case MjcfGeomType::sphere: return solid_inertia(Shape::sphere(s.x), 1);
@@ -24,8 +24,8 @@ Inertia unit_inertia(MjcfGeomType type, const Vec3& s) {
   }
 }
 
-/// The mesh of a geom. Null if it has no points: a mesh name that is unknown is a problem; a mesh file that was not found is stored in
-/// body.missing_mass and reported later, once for all bodies.
+/// Returns the mesh of a geom. Null if it has no points: for an unknown mesh name, adds a problem; for a mesh file that was not found, sets
+/// body.missing_mass, which is reported later, once for all bodies.
 MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom) {
   MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
   if (!mesh) {
@@ -38,7 +38,7 @@ MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom) {
   return nullptr;
 }
 
-/// Inertia of one geom in the body's frame; if it cannot be computed, adds a problem and returns std::nullopt.
+/// Returns the inertia of one geom in the body's frame. If it cannot be computed, adds a problem and returns std::nullopt.
 std::optional<Inertia> geom_inertia(MjcfBody& body, const MjcfGeom& geom, const RobotOptions& options) {
   if (geom.mass.value_or(geom.density) == 0 || geom.type == MjcfGeomType::plane) return Inertia{};
   if (geom.type == MjcfGeomType::hfield || geom.type == MjcfGeomType::sdf || geom.shell) {
@@ -71,7 +71,7 @@ std::optional<Inertia> geom_inertia(MjcfBody& body, const MjcfGeom& geom, const 
   return at_density.in_parent(geom.X_BG);
 }
 
-/// Fits a primitive to its mesh, as MuJoCo does: the primitive is derived from the inertia box, the box with the mesh's moments of inertia.
+/// Fits a primitive to its mesh, as MuJoCo does: its size is computed from the inertia box (box with the mesh's moments of inertia).
 void fit_to_mesh(MjcfBody& body, MjcfGeom& geom) {
   if (geom.mesh.empty() || geom.type == MjcfGeomType::mesh || geom.type == MjcfGeomType::sdf) return;
   const MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
@@ -81,7 +81,7 @@ void fit_to_mesh(MjcfBody& body, MjcfGeom& geom) {
   const Inertia unit = mesh_inertia(mesh->points, mesh->triangles, mesh->kind);
   if (unit.mass < min_volume) return;
   SymmetricEigen e = symmetric_eigen(unit.about_centre());
-  // z becomes the longest side of the inertia box: the side along the axis with the smallest moment.
+  // z is the axis with the smallest moment, along which the inertia box has its longest side.
   const int z = e.values.x <= e.values.y && e.values.x <= e.values.z ? 0 : e.values.y <= e.values.z ? 1 : 2;
   const int x = (z + 1) % 3, y = (z + 2) % 3;
   const Vec3 I{e.values[x], e.values[y], e.values[z]};
@@ -114,7 +114,7 @@ Inertia explicit_inertia(const MjcfBody& body) {
   return Inertia::from_centre(mass, centre, rotated(Sym3{diagonal[0], diagonal[1], diagonal[2], 0, 0, 0}, body.source->orientation(a)));
 }
 
-/// Applies boundmass, boundinertia and balanceinertia, then repairs or refuses physically impossible moments.
+/// Applies the settings boundmass, boundinertia and balanceinertia, then repairs or refuses physically impossible moments.
 void correct(Inertia& inertia, const MjcfBody& body, const RobotOptions& options) {
   const MjcfCompiler& c = body.source->compiler();
   const MjcfElement& source = body.inertial ? body.inertial : body.element;
@@ -156,7 +156,7 @@ Inertia mjcf_inertia(MjcfBody& body, const RobotOptions& options) {
     for (const MjcfGeom& geom : body.geoms) {
       if (geom.group < c.inertia_groups[0] || geom.group > c.inertia_groups[1]) continue;
       const std::optional<Inertia> of_geom = geom_inertia(body, geom, options);
-      if (!of_geom) return inertia;  // one problem for each body is enough
+      if (!of_geom) return inertia;  // stop: one problem for each body is enough
       inertia += *of_geom;
     }
   }

@@ -1,4 +1,4 @@
-// Links, joints and shapes of MJCF bodies.
+// Makes links, joints and shapes from MJCF bodies.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 std::optional<Shape> mesh_shape(MjcfBody& body, const MjcfGeom& geom, bool collides, MjcfBuild& build) {
   const RobotOptions& options = build.options;
-  if (!collides) return std::nullopt;  // for display only: not read
+  if (!collides) return std::nullopt;  // a mesh for display only is not read
   if (options.meshes == Meshes::none) {
     geom.element.note("Collision meshes are left out.");
     return std::nullopt;
@@ -52,8 +52,8 @@ std::optional<Shape> mesh_shape(MjcfBody& body, const MjcfGeom& geom, bool colli
   return shape;
 }
 
-/// The shape of a plane. The ground z = 0 of the world is left out, because the scene has its own ground; any other plane becomes a box
-/// below it.
+/// Returns the shape of a plane. The world's ground z = 0 is left out, because the scene has its own ground. Any other plane becomes a box
+/// whose upper face is the plane.
 std::optional<Shape> plane_shape(const MjcfBody& body, const MjcfGeom& geom) {
   constexpr double endless = 50, thick = 0.5;  // m: half side of an unbounded plane, and half thickness of the box
   const Pose X_WG = body.X_WB * geom.X_BG;
@@ -80,7 +80,7 @@ std::optional<Shape> field_shape(MjcfBody& body, const MjcfGeom& geom) {
   return Shape::height_field(asset->field, geom.X_BG);
 }
 
-/// The geom's shape and pose, without friction, visibility and collision flags.
+/// Returns the geom's shape and pose, without friction, visibility and collision flags.
 std::optional<Shape> outline(MjcfBody& body, const MjcfGeom& geom, bool collides, MjcfBuild& build) {
   switch (geom.type) {
     case MjcfGeomType::plane: return plane_shape(body, geom);
@@ -121,7 +121,7 @@ class LinkMaker {
   }
 
  private:
-  /// Reports one problem for all bodies whose mass should come from a mesh file that was not found.
+  /// Reports one problem for all bodies whose mass depends on a mesh file that was not found.
   void refuse_absent_masses() {
     const auto lacks = [](const MjcfBody& b) { return b.missing_mass != nullptr; };
     const auto first = std::ranges::find_if(tree_.bodies, lacks);
@@ -148,7 +148,7 @@ class LinkMaker {
       }
   }
 
-  /// Shapes of the world body become shapes of a link "world", which is fixed to the world.
+  /// Adds the shapes of the world body to a link "world", which is fixed to the world.
   void make_world() {
     LinkSpec link;
     link.name = "world";
@@ -157,7 +157,7 @@ class LinkMaker {
   }
 
   /// Applies the option `base`: `fixed` removes free joints; `floating` adds a free joint to each body that the file fixes to the world and
-  /// that carries movable bodies.
+  /// that has movable descendants.
   void decide_bases() {
     if (build_.options.base == Base::by_file) return;
     std::vector<char> movable(tree_.bodies.size(), 0);
@@ -199,8 +199,8 @@ class LinkMaker {
   void make_body(MjcfBody& body) {
     const MjcfBody& above = tree_.bodies[static_cast<std::size_t>(body.parent)];
     std::string parent = above.link < 0 ? std::string() : build_.spec.links[static_cast<std::size_t>(above.link)].name;
-    Pose X_LB = above.X_LB * body.X_PB;  // pose of the body in the parent link of the next joint, all joints at zero
-    Vec3 at;                             // origin of the next joint's frame, in the body's frame
+    Pose X_LB = above.X_LB * body.X_PB;  // pose of the body in the parent link of the next joint, with all joints at zero
+    Vec3 at;                             // m, origin of the next joint's frame, in the body's frame
     LinkSpec link;
     MjcfElement element = body.element;
     link.joint.X_PJ = X_LB;

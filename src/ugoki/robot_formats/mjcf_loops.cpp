@@ -1,4 +1,4 @@
-// <equality> of MJCF as loops.
+// Converts <equality> elements of MJCF to loops.
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-/// A frame in a body.
+/// A coordinate frame in a body.
 struct BodyFrame {
   int body = 0;
   Pose X_BJ;
@@ -87,7 +87,7 @@ class LoopReader {
     return link < 0 ? std::string() : build_.spec.links[static_cast<std::size_t>(link)].name;
   }
 
-  /// Whether the element names two sites, or body1 and (for connect) an anchor; a problem if not.
+  /// True if the element names two sites, or body1 and (for connect) an anchor; otherwise adds a problem.
   [[nodiscard]] static bool has_valid_ends(const MjcfElement& e, bool sites, bool weld) {
     if (sites) {
       for (const char* name : {"body1", "body2", "anchor", "relpose"})
@@ -109,8 +109,9 @@ class LoopReader {
     B = {b.body, b.X_BS};
   }
 
-  /// Finds the frames A in body 1 and B in body 2 that an equality constrains. connect: `anchor` is given in body 1; B is at the same point
-  /// in the pose of the file. weld: `anchor` is given in body 2; A follows from relpose or, without relpose, from the pose of the file.
+  /// Finds the frames A in body 1 and B in body 2 that an equality constrains. connect: `anchor` is a point in body 1; B is the same point
+  /// of space in the pose of the file. weld: `anchor` is a point in body 2; A is computed from relpose or, without relpose, from the pose
+  /// of the file.
   void find_bodies(const MjcfElement& e, const MjcfPart& part, bool weld, BodyFrame& A, BodyFrame& B) const {
     A.body = build_.find_body(part, e.text("body1"));
     B.body = build_.find_body(part, e.text("body2"));
@@ -170,7 +171,7 @@ class LoopReader {
     add(std::move(loop), e, part, a);
   }
 
-  /// Reads an equality for a <fixed> tendon (a linear combination of joint coordinates). It couples one or two joints like a gear.
+  /// Reads an equality of a <fixed> tendon (a linear combination of joint coordinates). It couples one or two joints like a gear.
   void read_tendons(const MjcfElement& e, const MjcfPart& part, const MjcfAttributes& a) {
     std::vector<MjcfElement> members;
     for (const MjcfElement& section : part.source->document().sections("tendon"))
@@ -197,7 +198,7 @@ class LoopReader {
 }  // namespace
 
 namespace {
-/// Finds a name with the prefix and suffix of a part. In a copy of a <replicate> a name may also refer to an object outside the copy.
+/// Finds a name with the prefix and suffix of a part. Inside a copy of a <replicate>, a name may also mean an object outside the copy.
 template <class Map>
 auto find_in(const Map& map, const MjcfPart& part, const std::string& name) {
   const auto it = map.find(part.prefix + name + part.suffix);
@@ -223,7 +224,7 @@ int MjcfBuild::find_body(const MjcfPart& part, const std::string& name) const {
 }
 
 std::vector<MjcfPart> MjcfBuild::matching_parts(const MjcfElement& e, const MjcfPart& part, const std::vector<Reference>& names) {
-  const auto missing = [&](const MjcfPart& in) {  // first reference that cannot be resolved in this part
+  const auto missing = [&](const MjcfPart& in) {  // returns the first name in `names` that is unknown in the part
     return std::ranges::find_if(names, [&](const Reference& r) {
       const std::string_view kind = r.kind;
       return kind == "joint" ? !find_joint(in, r.name) : kind == "site" ? !find_site(in, r.name) : find_body(in, r.name) < 0;

@@ -11,7 +11,7 @@ std::array<Vec3, 3> corners(std::span<const Vec3> points, const MeshTriangle& t)
   return {points[static_cast<std::size_t>(t[0])], points[static_cast<std::size_t>(t[1])], points[static_cast<std::size_t>(t[2])]};
 }
 
-/// Convex hull, built by adding one point at a time (beneath-beyond method of Preparata and Hong, without its facet graph).
+/// Convex hull, built by adding one point after the other (beneath-beyond method of Preparata and Hong, without its facet graph).
 class Hull {
  public:
   explicit Hull(std::span<const Vec3> points) : points_(points), count_(static_cast<int>(points.size())) {}
@@ -39,7 +39,7 @@ class Hull {
     faces_.push_back({{a, b, c}, n, dot(n, at(a))});
   }
 
-  /// Index of the point with the maximum value of `measure`.
+  /// Returns the index of the point for which `measure` is largest.
   template <class Measure>
   [[nodiscard]] int farthest(const Measure& measure) const {
     int best = 0;
@@ -48,7 +48,7 @@ class Hull {
     return best;
   }
 
-  /// Makes the initial tetrahedron; false if all points lie in one plane (to 1e-9 of the size of the point set).
+  /// Makes the initial tetrahedron. Returns false if all points are in one plane (to 1e-9 of the size of the point set).
   bool begin() {
     if (count_ < 4) return false;
     const int a = farthest([](const Vec3& p) { return -p.x; });
@@ -70,7 +70,7 @@ class Hull {
   }
 
   void add(int i) {
-    std::vector<std::pair<int, int>> rim;  // directed edges of the faces visible from the point
+    std::vector<std::pair<int, int>> rim;  // directed edges of the faces that are visible from the point
     std::size_t kept = 0;
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       if (above(faces_[f], i) > tolerance_) {
@@ -98,8 +98,9 @@ class Hull {
 std::vector<MeshTriangle> convex_hull(std::span<const Vec3> points) { return Hull(points).run(); }
 
 Inertia mesh_inertia(std::span<const Vec3> points, std::span<const MeshTriangle> triangles, MeshInertia kind) {
-  // The reference point is the centre of the surface: the definition of `legacy` needs it, and it reduces rounding errors in the others.
-  Vec3 weighted, centre;  // weighted: integral of r over the surface
+  // The reference point is the centre of the surface: `legacy` is defined relative to it, and for the other kinds this choice reduces
+  // rounding errors.
+  Vec3 weighted, centre;  // weighted: integral of the position over the surface
   double area = 0;
   for (const MeshTriangle& t : triangles) {
     const auto [a, b, c] = corners(points, t);
@@ -111,7 +112,7 @@ Inertia mesh_inertia(std::span<const Vec3> points, std::span<const MeshTriangle>
 
   double mass = 0;
   Vec3 first;
-  Mat3 second = Mat3::diagonal(0, 0, 0);  // integral of r r^T
+  Mat3 second = Mat3::diagonal(0, 0, 0);  // integral of r r^T, r: position relative to the reference point
   for (const MeshTriangle& t : triangles) {
     const auto [A, B, C] = corners(points, t);
     const Vec3 a = A - centre, b = B - centre, c = C - centre, sum = a + b + c;

@@ -11,15 +11,15 @@ namespace ugoki::robot_formats {
 
 using MeshTriangle = std::array<int, 3>;  ///< indices into points, counter-clockwise as seen from outside
 
-/// The attribute <mesh inertia="...">: which body the triangles represent. See mesh_inertia().
+/// Values of the attribute <mesh inertia="...">, which selects the body that the triangles represent; see mesh_inertia().
 enum class MeshInertia { convex, exact, legacy, shell };
 
-/// Triangles of the convex hull of the points; empty if all points lie in one plane. O(points * triangles).
+/// Returns the triangles of the convex hull of the points; empty if all points are in one plane. O(points * triangles).
 [[nodiscard]] std::vector<MeshTriangle> convex_hull(std::span<const Vec3> points);
 
-/// Inertia of the body with respect to the origin of the points, for density 1 kg/m^3 (shell: 1 kg/m^2).
-///   convex, exact  the volume enclosed by the triangles, as a sum of signed tetrahedra (for convex, pass the triangles of the hull)
-///   legacy         each tetrahedron between a triangle and the centre of the surface counts as positive, whatever its orientation
+/// Returns the inertia of the body with respect to the origin of the points, for density 1 kg/m^3 (shell: 1 kg/m^2).
+///   convex, exact  the volume enclosed by the triangles, as a sum of signed tetrahedra (for convex, pass the hull's triangles)
+///   legacy         all tetrahedra between a triangle and the centre of the surface count as positive, whatever their orientation
 ///   shell          the surface, without volume
 /// Source of the integrals: Tonon, Explicit exact formulas for the 3-D tetrahedron
 /// inertia tensor (2005).

@@ -8,7 +8,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr std::size_t max_hull_points = 20'000;  // limit, because computing the hull costs O(points * triangles)
+constexpr std::size_t max_hull_points = 20'000;  // maximum number of points for a hull, because computing it costs O(points * triangles)
 
 std::string folder_of(const std::string& path) {
   const std::size_t slash = path.find_last_of('/');
@@ -203,7 +203,7 @@ Mat3 MjcfSource::orientation(const MjcfAttributes& a) const {
               "Give vectors that are not zero and not parallel.");
     return Mat3::identity();
   };
-  // As in MuJoCo, axisangle, xyaxes, zaxis and euler override quat, even if they are only set in a default class.
+  // As in MuJoCo, axisangle, xyaxes, zaxis and euler override quat, even if they are set only in a default class.
   for (const MjcfElement& e : a.levels()) {
     double v[6];
     if (e.has("axisangle")) {

@@ -17,9 +17,9 @@ struct MjcfCompiler {
   std::string eulerseq = "xyz";  ///< lower case: intrinsic rotations (moving axes); upper case: extrinsic (fixed axes)
   bool autolimits = true;
   std::string mesh_folder;  ///< meshdir or assetdir
-  bool strip_path = false;  ///< use only the file name of a mesh path
+  bool strip_path = false;  ///< use only the file name of a mesh path, without folders
   FromGeoms inertia_from_geoms = FromGeoms::where_needed;
-  std::array<int, 2> inertia_groups = {0, 5};  ///< geom groups that contribute to mass, first and last
+  std::array<int, 2> inertia_groups = {0, 5};  ///< first and last geom group whose geoms contribute to mass
   double min_mass = 0, min_inertia = 0;        ///< kg, kg m^2: boundmass, boundinertia
   bool balance_inertia = false;
   double total_mass = 0;  ///< kg; 0: masses are not rescaled
@@ -28,7 +28,7 @@ struct MjcfCompiler {
   [[nodiscard]] double radians(double angle) const { return degrees ? angle * (pi / 180.0) : angle; }
 };
 
-/// A mesh asset. Its points are the points of the file after refpos, refquat and scale were applied.
+/// A mesh asset. Its points are the file's points after refpos, refquat and scale were applied.
 struct MjcfMeshAsset {
   MjcfElement element;
   bool tried = false;        ///< an attempt was made to load the file
@@ -36,18 +36,18 @@ struct MjcfMeshAsset {
   std::vector<Vec3> points;  ///< m
   std::vector<MeshTriangle> triangles;
   MeshInertia kind = MeshInertia::legacy;
-  std::optional<Shape> shape;  ///< collision shape, made when first needed
+  std::optional<Shape> shape;  ///< collision shape; made when it is first needed
 };
 
-/// A height field asset. As in MuJoCo, the heights are scaled to the range from 0 to the height that the asset's size gives.
+/// A height field asset. As in MuJoCo, the heights are scaled to the range from 0 to the maximum height in the asset's size.
 struct MjcfHeightField {
   MjcfElement element;
   bool tried = false;
-  std::string absent;  ///< sentence for the user: reason why there is no field; empty if the field was read
+  std::string absent;  ///< sentence for the user: reason why the field is missing; empty if the field was read
   HeightFieldPtr field;
 };
 
-/// The shortest rotation that maps z to the unit vector `direction`; half a turn about x if the direction is -z.
+/// Returns the shortest rotation that maps z to the unit vector `direction`; half a turn about x if the direction is -z.
 [[nodiscard]] Mat3 z_turned_to(const Vec3& direction);
 
 /// Loads a model and provides its elements, defaults and assets.
@@ -60,18 +60,18 @@ class MjcfSource {
   [[nodiscard]] const MjcfDocument& document() const { return document_; }
   [[nodiscard]] const MjcfCompiler& compiler() const { return compiler_; }
   [[nodiscard]] const MjcfDefaults& defaults() const { return defaults_; }
-  /// The model asset of this name, or null.
+  /// Returns the model asset of this name, or null.
   [[nodiscard]] MjcfSource* model(const std::string& name) const;
-  /// The mesh asset of this name, or null. The first call reads its file; a file that exists but is damaged adds a problem.
+  /// Returns the mesh asset of this name, or null. The first call reads its file; a file that exists but is damaged adds a problem.
   [[nodiscard]] MjcfMeshAsset* mesh(const std::string& name);
 
-  /// The height field asset of this name, or null. The first call reads its file, if it exists.
+  /// Returns the height field asset of this name, or null. The first call reads its file, if it exists.
   [[nodiscard]] const MjcfHeightField* height_field(const std::string& name);
 
-  /// Orientation of an element, from the attribute quat, axisangle, xyaxes, zaxis or euler.
+  /// Returns the orientation of an element, from its attribute quat, axisangle, xyaxes, zaxis or euler.
   [[nodiscard]] Mat3 orientation(const MjcfAttributes& a) const;
   [[nodiscard]] Pose pose(const MjcfAttributes& a) const { return {orientation(a), a.vec3("pos", {})}; }
-  /// Rotation by Euler angles in the order `eulerseq`. @param angles in the unit of the file
+  /// Returns the rotation by Euler angles in the order `eulerseq`. @param angles in the file's unit
   [[nodiscard]] Mat3 from_euler_angles(const Vec3& angles) const;
 
  private:

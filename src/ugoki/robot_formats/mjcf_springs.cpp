@@ -1,4 +1,4 @@
-// springdamper of MJCF joints: stiffness and damping from a time constant and a damping ratio.
+// Converts springdamper of MJCF joints, a time constant and a damping ratio, to stiffness and damping.
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr int max_dofs = 1000;       // the inertia matrix is dense and factored in O(nv^3)
+constexpr int max_dofs = 1000;       // limit, because the inertia matrix is dense and is factored in O(nv^3)
 constexpr double min_value = 1e-15;  // MuJoCo's mjMINVAL: lower bound of every divisor
 
 /// The diagonal of M^-1 at the pose of the file; M is the joint-space inertia matrix of the mechanism.
@@ -33,9 +33,9 @@ class RestInertia {
     factor();
   }
 
-  /// False if there are more than max_dofs DOFs or M is not positive definite.
+  /// Returns false if there are more than max_dofs DOFs or M is not positive definite.
   [[nodiscard]] bool works() const { return works_; }
-  /// Mean of the diagonal entries over the DOFs of a link's joint, 1/kg or 1/(kg m^2).
+  /// Mean of the diagonal entries of M^-1 over the DOFs of a link's joint, 1/kg or 1/(kg m^2).
   [[nodiscard]] double of_link(int link) const {
     const Link& l = links_[static_cast<std::size_t>(link)];
     double sum = 0;
@@ -104,7 +104,7 @@ class RestInertia {
     works_ = true;
   }
 
-  /// Diagonal entry of M^-1: |L^-1 e|^2 with the unit vector e of the DOF.
+  /// Diagonal entry of M^-1 for a DOF: |L^-1 e|^2, e: unit vector of this DOF.
   [[nodiscard]] double inverse(int dof) const {
     std::vector<double> y(static_cast<std::size_t>(dofs_), 0.0);
     double sum = 0;

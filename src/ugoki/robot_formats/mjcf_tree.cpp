@@ -8,16 +8,17 @@ namespace ugoki::robot_formats {
 namespace {
 
 constexpr std::size_t max_bodies = formats::max_joints;
-constexpr long max_steps = 2'000'000;  // elements visited, copies included: nested <replicate> and <attach> can multiply without bound
+constexpr long max_steps = 2'000'000;  // limit for visited elements and copies, which nested <replicate> and <attach> could multiply
+                                       // without bound
 
-/// The context of an element: its model, name prefix and suffix, and the frame and body that contain it.
+/// Context in which an element is read: its model, name prefix and suffix, and the frame and body that contain it.
 struct Scope {
   MjcfSource* source = nullptr;
   std::string prefix, suffix, childclass;
   std::size_t body = 0;
   Pose X_BF;  ///< pose, in the body, of the frame to which the element's coordinates refer
   int depth = 0;
-  bool copied = false;  ///< inside a <replicate>
+  bool copied = false;  ///< the element is inside a <replicate>
 };
 
 class TreeReader {
@@ -41,7 +42,7 @@ class TreeReader {
   }
 
  private:
-  /// Counts one visited element. False if reading should stop: too many elements or too many problems.
+  /// Counts one visited element. Returns false if reading should stop: too many elements or too many problems.
   bool step(const MjcfElement& at) {
     if (steps_ == max_steps || tree_.bodies.size() > max_bodies) {
       if (!stopped_)
@@ -69,7 +70,7 @@ class TreeReader {
     return scope.childclass;
   }
 
-  /// The name of an element with prefix and suffix; empty if it has none. @param kind "body", "joint" or "site"
+  /// Returns the name of an element with prefix and suffix; empty if it has no name. @param kind "body", "joint" or "site"
   [[nodiscard]] std::string full_name(const MjcfElement& e, const Scope& scope, const char* kind) {
     std::string name = e.text("name");
     if (name.empty()) return name;
@@ -225,7 +226,7 @@ class TreeReader {
     e.problem(ErrorCode::unknown, "The model has no body named " + formats::in_quotes(body) + ".", "Use the name of one of its bodies.");
   }
 
-  /// Reads the body `name` below `parent`, with the childclass of the elements that contain it. False if there is no such body.
+  /// Reads the body `name` below `parent`, with the childclass of the elements that contain it. Returns false if there is no such body.
   bool attach_body(const MjcfElement& parent, const std::string& name, Scope scope) {
     if (++scope.depth > static_cast<int>(formats::max_depth) || !step(parent)) return false;
     for (const MjcfElement& e : scope.source->document().children(parent)) {

@@ -22,7 +22,7 @@ struct MjcfJoint {
   std::string name;  ///< with prefix and suffix; may be empty
   MjcfJointType type = MjcfJointType::hinge;
   Vec3 pos, axis;                               ///< in the body's frame; pos in m, axis a unit vector
-  double ref = 0;                               ///< MuJoCo's coordinate at the pose of the file, m or rad; Ugoki's is 0 there
+  double ref = 0;                               ///< m or rad: MuJoCo's coordinate at the pose of the file, where Ugoki's coordinate is 0
   std::array<double, 2> springdamper = {0, 0};  ///< time constant [s], damping ratio; 0: not given
   Dof dof;                                      ///< properties of each of the joint's DOFs, with limits and rest position relative to q = 0
   int link = -1;                                ///< index in MechanismSpec::links; set by make_mjcf_links
@@ -55,27 +55,27 @@ struct MjcfBody {
   MjcfElement element;
   MjcfSource* source = nullptr;
   std::string name;      ///< with prefix and suffix; unique, never empty
-  int parent = -1;       ///< index in MjcfTree::bodies; -1: this is the world
-  Pose X_PB;             ///< pose in the parent body's frame, with all joints as in the file
-  Pose X_WB;             ///< pose in the world, with all joints as in the file
+  int parent = -1;       ///< index in MjcfTree::bodies; -1: this body is the world
+  Pose X_PB;             ///< pose in the parent body's frame, with joints as in the file
+  Pose X_WB;             ///< pose in the world, with joints as in the file
   bool mocap = false;    ///< moved by a program, not by physics
   MjcfElement inertial;  ///< <inertial>; empty if absent
   std::vector<MjcfJoint> joints;
   std::vector<MjcfGeom> geoms;
-  const MjcfGeom* missing_mass = nullptr;  ///< a geom that should give the body mass, but whose mesh file was not found; null: none
-  int link = -1;  ///< index in MechanismSpec::links of the link with the body's mass and shapes; set by make_mjcf_links
-  Pose X_LB;      ///< body frame in the frame of `link`
+  const MjcfGeom* missing_mass = nullptr;  ///< a geom that should give mass to the body, but whose mesh file was not found; null: none
+  int link = -1;  ///< index in MechanismSpec::links of the link with this body's mass and shapes; set by make_mjcf_links
+  Pose X_LB;      ///< pose of the body frame in the frame of `link`
 };
 
-/// One occurrence of a model in the tree. Its bodies are named with the prefix and the suffix. The first part is the main file.
+/// One occurrence of a model in the tree, and the prefix and suffix of its bodies' names. The first part is the main file.
 struct MjcfPart {
   MjcfSource* source = nullptr;
   std::string prefix, suffix;
-  bool attached = false;  ///< a model of another file, perhaps only one of its bodies
-  bool copied = false;    ///< one copy of a <replicate>: a name is searched first with the suffix, then without
+  bool attached = false;  ///< the part is a model of another file, perhaps only one of its bodies
+  bool copied = false;    ///< the part is a copy of a <replicate>: a name is searched first with the suffix, then without it
 };
 
-/// All bodies of a model, and indices of its named objects.
+/// All bodies of a model, and tables of its named objects.
 struct MjcfTree {
   /// Location of a joint: index in MjcfTree::bodies, and index in MjcfBody::joints.
   struct JointIndex {
@@ -86,7 +86,7 @@ struct MjcfTree {
   std::map<std::string, std::size_t, std::less<>> body_named;
   std::map<std::string, JointIndex, std::less<>> joint_named;
   std::map<std::string, MjcfSite, std::less<>> site_named;
-  /// Suffixes of the copies of an object inside a <replicate>, by kind and name: "joint knee" for a joint `knee`.
+  /// Suffixes of the copies of an object inside a <replicate>. Key: kind and name, for example "joint knee" for a joint `knee`.
   std::map<std::string, std::vector<std::string>, std::less<>> copies;
   bool deformables_left_out = false;  ///< the model has deformable bodies, whose coordinates are part of its keyframes
 };

@@ -41,12 +41,12 @@ class MjcfWriter {
   }
 
  private:
-  /// Whether the link is the one that read_mjcf makes for the shapes of the world body.
+  /// True if the link is the link that read_mjcf makes for the shapes of the world body.
   static bool is_world(const Link& l) {
     return l.name == "world" && l.parent < 0 && l.joint.type == JointType::fixed && l.joint.X_PJ.p == Vec3{} &&
            l.joint.X_PJ.R == Mat3::identity();
   }
-  /// Name of the link's body. MJCF reserves "world", so another link of this name is written as "world link".
+  /// Name of the link's body. MJCF reserves "world", so any other link with the name "world" is written as "world link".
   static std::string body_name(const Link& l) { return l.name == "world" && !is_world(l) ? "world link" : l.name; }
 
   static std::string placement(const Pose& X) {
@@ -75,7 +75,7 @@ class MjcfWriter {
     xml_.end();
   }
 
-  /// Writes the link and its descendants; no recursion, so that a long chain cannot exhaust the stack.
+  /// Writes the link and its descendants; without recursion, so that a long chain cannot exhaust the stack.
   void write_tree(int root) {
     struct Visit {
       int next;  ///< next child to write; -1: none left
@@ -121,7 +121,7 @@ class MjcfWriter {
     return out;
   }
   static std::string range(const Dof& f) {
-    if ((!std::isfinite(f.lower) && !std::isfinite(f.upper)) || f.lower == f.upper) return {};  // equal limits: locked by an equality
+    if ((!std::isfinite(f.lower) && !std::isfinite(f.upper)) || f.lower == f.upper) return {};  // equal limits: an equality locks the joint
     return attribute("limited", "true") +
            attribute("range", std::string_view(to_text(std::max(f.lower, -no_limit)) + ' ' + to_text(std::min(f.upper, no_limit))));
   }
@@ -139,7 +139,7 @@ class MjcfWriter {
                                 attribute("axis", parts[k].axis) + range(f) + properties(f));
     }
     if (j.type != JointType::spherical && j.type != JointType::floating) return;
-    // MJCF has one set of properties for all DOFs of a ball or free joint.
+    // MJCF has only one set of properties for all DOFs of a ball or free joint.
     Dof f = j.dofs[0];
     for (int k = 0; k < j.nv(); ++k) {
       const Dof& one = j.dofs[static_cast<std::size_t>(k)];
@@ -189,7 +189,7 @@ class MjcfWriter {
     const std::size_t count = simple_joints(l.joint).size();
     return count > 1 ? l.name + " " + std::to_string(k + 1) : l.name;
   }
-  /// Name of the simple joint that carries a DOF; empty if there is none.
+  /// Name of the simple joint that has the DOF; empty if there is none.
   static std::string name_of_dof(const Link& l, int dof) {
     const std::vector<SimpleJoint> parts = simple_joints(l.joint);
     for (std::size_t k = 0; k < parts.size(); ++k)
@@ -263,7 +263,7 @@ class MjcfWriter {
           const Pose X_WA = (a < 0 ? Pose{} : X[static_cast<std::size_t>(a)]) * loop.X_AJ,
                      X_WB = (b < 0 ? Pose{} : X[static_cast<std::size_t>(b)]) * loop.X_BJ;
           const bool revolute = loop.type == LoopType::revolute;
-          // MuJoCo computes the anchor in body 2 from the initial pose, which has to close the loop.
+          // MuJoCo computes the anchor in body 2 from the initial pose, so this pose must close the loop.
           if (norm(X_WA.p - X_WB.p) > 1e-9 || (revolute && norm(cross(X_WA.R * loop.axis, X_WB.R * loop.axis)) > 1e-9)) {
             notes_.add(
                 "The loop % is not closed in the neutral position, from which MuJoCo computes its anchor in the second body; it is left "

@@ -8,9 +8,9 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double min_armature = 1e-6;  // kg m^2 or kg: small for usual links, but keeps the inertia matrix invertible
+constexpr double min_armature = 1e-6;  // kg m^2 or kg: small for usual links, but enough to make the inertia matrix invertible
 
-/// Mass plus trace of the inertia, which is zero only if the body has neither. It is only compared with zero.
+/// Mass plus trace of the inertia: zero only if the body has neither. Used only for comparison with zero.
 double total_inertia(const Inertia& i) { return i.mass + i.I.xx + i.I.yy + i.I.zz; }
 
 }  // namespace
@@ -42,7 +42,7 @@ int RobotDraft::find_link(std::string_view name) const {
   return it == index_.end() ? -1 : it->second;
 }
 
-/// Link indices, parents before children. If the parents form a cycle, adds a problem and returns an empty list.
+/// Returns the link indices, parents before children. If the parents form a cycle, adds a problem and returns an empty list.
 std::vector<int> RobotDraft::parents_first() {
   const std::size_t n = spec.links.size();
   std::vector<std::vector<int>> children(n);
@@ -89,7 +89,7 @@ void RobotDraft::repair_inertias() {
 }
 
 void RobotDraft::decide_bases(const std::vector<int>& order) {
-  // The total inertia of each group of links connected by fixed joints, stored at the first link of the group.
+  // Total inertia of each group of links connected by fixed joints, stored at the first link of the group.
   const std::size_t n = spec.links.size();
   std::vector<int> group(n);
   std::vector<double> inertias(n, 0.0);

@@ -14,8 +14,8 @@ namespace ugoki::robot_formats {
 /// Data of one link in addition to its LinkSpec.
 struct DraftLink {
   pugi::xml_node node = {};  ///< element of the link, for error locations
-  std::string joint = {};    ///< name of its joint in the file; empty: none
-  bool base_open = false;    ///< no joint of the file connects the link to the world: options.base decides
+  std::string joint = {};    ///< name of the link's joint in the file; empty: none
+  bool base_open = false;    ///< true: no joint of the file connects the link to the world, so options.base decides
   Pose X_BF = {};            ///< see RobotModel::X_BF
 };
 
@@ -29,15 +29,15 @@ class RobotDraft {
   std::vector<JointName> loop_joints;
   std::vector<std::string> driven;
 
-  /// Adds a link and returns its index. If a link of this name exists, adds a problem and returns -1.
+  /// Adds a link and returns its index. If there is a link of the same name, adds a problem and returns -1.
   int add_link(LinkSpec link, DraftLink draft);
   /// Index of the link; -1: none.
   [[nodiscard]] int find_link(std::string_view name) const;
   [[nodiscard]] LinkSpec& link(int i) { return spec.links[static_cast<std::size_t>(i)]; }
   [[nodiscard]] DraftLink& draft(int i) { return links[static_cast<std::size_t>(i)]; }
 
-  /// Makes the mechanism. First repairs impossible inertias, connects the bases to the world by fixed or floating joints, and gives an
-  /// armature to joints that move no mass. With Inertias::strict such inertias and joints are refused. Problems name the link's line.
+  /// Makes the mechanism. Before that, repairs impossible inertias, connects the bases to the world by fixed or floating joints, and gives
+  /// an armature to joints that move no mass. With Inertias::strict such inertias and joints are refused. Problems contain the link's line.
   [[nodiscard]] Result<RobotModel> finish();
 
  private:
@@ -52,7 +52,7 @@ class RobotDraft {
   std::vector<int> parents_;
 };
 
-/// The names as one phrase: "a, b, c, d and 9 more".
+/// Returns the names as one phrase: "a, b, c, d and 9 more".
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 
 }  // namespace ugoki::robot_formats

@@ -9,7 +9,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-/// Name of the root element; empty if there is none.
+/// Returns the name of the root element; empty if there is none.
 std::string_view root_element(std::string_view text) {
   for (std::size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
     const std::string_view rest = text.substr(at);

@@ -17,7 +17,7 @@ namespace {
 
 using formats::in_quotes;
 
-constexpr int max_nesting = 50;  // models in models; bounds the recursion of collect()
+constexpr int max_nesting = 50;  // limit for models inside models; bounds the recursion of collect()
 
 class SdfReader {
  public:
@@ -51,8 +51,8 @@ class SdfReader {
   }
 
  private:
-  /// A joint by which the tree can grow: it leads from a link in the tree to a link that may not be in the tree yet. Ordered by number of
-  /// DOFs, then depth in the tree, then position in the file.
+  /// A joint by which the tree can grow: it leads from a link in the tree to a link that may still be outside. Candidates are ordered by
+  /// number of DOFs, then depth in the tree, then position in the file.
   struct Candidate {
     int dofs, depth, joint;
     bool operator>(const Candidate& o) const { return std::tie(dofs, depth, joint) > std::tie(o.dofs, o.depth, o.joint); }
@@ -91,7 +91,7 @@ class SdfReader {
     return chosen;
   }
 
-  /// Name of the link that carries the model's own frame: its canonical_link, or its first link; empty if the model has no link.
+  /// Name of the link that the model's own frame belongs to: its canonical_link, or its first link; empty if the model has no link.
   std::string canonical_link(pugi::xml_node model) {
     if (const XmlField named = xml_.attribute(model, "canonical_link"); !named.text.empty()) return xml_.text(named);
     if (const pugi::xml_node link = model.child("link")) return xml_.text(xml_.attribute(link, "name"));
@@ -99,7 +99,7 @@ class SdfReader {
     return {};
   }
 
-  /// Adds the frames of all links, joints, frames and nested models of the model.
+  /// Adds the frames of a model: its links, joints, frames and nested models.
   void collect(pugi::xml_node model, const std::string& scope, int depth) {
     if (depth > max_nesting) {
       xml_.problem(model, ErrorCode::range, "Models are nested deeper than 50 levels.", "Use fewer levels.");
@@ -147,7 +147,7 @@ class SdfReader {
     }
   }
 
-  /// Reads links, joints and closures, once all frames are resolved.
+  /// Reads links, joints and closures; call it after all frames are resolved.
   void read_parts() {
     const int count = frames_->count();
     draft_of_.assign(static_cast<std::size_t>(count), -1);
@@ -178,12 +178,12 @@ class SdfReader {
   [[nodiscard]] int draft_count() const { return static_cast<int>(draft_.links.size()); }
   [[nodiscard]] int draft_link(int frame) const { return frame < 0 ? -1 : draft_of_[static_cast<std::size_t>(frame)]; }
 
-  /// Builds the spanning tree from the world, then from the first link of each set of links not connected to the world. The tree grows
-  /// along the candidate joint with the fewest DOFs, then the smallest depth, then the first in the file (Prim's algorithm: minimum total
-  /// number of DOFs). The remaining joints close loops. Screw joints have priority, because no loop type can replace them.
+  /// Builds the spanning tree from the world, then from the first link of each set of links that is not connected to the world. The tree
+  /// grows along the candidate joint with the fewest DOFs, then the smallest depth, then the first in the file (Prim's algorithm: minimum
+  /// total number of DOFs). The other joints close loops. Screw joints have priority for the tree, because no loop type can replace them.
   void build_tree(bool is_static) {
     const auto n = static_cast<std::size_t>(draft_count());
-    std::vector<std::vector<int>> at_link(n + 1);  // indices of the joints at each link; the last entry is the world
+    std::vector<std::vector<int>> at_link(n + 1);  // [links + 1] indices of the joints at each link; the last entry is for the world
     const auto slot = [n](int link) { return link < 0 ? n : static_cast<std::size_t>(link); };
     for (int j = 0; j < static_cast<int>(graph_.joints.size()); ++j) {
       const SdfJoint& joint = graph_.joints[static_cast<std::size_t>(j)];
@@ -228,7 +228,7 @@ class SdfReader {
   }
 
   /// Adds one end of a joint to the tree: the child link below the parent link or, if the child is already in the tree, the parent link
-  /// below the child link (reversed joint). The frame of the added link in the mechanism is the joint's frame.
+  /// below the child link (reversed joint). In the mechanism, the frame of the added link is the joint's frame.
   void add_tree_joint(const SdfJoint& joint, bool to_child) {
     const int above = draft_link(to_child ? joint.parent : joint.child), below = draft_link(to_child ? joint.child : joint.parent);
     LinkSpec& link = draft_.link(below);
@@ -260,7 +260,7 @@ class SdfReader {
     draft_.spec.loops.push_back(std::move(loop));
   }
 
-  /// A loop between the links with the frame indices a and b (-1: the world).
+  /// Returns a loop between the links with the frame indices a and b (-1: the world).
   /// @param X_AJ, X_BJ poses of the loop's two frames in the file's link frames
   LoopSpec between(LoopType type, int a, const Pose& X_AJ, int b, const Pose& X_BJ) {
     const int links[2] = {draft_link(a), draft_link(b)};
@@ -298,7 +298,7 @@ class SdfReader {
     for (const SdfMimic& mimic : graph_.mimics) make_mimic(mimic);
   }
 
-  /// The link carried by the revolute tree joint between `link` and `reference`, and the sign of its rotation about `axis_W`. The
+  /// Returns the link below the revolute tree joint between `link` and `reference`, and the sign of its rotation about `axis_W`. The
   /// link is -1 if there is no such joint.
   std::pair<int, double> turning(int link, int reference, const Vec3& axis_W) {
     const auto it = turning_.find({std::min(link, reference), std::max(link, reference)});
@@ -343,7 +343,7 @@ class SdfReader {
               .polynomial = {mimic.offset - mimic.multiplier * mimic.reference, mimic.multiplier, 0, 0, 0}});
   }
 
-  /// Applies the loops file. Returns its problems.
+  /// Applies the loops file and returns its problems.
   Error read_yaml(const SideFile& file) {
     const Result<LoopsYaml> yaml = read_loops_yaml(file);
     if (!yaml) return yaml.error();
@@ -370,10 +370,10 @@ class SdfReader {
   int version_ = 109;
   SdfFrames* frames_ = nullptr;
   SdfJoints graph_;
-  std::vector<bool> in_tree_;                              ///< [graph_.joints] whether the joint is part of the tree
+  std::vector<bool> in_tree_;                              ///< [graph_.joints] true if the joint is part of the tree
   std::vector<int> draft_of_;                              ///< [frames] index of the draft link; -1: the frame is not a link
   std::vector<int> frame_of_;                              ///< [draft links] index of the frame
-  std::map<std::string, int, std::less<>> link_of_joint_;  ///< draft link that each tree joint carries
+  std::map<std::string, int, std::less<>> link_of_joint_;  ///< draft link below each tree joint, by joint name
   std::map<std::pair<int, int>, std::size_t> turning_;  ///< revolute tree joints, by the frame indices of their two links (smaller first)
   std::set<std::string> loop_names_;
 };

@@ -9,7 +9,7 @@ namespace ugoki::robot_formats {
 
 /// Reads the first model that is not static (or the first model, if all are static), with its nested models. Joints that close a loop
 /// become loops of the mechanism.
-/// @param file_name appears in the location of every problem; files that the description refers to are searched relative to it
+/// @param file_name part of the location of every problem; files that the description refers to are searched relative to it
 [[nodiscard]] Result<RobotModel> read_sdf(std::string_view text, std::string_view file_name, const RobotOptions& options = {});
 
 }  // namespace ugoki::robot_formats

@@ -7,7 +7,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double max_angle = 1e6;  // unit of the file; greater values lose the digits that make an angle meaningful
+constexpr double max_angle = 1e6;  // in the file's unit; a larger value has too few digits left for a meaningful angle
 
 }  // namespace
 
@@ -78,8 +78,8 @@ int SdfFrames::target(int from, const std::string& name, const char* purpose) {
 
 void SdfFrames::resolve() {
   const auto n = frames_.size();
-  // Follows the references given by `next` up to a frame that is already settled, then returns along the path and calls `settle` for each
-  // frame. Each frame is settled once. A reference back to the current path is a cycle.
+  // Follows the references given by `next` up to a frame that is already settled, then returns along this path and calls `settle` for each
+  // frame. Each frame is settled once. A reference back to a frame of the path is a cycle.
   const auto follow = [&](const std::function<int(int)>& next, const std::function<void(int, int)>& settle) {
     std::vector<char> state(n, 0);  // 1: on the current path, 2: settled
     for (std::size_t first = 0; first < n && !xml_.full(); ++first) {

@@ -10,7 +10,7 @@ namespace {
 
 using formats::in_quotes;
 
-/// Equality up to rounding: 1e-9 m and about 1e-6 rad.
+/// True if a and b are equal up to rounding: 1e-9 m and about 1e-6 rad.
 bool same(const Pose& a, const Pose& b) {
   const Pose d = a.inverse() * b;
   return norm(d.p) < 1e-9 && d.R.trace() > 3 - 1e-12;
@@ -42,7 +42,7 @@ class SdfJointReader {
  private:
   Pose in_link(int link, const Pose& X_W) const { return link < 0 ? X_W : frames_.at(link).X_W.inverse() * X_W; }
 
-  /// Index of the frame that `<parent>` or `<child>` refers to. If there is none, adds a problem and returns -1.
+  /// Returns the index of the frame named by `<parent>` or `<child>`. If there is none, adds a problem and returns -1.
   int end(const char* which) {
     const std::string name = xml_.required_text(xml_.element(node_, which));
     const int i = name.empty() ? -1 : frames_.find(self_.scope, name);
@@ -51,9 +51,8 @@ class SdfJointReader {
     return i;
   }
 
-  /// The joint frame on the side of the parent, in the world. Normally this is the joint's own frame: the file places the links so that
-  /// both sides coincide. If the child link has no <pose> and the joint names a <frame> as its parent, that frame is taken as the joint
-  /// frame.
+  /// Returns the joint frame, in the world, as seen from the parent. Normally this is the joint's own frame, because the file's link poses
+  /// make both sides coincide. If the child link has no <pose> and the joint names a <frame> as its parent, this frame is the joint frame.
   Pose parent_side(int parent, int child_link) {
     const SdfFrame& named = frames_.at(parent);
     const bool explicit_frame = named.kind == SdfFrameKind::frame;
@@ -62,7 +61,7 @@ class SdfJointReader {
     return named.X_W;
   }
 
-  /// Type, axes, pitch and DOF properties of the joint.
+  /// Reads type, axes, pitch and DOF properties of the joint.
   Joint motion() {
     static const std::map<std::string_view, JointType> types = {{"fixed", JointType::fixed},         {"revolute", JointType::revolute},
                                                                 {"continuous", JointType::revolute}, {"prismatic", JointType::prismatic},
@@ -86,7 +85,7 @@ class SdfJointReader {
     return joint;
   }
 
-  /// `<xyz>` of an axis, in the joint's frame, unit length.
+  /// Reads `<xyz>` of an axis, as a unit vector in the joint's frame.
   Vec3 direction(pugi::xml_node axis) {
     if (!axis) {
       xml_.problem(node_, ErrorCode::syntax, xml_.title(node_) + " has no axis.", "Add <axis> with <xyz>.");
@@ -106,8 +105,8 @@ class SdfJointReader {
     return transpose_times(self_.X_W.R, frames_.at(frame).X_W.R * a);
   }
 
-  /// Pitch of a screw joint, m/rad. The old element <thread_pitch> is in rad/m with the opposite sign, as Gazebo and libsdformat implement
-  /// it.
+  /// Reads the pitch of a screw joint, m/rad. The old element <thread_pitch> is in rad/m with the opposite sign, as in Gazebo and
+  /// libsdformat.
   double pitch() {
     if (const XmlField turn = xml_.element(node_, "screw_thread_pitch"); turn.present) return xml_.number(turn, 0) / (2 * pi);
     const double old = xml_.number(xml_.element(node_, "thread_pitch"), 1);
@@ -168,7 +167,7 @@ class SdfJointReader {
   SdfJoints& out_;
 };
 
-/// Index of the frame that the child element refers to. If there is none, adds a problem and returns -1.
+/// Returns the index of the frame that the child element names. If there is none, adds a problem and returns -1.
 int named_frame(XmlFields& xml, const SdfFrames& frames, std::string_view scope, pugi::xml_node node, const char* element) {
   const std::string name = xml.required_text(xml.element(node, element));
   const int i = name.empty() ? -1 : frames.find(scope, name);
@@ -177,12 +176,12 @@ int named_frame(XmlFields& xml, const SdfFrames& frames, std::string_view scope,
   return i;
 }
 
-/// The loop type that leaves free exactly the DOFs in which the bushing has no stiffness; std::nullopt if no loop type does so.
+/// Returns the loop type whose free DOFs are exactly those in which the bushing has no stiffness; std::nullopt if there is no such type.
 std::optional<LoopType> bushing_type(XmlFields& xml, pugi::xml_node node) {
   const Vec3 force = xml.vec3(xml.element(node, "drake:bushing_force_stiffness"), {}, not_negative);
   const Vec3 torque = xml.vec3(xml.element(node, "drake:bushing_torque_stiffness"), {}, not_negative);
   if (!(force.x > 0 && force.y > 0 && force.z > 0)) return std::nullopt;
-  if (torque.x > 0 && torque.y > 0) return torque.z > 0 ? LoopType::weld : LoopType::revolute;  // the revolute axis is z
+  if (torque.x > 0 && torque.y > 0) return torque.z > 0 ? LoopType::weld : LoopType::revolute;  // the axis of `revolute` is z
   if (torque.x == 0 && torque.y == 0 && torque.z == 0) return LoopType::ball;
   return std::nullopt;
 }

@@ -12,25 +12,25 @@
 
 namespace ugoki::robot_formats {
 
-/// A joint between two links. `parent` and `child` are frame indices; -1: the world.
+/// A joint between two links. `parent` and `child` are frame indices of links; -1: the world.
 struct SdfJoint {
   pugi::xml_node node;
   std::string name;
   int parent = -1, child = -1;
-  Pose X_PJ, X_CJ;  ///< pose of the joint frame in the frame of the parent link and in that of the child link, as in the file
-  Joint motion;     ///< type, axes, DOF properties; its X_PJ is not used
+  Pose X_PJ, X_CJ;  ///< as in the file: pose of the joint frame in the frame of the parent link and in the frame of the child link
+  Joint motion;     ///< type, axes and DOF properties; the member X_PJ of this Joint is not used
 };
 
 /// `<joint type="gearbox">`: couples the angles of two links relative to a third link.
 struct SdfGearbox {
   pugi::xml_node node;
   std::string name, scope;
-  int parent = -1, child = -1, reference = -1;  ///< frame indices of links
+  int parent = -1, child = -1, reference = -1;  ///< frame indices of the three links
   Vec3 axis_W, axis2_W;                         ///< rotation axes of the parent and of the child, in world axes
   double ratio = 1;                             ///< angle of the child = -ratio * angle of the parent
 };
 
-/// A `<mimic>` of an axis: q_follower = multiplier (q_leader - reference) + offset.
+/// A `<mimic>` of an axis: q_follower = multiplier (q_leader - reference) + offset, q: joint coordinate.
 struct SdfMimic {
   pugi::xml_node node;
   std::string follower, leader;                      ///< names of joints
@@ -43,7 +43,7 @@ struct SdfClosure {
   std::string name;
   LoopType type = LoopType::weld;
   int a = -1, b = -1;  ///< frame indices of links; -1: the world
-  Pose X_AJ, X_BJ;     ///< poses of the closure's two frames: X_AJ in the frame of link a, X_BJ in that of link b, as in the file
+  Pose X_AJ, X_BJ;     ///< as in the file: poses of the closure's two frames, X_AJ in the frame of link a, X_BJ in the frame of link b
 };
 
 /// All joints and closures of a model.
@@ -57,13 +57,14 @@ struct SdfJoints {
 /// Reads the joint whose frame has the index `frame`, and adds it to `out`.
 void read_sdf_joint(XmlFields& xml, SdfFrames& frames, int version, int frame, SdfJoints& out);
 
-/// Reads the element if it is one of Drake's closures. Returns whether it is one.
+/// Reads the element if it is one of Drake's closures. Returns true if it is one.
 bool read_sdf_closure(XmlFields& xml, const SdfFrames& frames, std::string_view scope, pugi::xml_node node, SdfJoints& out);
 
-/// The joint with parent and child exchanged. Its coordinates keep their values; those of a universal joint are stored in reverse order.
+/// Returns the joint with parent and child exchanged. Its coordinates have the same values; those of a universal joint are stored in
+/// reverse order.
 [[nodiscard]] Joint reversed(const Joint& joint);
 
-/// The loop type that leaves the same DOFs as the joint; std::nullopt if there is none.
+/// Returns the loop type with the same free DOFs as the joint; std::nullopt if there is none.
 [[nodiscard]] std::optional<LoopType> loop_type_of(const Joint& joint);
 
 }  // namespace ugoki::robot_formats

@@ -3,13 +3,13 @@
 namespace ugoki::robot_formats {
 namespace {
 
-/// The number [m] in a required child element.
+/// Reads the number [m] in a required child element.
 double size(XmlFields& xml, pugi::xml_node node, const char* name) {
   (void)xml.required_text(xml.element(node, name));
   return xml.number(xml.element(node, name), 0, not_negative);
 }
 
-/// The three numbers [m] in a required child element.
+/// Reads the three numbers [m] in a required child element.
 Vec3 sizes(XmlFields& xml, pugi::xml_node node, const char* name) {
   (void)xml.required_text(xml.element(node, name));
   return xml.vec3(xml.element(node, name), {}, not_negative);
@@ -27,7 +27,7 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
   return mesh_shape(xml, uri, xml.vec3(xml.element(node, "scale"), {1, 1, 1}, {-1e6, 1e6}), use, options, assets);
 }
 
-/// The shape of one `<collision>` or `<visual>`; if it has no readable geometry, adds a note and returns std::nullopt.
+/// Reads the shape of one `<collision>` or `<visual>`. If it has no readable geometry, adds a note and returns std::nullopt.
 std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const ShapeUse& use, const RobotOptions& options, Assets& assets) {
   for (const pugi::xml_node geometry : node.child("geometry").children())
     for (const std::string_view known : {"box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh"})

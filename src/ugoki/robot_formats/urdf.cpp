@@ -12,7 +12,7 @@ namespace {
 
 using formats::in_quotes;
 
-/// A `<joint>` whose links exist.
+/// A `<joint>` element whose two links exist.
 struct UrdfJoint {
   pugi::xml_node node;
   std::string name;
@@ -82,7 +82,7 @@ class UrdfReader {
     return Inertia::from_centre(mass, X.p, rotated(I, X.R));
   }
 
-  /// Index of the link that the child element `end` of the joint refers to. If there is none, adds a problem and returns -1.
+  /// Returns the index of the link that the joint's child element `end` names. If there is none, adds a problem and returns -1.
   int end_of(pugi::xml_node joint, const char* end) {
     const XmlField field = xml_.attribute(joint.child(end), "link");
     const std::string name = xml_.text(field);
@@ -122,7 +122,7 @@ class UrdfReader {
     joints_.push_back({node, name, child});
   }
 
-  /// Type, axis and DOF properties of a joint.
+  /// Reads type, axis and DOF properties of a joint.
   Joint read_motion(pugi::xml_node node) {
     static const std::map<std::string_view, JointType> types = {{"fixed", JointType::fixed},         {"revolute", JointType::revolute},
                                                                 {"continuous", JointType::revolute}, {"prismatic", JointType::prismatic},
@@ -167,7 +167,7 @@ class UrdfReader {
                    "Swap or correct the limits.");
   }
 
-  /// Marks the link without a parent joint as the base; a problem if there are several, because a URDF has one base.
+  /// Marks the link without a parent joint as the base. Adds a problem if there are several such links, because a URDF has one base.
   void find_base() {
     int base = -1;
     for (int i = 0; i < static_cast<int>(draft_.links.size()); ++i) {
@@ -215,7 +215,7 @@ class UrdfReader {
     link.shapes = read_urdf_shapes(xml_, draft_.draft(i).node, options_, assets_);
   }
 
-  /// Ugoki's planar joint moves in the x-y plane of the joint frame. If the axis is not z, inserts a massless link whose z is the axis.
+  /// Ugoki's planar joint moves in the x-y plane of the joint frame. If the axis is not z, inserts a massless link with z along the axis.
   void split_planar_joints() {
     const int count = static_cast<int>(draft_.links.size());
     for (int i = 0; i < count; ++i) {
@@ -236,7 +236,7 @@ class UrdfReader {
     }
   }
 
-  /// Applies the loops file. Returns its problems.
+  /// Applies the loops file and returns its problems.
   Error read_loops(const SideFile& file) {
     const Result<LoopsYaml> yaml = read_loops_yaml(file);
     if (!yaml) return yaml.error();

@@ -7,8 +7,8 @@
 
 namespace ugoki::robot_formats {
 
-/// Reads a robot.
-/// @param file_name appears in the location of every problem; files that the description refers to are searched relative to it
+/// Reads a robot description in URDF.
+/// @param file_name part of the location of every problem; files that the description refers to are searched relative to it
 [[nodiscard]] Result<RobotModel> read_urdf(std::string_view text, std::string_view file_name, const RobotOptions& options = {});
 
 }  // namespace ugoki::robot_formats

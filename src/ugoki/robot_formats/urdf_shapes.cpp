@@ -3,7 +3,7 @@
 namespace ugoki::robot_formats {
 namespace {
 
-/// The number [m] in a required attribute.
+/// Reads the number [m] in a required attribute.
 double size(XmlFields& xml, pugi::xml_node node, const char* name) {
   (void)xml.required_text(xml.attribute(node, name));
   return xml.number(xml.attribute(node, name), 0, not_negative);
@@ -16,7 +16,7 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
     return primitive_shape(xml, Primitive::box, {.sides = xml.vec3(xml.attribute(node, "size"), {}, not_negative)}, use);
   }
   if (kind == "sphere") return primitive_shape(xml, Primitive::sphere, {.radius = size(xml, node, "radius")}, use);
-  if (kind == "cylinder" || kind == "capsule")  // <capsule> is not in the specification of URDF, but widely used
+  if (kind == "cylinder" || kind == "capsule")  // <capsule> is widely used, although URDF does not specify it
     return primitive_shape(xml, kind == "capsule" ? Primitive::capsule : Primitive::cylinder,
                            {.radius = size(xml, node, "radius"), .length = size(xml, node, "length")}, use);
   const std::string uri = xml.required_text(xml.attribute(node, "filename"));
@@ -24,7 +24,7 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
   return mesh_shape(xml, uri, scale, use, options, assets);
 }
 
-/// The shape of one `<collision>` or `<visual>`; if it has no readable geometry, adds a note and returns std::nullopt.
+/// Reads the shape of one `<collision>` or `<visual>`. If it has no readable geometry, adds a note and returns std::nullopt.
 std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const RobotOptions& options, Assets& assets) {
   const ShapeUse use{node, std::string_view(node.name()) == "collision", urdf_origin(xml, node)};
   for (const pugi::xml_node geometry : node.child("geometry").children())

@@ -31,7 +31,7 @@ class UrdfWriter {
     return std::move(out_);
   }
 
-  /// Whether the link represents the world: named "world", without parent, fixed at the world's frame.
+  /// True if the link represents the world: it is named "world", has no parent, and is fixed at the world's frame.
   static bool is_world(const Link& l) {
     return l.name == "world" && l.parent < 0 && l.joint.type == JointType::fixed && is_identity(l.joint.X_PJ);
   }
@@ -52,8 +52,8 @@ class UrdfWriter {
   /// Writes a link without inertia and shapes.
   void write_massless(const std::string& name) { xml_.element("link", attribute("name", name)); }
 
-  /// Writes the base, because a URDF has exactly one. A single floating base at the world's frame is kept as base; otherwise the base is a
-  /// link "world".
+  /// Writes the base. A URDF has exactly one base: a single floating base at the world's frame is kept; otherwise the base is a link
+  /// "world".
   void write_bases() {
     std::vector<const Link*> bases;
     for (const Link& l : m_.links())
@@ -122,7 +122,7 @@ class UrdfWriter {
     xml_.end();
   }
 
-  /// Name of the side file with the mesh, which is written when the mesh is first used.
+  /// Returns the name of the side file with the mesh. The first call for a mesh creates this file.
   std::string mesh_file(const Geometry& mesh) {
     const auto [it, is_new] = meshes_.emplace(&mesh, stem_ + "_mesh" + std::to_string(meshes_.size() + 1) + ".obj");
     if (is_new) {
@@ -135,7 +135,7 @@ class UrdfWriter {
     return it->second;
   }
 
-  /// Writes the joint that carries `l`. Joints of several DOFs become a chain of joints with massless links between them.
+  /// Writes the joint between `l` and its parent. Joints of several DOFs become a chain of joints with massless links between them.
   void write_joint(const Link& l, const std::string& parent) {
     const Joint& j = l.joint;
     const std::vector<SimpleJoint> parts = j.type == JointType::planar ? std::vector<SimpleJoint>{} : simple_joints(j);
@@ -172,7 +172,7 @@ class UrdfWriter {
     }
   }
 
-  /// Notes the properties of a DOF that URDF cannot store.
+  /// Adds notes about the properties of a DOF that URDF cannot store.
   /// @param no_limits the joint has several DOFs, for which URDF has neither limits nor individual properties
   void note_lost_properties(const Link& l, const Dof& f, bool no_limits) {
     if (f.stiffness != 0 || f.rest != 0) notes_.add("URDF cannot store joint springs; those of % are left out.", l.name);
@@ -186,7 +186,7 @@ class UrdfWriter {
 
   [[nodiscard]] static std::string joint_name(const std::string& child) { return child + "_joint"; }
 
-  /// Attributes of <mimic> for the gear whose follower is this DOF; empty if there is none.
+  /// Returns the attributes of <mimic> for the gear whose follower is this DOF; empty if there is none.
   [[nodiscard]] std::string mimic_of(const std::string& link, int dof) const {
     for (const LoopSpec& loop : m_.spec().loops)
       if (loop.type == LoopType::gear && loop.link_a == link && loop.dof_a == dof && is_mimic(loop))
@@ -194,7 +194,7 @@ class UrdfWriter {
                attribute("offset", loop.polynomial[0]);
     return {};
   }
-  /// Whether a gear can be written as <mimic>: it must be linear, closed, between joints of one DOF, and the first gear of its follower.
+  /// True if a gear can be written as <mimic>: it must be linear, closed, between joints of one DOF, and the first gear of its follower.
   [[nodiscard]] bool is_mimic(const LoopSpec& loop) const {
     const auto simple = [&](const std::string& name) {
       const JointType type = m_.link(m_.find_link(name)).joint.type;
@@ -225,8 +225,8 @@ class UrdfWriter {
     xml_.end();
   }
 
-  /// Adds a massless link at the pose X in `link` and returns its name. X is rotated so that z is along `axis`. If `axis2` is
-  /// given, X is rotated so that y is along `axis2` instead.
+  /// Adds a massless link at the pose X in `link` and returns its name. X is rotated so that z is along `axis` or, if `axis2` is given, so
+  /// that y is along `axis2`.
   std::string frame_at(const std::string& wanted, const std::string& link, const Pose& X, const Vec3& axis, const Vec3* axis2) {
     const std::string name = unique_name(wanted);
     Mat3 R = to_matrix(rotation_between({0, 0, 1}, axis));
@@ -290,7 +290,7 @@ class UrdfWriter {
 RobotText write_urdf(const Mechanism& mechanism, std::string_view stem) {
   const int at = mechanism.find_link("world");
   if (at < 0 || UrdfWriter::is_world(mechanism.link(at))) return UrdfWriter(mechanism, stem).write();
-  // Readers take a link named "world" as the base, so another link of this name is renamed.
+  // Readers take any link named "world" as the base, so another link of this name gets another name.
   MechanismSpec spec = mechanism.spec();
   std::string name = "world link";
   while (mechanism.find_link(name) >= 0) name += "_";

@@ -10,7 +10,7 @@
 
 namespace ugoki::robot_formats {
 
-/// Collects notes. Notes with the same sentence become one, which lists all names.
+/// Collects notes. Notes with the same sentence become one note, which lists all names.
 class WrittenNotes {
  public:
   /// @param sentence text in which "%" is replaced by the names
@@ -32,20 +32,20 @@ class WrittenNotes {
   std::map<std::string, std::vector<std::string>> names_;
 };
 
-/// A joint of one DOF that rotates about, or slides along, an axis. Joints of several DOFs are written as chains of simple joints.
+/// A joint of one DOF that rotates about an axis or slides along it. Joints of several DOFs are written as chains of simple joints.
 struct SimpleJoint {
   bool slides = false;
   Vec3 axis;    ///< unit, in the joint frame
   int dof = 0;  ///< index of the DOF in the original joint
 };
-/// The simple joints of a revolute, prismatic, cylindrical, planar, universal or helical joint, outermost first; empty for other types. A
-/// helical joint gives two, both for DOF 0: the translation follows the rotation.
+/// Returns the simple joints of a revolute, prismatic, cylindrical, planar, universal or helical joint, outermost first; empty for other
+/// types. A helical joint gives two, both for DOF 0: first the rotation, then the translation.
 [[nodiscard]] std::vector<SimpleJoint> simple_joints(const Joint& joint);
 
-/// All loops of the mechanism; each virtual link (LinkSpec::real) becomes a weld loop with its real link.
+/// Returns all loops of the mechanism; each virtual link (LinkSpec::real) becomes a weld loop with its real link.
 [[nodiscard]] std::vector<LoopSpec> all_loops(const Mechanism& mechanism);
 
-/// Position limits of this magnitude (m, rad) or greater are written as this value, which the readers treat as "no limit".
+/// A position limit (m, rad) of at least this magnitude is written as this value, which the readers treat as "no limit".
 inline constexpr double no_limit = 1e10;
 
 }  // namespace ugoki::robot_formats

@@ -11,7 +11,7 @@ namespace ugoki::robot_formats {
 namespace {
 
 constexpr std::string_view blanks = " \t\r\n";
-constexpr std::size_t lines_in_a_note = 4;  // line numbers shown in a note
+constexpr std::size_t lines_in_a_note = 4;  // maximum number of line numbers in a note
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(blanks);
@@ -19,7 +19,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
 }
 
-/// Removes and returns the first token of `rest`; empty at the end.
+/// Removes the first token from `rest` and returns it; empty at the end.
 std::string_view next_token(std::string_view& rest) {
   rest = trimmed(rest);
   const std::string_view token = rest.substr(0, rest.find_first_of(blanks));
@@ -64,8 +64,7 @@ bool XmlFields::parse(std::string_view text) {
   return check_tree();
 }
 
-/// Reports XML that pugixml accepts but this module refuses: several outermost elements, user-defined entities, duplicate attributes, deep
-/// nesting.
+/// Reports valid XML that this module refuses: several outermost elements, user-defined entities, duplicate attributes, deep nesting.
 bool XmlFields::check_tree() {
   int outermost = 0;
   for (const pugi::xml_node node : document_.children()) {
@@ -111,7 +110,7 @@ bool XmlFields::check_tree() {
 
 int XmlFields::line_at(const char* in_buffer) const {
   const auto at = reinterpret_cast<std::uintptr_t>(in_buffer), begin = reinterpret_cast<std::uintptr_t>(buffer_.data());
-  if (at < begin || at > begin + buffer_.size()) return 1;  // an empty name does not point into the buffer
+  if (at < begin || at > begin + buffer_.size()) return 1;  // an empty name does not point into the buffer, so its line is unknown
   const auto after = std::upper_bound(line_starts_.begin(), line_starts_.end(), static_cast<std::size_t>(at - begin));
   return static_cast<int>(after - line_starts_.begin());
 }

@@ -12,7 +12,7 @@ namespace ugoki::robot_formats {
 /// An XML document that is written element by element.
 class XmlText {
  public:
-  /// Opens an element: <name a="..." ...>. The attributes are text that begins with a space; see attribute(). Close it by end().
+  /// Opens an element: <name a="..." ...>. `attributes` is empty or begins with a space; see attribute(). Close the element by end().
   void begin(std::string_view name, const std::string& attributes = {});
   void end();
   /// Writes an element without content: <name .../>
@@ -25,13 +25,13 @@ class XmlText {
   std::vector<std::string> open_;
 };
 
-/// An attribute with a leading space: ` name="value"`. The value is escaped; numbers are written so that they read back with the same bits.
+/// Returns an attribute with a leading space: ` name="value"`. The value is escaped; a number is read back as the same double.
 [[nodiscard]] std::string attribute(std::string_view name, std::string_view value);
 [[nodiscard]] std::string attribute(std::string_view name, double value);
 [[nodiscard]] std::string attribute(std::string_view name, const Vec3& value);
 [[nodiscard]] std::string attribute(std::string_view name, const Quat& value);
 
-/// The components as the shortest texts that read back with the same bits, separated by spaces.
+/// Returns the components, separated by spaces, each as the shortest text that is read back as the same double.
 [[nodiscard]] std::string numbers(const Vec3& v);
 
 }  // namespace ugoki::robot_formats

@@ -14,7 +14,7 @@ MechanismPtr make_ball() {
   shape.friction = 0.7;
   shape.restitution = 0.7;
   link.shapes = {shape};
-  const double moment = 2.0 / 3.0 * mass * radius * radius;  // a thin shell
+  const double moment = 2.0 / 3.0 * mass * radius * radius;  // kg m^2, moment of inertia of a thin shell
   link.inertia = Inertia::from_centre(mass, {}, {moment, moment, moment, 0, 0, 0});
   MechanismSpec spec;
   spec.name = "Ball";

@@ -5,7 +5,7 @@
 namespace ugoki::samples {
 
 double quintic(const Jet& from, const Jet& to, double s) {
-  // Hermite form: x0 + v0 s + a0/2 s^2 + c3 s^3 + c4 s^4 + c5 s^5
+  // Polynomial of degree 5: x0 + v0 s + a0/2 s^2 + c3 s^3 + c4 s^4 + c5 s^5
   const double dx = to.x - from.x - from.v - 0.5 * from.a, dv = to.v - from.v - from.a, da = to.a - from.a;
   const double c3 = 10 * dx - 4 * dv + 0.5 * da, c4 = -15 * dx + 7 * dv - da, c5 = 6 * dx - 3 * dv + 0.5 * da;
   return from.x + s * (from.v + s * (0.5 * from.a + s * (c3 + s * (c4 + s * c5))));

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double dog_mass = 32;
 
-/// Given shares of the body mass, for links whose density differs from the mean. Fore foot (carpus and paw): 0.72 % (Jones, Raschke, Riches
-/// 2018, PLoS ONE 13, German shepherds). Hind foot: a larger share, because the metatarsus is longer. Head: a larger share, because of its
-/// bone.
+/// Given shares of the body mass, for links whose density differs from the mean density. Fore foot (carpus and paw): 0.72 % (Jones,
+/// Raschke, Riches 2018, PLoS ONE 13, German shepherds). Hind foot: a larger share, because the metatarsus is longer. Head: a larger share,
+/// because of its bone.
 constexpr struct {
   const char* label;
   double share;
@@ -28,7 +28,7 @@ double share_of(std::string_view label) {
   return 0;
 }
 
-/// One link of the dog. Positions are in the world, in the standing position.
+/// One link of the dog. Positions are world positions in the standing position.
 struct Part {
   const char* name;
   const char* parent;
@@ -37,10 +37,10 @@ struct Part {
   Vec3 at;                    ///< m, position of the joint
   std::vector<Shape> shapes;  ///< in the link's frame
   double damping, stiffness, effort;
-  Vec3 lower, upper;  ///< degrees, joint limits
+  Vec3 lower, upper;  ///< deg, joint limits
 };
 
-/// Makes a shape visible only, without collision.
+/// Makes a shape visible only: it takes no part in collision detection.
 Shape seen(Shape s) {
   s.collides = false;
   return s;
@@ -252,7 +252,7 @@ std::vector<Part> make_parts() {
                  {-110, 0, 0},
                  {80, 0, 0}});
     for (std::size_t i : {p.size() - 5, p.size() - 1}) {
-      // The paw: two colliding toe capsules with their undersides on the ground; two more capsules for display.
+      // The paw: two colliding toe capsules, which touch the ground with their undersides; two more capsules for display.
       const double z = -p[i].at.z, r = 0.017, b = 0.019;
       p[i].shapes = {bar(r, {0.004, 0.014 * s, z + r}, {0.044, 0.015 * s, z + r}),
                      bar(r, {0.004, -0.014 * s, z + r}, {0.044, -0.015 * s, z + r}), seen(bar(b, {0, 0, 0}, {0.026, 0, z + b + 0.003})),

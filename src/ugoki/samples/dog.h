@@ -7,7 +7,7 @@
 namespace ugoki::samples {
 
 /// Joint positions of a left leg: hip, stifle, hock, knuckle (hind leg) or shoulder, elbow, carpus, knuckle (fore leg). y is half the
-/// track width.
+/// lateral distance between left and right paw.
 struct DogLimb {
   Vec3 root, middle, end, knuckle;
 };

@@ -1,6 +1,6 @@
-// The dog's trot and stand. The trot is a gait of two beats: diagonal legs move in phase, and inverse kinematics locks standing feet to
-// the ground. Timing follows Maes et al. (2008, J. exp. Biol. 211, 138-149) for slow trots of dogs of this size: about 1.7 strides per
-// second, each foot on the ground for about half of the stride.
+// The dog's trot and stand. The trot is a gait of two beats: diagonal legs move in phase, and inverse kinematics fixes standing feet to the
+// ground. Timing follows Maes et al. (2008, J. exp. Biol. 211, 138-149) for slow trots of dogs of this size: about 1.7 strides per second,
+// each foot on the ground for about half of the stride.
 
 #include <algorithm>
 
@@ -57,7 +57,7 @@ class Poser {
     }
   }
   void set_root(const Pose& X) {
-    const Vec3 p = X.p - dog_root;  // q is relative to the neutral position, in which the root is at dog_root
+    const Vec3 p = X.p - dog_root;  // the coordinates q are relative to the neutral position, in which the root is at dog_root
     const Quat r = to_quat(X.R);
     const double q[7] = {p.x, p.y, p.z, r.w, r.x, r.y, r.z};
     std::copy(q, q + 7, q_.begin());
@@ -95,8 +95,8 @@ class Poser {
     const Link& first = find(upper);
     const Vec3 root = X_parent * first.joint.X_PJ.p;
     const double stand1 = angle_in_plane(limb.middle - limb.root), stand2 = angle_in_plane(limb.end - limb.middle);
-    // The hinges of the leg move in one nearly vertical plane. The rotation of the leg's root joint determines the plane, so the target of
-    // the metapodium and the leg are solved alternately; five iterations converge.
+    // The hinges of the leg move in one nearly vertical plane, which the rotation of the leg's root joint determines. The metapodium's
+    // target depends on this plane, so target and leg are solved alternately; five iterations converge.
     Mat3 R3 = about_y(s.metapodium);
     LimbPosture p;
     double fold = 0;
@@ -104,7 +104,7 @@ class Poser {
       // reach() assumes bones that point straight down at rest; stand1 and stand2 account for the standing angles.
       p = reach(root, s.knuckle - R3 * (limb.knuckle - limb.end), l1, l2, {0, 1, 0}, bend);
       const Mat3 R2 = p.R_upper * about_y(p.flexion + stand2);
-      fold = s.metapodium - pitch_of(R2);  // the target may be out of reach before the plane has converged
+      fold = s.metapodium - pitch_of(R2);  // not converged yet: the target may be out of reach
       R3 = R2 * about_y(fold);
     }
     const Mat3 R1 = p.R_upper * about_y(stand1);
@@ -112,7 +112,7 @@ class Poser {
     set(lower, about_y(p.flexion + stand2 - stand1));
     set(metapodium, about_y(fold));
     set(paw, about_y(s.paw - s.metapodium));
-    UGOKI_CHECK(p.reach < 1);  // the trajectories below keep the targets within the leg length
+    UGOKI_CHECK(p.reach < 1);  // the trajectories below keep the targets within the leg's length
   }
 
   const Mechanism& dog_;
@@ -134,7 +134,7 @@ void add(Motion& m, const std::vector<double>& q) {
   ++m.frames;
 }
 
-// ---- Trot. Phase in strides: left fore and right hind foot touch down at 0.
+// ---- Trot. Phases are in strides: left fore and right hind foot touch down at 0.
 
 constexpr double rate = 120;
 constexpr int stride_frames = 71;  // 0.592 s
@@ -150,7 +150,7 @@ Step trot_step(double u, const DogLimb& limb, double forward, double lift, doubl
   const double half = 0.5 * duty * stride;
   if (u < duty) {
     const double t = u / duty;
-    s.knuckle = {half + forward, 0, 0};  // constant while the foot stands; the caller moves the body
+    s.knuckle = {half + forward, 0, 0};  // constant during the stance; the caller moves the body over the paw
     // The metapodium pitches forward over the standing paw during the stance.
     s.metapodium = (-12 + (12 + push) * smooth_step(t)) * degree;
     s.paw = 0;
@@ -187,7 +187,7 @@ Motion make_dog_trot(const Mechanism& dog) {
       p.set(tail[i], about_y((i == 0 ? 22 : 9) * degree + 2.5 * degree * cos(2 * w - 0.7 * i)) * about_z(5 * degree * sin(w - 0.8 * i)));
     for (const int side : {1, -1}) {
       const double fore = side > 0 ? u : u + 0.5, hind = side > 0 ? u + 0.5 : u;
-      // `own` counts strides from the start of the motion, so that the position of a standing paw is constant in the world.
+      // `own` counts the leg's strides since the start of the motion, so that the position of a standing paw is constant in the world.
       const auto placed = [&](double own, const DogLimb& limb, double shift, double lift, double fold, double push) {
         const double completed = std::floor(own);
         Step s = trot_step(own - completed, limb, shift, lift, fold, push);

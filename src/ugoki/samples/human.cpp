@@ -1,7 +1,7 @@
-// A human walking and standing. In the walk the feet roll over heel, sole and ball without sliding, the pelvis moves along published
-// curves, inverse kinematics sets the legs, and the arms swing opposite to the legs.
-// Sources: proportions Drillis and Contini (1966, in Winter 2009, fig. 4.1); timing, foot and pelvis curves Winter (1991),
-// Perry (1992), Whittle (2007); arms Murray, Sepic and Barnard (1967). docs/design/samples.md compares the joint angles.
+// A human walking and standing. In the walk the feet roll over heel, sole and ball without sliding; the pelvis moves along published
+// curves; the legs follow by inverse kinematics; the arms swing opposite to the legs. Sources: proportions Drillis and Contini (1966, in
+// Winter 2009, fig. 4.1); timing, foot and pelvis curves Winter (1991), Perry (1992), Whittle (2007); arms Murray, Sepic and Barnard
+// (1967). docs/design/samples.md compares the joint angles.
 
 #include <algorithm>
 
@@ -16,7 +16,7 @@ constexpr double thigh = 0.245 * height, shank = 0.246 * height;
 constexpr double ankle_height = 0.039 * height, ball_height = 0.019 * height;
 constexpr double ball_forward = 0.075 * height, toe_length = 0.040 * height;
 constexpr double heel_back = 0.036 * height, heel_radius = 0.04,
-                 edge_forward = ball_forward + 0.012;  // the sole has the shape that the body module makes
+                 edge_forward = ball_forward + 0.012;  // same shape of the sole as in the module body
 constexpr double hip_half_width = 0.050 * height, hip_drop = 0.022 * height;
 constexpr double rate = 120;
 
@@ -117,7 +117,7 @@ void place_leg(Posture& p, int side, const FootPose& foot, double heading) {
   p.local[first + 3] = about_y(foot.toes);
 }
 
-/// Sets the spine and neck joints so that the chest has the rotation R_chest and the head R_head (world). Each joint takes an equal share.
+/// Sets spine and neck joints so that the chest has the rotation R_chest and the head R_head (world). The joints have equal shares of it.
 void place_trunk(Posture& p, const Mat3& R_chest, const Mat3& R_head) {
   const Vec3 bend = log_map(to_quat(p.hips.R.transposed() * R_chest));
   for (const int j : {spine, spine1, chest}) p.local[j] = to_matrix(exp_map(bend * (1.0 / 3)));
@@ -155,15 +155,15 @@ class Recorder {
   MeasuredMotion m_;
 };
 
-// ---- Walk. Phase in strides: the left heel strikes at 0, the right heel at 0.5.
+// ---- Walk. Phases are in strides: the left heel strikes at 0, the right heel at 0.5.
 
 constexpr int stride_frames = 124;  // 1.033 s: 116 steps a minute
 constexpr double stride_time = stride_frames / rate, speed = 1.35, stride = speed * stride_time;
-constexpr double flat_from = 0.08, flat_to = 0.30, lift = 0.61;  // phases of foot flat, heel off and toe off (Perry 1992)
+constexpr double flat_from = 0.08, flat_to = 0.30, lift = 0.61;  // phases: foot flat begins, heel lifts, toes lift (Perry 1992)
 constexpr double strike_pitch = -17 * degree, lift_pitch = 57 * degree;
 constexpr double strike_speed = 1.0, strike_brake = 20;  // m/s, m/s^2: forward speed and deceleration of the heel at heel strike
 constexpr double swing_lift = 0.085;                     // m, extra height of the ankle in swing
-constexpr double toe_bend = 1.15;                        // angle of the toes relative to the foot, divided by the pitch of the foot
+constexpr double toe_bend = 1.15;                        // ratio of the toes' angle relative to the foot to the pitch of the foot
 constexpr double over_ankle = 0.22;                      // phase at which the pelvis is above the ankle
 constexpr double half_track = 0.052;                     // m, distance of the ankles from the midline
 constexpr double toe_out = 6 * degree;
@@ -187,7 +187,7 @@ Vec3 stance_ankle(double u, double heading) {
 }
 
 template <class F>
-Jet jet_of(F f, double u, double h, double scale) {  // derivatives per swing, by one-sided differences (h < 0: into the stance)
+Jet jet_of(F f, double u, double h, double scale) {  // derivatives per swing, by one-sided differences (h < 0: backwards into the stance)
   const double x0 = f(u), x1 = f(u + h), x2 = f(u + 2 * h);
   return {x0, (-3 * x0 + 4 * x1 - x2) / (2 * h) * scale, (x0 - 2 * x1 + x2) / (h * h) * scale * scale};
 }
@@ -206,7 +206,7 @@ FootPose walking_foot(double u, double heading) {
   const Vec3 landing = stance_ankle(0, heading);
   // The foot returns quickly to a horizontal position so that the toes clear the ground, then pitches up for the heel strike.
   constexpr double level = 0.55;
-  const Jet passing{7 * degree, -95 * degree, 0};  // pitch and its rate per swing at s = level
+  const Jet passing{7 * degree, -95 * degree, 0};  // pitch, and rate of the pitch per swing, at s = level
   Jet leaving = jet_of([](double w) { return stance_pitch(w); }, lift - 1e-9, h, span * level);
   leaving.a = 0;
   foot.pitch = s < level ? quintic(leaving, {passing.x, passing.v * level, 0}, s / level)
@@ -238,7 +238,7 @@ Posture walking_posture(double u, double pelvis_height) {
   const Mat3 R_head = about_z(0.8 * degree * cos(w)) * about_y((1.5 + 0.8 * cos(2 * w + 0.6)) * degree);
   place_trunk(p, R_chest, R_head);
   for (const int side : {1, -1}) {
-    const double forward = -side * cos(w - 0.15);  // 1 when the arm is farthest forward, at the heel strike of the opposite leg
+    const double forward = -side * cos(w - 0.15);  // 1 when the arm is farthest forward, which is at the heel strike of the opposite leg
     place_arm(p, side, (-4 + 18 * forward) * degree, 7 * degree, (23 + 11 * forward) * degree);
   }
   return p;

@@ -5,8 +5,8 @@
 namespace ugoki::samples {
 namespace {
 
-// The ball rests ahead of the human. At 2.5 s it is thrown so that half a second later, at the top of its flight, it hits the chest of
-// the human, who walks at 1.35 m/s. At the top the height changes little, so a human 0.1 m early or late is still hit at the chest.
+// The ball rests in front of the human. At 2.5 s it is thrown. Half a second later, at the top of its flight, it hits the chest of the
+// human, who walks at 1.35 m/s. At the top the height changes little, so a human 0.1 m ahead or behind is still hit at the chest.
 constexpr const char* document = R"({
   "version": 1,
   "name": "park",

@@ -1,5 +1,5 @@
 #pragma once
-// Sample content made by the project: a human, a dog, a ball, their motions, and a first scenario of 20 s.
+// Sample content computed by the project: a human, a dog, a ball, their motions, and a first scenario of 20 s.
 
 #include <string>
 
@@ -21,12 +21,12 @@ struct Sample {
 
 /// One stride of the human walking at 1.35 m/s, cyclic. Skeleton: 1.75 m, rest in the T position, proportions of Drillis and Contini.
 [[nodiscard]] MeasuredMotion make_human_walk();
-/// The human of make_human_walk() standing at ease; 4 s, cyclic.
+/// The human of make_human_walk() in quiet standing; 4 s, cyclic.
 [[nodiscard]] MeasuredMotion make_human_stand();
 
-/// A person of this height [m], neutral in the T position. All joints move within human ranges; knees and elbows are hinges. Below 1.6 m,
-/// proportions and mass are those of a child at the age whose median height equals `height`.
-/// Errors: those of grow(), for example a height out of its range.
+/// A person of this height [m]. The neutral position is the T position. Knees and elbows are hinges; all joints have human limits. Below
+/// 1.6 m, proportions and mass are those of a child at the age whose median height equals `height`.
+/// Errors: the errors of grow(), for example a height out of its range.
 [[nodiscard]] Result<MechanismPtr> make_person(double height);
 
 /// A shepherd dog, 0.62 m at the withers, 32 kg. In the neutral position the dog stands with its paws on z = 0 and its root at x = y = 0.

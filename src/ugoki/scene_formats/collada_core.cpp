@@ -18,7 +18,7 @@ using Names = std::initializer_list<std::string_view>;
 
 bool one_of(std::string_view name, Names names) { return std::ranges::find(names, name) != names.end(); }
 
-/// Removes all child elements of `node` except those named in `names`, and its texts unless `text` is true.
+/// Removes all child elements of `node` except those named in `names`; also removes its texts, unless `text` is true.
 void keep_children(xml_node node, Names names, bool text = false) {
   for (xml_node child = node.first_child(); child;) {
     const xml_node next = child.next_sibling();
@@ -28,16 +28,16 @@ void keep_children(xml_node node, Names names, bool text = false) {
   }
 }
 
-/// Sets an attribute, which is added if it does not exist.
+/// Sets an attribute; adds it if it does not exist.
 void set(xml_node node, const char* attribute, const std::string& value) {
   pugi::xml_attribute a = node.attribute(attribute);
   if (!a) a = node.append_attribute(attribute);
   a.set_value(value.c_str());
 }
 
-/// Adds a source with an array and an accessor under `parent`.
+/// Adds a <source> with an array and an accessor under `parent`.
 /// @param words number of words in `text`
-/// @param count, stride, size for the accessor: number of values, words from one value to the next, words in a value
+/// @param count, stride, size of the accessor: number of values, words from one value to the next, words in a value
 void add_source(xml_node parent, const std::string& id, const char* array, std::size_t words, const std::string& text, std::size_t count,
                 std::size_t stride, std::size_t size) {
   xml_node source = parent.append_child("source");
@@ -65,14 +65,14 @@ void add_input(xml_node parent, const char* semantic, const std::string& source,
   if (offset >= 0) set(input, "offset", std::to_string(offset));
 }
 
-/// The <input> of `node` with this semantic; empty if there is none.
+/// Returns the <input> of `node` with this semantic; empty if there is none.
 xml_node input_of(xml_node node, std::string_view semantic) {
   for (const xml_node input : node.children("input"))
     if (input.attribute("semantic").value() == semantic) return input;
   return {};
 }
 
-/// Count of numbers in a transformation element of this name; 0: elements of this name are not transformations.
+/// Returns the count of numbers in a transformation element of this name; 0 if the name is not that of a transformation.
 std::size_t numbers_of(std::string_view name) {
   if (name == "translate" || name == "scale") return 3;
   if (name == "rotate") return 4;
@@ -108,7 +108,7 @@ std::optional<Target> target_of(std::string_view text) {
   return out;
 }
 
-/// Cleans and checks the libraries of the document, one after the other.
+/// Cleans and checks the libraries of the document one by one: removes data that the skeleton does not need, checks all other data.
 class Core {
  public:
   explicit Core(std::string_view location) : document_(location) {}
@@ -207,7 +207,7 @@ class Core {
     return {};
   }
 
-  /// The names of the joints that have a positive weight for at least one vertex.
+  /// Returns the names of the joints that have a positive weight for at least one vertex.
   Result<std::vector<std::string>> joints_of(xml_node skin) {
     const xml_node weighted = skin.child("vertex_weights");
     const xml_node names_in = input_of(weighted, "JOINT"), weights_in = input_of(weighted, "WEIGHT");
@@ -240,7 +240,7 @@ class Core {
     for (std::size_t i = 0; i < pairs; ++i) {
       const std::optional<long> joint = parse_long(table[i * columns + name_column]),
                                 weight = parse_long(table[i * columns + weight_column]);
-      if (joint == -1) continue;  // bound to no joint
+      if (joint == -1) continue;  // -1: the weight belongs to no joint
       if (!joint || !weight || *joint < 0 || *weight < 0 || static_cast<std::size_t>(*joint) >= names->count ||
           static_cast<std::size_t>(*weight) >= weights->count)
         return document_.refuse(weighted.child("v"), ErrorCode::range,
@@ -307,7 +307,7 @@ class Core {
     return {};
   }
 
-  /// Cleans a node or scene and all its descendants. The recursion is bounded, because load() has limited the depth of the document.
+  /// Cleans a node or scene with all its descendants. The recursion is bounded, because load() has limited the depth of the document.
   Result<void> clean_node(xml_node node) {
     keep_children(node, {"node", "translate", "rotate", "scale", "matrix", "skew", "lookat", "instance_node", "instance_geometry",
                          "instance_controller"});
@@ -340,7 +340,7 @@ class Core {
     return {};
   }
 
-  /// Changes the url of an instance to the id of the skin or geometry that replaces its target; false if there is none.
+  /// Sets the url of an instance to the id of the skin or geometry that replaces its target. Returns false if there is no such replacement.
   bool instance_shape(xml_node instance) {
     const std::string_view old = local_id(instance, "url");
     instance.remove_children();
@@ -355,7 +355,7 @@ class Core {
     return !id.empty();
   }
 
-  /// Checks <instance_node>: no cycle, and not too many nodes in total.
+  /// Checks <instance_node> elements: no cycle, and not too many nodes in total.
   Result<void> check_instances() {
     std::vector<std::pair<xml_node, std::size_t>> open;  // nodes to visit, with their depth
     for (const xml_node library : document_.root().children("library_visual_scenes"))
@@ -398,7 +398,7 @@ class Core {
     return {};
   }
 
-  /// Keeps the channels that animate a node, each with its own sampler and sources, and cleans nested animations.
+  /// Keeps the channels that animate a node, each with a sampler and sources of its own, and cleans nested animations.
   Result<void> clean_animation(xml_node animation) {
     struct Channel {
       std::string target;
@@ -447,8 +447,8 @@ class Core {
       const auto t = static_cast<float>(*time), angle = static_cast<float>(*document_.number(channel, values.word(k, 0)));
       if (k > 0 && t < before) return document_.refuse(channel, ErrorCode::structure, "The times of the channel decrease.");
       if (k > 0 && t > before && target.first == 3) {
-        // assimp inserts keys every quarter turn between keys that are more than half a turn apart. The times of these
-        // keys must remain distinct in single precision.
+        // assimp inserts keys every quarter turn between keys that are more than half a turn apart. The times of the inserted keys must be
+        // distinct in single precision.
         const double quarters = std::fabs(static_cast<double>(angle) - static_cast<double>(angle_before)) / 90;
         const double room = 8 * static_cast<double>(std::numeric_limits<float>::epsilon()) * std::max(std::fabs(before), std::fabs(t));
         turns += quarters;
@@ -484,9 +484,10 @@ class Core {
   int made_ = 0;
   std::map<std::string, std::string, std::less<>> geometries_;        ///< original id -> new id
   std::map<std::string, std::string, std::less<>> skins_;             ///< original id -> new id
-  std::map<std::string, std::string, std::less<>> geometry_instead_;  ///< controller -> id of its geometry, used if it has no joints
-  std::multimap<std::string, xml_node, std::less<>> named_;           ///< nodes and scenes by id and by name
-  std::set<std::pair<std::string, std::string>> transformations_;     ///< id of the node and sid of each transformation
+  std::map<std::string, std::string, std::less<>> geometry_instead_;  ///< controller -> id of its geometry, used if the controller has no
+                                                                      ///< joints
+  std::multimap<std::string, xml_node, std::less<>> named_;           ///< nodes and scenes; keys: their ids and their names
+  std::set<std::pair<std::string, std::string>> transformations_;     ///< of each transformation: id of its node, and its sid
   std::vector<xml_node> replaced_;                                    ///< original contents of the animations, to be removed
 };
 

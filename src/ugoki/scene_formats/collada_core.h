@@ -12,9 +12,9 @@
 namespace ugoki::scene_formats {
 
 /// Returns a COLLADA document with the same nodes, transformations and animation channels, in which every reference, count and number has
-/// been checked. Everything that the skeleton does not need is removed, so that defects there do no harm: materials, cameras, mesh data
-/// (each mesh becomes one triangle, each skin a list of its weighted joints). Errors: nodes, skins or channels refer to data that are
-/// missing, too short or not numbers, or <instance_node> elements form a cycle.
+/// been checked. Data that the skeleton does not need are removed, so that defects in them do no harm: materials, cameras, mesh data (each
+/// mesh becomes one triangle, each skin a list of its weighted joints). Errors: nodes, skins or channels refer to data that are missing,
+/// too short or not numbers, or <instance_node> elements form a cycle.
 /// @param location name of the file, for error messages
 [[nodiscard]] Result<std::string> collada_core(std::span<const std::byte> bytes, std::string_view location);
 

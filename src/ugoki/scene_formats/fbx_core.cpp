@@ -20,7 +20,7 @@ bool one_of(std::string_view name, const Range& names) {
 }
 bool one_of(std::string_view name, Names names) { return std::ranges::find(names, name) != names.end(); }
 
-constexpr double max_number = 1e30;  // maximum magnitude of a number in the file; assimp's results are checked separately
+constexpr double max_number = 1e30;  // maximum magnitude of a number in the file; the results of assimp are checked separately
 constexpr std::int64_t max_time = 46'186'158'000 * 1'000'000;  // one million seconds, in FBX time units of 1/46186158000 s
 constexpr std::size_t max_depth = 400;                         // maximum depth of nested models; bounds the recursion in assimp
 
@@ -35,7 +35,7 @@ struct Object {
   bool kept = true;                 ///< false: the object is not written
 };
 
-/// The kind of an object; std::nullopt if the skeleton does not need it.
+/// Returns the kind of an object; std::nullopt if the skeleton does not need the object.
 std::optional<Kind> kind_of(const FbxRecord& r) {
   const std::string_view tag = r.text(2);
   if (r.name == "Model" && !one_of(tag, {"IKEffector", "FKEffector"})) return Kind::model;
@@ -50,7 +50,7 @@ std::optional<Kind> kind_of(const FbxRecord& r) {
   return std::nullopt;
 }
 
-/// Whether assimp uses a connection between objects of these kinds. @param property the connection leads to a property of the target
+/// True if assimp uses a connection between objects of these kinds. @param property the connection ends at a property of the target
 bool may_connect(Kind from, Kind to, bool property) {
   constexpr std::pair<Kind, Kind> plain[] = {{Kind::model, Kind::model}, {Kind::attribute, Kind::model}, {Kind::mesh, Kind::model},
                                              {Kind::skin, Kind::mesh},   {Kind::cluster, Kind::skin},    {Kind::model, Kind::cluster},
@@ -95,7 +95,7 @@ class Core {
       if (*kind == Kind::curve)
         if (Result<void> done = read_curve(object); !done) return done;
       if (*kind == Kind::cluster) object.kept = has_weights(r);
-      objects_.insert_or_assign(r.values[0].whole, std::move(object));  // if several objects have the same id, the last is used
+      objects_.insert_or_assign(r.values[0].whole, std::move(object));  // of several objects with the same id, the last one is used
     }
     return {};
   }
@@ -122,7 +122,7 @@ class Core {
       if (time < -max_time || time > max_time)
         return file_.refuse(*times, ErrorCode::range, "The magnitude of a key time exceeds one million seconds.");
       if (!curve.times.empty() && time < curve.times.back()) return file_.refuse(*times, ErrorCode::structure, "The key times decrease.");
-      if (!curve.times.empty() && time == curve.times.back()) {  // if two keys have the same time, the later is used
+      if (!curve.times.empty() && time == curve.times.back()) {  // of two keys with the same time, the later one is used
         curve.values.back() = static_cast<float>((*x)[i]);
         continue;
       }
@@ -169,7 +169,7 @@ class Core {
     return {};
   }
 
-  /// Checks rotation curves: assimp splits rotations between keys into small pieces, so their total angle must be bounded.
+  /// Checks rotation curves. assimp splits rotations between keys into small pieces, so the total angle of a curve must be bounded.
   Result<void> check_turns() {
     std::set<std::int64_t> turning;
     for (const Connection& c : connections_)
@@ -289,7 +289,7 @@ class Core {
     write_array("TransformLink", 'd', identity);
   }
 
-  /// Writes those properties of `record` that are named in `names` and whose values fit their type.
+  /// Writes the properties of `record` whose names are in `names` and whose values fit their type.
   template <class Range>
   void write_properties(const FbxRecord& record, const Range& names) {
     out_.begin("Properties70");

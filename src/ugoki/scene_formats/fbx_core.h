@@ -11,9 +11,9 @@
 namespace ugoki::scene_formats {
 
 /// Returns a binary FBX 7.4 file with the same models, skins and animation curves, in which every connection, count and number has been
-/// checked. Everything that the skeleton does not need is removed, so that defects there do no harm: materials, cameras, poses, blend
-/// shapes, mesh data (each mesh becomes one triangle, which is bound to all joints of its skin). Errors: records that exceed their parent
-/// record, truncated curves, key times that decrease, models that are their own ancestors.
+/// checked. Data that the skeleton does not need are removed, so that defects in them do no harm: materials, cameras, poses, blend shapes,
+/// mesh data (each mesh becomes one triangle, which is bound to all joints of its skin). Errors: records that exceed their parent record,
+/// truncated curves, key times that decrease, models that are their own ancestors.
 /// @param location name of the file, for error messages
 [[nodiscard]] Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view location);
 

@@ -41,7 +41,7 @@ class BinaryReader {
  public:
   BinaryReader(std::string_view bytes, bool wide) : bytes_(bytes), wide_(wide) {}
 
-  /// Reads records from `at` to an empty record or to `end`. False on error; see `broken`.
+  /// Reads records from `at` to an empty record or to `end`. Returns false on error; `broken` then describes the error.
   bool records(std::size_t at, std::size_t end, int depth, std::vector<FbxRecord>& out) {
     if (depth > max_depth) return stop(at, "The records are nested too deeply.");
     const std::size_t head = wide_ ? 25 : 13;
@@ -131,7 +131,7 @@ class TextReader {
  public:
   explicit TextReader(std::string_view bytes) : bytes_(bytes) {}
 
-  /// Reads records up to '}' or, at depth 0, to the end of the file. False on error; see `broken`.
+  /// Reads records up to '}' or, at depth 0, to the end of the file. Returns false on error; `broken` then describes the error.
   bool records(int depth, std::vector<FbxRecord>& out) {
     if (depth > max_depth) return stop("The records are nested too deeply.");
     for (skip(); at_ < bytes_.size() && bytes_[at_] != '}'; skip()) {
@@ -168,9 +168,9 @@ class TextReader {
     while (at_ < bytes_.size() && !std::string_view(" \t\r\n,{};").contains(bytes_[at_]) && !ends.contains(bytes_[at_])) ++at_;
     return bytes_.substr(begin, at_ - begin);
   }
-  /// Reads the values and child records of a record, after its name and colon.
+  /// Reads the values and child records of a record, whose name and colon have been read.
   bool rest(FbxRecord& record, int depth) {
-    // The first value is on the line of the name; after a comma, the next value may be on any line.
+    // The first value is on the same line as the name; after a comma, the next value may be on any line.
     while (at_ < bytes_.size() && (bytes_[at_] == ' ' || bytes_[at_] == '\t' || bytes_[at_] == '\r')) ++at_;
     if (at_ < bytes_.size() && !std::string_view("\n{};").contains(bytes_[at_])) {
       for (bool more = true; more;) {

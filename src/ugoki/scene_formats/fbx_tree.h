@@ -1,5 +1,5 @@
 #pragma once
-// The records of an FBX file, binary or ASCII, as a tree; checks that each record is inside its parent. Internal to scene_formats.
+// The records of an FBX file, binary or ASCII, as a tree. Each record is checked to be inside its parent. Internal to scene_formats.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +20,7 @@ struct FbxValue {
   std::string_view text = {};  ///< for an array: its bytes, or its numbers separated by commas
   char type = 0;               ///< element type of an array: 'd' double, 'f' float, 'l' int64, 'i' int32, 'b' byte; 'a': ASCII text
   std::uint32_t count = 0;     ///< number of elements of an array
-  bool packed = false;         ///< the bytes are compressed by zlib
+  bool packed = false;         ///< true: the bytes are compressed by zlib
 };
 
 /// A record (node) of an FBX file with its properties and child records.
@@ -29,32 +29,32 @@ struct FbxRecord {
   std::size_t at = 0;  ///< byte offset in the file
   std::vector<FbxValue> values;
   std::vector<FbxRecord> children;
-  /// The first child of this name, or null.
+  /// Returns the first child record of this name, or null.
   [[nodiscard]] const FbxRecord* child(std::string_view wanted) const;
-  /// The property `i` as text; empty if it does not exist or is not a text.
+  /// Returns the property `i` as text; empty if it does not exist or is not a text.
   [[nodiscard]] std::string_view text(std::size_t i) const;
 };
 
-/// A parsed FBX file. Keeps views into the bytes passed to load(), which must outlive it.
+/// A parsed FBX file. Keeps views into the bytes passed to load(), which must outlive this object.
 class FbxFile {
  public:
   explicit FbxFile(std::string_view location) : location_(location) {}
   /// Reads all records. Errors: not FBX, truncated, nested too deeply, a record that exceeds its parent.
   [[nodiscard]] Result<void> load(std::string_view bytes);
   [[nodiscard]] const FbxRecord& root() const { return root_; }
-  /// For example 7400; 0 if the file does not state its version.
+  /// Returns the version of the format, for example 7400; 0 if the file does not state it.
   [[nodiscard]] std::int64_t version() const;
-  /// An Error whose location is this record.
+  /// Returns an Error whose location is this record.
   [[nodiscard]] std::unexpected<Error> refuse(const FbxRecord& record, ErrorCode code, std::string message) const;
-  /// The elements of a record's array. An Error unless each is finite and its magnitude at most `maximum`.
+  /// Returns the elements of a record's array. An Error unless each element is finite and its magnitude is at most `maximum`.
   [[nodiscard]] Result<std::vector<double>> numbers(const FbxRecord& record, double maximum) const;
-  /// The elements of a record's array of integers.
+  /// Returns the elements of a record's array of integers.
   [[nodiscard]] Result<std::vector<std::int64_t>> integers(const FbxRecord& record) const;
 
  private:
   [[nodiscard]] Result<void> read_binary();
   [[nodiscard]] Result<void> read_text();
-  /// The bytes of the array, decompressed if necessary.
+  /// Returns the bytes of the array, decompressed if necessary.
   [[nodiscard]] Result<std::string> unpacked(const FbxRecord& record, const FbxValue& array) const;
   template <class T>
   [[nodiscard]] Result<std::vector<T>> array(const FbxRecord& record) const;

@@ -30,7 +30,7 @@ class FbxWriter {
   void end() {
     Open& record = open_.back();
     if (record.closed)
-      out_.append(13, '\0');  // empty record: end of the child records
+      out_.append(13, '\0');  // an empty record marks the end of the child records
     else
       close_properties();
     patch(record.at, static_cast<std::uint32_t>(out_.size()));
@@ -60,7 +60,7 @@ class FbxWriter {
   }
 
  private:
-  /// A record that is not finished yet: offsets of its header and properties, number of properties, whether the properties are ended.
+  /// A record that is not finished yet: offsets of its header and properties, number of properties, whether all its properties are written.
   struct Open {
     std::size_t at = 0, properties = 0;
     std::uint32_t count = 0;

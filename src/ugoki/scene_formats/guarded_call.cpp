@@ -38,7 +38,7 @@ void set_limit(int resource, rlim_t value) {
   (void)setrlimit(resource, &limit);
 }
 
-/// Writes all bytes; false on error.
+/// Writes all bytes. Returns false on error.
 bool write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(file, bytes.data(), bytes.size());
@@ -49,7 +49,7 @@ bool write_all(int file, std::string_view bytes) {
   return true;
 }
 
-/// The child process: runs the call, writes the answer and exits. Never returns into the copied stack of the caller.
+/// Main function of the child process: runs the call, writes the answer and exits. It never returns into the copied stack of the caller.
 [[noreturn]] void run_child(const std::function<std::string()>& call, int out, const GuardLimits& limits, std::size_t size) {
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTERM, SIGINT, SIGPIPE, SIGALRM}) (void)signal(number, SIG_DFL);
@@ -67,11 +67,11 @@ bool write_all(int file, std::string_view bytes) {
   }
 }
 
-/// How the child process ended.
+/// Describes the end of the child process.
 struct Outcome {
-  bool in_time = true;       ///< within the time limit
-  bool within_limit = true;  ///< the answer did not exceed its maximum size
-  int status = 0;            ///< from waitpid()
+  bool in_time = true;       ///< true: it ended within the time limit
+  bool within_limit = true;  ///< true: the answer did not exceed its maximum size
+  int status = 0;            ///< exit status from waitpid()
 };
 
 /// Reads the child's answer to its end. If the limit of time or of size is exceeded, kills the child process instead.

@@ -17,8 +17,8 @@ struct GuardLimits {
   std::size_t answer = std::size_t{2} << 30;  ///< maximum size of the answer, bytes
 };
 
-/// Runs `call` in a child process (a fork of this one) and returns its result. An Error (at `location`) if the child crashes or exceeds the
-/// time, memory or answer limit. The call must not depend on other threads and must not write to files. POSIX only.
+/// Runs `call` in a child process (a fork of this process) and returns its result. An Error (at `location`) if the child crashes or exceeds
+/// the time, memory or answer limit. The call must not depend on other threads and must not write to files. POSIX only.
 [[nodiscard]] Result<std::string> call_guarded(const std::function<std::string()>& call, std::string_view location,
                                                const GuardLimits& limits = {});
 

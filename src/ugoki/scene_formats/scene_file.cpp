@@ -1,4 +1,4 @@
-// Guarded reading: the child process serialises its result as an answer; the calling process parses the answer.
+// Reads scene files in a guarded child process, which serialises its result as an answer; the calling process parses this answer.
 
 #include "ugoki/scene_formats/scene_file.h"
 
@@ -12,7 +12,7 @@
 namespace ugoki::scene_formats {
 namespace {
 
-/// Appends a text with its length.
+/// Appends a text, preceded by its length.
 void put(std::string& out, std::string_view text) {
   const std::uint64_t size = text.size();
   out.append(reinterpret_cast<const char*>(&size), sizeof size);
@@ -70,7 +70,7 @@ std::string answer_of(std::span<const std::byte> bytes, std::string_view file_na
   return out;
 }
 
-/// Parses an answer of answer_of(). False if it is damaged, which can happen if the child's memory was corrupted.
+/// Parses an answer of answer_of(). Returns false if the answer is damaged, which can happen if the child's memory was corrupted.
 bool parse_answer(std::string_view in, const std::string& location, Error& error, std::vector<MeasuredMotion>& motions,
                   formats::ReadNotes& notes) {
   std::uint64_t count = 0, flags = 0, remarks = 0;

@@ -1,4 +1,4 @@
-// Converts the scene that assimp read to measured motions.
+// Converts assimp's scene of a file to measured motions.
 
 #include <assimp/config.h>
 #include <assimp/scene.h>
@@ -21,7 +21,7 @@
 namespace ugoki::scene_formats {
 namespace {
 
-/// Affine map x -> M x + p. M may contain scales.
+/// Affine map x -> M x + p. M may contain scaling.
 struct Affine {
   Mat3 M = Mat3::identity();
   Vec3 p;
@@ -57,7 +57,7 @@ struct Node {
   int parent;                                         ///< index in nodes_; -1: the root
   int joint = -1;                                     ///< index of the skeleton joint; -1: none
   bool bone = false, animated = false, keep = false;  ///< keep: the node becomes a joint
-  Affine rest;                                        ///< world transform in the rest pose, file's axes and units
+  Affine rest;                                        ///< world transform in the rest pose, in the file's axes and units
 };
 
 /// Conversion from the file's world to Ugoki's (Z up, metres).
@@ -108,7 +108,7 @@ class SceneReader {
     return false;
   }
 
-  /// Fills nodes_, parents before children; no recursion, so that no depth exhausts the stack.
+  /// Fills nodes_, parents before children; without recursion, so that no depth exhausts the stack.
   bool collect_nodes() {
     if (!scene_.mRootNode) return refuse(ErrorCode::structure, "The file has no nodes.", "Export it again.");
     std::map<std::string, bool, std::less<>> bones;
@@ -148,7 +148,7 @@ class SceneReader {
       const bool on_chosen = n.parent >= 0 && nodes_[static_cast<std::size_t>(n.parent)].keep;
       n.keep = skinned ? n.bone : (n.animated || (on_chosen && n.node->mNumMeshes == 0));
     }
-    for (std::size_t i = nodes_.size(); i-- > 1;) {  // keep all nodes up to the highest animated or kept ancestor
+    for (std::size_t i = nodes_.size(); i-- > 1;) {  // all nodes up to the highest animated or kept ancestor become joints
       if (!nodes_[i].keep) continue;
       std::size_t top = i;
       for (int k = nodes_[i].parent; k >= 0; k = nodes_[static_cast<std::size_t>(k)].parent)
@@ -160,7 +160,7 @@ class SceneReader {
     }
     if (std::none_of(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.keep; }) && scene_.mNumAnimations == 0 &&
         scene_.mNumMeshes == 0)
-      for (std::size_t i = 1; i < nodes_.size(); ++i) nodes_[i].keep = true;  // a file with a skeleton only: at rest
+      for (std::size_t i = 1; i < nodes_.size(); ++i) nodes_[i].keep = true;  // a file with a skeleton only gives its rest pose
     for (std::size_t i = 0; i < nodes_.size() && joints_.size() < formats::max_joints; ++i) {
       if (!nodes_[i].keep) continue;
       nodes_[i].joint = static_cast<int>(joints_.size());
@@ -168,7 +168,7 @@ class SceneReader {
     }
   }
 
-  /// A number in assimp's metadata of the file, of type double, float or int.
+  /// Returns a number from assimp's metadata of the file, of type double, float or int.
   [[nodiscard]] std::optional<double> number(const char* key) const {
     if (!scene_.mMetaData) return std::nullopt;
     int whole = 0;
@@ -180,7 +180,7 @@ class SceneReader {
     return std::nullopt;
   }
 
-  /// Determines up axis and unit. FBX states the up axis, and the unit in cm. COLLADA: assimp has already converted to metres.
+  /// Determines up axis and unit. FBX files state the up axis and the unit in cm. COLLADA files were converted to metres by assimp.
   void find_axes() {
     const bool fbx = number("UnitScaleFactor").has_value() || number("UpAxis").has_value();
     const int up = fbx ? static_cast<int>(number("UpAxis").value_or(1)) : collada_up_;
@@ -237,7 +237,7 @@ class SceneReader {
     for (const Node& n : nodes_) rest_locals_.push_back(affine_of(n.node->mTransformation));
   }
 
-  /// Index of the joint of the closest ancestor that is a joint; -1: none.
+  /// Returns the index of the closest ancestor joint; -1: none.
   [[nodiscard]] int parent_joint(std::size_t node) const {
     for (int k = nodes_[node].parent; k >= 0; k = nodes_[static_cast<std::size_t>(k)].parent)
       if (nodes_[static_cast<std::size_t>(k)].joint >= 0) return nodes_[static_cast<std::size_t>(k)].joint;
@@ -261,7 +261,7 @@ class SceneReader {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       const std::size_t i = joints_[j];
       const int parent = skeleton_.joints[j].parent;
-      // G: rotation of the joint since the rest pose. Joint frames are parallel to the world's axes in the rest pose.
+      // G: rotation of the joint from the rest pose, in which joint frames are parallel to the world's axes.
       std::optional<Mat3> G;
       if (std::fabs(nodes_[i].rest.M.determinant()) > 1e-18)
         G = nearest_rotation(frame_.R * (world_[i].M * inverse(nodes_[i].rest.M)) * frame_.R.transposed());
@@ -299,7 +299,7 @@ class SceneReader {
   static Vec3 vector_of(const aiVectorKey& k) { return vec_of(k.mValue); }
   static Quat rotation_of(const aiQuatKey& k) { return quat_of(k.mValue); }
 
-  /// Transformation of a node at time t [ticks]. Tracks without keys use the value of the rest pose.
+  /// Returns the transformation of a node at time t [ticks]. Tracks without keys use the value of the rest pose.
   Affine local_of(const aiNodeAnim& channel, double t, Cursor& cursor, const Affine& rest) const {
     const auto linear = [](const Vec3& a, const Vec3& b, double s) { return a + (b - a) * s; };
     Vec3 p = rest.p, scale{norm(rest.M.column(0)), norm(rest.M.column(1)), norm(rest.M.column(2))};
@@ -314,7 +314,7 @@ class SceneReader {
     return {R * Mat3::diagonal(scale.x, scale.y, scale.z), p};
   }
 
-  /// Samples one animation. Returns false if it has no keys or cannot be used; in the latter case sets error_.
+  /// Samples one animation. Returns false if it has no keys or cannot be used; if it cannot be used, sets error_.
   bool sample(const aiAnimation& animation, unsigned number, MeasuredMotion& motion) {
     const double ticks = animation.mTicksPerSecond > 0 && std::isfinite(animation.mTicksPerSecond) ? animation.mTicksPerSecond : 25;
     double first = INFINITY, last = -INFINITY, closest = INFINITY;
@@ -329,7 +329,7 @@ class SceneReader {
         first = std::min(first, t);
         last = std::max(last, t);
       }
-      // The median gap is used, because rounding in exporters can split one key into two at almost equal times.
+      // The median gap is used, because rounding in an exporter can turn one key into two keys at almost equal times.
       if (!gaps.empty()) {
         std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
         closest = std::min(closest, gaps[gaps.size() / 2]);
@@ -391,7 +391,7 @@ class SceneReader {
     return true;
   }
 
-  /// Whether the position keys of a channel differ.
+  /// True if the position keys of a channel differ from each other.
   static bool moves(const aiNodeAnim* channel) {
     if (!channel || channel->mNumPositionKeys < 2) return false;
     for (unsigned k = 1; k < channel->mNumPositionKeys; ++k) {
@@ -409,12 +409,12 @@ class SceneReader {
   Error error_;
   std::vector<Node> nodes_;
   std::map<std::string, int, std::less<>> index_;
-  std::vector<std::size_t> joints_;  ///< [joints] index of the node
+  std::vector<std::size_t> joints_;  ///< [joints] index in nodes_
   Frame frame_;
   Skeleton skeleton_;
-  std::vector<Affine> rest_locals_;  ///< [nodes]
-  std::vector<Affine> world_;        ///< [nodes] of the current frame
-  long flat_ = 0;                    ///< number of joint poses whose transformation has no rotation (zero scale or mirrored)
+  std::vector<Affine> rest_locals_;  ///< [nodes] transformation relative to the parent in the rest pose
+  std::vector<Affine> world_;        ///< [nodes] world transform in the frame that add_frame() computes
+  long flat_ = 0;                    ///< number of joint poses from which no rotation can be computed (zero scale or mirrored)
 };
 
 }  // namespace
@@ -433,7 +433,7 @@ Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::by
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // find_axes() converts the up axis, as for all formats
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // find_axes() converts the up axis, for all formats
   const Result<std::string> core = fbx ? fbx_core(bytes, location) : collada_core(bytes, location);
   if (!core) return fail(core.error());
   const aiScene* scene = importer.ReadFileFromMemory(core->data(), core->size(), 0, fbx ? "fbx" : "dae");

@@ -8,8 +8,9 @@
 namespace ugoki {
 namespace {
 
-// pi/2 as sums of parts. For an integer n, each product n * part is exact, except that of the last part. For |n| < 2^20: pio2_a to pio2_c;
-// a and b have 33 bits. For |n| < 2^26: pio2_far_a to pio2_far_d; far_a and far_b are multiples of 2^-26 and 2^-53, far_c has 27 bits.
+// pi/2 as sums of parts. For integers n, all products n * part but the last are exact. |n| < 2^20: sum of pio2_a to
+// pio2_c; a, b have 33 bits. |n| < 2^26: sum of pio2_far_a to pio2_far_d; far_a and far_b are multiples of 2^-26 and 2^-53, far_c has 27
+// bits.
 constexpr double pio2_a = 0x1.921fb544p+0;
 constexpr double pio2_b = 0x1.0b4611a6p-34;
 constexpr double pio2_c = 0x1.3198a2e037073p-69;

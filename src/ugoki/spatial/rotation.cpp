@@ -50,8 +50,8 @@ Quat rotation_between(const Vec3& from, const Vec3& to) {
   const double c = dot(from, to);
   const Vec3 n = cross(from, to);
   if (c > -0.5) return normalized(Quat{1.0 + c, n.x, n.y, n.z});
-  // For nearly opposite directions n loses its digits. Rotate `from` to -to first, then by half a turn to `to`, about the part of the axis
-  // that is perpendicular to `to`.
+  // For nearly opposite directions the cross product n is inaccurate. Rotate `from` to -to first, then by half a turn to `to`, about the
+  // part of the axis that is perpendicular to `to`.
   const double length = norm(n);
   const Vec3 axis = length > 1e-12 ? n / length : any_perpendicular(to);
   const Vec3 across = normalized(axis - to * dot(to, axis));

@@ -96,7 +96,7 @@ template <class T>
 constexpr Sym3T<T> point_inertia(const Vec3T<T>& c) {
   return {c.y * c.y + c.z * c.z, c.x * c.x + c.z * c.z, c.x * c.x + c.y * c.y, -c.x * c.y, -c.x * c.z, -c.y * c.z};
 }
-/// R S R^T
+/// The matrix R S R^T: S in axes that R rotates.
 template <class T>
 constexpr Sym3T<T> rotated(const Sym3T<T>& s, const Mat3T<T>& R) {
   return symmetric_part(R * (s.matrix() * R.transposed()));
@@ -110,7 +110,7 @@ struct InertiaT {
   Vec3T<T> h;
   Sym3T<T> I;
 
-  /// From mass, centre of mass and the rotational inertia about the centre of mass.
+  /// Makes an inertia from the mass, the centre of mass and the rotational inertia about the centre of mass.
   static constexpr InertiaT from_centre(T mass, const Vec3T<T>& centre, const Sym3T<T>& about_centre) {
     return {mass, centre * mass, about_centre + point_inertia(centre) * mass};
   }

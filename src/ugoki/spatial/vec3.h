@@ -58,7 +58,7 @@ struct Mat3T {
   static constexpr Mat3T columns(const Vec3T<T>& a, const Vec3T<T>& b, const Vec3T<T>& c) {
     return {a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z};
   }
-  /// a b^T
+  /// Outer product a b^T.
   static constexpr Mat3T outer(const Vec3T<T>& a, const Vec3T<T>& b) {
     return {a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y, a.z * b.z};
   }
