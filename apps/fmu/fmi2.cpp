@@ -73,7 +73,7 @@ std::string path_of(std::string_view uri) {
   uri.remove_prefix(5);
   if (uri.starts_with("//")) {
     uri.remove_prefix(2);
-    const std::size_t slash = uri.find('/');  // skip the host name, which is this computer
+    const std::size_t slash = uri.find('/');  // skip the host name between "file://" and the path
     uri.remove_prefix(slash == std::string_view::npos ? uri.size() : slash);
   }
   const auto digit = [](char c) {

@@ -62,7 +62,7 @@ fmi3Status get(fmi3Instance instance, const char* function, std::initializer_lis
   }));
 }
 
-/// Implements fmi3Set<Type>.
+/// Implements fmi3Set<Type>. The parameters are those of the function in the standard.
 template <class T>
 fmi3Status set(fmi3Instance instance, const char* function, std::initializer_list<InterfaceType> types,
                const fmi3ValueReference* references, std::size_t n, const T* values, std::size_t count) {

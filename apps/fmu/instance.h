@@ -38,7 +38,7 @@ struct Instance {
   bool wrong_time(const char* function) const;
 };
 
-/// All instances of this process.
+/// Registry of all FMU instances of this process.
 [[nodiscard]] Registry<Instance>& instances();
 
 /// Calls work(Instance&) -> Status and catches its exceptions, because none may reach the importing tool.
@@ -63,7 +63,7 @@ bool guarded(const void* instance, const char* function, Work work) {
 /// @param why an error of the arguments, which is logged; empty: none @return handle of the instance; null after an error, which was logged
 [[nodiscard]] void* instantiate(std::unique_ptr<Instance> self, const std::string& resources, const char* token, std::string why);
 
-/// Sets start and stop time, s.
+/// Sets the start time and, if has_stop is true, the stop time of the simulation, s.
 bool set_experiment(Instance& self, double start, bool has_stop, double stop);
 bool exit_initialization(void* instance, const char* function);
 bool terminate(void* instance, const char* function);

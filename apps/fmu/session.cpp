@@ -26,7 +26,7 @@ std::string first_problem(const Error& error) {
   return p.location + ": " + p.message;
 }
 
-/// Serialises plain values and arrays (with their size in front). `take` functions read from the front; false: too few bytes.
+/// Serialises plain values and arrays (with their size in front). The `take` functions read from the front; false: too few bytes are left.
 class Bytes {
  public:
   template <class T>
@@ -234,7 +234,7 @@ void Session::write_input(std::size_t variable) {
   }
 }
 
-/// Computes `count` ticks; seen_ gets the outputs of the last one.
+/// Computes `count` ticks and stores the outputs of the last tick in `seen_`.
 std::string Session::tick(std::uint64_t count) {
   if (count == 0) return {};
   if (running_->run(count) != count) return stop_words();
@@ -251,8 +251,8 @@ std::uint64_t Session::ticks_until(double time, bool& due) const {
   return static_cast<std::uint64_t>(std::max(0.0, due ? whole : std::ceil(ticks)));
 }
 
-/// Updates seen_ to the outputs at now_. If there is a tick at now_, computes this tick ahead. Refreshes the outputs of LSIs that run on
-/// demand.
+/// Stores the outputs at the time `now_` in `seen_`. If there is a tick at `now_`, computes this tick ahead. Refreshes the outputs of LSIs
+/// that run on demand.
 std::string Session::update_outputs() {
   if (fresh_) return {};
   if (!running_)

@@ -22,9 +22,9 @@ enum class Mode : std::uint8_t { instantiated, initialization, stepping, termina
 /// A copy of the state of a Session.
 struct Snapshot {
   Mode mode = Mode::instantiated;
-  double start = 0, now = 0;                ///< s
-  std::vector<std::vector<double>> values;  ///< [variables]
-  std::vector<std::string> texts;           ///< [variables]
+  double start = 0, now = 0;                ///< start time and current communication point, s
+  std::vector<std::vector<double>> values;  ///< as Session::values_
+  std::vector<std::string> texts;           ///< as Session::texts_
   std::vector<double> seen;                 ///< as Session::seen_
   bool fresh = false;                       ///< as Session::fresh_
   std::vector<std::byte> machine;           ///< saved state of the interpreter; empty: not built yet
@@ -46,24 +46,24 @@ struct Snapshot {
 /// tick is undone (see ahead_). Functions with a string result return an error message; empty: success.
 class Session {
  public:
-  /// Opens the circuit of an FMU.
+  /// Opens the session of an FMU: reads the circuit from the FMU's resources.
   /// @param resources folder that contains circuit.json, run.json and, if the FMU has content, content.ugx
   /// @param token instantiation token that the simulation tool passed; must equal the token of the FMU in run.json
   /// @param why [out] error message @return null after an error
   [[nodiscard]] static std::unique_ptr<Session> open(const std::string& resources, std::string_view token, std::string& why);
 
   [[nodiscard]] Mode mode() const { return mode_; }
-  [[nodiscard]] double now() const { return now_; }  ///< s, current communication point
+  [[nodiscard]] double now() const { return now_; }  ///< current communication point, s
   [[nodiscard]] const fmi::Interface& interface() const { return interface_; }
   /// Index of the variable that contains this value reference; an array has one for each element.
   [[nodiscard]] std::optional<std::size_t> find(std::uint32_t reference) const;
   /// True if an LSI has stopped the circuit.
   [[nodiscard]] bool is_broken() const { return running_ && running_->stopped(); }
 
-  void set_experiment(double start, std::optional<double> stop);  ///< s
+  void set_experiment(double start, std::optional<double> stop);  ///< start and stop time, s
   [[nodiscard]] std::string enter_initialization();
   [[nodiscard]] std::string exit_initialization();
-  [[nodiscard]] std::string step(double now, double size);  ///< s; `now` must be now()
+  [[nodiscard]] std::string step(double now, double size);  ///< computes the step from `now`, which must be now(), to now + size, s
   [[nodiscard]] std::string terminate();
   [[nodiscard]] std::string reset();
 
@@ -78,10 +78,10 @@ class Session {
 
  private:
   Session() = default;
-  void to_start();  // restores the state after open()
+  void to_start();  // restores the state that the session had after open()
   [[nodiscard]] std::string may_set(const fmi::InterfaceVariable& v) const;
   [[nodiscard]] std::string build();
-  void write_input(std::size_t variable);  // to the interpreter
+  void write_input(std::size_t variable);  // copies the value of an input variable to the interpreter
   [[nodiscard]] std::string update_outputs();
   [[nodiscard]] std::string undo();  // restores the state before the tick that was computed ahead
   [[nodiscard]] std::string tick(std::uint64_t count);
@@ -102,9 +102,9 @@ class Session {
   std::optional<circuit::Interpreter> running_;
   std::vector<std::byte> before_;  // state of the interpreter before the tick that was computed ahead
   std::vector<double> seen_;       // values of the outputs in the last tick
-  bool ahead_ = false;             // the tick at now_ has been computed
-  bool fresh_ = false;             // seen_ has the outputs at now_ for the current inputs
-  bool refreshes_ = false;         // some outputs belong to LSIs that run on demand
+  bool ahead_ = false;             // true: the tick at now_ has been computed ahead
+  bool fresh_ = false;             // true: seen_ contains the outputs at now_ for the current inputs
+  bool refreshes_ = false;         // true: some outputs belong to LSIs that run on demand
 };
 
 }  // namespace ugoki::fmu

@@ -36,7 +36,7 @@ int print_error(const Error& error, bool as_json) {
   return 1;
 }
 
-/// Returns the bytes of this program's file, mapped until the process ends.
+/// Returns the bytes of this program's own file, mapped into memory until the process ends.
 Result<std::span<const std::byte>> map_program() {
   const auto failed = [](const char* what) {
     return fail(ErrorCode::io, "/proc/self/exe", std::string("The program's file cannot be read: ") + what + ".", "Check its permissions.");
@@ -95,7 +95,7 @@ int run_page(content::Player player, std::string page, const Options& o) {
   sigset_t ends;
   sigemptyset(&ends);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&ends, signal);
-  pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // before any thread starts
+  pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // before any thread starts, because threads inherit the mask
   const std::string name = player.content().name;
   player_native::PageSession session(std::move(player));
   studio::ServerOptions server_options;

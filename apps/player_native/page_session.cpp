@@ -15,8 +15,8 @@ namespace {
 using json::Json;
 using Clock = std::chrono::steady_clock;
 
-constexpr double max_advance = 1;         // s of content in one message
-constexpr double max_steps = 10'000'000;  // steps in one message
+constexpr double max_advance = 1;         // maximum time that one message may advance the content, s
+constexpr double max_steps = 10'000'000;  // maximum number of steps that one message may request
 
 std::string hex(std::uint64_t x) {
   std::string out(16, '0');

@@ -14,7 +14,7 @@
 
 namespace ugoki::player_native {
 
-/// Messages of a page, text JSON {"op": ..., "id": n}:
+/// Handles the messages of a page. A message is a JSON text {"op": ..., "id": n}. The values of "op", with further fields:
 ///   hello                       answered by {"event": "scene", "scene", "devices"} and a frame
 ///   advance {seconds, budget}   runs `seconds` of content, within `budget` s of processor time; answered by a frame
 ///   step {count}, reset, push, grab, drag, release, input, schedule {inputs}, recorded, hash
@@ -27,7 +27,7 @@ class PageSession final : public studio::ServerEvents {
 
   /// Starts to answer. @param outbox must outlive the session
   void start(studio::Outbox& outbox);
-  /// Ends the thread.
+  /// Ends the thread that runs the player.
   void stop();
 
   void on_api(studio::ApiRequest request, std::function<void(studio::ApiReply)> answer) override;

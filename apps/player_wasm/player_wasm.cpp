@@ -7,13 +7,13 @@
 //   ugoki_time(), ugoki_step_size(), ugoki_duration(), ugoki_frame_rate()
 //   ugoki_hash_low(), ugoki_hash_high()                       state hash
 //   ugoki_frame(number, flags) -> address, ugoki_frame_size() a frame as in docs/studio-protocol.md
-//   ugoki_push, ugoki_grab, ugoki_drag, ugoki_drop            inputs, indices as in the frame
+//   ugoki_push, ugoki_grab, ugoki_drag, ugoki_drop            inputs of the user; character and link indices as in the frame
 //   ugoki_input(address, size) -> 1 accepted, 0 refused       keyboard, mouse and gamepads: the fields of `input` in that document, as JSON
 //   ugoki_devices() -> address, ugoki_message_size()          devices that the content reads, as JSON: the fields of the event `devices`
-//   ugoki_scene() -> address, ugoki_message_size()            what a page shows before the first frame: scene_json() of the content module
-//   ugoki_schedule(address, size) -> 1 accepted, 0 refused    recorded inputs, as JSON (docs/export.md); they act at their steps after a
-//   reset ugoki_inputs() -> address, ugoki_message_size()           the inputs since the last reset, in the same form ugoki_steps() steps
-//   since time 0 ugoki_reset() ugoki_message() -> address, ugoki_message_size()          UTF-8
+//   ugoki_scene() -> address, ugoki_message_size()            JSON that a page draws before the first frame: content::scene_json()
+//   ugoki_schedule(address, size) -> 1 accepted, 0 refused    recorded inputs, as JSON (docs/export.md), to be applied after a reset
+//   ugoki_inputs() -> address, ugoki_message_size()           inputs since the last reset, as JSON in the form of ugoki_schedule
+//   ugoki_steps() -> number of steps since time 0; ugoki_reset() restarts; ugoki_message() -> address, ugoki_message_size(): UTF-8
 
 #include <cstdint>
 #include <cstdlib>

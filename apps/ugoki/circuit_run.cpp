@@ -41,7 +41,7 @@ namespace {
 
 using circuit::Interpreter;
 
-/// Parses "name=1,2,3".
+/// Parses an assignment such as "name=1,2,3".
 Result<std::pair<std::string, std::vector<double>>> read_assignment(const std::string& text, const char* option) {
   const auto equal = text.rfind('=');
   std::pair<std::string, std::vector<double>> out;
@@ -88,7 +88,7 @@ Json numbers_json(std::span<const double> x) {
   return out;
 }
 
-/// Starts the probes. Rows that are already in the log are kept if the new rows have the same width.
+/// Starts to sample the probed pins. Rows that are already in the log are kept if the new rows have the same width.
 Result<void> start_probes(Interpreter& interpreter, const CircuitOptions& o, ProbeLog& log) {
   if (o.probes.empty()) return {};
   // The interpreter needs memory for one row only, because the row is copied to the log after each tick.
@@ -99,7 +99,7 @@ Result<void> start_probes(Interpreter& interpreter, const CircuitOptions& o, Pro
   return log.width() == width ? Result<void>{} : log.begin(width);
 }
 
-/// Copies the row of the last tick to the log, if the tick was probed.
+/// Copies the row of samples of the last tick to the log, if the tick was sampled.
 void log_probes(const Interpreter& interpreter, ProbeLog& log) {
   const circuit::ProbeRows rows = interpreter.probes();
   if (rows.size() > 0 && (log.size() == 0 || log.tick(log.size() - 1) != rows.tick(0))) log.add(rows.tick(0), rows.numbers(0));
@@ -114,7 +114,7 @@ Json probes_json(const ProbeLog& log, const CircuitOptions& o) {
   return {{"pins", o.probes}, {"time", times}, {"values", values}};
 }
 
-/// Prints the last rows as a table.
+/// Prints the last rows of samples as a table.
 void print_probes(const ProbeLog& log, const CircuitOptions& o) {
   constexpr std::size_t shown = 10;
   const std::size_t first = log.size() > shown ? log.size() - shown : 0;
@@ -191,7 +191,7 @@ int run_inside(const CircuitOptions& o, ProbeLog& log) {
 
   plugin::ThreadPool pool(o.threads);
   interpreter->set_executor(&pool);
-  // Messages of the libraries, for example of FMUs.
+  // Prints the messages of LSI libraries, for example of FMUs.
   const auto print_messages = [&live] {
     for (const std::string& m : live->take_messages()) std::cerr << "ugoki: " << m << '\n';
   };

@@ -26,7 +26,7 @@ struct CircuitOptions {
 /// Opens the standard library and the installed libraries of LSIs. Prints messages about them to stderr.
 [[nodiscard]] std::shared_ptr<plugin::LiveLibrary> open_libraries(const CircuitOptions& o);
 
-/// Runs the circuit. @return the exit status
+/// Runs the circuit as `ugoki circuit run` does. @return the exit status
 int run_circuit(const CircuitOptions& o);
 
 }  // namespace ugoki::cli

@@ -32,12 +32,12 @@ struct Options {
   int decimals = 0;
 };
 
-/// Contents of the input; several members may be set.
+/// What the input file or entry contains: mechanism, motion, markers ...; several members may be set.
 struct Content {
   MechanismPtr mechanism;
   std::optional<MarkerMotion> markers;
   std::optional<MeasuredMotion> measured;
-  MotionPtr motion;  ///< motion of `mechanism`
+  MotionPtr motion;  ///< motion that moves `mechanism`
   bool only_mechanism = false;
   std::vector<std::string> report;
 };
@@ -119,7 +119,7 @@ Result<Content> load(const Options& o) {
 /// Text or bytes of the output, and additional files in the same folder.
 struct Written {
   std::string bytes;
-  std::vector<std::pair<std::string, std::string>> extra_files;  ///< path, text
+  std::vector<std::pair<std::string, std::string>> extra_files;  ///< path and text of each additional file
   std::vector<std::string> notes;
 };
 
@@ -185,7 +185,7 @@ bool same_file(const std::string& a, const std::string& b) {
   return fs::equivalent(a, b, none);
 }
 
-/// Other motions in the folder that need this skeleton file.
+/// Names of the AMC files in the skeleton's folder that need this skeleton file, without the file `but`; sorted.
 std::vector<std::string> motions_of(const std::string& skeleton, const std::string& but) {
   std::vector<std::string> out;
   const fs::path folder = fs::path(skeleton).has_parent_path() ? fs::path(skeleton).parent_path() : fs::path(".");

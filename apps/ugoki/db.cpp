@@ -17,7 +17,7 @@ std::string number_cell(const Json& summary, const char* key, int digits) {
   return summary.contains(key) && summary[key].is_number() ? to_fixed(summary[key].get<double>(), digits) : "-";
 }
 
-/// A time as "2026-03-01 12:00".
+/// Shortens a UTC time of the library to "2026-03-01 12:00".
 std::string short_time(const std::string& time) { return time.size() > 16 ? time.substr(0, 10) + " " + time.substr(11, 5) : time; }
 
 void print_entries(const Options& options, const std::string& location, const store::LibraryPage& page) {
@@ -292,13 +292,13 @@ store::LibraryQuery query_of(const Options& options, store::LibraryOrder usual) 
   query.after = options.after;
   query.removed = options.removed;
   query.order =
-      options.order.empty() ? usual : store::library_order_named(options.order).value_or(usual);  // validated by the option's check
+      options.order.empty() ? usual : store::library_order_named(options.order).value_or(usual);  // the options' check has validated it
   return query;
 }
 
 Json summary_of(const LibraryEntry& entry) {
   Json summary = Json::parse(entry.summary, nullptr, false);
-  json::rename_field(summary, "freedoms", "dofs");  // summaries written by earlier versions
+  json::rename_field(summary, "freedoms", "dofs");  // the field's name in summaries written by earlier versions
   return summary.is_object() ? summary : Json::object();
 }
 

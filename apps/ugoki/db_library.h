@@ -1,5 +1,5 @@
 #pragma once
-// Shared by the verbs of `ugoki db`.
+// Options and functions that the verbs of `ugoki db` share.
 
 #include <functional>
 #include <string>
@@ -21,7 +21,7 @@ struct Options {
   bool removed = false, latest = false, theirs = false, repair = false, clear = false, json = false;
 };
 
-/// Declares the options of a verb.
+/// Function that declares the options of a verb.
 using Declare = std::function<void(CLI::App&, Options&)>;
 /// Adds verbs to `ugoki db`. add() declares a verb with --library and --json, then calls `declare` for its other options.
 struct Verbs {

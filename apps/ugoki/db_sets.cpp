@@ -129,7 +129,7 @@ int copy_between(const Options& options, const std::string& from_place, const st
 int import_set(const Options& options) { return copy_between(options, options.file, library_path(options.library)); }
 int copy(const Options& options) { return copy_between(options, options.file, options.to); }
 
-/// Adds one new entry.
+/// Adds one new entry to the library and prints the entry.
 int put_entry(const Options& options, store::LibraryItem item) {
   item.tags = options.tags;
   item.note = options.note;

@@ -10,17 +10,17 @@
 
 namespace ugoki::cli {
 
-/// How pictures are drawn and written.
+/// Options for drawing and writing pictures.
 struct PictureOptions {
-  int width = 1920, height = 1080;  ///< px
+  int width = 1920, height = 1080;  ///< size of a picture, px
   double rate = 0;                  ///< pictures per second; 0: the frame rate of the content
-  double from = 0, duration = 0;    ///< s of the content; duration 0: to the end
+  double from = 0, duration = 0;    ///< section of the content to draw, s; duration 0: to the end
   int blur = 1;                     ///< sub-frames that are averaged into one picture; 1: no motion blur
   double shutter = 0.5;             ///< fraction of the time between two pictures over which the sub-frames are spread
-  bool transparent = false;         ///< PNG only
-  bool overlays = false;            ///< draw the root assist
-  bool light = false;               ///< light background instead of the dark one
-  std::string browser, ffmpeg;      ///< programs; empty: found on the path
+  bool transparent = false;         ///< transparent background; PNG only
+  bool overlays = false;            ///< true: draw the root assist
+  bool light = false;               ///< true: light background instead of the dark one
+  std::string browser, ffmpeg;      ///< names or paths of the programs; empty: searched in PATH
   std::string inputs;               ///< text of recorded inputs, JSON; empty: none
 };
 
@@ -33,7 +33,7 @@ struct PictureOutputs {
 
 /// Draws the content in a headless browser and writes the outputs. Ctrl+C ends the export and leaves no incomplete file.
 /// @param page text of player.html
-/// @return the files written
+/// @return paths of the files written
 [[nodiscard]] Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name,
                                                                std::span<const std::byte> ugx, const PictureOptions& options,
                                                                const PictureOutputs& outputs);

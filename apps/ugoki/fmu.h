@@ -1,5 +1,5 @@
 #pragma once
-// Verbs and information about FMUs (Functional Mock-up Units).
+// The command-line verb that exports an FMU (Functional Mock-up Unit), and information about FMUs for `ugoki info`.
 
 #include "output.h"
 #include "ugoki/base/result.h"

@@ -181,7 +181,7 @@ Result<Json> info_of(const Options& options) {
               "Name a file of a kind that `ugoki info --help` lists.");
 }
 
-/// Prints JSON as text: scalar values as lines, lists of objects as tables.
+/// Prints JSON as text: one line for each scalar value, a table for each list of objects.
 void print_text(const Json& json, const std::string& indent) {
   for (const auto& [key, value] : json.items()) {
     if (value.is_object()) {

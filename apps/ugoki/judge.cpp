@@ -25,7 +25,7 @@ struct Options {
   bool kinematic = false, strict = false, json = false;
 };
 
-/// One measured value and its maximum.
+/// One measured value and the maximum allowed for it.
 struct Judgement {
   std::string measure, unit;
   double value = 0, limit = 0;

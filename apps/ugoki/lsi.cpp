@@ -95,7 +95,7 @@ void print_classes(const Json& classes) {
   print_table(rows);
 }
 
-/// Statement of a file about its content, shown in the question of consent: "The library 'springs' with the LSIs 'a', 'b'".
+/// The names that a library file states, for the question of consent: "The library 'springs' with the LSIs 'a', 'b'".
 std::string stated_content(const plugin::Inspection& file) {
   constexpr std::size_t max_shown = 20;
   if (file.fmu) return "The FMU";
@@ -106,7 +106,7 @@ std::string stated_content(const plugin::Inspection& file) {
   return out;
 }
 
-/// Asks for consent to install a library. Without a terminal, --yes or --hash is required. Nothing of the file has run before.
+/// Asks for consent to install a library. Without a terminal, --yes or --hash is required. No code of the file has run before.
 Result<void> ask_consent(const Options& o, const plugin::Inspection& file, const std::string& path) {
   if (!o.hash.empty() && o.hash != file.hash)
     return fail(ErrorCode::conflict, path, "The SHA-256 of the file is " + file.hash + ", not the one given with --hash.",
@@ -257,7 +257,7 @@ int run_test(const Options& o) {
       failed = 1;
     }
     for (const std::string& path : tests) {
-      if (path != tests.front()) (void)live.renew();  // tests do not depend on global variables that earlier tests changed
+      if (path != tests.front()) (void)live.renew();  // reloads the library, so that earlier tests leave no changed global variables
       const Result<std::string> text = files::read_file(path);
       Result<circuit::Example> example = text ? circuit::read_example(*text, path) : fail(text.error());
       const Result<void> passed =
@@ -277,7 +277,7 @@ int run_test(const Options& o) {
 /// Rebuilds and reinstalls a file whenever it changes, until Ctrl+C.
 int run_watch(Options o) {
   catch_interrupt();
-  o.yes = o.install = true;  // the user watches this file, so that consent covers each version
+  o.yes = o.install = true;  // by watching the file, the user has consented to each of its versions
   fs::file_time_type seen{};
   for (std::error_code ec; !interrupted(); std::this_thread::sleep_for(std::chrono::milliseconds(200))) {
     const fs::file_time_type now = fs::last_write_time(o.target, ec);

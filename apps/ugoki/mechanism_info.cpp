@@ -13,7 +13,7 @@ constexpr long largest_analysis = 20'000'000;  // maximum number of matrix entri
 
 std::string link_name(const Mechanism& m, int link) { return link < 0 ? "the world" : m.link(link).name; }
 
-/// "loop knee: rotation about y"
+/// Name of a constraint row of a closed loop, for messages: "loop knee: rotation about y".
 std::string row_text(const dynamics::ClosedWorkspace& cw, int row) {
   std::size_t i = 0;
   while (cw.rows.first[i + 1] <= row) ++i;

@@ -19,7 +19,7 @@ std::string hash_text(std::uint64_t hash) {
   return out;
 }
 
-/// Duration of the call, ms.
+/// Wall-clock time that the call of the function `call` takes, ms.
 template <class Call>
 double time_of(const Call& call) {
   const auto begin = std::chrono::steady_clock::now();
@@ -39,7 +39,7 @@ void add_found(const GeometryFindings& found, Json& problems) {
   if (found.inside_out) problems.push_back("the triangles faced inwards and were reversed");
 }
 
-/// A geometry and the links that use it.
+/// A geometry and the links of the mechanism that use it.
 struct Use {
   GeometryPtr geometry;
   std::string links;

@@ -24,7 +24,7 @@ namespace {
 
 using namespace motion_edit;
 
-/// Options shared by all operations.
+/// Options that all operations of `ugoki motion` share.
 struct Common {
   std::vector<std::string> inputs;
   std::string out;
@@ -46,7 +46,7 @@ Result<std::vector<FootLimb>> feet_of(const Mechanism& m, const Common& c) {
   return c.feet.empty() ? Result<std::vector<FootLimb>>(find_foot_limbs(m)) : find_foot_limbs(m, c.feet);
 }
 
-/// Describes a motion by numbers and, if `out` is not empty, writes it and reports the destination.
+/// Returns properties of a motion as JSON. If `out` is not empty, also writes the motion there and reports the destination.
 Result<Json> describe(const MotionSet& set, const Motion& motion, const Common& c, const std::string& out) {
   const Mechanism& m = *set.mechanism;
   Json json = {{"name", motion.name},

@@ -8,11 +8,11 @@
 
 namespace ugoki::cli {
 
-/// Motions that all move one mechanism.
+/// Motions of one mechanism.
 struct MotionSet {
   MechanismPtr mechanism;
   std::vector<Motion> motions;
-  double height = 0;                ///< m; 0: not known
+  double height = 0;                ///< height of the recorded person, m; 0: not known
   std::vector<std::string> report;  ///< sentences about conversions that were needed
 };
 

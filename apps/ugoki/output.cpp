@@ -38,7 +38,7 @@ int print_error(const Error& error, bool as_json) {
 void print_json(const Json& value) { print_line(json::to_text(value, 2)); }
 
 void print_line(std::string_view line) {
-  std::FILE* out = plugin::results();  // not stdout, on which LSIs may print
+  std::FILE* out = plugin::results();  // not stdout, because LSIs may print there
   std::fwrite(line.data(), 1, line.size(), out);
   std::fputc('\n', out);
   std::fflush(out);

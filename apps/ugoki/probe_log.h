@@ -1,5 +1,5 @@
 #pragma once
-// Probed values of a run, in memory that the guarded process shares with its parent. The rows survive a crash of the guarded process.
+// Log of the probed (sampled) pin values of a run, in memory that the guarded process shares with its parent, so that it survives a crash.
 
 #include <cstddef>
 #include <cstdint>
@@ -28,10 +28,10 @@ class ProbeLog {
 
   /// Reads what another process has written. Call it after that process has ended. False: begin was never called.
   [[nodiscard]] bool attach();
-  [[nodiscard]] std::size_t width() const { return header_ ? header_->width : 0; }  ///< 0: begin was never called
+  [[nodiscard]] std::size_t width() const { return header_ ? header_->width : 0; }  ///< number of values in a row; 0: before begin()
   [[nodiscard]] std::size_t size() const;                                           ///< number of stored rows
   [[nodiscard]] std::uint64_t tick(std::size_t row) const;                          ///< tick of a row; row 0 is the oldest
-  [[nodiscard]] std::span<const double> numbers(std::size_t row) const;             ///< [width]
+  [[nodiscard]] std::span<const double> numbers(std::size_t row) const;             ///< [width] values of the row
 
  private:
   struct Header {
@@ -42,8 +42,8 @@ class ProbeLog {
   void unmap();
 
   int file_ = -1;
-  Header* header_ = nullptr;  // begin of the mapping; the rows follow
-  std::size_t bytes_ = 0;     // size of the mapping
+  Header* header_ = nullptr;  // begin of the shared memory; the rows follow the header
+  std::size_t bytes_ = 0;     // size of the shared memory, bytes
 };
 
 }  // namespace ugoki::cli

@@ -12,7 +12,7 @@ namespace ugoki::cli {
 
 /// Values of the options that add_robot_options() declares.
 struct RobotChoice {
-  std::string base, meshes, inertias;  ///< words given to the options; empty: not given
+  std::string base, meshes, inertias;  ///< values given to the options; empty: the option was not given
   bool require_meshes = false;
   std::string loops;  ///< path of the YAML file; empty: NAME.yaml in the folder of NAME.urdf, if it lists loops
 };

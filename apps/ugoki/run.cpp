@@ -28,12 +28,12 @@ struct Options {
   bool rate_given = false, json = false;
 };
 
-/// Executable data to run, and facts about their source.
+/// Executable data to run, with name, frame count and body height from their source.
 struct Content {
   std::string name;
   std::vector<std::byte> ugx;
   int frames = 0;     ///< recorded frames of a clip; 0: use the number of display frames
-  double height = 0;  ///< m, height of the person of a clip; 0: not known
+  double height = 0;  ///< height of the recorded person of a clip, m; 0: not known
 };
 
 /// Applies --rate, --assist-limit (all characters) and --push (the first character that follows a track) to the scenario.

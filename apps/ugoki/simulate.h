@@ -17,21 +17,21 @@ class LiveLibrary;
 
 namespace ugoki::cli {
 
-/// Result of a run for one character.
+/// Results of a run for one character.
 struct CharacterReport {
   std::string id, name;
-  double mass = 0;      ///< kg
-  bool tracks = false;  ///< the character follows a track by motion control
+  double mass = 0;      ///< mass of the character, kg
+  bool tracks = false;  ///< true: the character follows a track by motion control
   content::PlayerMeasures measures;
   std::vector<std::string> links;  ///< names of the character's links
 };
 
-/// Result of a run.
+/// Results of a run.
 struct RunReport {
   std::string name;
   double duration = 0;  ///< simulated time, s
   std::uint64_t steps = 0;
-  double step = 0;         ///< step size, s
+  double step = 0;         ///< step size of the dynamics, s
   double frame_rate = 60;  ///< display frames per second
   double wall = 0;         ///< wall-clock time spent in steps, s
   double processor = 0;    ///< processor time spent in steps, s; less than `wall` on a busy machine
@@ -49,7 +49,7 @@ struct RunReport {
 };
 
 struct RunOptions {
-  double duration = 0;      ///< s; 0: the duration of the content
+  double duration = 0;      ///< simulated time of the run, s; 0: the duration of the content
   std::string frames;       ///< file to which display frames are written; empty: none
   std::string inputs;       ///< file of recorded inputs (docs/export.md); empty: none
   std::uint64_t steps = 0;  ///< number of steps, instead of `duration`; 0: use `duration`
@@ -60,7 +60,7 @@ struct RunOptions {
 
 /// A player that may use the installed libraries of LSIs.
 struct HostedPlayer {
-  std::shared_ptr<plugin::LiveLibrary> libraries;  ///< null: none is installed
+  std::shared_ptr<plugin::LiveLibrary> libraries;  ///< the installed libraries; null: none is installed
   content::Player player;
 };
 [[nodiscard]] Result<HostedPlayer> open_hosted(std::span<const std::byte> ugx, const std::string& name);

@@ -80,7 +80,7 @@ void add_correction_options(CLI::App& verb, SourceOptions& options) {
       if (!named) return "must be x, -x, y, -y, z or -z.";
       intake::Orientation& o = options.intake.axes ? *options.intake.axes : options.intake.axes.emplace(intake::usual_orientation(false));
       (is_up ? o.up : o.forward) = *named;
-      // Without an explicit forward axis: the axis after the up axis, as with Y up and Z forward, and Z up and X forward.
+      // If no forward axis is given, it is the axis that follows the up axis: Z forward with Y up, X forward with Z up.
       if (is_up) o.forward = {(named->axis + 1) % 3, false};
       return {};
     };
@@ -116,7 +116,7 @@ Result<TargetKind> kind_of(const std::string& target) {
   if (head.starts_with("UGOKIUGX")) return TargetKind::executable;
   if (head.starts_with("SQLite format 3")) {
     // The header is read here and not by SQLite: opening the database is the task of the code that checks it.
-    std::int64_t application = 0;  // big-endian u32 at offset 68
+    std::int64_t application = 0;  // SQLite's application id: big-endian u32 at offset 68
     for (std::size_t i = 68; i < 72; ++i) application = application << 8 | static_cast<unsigned char>(head[i]);
     return application == project::project_application_id ? TargetKind::project : TargetKind::library;
   }

@@ -15,15 +15,15 @@
 
 namespace ugoki::cli {
 
-/// Kind of an argument.
+/// Kind of the file or entry that the argument of a verb names.
 enum class TargetKind { measured_file, mechanism_file, project, library, executable, entry };
 
-/// Options for reading the argument.
+/// Options for reading the file or entry that a verb's argument names.
 struct SourceOptions {
-  std::string library;  ///< path; empty: the default
+  std::string library;  ///< path of the library; empty: the default path
   std::string asf;      ///< skeleton for AMC files; empty: NN.asf in the folder of NN_MM.amc
   intake::IntakeOptions intake;
-  RobotChoice robot;  ///< for URDF, SDF and MJCF
+  RobotChoice robot;  ///< options for URDF, SDF and MJCF files
 };
 
 /// Adds the options --unit, --up, --forward and --travel, which correct a motion file.
@@ -46,23 +46,23 @@ struct ClipSource {
   std::string name;
   MechanismPtr mechanism;
   MotionPtr motion;
-  double height = 0;  ///< m; 0: not known
+  double height = 0;  ///< height of the recorded person, m; 0: not known
 };
 /// Loads a clip from a measured file, or from an entry of the library (motion or measured data).
 [[nodiscard]] Result<ClipSource> load_clip(const std::string& target, const SourceOptions& options);
 
 /// Makes a scenario in which one character performs the clip from beginning to end.
-/// @param step s: step size
+/// @param step step size of the dynamics, s
 [[nodiscard]] content::Scenario clip_scenario(const ClipSource& clip, double step);
 [[nodiscard]] content::Resources clip_resources(const ClipSource& clip);
 
-/// What executable data are generated from.
+/// A scenario with its resources, from which executable data are generated.
 struct SceneSource {
   std::string name;
   content::Scenario scenario;
   content::Resources resources;
   int frames = 0;     ///< recorded frames of a clip; 0: a project
-  double height = 0;  ///< m, height of the person of a clip; 0: not known
+  double height = 0;  ///< height of the recorded person of a clip, m; 0: not known
 };
 /// Loads a project, or a clip as a scenario with one character. @param step s: step size of a clip's scenario
 [[nodiscard]] Result<SceneSource> load_scene(const std::string& target, const SourceOptions& options, double step);

@@ -111,7 +111,7 @@ void add_studio_verb(CLI::App& app, Action& action) {
   verb->callback([options, &action] { action = [options] { return run_studio(*options); }; });
 
   CLI::App* interpret = app.add_subcommand("interpret", "Run content for a studio.");
-  interpret->group("");  // hidden from the help
+  interpret->group("");  // an empty group hides the verb from the help
   interpret->callback([&action] { action = [] { return studio::run_interpreter(studio::open_player); }; });
 }
 

@@ -28,9 +28,9 @@ const Y = [0, 1, 0];
 const X = [1, 0, 0];
 const Z = [0, 0, 1];
 
-// Each link: name, index of the parent (null: root, -1: the previous link), offset from the parent (m), shapes, and a function from the
-// gait phase
-// (rad) to the joint's [axis, angle in rad].
+// A link is a list: name, index of the parent (null: no parent, the link is the root; -1: the previous link), offset from the parent (m),
+// shapes, and a function that returns the joint's [axis, angle] for a gait phase.
+// Phase and angle are in rad.
 function human() {
   const leg = (side, s) => [
     [`${side}Thigh`, 0, [0, s * 0.095, -0.02], [capsule(0.07, [0, 0, -0.03], [0, 0, -0.36])], (p) => [Y, -0.42 * Math.sin(p + (s > 0 ? 0 : Math.PI)) - 0.08]],

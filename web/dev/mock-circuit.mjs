@@ -1,4 +1,4 @@
-// The circuits of the mock service: LSI classes, an execution circuit, a large circuit, and invented values.
+// Circuits of the mock service: LSI (component) classes, an execution circuit, a large circuit, and invented values of outputs.
 const pin = (name, type = 'scalar', more = {}) => ({ name, type, unit: '', doc: '', ...more });
 const lsi = (name, doc, inputs, outputs, parameters = []) => ({
   name, doc, group: '', from: '', version: 1,

@@ -40,7 +40,7 @@ let doc = {
   ],
   camera: { follow: 'human', distance: 5.6, azimuth: 0.75, elevation: 0.2 }, look: { light: 0.9, floor: '#2a2c31' }, circuit: null,
 };
-// UGOKI_MOCK_LSIS=n: a circuit of n LSIs instead, to test the editor with a large circuit
+// UGOKI_MOCK_LSIS=n: serves a circuit of n LSIs instead of the execution circuit, to test the editor with a large circuit
 const many = Number(process.env.UGOKI_MOCK_LSIS ?? 0);
 const circuit = many > 0 ? many_lsis(many) : execution();
 

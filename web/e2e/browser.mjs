@@ -6,7 +6,7 @@ export const launch = () =>
     executablePath: process.env.UGOKI_CHROMIUM ?? '/usr/bin/chromium',
     args: [
       '--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
-      // rasterize the page on the CPU and use SwiftShader for WebGL only: rasterizing the page with SwiftShader too is ten times slower
+      // rasterize the page on the CPU; only WebGL uses SwiftShader, with which rasterizing the page would take ten times as long
       '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas',
       '--disable-background-networking', '--disable-component-update', '--disable-sync',
     ],

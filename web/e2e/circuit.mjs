@@ -1,5 +1,5 @@
-// Journeys through the wiring editor by mouse and keyboard. Each starts with the page as the previous one left it. All names begin with
-// "circuit".
+// Journeys (end-to-end tests) through the wiring editor by mouse and keyboard. Each starts with the page as the previous journey left it.
+// All names begin with "circuit".
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { mock } from './service.mjs';
@@ -12,13 +12,13 @@ const journeys = [
     name: 'circuit: the generated execution circuit is shown with its LSIs, pins and wires',
     async run({ page, memory }) {
       await page.locator('.tab', { hasText: 'Circuit' }).click();
-      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // maximised
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // maximises the panel
       const shown = await until(page, (c) => c.lsis.length > 5 && c.facts?.near > 5, 'the circuit');
       assert.equal(shown.edited, false);
       assert.ok(shown.lsis.some((l) => l.type === 'dynamics') && shown.wires.includes('status.state > dynamics.state'));
       await page.waitForTimeout(600);
       memory.circuit = shown.lsis.length;
-      await page.waitForFunction(() => document.querySelectorAll('.lsi').length >= 5); // drawn as elements, not on the canvas
+      await page.waitForFunction(() => document.querySelectorAll('.lsi').length >= 5); // LSIs are DOM elements, not drawn on the canvas
       await page.screenshot({ path: `${pictures}circuit-generated.png` });
     },
   },
@@ -153,7 +153,7 @@ const journeys = [
       await page.locator('.stop-notice').waitFor({ timeout: 30000 });
       const { step } = await page.evaluate(() => window.ugoki.document());
       const stopped = await transport();
-      const first = Math.floor(0.5 / step + 1e-6) + 1; // the first tick after 0.5 s
+      const first = Math.floor(0.5 / step + 1e-6) + 1; // index of the first tick after 0.5 s
       assert.equal(stopped.playing, false);
       assert.ok(Math.abs(stopped.time - (first + 1) * step) < 1e-9, `the time is that after this tick: ${stopped.time}`);
       assert.match(await page.locator('.stop-notice').textContent(), new RegExp(`clock · time > 0\\.5is 0\\.50\\d* at 0\\.50\\d s, tick ${first}`));
@@ -185,7 +185,7 @@ const journeys = [
     async run({ page }) {
       const at = await head(page, 'gain');
       await page.mouse.click(at.x, at.y);
-      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // restored, so that the inspector is visible
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // restores the panel's size, so that the inspector is visible
       const field = page.locator('.inspector').getByRole('textbox', { name: 'gain' });
       await field.fill('2.5');
       await page.keyboard.press('Enter');
@@ -313,7 +313,7 @@ const journeys = [
       await page.keyboard.press('Control+s');
       await page.waitForTimeout(500);
       const before = await state(page);
-      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // restored, so that the viewport is visible
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // restores the panel's size, so that the viewport is visible
       await page.waitForTimeout(700);
       await page.reload({ waitUntil: 'load' });
       const after = await until(page, (c) => c.lsis.length === before.lsis.length, 'the circuit');

@@ -15,7 +15,7 @@ async function wait_for_value(page, wanted, description) {
   }
 }
 
-/** Whether the service reports the devices that the content reads; older programs do not. */
+/** True if the service reports the devices that the content reads; programs of earlier versions do not. */
 const reports_devices = (page) =>
   page.evaluate(() => new Promise((resolve) => {
     const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws`, ['ugoki', `ugoki.token.${sessionStorage.getItem('ugoki_token')}`]);
@@ -33,13 +33,13 @@ export const control_journeys = [
     unless: async ({ page }) => !(await reports_devices(page)) && 'this program does not support input from the page',
     name: 'controls: a key held during play controls changes a value on a wire',
     async run({ page }) {
-      await large(page, false); // restored: the button is in the viewport
+      await large(page, false); // restore the panel's size, so that the viewport with the button is visible
       await page.locator('.circuit[role=application]').focus();
       const before = (await state(page)).lsis.length;
       await add(page, 'keyboard', await spot(page, 0.5, 0.85));
       await until(page, (c) => c.lsis.some((l) => l.id === 'keyboard'), 'the keyboard');
       await page.locator('.circuit[role=application]').focus();
-      await page.keyboard.press('f'); // zoom in until values are shown
+      await page.keyboard.press('f'); // fit the selection: only at a large zoom does the canvas show values
       const enter = page.getByRole('button', { name: /^Play controls/ });
       await enter.waitFor({ timeout: 20000 });
       assert.match(await enter.textContent(), /Space/);

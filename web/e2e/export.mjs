@@ -407,7 +407,7 @@ await test('a sweep that is killed several times gives the complete table and re
     const ended = new Promise((done) => killed.on('exit', (code, signal) => done(signal)));
     await new Promise((done) => setTimeout(done, slow ? 1500 : 500));
     killed.kill('SIGKILL');
-    if ((await ended) !== 'SIGKILL') break; // the sweep ended before the kill
+    if ((await ended) !== 'SIGKILL') break; // the sweep ended before it could be killed
   }
   const last = JSON.parse(run(...sweep(count, 'killed.db', '--json', '--csv', at('killed.csv'))));
   before = count - last.added;

@@ -1,4 +1,4 @@
-// End-to-end journeys through the studio in Chromium. Each starts with the page as the previous one left it.
+// Journeys: end-to-end tests that use the studio in Chromium as a user does. Each starts with the page as the previous journey left it.
 import { request } from 'node:http';
 import { mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -440,7 +440,7 @@ export const journeys = [
       const other = await page.context().browser().newPage();
       await other.goto(new URL(service.address).origin);
       await other.getByRole('alert').filter({ hasText: 'has no access to the studio' }).waitFor();
-      await other.goto(service.address); // changes only the fragment
+      await other.goto(service.address); // changes only the fragment of the address, so that the page is not loaded again
       await ready(other);
       assert.equal(other.url(), `${new URL(service.address).origin}/`);
       await other.close();

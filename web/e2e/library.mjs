@@ -1,4 +1,4 @@
-// Journeys through the library, imports, distances and contacts. Each starts with the page as the previous one left it.
+// Journeys (end-to-end tests) through library, imports, distances and contacts. Each starts with the page as the previous journey left it.
 // All names begin with "library" or "collision".
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
@@ -6,7 +6,7 @@ import { mock } from './service.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 const skip = mock && 'the mock service has no library';
-const patience = 120000; // ms; enough for a busy machine
+const patience = 120000; // time limit, ms; enough for a busy machine
 
 /** Repeats `ask` until its result is truthy, and returns it. */
 async function until(page, ask, description, timeout = patience) {
@@ -87,7 +87,7 @@ const journeys = [
     async run({ page }) {
       await choose(page, [['lying.bvh', leg_swing_bvh({ z_up: true })]]);
       await all_read(page);
-      assert.equal((await files(page))[0].settings.up, 'z'); // guessed from the posture
+      assert.equal((await files(page))[0].settings.up, 'z'); // the up axis was guessed from the posture
       await page.getByLabel('Up axis').selectOption('y');
       await page.locator('.import-check', { hasText: 'another axis points up' }).waitFor({ timeout: patience });
       await page.screenshot({ path: `${pictures}import-lying.png` });

@@ -1,4 +1,4 @@
-// Journeys through the operations on motions: context menu of a clip, inspector, dialogs, undo.
+// Journeys (end-to-end tests) through the operations on motions: context menu of a clip, inspector, dialogs, undo.
 import assert from 'node:assert/strict';
 
 const hook = (page, expression) => page.evaluate(expression);
@@ -148,7 +148,7 @@ export const motion_journeys = [
     async run({ page }) {
       const looped = await document_of(page);
       const clip = human_of(looped).track[0];
-      // ten minutes of motion: the page shows operations only after 300 ms, and 20 s are retargeted in less
+      // ten minutes of motion: the page shows an operation only after 300 ms, and retargeting 20 s of motion takes less than that
       await page.locator(`[data-clip="${clip.id}"]`).click({ position: { x: 30, y: 8 } });
       const length = page.locator('.inspector').getByRole('textbox', { name: 'Length' });
       await length.fill('600');

@@ -1,5 +1,5 @@
-// Journeys with LSIs from a user's C file: build, wire, run, reload while running, and faults. They use the real studio and its worker
-// processes.
+// Journeys (end-to-end tests) with LSIs from a user's C file: build, wire, run, reload while running, and faults. They use the real studio
+// and its child processes.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -176,14 +176,14 @@ const journeys = [
         if (i > 0) await page.keyboard.up('Shift');
       }
       await until(page, (c) => c.selected.length === 3, 'the three selected');
-      await large(page, false); // restored, so that the inspector is visible
+      await large(page, false); // restore the panel's size, so that the inspector is visible
       await page.locator('.circuit[role=application]').focus();
       await page.keyboard.press('f');
       await page.locator('[data-lsi="tools-scale"] .lsi-head').waitFor();
       await page.waitForTimeout(300);
       memory.read = await read_outputs(page, 'tools-scale');
       await simulate(page);
-      await page.getByLabel('Playback speed').selectOption('0.1'); // so that it is still running when the new code is loaded
+      await page.getByLabel('Playback speed').selectOption('0.1'); // slow, so that the content is still playing when the new code is loaded
       await page.getByRole('button', { name: 'Play' }).click();
       const first = await wait_for(page, async () => number_of(await memory.read()) > 20 && number_of(await memory.read()), 'the scaled count');
       const later = await wait_for(page, async () => number_of(await memory.read()) > first && number_of(await memory.read()), 'the value to grow');
@@ -201,7 +201,7 @@ const journeys = [
         const before = (await transport(page)).simulated;
         const count = number_of(await memory.read()) / 2;
         assert.ok((await transport(page)).playing, 'the circuit is still playing');
-        await page.waitForTimeout(1200); // the first build of the watch
+        await page.waitForTimeout(1200); // wait for the first build by `ugoki lsi watch`
         writeFileSync(join(service.folder, 'tools.c'), tools(-10));
         const now = await wait_for(page, async () => number_of(await memory.read()) < -20 && number_of(await memory.read()), 'the new code');
         assert.ok(now / -10 >= count, `the counter kept its state: ${now / -10} after ${count}`);

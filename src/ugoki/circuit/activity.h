@@ -1,5 +1,5 @@
 #pragma once
-// Record of the LSI that is running now. A signal handler or a watchdog thread reads it when the code of an LSI crashes or hangs.
+// Record of the running LSI (component of a circuit). A signal handler or a watchdog thread reads the record when an LSI crashes or hangs.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,14 +10,14 @@
 namespace ugoki::circuit {
 
 struct RunningLsi {
-  const char* id = "";  ///< id with the ids of the enclosing circuits: "arm/elbow"
+  const char* id = "";  ///< path: ids of the enclosing circuits, then the LSI's own id: "arm/elbow"
   const LsiClass* lsi_class = nullptr;
-  const Call* call = nullptr;  ///< null while the circuit is built
+  const Call* call = nullptr;  ///< arguments of the LSI's functions; null while the circuit is built
 };
 
 /// Owned by the host. Interpreters write it (BuildOptions::activity) with one atomic store per word.
 struct Activity {
-  const RunningLsi* running = nullptr;  ///< null: no LSI is running
+  const RunningLsi* running = nullptr;  ///< description of the LSI that is running; null: none
   std::uint64_t passes = 0;             ///< number of ticks and refreshes begun; while an LSI is stuck, it does not increase
   /// Called for each LSI when a circuit is built, before any function of the LSI; null: not called. The host may pass the LSI's name to
   /// a process that cannot read `running`.

@@ -11,7 +11,7 @@ namespace ugoki::circuit {
 Arena::Arena(std::size_t words) : size_(words) {
 #if defined(__linux__)
   constexpr std::size_t page = 1 << 16;  // bytes; a multiple of the page sizes 4, 16 and 64 KiB
-  constexpr std::size_t alignment = 64;  // bytes of a cache line
+  constexpr std::size_t alignment = 64;  // size of a cache line, bytes
   const std::size_t bytes = (words * sizeof(std::uint64_t) + alignment - 1) / alignment * alignment;
   const std::size_t inner = (bytes + page - 1) / page * page;
   void* mapped = ::mmap(nullptr, inner + 2 * page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);

@@ -19,7 +19,7 @@ class Arena {
 
   [[nodiscard]] std::uint64_t* data() { return data_; }
   [[nodiscard]] const std::uint64_t* data() const { return data_; }
-  [[nodiscard]] std::size_t size() const { return size_; }  ///< words
+  [[nodiscard]] std::size_t size() const { return size_; }  ///< size of the memory in words of 8 bytes
 
  private:
   std::uint64_t* data_ = nullptr;

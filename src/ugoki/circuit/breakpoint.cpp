@@ -14,7 +14,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Reads "id.pin" or "id.pin[2]".
+/// Reads a pin written "id.pin" or "id.pin[2]". @return false if the text has another form
 bool read_pin(std::string_view text, Breakpoint& to) {
   text = trimmed(text);
   if (const auto open = text.rfind('['); open != std::string_view::npos && text.ends_with(']')) {

@@ -1,5 +1,5 @@
 #pragma once
-// A circuit as data: the form that users edit and save. Only Interpreter::build checks it against a library.
+// A circuit of software LSIs (components) as data: the form that users edit and save. Only Interpreter::build checks it against a library.
 
 #include <cstdint>
 #include <optional>
@@ -42,7 +42,7 @@ struct Wire {
   friend bool operator==(const Wire&, const Wire&) = default;
 };
 
-/// A pin of the circuit itself.
+/// An input or output pin of the circuit itself.
 struct BoundaryPin {
   std::string name;
   PinTypeId type = PinTypeId::scalar;
@@ -58,7 +58,7 @@ struct BoundaryPin {
 struct BoundaryParameter {
   std::string name;
   std::string doc;
-  std::vector<std::string> ends;  ///< inner parameters, "id.parameter"
+  std::vector<std::string> ends;  ///< parameters inside the circuit that receive the value, "id.parameter"
   friend bool operator==(const BoundaryParameter&, const BoundaryParameter&) = default;
 };
 
@@ -67,13 +67,13 @@ struct Note {
   std::string id;
   std::string text;
   Position at;
-  Position size;  ///< width, height; 0, 0: fitted to the text
+  Position size;  ///< width and height of the note, px; 0, 0: fitted to the text
   friend bool operator==(const Note&, const Note&) = default;
 };
 
 /// A plot of an output over time that the editor draws in the diagram. It has no effect on the run.
 struct ProbeMark {
-  std::string pin;  ///< "id.pin"
+  std::string pin;  ///< the output to plot, "id.pin"
   Position at;
   std::vector<std::uint32_t> components;  ///< indices of the plotted numbers of the payload; empty: the editor plots the first few
   friend bool operator==(const ProbeMark&, const ProbeMark&) = default;
@@ -88,9 +88,9 @@ struct Circuit {
   std::vector<BoundaryParameter> parameters;
   std::vector<Instance> lsis;
   std::vector<Wire> wires;
-  std::vector<Note> notes;        ///< for the editor; no effect on the run
-  std::vector<ProbeMark> probes;  ///< for the editor; no effect on the run
-  std::vector<Circuit> circuits;  ///< definitions that `lsis` use by name
+  std::vector<Note> notes;        ///< notes shown in the editor; no effect on the run
+  std::vector<ProbeMark> probes;  ///< plots shown in the editor; no effect on the run
+  std::vector<Circuit> circuits;  ///< definitions of nested circuits, which `lsis` use by name
   friend bool operator==(const Circuit&, const Circuit&) = default;
 };
 

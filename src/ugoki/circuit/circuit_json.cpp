@@ -15,7 +15,7 @@ namespace {
 using json::Json;
 
 constexpr int max_depth = 32;           // maximum nesting of circuits; bounds the recursion of the reader
-constexpr std::size_t max_shown = 100;  // bytes of a wrong name that are printed in a message
+constexpr std::size_t max_shown = 100;  // maximum number of bytes of a wrong name that a message prints
 
 bool is_id(std::string_view text) {
   if (text.empty() || text.size() > 64) return false;

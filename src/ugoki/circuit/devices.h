@@ -18,7 +18,7 @@ inline constexpr std::size_t max_gamepads = 4;
 
 struct MouseState {
   double x = 0, y = 0;  ///< position in the viewport: (0, 0) is the top left corner, (1, 1) the bottom right one
-  bool left = false, middle = false, right = false;  ///< whether the button is pressed
+  bool left = false, middle = false, right = false;  ///< true: the button is pressed
   double wheel = 0;                                  ///< notches turned so far, positive towards the user
   friend bool operator==(const MouseState&, const MouseState&) = default;
 };
@@ -26,7 +26,7 @@ struct MouseState {
 /// A gamepad in the W3C standard gamepad mapping. All zero: no gamepad is connected.
 struct GamepadState {
   std::array<double, 4> axes{};      ///< left x, left y, right x, right y, each from -1 to 1; positive to the right and backwards
-  std::array<double, 17> buttons{};  ///< 0 (released) to 1 (fully pressed)
+  std::array<double, 17> buttons{};  ///< state of each button, 0 (released) to 1 (fully pressed)
   friend bool operator==(const GamepadState&, const GamepadState&) = default;
 };
 
@@ -51,9 +51,9 @@ void apply(const DeviceChange& change, DeviceState& state);
 
 /// The devices that a circuit reads.
 struct DeviceUse {
-  std::vector<std::string> keys;  ///< KeyboardEvent.code; sorted, no duplicates
+  std::vector<std::string> keys;  ///< keys by KeyboardEvent.code; sorted, no duplicates
   bool mouse = false;
-  std::vector<int> gamepads;  ///< indices; sorted, no duplicates
+  std::vector<int> gamepads;  ///< indices of the gamepads; sorted, no duplicates
   friend bool operator==(const DeviceUse&, const DeviceUse&) = default;
 };
 /// JSON: {"keyboard": ["KeyW"], "mouse": true, "gamepads": [0]}
@@ -67,9 +67,9 @@ class DeviceFeed {
   explicit DeviceFeed(Interpreter& interpreter);
 
   [[nodiscard]] DeviceUse use() const;
-  /// Whether the device LSIs already output this state.
+  /// True if the outputs of the device LSIs already equal this state.
   [[nodiscard]] bool has(const DeviceState& state) const;
-  /// Whether a key or button that the circuit reads is released in `before` and pressed in `after`.
+  /// True if a key or button that the circuit reads is released in `before` and pressed in `after`.
   [[nodiscard]] bool presses(const DeviceState& before, const DeviceState& after) const;
   /// Writes the state to the outputs of the device LSIs. Call it between ticks only.
   void give(const DeviceState& state) const;

@@ -16,7 +16,7 @@ struct Activity;
 
 /// Numbers of a pin: values written to it before a tick (given), or required of it after the tick (expected).
 struct ExampleMoment {
-  std::uint64_t tick = 0;  ///< index from 0
+  std::uint64_t tick = 0;  ///< index of the tick, from 0
   std::string pin;         ///< given: an input of the circuit, "id.pin" of a device, or "id.parameter"; expected: "id.pin"
   std::vector<double> numbers;
   double tolerance = 0;  ///< expected: absolute tolerance, in the unit of the pin; given: unused
@@ -25,7 +25,7 @@ struct ExampleMoment {
 struct Example {
   std::string doc;
   Circuit circuit;
-  double dt = 0.01;  ///< s: time between two ticks
+  double dt = 0.01;  ///< time between two ticks, s
   std::vector<ExampleMoment> given, expected;
 };
 

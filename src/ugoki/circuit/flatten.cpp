@@ -37,7 +37,7 @@ const LsiClass& input_class(PinTypeId type) {
 struct Level;
 struct Item {
   int lsi = -1;
-  std::unique_ptr<Level> level;  ///< null: the item is an LSI
+  std::unique_ptr<Level> level;  ///< the nested circuit; null: the item is an LSI
 };
 /// One use of a circuit: the outermost one, or one nested in `outer`.
 struct Level {
@@ -52,9 +52,9 @@ struct Sink {
   int lsi, pin;
 };
 
-/// A value given to a parameter, either by the LSI itself or by a circuit around the LSI.
+/// A parameter value that is set either at the LSI itself or at a circuit that contains the LSI.
 struct Override {
-  std::string end;  ///< "id.parameter"
+  std::string end;  ///< the parameter that the value sets, "id.parameter"
   Value value;
   std::string location;  ///< JSON path of the value
 };

@@ -10,7 +10,7 @@
 
 namespace ugoki::circuit {
 
-/// An output of an LSI of the flat circuit.
+/// An output of an LSI of the flattened circuit.
 struct Source {
   int lsi = -1;  ///< index into FlatCircuit::lsis; -1: none
   int pin = 0;   ///< index of the output
@@ -27,8 +27,8 @@ struct FlatLsi {
   const LsiClass* lsi_class = nullptr;
   std::string location;           ///< JSON path of the LSI in the circuit
   std::uint32_t every = 1;        ///< runs at each `every`-th tick; 0: on demand only
-  std::vector<Value> parameters;  ///< [parameters of the class], in the order of declaration
-  std::vector<FlatInput> inputs;  ///< [inputs of the class] sources or fixed value of each input
+  std::vector<Value> parameters;  ///< values of all parameters of the class, in the order of declaration
+  std::vector<FlatInput> inputs;  ///< sources or fixed value of each input of the class, in the order of declaration
 };
 
 struct FlatPort {

@@ -22,9 +22,9 @@ struct InputChange {
 
 struct InputRecord {
   std::uint64_t layout = 0;          ///< hash of the circuit that was recorded
-  double dt = 0;                     ///< s
+  double dt = 0;                     ///< time between two ticks, s
   std::uint64_t ticks = 0;           ///< number of ticks computed when the recording ended
-  std::vector<InputChange> changes;  ///< sorted by tick
+  std::vector<InputChange> changes;  ///< all recorded changes, sorted by tick
   friend bool operator==(const InputRecord&, const InputRecord&) = default;
 };
 

@@ -26,7 +26,7 @@ Result<Interpreter> Interpreter::build(const Circuit& circuit, const Library& li
   std::unique_ptr<Machine> machine;
   if (problems.empty()) machine = make_machine(std::move(flat), std::move(plan), options, problems);
   if (!problems.empty()) {
-    Error unique;  // `configure` runs several times, and may have reported a problem each time
+    Error unique;  // without duplicates: `configure` runs several times and may have reported the same problem each time
     for (Problem& p : problems.problems) {
       bool known = false;
       for (const Problem& q : unique.problems) known = known || (q.location == p.location && q.message == p.message);

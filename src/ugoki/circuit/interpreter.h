@@ -1,6 +1,6 @@
 #pragma once
-// Runs a circuit, tick by tick. The addresses and sizes of all values and the order of the LSIs are fixed when the circuit is built. A tick
-// calls the functions of the LSIs in this order. It allocates nothing and locks nothing; repeated runs give the same bits.
+// Runs a circuit of LSIs (components), tick by tick. Building the circuit fixes the addresses and sizes of all values and the order of the
+// LSIs. A tick calls the functions of the LSIs in this order, without allocating or locking; repeated runs give the same bits.
 
 #include <cstddef>
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Activity;
 class Executor;
 
 struct BuildOptions {
-  double dt = 0.002;             ///< s: time between two ticks
+  double dt = 0.002;             ///< time between two ticks, s
   bool check_finite = true;      ///< stop if an LSI writes a number that is not finite; checked after each LSI
   Activity* activity = nullptr;  ///< receives the LSI that is running (activity.h); must outlive the interpreter
 };
@@ -35,7 +35,7 @@ struct Stop {
   std::string reason;
   std::string inputs;  ///< " Its inputs were ...", as written by describe_inputs (activity.h)
   std::uint64_t tick = 0;
-  double time = 0;  ///< s
+  double time = 0;  ///< simulated time of the tick, s
   /// Message for the user: "'id' of library 'x' stopped at 0.123 s (tick 61): REASON INPUTS"
   [[nodiscard]] std::string text() const;
 };
@@ -52,7 +52,7 @@ struct PinView {
   }
 };
 
-/// Time spent in one LSI.
+/// Computing time of one LSI.
 struct Timing {
   std::string lsi;          ///< id of the LSI
   std::uint64_t runs = 0;   ///< number of timed calls of the LSI's step and advance functions
@@ -63,17 +63,17 @@ enum class Comparison : std::uint8_t { above, below, equal, not_equal, changed }
 
 /// A condition on one number of a pin. The breakpoint is met at the tick at which the condition becomes true.
 struct Breakpoint {
-  std::string pin;            ///< "id.pin"
+  std::string pin;            ///< pin whose value is compared, "id.pin"
   std::size_t component = 0;  ///< index of the number in the payload
   Comparison comparison = Comparison::above;
-  double value = 0;  ///< unused by `changed`
+  double value = 0;  ///< value with which the number is compared; unused by `changed`
 };
 
-/// View of the samples of the probes: one row per sampled tick, oldest first. Valid until the next tick or call of set_probes.
+/// View of the samples of the probes (sampled pins): one row per sampled tick, oldest first. Valid until the next tick or set_probes().
 class ProbeRows {
  public:
   [[nodiscard]] std::size_t size() const { return rows_; }
-  [[nodiscard]] std::uint64_t first() const { return first_; }  ///< number of older rows that have been overwritten
+  [[nodiscard]] std::uint64_t first() const { return first_; }  ///< number of older rows, which have been overwritten
   [[nodiscard]] std::uint64_t tick(std::size_t row) const { return ticks_[at(row)]; }
   /// The numbers of all probed pins, in the order of the pins given to set_probes.
   [[nodiscard]] std::span<const double> numbers(std::size_t row) const { return {data_ + at(row) * width_, width_}; }
@@ -90,7 +90,7 @@ class ProbeRows {
 /// An output that the host writes between ticks, for example the state of a key or an axis, or the value of a network message.
 struct DeviceSlot {
   std::string id;       ///< id of the LSI
-  std::string device;   ///< LsiClass::device: "keyboard"
+  std::string device;   ///< kind of the device, LsiClass::device: "keyboard"
   std::string address;  ///< value of the LSI's first text or choice parameter, for example the name of the key
   std::string pin;
   std::span<double> numbers;
@@ -135,15 +135,15 @@ class Interpreter {
   void reset();
 
   [[nodiscard]] std::uint64_t ticks() const;  ///< number of ticks computed so far
-  [[nodiscard]] double time() const;          ///< s: ticks() * dt
-  [[nodiscard]] const Stop* stopped() const;  ///< null: not stopped
+  [[nodiscard]] double time() const;          ///< simulated time, s: ticks() * dt
+  [[nodiscard]] const Stop* stopped() const;  ///< why the interpreter has stopped; null: not stopped
 
   /// Finds the output "id.pin" (in a nested circuit: "arm/elbow.pin"), or returns an error whose location is `pin`.
   [[nodiscard]] Result<PinView> find_output(std::string_view pin) const;
   /// Finds an output of the circuit itself by its name.
   [[nodiscard]] Result<PinView> find_circuit_output(std::string_view name) const;
-  /// Writable payload of an input of the circuit itself; empty if there is no input of this name. Write it between ticks only. The value
-  /// is kept until it is written again.
+  /// Writable payload (bytes of the value) of an input of the circuit itself; empty if no input has this name. Write the payload between
+  /// ticks only; the input keeps the value until the next write.
   [[nodiscard]] std::span<std::byte> find_circuit_input(std::string_view name);
 
   /// All outputs of device LSIs. The host writes them between ticks; each value is kept until it is written again.

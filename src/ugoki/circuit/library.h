@@ -1,5 +1,5 @@
 #pragma once
-// The LSI classes that circuits can use, by name.
+// The set of LSI classes (kinds of components) that circuits can use, found by name.
 
 #include <map>
 #include <span>
@@ -18,11 +18,11 @@ class Library {
   /// Returns the class of this name. If there is none, returns the class "library/name" if exactly one installed library has it, else null.
   /// The pointer is valid until the next add.
   [[nodiscard]] const LsiClass* find(std::string_view name) const;
-  [[nodiscard]] bool has(std::string_view name) const;  ///< whether a class has exactly this name
+  [[nodiscard]] bool has(std::string_view name) const;  ///< true if a class has exactly this name
   /// All classes, sorted by name.
   [[nodiscard]] std::span<const LsiClass> classes() const { return classes_; }
 
-  /// Notes that the installed library `name` cannot be used. Messages about its LSIs then give the reason. @param why  a sentence
+  /// Records that the installed library `name` cannot be used. Messages about its LSIs then give the reason `why`, a sentence.
   void note_refused(std::string name, std::string why) { refused_[std::move(name)] = std::move(why); }
   /// The reason why the library `name` cannot be used; null: it was not refused.
   [[nodiscard]] const std::string* find_refusal(std::string_view name) const;

@@ -1,5 +1,5 @@
 #pragma once
-// Declaration of a software LSI: its pins, parameters, state and functions.
+// Declaration of a software LSI (component of a circuit): its pins, parameters, state and functions.
 //
 // An LSI has two functions; the interpreter calls both at every tick:
 //   step     reads the `direct` inputs and writes the feed-through outputs (those not marked `delayed`);
@@ -44,7 +44,7 @@ struct InputPin {
   bool required = true;     ///< a circuit without a wire or a fixed value for this pin is refused
   bool direct = true;       ///< read by `step`; false: read by `advance` only, and so never part of an algebraic loop
   bool multiple = false;    ///< true: accepts any number of wires, sorted by the ids of their sources; declared after all other inputs
-  std::uint32_t count = 0;  ///< number of elements; 0: the number of the type, or that of the wired output
+  std::uint32_t count = 0;  ///< number of elements; 0: as for the pin type, or as at the wired output
   double value = 0;         ///< value of every number of an optional pin without a wire (rotations and poses: the identity instead)
   double minimum = 0;       ///< lower bound of fixed values; values out of bounds are refused; minimum == maximum: no bounds
   double maximum = 0;       ///< upper bound of fixed values
@@ -56,7 +56,7 @@ struct OutputPin {
   std::string unit;
   std::string doc;
   bool delayed = false;     ///< written by `advance`, seen by consumers from the next tick on
-  std::uint32_t count = 0;  ///< number of elements; 0: the number of the type, or of input `like`, or set by `configure`
+  std::uint32_t count = 0;  ///< number of elements; 0: as for the pin type, as at input `like`, or set by `configure`
   double minimum = 0;       ///< lower end of the usual values, for plots; minimum == maximum: unknown
   double maximum = 0;       ///< upper end of the usual values
   int like = -1;            ///< index of the input that has the same number of elements; -1: none
@@ -86,8 +86,8 @@ enum class FieldType : std::uint8_t { f64 = 1, f32, i64, i32, u64, u32, i8, u8 }
 struct StateField {
   std::string name;
   FieldType type = FieldType::f64;
-  std::uint32_t offset = 0;  ///< bytes from the beginning of the state
-  std::uint32_t count = 1;   ///< elements
+  std::uint32_t offset = 0;  ///< offset from the beginning of the state, bytes
+  std::uint32_t count = 1;   ///< number of elements
   std::string unit;
   std::string doc;
   double initial = 0;  ///< initial value of every element
@@ -102,7 +102,7 @@ struct LsiClass {
   std::string doc;            ///< description in one or two sentences
   std::string group;          ///< heading in the editor's list of LSIs, for example "signal"
   std::string from;           ///< name of the installed library; empty: built in
-  std::uint32_t version = 1;  ///< version of the state's layout and meaning; a state saved with another version is not restored
+  std::uint32_t version = 1;  ///< version of layout and meaning of the state; a state saved with another version is not restored
   std::vector<InputPin> inputs;
   std::vector<OutputPin> outputs;
   std::vector<Parameter> parameters;
@@ -128,7 +128,7 @@ struct LsiClass {
   void (*store)(const Call*) = nullptr;
   void (*recall)(const Call*) = nullptr;
 
-  [[nodiscard]] int find_input(std::string_view pin) const;  ///< index or -1
+  [[nodiscard]] int find_input(std::string_view pin) const;  ///< index of the input with this name, or -1
   [[nodiscard]] int find_output(std::string_view pin) const;
   [[nodiscard]] int find_parameter(std::string_view parameter) const;
   /// Hash of version, size and declared fields of the state. Classes with equal hashes can exchange the bytes of their states.

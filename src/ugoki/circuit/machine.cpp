@@ -27,13 +27,13 @@ std::size_t output_bytes(const Unit& unit, std::size_t pin) {
   return payload_bytes(pin_type(unit.lsi_class->outputs[pin].type), unit.outputs[pin].count);
 }
 
-/// Places the outputs and states of LSIs, with fences around those of LSIs of installed libraries.
+/// Places the outputs and states of LSIs in the arena, for LSIs of installed libraries with a guard word (Fence) on both sides.
 class Placer {
  public:
   Placer(Layout& layout, std::vector<Fence>& fences) : layout_(layout), fences_(fences) {}
 
   /// Places the delayed or the direct outputs of an LSI. Numeric outputs come first, so that one range contains all numbers that must be
-  /// finite. @return this range
+  /// finite. @return the range of these numbers
   Range outputs(Unit& unit, std::uint32_t lsi, bool delayed) {
     const auto is_here = [delayed](const OutputPin& pin) { return pin.delayed == delayed; };
     if (std::ranges::any_of(unit.lsi_class->outputs, is_here)) fence(unit, {0, lsi, 0, Fence::Side::before_outputs});
@@ -60,7 +60,7 @@ class Placer {
 
  private:
   void fence(const Unit& unit, Fence fence) {
-    if (unit.lsi_class->from.empty()) return;  // built-in LSIs are trusted
+    if (unit.lsi_class->from.empty()) return;  // no guard words: built-in LSIs are trusted
     fence.at = layout_.take(sizeof Fence::intact);
     fences_.push_back(fence);
   }
@@ -179,7 +179,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
     u.state = placer.state(u, static_cast<std::uint32_t>(i), plan.setups[static_cast<std::size_t>(i)].state_bytes());
   }
   std::vector<Constant> constants;
-  std::vector<std::vector<std::size_t>> constant_offsets(n);  // [lsi][input] bytes in the arena; set for inputs without a wire
+  std::vector<std::vector<std::size_t>> constant_offsets(n);  // [lsi][input] arena offset, bytes; for unwired inputs
   for (std::size_t i = 0; i < n; ++i) {
     const FlatLsi& lsi = flat.lsis[i];
     constant_offsets[i].resize(lsi.inputs.size());

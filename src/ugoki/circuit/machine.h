@@ -20,11 +20,11 @@ struct Job {
   const RunningLsi* who = nullptr;
   const double* check = nullptr;  ///< first of the numbers that the job writes and that must be finite; null: unchecked
   std::uint32_t check_count = 0;
-  std::uint32_t every = 1;  ///< runs at each `every`-th tick
-  std::uint32_t lsi = 0;    ///< index into Machine::units
+  std::uint32_t every = 1;  ///< the job runs at each `every`-th tick
+  std::uint32_t lsi = 0;    ///< index of the LSI in Machine::units
 };
 
-/// Independent jobs: [begin, own_end) belong to built-in LSIs, [own_end, end) to plug-ins. Indices into Machine::wave_jobs.
+/// Independent jobs, as indices into Machine::wave_jobs: [begin, own_end) are of built-in LSIs, [own_end, end) of plug-ins.
 struct Wave {
   std::uint32_t begin = 0, own_end = 0, end = 0;
 };
@@ -35,16 +35,16 @@ struct Range {
   [[nodiscard]] std::size_t size() const { return end - begin; }
 };
 
-/// One LSI of the circuit.
+/// One LSI of the running circuit.
 struct Unit {
   std::string id;
   const LsiClass* lsi_class = nullptr;
   std::uint32_t every = 1;
   std::vector<Shape> outputs;
-  std::vector<std::size_t> output_offsets;  ///< [outputs] bytes: offsets in the arena of the payloads that consumers read
+  std::vector<std::size_t> output_offsets;  ///< for each output: offset in the arena, bytes, of the payload that consumers read
   Range state;
   Range direct_numbers, delayed_numbers;  ///< memory of numeric outputs that is checked to be finite (delayed ones in Machine::back)
-  std::size_t parameters = 0;             ///< index of its first parameter in Machine::parameters
+  std::size_t parameters = 0;             ///< index of the LSI's first parameter in Machine::parameters
   std::string address;                    ///< value of the LSI's first text or choice parameter, which a device uses; empty: none
 };
 
@@ -59,8 +59,8 @@ struct Fence {
 };
 
 struct ProbeBuffer {
-  std::vector<const double*> sources;  ///< [width] numbers to copy at the end of a tick
-  std::vector<double> rows;            ///< [capacity][width]
+  std::vector<const double*> sources;  ///< addresses of the `width` numbers to copy at the end of a tick
+  std::vector<double> rows;            ///< samples: [capacity][width]
   std::vector<std::uint64_t> ticks;
   std::uint64_t written = 0;  ///< number of rows written so far, including overwritten ones
   std::size_t next = 0;       ///< index of the row to write next
@@ -72,8 +72,8 @@ struct ProbeBuffer {
 struct ActiveBreakpoint {
   Breakpoint condition;
   const double* number = nullptr;
-  double last = 0;     ///< value at the previous tick
-  bool armed = false;  ///< whether `last` is set (Comparison::changed), or the condition was false at the previous tick (others)
+  double last = 0;     ///< value of the number at the previous tick
+  bool armed = false;  ///< for Comparison::changed: `last` is set; for others: the condition was false at the previous tick
 };
 
 /// A value that the host writes: an input of the circuit or an output of a device.
@@ -85,39 +85,39 @@ struct RecordedSlot {
 
 struct InputLog {
   std::vector<RecordedSlot> slots;
-  std::vector<InputChange> changes;  ///< recorded so far
+  std::vector<InputChange> changes;  ///< changes recorded so far
   bool recording = false;
   std::vector<InputChange> replay;  ///< changes to apply, sorted by tick
-  std::size_t next = 0;             ///< index into `replay`
+  std::size_t next = 0;             ///< index into `replay` of the next change to apply
 };
 
 struct Interpreter::Machine {
   ~Machine();
 
-  std::vector<Unit> units;             ///< [lsis] sorted by id
-  std::vector<RunningLsi> running;     ///< [lsis] description of each LSI for `activity`
-  std::vector<Call> calls;             ///< [lsis] in the order of the schedule
-  std::vector<std::uint32_t> call_of;  ///< [lsis] index of each LSI's call in `calls`
+  std::vector<Unit> units;             ///< all LSIs, sorted by id; the index of an LSI is its index in this vector
+  std::vector<RunningLsi> running;     ///< by index of the LSI: description of the LSI for `activity`
+  std::vector<Call> calls;             ///< arguments of the functions of all LSIs, in the order of the schedule
+  std::vector<std::uint32_t> call_of;  ///< by index of the LSI: index of the LSI's call in `calls`
   std::vector<const void*> in;         ///< input addresses of all calls; each call points into this vector and the next five
   std::vector<void*> out;
   std::vector<std::uint32_t> in_first, in_count, out_count;
   std::vector<double> parameters;
   Arena arena;
   std::vector<Fence> fences;
-  std::vector<std::uint32_t> foreign;  ///< indices into `units` of the LSIs of libraries
+  std::vector<std::uint32_t> foreign;  ///< indices into `units` of the LSIs of installed libraries
   Range front, back;           ///< delayed outputs: consumers read `front`, LSIs write `back`; both have the same layout
   std::vector<Job> jobs;       ///< calls of a tick: all `step` calls, then all `advance` calls
   std::size_t step_count = 0;  ///< number of steps at the beginning of `jobs`
   std::vector<Job> on_demand;
-  std::vector<std::uint32_t> wave_ends;  ///< [depths] end index in `jobs` of the steps of each depth (plan.h)
+  std::vector<std::uint32_t> wave_ends;  ///< for each depth (plan.h): end index in `jobs` of the steps of this depth
   std::vector<int> order;                ///< indices of LSIs in the order in which their steps run
   std::vector<FlatPort> inputs, outputs;
   std::uint64_t layout = 0;               ///< hash of ids, classes, versions and sizes
-  Tick tick{};                            ///< present tick of the circuit
-  std::vector<std::uint32_t> slow_rates;  ///< the values of `every` above 1, sorted
-  std::vector<Tick> slow_ticks;           ///< [slow_rates] copies of `tick` with dt multiplied by `every`
+  Tick tick{};                            ///< index and time of the current tick
+  std::vector<std::uint32_t> slow_rates;  ///< all values of `every` above 1, sorted
+  std::vector<Tick> slow_ticks;           ///< for each of `slow_rates`: copy of `tick` with dt multiplied by the rate
   Activity* activity = nullptr;
-  Activity own_activity;  ///< used if the host gives none
+  Activity own_activity;  ///< used if BuildOptions::activity is null
 
   // Optional features; they cost nothing while they are off.
   bool plain = true;  ///< true: all optional features are off
@@ -125,10 +125,10 @@ struct Interpreter::Machine {
   Clock clock = nullptr;
   std::uint32_t timed_one_in = 1;
   std::uint64_t timed_ticks = 0;
-  std::vector<Timing> timings;  ///< [lsis] without ids
+  std::vector<Timing> timings;  ///< by index of the LSI: its times; the ids are empty
   Executor* executor = nullptr;
-  std::vector<std::vector<char>> reasons;  ///< [workers] buffers for Call::reason
-  std::vector<Job> wave_jobs;              ///< `jobs` grouped by `waves`
+  std::vector<std::vector<char>> reasons;  ///< for each worker: buffer for Call::reason
+  std::vector<Job> wave_jobs;              ///< copies of `jobs`, grouped by `waves`
   std::vector<Wave> waves;
   ProbeBuffer probes;
   std::vector<ActiveBreakpoint> breakpoints;
@@ -150,7 +150,7 @@ struct Interpreter::Machine {
   void set_fences();
   [[nodiscard]] bool are_fences_intact();
   [[nodiscard]] bool is_mode_intact(std::uint64_t mode);
-  /// Returns false and stops the interpreter if an LSI of a library has done damage since floating_point_mode() was `mode`.
+  /// Returns false and stops the interpreter if an LSI of a library overwrote foreign memory or changed the floating-point mode `mode`.
   [[nodiscard]] bool are_libraries_sound(std::uint64_t mode) { return is_mode_intact(mode) && (is_stopped || fences.empty() || are_fences_intact()); }
   template <bool timed, bool probed>
   std::uint64_t run_fast(std::uint64_t count);

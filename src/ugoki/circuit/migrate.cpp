@@ -31,7 +31,7 @@ void for_each_entry(Json& object, const char* key, Visit visit) {
 /// circuit's output "figures" that the player reads to "characters".
 void from_1_to_2(Json& circuit, int depth) {
   if (depth > json::max_depth) return;
-  std::set<std::string, std::less<>> displays;  // "ID.figures" of each display
+  std::set<std::string, std::less<>> displays;  // the output "ID.figures" of each display LSI
   for_each_entry(circuit, "lsis", [&](Json& lsi) {
     std::string* type = find_text(lsi, "type");
     if (!type) return;

@@ -136,7 +136,7 @@ void Interpreter::start_recording() {
   m.log.changes.clear();
   for (const FlatPort& port : m.inputs) m.log.slots.push_back({port.name, find_circuit_input(port.name), {}});
   for (const DeviceSlot& d : devices()) m.log.slots.push_back({d.id + "." + d.pin, std::as_writable_bytes(d.numbers), {}});
-  for (RecordedSlot& s : m.log.slots) s.before.resize(s.now.size());  // zero, the value after a reset
+  for (RecordedSlot& s : m.log.slots) s.before.resize(s.now.size());  // all zero, which is the value after a reset
   m.log.recording = true;
   m.update_plain();
 }

@@ -14,21 +14,21 @@ namespace ugoki::circuit {
 
 /// Type of the values at a pin. The numbers are part of the binary interface of plug-ins: do not change them.
 enum class PinTypeId : std::uint16_t {
-  scalar = 1,        ///< f64
-  vector = 2,        ///< f64 x, y, z
-  rotation = 3,      ///< f64 unit quaternion w, x, y, z
+  scalar = 1,        ///< one f64
+  vector = 2,        ///< three f64: x, y, z
+  rotation = 3,      ///< four f64: unit quaternion w, x, y, z
   pose = 4,          ///< f64 position x, y, z, unit quaternion w, x, y, z
-  joint_values = 5,  ///< f64 for each coordinate or DOF of one mechanism
-  state = 6,         ///< f64 q and v of every mechanism of the world
+  joint_values = 5,  ///< one f64 for each coordinate or DOF of one mechanism
+  state = 6,         ///< f64 positions q and velocities v of every mechanism of the world
   contacts = 7,      ///< u64 number of records in use, then records of 128 bytes
-  motion = 8,        ///< f64 a reference: q, v, a and more of one mechanism (lsi/payload.h)
+  motion = 8,        ///< f64 reference motion of one mechanism: q, v, a and more (lsi/payload.h)
   event = 9,         ///< u64 number of records in use, then records of 128 bytes
 };
 
 struct PinType {
   PinTypeId id = PinTypeId::scalar;
-  std::string_view name;   ///< "joint values"
-  std::string_view color;  ///< "#rrggbb", for editors
+  std::string_view name;   ///< name for users, for example "joint values"
+  std::string_view color;  ///< colour in editors, "#rrggbb"
   std::uint32_t header_bytes = 0;
   std::uint32_t element_bytes = 8;
   std::uint32_t default_count = 1;  ///< number of elements of a pin that declares none; 0: resolved when the circuit is built

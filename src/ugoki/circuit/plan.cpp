@@ -145,7 +145,7 @@ std::vector<int> order_steps(const FlatCircuit& flat, std::vector<std::uint32_t>
     for (const int i : wave)
       for (const int c : consumers[static_cast<std::size_t>(i)])
         if (--open_edges[static_cast<std::size_t>(c)] == 0) next.push_back(c);
-    std::sort(next.begin(), next.end());  // smallest index = smallest id first
+    std::sort(next.begin(), next.end());  // LSIs are numbered in the order of their ids, so the smallest id comes first
     wave = std::move(next);
   }
   if (order.size() == n) return order;

@@ -62,7 +62,7 @@ inline bool is_timed(std::uint64_t index, std::uint32_t one_in) {
   return one_in <= 1 || ((index * 0x9E3779B97F4A7C15u) >> 32) * one_in >> 32 == 0;
 }
 
-/// The jobs of a wave divided among workers, and the job that failed for each worker.
+/// The jobs of a wave (a group of independent jobs), divided among workers, and for each worker the job that failed.
 struct WaveWork {
   static constexpr int max_workers = 64;
   std::span<const Job> jobs;
@@ -101,7 +101,7 @@ inline void Interpreter::Machine::end_tick() {
   set_tick(tick.index + 1);
 }
 
-/// Computes ticks with at most timing and probes, the usual case. Members are copied to locals, because the compiler must assume that
+/// Computes ticks while only timing and probes may be on (the usual case). Members are copied to locals: the compiler must assume that
 /// a call of an LSI changes members: with locals, a tick of a single LSI costs little more than the LSI itself.
 template <bool timed, bool probed>
 std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
@@ -295,7 +295,7 @@ bool Interpreter::refresh() {
   bool good = true;
   for (const Job& job : m.on_demand) {
     Job due = job;
-    due.every = 1;  // on-demand jobs have `every` 0
+    due.every = 1;  // jobs of LSIs that run on demand have `every` 0, but are due now
     good = good && m.run_one_by_one({&due, 1});
   }
   set_running(*m.activity, nullptr);

@@ -8,7 +8,7 @@
 namespace ugoki::circuit {
 namespace {
 
-constexpr std::uint64_t saved_magic = 0x3253434b4f4755ULL;  // "UGOKCS2"
+constexpr std::uint64_t saved_magic = 0x3253434b4f4755ULL;  // "UGOKCS2" in ASCII: marks the saved state of a circuit
 
 struct SavedHeader {
   std::uint64_t magic, layout, ticks;

@@ -17,7 +17,7 @@ namespace ugoki::circuit {
 /// from the wrong character.
 struct Shape {
   std::uint32_t count = 0;  ///< number of elements; 0: not known yet
-  int subject = -1;         ///< -1: no particular subject
+  int subject = -1;         ///< index of the subject; -1: no particular subject
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
@@ -30,13 +30,13 @@ class Setup {
 
   [[nodiscard]] const LsiClass& lsi_class() const { return *class_; }
 
-  /// Number of wires into input `pin` (an index of the declaration).
+  /// Number of wires into input `pin` (index in the declaration).
   [[nodiscard]] std::size_t wires(std::size_t pin) const { return inputs_[pin].size(); }
   /// Size of wire `wire` into `pin`; count 0 if the size is not known yet or nothing is wired.
   [[nodiscard]] Shape in(std::size_t pin, std::size_t wire = 0) const { return wire < inputs_[pin].size() ? inputs_[pin][wire] : Shape{}; }
   void set_out(std::size_t pin, std::uint32_t count, int subject = -1);
   void set_state(std::size_t bytes) { state_bytes_ = bytes; }
-  [[nodiscard]] double dt() const { return every_ > 1 ? dt_ * every_ : dt_; }  ///< s: time between two runs of the LSI
+  [[nodiscard]] double dt() const { return every_ > 1 ? dt_ * every_ : dt_; }  ///< time between two runs of the LSI, s
   [[nodiscard]] std::uint32_t every() const { return every_; }                 ///< the LSI runs at each `every`-th tick; 0: on demand only
 
   /// Returns the host's object of kind T::resource_kind named `name`. If there is none, reports a problem and returns null.

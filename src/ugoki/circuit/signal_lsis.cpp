@@ -9,7 +9,7 @@
 namespace ugoki::circuit {
 namespace {
 
-/// Step function: out = f(a, b).
+/// Step function of an LSI with the output f(a, b) of its inputs a and b.
 template <double (*f)(double, double)>
 std::int32_t binary(const Call* c) {
   *output(c, 0) = f(*input(c, 0), *input(c, 1));

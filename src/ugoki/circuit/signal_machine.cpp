@@ -16,12 +16,12 @@ constexpr std::size_t max_states = 256;
 
 /// The machine changes from state `from` to `to` if the input is above (or below) `level`, and the state has lasted `after` seconds.
 struct Transition {
-  int from = -1;  ///< -1: any state other than `to`
+  int from = -1;  ///< index of the state; -1: any state other than `to`
   int to = 0;
   std::size_t input = 0;  ///< index of the input pin
   bool above = true;      ///< true: the input must be above `level`; false: below
   double level = 0;
-  double after = 0;  ///< s
+  double after = 0;  ///< minimum time in state `from`, s
 };
 
 /// Reads transitions in the form "idle -> walk when a > 0.5 after 1; any -> idle when d > 0".
@@ -84,7 +84,7 @@ class MachineReader {
 
 std::int32_t run_machine(const Call* c) {
   const auto& transitions = *static_cast<const std::vector<Transition>*>(c->object);
-  auto* s = static_cast<double*>(c->state);  // index of the state, seconds spent in it
+  auto* s = static_cast<double*>(c->state);  // s[0]: index of the state; s[1]: time spent in the state, s
   *output(c, 1) = 0;
   for (const Transition& t : transitions) {
     const double x = *input(c, t.input);

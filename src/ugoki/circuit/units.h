@@ -1,5 +1,5 @@
 #pragma once
-// Physical dimensions of the units of pins. They serve to find wires between pins of different quantities.
+// Physical dimensions of the units of pins, used to find wires between pins of different physical quantities.
 
 #include <array>
 #include <cstdint>
@@ -18,7 +18,7 @@ using Dimension = std::array<int, 7>;
 
 /// Dimensions of a unit such as "N m", "kg m^2/s", "1/s" or "m | rad". '/' divides by the factor that follows it. "|" and "," separate
 /// alternatives, for values whose unit depends on the joint or on the element. Prefixes and factors (mm, deg) do not change the dimension.
-/// @return one dimension for each alternative; nothing if the text is empty or has an unknown unit
+/// @return one dimension for each alternative; nullopt if the text is empty or has an unknown unit
 [[nodiscard]] std::optional<std::vector<Dimension>> read_dimensions(std::string_view unit);
 
 /// True if values of one unit may be wired to a pin of the other unit: they have a dimension in common, one unit is dimensionless, or

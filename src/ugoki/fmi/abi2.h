@@ -1,5 +1,5 @@
 #pragma once
-// Binary interface of FMI 2.0 co-simulation: the types and functions of the standard that are used here, under their standard names.
+// Binary interface of FMI 2.0 co-simulation: those types and functions of the standard that this project uses, with their standard names.
 // Source: "Functional Mock-up Interface for Model Exchange and Co-Simulation", version 2.0, chapters 2.1 and 4.2.
 
 #include <cstddef>
@@ -22,7 +22,7 @@ enum fmi2StatusKind { fmi2DoStepStatus, fmi2PendingStatus, fmi2LastSuccessfulTim
 
 using fmi2CallbackLogger = void (*)(fmi2ComponentEnvironment, fmi2String instance, fmi2Status, fmi2String category, fmi2String message,
                                     ...);
-using fmi2CallbackAllocateMemory = void* (*)(std::size_t count, std::size_t size);  // sets the memory to zero, as calloc
+using fmi2CallbackAllocateMemory = void* (*)(std::size_t count, std::size_t size);  // the allocated memory is zero, as with calloc
 using fmi2CallbackFreeMemory = void (*)(void*);
 using fmi2StepFinished = void (*)(fmi2ComponentEnvironment, fmi2Status);
 

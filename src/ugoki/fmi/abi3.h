@@ -1,5 +1,5 @@
 #pragma once
-// Binary interface of FMI 3.0 co-simulation: the types and functions of the standard that are used here, under their standard names.
+// Binary interface of FMI 3.0 co-simulation: those types and functions of the standard that this project uses, with their standard names.
 // Source: "Functional Mock-up Interface Specification", version 3.0, chapters 2.2 and 4.2.
 
 #include <cstddef>

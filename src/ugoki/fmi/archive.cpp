@@ -37,7 +37,7 @@ std::string text_of(zip_error_t& error) {
   return text;
 }
 
-/// Deleter of the handles of libzip.
+/// Deleter for the handles of libzip.
 struct Closer {
   void operator()(zip_t* zip) const { zip_discard(zip); }
   void operator()(zip_file_t* file) const { zip_fclose(file); }

@@ -1,6 +1,6 @@
 #pragma once
-// Reads and writes zip files, the format of FMUs. Reads them from memory, with limits against hostile files. Equal files are written as
-// equal bytes.
+// Reads and writes zip files, the format of FMUs (Functional Mock-up Units). Reads them from memory, with limits against hostile files.
+// Equal contents are written as equal bytes.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,13 +17,13 @@ namespace ugoki::fmi {
 /// True if the bytes begin like a zip file.
 [[nodiscard]] bool is_zip(std::string_view bytes);
 
-/// A file in a zip.
+/// Name and size of a file in a zip.
 struct ArchiveEntry {
   std::string name;         ///< relative path without "..": "binaries/linux64/ball.so"
-  std::uint64_t bytes = 0;  ///< unpacked
+  std::uint64_t bytes = 0;  ///< unpacked size
 };
 
-/// An opened zip file.
+/// A zip file in memory, opened for reading.
 class Archive {
  public:
   /// Opens a zip and keeps its bytes. Errors (location: `location`): it is not a zip, is damaged or encrypted; a name leads out of the
@@ -34,7 +34,7 @@ class Archive {
   Archive& operator=(Archive&&) noexcept;
   ~Archive();
 
-  [[nodiscard]] const std::vector<ArchiveEntry>& entries() const;  ///< files only, sorted by name
+  [[nodiscard]] const std::vector<ArchiveEntry>& entries() const;  ///< the files in the zip (no folders), sorted by name
   [[nodiscard]] bool has(std::string_view name) const;
   /// The unpacked bytes of a file. Errors: no such file; its size or checksum is wrong.
   [[nodiscard]] Result<std::string> read(std::string_view name) const;

@@ -30,7 +30,7 @@ constexpr std::string_view folder_prefix = "ugoki-fmu-";
 
 std::string platform_folder(const ModelDescription& d) { return std::string("binaries/") + (d.version == 2 ? platform2 : platform3) + "/"; }
 
-/// Removes the temporary folders of processes that no longer exist, for example because an FMU crashed.
+/// Removes temporary folders left behind by processes that no longer exist, for example because an FMU crashed them.
 void sweep(const fs::path& folder) {
   std::error_code ec;
   for (const fs::directory_entry& e : fs::directory_iterator(folder, ec)) {

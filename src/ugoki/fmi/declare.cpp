@@ -13,13 +13,13 @@ namespace {
 
 using circuit::LsiClass;
 
-constexpr std::size_t max_inside = 1000;    // local variables that become outputs; if there are more, none does and a note is added
+constexpr std::size_t max_inside = 1000;    // local variables that become outputs; if an FMU has more, none does and a note is added
 constexpr std::uint64_t max_elements = 64;  // maximum number of elements of an array that becomes parameters, one per element
-constexpr std::size_t max_named = 8;        // variables that a note lists by name
+constexpr std::size_t max_named = 8;        // maximum number of variables that a note lists by name
 
 bool is_number(VariableType type) { return type != VariableType::string && type != VariableType::binary && type != VariableType::clock; }
 
-/// True for integers and enumerations.
+/// True for the types of integers and enumerations.
 bool is_whole(VariableType type) {
   return type != VariableType::float64 && type != VariableType::float32 && type != VariableType::boolean && is_number(type);
 }
@@ -67,7 +67,7 @@ class Listed {
   std::size_t count_ = 0;
 };
 
-/// Makes the LSIs of one FMU.
+/// Declares the LSIs of one FMU from its model description.
 class Declarer {
  public:
   explicit Declarer(const ModelDescription& d) : d_(d) {}
@@ -75,7 +75,7 @@ class Declarer {
   Declarations declare() {
     Declarations out;
     Declaration plain = head();
-    std::size_t inside = 0;  // local variables and calculated parameters that could be outputs
+    std::size_t inside = 0;  // number of local variables and calculated parameters that could be outputs
     for (const Variable& v : d_.variables) {
       switch (v.causality) {
         case Causality::input: add_input(plain, v); break;
@@ -146,7 +146,7 @@ class Declarer {
     return doc;
   }
 
-  /// False if there is no pin type for the variable; then it is added to a note.
+  /// False if no pin type fits the variable; the variable is then added to a note.
   bool can_be_pin(const Variable& v) {
     if (v.type == VariableType::string) return texts_.add(v.name), false;
     if (!is_number(v.type)) return binaries_.add(v.name), false;

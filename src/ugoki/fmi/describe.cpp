@@ -46,7 +46,7 @@ constexpr KnownUnit known_units[] = {{"kg", {{1}, 1}},
                                      {"%", {{}, 1e-2}},
                                      {"1", {{}, 1}}};
 
-/// Reads a unit: "kg m^2/s", "m/s2", "1/s". Every factor after '/' is in the denominator. Nothing if a factor is unknown.
+/// Reads a unit: "kg m^2/s", "m/s2", "1/s". Every factor after '/' is in the denominator. Returns nullopt if a factor is unknown.
 std::optional<BaseUnit> parse_unit(std::string_view text) {
   BaseUnit out;
   int sign = 1;
@@ -84,7 +84,7 @@ std::optional<BaseUnit> parse_unit(std::string_view text) {
   return any ? std::optional(out) : std::nullopt;
 }
 
-/// Writes the XML document.
+/// Writes the document modelDescription.xml.
 class Writer {
  public:
   Writer(const circuit::Circuit& c, const Interface& i, const DescribeRequest& r)
@@ -275,7 +275,7 @@ class Writer {
         for (std::uint32_t k = 0; k < (two_ ? v.count : 1u); ++k) {
           pugi::xml_node unknown = two_ ? list.append_child("Unknown") : node.append_child(initially ? "InitialUnknown" : "Output");
           set(unknown, two_ ? "index" : "valueReference", std::to_string(two_ ? first[i] + k : v.reference));
-          if (initially) continue;  // an unknown without `dependencies` may depend on all inputs
+          if (initially) continue;  // without the attribute `dependencies`, the FMI standard assumes all
           std::string dependencies;
           for (const std::uint32_t d : v.depends)
             for (std::uint32_t n = 0; n < (two_ ? interface_.variables[d].count : 1u); ++n)

@@ -14,7 +14,7 @@ struct DescribeRequest {
   std::string identifier, token;  ///< the attributes modelIdentifier, and guid (FMI 2.0) or instantiationToken (FMI 3.0)
 };
 
-/// @return the text of the XML file
+/// @return the text of modelDescription.xml
 [[nodiscard]] std::string write_model_description(const circuit::Circuit& circuit, const Interface& interface,
                                                   const DescribeRequest& request);
 

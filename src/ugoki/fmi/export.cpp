@@ -42,7 +42,7 @@ std::string token_of(const std::string& content) {
   return "{" + h.substr(0, 8) + "-" + h.substr(8, 4) + "-" + h.substr(12, 4) + "-" + h.substr(16, 4) + "-" + h.substr(20, 12) + "}";
 }
 
-/// Content without objects. It records whether an object was requested.
+/// Stands in for content (mechanisms and motions) but has no objects. Records whether an LSI requested an object.
 class NoContent : public circuit::Resources {
  public:
   const void* find(std::string_view, std::string_view) const override {
@@ -52,7 +52,7 @@ class NoContent : public circuit::Resources {
   mutable bool requested = false;
 };
 
-/// True if the LSI requests objects of content. Every LSI of content does so in `configure` or `make`.
+/// True if the LSI requests objects of content (mechanisms, motions). An LSI that uses content does so in `configure` or `make`.
 bool uses_content(const circuit::FlatLsi& lsi, double dt) {
   const NoContent none;
   Error ignored;

@@ -13,24 +13,24 @@
 
 namespace ugoki::fmi {
 
-/// Settings of the export of a circuit.
+/// Settings for exporting a circuit as an FMU.
 struct ExportRequest {
   int version = 3;    ///< version of FMI: 2 or 3
   double dt = 0.001;  ///< time between two ticks of the circuit, s
   // Bytes of the shared objects that run circuits (apps/fmu), for this system. The smaller one that has the circuit's LSIs is packed.
-  std::string_view signal_binary;  ///< ugoki_fmu: signal LSIs only
-  std::string_view full_binary;    ///< ugoki_fmu_content: all built-in LSIs
+  std::string_view signal_binary;  ///< bytes of ugoki_fmu, which has the signal LSIs only
+  std::string_view full_binary;    ///< bytes of ugoki_fmu_content, which has all built-in LSIs
   /// Bytes of the content (*.ugx) whose mechanisms and motions the LSIs use; `resources` must be set too. Empty: no LSI uses content.
   std::string_view content = {};
   const circuit::Resources* resources = nullptr;  ///< objects of the same content, which LSIs request; null: no content
 };
 
-/// An exported FMU.
+/// An exported FMU: its file and the names of its variables.
 struct Exported {
-  std::string bytes;                                     ///< the *.fmu
+  std::string bytes;                                     ///< bytes of the file *.fmu
   std::string identifier;                                ///< modelIdentifier of the FMU
-  std::vector<std::string> inputs, outputs, parameters;  ///< names of its variables
-  std::vector<std::string> notes;                        ///< sentences about pins and parameters that are left out
+  std::vector<std::string> inputs, outputs, parameters;  ///< names of the FMU's variables
+  std::vector<std::string> notes;                        ///< sentences for the user about pins and parameters that are left out
 };
 
 /// Exports a circuit of built-in LSIs and nested circuits. The request must give content if an LSI uses it. Equal arguments give equal
@@ -42,7 +42,7 @@ struct Exported {
 
 /// Names of the files in the FMU's folder resources.
 inline constexpr std::string_view circuit_file = "circuit.json";
-inline constexpr std::string_view content_file = "content.ugx";  ///< only in FMUs with content
-inline constexpr std::string_view run_file = "run.json";         ///< {"dt": s, "token": "{...}"}
+inline constexpr std::string_view content_file = "content.ugx";  ///< the content; only in FMUs with content
+inline constexpr std::string_view run_file = "run.json";         ///< step and token as JSON: {"dt": s, "token": "{...}"}
 
 }  // namespace ugoki::fmi

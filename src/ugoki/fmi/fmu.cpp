@@ -11,7 +11,7 @@
 namespace ugoki::fmi {
 namespace {
 
-constexpr std::size_t max_bytes = std::size_t{1} << 30;   // size of an FMU file; larger files are refused
+constexpr std::size_t max_bytes = std::size_t{1} << 30;   // maximum size of an FMU file; larger files are refused
 constexpr std::size_t max_state = std::size_t{64} << 20;  // bytes of a saved state, as for all LSIs (ugoki/lsi.h)
 
 Result<ModelDescription> read_description(const Archive& archive, const std::string& path) {

@@ -39,7 +39,7 @@ class Fmu {
   /// Starts an instance, initialises it and ends it. Error: one of these failed.
   [[nodiscard]] Result<void> attempt();
 
-  int instances = 0;  ///< instances that exist now in this process
+  int instances = 0;  ///< number of instances that exist now in this process
 
  private:
   Fmu() = default;
@@ -58,7 +58,7 @@ class Fmu {
   std::optional<std::size_t> state_bytes_;
 };
 
-/// Gives an LSI of an FMU its functions.
+/// Sets the functions (init, step, advance ...) of an LSI of an FMU.
 void add_functions(circuit::LsiClass& lsi_class);
 
 }  // namespace ugoki::fmi

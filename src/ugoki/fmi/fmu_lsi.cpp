@@ -19,7 +19,7 @@ namespace {
 using circuit::Call;
 using circuit::Setup;
 
-constexpr std::size_t max_held = 256;  // states kept inside an FMU that can save but not serialise them; the oldest is dropped first
+constexpr std::size_t max_held = 256;  // maximum number of states kept inside an FMU that cannot serialise them; the oldest is dropped
 
 /// Size in the saved state, bytes, of the values that were last set in the FMU (tunable parameters and discrete inputs).
 std::size_t given_bytes(const Declaration& d) {
@@ -29,16 +29,16 @@ std::size_t given_bytes(const Declaration& d) {
   return (bytes + 7) / 8 * 8;
 }
 
-/// Header of the saved state that `store` writes into the LSI's state. Behind it follow the values that the FMU was given last, then the
-/// FMU's own serialised state.
+/// Header of the saved state that `store` writes into the LSI's state. The values that were last set in the FMU follow it, then the FMU's
+/// own serialised state.
 struct SavedHead {
   enum Kind : std::uint64_t { nothing, bytes, held };  // bytes: serialised behind the header; held: kept inside the FMU
   std::uint64_t kind = nothing;
   std::uint64_t size = 0;   // bytes of the serialised state, or number of the held state
   std::uint64_t owner = 0;  // address of the Running object whose FMU keeps the state
-  double until = 0;         // s, time at which the state was saved
+  double until = 0;         // time at which the state was saved, s
   double next_event = 0;    // time of the next scheduled event (Running::next_event_), s
-  std::uint64_t given = 0;  // 1: the FMU has been given discrete inputs
+  std::uint64_t given = 0;  // 1: discrete inputs have been set in the FMU
 };
 
 /// Object of an LSI: one instance of the FMU. Functions that return std::int32_t return 0, or stop the circuit (circuit::stop) and
@@ -56,7 +56,7 @@ class Running {
   void recall(const Call* call);
 
  private:
-  bool make_unit(std::string& why);  // false: `why` has the reason
+  bool make_unit(std::string& why);  // creates unit_; on failure returns false and writes the reason to `why`
   std::int32_t initialise(const Call* call, double start);
   std::int32_t convert(const Call* call, Group& g);  // copies values from the wires to g.memory
   std::int32_t give(const Call* call, Group& g);     // copies values from g.memory to the FMU
@@ -68,13 +68,13 @@ class Running {
   std::int32_t set_inputs(const Call* call);
   std::int32_t finish_events(const Call* call, double now);
   std::int32_t set_parameter(const Call* call, const ParameterBinding& b);
-  std::int32_t set_parameters(const Call* call);  // before the initialisation
+  std::int32_t set_parameters(const Call* call);  // sets all parameters that differ from the start values, before initialisation
   std::int32_t set_changed(const Call* call);     // sets tunable parameters that differ from the value that was set last
   std::int32_t get_outputs(const Call* call);
   std::int32_t fail(const Call* call, Status status, const std::string& what);
   [[nodiscard]] const std::string& name_of_input(const PinBinding& b) const { return class_.declaration.lsi_class.inputs[b.pin].name; }
   void drop_held();
-  /// Calls visit(address, bytes) for the values that the FMU was given last.
+  /// Calls visit(address, bytes) for the values that were last set in the FMU (tunable parameters and discrete inputs).
   template <class Visit>
   void visit_given(Visit visit) {
     for (std::size_t i = 0; i < set_.size(); ++i)
@@ -90,9 +90,9 @@ class Running {
   std::vector<Group> wired_, given_, outputs_;  // inputs with a wire; inputs without a wire (constant); outputs
   std::vector<Group> discrete_;                 // inputs with a wire that may be set only at events
   std::vector<std::string> texts_;              // [parameters] values of text parameters
-  std::vector<std::vector<double>> set_;        // [parameters] values that the FMU was given last; empty for texts
-  std::vector<std::uint64_t> scratch_;          // room for the values of the largest parameter
-  std::map<std::uint64_t, void*> held_;         // states kept inside the FMU, by number
+  std::vector<std::vector<double>> set_;        // [parameters] values that were last set in the FMU; empty for texts
+  std::vector<std::uint64_t> scratch_;          // memory for the values of the largest parameter
+  std::map<std::uint64_t, void*> held_;         // states kept inside the FMU, by SavedHead::size
   std::uint64_t next_held_ = 1;
   double next_event_ = std::numeric_limits<double>::infinity();  // time of the event that the FMU has scheduled, s
   bool are_discrete_given_ = false;
@@ -358,7 +358,7 @@ std::int32_t Running::advance(const Call* call) {
     if (const std::int32_t bad = initialise(call, now)) return bad;
   }
   if (const std::int32_t bad = set_inputs(call)) return bad;
-  const double close = 1e-9 * size;  // s; times that differ by less count as equal: covers the rounding of summed steps
+  const double close = 1e-9 * size;  // s; times that differ by less count as equal, because summed steps have rounding errors
   double at = now;
   // An FMU may return early, and events split the step. After 1000 substeps the FMU is considered stuck.
   for (int substep = 0; substep < 1000; ++substep) {

@@ -9,7 +9,7 @@
 namespace ugoki::fmi {
 namespace {
 
-/// Calls visit with a value of the C++ type that belongs to a storage type.
+/// Calls `visit` with a zero of the C++ type for a storage type, so that `visit` can use this type.
 template <class Visit>
 auto with_type(Storage storage, Visit visit) {
   switch (storage) {

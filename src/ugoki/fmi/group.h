@@ -1,5 +1,5 @@
 #pragma once
-// Conversion between the values of wires (double) and the types of an FMU, and groups of variables that are set or got by one call.
+// Conversion between the values of wires (double) and the types of an FMU, and groups of variables that one call sets or gets.
 // Internal to fmi.
 
 #include <cstddef>
@@ -16,17 +16,17 @@ namespace ugoki::fmi {
 /// Reads a value of the storage type; true is 1.
 [[nodiscard]] double read(Storage storage, const std::byte* from);
 
-/// Variables of one type, which are set or got by one call of the FMU.
+/// Variables of one type, which one call of the FMU sets or gets.
 struct Group {
   Storage storage = Storage::f64;
   std::vector<ValueReference> references;
   std::vector<PinBinding> pins;
   std::vector<std::uint64_t> memory;  ///< `count` values of the storage type, in the order of `references`; 8-byte aligned
   std::vector<std::uint64_t> given;   ///< discrete inputs: values that were last set in the FMU, laid out as `memory`
-  std::size_t count = 0;              ///< number of values of all variables
+  std::size_t count = 0;              ///< number of values of all variables together
 
   [[nodiscard]] std::byte* bytes() { return reinterpret_cast<std::byte*>(memory.data()); }
-  [[nodiscard]] std::size_t size() const { return count * bytes_of(storage); }  ///< bytes of the values
+  [[nodiscard]] std::size_t size() const { return count * bytes_of(storage); }  ///< size of all values, bytes
 };
 
 /// Sorts variables into groups by their storage type.

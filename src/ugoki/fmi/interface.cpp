@@ -18,13 +18,13 @@ using circuit::Instance;
 using circuit::Source;
 using circuit::Value;
 
-/// Splits "id.pin".
+/// Splits "id.pin" into id and pin.
 std::pair<std::string_view, std::string_view> split(std::string_view end) {
   const auto dot = end.find('.');
   return {end.substr(0, dot), dot == std::string_view::npos ? std::string_view{} : end.substr(dot + 1)};
 }
 
-/// Makes the variables of one circuit.
+/// Makes the FMU variables of one circuit.
 class Maker {
  public:
   Maker(const Circuit& c, const circuit::Library& library, circuit::Interpreter& running)
@@ -172,9 +172,9 @@ class Maker {
 
   /// Finds the parameters of LSIs that a circuit's parameter sets, through nested circuits.
   /// @param scope  enclosing circuits, innermost last
-  /// @param prefix flat id of the innermost circuit, with a slash: "box/"; empty for the outermost circuit
+  /// @param prefix path of the innermost circuit, with a slash: "box/"; empty for the outermost circuit
   /// @param end    what the parameter sets in the innermost circuit: "id.parameter" of an LSI or of a nested circuit
-  /// @param ends   [in, out] the parameters found are appended, with flat ids: "box/noise.seed"
+  /// @param ends   [in, out] the parameters found are appended, with their paths: "box/noise.seed"
   void resolve(std::vector<const Circuit*>& scope, const std::string& prefix, std::string_view end, std::vector<std::string>& ends) const {
     const auto [id, parameter] = split(end);
     const auto& lsis = scope.back()->lsis;
@@ -262,7 +262,7 @@ class Maker {
   FlatCircuit flat_;
   Interface out_;
   std::set<std::string> names_;
-  std::map<int, std::vector<std::uint32_t>> by_source_;  // index of a flat LSI -> indices of the variables that set its outputs
+  std::map<int, std::vector<std::uint32_t>> by_source_;  // index of an LSI in the flattened circuit -> variables that set its outputs
   std::uint32_t next_ = 0;
 };
 

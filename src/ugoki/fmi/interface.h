@@ -15,7 +15,7 @@
 
 namespace ugoki::fmi {
 
-/// Source of a variable in the circuit.
+/// Kind of object in the circuit from which an FMU variable is made.
 enum class InterfaceRole : std::uint8_t {
   time,
   input,     ///< input pin of the circuit
@@ -31,23 +31,23 @@ struct InterfaceVariable {
   std::string name, doc, unit;
   InterfaceRole role = InterfaceRole::input;
   InterfaceType type = InterfaceType::real;
-  std::uint32_t reference = 0;     ///< value reference; in FMI 2.0 of the first element, the others follow
-  std::uint32_t count = 1;         ///< elements
-  bool array = false;              ///< is an array, possibly of one element
+  std::uint32_t reference = 0;     ///< value reference; in FMI 2.0 that of the first element, with those of the others following
+  std::uint32_t count = 1;         ///< number of elements
+  bool array = false;              ///< true: an array, possibly of one element
   std::string target;              ///< name of the pin or parameter of the circuit; "id.pin" of a device
   std::vector<double> start;       ///< [count] start values; for a choice, 1 is its first word
-  std::string text;                ///< start value of a text
-  std::vector<std::string> words;  ///< names of a choice's values
+  std::string text;                ///< start value of a text variable
+  std::vector<std::string> words;  ///< names of the values of a choice
   std::optional<double> minimum, maximum;
   bool tunable = false;    ///< true: a parameter that may change while the circuit runs
   bool on_demand = false;  ///< true: an output of an LSI that runs on demand only
-  std::string source;      ///< for an output: the LSI output that provides its value, as "id.pin" of the flat circuit
+  std::string source;      ///< for an output: the LSI output that provides its value, as "id.pin" of the flattened circuit
   std::vector<std::uint32_t>
       depends;  ///< for an output: indices in Interface::variables of the inputs and devices that affect it in the same tick
-  std::vector<std::string> ends;  ///< for a parameter: the LSI parameters that it sets, as "id.parameter" of the flat circuit
+  std::vector<std::string> ends;  ///< for a parameter: the LSI parameters that it sets, as "id.parameter" of the flattened circuit
 };
 
-/// The variables of a circuit.
+/// The FMU variables of a circuit.
 struct Interface {
   std::vector<InterfaceVariable> variables;
   std::vector<std::string> notes;  ///< sentences about pins and parameters that cannot be variables

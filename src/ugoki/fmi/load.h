@@ -1,5 +1,6 @@
 #pragma once
-// Loads an FMU as a library of LSIs. Loading does not run its code: the code is unpacked and started when a circuit first uses the FMU.
+// Loads an FMU (Functional Mock-up Unit: a simulation component in a zip file) as a library of LSIs. Its code is unpacked and started only
+// when a circuit first uses the FMU.
 
 #include <memory>
 #include <string>
@@ -16,9 +17,9 @@ namespace ugoki::fmi {
 /// after it has returned. Crash reports use the description (plugin/guard.h).
 using Phase = void (*)(std::string_view what);
 
-/// A loaded FMU.
+/// An FMU loaded as a library of LSIs.
 struct LoadedFmu {
-  std::string name;                        ///< model identifier
+  std::string name;                        ///< name of the library: the FMU's model identifier
   std::string version;                     ///< version of the model
   std::string doc;                         ///< description, and a line for each limitation of the import
   std::vector<circuit::LsiClass> classes;  ///< for an FMU named ball: "ball/ball"; with local variables also "ball/ball, all variables"
@@ -33,12 +34,12 @@ struct LoadedFmu {
 /// Tests whether an FMU works: starts an instance, initialises it and ends it. Call it only in a process that may crash.
 [[nodiscard]] Result<void> try_fmu(const std::string& path, std::string bytes, std::string hash, Phase phase);
 
-/// Content of an FMU.
+/// Information about an FMU, read from its file without running its code.
 struct FmuInfo {
   ModelDescription description;
-  std::vector<std::string> notes;    ///< sentences: variables that have no pin or parameter, and other limitations
+  std::vector<std::string> notes;    ///< sentences for the user about variables without pin or parameter, and about other limitations
   std::vector<std::string> systems;  ///< names of the folders of its binaries: "x86_64-linux"
-  bool runs_here = false;            ///< has a binary for this system
+  bool runs_here = false;            ///< true: the FMU has a binary for this system
 };
 /// Reads an FMU without running its code. @param path for messages
 [[nodiscard]] Result<FmuInfo> read_fmu_info(const std::string& path, std::string bytes);

@@ -15,10 +15,10 @@ namespace ugoki::fmi {
 namespace {
 
 // Bounds on memory and time, against hostile files.
-constexpr std::size_t max_text = std::size_t{128} << 20;  // bytes of the XML
+constexpr std::size_t max_text = std::size_t{128} << 20;  // maximum size of the XML, bytes
 constexpr std::uint64_t max_elements = 1'000'000;         // elements of one array; all arrays together: 16 times as many
 constexpr std::size_t max_variables = 1'000'000;
-constexpr std::size_t max_problems = 20;  // problems that are reported
+constexpr std::size_t max_problems = 20;  // maximum number of problems that are reported
 constexpr std::size_t max_notes = 20;
 
 /// Names of a type in FMI 2.0 (null: none) and 3.0.
@@ -80,7 +80,7 @@ bool is_identifier(std::string_view text) {
          std::all_of(text.begin(), text.end(), [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
 }
 
-/// Reads one model description.
+/// Reads one modelDescription.xml.
 class Reader {
  public:
   Reader(std::string_view text, std::string_view location) : text_(text), location_(location) {}
@@ -107,7 +107,7 @@ class Reader {
   }
 
  private:
-  /// Line, from 1, of a byte offset into the text.
+  /// Line number, from 1, of the byte at `offset` in the text.
   int line_at(std::ptrdiff_t offset) {
     if (lines_.empty()) {
       lines_.push_back(0);
@@ -122,7 +122,7 @@ class Reader {
       problems_.add(code, location_at(node.offset_debug()), std::move(message), std::move(remedy));
   }
 
-  /// Value of a numeric attribute. Nothing if the attribute is missing, infinite or not a number; the last case is reported as a problem.
+  /// Value of a numeric attribute; nullopt if it is missing, infinite or not a number. Text that is not a number is reported as a problem.
   std::optional<double> number(pugi::xml_node node, const char* attribute) {
     const pugi::xml_attribute a = node.attribute(attribute);
     if (!a) return std::nullopt;
@@ -134,7 +134,7 @@ class Reader {
               std::string("'") + attribute + "' of <" + node.name() + "> is not a number: '" + std::string(text.substr(0, 40)) + "'.");
     return x;
   }
-  /// A boolean attribute; false if it is missing.
+  /// Value of a boolean attribute; false if the attribute is missing.
   bool flag(pugi::xml_node node, const char* attribute) {
     const std::string_view text = trim(node.attribute(attribute).value());
     if (text.empty() || text == "false" || text == "0") return false;
@@ -249,7 +249,7 @@ class Reader {
     }
   }
 
-  /// Reads an integer; nothing if the text is not an integer or is out of the range of T.
+  /// Reads an integer; nullopt if the text is not an integer or is out of the range of T.
   template <class T>
   static std::optional<T> whole(std::string_view text) {
     text = trim(text);
@@ -260,7 +260,7 @@ class Reader {
     return x;
   }
 
-  /// Reads the start values of a variable.
+  /// Reads the start values of a variable from its attribute or child elements.
   void read_start(pugi::xml_node node, Variable& v) {
     const pugi::xml_attribute a = node.attribute("start");
     if (v.type == VariableType::string && out_.version == 3) {
@@ -384,7 +384,7 @@ class Reader {
     }
   }
 
-  /// A dimension has a fixed size, or the size of a structural parameter, which check_variables() looks up.
+  /// Reads a dimension of an array. Its size is fixed, or is the value of a structural parameter, which check_variables() looks up.
   void read_dimension(pugi::xml_node node, Variable& v) {
     if (v.extent.size() >= 32) return problem(node, ErrorCode::range, "'" + v.name + "' has more than 32 dimensions.");
     if (const auto fixed = whole<std::uint64_t>(node.attribute("start").value())) {
@@ -399,7 +399,7 @@ class Reader {
 
   /// Removes variables that repeat an earlier one completely.
   void remove_repeated() {
-    std::map<std::string_view, std::size_t> first;  // name -> index of the variable that has it first
+    std::map<std::string_view, std::size_t> first;  // name -> index of the first variable with this name
     std::vector<Variable> kept;
     kept.reserve(out_.variables.size());  // no reallocation, because `first` has views of the names in `kept`
     for (Variable& v : out_.variables) {
@@ -472,7 +472,7 @@ class Reader {
   ModelDescription out_;
   std::map<std::string, DeclaredType> types_;
   std::vector<OpenDimension> open_;
-  std::uint64_t elements_ = 0;  // start values read so far
+  std::uint64_t elements_ = 0;  // number of start values read so far
 };
 
 }  // namespace
@@ -480,7 +480,7 @@ class Reader {
 std::uint64_t Variable::count() const {
   std::uint64_t n = 1;
   for (const std::uint64_t e : extent) {
-    if (e != 0 && n > (std::uint64_t{1} << 40) / e) return std::uint64_t{1} << 40;  // avoids overflow; far above every limit
+    if (e != 0 && n > (std::uint64_t{1} << 40) / e) return std::uint64_t{1} << 40;  // avoids an overflow; 2^40 is far above every limit
     n *= e;
   }
   return n;

@@ -51,29 +51,29 @@ struct Variable {
   Variability variability = Variability::continuous;
   std::optional<double> minimum, maximum;
   std::vector<double> start;          ///< start values: one for each element, or one for all; booleans 0 or 1; empty: none
-  std::vector<std::string> texts;     ///< start values of strings
+  std::vector<std::string> texts;     ///< start values of a string variable
   std::vector<std::uint64_t> extent;  ///< elements of each dimension, from the start values of structural parameters; empty: a scalar
   int enumeration = -1;               ///< index into ModelDescription::enumerations, or -1
   int line = 0;                       ///< line number in the file, from 1
 
   [[nodiscard]] bool is_array() const { return !extent.empty(); }
-  [[nodiscard]] std::uint64_t count() const;  ///< elements; at most 2^40
+  [[nodiscard]] std::uint64_t count() const;  ///< number of elements of the variable; at most 2^40
 };
 
-/// DefaultExperiment of the FMU.
+/// Element DefaultExperiment: suggested settings of a simulation.
 struct Experiment {
-  std::optional<double> start, stop, tolerance, step;  ///< s; the tolerance is relative
+  std::optional<double> start, stop, tolerance, step;  ///< times in s; `tolerance` is relative
 };
 
 /// Content of modelDescription.xml.
 struct ModelDescription {
   int version = 2;      ///< version of FMI: 2 or 3
-  std::string written;  ///< fmiVersion as written: "2.0"
+  std::string written;  ///< attribute fmiVersion as written in the file: "2.0"
   std::string name, token, description, model_version, tool;
   std::string identifier;  ///< modelIdentifier of the co-simulation: a C identifier, the name of the binary
   bool needs_execution_tool = false, only_once_per_process = false;
   bool variable_step = false, saves_state = false, serializes_state = false, event_mode = false;
-  std::optional<double> internal_step;  ///< fixedInternalStepSize, s (FMI 3.0)
+  std::optional<double> internal_step;  ///< attribute fixedInternalStepSize (FMI 3.0), s
   std::vector<std::string> log_categories;
   Experiment experiment;
   std::vector<EnumerationType> enumerations;

@@ -10,8 +10,8 @@
 namespace ugoki::fmi {
 namespace {
 
-constexpr int max_noted = 200;                   // messages of one instance that are shown
-constexpr std::size_t max_message_bytes = 2000;  // longer messages are cut
+constexpr int max_noted = 200;                   // maximum number of messages of one instance that are shown
+constexpr std::size_t max_message_bytes = 2000;  // maximum size of a message; longer messages are cut
 constexpr int max_rounds = 1000;                 // calls of UpdateDiscreteStates at one event; more count as an endless loop
 
 /// The functions that have the same name and parameters in both versions of the standard. @tparam last last status of the version's enum

@@ -1,5 +1,5 @@
 #pragma once
-// One running instance of an FMU: a thin wrapper around its functions, with one interface for FMI 2.0 and 3.0.
+// One running instance of an FMU: a thin wrapper around the FMU's functions, with a common interface for FMI 2.0 and 3.0.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,15 +20,15 @@ enum class Status : std::uint8_t { ok, warning, discard, error, fatal, pending }
 /// Result of a communication step.
 struct StepEnd {
   Status status = Status::ok;
-  bool terminated = false;  ///< the FMU requests the end of the simulation
-  bool event = false;       ///< an event occurred at `reached`; it must be handled before the next step
-  double reached = 0;       ///< s, time up to which the FMU computed
+  bool terminated = false;  ///< true: the FMU requests the end of the simulation
+  bool event = false;       ///< true: an event occurred at the time `reached` and must be handled before the next step
+  double reached = 0;       ///< time up to which the FMU computed, s
 };
 
 /// Result of the handling of events.
 struct EventEnd {
-  bool terminated = false;                                ///< the FMU requests the end of the simulation
-  double next = std::numeric_limits<double>::infinity();  ///< s, time of the next event that the FMU has scheduled; infinity: none
+  bool terminated = false;                                ///< true: the FMU requests the end of the simulation
+  double next = std::numeric_limits<double>::infinity();  ///< time of the next event that the FMU has scheduled, s; infinity: none
 };
 
 /// An instance. The call order is that of the standard: instantiate, enter_initialization, exit_initialization, then steps, terminate.
@@ -91,7 +91,7 @@ class Unit {
 
  private:
   std::string last_words_;
-  int noted_ = 0;  // messages posted so far
+  int noted_ = 0;  // number of messages posted so far
 };
 
 }  // namespace ugoki::fmi

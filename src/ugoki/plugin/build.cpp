@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::seconds compile_limit{300};  // a file of plain functions takes a few seconds; a compiler that hangs is killed
+constexpr std::chrono::seconds compile_limit{300};  // a file of plain functions takes a few seconds; a compiler above the limit is killed
 
 /// A new folder for temporary files. The destructor removes the folder with its files. The path is empty if it cannot be created.
 class TemporaryFolder {
@@ -58,7 +58,7 @@ std::string find_program(const std::string& name) {
 struct Diagnostic {
   std::string location, kind, text;
 };
-/// False if the line does not begin a message.
+/// Reads the first line of a compiler message. @return false if the line does not begin a message
 bool read_diagnostic(const std::string& line, Diagnostic& d) {
   for (const char* kind : {"fatal error", "error", "warning"}) {
     const auto at = line.find(": " + std::string(kind) + ": ");
@@ -71,7 +71,7 @@ bool read_diagnostic(const std::string& line, Diagnostic& d) {
   return false;
 }
 
-/// The line of `source` that "spring.c:3:5" points to, without indentation; empty: none.
+/// The line of `source` at a location such as "spring.c:3:5", without its indentation; empty if there is none.
 std::string source_line(const std::string& source, const std::string& location) {
   const auto first = location.find(':');
   const auto line =
@@ -99,7 +99,7 @@ void read_messages(const std::string& output, const BuildRequest& request, const
       const bool own = d.location.starts_with(full + ":");
       if (own) d.location.replace(0, full.size(), shown);
       if (d.kind == "warning") {
-        if (d.location.starts_with(generated_file)) d.location.clear();  // the user cannot change generated code
+        if (d.location.starts_with(generated_file)) d.location.clear();  // no location, because the user cannot change generated code
         if (!d.location.empty()) warnings.push_back(d.location + ": " + d.text);
       } else {
         const std::string line = own ? source_line(source, d.location) : "";

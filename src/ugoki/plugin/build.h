@@ -1,5 +1,5 @@
 #pragma once
-// LSI builder: compiles a C or C++ file to a library of software LSIs.
+// LSI builder: compiles a C or C++ file to a library of software LSIs (components of circuits).
 
 #include <string>
 #include <vector>
@@ -19,7 +19,7 @@ struct BuildRequest {
 /// Result of build_library().
 struct BuildReport {
   std::string output, name, compiler;  ///< path and name of the library; path of the compiler
-  std::vector<std::string> notes;      ///< functions that are not LSIs, with the reason
+  std::vector<std::string> notes;      ///< sentences about functions that do not become LSIs, with the reason
   std::vector<std::string> warnings;   ///< warnings of the compiler: "spring.c:12:3: ..."
 };
 

@@ -9,7 +9,7 @@
 namespace ugoki::plugin {
 namespace {
 
-/// Reads a line from left to right.
+/// A line of text that is read from left to right.
 class Line {
  public:
   explicit Line(std::string_view text) : text_(text) {}
@@ -37,7 +37,7 @@ class Line {
     while (n < text_.size() && !text_.substr(n).starts_with("..") &&
            (std::isdigit(static_cast<unsigned char>(text_[n])) || std::string_view("+-.eE").find(text_[n]) != std::string_view::npos))
       ++n;
-    // A trailing point ends a sentence: "3." is the number 3.
+    // A full stop after the number ends the sentence: "3." is the number 3.
     while (n > 0 && text_[n - 1] == '.') --n;
     const auto parsed = parse_double(text_.substr(0, n));
     if (!parsed) return false;
@@ -110,7 +110,7 @@ void read_details(Line& line, Annotation& a) {
   } else {
     line.reset(before);
   }
-  if (line.take("-")) line.blanks();  // skips the '-' of "@in x - How far."
+  if (line.take("-")) line.blanks();  // skips the '-' before the description, as in "@in x - How far."
 }
 
 }  // namespace
@@ -134,7 +134,7 @@ Annotation read_annotation(std::string_view text) {
 
 Comment read_comment(const std::vector<std::pair<int, std::string>>& lines) {
   Comment out;
-  Annotation* open = nullptr;  // the annotation that the next line continues
+  Annotation* open = nullptr;  // the annotation to which the next line of the comment belongs
   for (const auto& [number, raw] : lines) {
     std::string line = trimmed(raw);
     if (line.size() > 1 && (line[0] == '@' || line[0] == '\\') && std::isalpha(static_cast<unsigned char>(line[1]))) {

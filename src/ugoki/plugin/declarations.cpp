@@ -10,13 +10,13 @@ namespace {
 using circuit::LsiClass;
 
 // Bounds against damaged tables.
-constexpr std::uint32_t max_entries = 10'000;                 // entries of one table
-constexpr std::uint32_t max_elements = 1'000'000;             // elements of one pin
-constexpr std::uint64_t max_state = std::uint64_t{64} << 20;  // bytes; documented in ugoki/lsi.h
+constexpr std::uint32_t max_entries = 10'000;                 // maximum number of entries of one table
+constexpr std::uint32_t max_elements = 1'000'000;             // maximum number of elements of one pin
+constexpr std::uint64_t max_state = std::uint64_t{64} << 20;  // maximum size of a state, bytes; documented in ugoki/lsi.h
 
 std::string text_of(const char* text) { return text ? text : ""; }
 
-/// True for a valid name of a library.
+/// True if the text is a valid name of a library.
 bool is_name(std::string_view text) {
   return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -40,7 +40,7 @@ class Table {
     return true;
   }
   template <class Visit>
-  void each(Visit visit) const {  // requires valid()
+  void each(Visit visit) const {  // calls visit(entry) for all entries; requires valid()
     for (std::uint32_t i = 0; i < count_; ++i) visit(at(i, at(0, 0).size));
   }
 
@@ -52,7 +52,7 @@ class Table {
   std::uint32_t count_;
 };
 
-/// Converts the tables of one library.
+/// Converts the tables of one library to LSI classes.
 class Reader {
  public:
   Reader(std::string location, Error& problems) : location_(std::move(location)), problems_(problems) {}

@@ -23,17 +23,17 @@ namespace ugoki::plugin {
 namespace {
 
 constexpr int crash_status = 70;                        // exit status after the crash report (EX_SOFTWARE of sysexits.h)
-constexpr std::chrono::milliseconds check_period{100};  // the watching thread notices a hang at most this long after the patience ended
+constexpr std::chrono::milliseconds check_period{100};  // a hang is noticed at most this long after the time limit `patience`
 
-int words_fd = -1;                   // file descriptor to which the crash report ("last words") is written
-std::atomic<bool> ended = false;     // true: a thread has begun to write last words
-pid_t main_thread = 0;               // runs the LSIs
-std::FILE* result_stream = nullptr;  // null: stdout
+int words_fd = -1;                   // file descriptor that receives the crash report ("last words"); -1: none
+std::atomic<bool> ended = false;     // true: a thread has begun to write the crash report
+pid_t main_thread = 0;               // id of the thread that runs the LSIs
+std::FILE* result_stream = nullptr;  // stream returned by results(); null: stdout
 
-/// Addresses of the code of a loaded library.
+/// Address range of the code of a loaded library, for crash reports.
 struct CodeRange {
-  std::atomic<std::uintptr_t> begin{0}, end{0};  // both 0: not in use
-  char name[100];                                // zero-terminated
+  std::atomic<std::uintptr_t> begin{0}, end{0};  // first address and end address; both 0: the entry is not in use
+  char name[100];                                // name of the library, zero-terminated
 };
 CodeRange code_ranges[256];  // one for each loaded library; further libraries run without an entry
 
@@ -65,7 +65,7 @@ class Words {
   std::size_t size_ = 0;
 };
 
-/// Sends last words and ends the process. Only the first thread that calls this function sends them.
+/// Sends the crash report ("last words") and ends the process. Only the first thread that calls this function sends a report.
 template <class Fill>
 [[noreturn]] void end_with_words(Fill fill) {
   if (!ended.exchange(true)) {
@@ -78,7 +78,7 @@ template <class Fill>
 
 constexpr std::string_view remedy = "Correct the LSI, rebuild it and restart the circuit.";
 
-/// Writes last words and ends the process. @param what what happened ("divided an integer by zero") @param running LSI; null: none runs
+/// Writes the crash report and ends the process. @param what cause ("divided an integer by zero") @param running LSI; null: none runs
 [[noreturn]] void end_with(std::string_view what, const circuit::RunningLsi* running) {
   end_with_words([&](Words& words) {
     const GuardBlock& block = guard_block();
@@ -112,7 +112,7 @@ constexpr std::string_view remedy = "Correct the LSI, rebuild it and restart the
   });
 }
 
-/// Writes last words for a crash in another thread than the main thread, and ends the process. @param address where the code crashed
+/// Writes the report of a crash in another thread than the main thread, and ends the process. @param address where the code crashed
 [[noreturn]] void end_with_thread(std::string_view what, std::uintptr_t address) {
   end_with_words([&](Words& words) {
     words << "library";
@@ -175,16 +175,16 @@ bool main_thread_ended() {
   char path[48], text[256];
   std::snprintf(path, sizeof path, "/proc/self/task/%d/stat", static_cast<int>(main_thread));
   const int fd = ::open(path, O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return false;  // an LSI closed or used up the descriptors
+  if (fd < 0) return false;  // not known, because an LSI closed or used up the file descriptors
   const ssize_t n = ::read(fd, text, sizeof text);
   ::close(fd);
-  const std::string_view stat(text, n > 0 ? static_cast<std::size_t>(n) : 0);  // "PID (NAME) STATE ..."
+  const std::string_view stat(text, n > 0 ? static_cast<std::size_t>(n) : 0);  // has the form "PID (NAME) STATE ..."
   const std::size_t end = stat.rfind(") ");
   return end != std::string_view::npos && end + 2 < stat.size() && (stat[end + 2] == 'Z' || stat[end + 2] == 'X');
 }
 
-/// Writes last words after the end of the main thread, and ends the process. The end of the thread has run the destructors of the
-/// interpreter, so that the LSI may be unknown.
+/// Writes the crash report after the end of the main thread, and ends the process. The end of the thread has run the destructors of the
+/// interpreter, so the LSI may be unknown.
 [[noreturn]] void end_without_main_thread() {
   constexpr std::string_view what = "ended the main thread of its process (pthread_exit)";
   if (const circuit::RunningLsi* running = running_of(process_activity())) end_with(what, running);

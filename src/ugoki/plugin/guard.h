@@ -17,19 +17,19 @@ namespace ugoki::plugin {
 /// Time after which one call of an LSI counts as hung, if the user does not set another one.
 inline constexpr std::chrono::milliseconds usual_patience{3000};
 
-/// Record of the LSI that runs in this process at the moment. Pass it to interpreters as BuildOptions::activity; crash reports read it.
+/// Record of the LSI that runs in this process now. Pass the record to interpreters as BuildOptions::activity; crash reports read it.
 [[nodiscard]] circuit::Activity& process_activity();
 /// Begins a phase: `what` describes foreign code that runs outside of any LSI ("The library 'springs' was being loaded"), for crash
 /// reports. An empty text ends the phase. Call it from one thread only. At most 255 bytes are kept.
 void set_phase(std::string_view what);
 
 /// Guards this process from now on. When it crashes (null pointer, division of an integer by zero, abort), when an LSI calls exit, or when
-/// one call of an LSI or one phase takes longer than `patience`, the process writes its last words to `fd` and ends with status 70. The
+/// one call of an LSI or one phase takes longer than `patience`, the process writes a crash report to `fd` and ends with status 70. The
 /// process may then use at most half of the machine's memory. Call it once in a process, on its main thread.
 void guard_process(int fd, std::chrono::milliseconds patience = usual_patience);
 
-/// Turns last words into an error whose location is the LSI. @param how how the process ended ("was ended by signal 9"); used as the
-/// message if `words` are empty or incomplete
+/// Converts a crash report to an error whose location is the LSI. @param how how the process ended ("was ended by signal 9"); used as the
+/// message if the report `words` is empty or incomplete
 [[nodiscard]] Error read_last_words(std::string_view words, std::string_view how);
 
 /// Records the addresses from `begin` to `end` of the code of a loaded library, so that the report of a crash in a thread names the

@@ -27,7 +27,7 @@ void note_lsi(const circuit::RunningLsi& lsi) {
   if (i == n) block.count = n + 1;
 }
 
-GuardBlock* attached_block = nullptr;  // set by attach_guard_block()
+GuardBlock* attached_block = nullptr;  // block set by attach_guard_block(); null: none
 
 GuardBlock* make_block() {
   GuardBlock* block = attached_block;
@@ -39,7 +39,7 @@ GuardBlock* make_block() {
   return block;
 }
 
-/// A text in memory that an LSI may have overwritten.
+/// View of a text that an LSI may have overwritten, so that the terminating zero may be missing.
 template <std::size_t size>
 std::string_view text_in(const char (&text)[size]) {
   return {text, ::strnlen(text, size)};

@@ -21,9 +21,9 @@ struct NamedLsi {
 struct GuardBlock {
   static constexpr std::uint32_t max_lsis = 4096;  // LSIs of libraries whose names are stored; further LSIs run without a stored name
   circuit::Activity activity;
-  char phase[256] = {};                        ///< zero-terminated; see set_phase
+  char phase[256] = {};                        ///< description of the current phase (set_phase), zero-terminated
   std::atomic<std::uint64_t> phase_number{0};  ///< odd during a phase; increases with every change
-  std::atomic<std::uint32_t> count{0};         ///< entries of `lsis` in use
+  std::atomic<std::uint32_t> count{0};         ///< number of entries of `lsis` in use
   NamedLsi lsis[max_lsis];
 };
 
@@ -35,7 +35,7 @@ void clear_guard_block();
 /// guard_block(). @return false: the memory cannot be used, and the parent will see an empty block
 bool attach_guard_block(int fd);
 /// Writes "'a' (LSI 'x/y' of library 'x'), 'b' (...)" to `buffer`: the first 4 LSIs of libraries. Allocates nothing.
-/// @return bytes written
+/// @return number of bytes written
 std::size_t describe_known_lsis(const GuardBlock& block, char* buffer, std::size_t size);
 /// The error of a process that ended without a report: names the LSI that was running, the phase, or the LSIs of libraries.
 /// @param how how it ended, as the end of a sentence: "ended its process (exit status 0)"
@@ -50,7 +50,7 @@ class GuardMemory {
   ~GuardMemory();
   /// Descriptor that the child inherits; closed when exec is called unless it is duplicated.
   [[nodiscard]] int fd() const { return fd_; }
-  /// The child may write to the block at any time.
+  /// The shared memory. The child may write to it at any time.
   [[nodiscard]] const GuardBlock& block() const { return *block_; }
 
  private:

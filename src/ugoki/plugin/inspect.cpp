@@ -12,17 +12,17 @@
 namespace ugoki::plugin {
 namespace {
 
-constexpr std::size_t max_bytes = std::size_t{1} << 30;  // size of a library's file, as in load_library
-constexpr std::size_t max_names = 10'000;                // LSIs of one library, as in read_declarations
-constexpr std::size_t max_name = 100;                    // bytes; longer names are cut
-constexpr std::size_t max_variables = 20;                // writable variables that are listed; more add nothing to the warning
+constexpr std::size_t max_bytes = std::size_t{1} << 30;  // maximum size of a library's file, as in load_library
+constexpr std::size_t max_names = 10'000;                // maximum number of LSIs of one library, as in read_declarations
+constexpr std::size_t max_name = 100;                    // maximum number of bytes of a name; longer names are cut
+constexpr std::size_t max_variables = 20;                // maximum number of writable variables that the warning lists
 
 #if defined(__x86_64__)
 constexpr Elf64_Half own_machine = EM_X86_64;
 #elif defined(__aarch64__)
 constexpr Elf64_Half own_machine = EM_AARCH64;
 #else
-constexpr Elf64_Half own_machine = EM_NONE;  // not checked
+constexpr Elf64_Half own_machine = EM_NONE;  // other processors: the field is not checked
 #endif
 
 /// Copies a text of an untrusted file for a terminal: control characters (also the two-byte ones of UTF-8) become '?'.
@@ -42,7 +42,7 @@ class Elf {
  public:
   explicit Elf(std::string_view bytes) : bytes_(bytes) {}
 
-  /// Reads the header and the table of sections. @return why this is impossible; empty: done
+  /// Reads the header and the table of sections. @return the reason why it cannot be read; empty: success
   std::string open() {
     Elf64_Ehdr header;
     if (!read(0, header)) return "it is shorter than an ELF header";

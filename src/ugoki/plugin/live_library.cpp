@@ -34,7 +34,7 @@ std::string stamp_of_shelf(const std::string& folder) {
   return out;
 }
 
-/// A set of LSIs together with the code that they run.
+/// A set of LSIs with the references that keep the code of these LSIs in memory.
 struct Kept {
   circuit::Library library;
   std::vector<std::shared_ptr<void>> code;
@@ -44,8 +44,8 @@ struct Kept {
 
 struct LiveLibrary::Source {
   std::string path, hash, stamp, name, refusal;  // refusal: why the file could not be loaded
-  std::optional<LoadedLibrary> loaded;           // empty: never loaded
-  bool writable = false;                         // the code has global or static variables that it can change
+  std::optional<LoadedLibrary> loaded;           // the last code that could be loaded; empty: none yet
+  bool writable = false;                         // true: the code has global or static variables that it can change
 };
 
 LiveLibrary::LiveLibrary(const circuit::Library& base, std::string shelf, std::vector<std::string> files)

@@ -29,7 +29,7 @@ class LiveLibrary {
   [[nodiscard]] std::vector<std::string> take_messages();
 
  private:
-  struct Source;  // a library file and what was loaded from it
+  struct Source;  // a library file and the code loaded from it
   void find_sources(std::vector<Source>& out) const;
   void assemble();
 

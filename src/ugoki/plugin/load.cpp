@@ -114,7 +114,7 @@ void* create_object(circuit::Setup& setup) {
   return object;
 }
 
-/// The error of a file with another hash than the expected one.
+/// Returns the error for a file whose hash differs from the expected hash.
 Error changed_error(const std::string& path, const std::string& hash) {
   return Error(ErrorCode::conflict, path, "The file has changed since it was installed: its SHA-256 is now " + hash + ".",
                "Install it again if you trust it: ugoki lsi install FILE");

@@ -17,7 +17,7 @@ struct LoadedLibrary {
   std::string name, version, doc;
   std::string hash;  ///< SHA-256 of the file
   std::vector<circuit::LsiClass> classes;
-  std::shared_ptr<void> code;  ///< keeps the functions of `classes` in memory
+  std::shared_ptr<void> code;  ///< owner of the loaded code of `classes`
 };
 
 /// Loads a shared library or an FMU. A shared library is loaded from a private copy, so its file may be replaced while the library is in

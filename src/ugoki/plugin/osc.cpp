@@ -15,7 +15,7 @@ namespace ugoki::plugin {
 namespace {
 
 constexpr int max_depth = 8;                // maximum nesting depth of bundles; bounds the recursion
-constexpr std::size_t max_bytes = 65536;    // size of a packet: UDP carries less than 64 KiB
+constexpr std::size_t max_bytes = 65536;    // maximum size of a packet: UDP carries less than 64 KiB
 constexpr int max_packets_per_poll = 1000;  // so that a flood of packets cannot stop the circuit
 
 /// The unread bytes of a packet. Its functions read from the front and return false if too few bytes are left.
@@ -23,7 +23,7 @@ class Packet {
  public:
   explicit Packet(std::span<const std::byte> bytes) : left_(bytes) {}
   [[nodiscard]] bool empty() const { return left_.empty(); }
-  /// A big-endian integer of `size` bytes.
+  /// Reads a big-endian integer of `size` bytes.
   bool word(std::uint64_t& value, std::size_t size) {
     if (left_.size() < size) return false;
     value = 0;

@@ -15,7 +15,7 @@ namespace ugoki::plugin {
 
 /// Reads a packet: a message or a bundle of messages. Calls visit(address, numbers) for each message. `numbers` are the arguments that are
 /// floats, doubles, integers or booleans (1, 0); values that are not finite become 0, and arguments of other types are skipped.
-/// @return false if the packet is damaged; messages in front of the damage were visited
+/// @return false if the packet is damaged; the messages before the damage have been visited
 bool read_osc(std::span<const std::byte> packet,
               const std::function<void(std::string_view address, std::span<const double> numbers)>& visit);
 

@@ -74,7 +74,7 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   ::close(ends[1]);
   ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
   struct sigaction ignore{}, usual{};
-  ignore.sa_handler = SIG_IGN;  // this process ignores Ctrl+C, which also reaches the child; the child then ends regularly
+  ignore.sa_handler = SIG_IGN;  // Ctrl+C reaches the child too, which then ends normally; this process waits for it
   ::sigaction(SIGINT, &ignore, &usual);
   std::string words;
   pollfd pipe{ends[0], POLLIN, 0};

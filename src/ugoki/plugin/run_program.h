@@ -9,7 +9,7 @@
 
 namespace ugoki::plugin {
 
-/// Result of a run of a program.
+/// Exit status and output of a program.
 struct ProgramOutput {
   int status = -1;         ///< exit status, or 128 + the number of the signal that ended the program
   bool timed_out = false;  ///< the program was killed because it exceeded the time limit

@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 using json::Json;
 
-constexpr std::size_t max_manifest = std::size_t{64} << 20;  // bytes; larger manifests are refused
+constexpr std::size_t max_manifest = std::size_t{64} << 20;  // maximum size, bytes; larger manifests are refused
 
-/// Placeholder for the functions of an installed LSI, whose code is not loaded.
+/// Takes the place of the functions of an installed LSI, because its code is not loaded; stops the circuit with a message.
 std::int32_t not_here(const circuit::Call* call) {
   return circuit::stop(call, "This LSI of an installed library can run only in the process of the interpreter.");
 }

@@ -11,7 +11,7 @@
 
 namespace ugoki::plugin {
 
-/// An installed library.
+/// An installed library of LSIs.
 struct ShelfEntry {
   std::string name, version, doc;
   std::string hash;                        ///< SHA-256 of the copy, 64 hexadecimal digits

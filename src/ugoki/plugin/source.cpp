@@ -15,7 +15,7 @@ enum class Kind { word, number, text, sign, comment };  // text: a literal in qu
 struct Token {
   Kind kind = Kind::sign;
   std::string text;
-  int line = 0;       ///< first line, from 1
+  int line = 0;       ///< line on which the token begins, from 1
   int last_line = 0;  ///< differs from `line` for comments of several lines
 };
 
@@ -92,7 +92,7 @@ void add_lines(const Token& comment, std::vector<std::pair<int, std::string>>& l
   }
 }
 
-/// Words that make up the arithmetic types.
+/// Words of which the names of the arithmetic types of C consist.
 constexpr std::array<std::string_view, 23> number_words = {"double",   "float",     "int",      "long",      "short",    "char",
                                                            "signed",   "unsigned",  "bool",     "_Bool",     "size_t",   "int8_t",
                                                            "int16_t",  "int32_t",   "int64_t",  "uint8_t",   "uint16_t", "uint32_t",
@@ -128,7 +128,7 @@ class Parser {
     source_.file = read_comment(lines);
   }
 
-  /// Reads declarations up to the bracket that closes the scope. @param prefix prefix of all names: "signals::"
+  /// Reads declarations up to the bracket that closes the scope. @param prefix namespaces in front of all names: "signals::"
   void scope(const std::string& prefix) {
     std::vector<std::pair<int, std::string>> comment;
     int comment_end = -1;
@@ -150,7 +150,7 @@ class Parser {
         comment.clear();
         continue;
       }
-      if (t.line > comment_end + 2) comment.clear();  // more than one empty line: the comment is not about this declaration
+      if (t.line > comment_end + 2) comment.clear();  // after more than one empty line, the comment does not belong to this declaration
       declaration(prefix, comment);
       comment.clear();
     }
@@ -169,7 +169,7 @@ class Parser {
     return tokens_.size();
   }
 
-  /// Reads one declaration and moves behind it.
+  /// Reads one declaration and advances to the token after it.
   void declaration(const std::string& prefix, const std::vector<std::pair<int, std::string>>& comment) {
     const std::size_t begin = at_;
     if (tokens_[at_].text == "namespace" ||
@@ -307,7 +307,7 @@ class Parser {
     v.line = begin < tokens_.size() ? tokens_[begin].line : 0;
     std::vector<std::string> words;
     std::size_t i = begin;
-    bool is_unknown = false;  // the type has tokens that are not understood
+    bool is_unknown = false;  // the type contains tokens that this parser does not know
     for (; i < end; ++i) {
       const Token& t = tokens_[i];
       if (t.kind == Kind::comment) continue;

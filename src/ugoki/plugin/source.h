@@ -14,17 +14,17 @@ struct Annotation {
   std::string word;                  ///< keyword without the '@' (or '\') before it: "in"
   std::string name;                  ///< name of the parameter of the C function, or of the field
   std::string type;                  ///< pin type, "vector"; empty: follows from the C type
-  std::string unit, doc;             ///< "m", "How far."
-  std::vector<std::string> choices;  ///< {linear, cubic}
+  std::string unit, doc;             ///< unit and description: "m", "How far."
+  std::vector<std::string> choices;  ///< values of a choice parameter: {linear, cubic}
   bool has_value = false, has_range = false;
   double value = 0, minimum = 0, maximum = 0;
   std::string word_value;  ///< initial value that is a word: true, false, or a word of `choices`
   int line = 0;            ///< line number in the file, from 1
 };
 
-/// The comment in front of a function.
+/// The comment before a function, with its annotations.
 struct Comment {
-  std::string doc;  ///< the text outside of annotations
+  std::string doc;  ///< text of the comment outside of annotations
   std::vector<Annotation> annotations;
   /// The first annotation with the keyword `word` and, unless `name` is empty, with the name `name`; null: none.
   [[nodiscard]] const Annotation* find(std::string_view word, std::string_view name = {}) const;
@@ -38,7 +38,7 @@ struct CType {
   int pointers = 0;  ///< number of '*', '&' and '[]'
   bool reference = false;
   int elements = 0;                    ///< number of elements of an array; 0: not an array
-  [[nodiscard]] bool numeric() const;  ///< true if base is an arithmetic type of C
+  [[nodiscard]] bool numeric() const;  ///< true if `base` is an arithmetic type of C
   [[nodiscard]] bool by_value() const { return pointers == 0 && elements == 0; }
 };
 
@@ -47,11 +47,11 @@ struct CVariable {
   CType type;
   std::string name;
   std::string initial;  ///< initial value of a member: "3"
-  std::string comment;  ///< text of the comment behind the declaration on the same line
+  std::string comment;  ///< text of the comment after the declaration, on the same line
   int line = 0;
 };
 
-/// A function with a body.
+/// A function with a body in a source file.
 struct CFunction {
   std::string name;  ///< name with its namespaces: "signals::smooth"
   CType result;
@@ -61,7 +61,7 @@ struct CFunction {
   bool is_static = false;
 };
 
-/// A struct, or a class in C++.
+/// A struct (or a class in C++) in a source file.
 struct CStruct {
   std::string name;   ///< name as written in a parameter: "struct spring" or "spring"
   std::string alias;  ///< another spelling (typedef name, or the tag in C++); may be empty
@@ -71,13 +71,13 @@ struct CStruct {
   int line = 0;
 };
 
-/// A source file.
+/// Functions, structs and first comment of a source file.
 struct CSource {
   std::vector<CFunction> functions;
   std::vector<CStruct> structs;
   Comment file;                   ///< the first comment of the file; describes the library if it has @library
   bool declares_library = false;  ///< the file uses UGOKI_LIBRARY or ugoki_lsi_library, so it needs no wrapper
-  bool declares_lsis = false;     ///< the file uses UGOKI_LSI
+  bool declares_lsis = false;     ///< true: the file uses UGOKI_LSI
   [[nodiscard]] const CStruct* find_struct(std::string_view name) const;      ///< finds a struct by name or alias; null: none
   [[nodiscard]] const CFunction* find_function(std::string_view name) const;  ///< finds a function by its name with namespaces; null: none
 };

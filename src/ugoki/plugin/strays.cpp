@@ -15,7 +15,7 @@
 namespace ugoki::plugin {
 namespace {
 
-constexpr int max_rounds = 100;  // a process may start others until it is killed; each round finds those of the previous one
+constexpr int max_rounds = 100;  // processes start others until they are killed; each round finds those started in the round before
 
 /// Calls `use` with the id and the folder in /proc of each process.
 template <class Use>

@@ -12,8 +12,8 @@ namespace ugoki::plugin {
 /// Process ids of the living children of this process.
 [[nodiscard]] std::vector<pid_t> children();
 
-/// Kills the children of this process except those in `kept`, and waits for their ends. If this process is a subreaper
-/// (PR_SET_CHILD_SUBREAPER), these are also all descendants of processes that have ended.
+/// Kills the children of this process except those in `kept`, and waits until they have ended. If this process is a subreaper
+/// (PR_SET_CHILD_SUBREAPER), its children include the orphaned descendants of ended processes.
 void end_children_except(const std::vector<pid_t>& kept);
 
 /// Kills all processes of this user that were started with the entry `variable` ("NAME=VALUE") in their environment, whatever their session,

@@ -19,7 +19,7 @@ struct ThreadPool::Shared {
   std::mutex mutex;
   std::condition_variable begin;
   std::atomic<std::uint64_t> round{0};  // number of calls of `run` so far; an increase starts the threads
-  std::atomic<int> left{0};             // threads that have not finished this round
+  std::atomic<int> left{0};             // number of threads that have not finished this round
   bool end = false;                     // the threads shall exit; set before `round` is increased
   void (*work)(void*, int) = nullptr;
   void* context = nullptr;

@@ -7,7 +7,7 @@
 
 namespace ugoki::plugin {
 
-/// A fixed set of threads that wait for work between calls of `run`.
+/// A fixed number of threads that run the work of each call of `run` and wait between calls.
 class ThreadPool final : public circuit::Executor {
  public:
   /// @param workers at least 1; the thread that calls `run` is worker 0, so workers - 1 threads are started

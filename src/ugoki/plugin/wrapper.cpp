@@ -11,7 +11,7 @@
 namespace ugoki::plugin {
 namespace {
 
-/// A C string literal.
+/// Returns `text` as a C string literal, with quotes and escapes.
 std::string literal(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -21,7 +21,7 @@ std::string literal(const std::string& text) {
   return out + "\"";
 }
 
-/// A C literal of type double.
+/// Returns `x` as a C literal of type double.
 std::string number(double x) {
   std::string out = to_text(x);
   if (out.find_first_of(".en") == std::string::npos) out += ".0";
@@ -42,10 +42,10 @@ std::string field_type(const std::string& base) {
   return found == types.end() ? "" : "UGOKI_" + found->second;
 }
 
-/// True for integers and bool.
+/// True if the C type `base` is an integer type or bool.
 bool is_whole(const std::string& base) { return base != "double" && base != "float" && base != "real"; }
 
-/// Writes the wrapper of one source file.
+/// Writes the wrapper code of one source file.
 class Writer {
  public:
   Writer(const CSource& source, std::string path, bool cpp) : source_(source), path_(std::move(path)), cpp_(cpp) {
@@ -92,17 +92,17 @@ class Writer {
   }
 
  private:
-  /// Ends the lines that the compiler attributes to the user's file.
+  /// Preprocessor line from which on the compiler attributes errors to generated code, no longer to the user's file.
   static std::string end_of_user_code() { return "#line 1 " + literal(generated_file) + "\n"; }
   /// Name of a generated object: "ugoki_gen_inputs_3" for the table `kind` of LSI n.
   static std::string id(const char* kind, std::size_t n) { return "ugoki_gen_" + std::string(kind) + "_" + std::to_string(n); }
 
-  /// Notes that a function does not become an LSI.
+  /// Adds the note that a function does not become an LSI, with the reason.
   void note(const CFunction& f, const std::string& why) {
     out_.notes.push_back(location_ + ":" + std::to_string(f.line) + ": '" + f.name + "' does not become an LSI: " + why);
   }
 
-  /// The struct of a parameter that is a state (a pointer or reference to a struct of this file); null: it is not one.
+  /// The struct of a parameter that is a state, that is, a pointer or reference to a struct of this file; null if it is not a state.
   [[nodiscard]] const CStruct* state_of(const CVariable& v) const {
     if (v.type.pointers != 1 || v.type.is_const || v.type.elements) return nullptr;
     return source_.find_struct(v.type.base);
@@ -137,11 +137,11 @@ class Writer {
     emit(f, p, returns, delayed);
   }
 
-  /// Generated code of one LSI.
+  /// Parts of the generated code of one LSI.
   struct Parts {
-    std::vector<std::string> inputs, outputs, parameters;  ///< rows of the tables
-    std::vector<std::string> arguments;                    ///< arguments of the call of the user's function
-    std::vector<std::string> before, after;                ///< statements around the call
+    std::vector<std::string> inputs, outputs, parameters;  ///< C text of the rows of the tables of inputs, outputs, parameters
+    std::vector<std::string> arguments;                    ///< arguments with which the user's function is called
+    std::vector<std::string> before, after;                ///< C statements before and after the call
     std::vector<std::string> names;                        ///< names of the function's parameters
     const CStruct* state = nullptr;
     int numbers = 0;  ///< number of values in ugoki_call::parameters so far
@@ -227,7 +227,7 @@ class Writer {
     return "the number of elements of its parameter '" + v.name + "' is unknown. Write for example 'const double " + v.name + "[3]'.";
   }
 
-  /// The parameter behind the pointer `v` if it is an integer whose name states a count: "n", "count", "x_size"; null: it is not.
+  /// The parameter that follows the pointer `v`, if it is an integer whose name states a count ("n", "count", "x_size"); otherwise null.
   static const CVariable* count_behind(const CFunction& f, const CVariable& v) {
     const auto at = std::find_if(f.parameters.begin(), f.parameters.end(), [&](const CVariable& other) { return &other == &v; });
     if (at == f.parameters.end() || at + 1 == f.parameters.end()) return nullptr;
@@ -340,7 +340,7 @@ class Writer {
   static Annotation read_field_comment(const CVariable& v);
   static std::string s_name(const CStruct& s) { return s.full; }
 
-  /// A constant array; empty if there are no rows.
+  /// C code that defines a constant array with these rows; empty if there are no rows.
   static std::string table(const char* type, const std::string& name, const std::vector<std::string>& rows) {
     if (rows.empty()) return {};
     std::string out = "static const " + std::string(type) + " " + name + "[] = {\n";

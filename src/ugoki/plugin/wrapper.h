@@ -1,5 +1,5 @@
 #pragma once
-// Second half of the LSI builder: writes C or C++ code with tables that describe the functions of a source file to a host program.
+// Second half of the LSI builder: writes C or C++ code that describes the functions of a source file in tables, which host programs read.
 
 #include <string>
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace ugoki::plugin {
 
-/// Generated code.
+/// Generated wrapper code of a source file.
 struct Wrapper {
   std::string code;                ///< text of a file that includes the user's file
-  std::vector<std::string> lsis;   ///< names of the LSIs, in the order of the file
+  std::vector<std::string> lsis;   ///< names of the LSIs, in the order of the source file
   std::vector<std::string> notes;  ///< functions that are not LSIs: "spring.c:12: 'load' does not become an LSI: ..."
 };
 

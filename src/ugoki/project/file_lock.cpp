@@ -68,15 +68,15 @@ Result<void> FileLock::take_file(const std::string& path) {
                 "Close it there first, or work on a copy.");
   };
   struct stat info{};
-  if (::stat(path.c_str(), &info) != 0) return {};  // reported when the file is opened
+  if (::stat(path.c_str(), &info) != 0) return {};  // opening the file will report the error
   const Identity identity{info.st_dev, info.st_ino};
   // Closing any descriptor of a file releases this process's POSIX locks of the file, which SQLite uses. A file that this process has
   // locked is therefore not opened.
   const std::lock_guard guard(held_mutex);
   if (held().contains(identity)) return conflict(" (process " + std::to_string(::getpid()) + ")");
   const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor < 0) return {};  // reported when the file is opened
-  struct flock range{};           // one byte far behind the bytes that SQLite locks; the lock belongs to the open descriptor
+  if (descriptor < 0) return {};  // opening the file will report the error
+  struct flock range{};           // one byte, far behind the bytes that SQLite locks; the lock belongs to `descriptor`
   range.l_type = F_WRLCK;
   range.l_whence = SEEK_SET;
   range.l_start = off_t{1} << 40;
@@ -85,7 +85,7 @@ Result<void> FileLock::take_file(const std::string& path) {
     ::close(descriptor);
     return conflict("");
   }
-  // File systems without such locks keep the lock file of take() only.
+  // On file systems without such locks, only the lock file of take() protects the project.
   file_ = descriptor;
   identity_ = identity;
   held().insert(identity);

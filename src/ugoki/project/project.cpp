@@ -19,7 +19,7 @@
 namespace ugoki::project {
 namespace {
 
-constexpr std::int64_t max_history_steps = 10'000;  // older steps are deleted
+constexpr std::int64_t max_history_steps = 10'000;  // maximum number of history steps; older steps are deleted
 
 std::span<const std::byte> bytes_of(std::string_view text) { return {reinterpret_cast<const std::byte*>(text.data()), text.size()}; }
 
@@ -66,7 +66,7 @@ Result<void> move_into_place(const std::string& from, const std::string& to) {
   std::error_code error;
   if (!sync(from, O_RDONLY))
     return fail(ErrorCode::io, to, "The new file could not be flushed to the disk.", "Check the disk, then save again.");
-  for (const char* suffix : {"-wal", "-shm"}) fs::remove(to + suffix, error);  // these files belong to the replaced file
+  for (const char* suffix : {"-wal", "-shm"}) fs::remove(to + suffix, error);  // log files of the replaced file
   fs::rename(from, to, error);
   if (error)
     return fail(ErrorCode::io, to, "The new file could not be renamed to its final name: " + error.message() + ".",
@@ -112,7 +112,7 @@ struct Project::Body {
   std::uint64_t next_id = 1, revision = 0;
 
   std::optional<Problem> lost;  ///< the file was lost: every edit is refused with this problem
-  bool copied = false;          ///< save_as() has copied the work to another file
+  bool copied = false;          ///< true: save_as() has copied the work to another file
 
   Body(FileLock l, ProjectFile f) : lock(std::move(l)), file(std::move(f)) {}
   Body(const Body&) = delete;
@@ -120,7 +120,7 @@ struct Project::Body {
   ~Body() {
     if (read_only || lost) return;
     if (!copied && (revision > 0 || file.has_unmerged()))
-      (void)check_file();  // the rescue copy is next to the project, with "rescued" in its name
+      (void)check_file();  // if the file was lost, writes a rescue copy next to the project
     else if (file.lost())
       file.abandon();
   }
@@ -139,7 +139,7 @@ struct Project::Body {
     if (Result<void> done = file.write(write); !done) return done;
     return check_file();
   }
-  /// Error `conflict` if another program replaced, removed or overwrote the file. The first such error writes a rescue copy and names it.
+  /// Error `conflict` if another program replaced, removed or overwrote the file. The first such error saves a rescue copy and names it.
   Result<void> check_file();
   /// Writes the project to the empty file `path`: with its history if the open file can be read, otherwise from memory without it.
   Result<void> copy_to(const std::string& path, bool readable);

@@ -17,7 +17,7 @@
 
 namespace ugoki::project {
 
-/// Result of a command.
+/// Result of a command on a project.
 struct Change {
   std::string label;                 ///< label for undo menus, for example "Move clip"; empty if the command changed nothing
   std::vector<std::string> created;  ///< ids of the clips, characters and events that the command created

@@ -140,7 +140,7 @@ Result<void> ProjectFile::remember() {
   };
   if (Result<void> done = read(page_size_, "PRAGMA page_size"); !done) return done;
   if (Result<void> done = read(stamp_page_, "SELECT rootpage FROM sqlite_schema WHERE name = 'stamp'"); !done) return done;
-  Result<std::optional<store::StampRow>> stamp = store::read_stamp(database_);  // also opens the -wal and -shm files
+  Result<std::optional<store::StampRow>> stamp = store::read_stamp(database_);  // reading the stamp also opens the -wal and -shm files
   if (!stamp) return fail(std::move(stamp.error()));
   stamp_ = *stamp;
   Result<std::optional<store::StampRow>> merged = stamp_in_file();
@@ -162,7 +162,7 @@ Result<std::optional<store::StampRow>> ProjectFile::stamp_in_file() {
 }
 
 std::optional<Loss> ProjectFile::lost() {
-  if (page_size_ == 0) return std::nullopt;  // opened read-only
+  if (page_size_ == 0) return std::nullopt;  // the file is open read-only and not observed
   const Identity now = identity_of(path());
   if (now == Identity{}) return Loss{"The project file was removed or renamed while it was open"};
   if (now != identities_[0]) return Loss{"Another program replaced the project file while it was open"};

@@ -15,20 +15,20 @@
 
 namespace ugoki::project {
 
-inline constexpr std::int64_t project_application_id = 0x55474b50;  // "UGKP"
+inline constexpr std::int64_t project_application_id = 0x55474b50;  // "UGKP" in ASCII: marks the file as a project
 inline constexpr std::int64_t project_version = 2;
 
-/// One command of the history.
+/// One command in the history of the project.
 struct Step {
-  std::int64_t number = 0;  ///< counts from 1
+  std::int64_t number = 0;  ///< number of the step, from 1
   std::string label;
 };
 
 /// A command of the history with the deltas for redo and undo.
 struct StepData {
   std::string label;
-  std::string command;            ///< JSON
-  std::string forward, backward;  ///< deltas (content/delta.h), JSON
+  std::string command;            ///< the command as JSON
+  std::string forward, backward;  ///< deltas for redo and undo (content/delta.h), JSON
 };
 
 struct ResourceRow {
@@ -40,10 +40,10 @@ struct ResourceRow {
 /// How the file of an open project was lost.
 struct Loss {
   std::string what;      ///< description as a sentence without its full stop
-  bool readable = true;  ///< the open connection can still read the project
+  bool readable = true;  ///< true: the open connection can still read the project
 };
 
-/// The tables of one integration file.
+/// Reads and writes the tables of one integration file.
 class ProjectFile {
  public:
   /// Creates a new file with the tables. The file must not exist.
@@ -73,8 +73,8 @@ class ProjectFile {
   [[nodiscard]] std::optional<Loss> lost();
   /// True if some transactions are only in the write-ahead log and not yet in the project file.
   [[nodiscard]] bool has_unmerged() const { return merged_stamp_ != stamp_; }
-  /// Gives up the open file. Call this after lost(), when another file may have taken its path. Closing then does not write to a file at
-  /// path(). Removes the -wal and -shm files if they still belong to the open file.
+  /// Prepares to close a lost file: call it after lost(), when another file may be at path(). Closing then writes to no file at path().
+  /// Removes the -wal and -shm files if they still belong to the open file.
   void abandon();
 
   [[nodiscard]] store::Database& database() { return database_; }

@@ -34,7 +34,7 @@ struct Value {
   Value(std::span<const std::byte> v) : type(Type::bytes), bytes(v) {}
 };
 
-/// All rows that a statement returned.
+/// All result rows of a statement.
 class Rows {
  public:
   explicit Rows(int columns = 0) : columns_(static_cast<std::size_t>(columns)) {}
@@ -54,17 +54,17 @@ class Rows {
   std::vector<Cell> cells_;
 };
 
-/// The parts of statements that differ between SQLite and PostgreSQL, and factors that tune searching (library_search.cpp).
+/// Parts of SQL statements that differ between SQLite and PostgreSQL, and factors that tune the search (library_search.cpp).
 struct Dialect {
   bool postgres = false;
   std::string now;    ///< expression: current UTC time, "2026-03-01T12:00:00.123Z"
   std::string instr;  ///< function: position of the second text in the first, counted from 1; 0 if not found
-  std::string match;  ///< SELECT of the entries (column `no`) whose words match a query; {query} is replaced by a parameter
+  std::string match;  ///< SELECT that returns the entries (column `no`) whose words match a query; {query} is replaced by a parameter
   /// Condition added to `match` for phrases of three or more words, with {query} as in `match`. Empty for SQLite. The index of PostgreSQL
   /// stores only pairs of adjacent words, so longer phrases are checked in the rows.
   std::string phrase_condition;
   std::string hit_source;    ///< FROM clause: entries of `hit` (the result of `match`) as `e`, with the columns no, id and the sort keys
-  int sort_factor = 1;       ///< up to LibraryBody::sort_limit * sort_factor matches, sorting is faster than scanning in order
+  int sort_factor = 1;       ///< up to LibraryBody::sort_limit * sort_factor matches, sorting is faster than scanning rows in order
   double scan_fraction = 0;  ///< after LibraryBody::sort_limit * scan_fraction scanned rows, the search sorts the matches instead
   std::string lock_suffix;   ///< suffix of a SELECT that locks the selected rows
 };
@@ -107,8 +107,8 @@ class Connection {
 
 /// Connection to the library in a SQLite file. @param database the opened file, already checked with check_library()
 [[nodiscard]] std::unique_ptr<Connection> sqlite_connection(Database database);
-/// As above, for a library that is open for writing. If another program replaces, removes or overwrites the file, the next call fails with
-/// `conflict` and changes nothing; calls after it use the file that is then at the path.
+/// Connection to a SQLite library that is open for writing. If another program replaces, removes or overwrites the file, the next call
+/// fails with `conflict` and changes nothing; later calls use the file that is then at the path.
 /// @param reopen opens the file at the path, which must be an existing library of the present version
 [[nodiscard]] Result<std::unique_ptr<Connection>> watched_sqlite_connection(Database database, std::function<Result<Database>()> reopen);
 

@@ -49,7 +49,7 @@ class Copy {
       if (some->empty()) break;
       const CopyReport before = report_;
       const Result<bool> copied = to_.in_transaction([&]() -> Result<bool> {
-        report_ = before;  // count from here again if the transaction is repeated after a conflict
+        report_ = before;  // restart the counts here if the transaction is repeated after a conflict
         for (const EntryRow& entry : *some)
           if (Result<void> one = copy_entry(entry); !one) return fail(std::move(one.error()));
         return true;
@@ -64,7 +64,7 @@ class Copy {
   }
 
  private:
-  static constexpr std::size_t at_once = 200;  // entries per transaction
+  static constexpr std::size_t at_once = 200;  // number of entries copied in one transaction
 
   Result<std::vector<EntryRow>> next_entries(std::int64_t no) const { return read_entries(*from_.connection, "e.no > ?1", no, at_once); }
   Result<std::vector<EntryRow>> named_entries(std::size_t done) const {

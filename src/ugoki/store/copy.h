@@ -11,7 +11,7 @@ namespace ugoki::store {
 
 struct CopyOptions {
   std::vector<std::string> entries;  ///< ids of the entries to copy; empty: all entries, including the trash
-  bool latest_only = false;          ///< copy only the newest version of each entry
+  bool latest_only = false;          ///< true: copy only the newest version of each entry
   /// For an entry that was changed in both libraries. False: the target's entry is unchanged and listed in CopyReport::differing.
   /// True: the source's newest version is added to the target as its newest version.
   bool save_differing = false;
@@ -20,12 +20,12 @@ struct CopyOptions {
 };
 
 struct CopyReport {
-  std::size_t added = 0;                ///< entries that the target did not contain
-  std::size_t continued = 0;            ///< entries to which newer versions were added
-  std::size_t equal = 0;                ///< entries that the target already contained, with the same or newer versions
-  std::size_t saved = 0;                ///< differing entries whose newest version was added to the target (save_differing)
+  std::size_t added = 0;                ///< number of entries that the target did not contain
+  std::size_t continued = 0;            ///< number of entries to which newer versions were added
+  std::size_t equal = 0;                ///< number of entries that the target already contained, with the same or newer versions
+  std::size_t saved = 0;                ///< number of differing entries whose newest version was added to the target (save_differing)
   std::vector<std::string> differing;   ///< entries changed in both libraries and not copied: "n-... 'walk': ..."
-  std::size_t versions = 0, blobs = 0;  ///< numbers of versions and blobs written
+  std::size_t versions = 0, blobs = 0;  ///< numbers of versions and blobs (data, thumbnails) written
 };
 
 /// Copies entries with their versions, tags, thumbnails and data. Each entry is copied completely or not at all. A repeated copy continues

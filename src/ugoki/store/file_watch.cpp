@@ -32,7 +32,7 @@ bool is_locked(int file, off_t begin, off_t size) {
   return ::fcntl(file, F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK;
 }
 
-/// The byte of `file` that marks the name `path`.
+/// Offset of the byte whose lock marks that the library file is open under the name `path`.
 off_t name_byte(const std::string& path) {
   Hash64 hash;
   hash.add_bytes(path.data(), path.size());
@@ -91,7 +91,7 @@ Result<FileWatch> FileWatch::begin(Database& database) {
     if (!found) return fail(found.error());
     *value = *found;
   }
-  Result<std::optional<StampRow>> stamp = read_stamp(database);  // also opens the -wal and -shm files
+  Result<std::optional<StampRow>> stamp = read_stamp(database);  // reading the stamp also opens the -wal and -shm files
   if (!stamp) return fail(std::move(stamp.error()));
   watch.last_ = *stamp;
   Result<std::optional<StampRow>> in_file = watch.stamp_in_file(database);
@@ -146,7 +146,7 @@ std::optional<FileLoss> FileWatch::moved() const {
 
 std::optional<FileLoss> FileWatch::overwritten(Database& database, const std::optional<StampRow>& committed) {
   if (committed) last_ = committed;
-  // SQLite does not notice a file that is overwritten, so that it returns the same version of the data. The version changes if another
+  // SQLite does not notice that a file was overwritten: it still returns the old `data_version`. The version changes only when another
   // connection commits; the last stamp is then read again.
   if (const Result<std::int64_t> version = database.integer("PRAGMA data_version"); version && *version != data_version_) {
     const Result<std::optional<StampRow>> stamp = read_stamp(database);
@@ -155,7 +155,7 @@ std::optional<FileLoss> FileWatch::overwritten(Database& database, const std::op
       data_version_ = *version;
     }
   }
-  // Another program may merge or begin the log between the reads. The comparison is then repeated.
+  // Between the two reads, another program may merge the log into the file or begin a new log. The comparison is then repeated.
   constexpr int max_attempts = 20;
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     const Result<std::optional<StampRow>> read = stamp_in_file(database);
@@ -171,7 +171,7 @@ std::optional<FileLoss> FileWatch::overwritten(Database& database, const std::op
       return std::nullopt;
     }
     if (const Result<std::int64_t> page = database.integer("SELECT rootpage FROM sqlite_schema WHERE name = 'stamp'"); page)
-      stamp_page_ = *page;  // VACUUM of another program moves the table
+      stamp_page_ = *page;  // a VACUUM by another program moves the table to another page
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return FileLoss{"Another program overwrote the library file while it was open", false, false};

@@ -18,7 +18,7 @@ namespace ugoki::store {
 /// How the file of an open library was lost.
 struct FileLoss {
   std::string what;       ///< description as a sentence without its full stop
-  bool readable = true;   ///< the open connection can still read the library
+  bool readable = true;   ///< true: the open connection can still read the library
   bool unlinked = false;  ///< the open file no longer has a name, so that its contents are lost when it is closed
 };
 
@@ -40,14 +40,14 @@ class FileWatch {
 
  private:
   struct Identity {
-    std::uint64_t device = 0, inode = 0;  // zeros: the file does not exist
+    std::uint64_t device = 0, inode = 0;  // identity of a file; zeros: the file does not exist
     friend auto operator<=>(const Identity&, const Identity&) = default;
   };
   static Identity identity_of(const std::string& path);
   /// The stamp in the file without its log; empty optional if its page contains something else.
   [[nodiscard]] Result<std::optional<StampRow>> stamp_in_file(Database& database) const;
 
-  std::string path_, real_path_;          ///< path as given; path without symbolic links, from which SQLite makes the names of its files
+  std::string path_, real_path_;          ///< path as given; path without symbolic links, to which SQLite appends "-wal" and "-shm"
   std::array<Identity, 3> identities_{};  ///< identities of the file, its -wal file and its -shm file
   class NameMark;
   std::shared_ptr<const NameMark> mark_;  ///< shared by the connections of this process; null: the file system has no such locks

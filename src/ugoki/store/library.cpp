@@ -49,7 +49,7 @@ Result<void> check_log_of(const std::string& path) {
 }
 
 /// Opens a file for writing after it was checked without writing: a file that is refused must not be changed.
-/// @param mode read_write or create
+/// @param mode how to open the file: read_write or create
 Result<Database> open_for_writing(const std::string& path, OpenMode mode) {
   std::error_code ignored;
   if (fs::exists(path, ignored) && fs::file_size(path, ignored) > 0) {
@@ -68,7 +68,7 @@ Result<Database> open_for_writing(const std::string& path, OpenMode mode) {
   return database;
 }
 
-/// Opens the file at the path of an open library whose file was lost.
+/// Opens the file that is now at the path of a library whose own file was lost.
 Result<Database> reopen_file(const std::string& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored))

@@ -32,27 +32,27 @@ struct LibraryEntry {
   EntryKind kind = EntryKind::motion;
   std::string name;
   std::string summary = "{}";     ///< JSON object with properties for display in lists (frames, mass, source ...)
-  std::vector<std::string> tags;  ///< sorted
-  std::string created;            ///< UTC, "2026-03-01T12:00:00.123Z"
-  std::size_t size = 0;           ///< bytes of the data
+  std::vector<std::string> tags;  ///< tags of the entry, sorted
+  std::string created;            ///< time of creation, UTC: "2026-03-01T12:00:00.123Z"
+  std::size_t size = 0;           ///< size of the data, bytes
   int version = 1;
   std::string content;  ///< content id: hash of the data of this version (see entry_id())
   std::string note;     ///< free text
   std::string author;   ///< name of the person who saved this version
-  std::string changed;  ///< UTC, when this version was saved
-  std::string removed;  ///< UTC, when the entry was moved to the trash; empty: it is not in the trash
+  std::string changed;  ///< time at which this version was saved, UTC
+  std::string removed;  ///< time at which the entry was moved to the trash, UTC; empty: not in the trash
   std::string removed_by;
-  bool thumbnail = false;  ///< true if the entry has a thumbnail
+  bool thumbnail = false;  ///< true: the entry has a thumbnail
 };
 
-/// One version of an entry. Versions are immutable. `saved`: UTC.
+/// One version of an entry. Versions are immutable. The time `saved` is UTC.
 struct LibraryVersion {
   int version = 1;
   std::string name, summary, note, content, author, saved;
   std::size_t size = 0;
 };
 
-/// A new entry for Library::put().
+/// Data of a new entry for Library::put().
 struct LibraryItem {
   EntryKind kind = EntryKind::motion;
   std::string name = {};
@@ -71,7 +71,7 @@ struct LibrarySave {
 };
 
 enum class LibraryOrder : std::uint8_t {
-  relevance,  ///< names that begin with the text, then names that contain it, then other entries; each group by name. No text: by name
+  relevance,  ///< names that begin with the text, then names that contain it, then others; each group (no text: all) sorted by name
   name,
   newest,  ///< sorted by the time of the last save, newest first
   oldest,
@@ -85,8 +85,8 @@ struct LibraryQuery {
   /// Words, or beginnings of words. Each must occur in the entry's name, tags, note, kind or summary. Words in double quotes must be
   /// adjacent.
   std::string text = {};
-  std::vector<std::string> kinds = {};  ///< names of kinds; empty: all kinds
-  std::vector<std::string> tags = {};   ///< an entry must have all of these tags
+  std::vector<std::string> kinds = {};  ///< names of the kinds to search; empty: all kinds
+  std::vector<std::string> tags = {};   ///< tags that an entry must have, all of them
   std::size_t limit = 10'000;           ///< maximum number of entries on the page
   LibraryOrder order = LibraryOrder::name;
   std::string after = {};  ///< LibraryPage::next of the previous page of the same query; empty: first page
@@ -98,15 +98,15 @@ struct LibraryPage {
   std::string next;  ///< value for LibraryQuery::after of the next page; empty: this is the last page
   /// Count of matching entries. With text or tags: at most max_counted. Without text and tags: only on the first page, otherwise 0.
   std::size_t total = 0;
-  bool total_exact = true;  ///< false: more than `total` entries may match
+  bool total_exact = true;  ///< true: `total` is the exact count; false: more entries may match
 };
 inline constexpr std::size_t max_counted = 10'000;
 
 /// Result of Library::check().
 struct LibraryCheck {
-  std::size_t entries = 0, versions = 0, blobs = 0;  ///< numbers of checked entries, versions and blobs
-  std::uint64_t bytes = 0;                           ///< total size of the blobs
-  Error problems;                                    ///< empty: no problem found
+  std::size_t entries = 0, versions = 0, blobs = 0;  ///< numbers of checked entries, versions and blobs (data, thumbnails)
+  std::uint64_t bytes = 0;                           ///< total size of the blobs, bytes
+  Error problems;                                    ///< problems found; empty: none
 };
 
 struct LibraryBody;
@@ -186,7 +186,7 @@ class Library {
   /// Sets the entry's thumbnail. If a new version with different data is saved later, the thumbnail is removed.
   /// @param picture PNG or WebP of at most max_thumbnail bytes; empty: removes the thumbnail
   [[nodiscard]] Result<void> set_thumbnail(std::string_view id, std::span<const std::byte> picture);
-  static constexpr std::size_t max_thumbnail = 256 << 10;  ///< bytes
+  static constexpr std::size_t max_thumbnail = 256 << 10;  ///< maximum size of a thumbnail, bytes
 
   /// Moves an entry to the trash. It keeps its data and versions, but searches do not find it.
   [[nodiscard]] Result<void> remove(std::string_view id);

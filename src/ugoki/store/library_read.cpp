@@ -7,7 +7,7 @@
 namespace ugoki::store {
 namespace {
 
-/// SQL condition that selects entries (`entry e`) by the trash, to be appended to a WHERE clause.
+/// SQL condition, to be appended to a WHERE clause, that selects the entries (`entry e`) in the trash, outside of it, or both.
 const char* condition_of(Trash trash) {
   switch (trash) {
     case Trash::no: return " AND e.removed IS NULL";

@@ -68,7 +68,7 @@ Result<void> insert_words(Connection& connection, std::int64_t no, const SearchT
                        {no}));
 }
 
-/// The text, or SQL NULL if it is empty.
+/// The text as a parameter value; SQL NULL if the text is empty.
 Value or_null(const std::string& text) { return text.empty() ? Value() : Value(text); }
 
 }  // namespace
@@ -100,7 +100,7 @@ VersionRow version_of(const Rows& rows, std::size_t r, std::size_t c) {
 }
 
 Result<void> read_tags(Connection& connection, std::vector<EntryRow>& entries) {
-  constexpr std::size_t at_once = 500;  // entries per statement
+  constexpr std::size_t at_once = 500;  // number of entries read by one statement
   for (std::size_t from = 0; from < entries.size(); from += at_once) {
     std::map<std::int64_t, EntryRow*> by_no;
     std::string numbers;
@@ -117,7 +117,7 @@ Result<void> read_tags(Connection& connection, std::vector<EntryRow>& entries) {
                   "SELECT t.entry, t.tag FROM json_each('[' || ?1 || ']') n CROSS JOIN tag t ON t.entry = n.value ORDER BY 1, 2",
                   {numbers});
     if (!tags) return fail(tags.error());
-    for (std::size_t r = 0; r < tags->size(); ++r)  // a damaged file may return tags of other entries
+    for (std::size_t r = 0; r < tags->size(); ++r)  // the row is checked, because a damaged file may return tags of other entries
       if (const auto entry = by_no.find(tags->integer(r, 0)); entry != by_no.end()) entry->second->tags.push_back(tags->text(r, 1));
   }
   return {};
@@ -144,7 +144,7 @@ Result<std::vector<EntryRow>> read_entries(Connection& connection, std::string_v
 }
 
 Result<void> put_blob(Connection& connection, const std::string& hash, std::span<const std::byte> bytes) {
-  constexpr std::size_t max_size = std::size_t{512} << 20;  // bytes; SQLite and PostgreSQL limit a value to about 1 GB
+  constexpr std::size_t max_size = std::size_t{512} << 20;  // of a blob, bytes; SQLite and PostgreSQL limit a value to about 1 GB
   if (bytes.size() > max_size)
     return fail(ErrorCode::range, connection.location(), "The data of an entry are larger than 512 MB.",
                 "Split them into several entries.");

@@ -16,9 +16,9 @@ struct VersionRow {
   std::string name, summary = "{}", note;
   std::string content;    ///< content id of the data (entry_id())
   std::string data;       ///< SHA-256 of the data: key of the blob
-  std::int64_t size = 0;  ///< bytes
+  std::int64_t size = 0;  ///< size of the data, bytes
   std::string author;
-  std::string saved;  ///< UTC
+  std::string saved;  ///< time at which the version was saved, UTC
 
   bool operator==(const VersionRow&) const = default;
 };
@@ -28,10 +28,10 @@ struct EntryRow {
   std::int64_t no = 0;  ///< primary key, local to one database
   std::string id, kind;
   VersionRow newest;
-  std::string created, changed;     ///< UTC
+  std::string created, changed;     ///< times of the first and of the newest version, UTC
   std::string removed, removed_by;  ///< when (UTC) and by whom the entry was moved to the trash; empty: not in the trash
   std::string thumbnail;            ///< SHA-256 of the picture: key of the blob; empty: none
-  std::vector<std::string> tags;    ///< sorted
+  std::vector<std::string> tags;    ///< tags of the entry, sorted
 };
 
 /// Columns of `entry e` in the order in which entry_of() reads them.

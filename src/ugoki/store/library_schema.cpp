@@ -115,7 +115,7 @@ UPDATE library SET version = 4;
 /// The schema `text` with the words in braces replaced for one of the databases.
 std::string spelled(std::string text, bool postgres) {
   const std::pair<std::string_view, std::string_view> words[] = {
-      {"{text}", postgres ? "text COLLATE \"C\"" : "TEXT"},  // byte order, as in SQLite
+      {"{text}", postgres ? "text COLLATE \"C\"" : "TEXT"},  // COLLATE "C": texts are sorted by bytes, as in SQLite
       {"{integer}", postgres ? "bigint" : "INTEGER"},
       {"{bytes}", postgres ? "bytea" : "BLOB"},
       {"{serial}", postgres ? "bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY" : "INTEGER PRIMARY KEY"},
@@ -134,7 +134,7 @@ std::unexpected<Error> newer(const std::string& location, std::int64_t version, 
               "Use a newer Ugoki, or choose another library with --library.");
 }
 
-/// Integer value of a pragma.
+/// Reads the integer value of the SQLite pragma `name`.
 Result<std::int64_t> pragma(Connection& connection, const char* name) {
   const Result<Rows> rows = connection.query(std::string("PRAGMA ") + name);
   if (!rows) return fail(rows.error());
@@ -227,7 +227,7 @@ Result<void> migrate_library(Connection& connection) {
     } else if (*version == 0) {
       if (Result<void> done = connection.script(spelled(tables, false) + sqlite_text); !done) return done;
     }
-    if (Result<void> done = connection.script(stamp_table); !done) return done;  // version 2 had no stamp
+    if (Result<void> done = connection.script(stamp_table); !done) return done;  // schema version 2 had no table `stamp`
     return connection.script("PRAGMA application_id = " + std::to_string(library_application_id) +
                              "; PRAGMA user_version = " + std::to_string(library_version));
   };

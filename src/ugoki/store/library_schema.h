@@ -7,7 +7,7 @@
 
 namespace ugoki::store {
 
-inline constexpr std::int64_t library_application_id = 0x55474b4c;  // "UGKL"
+inline constexpr std::int64_t library_application_id = 0x55474b4c;  // "UGKL" in ASCII: marks the file as a library
 inline constexpr std::int64_t library_version = 3;                  ///< schema version of SQLite files
 inline constexpr std::int64_t server_version = 4;                   ///< schema version on PostgreSQL
 

@@ -1,7 +1,7 @@
 // Searching and browsing a library.
 //
 // Two methods, the same on both databases, chosen so that no search reads all rows of a large library:
-// - Few matches: the search index (which contains words, kinds and tags) returns the matching entries, and these are sorted.
+// - Few matches: the search index (which contains words, kinds and tags) returns the matching entries, which are then sorted.
 // - Many matches, or no search text: the rows are scanned in the requested order from the position where the page begins, and each row is
 //   tested. A page fills soon because many rows match. The words of an entry are stored in one text, so "contains these adjacent words" is
 //   a substring test with the same result as the index. If the matches are far from the start of the page, the scan would take long; it
@@ -51,7 +51,7 @@ Column column_of(LibraryOrder order) {
   return {"e.name_key", false, false};
 }
 
-/// The position as text for LibraryPage::next.
+/// Converts the position to the text of LibraryPage::next.
 std::string text_of(const Position& position, LibraryOrder order) {
   const std::string text = std::to_string(static_cast<int>(order)) + "," + std::to_string(position.part) + "," +
                            std::to_string(static_cast<int>(position.size)) + "," + position.id + "," + position.key;
@@ -101,7 +101,7 @@ struct Sql {
   }
 };
 
-/// One query on a library.
+/// One search: a query on a library and the state of its execution.
 class Search {
  public:
   Search(const LibraryBody& body, const LibraryQuery& query) : body_(body), query_(query), phrases_(search_phrases(query.text)) {
@@ -166,7 +166,7 @@ class Search {
   [[nodiscard]] Connection& connection() const { return *body_.connection; }
   [[nodiscard]] const Dialect& dialect() const { return connection().dialect(); }
 
-  /// SELECT of the matching entries from the search index.
+  /// SQL SELECT that returns the matching entries from the search index.
   [[nodiscard]] std::string match(Sql& sql, Among among) const {
     const bool in_name = among == Among::in_name;
     const std::vector<std::string>& kinds = query_.kinds;
@@ -259,7 +259,7 @@ class Search {
                                dialect().hit_source + (names ? " WHERE NOT " + begins(sql) : "");
     std::string where;
     if (after) {
-      // The part is the first sort key.
+      // The part of the order by relevance is the first sort key.
       const std::string here = std::to_string(after->part), key = column.number ? after->key : sql.parameter(Value(after->key));
       where = " WHERE s.part > " + here + " OR (s.part = " + here + " AND (s.key, s.id) " + (column.descending ? "<" : ">") + " (" + key +
               ", " + sql.parameter(Value(after->id)) + "))";
@@ -282,7 +282,7 @@ class Search {
     for (int part = after ? after->part : 0; part < (by_relevance_ ? relevance_parts : 1) && all.size() <= query_.limit; ++part) {
       const std::optional<Position> from = after && part == after->part ? after : std::nullopt;
       Result<std::size_t> name_matches = sort_limit() + 1;
-      if (part == 1) name_matches = count_matches(Among::in_name);  // only few of the many matches may have the text in the name
+      if (part == 1) name_matches = count_matches(Among::in_name);  // of the many matches, only few may have the text in the name
       if (!name_matches) return fail(std::move(name_matches.error()));
       Result<std::vector<Hit>> hits;
       if (*name_matches <= sort_limit()) {

@@ -147,7 +147,7 @@ Result<LibraryEntry> Library::save(const LibrarySave& save) {
       next.size = static_cast<std::int64_t>(save.data->size());
       if (Result<void> done = put_blob(*body_->connection, next.data, *save.data); !done) return fail(std::move(done.error()));
     }
-    if (next == entry->newest) return public_entry(*entry);  // nothing to save
+    if (next == entry->newest) return public_entry(*entry);  // equal to the newest version: nothing to save
     ++next.version;
     next.author = body_->author;
     next.saved = *now;
@@ -162,7 +162,7 @@ Result<LibraryEntry> Library::restore(std::string_view id, int base, int version
   Result<std::vector<LibraryVersion>> versions = history(id);
   if (!versions) return fail(std::move(versions.error()));
   const auto old = std::ranges::find(*versions, version, &LibraryVersion::version);
-  Result<std::vector<std::byte>> bytes = data(id, version);  // an error if the version does not exist
+  Result<std::vector<std::byte>> bytes = data(id, version);  // returns an error if the version does not exist
   if (!bytes) return fail(std::move(bytes.error()));
   return save({std::string(id), base, old->name, old->summary, old->note, std::move(*bytes)});
 }

@@ -53,8 +53,8 @@ struct OptionsEnd {
   void operator()(PQconninfoOption* o) const { PQconninfoFree(o); }
 };
 
-/// The secret parts of an address: the options that libpq marks as secret. Because the address may be malformed, also every text between
-/// the user's name and the last '@' that may be part of a password.
+/// The secret parts of an address: the options that libpq marks as secret. Because the address may be malformed, the result also has every
+/// text between the user's name and the last '@' that may be part of a password.
 std::vector<std::string> secrets_of(const std::string& address) {
   std::vector<std::string> secrets;
   char* message = nullptr;
@@ -231,7 +231,7 @@ class PostgresConnection final : public Connection {
   Result<void> unlimited(const char* sql) {
     if (Result<void> set = limit_statements(false); !set) return set;
     Result<void> done = run(sql, std::chrono::hours(24));
-    if (!done && open_) return done;  // the rollback restores the limit
+    if (!done && open_) return done;  // the rollback of the open transaction restores the time limit
     Result<void> set = limit_statements(true);
     return done ? set : done;
   }
@@ -241,7 +241,7 @@ class PostgresConnection final : public Connection {
   /// Connects again if the connection is known to be lost.
   Result<void> reconnect_if_lost() { return lost() ? connect() : Result<void>{}; }
 
-  /// libpq's message in brackets, for messages; empty if the message contains a secret.
+  /// libpq's message in brackets, to be appended to an error message; empty if libpq's message contains a secret.
   [[nodiscard]] std::string detail(std::string text) const {
     while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
     std::ranges::replace(text, '\n', ' ');
@@ -251,7 +251,7 @@ class PostgresConnection final : public Connection {
     return text.empty() ? "" : " (" + text + ")";
   }
 
-  /// The connection was lost during a COMMIT: reconnects and asks the server whether the transaction was committed.
+  /// To be called if the connection was lost during a COMMIT: reconnects and asks the server whether the transaction was committed.
   /// @param transaction id of the transaction; empty if it changed nothing
   Result<void> resolve_commit(const std::string& transaction) {
     if (transaction.empty()) return {};
@@ -372,11 +372,11 @@ class PostgresConnection final : public Connection {
   std::string address_, location_;
   std::vector<std::string> secrets_;
   bool read_only_, open_ = false, retry_ = false;
-  bool silent_ = false;     ///< the last statement ended because the server did not respond
-  bool listening_ = false;  ///< changed_elsewhere() was called
-  bool missed_ = false;     ///< notifications may have been lost with an earlier connection
+  bool silent_ = false;     ///< true: the last statement ended because the server did not respond
+  bool listening_ = false;  ///< true: changed_elsewhere() has been called
+  bool missed_ = false;     ///< true: notifications may have been lost with an earlier connection
   Handle handle_;
-  std::map<std::string, std::string, std::less<>> prepared_;  ///< names of prepared statements, by their SQL
+  std::map<std::string, std::string, std::less<>> prepared_;  ///< names of the prepared statements, by their SQL text
 };
 
 }  // namespace
@@ -387,7 +387,7 @@ std::string without_password(std::string_view location) {
   if (!is_postgres(location)) return std::string(location);
   std::string out(location);
   const std::size_t begin = out.find("://") + 3, end = out.rfind('@');
-  if (end != std::string::npos && out.find('?') < end) return out.substr(0, begin) + "***";  // the end of the password is unclear
+  if (end != std::string::npos && out.find('?') < end) return out.substr(0, begin) + "***";  // it is unclear where the password ends
   if (end != std::string::npos && end > begin) {
     const std::size_t colon = out.find(':', begin);
     if (colon < end) out.replace(colon, end - colon, "");

@@ -181,7 +181,7 @@ Result<void> Database::check_structure() {
 }
 
 Result<std::vector<std::byte>> Database::raw(std::int64_t offset, std::size_t size) {
-  if (offset < 0) return std::vector<std::byte>();  // a damaged file may name page 0
+  if (offset < 0) return std::vector<std::byte>();  // a damaged file may refer to the invalid page number 0
   sqlite3_file* file = nullptr;
   if (sqlite3_file_control(handle_, "main", SQLITE_FCNTL_FILE_POINTER, static_cast<void*>(&file)) != SQLITE_OK || file == nullptr ||
       file->pMethods == nullptr)
@@ -293,7 +293,7 @@ Transaction::~Transaction() {
 Result<void> Transaction::commit() {
   UGOKI_CHECK(database_ != nullptr);
   Result<void> done = database_->run("COMMIT");
-  if (done) database_ = nullptr;  // otherwise the destructor rolls back
+  if (done) database_ = nullptr;  // committed: the destructor must not roll back
   return done;
 }
 

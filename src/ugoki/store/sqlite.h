@@ -27,8 +27,8 @@ enum class OpenMode {
 /// A connection to a SQLite file. Used by one thread at a time.
 class Database {
  public:
-  /// Opens a file; ":memory:" is a database that exists as long as the connection. With read_only, a file in write-ahead-log mode can be
-  /// opened even if its folder is not writable.
+  /// Opens the database file `path`; ":memory:" makes a database in memory that exists as long as the connection. With read_only, a file in
+  /// write-ahead-log mode can be opened even if its folder is not writable.
   [[nodiscard]] static Result<Database> open(const std::string& path, OpenMode mode);
   Database(Database&& other) noexcept;
   Database& operator=(Database&& other) noexcept;
@@ -47,7 +47,7 @@ class Database {
   [[nodiscard]] Result<void> check_structure();
   /// Reads `size` bytes at `offset` of the database file, fewer at its end. Uses the open descriptor and ignores the write-ahead log.
   [[nodiscard]] Result<std::vector<std::byte>> raw(std::int64_t offset, std::size_t size);
-  /// A copy in memory, with the path of this database in messages.
+  /// A copy of the database in memory. Its error messages name the path of this database.
   [[nodiscard]] Result<Database> copy_to_memory();
   /// True if the path no longer names the open file.
   [[nodiscard]] bool has_moved();

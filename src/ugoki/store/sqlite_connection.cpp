@@ -110,7 +110,7 @@ class SqliteConnection final : public Connection {
     open_ = false;
     if (!writing_ || !watch_) return {};
     writing_ = false;
-    // The file may have been replaced during the transaction, which is then in the old file only.
+    // If the file was replaced during the transaction, the changes are only in the old file.
     if (const std::optional<FileLoss> loss = watch_->moved(); loss) return lose(*loss);
     if (const std::optional<FileLoss> loss = watch_->overwritten(*database_, stamp); loss) return lose(*loss);
     return {};
@@ -143,7 +143,7 @@ class SqliteConnection final : public Connection {
     if (watch_ && database_)
       if (const std::optional<FileLoss> loss = watch_->moved(); loss) (void)lose(*loss);
     const bool reopened = !database_;
-    const Result<Rows> rows = query("PRAGMA data_version");  // a counter of the commits of other connections
+    const Result<Rows> rows = query("PRAGMA data_version");  // counts the commits of other connections
     if (!rows) return fail(rows.error());
     const std::int64_t before = std::exchange(data_version_, rows->integer(0, 0));
     return before != 0 && (reopened || before != data_version_);
@@ -166,13 +166,13 @@ class SqliteConnection final : public Connection {
     return {};
   }
 
-  /// Closes the lost file, after a rescue copy of a file that has no name any more. @return the error that describes the loss
+  /// Closes the lost file. Saves a rescue copy first if the file has no name any more. @return the error that describes the loss
   std::unexpected<Error> lose(const FileLoss& loss) {
     rollback();
     statements_.clear();
     std::string rescued;
-    // SQLite does not merge the log of a file that was moved when it closes the file. If the log cannot be merged because another program
-    // reads the file, it stays, unless there is a complete copy. Merging it into an overwritten file would damage that file.
+    // SQLite does not merge the log when it closes a file that was moved, so the log is merged here. If another program reads the file, the
+    // log cannot be merged and is kept, unless there is a complete copy. The log of an overwritten file is not merged: it would damage it.
     bool merged = !loss.readable;
     if (loss.readable) {
       const Result<std::int64_t> busy = database_->integer("PRAGMA wal_checkpoint(TRUNCATE)");
@@ -219,12 +219,12 @@ class SqliteConnection final : public Connection {
   }
 
   std::string location_;
-  std::optional<FileWatch> watch_;                            ///< empty: the library is open read-only
+  std::optional<FileWatch> watch_;                            ///< observes the file; empty: the library is open read-only
   std::optional<Database> database_;                          ///< empty: the file was lost, and prepare() opens it again
   std::function<Result<Database>()> reopen_;
-  bool writing_ = false;                                      ///< the open transaction is a write transaction
-  std::map<std::string, Statement, std::less<>> statements_;  ///< prepared statements, by their SQL
-  bool open_ = false;                                         ///< a transaction is open
+  bool writing_ = false;                                      ///< true: the open transaction is a write transaction
+  std::map<std::string, Statement, std::less<>> statements_;  ///< prepared statements, by their SQL text
+  bool open_ = false;                                         ///< true: a transaction is open
   std::int64_t data_version_ = 0;                             ///< PRAGMA data_version at the last changed_elsewhere(); 0: not called yet
 };
 

@@ -90,7 +90,7 @@ LogStamps read_log(const std::string& path) {
   std::vector<StampRow> uncommitted;
   while (read(frame) && read(page)) {
     const std::span<const std::byte> f(frame);
-    if (!std::equal(f.begin() + 8, f.begin() + 16, head.begin() + 16)) break;  // frame of an earlier use of the file
+    if (!std::equal(f.begin() + 8, f.begin() + 16, head.begin() + 16)) break;  // log frame left over from before SQLite began the log again
     sum.add(f.first(8));
     sum.add(page);
     if (sum.s0 != big32(f, 16) || sum.s1 != big32(f, 20)) break;
@@ -98,7 +98,7 @@ LogStamps read_log(const std::string& path) {
       uncommitted.push_back(*row);
       if (std::ranges::find(out.pages, big32(f, 0)) == out.pages.end()) out.pages.push_back(big32(f, 0));
     }
-    if (big32(f, 4) == 0) continue;  // not the last frame of its transaction
+    if (big32(f, 4) == 0) continue;  // this log frame is not the last one of its transaction
     out.has_transactions = true;
     out.rows.insert(out.rows.end(), uncommitted.begin(), uncommitted.end());
     uncommitted.clear();

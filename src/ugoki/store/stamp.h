@@ -22,13 +22,13 @@ namespace ugoki::store {
 
 using Stamp = std::array<std::byte, 16>;
 
-/// The row of the table `stamp`.
+/// The single row of the table `stamp`.
 struct StampRow {
   Stamp stamp{}, previous{};
   friend bool operator==(const StampRow&, const StampRow&) = default;
 };
 
-/// SQL that creates the table.
+/// SQL that creates the table `stamp`.
 inline constexpr const char* stamp_table = R"(
 CREATE TABLE stamp (
   number INTEGER PRIMARY KEY NOT NULL CHECK (number = 1),
@@ -52,7 +52,7 @@ CREATE TABLE stamp (
 struct LogStamps {
   bool has_transactions = false;
   std::vector<StampRow> rows;
-  std::uint32_t page_size = 0;        ///< bytes
+  std::uint32_t page_size = 0;        ///< page size of the database, bytes
   std::vector<std::uint32_t> pages;  ///< numbers of the pages with the stamp, counted from 1, each once; VACUUM moves the stamp
 };
 /// Reads the -wal file `log` as SQLite does: up to the first frame with another salt or a wrong checksum. A missing file has no

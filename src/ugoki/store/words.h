@@ -20,24 +20,24 @@ namespace ugoki::store {
 /// The folded words of a text: at most the first max_words words, each truncated to max_word_size bytes.
 [[nodiscard]] std::vector<std::string> words_of(std::string_view text);
 inline constexpr std::size_t max_words = 2000;
-inline constexpr std::size_t max_word_size = 120;  ///< bytes of UTF-8
+inline constexpr std::size_t max_word_size = 120;  ///< maximum size of a word, bytes of UTF-8
 
 /// The folded words of a name, separated by blanks. Lists are sorted by this key, and "the name begins with" is tested on it.
 [[nodiscard]] std::string name_key(std::string_view name);
 
 /// All words of an entry for the search. A separator between two fields prevents phrases from matching across fields.
 struct SearchText {
-  std::vector<std::string> name;   ///< words of the name
+  std::vector<std::string> name;   ///< folded words of the name
   std::vector<std::string> other;  ///< words of the other fields, with a separator between two fields
   std::vector<std::string> marks;  ///< marks of the kind, the tags and the words of the name; only in the index
-  /// Appends the words of another field.
+  /// Appends the words of another field to `other`.
   void add_other(std::string_view text);
   /// All words with a blank before each, for substring tests: " walk slow <separator> cmu ...".
   [[nodiscard]] std::string all() const;
   [[nodiscard]] std::string name_words() const;   ///< text for the column `name` of SQLite's FTS5 table
   [[nodiscard]] std::string other_words() const;  ///< text for the column `other` of SQLite's FTS5 table
   [[nodiscard]] std::string mark_words() const;   ///< text for the column `marks` of SQLite's FTS5 table
-  /// A literal of PostgreSQL's type tsvector.
+  /// All words as a literal of PostgreSQL's type tsvector.
   [[nodiscard]] std::string tsvector() const;
 };
 
@@ -67,7 +67,7 @@ struct SearchPhrases {
   /// positions in the row); false: only each pair of consecutive words must be adjacent (the index can test this)
   [[nodiscard]] std::string tsquery(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds,
                                     bool exact_phrases) const;
-  [[nodiscard]] bool any_longer_than_pairs() const;  ///< a phrase has three or more words
+  [[nodiscard]] bool any_longer_than_pairs() const;  ///< true: a phrase has three or more words
 };
 /// Parses a search text. Blanks separate phrases; double quotes enclose a phrase of several words. At most 16 phrases are used.
 [[nodiscard]] SearchPhrases search_phrases(std::string_view text);

@@ -14,7 +14,7 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::uint32_t max_text = 64u << 20;  // bytes; bounds the buffer that receive() allocates if the length is corrupt
+constexpr std::uint32_t max_text = 64u << 20;  // maximum size, bytes; bounds the buffer that receive() allocates if the length is corrupt
 
 class Fd {
  public:

@@ -16,7 +16,7 @@ namespace ugoki::studio {
 
 struct ChannelMessage {
   std::string text;
-  std::vector<std::byte> block;  ///< empty if the message has no block
+  std::vector<std::byte> block;  ///< bytes sent with the text; empty: no block
 };
 
 class Channel {
@@ -38,7 +38,7 @@ class Channel {
   /// Sends a message. Returns false if the other end is closed or does not read in time, or if `text` exceeds 64 MiB.
   /// A block of any size is passed as a memory file (memfd), not through the socket.
   bool send(std::string_view text, std::span<const std::byte> block = {});
-  /// Waits for the next message. Returns nothing if the other end is closed or the message cannot be read.
+  /// Waits for the next message. Returns nullopt if the other end is closed or the message cannot be read.
   [[nodiscard]] std::optional<ChannelMessage> receive();
   /// Shuts down both directions; a waiting receive() returns.
   void shut();

@@ -14,10 +14,10 @@ class CircuitBreakpoints {
  public:
   struct Hit {
     std::string condition;      ///< the condition as the user wrote it
-    std::string pin;            ///< name of the output in the flat circuit (nested circuits expanded)
+    std::string pin;            ///< name of the output with its path: "arm/elbow.out"
     std::size_t component = 0;  ///< index of the component in the pin's value
     double value = 0;           ///< value of this component after the tick
-    std::uint64_t tick = 0;     ///< tick that met the condition, from 0
+    std::uint64_t tick = 0;     ///< index of the tick that met the condition, from 0
   };
 
   /// Replaces all breakpoints. @param conditions texts in the syntax of circuit::read_breakpoint

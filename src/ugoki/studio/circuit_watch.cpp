@@ -11,8 +11,8 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::size_t max_shown_values = 8;       // components of a pin that the page shows next to it
-constexpr std::size_t max_curve_components = 16;  // components of a probe that are drawn
+constexpr std::size_t max_shown_values = 8;       // number of components of a value that the page shows next to its pin
+constexpr std::size_t max_curve_components = 16;  // number of components of a probe that are drawn
 constexpr std::size_t max_rows = 2000;            // samples of a probe between two reports; further samples are dropped
 constexpr double rows_a_second = 500;             // samples of a probe per second of simulated time; bounds the size of a report
 constexpr std::uint32_t timing_interval = 4;  // every 4th tick is timed: reading the clock in each tick would take longer than small LSIs

@@ -1,7 +1,7 @@
 #pragma once
 // Collects values of the running circuit for the web pages: current values of outputs, curves of probes, execution time of each LSI.
-// They are sent as `values` events, at most 15 times a second. A probe copies its value after steps; other outputs are read only for
-// the event.
+// They are sent as `values` events, at most 15 times a second. Probes are sampled after steps; other outputs are read only when an event
+// is sent.
 
 #include <cstdint>
 #include <span>
@@ -13,10 +13,10 @@
 namespace ugoki::studio {
 
 struct WatchRequest {
-  std::vector<std::string> pins;    ///< outputs of the flat circuit (nested circuits expanded): "arm/elbow.out"
+  std::vector<std::string> pins;    ///< outputs to report, each with its path: "arm/elbow.out"
   std::vector<std::string> probes;  ///< outputs that are sampled over time and drawn as curves
-  bool timing = false;              ///< report the time that each LSI takes
-  bool closest = false;             ///< append the closest points of all pairs of characters to display frames
+  bool timing = false;              ///< true: report the time that each LSI takes
+  bool closest = false;             ///< true: append the closest points of all pairs of characters to display frames
 };
 
 class CircuitWatch {
@@ -50,7 +50,7 @@ class CircuitWatch {
   struct Curve {
     Pin pin;
     std::size_t components = 0;
-    std::vector<double> samples;  ///< [rows x components]
+    std::vector<double> samples;  ///< samples of the probe: [rows][components]
   };
 
   void resolve();
@@ -61,9 +61,9 @@ class CircuitWatch {
   std::vector<Pin> pins_;
   std::vector<Curve> probes_;
   std::vector<double> times_;  ///< simulated time of each row of samples, s; shared by all curves
-  std::uint32_t stride_ = 1;   ///< ticks between two rows of samples
+  std::uint32_t stride_ = 1;   ///< number of ticks between two rows of samples
   bool dirty_ = false;
-  std::uint64_t counted_from_ = 0;       ///< processor's cycle counter at the last report
+  std::uint64_t counted_from_ = 0;       ///< value of the processor's cycle counter at the last report
   std::uint64_t timed_from_ = 0;         ///< number of ticks with measured execution time, at the last report
   double seconds_from_ = 0;              ///< clock time of the last report, s; 0: no report yet
   std::vector<circuit::Timing> before_;  ///< accumulated execution times of the LSIs at the last report

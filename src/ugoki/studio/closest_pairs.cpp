@@ -59,7 +59,7 @@ void ClosestPairs::find() {
   found_.clear();
   const int count = static_cast<int>(poses_.size());
   // With more characters than this, only pairs closer than 0.1 m are searched: the number of pairs grows with the square of the count.
-  constexpr int max_characters = 24;  // 276 pairs
+  constexpr int max_characters = 24;  // 24 characters have 276 pairs
   if (count <= max_characters) {
     for (int a = 0; a < count; ++a)
       for (int b = a + 1; b < count; ++b)

@@ -13,7 +13,7 @@ namespace ugoki::studio {
 
 class ClosestPairs {
  public:
-  /// Maximum distance of a pair that is shown, m.
+  /// Maximum distance between the characters of a pair that is shown, m.
   static constexpr double max_distance = 3;
   /// Maximum number of pairs in a frame; the closest pairs are kept.
   static constexpr std::size_t max_pairs = 64;
@@ -35,7 +35,7 @@ class ClosestPairs {
 
   collision::Scene scene_;
   collision::SceneTree tree_;
-  std::vector<std::vector<Pose>> poses_;  // [characters][links]
+  std::vector<std::vector<Pose>> poses_;  // poses of the links: [characters][links]
   std::vector<std::span<const Pose>> views_;
   std::vector<Found> found_;
   std::vector<std::byte> bytes_;

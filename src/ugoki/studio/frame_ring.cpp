@@ -17,7 +17,7 @@ struct FrameRing::Slot {
 };
 
 struct FrameRing::Shared {
-  std::atomic<std::uint64_t> written;  ///< frames written so far
+  std::atomic<std::uint64_t> written;  ///< number of frames written so far
   Slot slots[slot_count];
 };
 

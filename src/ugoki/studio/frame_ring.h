@@ -31,7 +31,7 @@ class FrameRing {
   [[nodiscard]] int fd() const { return fd_; }
   /// Writes a frame. Returns false if it is larger than a slot. To be called by one writer only.
   bool write(std::span<const std::byte> frame);
-  /// Returns the next unread frame; nothing if there is none. To be called by one reader only.
+  /// Returns the next unread frame; nullopt if there is none. To be called by one reader only.
   [[nodiscard]] std::optional<std::vector<std::byte>> read();
 
  private:

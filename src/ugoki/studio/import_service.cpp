@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t max_stages = 64;
-constexpr std::size_t max_bytes = std::size_t{768} << 20;  // maximum size of all stages and companion files together
+constexpr std::size_t max_bytes = std::size_t{768} << 20;  // maximum size of all stages (files not yet stored) and companion files together
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -56,7 +56,7 @@ Json entries_json(const intake::Intake& intake_result) {
   return entries;
 }
 
-/// JSON of a stage: the settings used, the conversion report, the mechanism and the motion.
+/// JSON of a stage (a file that was read but not stored): settings used, conversion report, mechanism and motion.
 std::string stage_json(std::string_view id, const std::string& file, const intake::Intake& intake_result) {
   const intake::FileKind kind = intake::file_kind(file).value_or(intake::FileKind::bvh);
   const bool moves = intake_result.motion.has_value();
@@ -208,7 +208,7 @@ Result<std::string> reference_character_json(double height) {
   MeasuredMotion stand = samples::make_human_stand();
   body::BodyOptions options;
   options.height = height;
-  intake::scale(stand, height / 1.75);  // the sample human is 1.75 m tall
+  intake::scale(stand, height / 1.75);  // `stand` is 1.75 m tall before scaling
   Result<body::Body> body = body::make_body(stand, options);
   if (!body) return fail(std::move(body.error()));
   const Motion motion = body::to_motion(*body, stand);

@@ -16,7 +16,7 @@ namespace ugoki::studio {
 
 /// The user's settings for reading a file. An empty text or zero means: use what the file's reader specifies or guesses.
 struct ImportSettings {
-  double unit = 0;          ///< m per unit of length of the file
+  double unit = 0;          ///< length of the file's unit, m
   std::string up, forward;  ///< axes of the file's coordinates: "x", "-x", "y" ...; set both or neither
   double rate = 0;          ///< frame rate, 1/s
 };

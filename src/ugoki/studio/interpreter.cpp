@@ -17,11 +17,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double display_rate = 60;      // display ticks a second
+constexpr double display_rate = 60;      // ticks of the display per second
 constexpr double slice_seconds = 0.004;  // maximum time in one call of work(), s: a quarter of a display tick, so requests wait little
-constexpr double max_lag = 0.25;         // s; playing that is later than this slows down instead of catching up
+constexpr double max_lag = 0.25;         // s; when playing lags behind the clock by more than this, it slows down and does not catch up
 constexpr double cheap_seconds = 3;      // maximum time for recomputing the simulation after an edit, s; otherwise it starts at 0
-constexpr double transport_period = 0.5, summary_period = 0.25;  // s between reports
+constexpr double transport_period = 0.5, summary_period = 0.25;  // times between two reports, s
 
 Error make_error(ErrorCode code, std::string location, std::string message, std::string remedy) {
   return {code, std::move(location), std::move(message), std::move(remedy)};
@@ -49,7 +49,7 @@ std::uint64_t Interpreter::head_digest() const {
 }
 
 double Interpreter::realtime_factor() const {
-  constexpr double unknown = 10;  // assumed multiple of real time, until steps have been measured
+  constexpr double unknown = 10;  // speed, as a multiple of real time, that is assumed until steps have been measured
   return computed_seconds_ > 0 && simulation_ ? computed_steps_ * simulation_->step_size() / computed_seconds_ : unknown;
 }
 
@@ -211,7 +211,7 @@ std::vector<std::string> Interpreter::change_library() {
   attach_circuit(simulation_->circuit());
   if (!kept)
     return {"The installed LSIs changed and no longer fit the content. The content continues with the old ones. " + kept.error().text()};
-  if (blown_up_) {  // the change may have fixed the failed LSI: allow to continue from the last good state
+  if (blown_up_) {  // the new library may have fixed the failed LSI: allow playing to continue from the last good state
     blown_up_ = false;
     status_ = playing_ ? "playing" : "ready";
   }

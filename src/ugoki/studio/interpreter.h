@@ -28,7 +28,7 @@
 
 namespace ugoki::studio {
 
-inline constexpr double min_play_speed = 0.05, max_play_speed = 8;  ///< 1 is real time
+inline constexpr double min_play_speed = 0.05, max_play_speed = 8;  ///< limits of the playback speed; 1 is real time
 
 /// Receives the interpreter's frames and messages. Implementations must not wait for a reader.
 class InterpreterSink {
@@ -53,7 +53,7 @@ class Interpreter {
   [[nodiscard]] Result<void> set_mode(PlayMode mode);
   [[nodiscard]] Result<void> play(std::optional<double> speed);  ///< starts at time 0 if the end is shown
   [[nodiscard]] Result<void> pause();
-  [[nodiscard]] Result<void> step_frames(int frames);  ///< moves the shown time by display frames (< 0: back) and pauses
+  [[nodiscard]] Result<void> step_frames(int frames);  ///< moves the shown time by this number of display frames (< 0: back) and pauses
   /// Computes one step of dynamics from the shown time and pauses. A recorded step is recomputed with the recorded inputs.
   [[nodiscard]] Result<void> step_tick();
   [[nodiscard]] Result<void> seek(double time);
@@ -139,7 +139,7 @@ class Interpreter {
   std::optional<Recording> recording_;
   PlayMode mode_ = PlayMode::edit;
   bool playing_ = false;
-  bool blown_up_ = false;  ///< the step after the head failed, or the recording is full
+  bool blown_up_ = false;  ///< true: the step after the head failed, or the recording is full
   double speed_ = 1;
   double shown_ = 0;  ///< time of the frame that the pages show, s
   Goal goal_ = Goal::none;
@@ -148,18 +148,18 @@ class Interpreter {
   std::optional<circuit::DeviceUse> reported_devices_;
   std::size_t next_input_ = 0;                   ///< index of the first recorded input that the simulation has not applied yet
   double anchor_seconds_ = 0, anchor_time_ = 0;  ///< clock time and shown time from which display ticks are counted, s
-  std::int64_t ticks_ = 0;                       ///< display ticks since anchor_seconds_
+  std::int64_t ticks_ = 0;                       ///< number of display ticks since anchor_seconds_
   double computed_seconds_ = 0;                  ///< clock time spent in recent steps, s; decays exponentially
   double computed_steps_ = 0;                    ///< number of recent steps; decays like computed_seconds_
   double transport_reported_ = -1, summary_reported_ = -1;
   bool summary_due_ = false;
   CircuitWatch watch_;
   CircuitBreakpoints breakpoints_;
-  bool breakpoint_met_ = false;    ///< the last call of work_on_goal() ended at a breakpoint
+  bool breakpoint_met_ = false;    ///< true: the last call of work_on_goal() ended at a breakpoint
   std::int64_t replay_until_ = 0;  ///< before this step the recorded inputs are used instead of the current device state
   bool show_closest_ = false;
   std::unique_ptr<ClosestPairs> closest_pairs_;  ///< created when closest points are first shown
-  int touches_reported_ = 0;                     ///< touches reported since the last summary
+  int touches_reported_ = 0;                     ///< number of touches reported since the last summary
   double values_reported_ = -1;
   std::string status_ = "ready";
   Error stop_;  ///< the reason why blown_up_ is set

@@ -47,7 +47,7 @@ class ChildSink final : public InterpreterSink {
     [[maybe_unused]] const ssize_t n = ::write(child_file::signal, &one, sizeof one);
   }
   void message(std::string json) override {
-    if (!control_.send(json)) _exit(0);  // the studio closed the socket
+    if (!control_.send(json)) _exit(0);  // sending fails only if the studio has closed the socket
   }
 
  private:
@@ -155,7 +155,7 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
 }  // namespace
 
 int run_interpreter(SimulationOpener opener) {
-  constexpr double library_period = 0.25;  // s between checks for changed LSI libraries
+  constexpr double library_period = 0.25;  // time between two checks for changed LSI libraries, s
   std::signal(SIGPIPE, SIG_IGN);
   (void)plugin::attach_guard_block(child_file::guard);
   plugin::guard_process(child_file::words);

@@ -67,7 +67,7 @@ Result<void> Interpreter::drag(const Vec3& target) {
   const std::vector<LiveInput>& inputs = recording_->inputs();
   const auto last = std::find_if(inputs.rbegin(), inputs.rend(), [](const LiveInput& i) { return i.type != LiveInput::Type::hold; });
   if (mode_ != PlayMode::simulate || last == inputs.rend() || last->type == LiveInput::Type::release)
-    return {};  // a late drag: the grab was already released
+    return {};  // the drag message came too late: the grab has already been released
   LiveInput input;
   input.type = LiveInput::Type::drag;
   input.a = target;
@@ -86,7 +86,7 @@ Result<void> Interpreter::input(const circuit::DeviceChange& change) {
   const circuit::DeviceState before = held_;
   circuit::apply(change, held_);
   const bool acts_now = simulation_ && simulation_->devices() && mode_ == PlayMode::simulate && playing_ && goal_ != Goal::seek;
-  if (acts_now && simulation_->devices()->presses(before, held_)) replay_until_ = 0;   // the press replaces the recorded inputs
+  if (acts_now && simulation_->devices()->presses(before, held_)) replay_until_ = 0;   // the user's input replaces the recorded inputs
   if (!acts_now || shown_ >= head_time() - 0.5 * simulation_->step_size()) return {};  // the next computed step reads held_
   if (!simulation_->devices()->presses(before, held_)) return {};
   if (Result<void> r = truncate(step_at(shown_)); !r) return r;
@@ -104,7 +104,7 @@ Result<void> Interpreter::record_held_devices() {
 }
 
 Result<void> Interpreter::live_input(LiveInput input) {
-  if (goal_ == Goal::seek) {  // the input ends the seek and acts at the head, not at the requested time
+  if (goal_ == Goal::seek) {  // the input ends the seek; it acts at the head (end of the recording), not at the requested time
     goal_ = Goal::none;
     shown_ = head_time();
     anchor();
@@ -113,7 +113,7 @@ Result<void> Interpreter::live_input(LiveInput input) {
     if (Result<void> r = truncate(step_at(shown_)); !r) return r;
     anchor();
   }
-  recording_->truncate(simulation_->step_count() + 1);  // drops recorded inputs after the head, which were still to be replayed
+  recording_->truncate(simulation_->step_count() + 1);  // drops recorded inputs after the head, not yet replayed
   replay_until_ = 0;
   apply_due_inputs();
   input.step = simulation_->step_count();

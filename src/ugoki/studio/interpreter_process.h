@@ -17,7 +17,7 @@
 
 namespace ugoki::studio {
 
-/// Command line of the interpreter's process.
+/// Command line that starts the interpreter's process.
 struct InterpreterProgram {
   std::string path;                    ///< path of the executable
   std::vector<std::string> arguments;  ///< arguments that make the executable call run_interpreter
@@ -26,7 +26,7 @@ struct InterpreterProgram {
 /// Callbacks. They are called on the thread of the InterpreterProcess and must not block.
 struct InterpreterEvents {
   std::function<void(std::vector<std::byte>)> frame;
-  std::function<void(std::string)> message;  ///< an event, or a reply to a request
+  std::function<void(std::string)> message;  ///< receives an event, or a reply to a request
   /// The process ended unexpectedly. The argument is the reason; its location is the LSI's id if an LSI caused the end. No callback
   /// follows.
   std::function<void(Problem)> ended;

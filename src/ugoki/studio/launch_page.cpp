@@ -22,7 +22,7 @@ Result<std::unique_ptr<LaunchPage>> LaunchPage::write(const std::string& address
       runtime != nullptr && *runtime == '/' ? std::filesystem::path(runtime) : std::filesystem::temp_directory_path(ec);
   constexpr std::string_view ending = ".html";
   std::string path = (folder / "ugoki-studio-XXXXXX").string() + std::string(ending);
-  const int fd = ::mkostemps(path.data(), static_cast<int>(ending.size()), O_CLOEXEC);  // permissions 0600
+  const int fd = ::mkostemps(path.data(), static_cast<int>(ending.size()), O_CLOEXEC);  // creates the file with permissions 0600
   if (fd < 0) {
     return fail(ErrorCode::io, folder.string(),
                 std::string("The file that opens the browser cannot be written: ") + std::strerror(errno) + ".",

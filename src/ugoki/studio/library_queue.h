@@ -22,7 +22,7 @@ class LibraryQueue {
   /// @param work returns false if the library failed, for any reason
   /// @param refuse called instead of `work`: on the calling thread during post(), or on the library's thread; must not block
   void post(std::function<bool()> work, std::function<void(const Error&)> refuse);
-  /// True if the library did not respond and no poll has found it back yet. Thread-safe.
+  /// True after the library did not respond, until a poll finds that it responds again. Thread-safe.
   [[nodiscard]] bool away() const { return away_; }
   /// Ends the thread after the queued work; see TaskQueue::close().
   void close() { queue_.close(); }

@@ -169,7 +169,7 @@ Result<std::string> LibraryService::list(std::string_view query, const std::vect
 
   // The curve of a motion that was not listed before requires reading the motion's data. An answer makes only a limited number of new
   // curves, so that a list is not delayed.
-  constexpr int new_curves = 40;  // answers to later requests add the others
+  constexpr int new_curves = 40;  // maximum in one answer; answers to later requests add the others
   int budget = new_curves;
   std::set<std::string, std::less<>> ids;
   std::string entries;

@@ -28,12 +28,12 @@ class LibraryService {
   /// @param changed set to true if the library changed, so that all pages should request the list again
   [[nodiscard]] ApiReply answer(const ApiRequest& request, const std::vector<ProjectEntry>& project, bool& changed);
 
-  /// The library, opened on first use.
+  /// The library, which is opened at the first call.
   [[nodiscard]] Result<store::Library*> library();
   /// Result of poll().
   struct Poll {
     bool responds = true;   ///< false: the library cannot be opened or read
-    bool changed = false;  ///< all pages should request the list again
+    bool changed = false;  ///< true: all pages should request the list again
   };
   /// Asks whether another program or user changed the library since the last call, or whether it responds again after a failure. Does
   /// nothing before the first use of the library. To be called every few seconds.
@@ -60,8 +60,8 @@ class LibraryService {
 
   std::string location_;
   std::optional<store::Library> library_;
-  bool wanted_ = false;                                         ///< library() was called
-  bool away_ = false;                                           ///< the last poll() or opening failed
+  bool wanted_ = false;                                         ///< true: the library has been requested by a call of library()
+  bool away_ = false;                                           ///< true: the last poll() or opening failed
   std::map<std::string, formats::Asf, std::less<>> skeletons_;  ///< received ASF files, by file name in lower case
   std::string last_skeleton_;
   std::map<std::string, std::string, std::less<>> curves_;  ///< JSON of thumbnail curves, by content id of the motion

@@ -340,21 +340,21 @@ class Operation {
     if (done) out_.motion.name = in_.name.ends_with(end) ? in_.name.substr(0, in_.name.size() - end.size()) : in_.name + end;
     return done;
   }
-  /// The clip plays the whole resulting motion once, at its own speed.
+  /// Sets the clip to play the whole resulting motion once, at the motion's own speed.
   void play_once(const Result<Motion>& made) {
     out_.clip.offset = 0;
     out_.clip.speed = 1;
     out_.clip.loop = false;
     if (made) out_.clip.length = made->duration();
   }
-  /// The clip repeats the resulting motion for as long as the clip lasted before.
+  /// Sets the clip to repeat the resulting motion for as long as the clip lasted before.
   void play_looped() {
     out_.clip.offset = 0;
     out_.clip.speed = 1;
     out_.clip.loop = true;
   }
 
-  /// The part of the motion that the clip shows, as original frames without resampling; for a looped clip the whole motion.
+  /// The section of the motion that the clip shows, with its original frames (no resampling); for a looped clip the whole motion.
   Result<Motion> section() const {
     const content::ScenarioClip& c = e_.target.clip;
     if (c.loop) return in_;
@@ -383,7 +383,7 @@ class Operation {
     return 0;
   }
 
-  /// The second motion, retargeted if it was made for another mechanism.
+  /// The second motion, retargeted to the clip's mechanism if it was made for another one.
   Result<Motion> other_on_this_body() {
     if (e_.other_mechanism == e_.mechanism || e_.other_mechanism->name() == m_.name()) {
       if (check_motion(*e_.other, m_).empty()) return *e_.other;
@@ -404,7 +404,7 @@ class Operation {
     std::vector<MaskEntry> entries;
     f_.number("weight", o.weight);
     f_.number("fade", o.fade);
-    double delay = 0;  // s after the clip's beginning
+    double delay = 0;  // start of the second motion, s after the clip's beginning
     f_.number("at", delay);
     if (const Json* list = f_.list("joints", 10'000, "links"))
       for (const Json& v : *list) {

@@ -1,6 +1,6 @@
 #pragma once
 // Operations on the motion of a clip, as requested by a page (docs/studio-protocol.md, "motion"). From options and motions they compute a
-// new motion, the clip's new settings and a report in sentences. Independent of project and library.
+// new motion, the clip's new settings and a report as text. Independent of project and library.
 
 #include <atomic>
 #include <string>
@@ -14,17 +14,17 @@
 
 namespace ugoki::studio {
 
-/// A clip with its motion.
+/// A clip of the scenario with the motion that it plays.
 struct ClipMotion {
   content::ScenarioClip clip;
   MotionPtr motion;
 };
 
-/// An operation and its inputs.
+/// An operation on a motion, with its inputs.
 struct MotionEdit {
   std::string operation;  ///< name of the operation, for example "mirror"
   json::Json options = json::Json::object();
-  MechanismPtr mechanism;                        ///< mechanism of the motion
+  MechanismPtr mechanism;                        ///< mechanism that the edited motion moves
   ClipMotion target;                             ///< the clip whose motion is edited
   ClipMotion next;                               ///< `join`: the next clip on the track; motion null: there is none
   MotionPtr other;                               ///< `mix`, `layer`, `blend`: the second motion
@@ -33,12 +33,12 @@ struct MotionEdit {
   const std::atomic<bool>* cancelled = nullptr;  ///< if another thread sets it, long operations end soon with an error; may be null
 };
 
-/// The result of an operation.
+/// The result of an operation on a motion.
 struct EditedMotion {
   std::string label;  ///< label of the undo step, for example "Mirror motion"
   Motion motion;
   content::ScenarioClip clip;       ///< the clip with new settings; its motion id is still that of the old motion
-  std::vector<std::string> report;  ///< what was done, in sentences
+  std::vector<std::string> report;  ///< sentences for the user about what was done
 };
 
 /// The additional input that an operation needs.

@@ -12,7 +12,8 @@ namespace ugoki::studio {
 using ClientId = std::uint64_t;  ///< identifies one WebSocket connection; never reused
 using FrameBytes = std::shared_ptr<const std::vector<std::byte>>;
 
-/// All members are thread-safe and never wait for a page. Texts are JSON messages of docs/studio-protocol.md.
+/// Sends messages and frames to the pages. All members are thread-safe and never wait for a page. Texts are the JSON messages of
+/// docs/studio-protocol.md.
 class Outbox {
  public:
   virtual ~Outbox() = default;

@@ -18,16 +18,16 @@ struct LiveInput {
   std::int64_t step = 0;
   Type type = Type::push;
   int character = 0, link = 0;
-  Vec3 a;                                            ///< force [N] (push); point [m] in the link's frame (grab); target [m], world (drag)
-  Vec3 b;                                            ///< target [m], world (grab)
-  double duration = 0;                               ///< s (push)
-  std::shared_ptr<const circuit::DeviceState> held;  ///< keyboard, mouse and gamepads (hold)
+  Vec3 a;                                            ///< push: force [N], world; grab: point [m], link frame; drag: target [m], world
+  Vec3 b;                                            ///< grab: target [m], world
+  double duration = 0;                               ///< push: duration of the force, s
+  std::shared_ptr<const circuit::DeviceState> held;  ///< hold: state of keyboard, mouse and gamepads
 };
 
 /// A time interval with a constant number of feet on the ground.
 struct ContactStretch {
   int character = 0;
-  double from = 0, to = 0;  ///< s
+  double from = 0, to = 0;  ///< begin and end of the interval, s
   int feet = 0;
 };
 
@@ -51,7 +51,7 @@ class Recording {
   /// True if frames and checkpoints use more than 1 GiB.
   [[nodiscard]] bool full() const { return bytes_ > max_bytes; }
 
-  /// True if a checkpoint is to be added at this step: one each 0.5 s.
+  /// True if a checkpoint is due at this step. Checkpoints are 0.5 s of simulated time apart.
   [[nodiscard]] bool checkpoint_due(std::int64_t step) const;
   /// Appends an empty checkpoint and returns its state, which the caller fills.
   std::vector<std::byte>& add_checkpoint(std::int64_t step);
@@ -71,7 +71,7 @@ class Recording {
   /// Index of the first recorded input at or after `step`.
   [[nodiscard]] std::size_t first_input(std::int64_t step) const;
 
-  /// Removes frames and checkpoints after `step`, and inputs at or after it.
+  /// Removes the frames and checkpoints after `step`, and the inputs at or after `step`.
   void truncate(std::int64_t step);
 
   /// Intervals with a constant number of feet on the ground, for all recorded frames; the page draws them as the contact bar.
@@ -83,7 +83,7 @@ class Recording {
   std::int64_t checkpoint_steps_;
   std::size_t characters_;
   std::vector<std::vector<std::byte>> frames_;
-  std::vector<std::uint8_t> feet_;  ///< [frames][characters]
+  std::vector<std::uint8_t> feet_;  ///< number of feet on the ground: [frames][characters]
   std::vector<Checkpoint> checkpoints_;
   std::vector<LiveInput> inputs_;
   std::size_t bytes_ = 0;

@@ -17,31 +17,31 @@ namespace ugoki::studio {
 /// True if both texts are equal and not empty. The time does not depend on where they differ.
 [[nodiscard]] bool equal_secret(std::string_view given, std::string_view secret);
 
-/// The token in an Authorization header of the form "Bearer TOKEN" (RFC 6750); nothing if the header has another form.
+/// The token in an Authorization header of the form "Bearer TOKEN" (RFC 6750); nullopt if the header has another form.
 [[nodiscard]] std::optional<std::string> bearer_token(std::string_view header);
 
 /// Name of the studio's WebSocket subprotocol. A page cannot set headers of a WebSocket, so it offers the two subprotocols "ugoki" and
 /// "ugoki.token.TOKEN".
 inline constexpr std::string_view subprotocol = "ugoki";
-/// The token in the list of subprotocols of a Sec-WebSocket-Protocol header; nothing if it contains none.
+/// The token in the list of subprotocols of a Sec-WebSocket-Protocol header; nullopt if the list contains no token.
 [[nodiscard]] std::optional<std::string> subprotocol_token(std::string_view header);
 /// True if the list of subprotocols contains "ugoki".
 [[nodiscard]] bool offers_subprotocol(std::string_view header);
 
-/// Percent-decoded text ('+' stays '+'); nothing if an escape is invalid or decodes to NUL.
+/// Percent-decoded text ('+' stays '+'); nullopt if an escape is invalid or decodes to NUL.
 [[nodiscard]] std::optional<std::string> percent_decoded(std::string_view text);
 
 /// A request target (path and query of a URL) split into its parts.
 struct Target {
-  std::string path;   ///< decoded, begins with '/'
-  std::string query;  ///< not decoded, without '?'
+  std::string path;   ///< percent-decoded path, begins with '/'
+  std::string query;  ///< query as in the target (not decoded), without '?'
 };
-/// Splits a request target; nothing if it is not an absolute path or contains an invalid escape.
+/// Splits a request target; nullopt if the target is not an absolute path or contains an invalid escape.
 [[nodiscard]] std::optional<Target> parse_target(std::string_view target);
 
-/// The decoded value of `name` in a query string ('+' is a space); nothing if it is absent or invalid.
+/// The decoded value of `name` in a query string ('+' is a space); nullopt if it is absent or invalid.
 [[nodiscard]] std::optional<std::string> query_value(std::string_view query, std::string_view name);
-/// The number `name` in a query string; nothing if it is absent or empty.
+/// The number `name` in a query string; nullopt if it is absent or empty.
 /// Error (its location is the name): the value is not a finite number from `min` to `max`.
 [[nodiscard]] Result<std::optional<double>> query_number(std::string_view query, std::string_view name, double min, double max);
 /// All decoded values of `name`, in order; invalid ones are omitted.
@@ -53,10 +53,10 @@ struct Target {
 
 /// The fields of a request that decide on its admission. Views into the request.
 struct Credentials {
-  std::string_view host;       ///< Host header; empty if absent
+  std::string_view host;       ///< value of the Host header; empty if absent
   std::size_t host_count = 0;  ///< number of Host headers
   std::optional<std::string_view> origin;
-  std::string_view authorization;  ///< Authorization header
+  std::string_view authorization;  ///< value of the Authorization header
   std::string_view subprotocols;   ///< Sec-WebSocket-Protocol header; used for /ws only
   std::string_view path;
 };

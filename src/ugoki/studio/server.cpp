@@ -34,8 +34,8 @@ using tcp = net::ip::tcp;
 using error_code = boost::system::error_code;
 
 constexpr std::uint32_t max_header_bytes = 16 * 1024;
-constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // bytes; maximum body of a request other than an import
-constexpr std::size_t max_open_body = 1024;                      // bytes; maximum body of a request without the token
+constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // maximum body of a request other than an import, bytes
+constexpr std::size_t max_open_body = 1024;                      // maximum body of a request without the token, bytes
 constexpr std::chrono::seconds page_silence{60};                 // a page that answers no ping for this time is disconnected
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
@@ -464,8 +464,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<Response> response_;
   Target target_;
-  std::size_t body_limit_ = 0;       // bytes
-  std::uint64_t unadmitted_id_ = 0;  ///< key in Impl::unadmitted; 0: not in it
+  std::size_t body_limit_ = 0;       // maximum size of the request's body, bytes
+  std::uint64_t unadmitted_id_ = 0;  ///< key of this connection in Impl::unadmitted; 0: not in the map
   bool drain_ = false;
   std::vector<char> drained_;
   std::size_t drained_bytes_ = 0;

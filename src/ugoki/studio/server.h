@@ -15,8 +15,8 @@ namespace ugoki::studio {
 /// A request to /api/... that passed the access control.
 struct ApiRequest {
   std::string method;  ///< "GET" or "POST"
-  std::string path;    ///< decoded, begins with "/api/"
-  std::string query;   ///< see query_value in security.h
+  std::string path;    ///< decoded path, begins with "/api/"
+  std::string query;   ///< undecoded query; read it with query_value (security.h)
   std::string body;
 };
 
@@ -38,12 +38,12 @@ class ServerEvents {
 };
 
 struct ServerOptions {
-  std::uint16_t port = 0;                                 ///< 0: any free port
+  std::uint16_t port = 0;                                 ///< port on 127.0.0.1; 0: any free port
   std::string key;                                        ///< the token is derived from key and port; empty: a new random key
-  std::filesystem::path web;                              ///< folder with index.html; empty: no page
+  std::filesystem::path web;                              ///< folder of the page, with index.html; empty: no page
   std::string page;                                       ///< if not empty: the only page, complete with its scripts, instead of `web`
-  std::size_t max_import_bytes = std::size_t{256} << 20;  ///< maximum body of an import request
-  std::size_t max_message_bytes = std::size_t{8} << 20;   ///< maximum WebSocket message from a page
+  std::size_t max_import_bytes = std::size_t{256} << 20;  ///< maximum size of the body of an import request
+  std::size_t max_message_bytes = std::size_t{8} << 20;   ///< maximum size of a WebSocket message from a page
   std::size_t max_waiting_bytes = std::size_t{64} << 20;  ///< texts queued for one page; a page that exceeds this is disconnected
   std::size_t max_connections = 128;                      ///< a further connection closes the oldest one that has no admitted request
   std::chrono::seconds header_time{5};                    ///< timeout for a request's header; also ends an idle connection
@@ -51,13 +51,13 @@ struct ServerOptions {
   std::chrono::seconds body_time{120};                    ///< timeout for the body of a request with the token
 };
 
-/// Runs on its own thread from listen() to the destructor.
+/// The HTTP and WebSocket server. Runs on its own thread from listen() to the destructor.
 class Server final : public Outbox {
  public:
   /// Opens the port and starts to answer requests. Errors: the port is in use or not permitted.
   /// @param events must outlive the server
   [[nodiscard]] static Result<std::unique_ptr<Server>> listen(ServerOptions options, ServerEvents& events);
-  ~Server() override;  ///< closes every connection
+  ~Server() override;  ///< closes every connection and ends the thread
 
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] const std::string& token() const;  ///< secret for the header "Authorization: Bearer TOKEN"

@@ -110,7 +110,7 @@ void Session::answer(const Request& request) {
   Result<std::string> result;
   try {
     result = serve(request, answered);
-  } catch (const std::exception& e) {  // from the JSON library, or out of memory
+  } catch (const std::exception& e) {  // thrown by the JSON library, or for lack of memory
     result = fail(ErrorCode::io, request.op, std::string("The studio could not do this: ") + e.what() + ".",
                   "The project is safe. Try again, or continue working.");
   }

@@ -43,7 +43,7 @@ struct ProjectEntry {
   std::string id;
   MechanismPtr mechanism;  ///< the mechanism, or for a motion the mechanism that it fits; may be null
   std::string mechanism_id;
-  MotionPtr motion;  ///< null: the entry is the mechanism
+  MotionPtr motion;  ///< the motion; null: the entry is the mechanism
   bool used = true;  ///< false: a motion made by an operation that no clip uses; it is kept for undo and redo only
 };
 
@@ -72,7 +72,7 @@ class Session {
   [[nodiscard]] MechanismPtr find_mechanism(std::string_view id) const;
   [[nodiscard]] std::vector<ProjectEntry> project_entries() const;
   [[nodiscard]] const project::Project& project() const { return project_; }
-  [[nodiscard]] int interpreter_pid() const { return pid_; }  ///< -1: none. Thread-safe
+  [[nodiscard]] int interpreter_pid() const { return pid_; }  ///< process id of the interpreter; -1: none. Thread-safe
 
  private:
   struct Request;  // one message from a page
@@ -81,7 +81,7 @@ class Session {
   struct Pending {
     ClientId client = 0;   ///< page that waits for the reply; 0: none
     std::string reply_to;  ///< request id that the page gave, as JSON; for client 0: a name of the request
-    bool quiet = false;    ///< only a failure is reported to the page
+    bool quiet = false;    ///< true: only a failure is reported to the page
   };
 
   void answer(const Request& request);
@@ -111,7 +111,7 @@ class Session {
   [[nodiscard]] Result<std::string> save(const Request& request);
   [[nodiscard]] std::string choices() const;
   [[nodiscard]] Result<std::string> remember(const Request& request) const;
-  [[nodiscard]] Result<std::string> set_breakpoints(const Request& request);  // session_breakpoints.cpp
+  [[nodiscard]] Result<std::string> set_breakpoints(const Request& request);  // in session_breakpoints.cpp
   [[nodiscard]] Result<void> take_breakpoints(const Request& request);
   void restore_breakpoints();
   [[nodiscard]] Result<void> check_transport(const Request& request) const;
@@ -168,7 +168,7 @@ class Session {
 
   std::string transport_;  ///< last `transport` event
   std::string summary_;    ///< last `summary` event
-  bool simulate_ = false;  ///< mode is simulate, not edit
+  bool simulate_ = false;  ///< true: simulate mode; false: edit mode
   double speed_ = 1;
   mutable std::mutex frame_mutex_;
   FrameBytes last_frame_;  ///< guarded by frame_mutex_: written on the interpreter process's thread

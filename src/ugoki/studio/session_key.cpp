@@ -17,14 +17,14 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::size_t key_size = 43;  // characters of a key, as from make_token
+constexpr std::size_t key_size = 43;  // number of characters of a key, as from make_token
 
 std::unexpected<Error> failure(const std::string& path, const std::string& message) {
   return fail(ErrorCode::io, path, message + ": " + std::strerror(errno) + ".",
               "Make the folder writable, or set XDG_STATE_HOME to a folder that is.");
 }
 
-/// The key in a file that only this user can read; nothing if there is no such file or it is damaged.
+/// The key in a file that only this user can read; nullopt if the file does not exist, is damaged or is readable by others.
 std::optional<std::string> read_key(const std::string& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   if (fd < 0) return std::nullopt;
@@ -61,7 +61,7 @@ Result<std::string> read_or_make_key(const std::string& path) {
   std::error_code ignored;
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);  // if this failed, mkostemp reports it
   std::string draft = path + ".XXXXXX";
-  const int fd = ::mkostemp(draft.data(), O_CLOEXEC);  // permissions 0600
+  const int fd = ::mkostemp(draft.data(), O_CLOEXEC);  // creates the file with permissions 0600
   if (fd < 0) return failure(path, "The studio's key cannot be stored");
   const std::string key = make_token();
   const bool written = ::write(fd, key.data(), key.size()) == static_cast<ssize_t>(key.size());

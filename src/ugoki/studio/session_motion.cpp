@@ -39,7 +39,7 @@ std::string free_id(const content::Scenario& scenario, char letter) {
 
 /// The closest start position to the right of `origin` at which no other character starts.
 content::ScenarioPlace find_free_place(const content::Scenario& scenario, const content::ScenarioPlace& origin) {
-  constexpr double spacing = 1.2;  // m between neighbouring start positions
+  constexpr double spacing = 1.2;  // distance between neighbouring start positions, m
   const double heading = origin.heading * std::numbers::pi / 180;
   content::ScenarioPlace spot = origin;
   const auto occupied = [&](const content::ScenarioCharacter& c) {

@@ -26,11 +26,11 @@ struct Session::Request {
   Result<ProjectEntry> motion;                          ///< the second motion of an operation
   Result<ProjectEntry> body;                            ///< the mechanism to retarget to
 
-  /// Error: the field `field` is not `wanted`.
+  /// The error "the field `field` is not `wanted`".
   [[nodiscard]] static std::unexpected<Error> invalid_field(const std::string& field, const std::string& wanted) {
     return fail(ErrorCode::syntax, field, "\"" + field + "\" must be " + wanted + ".", "See docs/studio-protocol.md.");
   }
-  /// Error: the number in the field `field` is not in its range.
+  /// The error "the number in the field `field` is out of its range".
   [[nodiscard]] static std::unexpected<Error> out_of_range(const std::string& field, double min, double max, const std::string& remedy) {
     return fail(ErrorCode::range, field, "\"" + field + "\" must be from " + to_text(min) + " to " + to_text(max) + ".", remedy);
   }

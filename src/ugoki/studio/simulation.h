@@ -27,7 +27,7 @@ struct CastMember {
 /// Quality measures of a character's motion since time 0.
 struct CharacterSummary {
   double assist_rms_bw = 0;     ///< root-assist wrench, RMS in body weights
-  double foot_skate_cm = 0;     ///< mean net slip of a foot in one stance, cm
+  double foot_skate_cm = 0;     ///< mean net displacement of a foot during one stance, cm
   double tracking_rms_deg = 0;  ///< RMS of the joints' tracking error, degrees
   double penetration_mm = 0;    ///< maximum penetration, mm
   bool fell = false;
@@ -37,14 +37,14 @@ class Simulation {
  public:
   virtual ~Simulation() = default;
 
-  [[nodiscard]] virtual double step_size() const = 0;                     ///< s
-  [[nodiscard]] virtual double duration() const = 0;                      ///< s
+  [[nodiscard]] virtual double step_size() const = 0;                     ///< time step of the dynamics, s
+  [[nodiscard]] virtual double duration() const = 0;                      ///< duration of the content, s
   [[nodiscard]] virtual double frame_rate() const = 0;                    ///< display frame rate, 1/s
   [[nodiscard]] virtual const std::vector<CastMember>& cast() const = 0;  ///< characters, in the order of display frames
   /// Index of the link with this name or label, or -1.
   [[nodiscard]] virtual int find_link(int character, std::string_view name) const = 0;
 
-  [[nodiscard]] virtual std::int64_t step_count() const = 0;  ///< steps done since time 0
+  [[nodiscard]] virtual std::int64_t step_count() const = 0;  ///< number of steps done since time 0
   /// Computes one step of dynamics. On an error the state before the step is kept; the error names the cause.
   [[nodiscard]] virtual Result<void> step() = 0;
 
@@ -54,7 +54,7 @@ class Simulation {
 
   // Live inputs. They act from the next step on. Forces in N, durations in s, targets in the world frame, m.
   virtual void push(int character, int link, const Vec3& force, double duration) = 0;
-  virtual void grab(int character, int link, const Vec3& point, const Vec3& target) = 0;  ///< point [m] in the link's frame
+  virtual void grab(int character, int link, const Vec3& point, const Vec3& target) = 0;  ///< `point` [m] in the link's frame
   virtual void drag(const Vec3& target) = 0;
   virtual void release() = 0;
   /// Sets the state of keyboard, mouse and gamepads, valid until the next call.

@@ -24,7 +24,7 @@ struct StaticFile {
 [[nodiscard]] Result<StaticFile> read_static_file(const std::filesystem::path& root, std::string_view path);
 
 /// Finds the folder of the built page: ../share/ugoki/web for an installed program, or web/dist in one of the parent folders for a program
-/// in the source tree. Nothing if there is none.
+/// in the source tree. Returns nullopt if there is none.
 [[nodiscard]] std::optional<std::filesystem::path> find_web_folder(const std::filesystem::path& executable);
 
 }  // namespace ugoki::studio

@@ -29,10 +29,10 @@
 namespace ugoki::studio {
 namespace {
 
-constexpr std::chrono::milliseconds session_period{250};  // between calls of Session::on_time
+constexpr std::chrono::milliseconds session_period{250};  // time between two calls of Session::on_time
 
 constexpr double min_unit = 1e-9, max_unit = 1e6;  // m per unit of length; formats use from nanometres to kilometres
-constexpr double min_rate = 1e-3, max_rate = 1e6;  // frames/s
+constexpr double min_rate = 1e-3, max_rate = 1e6;  // limits of the frame rate of an imported file, 1/s
 
 ApiReply refused(const Error& error) { return {.status = http_status_of(error), .body = error_body(error)}; }
 ApiReply answer_of(const Result<std::string>& result) { return result ? ApiReply{.body = *result} : refused(result.error()); }
@@ -83,9 +83,9 @@ class LateOutbox final : public Outbox {
 
 }  // namespace
 
-/// Uses six threads in addition to the caller's: server, session (project, commands), operations on motions (owned by the session),
-/// library (everything that uses it), reading of imported files, display (meshes and previews of the project). No thread waits for the
-/// library's thread.
+/// Implements Studio with six threads in addition to the caller's: server, session (project, commands), operations on motions (owned by the
+/// session), library (everything that uses the library), reading of imported files, display (meshes and previews of the project). No thread
+/// waits for the library's thread.
 class Studio::Impl final : public ServerEvents {
  public:
   Impl(const StudioOptions& options, project::Project project) : library_(options.library_path) {
@@ -166,7 +166,7 @@ class Studio::Impl final : public ServerEvents {
   void announce() {
     session_queue_->post([this] { session_->announce_library(); });
   }
-  /// Looks for changes of the library and notifies the pages. @param away the library did not respond before. @return false: it does not
+  /// Looks for changes of the library and notifies the pages. @param away the library did not respond before. @return false: no response
   bool poll_library(bool away) {
     try {
       const LibraryService::Poll poll = library_.poll();
@@ -190,14 +190,14 @@ class Studio::Impl final : public ServerEvents {
     });
   }
 
-  /// Runs `work` on a queue and answers with its result, or with an error if it throws.
+  /// Runs `work` on a queue and answers the request with the result of `work`, or with an error if `work` throws.
   template <class Work>
   static void answer_on(TaskQueue& queue, std::function<void(ApiReply)> answer, Work work) {
     queue.post([reply = std::move(answer), make = std::move(work)]() mutable {
       Result<std::string> result;
       try {
         result = make();
-      } catch (const std::exception& e) {  // thrown by a software library, or out of memory
+      } catch (const std::exception& e) {  // thrown by a third-party library, or for lack of memory
         result = fail(ErrorCode::io, "studio", std::string("The studio could not do this: ") + e.what() + ".",
                       "The project is safe. Try again, or continue working.");
       }
@@ -357,7 +357,7 @@ void wait_for_signal() {
   int got = 0;
   while (sigwait(&set, &got) != 0) {
   }
-  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);  // a second signal ends the process even if the studio does not finish
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);  // from now on a second signal ends the process even if the studio does not finish
 }
 
 }  // namespace ugoki::studio

@@ -14,10 +14,10 @@
 namespace ugoki::studio {
 
 struct StudioOptions {
-  std::uint16_t port = 0;          ///< 0: any free port
+  std::uint16_t port = 0;          ///< port on 127.0.0.1; 0: any free port
   std::filesystem::path web;       ///< folder of the page, with index.html; empty: no page is served
   std::string key;                 ///< see session_key.h; empty: a random key, so that open pages lose their access at a restart
-  std::string library_path;        ///< empty: store::Library::default_path()
+  std::string library_path;        ///< location of the library; empty: store::Library::default_path()
   InterpreterProgram interpreter;  ///< command line that starts an interpreter
 };
 

@@ -52,7 +52,7 @@ void TaskQueue::run() {
         periodic_();
         lock.lock();
       }
-      // The period begins after the call. Otherwise a call that takes longer than the period would run after every task.
+      // The period begins when the periodic call has ended; otherwise a call longer than the period would run after every task.
       next = std::chrono::steady_clock::now() + period_;
     }
   }

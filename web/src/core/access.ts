@@ -46,7 +46,7 @@ export class Access {
     try {
       if ((await this.fetch('api/library?limit=1')).status !== 401) return 'open';
     } catch {
-      return 'open'; // no answer: the client keeps trying to connect
+      return 'open'; // the service does not answer: the token is kept, and the client keeps trying to connect
     }
     this.platform.storage.removeItem(token_key);
     return 'refused';

@@ -65,7 +65,7 @@ export class Client {
       );
     };
     socket.onmessage = (message) => this.receive(message.data);
-    socket.onerror = () => undefined; // a close event always follows and is handled
+    socket.onerror = () => undefined; // nothing to do: a close event always follows an error event
     socket.onclose = () => this.lost(socket);
   }
 

@@ -5,7 +5,7 @@ export interface AppCommand {
   id: string;
   label: string;
   group: string;
-  /** Keys in both keymaps; `industry` and `blender` add keys in one of them. */
+  /** Keys in both keymaps. The fields `industry` and `blender` add keys to the keymap of that name only. */
   keys?: string[];
   industry?: string[];
   blender?: string[];

@@ -22,7 +22,7 @@ export interface Control {
   balance: number;
   /** Cap of the root-assist wrench, body weights. */
   assist_limit: number;
-  /** Behaviour when the assist exceeds its cap: "release". */
+  /** Behaviour when the assist exceeds its cap: "release" switches control off. */
   beyond: string;
 }
 
@@ -54,9 +54,9 @@ export interface Character {
 export interface ScenarioEvent {
   id: string;
   type: string;
-  /** s */
+  /** Time of the event, s. */
   time: number;
-  /** s */
+  /** Duration of a push, s. */
   duration?: number;
   character?: string;
   link?: string;
@@ -73,13 +73,13 @@ export interface ScenarioEvent {
 export interface ScenarioDocument {
   version: number;
   name: string;
-  /** s */
+  /** Duration of the scenario, s. */
   duration: number;
-  /** Display frames a second. */
+  /** Display frames per second. */
   frame_rate: number;
   /** Time step of the dynamics, s. */
   step: number;
-  /** m/s^2 */
+  /** Acceleration of gravity, world frame, m/s^2. */
   gravity: Vec3;
   ground: { height: number; friction: number; restitution: number };
   characters: Character[];

@@ -1,6 +1,6 @@
 /** Formatting of values for display, and parsing of typed numbers. */
 
-/** 3.42 → "00:03.42" */
+/** A time in seconds as text: 3.42 → "00:03.42". */
 export function format_time(seconds: number): string {
   const sign = seconds < 0 ? '-' : '';
   const hundredths = Math.round(Math.abs(seconds) * 100);
@@ -38,7 +38,7 @@ export function format_gap(metres: number): string {
 
 export const format_percent = (fraction: number, digits = 1): string => `${(fraction * 100).toFixed(digits)} %`;
 
-/** "38×", "0.4×" */
+/** A speed factor as text: "38×", "0.4×". */
 export function format_factor(factor: number): string {
   if (!Number.isFinite(factor) || factor <= 0) return '–';
   return `${factor >= 10 ? factor.toFixed(0) : factor.toFixed(1)}×`;

@@ -33,7 +33,7 @@ export interface CharacterFrame {
 
 /** A decoded frame. `floats` and `words` are views of the message's bytes; nothing is copied. */
 export interface Frame {
-  /** s */
+  /** Simulated time of the frame, s. */
   time: number;
   /** Frame number: time times the document's frame rate, rounded. */
   number: number;

@@ -23,7 +23,7 @@ export const measures: readonly Measure[] = [
 
 export type Grade = 'good' | 'fair' | 'bad' | 'none';
 
-/** Grade of a displayed value. */
+/** Grade of a measure whose displayed value is `shown`. */
 export function grade(measure: Measure, shown: number): Grade {
   if (!Number.isFinite(shown)) return 'none';
   return shown <= measure.good ? 'good' : shown <= measure.bad ? 'fair' : 'bad';

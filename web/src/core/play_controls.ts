@@ -43,11 +43,11 @@ export interface PadLike {
 
 /** Minimum time between two messages, ms. */
 export const min_ms = 1000 / 60;
-const max_keys = 64; // pressed keys that are tracked; more are ignored
-const max_pads = 4; // navigator.getGamepads() has at most four
+const max_keys = 64; // maximum number of pressed keys that are tracked; further keys are ignored
+const max_pads = 4; // maximum number of gamepads that navigator.getGamepads() returns
 const round = (v: number): number => Math.round(v * 1e4) / 1e4;
 
-/** The clock, ms, so that tests can replace it. */
+/** The clock that the controls use, in ms. An interface, so that tests can replace it. */
 export interface Clock {
   now(): number;
   later(task: () => void, ms: number): unknown;
@@ -86,7 +86,7 @@ export class PlayControls {
   /** Turns the controls on; does nothing if the content reads no device. */
   enter(): void {
     if (this.on || !reads_anything(this.devices)) return;
-    for (const key of Object.keys(this.sent)) delete this.sent[key]; // another page may have sent input since then
+    for (const key of Object.keys(this.sent)) delete this.sent[key]; // send the complete state: another page may have sent input meanwhile
     this.store.setState({ on: true });
     this.changed();
   }

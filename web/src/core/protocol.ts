@@ -9,7 +9,7 @@ import type { InputMessage } from './play_controls';
 /** One problem that the service or the page reports to the user. */
 export interface Problem {
   code?: string;
-  /** Where the problem is: file and line, JSON path, or flat id of an LSI or pin. */
+  /** Where the problem is: file and line, JSON path, or an LSI or pin with its path ("arm/elbow.out"). */
   location?: string;
   message: string;
   remedy?: string;
@@ -42,9 +42,9 @@ export interface Transport {
   playing: boolean;
   /** Playback speed; 1 is real time. */
   speed: number;
-  /** s */
+  /** Time of the playhead, s. */
   time: number;
-  /** s */
+  /** Duration of the scenario, s. */
   duration: number;
   /** Length of the simulation recorded so far, s. */
   simulated: number;
@@ -66,11 +66,11 @@ export interface CharacterSummary {
 /** A time span in which the number of feet on the ground does not change. */
 export interface ContactSpan {
   character: string;
-  /** s */
+  /** Begin of the span, s. */
   from: number;
-  /** s */
+  /** End of the span, s. */
   to: number;
-  /** Feet on the ground: 0 flight, 1 one foot, 2 or more both feet. */
+  /** Number of feet on the ground; 0: the character is in the air. */
   feet: number;
 }
 
@@ -111,7 +111,7 @@ export interface HelloReply extends DocumentState {
 
 export interface StoppedEvent {
   reason: string;
-  /** The problems that `reason` summarises. The location of each is the flat id of an LSI, one of its outputs, or other text. */
+  /** The problems that `reason` summarises. Each location is an LSI with its path ("arm/elbow"), one of its outputs, or other text. */
   problems?: Problem[];
 }
 
@@ -181,16 +181,16 @@ export interface LibraryEntry {
   summary?: string;
   tags?: string[] | string;
   mechanism?: string;
-  /** s */
+  /** Duration of a motion, s. */
   duration?: number;
-  /** frames a second */
+  /** Frame rate of a motion, 1/s. */
   rate?: number;
   frames?: number;
   /** Number of degrees of freedom. */
   dofs?: number;
-  /** kg */
+  /** Mass of a mechanism, kg. */
   mass?: number;
-  /** m */
+  /** Height of a mechanism, m. */
   height?: number;
   cyclic?: boolean;
   created?: string;
@@ -203,7 +203,7 @@ export interface LibraryEntry {
   by?: string;
   /** When the newest version was saved, ISO 8601. */
   changed?: string;
-  /** bytes */
+  /** Size of the entry's data, bytes. */
   size?: number;
   /** True if the library has a picture of the entry. */
   thumbnail?: boolean;
@@ -263,9 +263,9 @@ export interface MechanismData {
   name: string;
   /** Total number of degrees of freedom. */
   dofs: number;
-  /** kg */
+  /** Total mass, kg. */
   mass: number;
-  /** m */
+  /** Height in the neutral position, m. */
   height: number;
   /** Meshes and height fields that shapes refer to, by key. */
   surfaces?: Record<string, MeshSurface | HeightFieldSurface>;

@@ -25,7 +25,7 @@ import {
 } from './protocol';
 import { initial_state, read_choices, valid_selection, type Selection, type StudioState, type Toast } from './state';
 
-const log_capacity = 500; // lines; older ones are dropped
+const log_capacity = 500; // maximum number of lines in the log; older lines are dropped
 
 export interface SessionOptions {
   make_socket: () => SocketLike;
@@ -267,7 +267,7 @@ export class Session {
 
   /**
    * Selects the live data of the running circuit that the page shows; a request is sent only on change.
-   * @param pins flat output pins  @param probes flat pins whose curves are recorded  @param timing also the time of each LSI
+   * @param pins outputs with their paths ("arm/elbow.out")  @param probes outputs recorded as curves  @param timing also times of LSIs
    */
   watch(pins: string[], probes: string[], timing: boolean): void {
     this.watched_circuit = { pins, probes, timing };
@@ -385,7 +385,7 @@ export class Session {
   /** Stores keymap, theme and view options for other pages and the next start of the studio. */
   remember(): void {
     const { keymap, theme, view } = this.state;
-    this.client.request({ op: 'remember', choices: { keymap, theme, view } }).catch(() => undefined); // not stored, but still in effect in this page
+    this.client.request({ op: 'remember', choices: { keymap, theme, view } }).catch(() => undefined); // on failure the choices are not stored
   }
 
   private toast(level: Toast['level'], problems: Problem[]): void {

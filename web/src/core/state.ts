@@ -39,7 +39,7 @@ export interface LoggedLine extends LogLine {
 
 export interface StudioState {
   connection: 'connecting' | 'open' | 'lost';
-  /** When the next attempt to connect starts, as Date.now(), ms. */
+  /** Time of the next attempt to connect, as returned by Date.now(), ms. */
   retry_at: number;
   project: ProjectInfo | null;
   /** The document as the service has it. */
@@ -134,7 +134,7 @@ export function read_choices(choices: unknown): Pick<StudioState, 'keymap' | 'th
   return { keymap: keymap === 'blender' ? 'blender' : 'industry', theme: theme === 'light' ? 'light' : 'dark', view: kept };
 }
 
-/** The document to draw: the preview if there is one. */
+/** The document to draw: the preview if there is one, otherwise the service's document. */
 export const shown_document = (state: StudioState): ScenarioDocument | null => state.preview ?? state.document;
 
 /** The circuit to draw. `edited`: it is the project's own circuit, not the generated one. */

@@ -3,7 +3,7 @@ import { track_end, type Character, type Clip, type ClipFields, type Command, ty
 
 /** The span of time that a panel shows. */
 export interface TimeView {
-  /** Time at the left edge, s. */
+  /** Time at the left edge of the panel, s. */
   origin: number;
   /** Pixels per second. */
   scale: number;
@@ -70,10 +70,10 @@ export function snap_targets(doc: ScenarioDocument, exclude: string, playhead: n
 
 export interface SnapRules {
   targets: readonly number[];
-  /** Maximum distance to a target, s. */
+  /** Maximum distance from an edge to a snap target, s. */
   tolerance: number;
   frame_rate: number;
-  /** False: times are only rounded to a hundredth of a frame. */
+  /** False: no snapping; times are only rounded to a hundredth of a frame. */
   enabled: boolean;
 }
 

@@ -67,7 +67,7 @@ function restore_layout(api: DockviewApi): boolean {
     api.fromJSON(JSON.parse(text));
     return ['viewport', 'scenario', 'library', 'inspector'].every((id) => api.getPanel(id));
   } catch {
-    return false; // stored by another version, or damaged
+    return false; // the stored layout is damaged or from another version
   }
 }
 

@@ -6,7 +6,7 @@ export interface NumberFieldProps {
   value: number;
   unit?: string;
   digits?: number;
-  /** Change of the value per pixel of scrubbing; an arrow key changes it by 5 steps. With Shift, changes are a tenth of this. */
+  /** Change of the value per pixel of scrubbing; an arrow key changes it by 5 steps. With Shift, the changes are a tenth as large. */
   step: number;
   min?: number;
   max?: number;

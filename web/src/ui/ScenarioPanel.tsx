@@ -20,7 +20,7 @@ export function ScenarioPanel(): ReactElement {
   const [width, set_width] = useState(800);
   const [ghost, set_ghost] = useState<DropGhost | null>(null);
   const [guide, set_guide] = useState<number | null>(null);
-  /** True until the user zooms or pans: the whole scenario is fitted to the panel at each change of its size. */
+  /** True until the user zooms or pans. While true, the whole scenario is fitted to the panel whenever the panel's size changes. */
   const fitted = useRef(true);
   const duration = doc?.duration ?? 10;
 

@@ -92,7 +92,7 @@ session.store.subscribe((state, before) => {
   }
 });
 
-/** Fetches a path of the service. */
+/** Fetches a path of the service, with the access token. */
 export const service_fetch = (path: string, init?: RequestInit): Promise<Response> => access.fetch(path, init);
 
 /** Options for small 2D canvases: draw them on the CPU, so that the page does not wait for a busy GPU. */

@@ -26,7 +26,7 @@ export function Backdrop({ children, label, top, close: leave = close }: { child
       onPointerDown={(e) => e.target === e.currentTarget && leave()}
       onKeyDown={(e) => {
         if (e.key !== 'Escape') return;
-        e.preventDefault(); // keeps Escape from the page's own key handler
+        e.preventDefault(); // so that the page's own key handler ignores this Escape
         e.stopPropagation();
         leave();
       }}

@@ -14,7 +14,7 @@ export interface PageHook {
   log(): string[];
   undo(): { can_undo: boolean; can_redo: boolean; undo_label: string; redo_label: string };
   frame(): { time: number; number: number; playing: boolean; simulate: boolean; grabbing: boolean; contacts: number } | null;
-  /** The wiring editor: the shown level of the circuit, the selection, the problems, and counts of the drawing; null without a circuit. */
+  /** State of the wiring editor: shown circuit, selection, problems, and counts of the drawing; null if there is no circuit. */
   circuit(): { name: string; edited: boolean; path: string[]; lsis: unknown[]; wires: string[]; notes: unknown[]; probes: unknown[]; circuits: string[]; selected: string[]; problems: string[]; facts: unknown } | null;
   /** The drawn lines between closest points: ids of the two characters and distance, m (negative: overlap). */
   closest_pairs(): { a: string; b: string; distance: number; simulate: boolean }[];

@@ -12,7 +12,7 @@ import { expose_hook } from './hook';
 
 register_commands();
 expose_hook();
-// subscribed before any component, because canvases read the theme's colours from the document when they are redrawn
+// subscribed before any component, so that the document has the new theme's colours when canvases read them to redraw
 const show_theme = (): void => {
   const { theme } = session.state;
   if (document.documentElement.dataset.theme !== theme) document.documentElement.dataset.theme = theme;

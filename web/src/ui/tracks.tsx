@@ -8,17 +8,17 @@ import { band_gradient } from '../core/motion/desk';
 import { desk, plain_canvas, session, useDesk, usePage, useStudio } from './app';
 
 const edge_px = 7; // width of the zone at a clip's edge in which a drag trims the clip
-const snap_px = 8; // distance within which a drag snaps
-const drag_px = 3; // pointer travel below which a press is a click
+const snap_px = 8; // distance, px, within which a dragged edge snaps to a target
+const drag_px = 3; // pointer travel, px, below which a press is a click
 
 /** The preview of a dragged clip or library entry on a track. */
 export interface DropGhost {
   entry: string;
   /** Character whose track gets the motion; null: a new character is made. */
   character: string | null;
-  /** s */
+  /** Start of the clip on the track, s. */
   start: number;
-  /** s */
+  /** Length of the clip, s. */
   length: number;
   /** True: the drop is refused, because the motion is for another mechanism. */
   refused: boolean;
@@ -56,7 +56,7 @@ const snap_rules = (doc: ScenarioDocument, exclude: string, tolerance: number): 
 
 interface DragSetup {
   event: React.PointerEvent<HTMLElement>;
-  /** px per s */
+  /** Scale of the time axis, px per s. */
   scale: number;
   /** Previews a drag by `delta` s. `rules` are the snapping rules for the modifier keys held, `over` is the element under the pointer. */
   move: (delta: number, rules: (doc: ScenarioDocument, exclude: string) => SnapRules, over: Element | null) => void;
@@ -236,7 +236,7 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
     const origin = document && find_character(document, character)?.track.find((k) => k.id === clip.id);
     if (!document || !origin) return;
     let fields: ReturnType<typeof changed_fields> = null;
-    let other: DropGhost | null = null; // set while the clip is over another character's track
+    let other: DropGhost | null = null; // preview on another character's track while the clip is over that track
     start_drag({
       event,
       scale: view.scale,

@@ -1,10 +1,10 @@
 /** The camera rig: smoothed orbit, pan, zoom and follow around a target; perspective or orthographic. Z is up. */
 import * as THREE from 'three';
 
-const field_of_view = 36; // vertical, degrees
+const field_of_view = 36; // vertical angle of view, degrees
 const smooth_time = 0.09; // time constant of the camera's motion, s
 const border = 0.09; // margin on each side of framed objects, as a fraction of the view's width and height
-const follow_time = 0.28; // time constant of following a character, s
+const follow_time = 0.28; // time constant with which the camera follows a character, s
 
 /** Position of the camera in spherical coordinates around a target. */
 export interface Eye {
@@ -14,7 +14,7 @@ export interface Eye {
   azimuth: number;
   /** Angle above the horizontal, rad. */
   elevation: number;
-  /** m */
+  /** Distance from the target, m. */
   distance: number;
 }
 
@@ -89,7 +89,7 @@ export class CameraRig {
     const towards = new THREE.Vector3(ce * ca, ce * sa, se);
     const sideways = [new THREE.Vector3(-sa, ca, 0), new THREE.Vector3(-se * ca, -se * sa, ce)];
     const upright = Math.tan((field_of_view * Math.PI) / 360);
-    const tangents = [upright * this.aspect, upright]; // tangent of half the angle of view, horizontal and vertical
+    const tangents = [upright * this.aspect, upright]; // tangents of half the horizontal and half the vertical angle of view
     const target = new THREE.Vector3();
     let distance = 0;
     // each of the two planes that bound the view along an axis touches the outermost sphere on its side

@@ -10,7 +10,7 @@ const pose_position = new THREE.Vector3();
 const pose_rotation = new THREE.Quaternion();
 const unit_scale = new THREE.Vector3(1, 1, 1);
 
-/** Number of segments around a body of radius `r` (m), 14 ... 40: enough for a round outline in close view. */
+/** Number of segments around a round shape of radius `r` (m): 14 ... 40, so that its outline looks round in close view. */
 const around = (r: number): number => Math.round(Math.min(40, Math.max(14, 12 + 110 * r)));
 
 function shape_geometry(shape: ShapeData, surfaces: Surfaces): THREE.BufferGeometry {
@@ -159,7 +159,7 @@ export class Ghost {
       depthFunc: THREE.EqualDepth,
       depthWrite: false,
     });
-    this.depth_material.transparent = true; // drawn after the solid bodies, before its own colour
+    this.depth_material.transparent = true; // so that the depth is drawn after the solid bodies, before the ghost's colour
     this.pairs = geometries.map((geometry) => {
       if (!geometry) return null;
       const make = (material: THREE.Material, render_order: number): THREE.Mesh => {

@@ -6,11 +6,11 @@ import { CharacterView, mechanism_geometries } from './character_view';
 import type { Poses } from './preview';
 import { Stage } from './stage';
 
-/** Marker positions of an import. */
+/** Marker positions of an imported motion, for all frames of the preview. */
 export interface Markers {
   count: number;
   markers: number;
-  /** [count][markers][3], m; NaN where a marker was not visible */
+  /** Positions [count][markers][3], m; NaN where a marker was not visible. */
   values: Float32Array;
   /** Pose of the markers' coordinate frame in the character's world: x y z (m) qw qx qy qz. Absent: identity. */
   pose?: number[];
@@ -22,7 +22,7 @@ export interface Shown {
   markers?: Markers;
 }
 
-const marker_max = 400; // further markers are not drawn
+const marker_max = 400; // maximum number of markers that are drawn
 
 export class ImportView {
   readonly rig = new CameraRig();
@@ -34,7 +34,7 @@ export class ImportView {
   private readonly marks = new THREE.Group();
   private handle = 0;
   private last = 0;
-  /** Time within the motion, s. */
+  /** Time within the motion that is shown, s. */
   time = 0;
   playing = true;
   /** Number of frames drawn; read by browser tests. */

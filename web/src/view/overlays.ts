@@ -38,7 +38,7 @@ export class Arrow {
     this.group.visible = false;
   }
 
-  /** @param from, along start point and vector, m; an arrow shorter than 0.1 mm is hidden */
+  /** @param from start point, m  @param along vector of the arrow, m; an arrow shorter than 0.1 mm is hidden */
   show(from: THREE.Vector3, along: THREE.Vector3): void {
     const length = along.length();
     if (length < 1e-4) {

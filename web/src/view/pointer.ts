@@ -7,7 +7,7 @@ import { selected_character } from '../core/state';
 import type { LinkTag } from './character_view';
 import type { Viewport } from './viewport';
 
-const click_px = 4; // a press that moves less than this is a click
+const click_px = 4; // pointer travel, px, below which a press is a click
 
 type Gesture =
   | { kind: 'orbit' | 'pan' | 'zoom'; empty: boolean }

@@ -12,7 +12,7 @@ export interface Poses {
   links: number;
   /** Time from the first to the last sample, s. */
   duration: number;
-  /** [count][links][7]: x y z (m) qw qx qy qz */
+  /** World poses [count][links][7]: x y z (m) qw qx qy qz. */
   values: Float32Array;
 }
 
@@ -100,7 +100,7 @@ export class PreviewRenderer {
     const own = kept.box.getSize(new THREE.Vector3());
     const size = box.getSize(new THREE.Vector3());
     const centre = box.getCenter(new THREE.Vector3());
-    const long = own.x > 1.2 * own.z; // characters that are longer than tall are seen from the side
+    const long = own.x > 1.2 * own.z; // true: an animal, for example, which is longer than tall and is shown from the side
     const aspect = picture_size.width / picture_size.height;
     const wide = Math.max(long ? size.x : Math.max(0.75 * size.x, 0.75 * size.y), 1e-3);
     let need = 0.5 * Math.max(size.z, wide / aspect) * 1.12;

@@ -4,9 +4,9 @@ import { Floor } from './floor';
 
 export interface StageLook {
   theme: 'dark' | 'light';
-  /** Floor colour of the document, as a CSS colour. */
+  /** Floor colour that the document specifies, as a CSS colour. */
   floor: string;
-  /** Brightness of the document, 0 ... 2. */
+  /** Brightness that the document specifies, 0 ... 2. */
   light: number;
 }
 
@@ -33,7 +33,7 @@ export class Stage {
   private quality = 1;
   private width = 1;
   private height = 1;
-  /** Signalled when the graphics processor has finished the last drawn frame. */
+  /** WebGL sync object that is signalled when the graphics processor has finished the last frame; null: none is pending. */
   private fence: WebGLSync | null = null;
   private slow_frames = 0;
   private fast_frames = 0;

@@ -16,7 +16,7 @@ import { Stage } from './stage';
 
 const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // times of the ghosts relative to the current frame, s
 const trail_seconds = 4; // time span of a trail, s
-const max_contact_arrows = 48; // further contacts are not drawn
+const max_contact_arrows = 48; // maximum number of contacts that are drawn with arrows
 
 /** The objects drawn for one character. */
 interface Drawn {
@@ -213,7 +213,7 @@ export class Viewport {
     return box.isEmpty() ? null : box.getBoundingSphere(new THREE.Sphere());
   }
 
-  /** Moves the camera so that the selected character, or otherwise everything, fills the view. */
+  /** Moves the camera so that the selected character fills the view; without a selection, all characters. */
   frame_selection(): void {
     const selected = selected_character(this.session.state);
     const spheres = selected === null ? [] : this.spheres(selected);

@@ -3,7 +3,7 @@
 export interface Breakpoint {
   /** Text of the condition, for example "arm/elbow.out[2] > 3". */
   condition: string;
-  /** Output pin with the ids of all enclosing circuits (a flat name): "arm/elbow.out". */
+  /** Output pin with its path, the ids of all enclosing circuits: "arm/elbow.out". */
   pin: string;
   /** Index of the compared component of the pin's value. */
   component: number;
@@ -17,14 +17,14 @@ export interface BreakpointHit {
   pin: string;
   component: number;
   value: number | null;
-  /** s */
+  /** Simulated time at which the run paused, s. */
   time: number;
   tick: number;
 }
 
 export type Relation = '>' | '<' | '==' | '!=' | 'becomes true' | 'changes';
 
-/** Relations of conditions, with their labels in the interface. */
+/** The comparisons that a condition can make, with their labels in the interface. */
 export const relations: [Relation, string][] = [
   ['>', 'rises above'],
   ['<', 'falls below'],
@@ -34,7 +34,7 @@ export const relations: [Relation, string][] = [
   ['changes', 'changes'],
 ];
 
-/** Whether a relation compares with a value. */
+/** Whether a relation compares the pin with a given value. */
 export const takes_value = (relation: Relation): boolean => relation !== 'becomes true' && relation !== 'changes';
 
 /** Names of the components of a value, by pin type. */
@@ -51,5 +51,5 @@ export function write_condition(pin: string, component: number, relation: Relati
   return takes_value(relation) ? `${operand} ${relation} ${value}` : `${operand} ${relation}`;
 }
 
-/** The condition without the pin: "[2] > 3". */
+/** The condition without the name of the pin: "[2] > 3" for "arm/elbow.out[2] > 3". */
 export const condition_alone = (b: { condition: string; pin: string }): string => (b.condition.startsWith(b.pin) ? b.condition.slice(b.pin.length) : b.condition).trim();

@@ -1,4 +1,4 @@
-/** LSI classes and pin types as the service declares them (docs/studio-protocol.md, event `lsis`). */
+/** Classes of LSIs (components of circuits) and pin types, as the service declares them (docs/studio-protocol.md, event `lsis`). */
 
 export interface InputDeclaration {
   name: string;
@@ -9,7 +9,7 @@ export interface InputDeclaration {
   required?: boolean;
   /** True: the outputs of a tick depend on this input in the same tick. */
   direct?: boolean;
-  /** True: several wires may end here. */
+  /** True: the input accepts several wires. */
   multiple?: boolean;
   /** Number of elements of the value. */
   count?: number;

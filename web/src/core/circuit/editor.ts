@@ -17,11 +17,11 @@ export interface EditorState {
   edited: boolean;
   /** Ids of the entered LSIs, from the outermost circuit inwards. */
   path: readonly string[];
-  /** Selected nodes. */
+  /** Ids of the selected nodes. */
   nodes: ReadonlySet<string>;
   /** Keys of the selected wires. */
   wires: ReadonlySet<string>;
-  /** The node with the keyboard cursor. */
+  /** Id of the node that has the keyboard cursor. */
   cursor: string | null;
   /** The pin with the keyboard cursor; null: the cursor is on a node. */
   pin: PinAt | null;
@@ -30,14 +30,14 @@ export interface EditorState {
   target: PinAt | null;
   /** The open search: where to add the result in the circuit's plane, and where to show the search on the page, px. */
   search: { at: Point; screen: { x: number; y: number }; fits?: PinAt } | null;
-  /** The output (flat: "arm/elbow.out") for which the breakpoint dialog is open. */
+  /** The output, with its path ("arm/elbow.out"), for which the breakpoint dialog is open. */
   stopping: { flat: string; type: string; unit: string; screen: { x: number; y: number } } | null;
   /** Reason why a wire was refused, and where to show it on the page, px. */
   refusal: { text: string; screen: { x: number; y: number } } | null;
   problems: readonly CircuitProblem[];
   /** Id of the node or note whose text is being typed. */
   typing: string | null;
-  /** Text for screen readers. */
+  /** The text that screen readers read aloud. */
   announcement: string;
 }
 
@@ -52,15 +52,15 @@ export class CircuitEditor {
   readonly store: StoreApi<EditorState>;
   /** The outermost circuit. Items that did not change are the same objects as in the previous version. */
   private circuit: Circuit | null = null;
-  /** The outermost circuit as given to show(). */
+  /** The outermost circuit, exactly as it was passed to show(). */
   private raw: Circuit | null = null;
   private classes: ClassList | null = null;
-  /** The problems of the last show(). */
+  /** The problems that were passed to the last show(). */
   private shown_problems: readonly Problem[] = [];
   private stops: readonly Problem[] = [];
-  /** Positions of dragged nodes by id; they take precedence when wires are drawn. Null: no drag. */
+  /** Positions of dragged nodes by id. Wires are drawn to these positions instead of the nodes' own. Null: no drag. */
   drag: ReadonlyMap<string, Point> | null = null;
-  /** The last copied selection. */
+  /** The selection that was copied last; null: none. */
   private clip: Clip | null = null;
 
   constructor(private readonly host: EditorHost) {
@@ -96,7 +96,7 @@ export class CircuitEditor {
     if (!same) this.look(this.state.path);
   }
 
-  /** Shows the level at `path`; the selection is kept if the level stays the same. */
+  /** Shows the circuit at `path` (empty: the outermost circuit). The selection is kept if this circuit is already shown. */
   private look(path: readonly string[]): void {
     if (!this.circuit || !this.classes) return this.set({ view: null });
     const level = enter(this.circuit, path);
@@ -116,7 +116,7 @@ export class CircuitEditor {
     });
   }
 
-  /** Shows the inside of LSI `id`, which must be a circuit. @return false if it is not a circuit */
+  /** Shows the circuit inside the LSI `id`. @return false if this LSI is not a circuit */
   go_inside(id: string): boolean {
     const node = this.view?.node(id);
     if (node?.kind !== 'circuit') return false;
@@ -125,7 +125,7 @@ export class CircuitEditor {
     return true;
   }
 
-  /** Shows the level `levels` further out, and selects the node that was left. */
+  /** Shows the circuit that is `levels` levels further out, and selects the node that was left. */
   go_out(levels = 1): void {
     if (this.state.path.length === 0) return;
     const left = this.state.path[this.state.path.length - levels];
@@ -389,7 +389,7 @@ export class CircuitEditor {
   close_stop(): void {
     this.set({ stopping: null });
   }
-  /** Title of a flat output pin: "Gain · out" of "arm/gain.out". */
+  /** Title of an output given with its path: "Gain · out" for "arm/gain.out". */
   name_of(flat: string): string {
     const [ids, pin] = split_flat(flat);
     const path = ids.split('/');
@@ -499,14 +499,14 @@ export class CircuitEditor {
     return true;
   }
 
-  /** Flat name of the running output behind an output of this level, for requests to the service; null if there is none. */
+  /** Name with path ("arm/elbow.out") of the LSI output behind an output of this level, for requests to the service; null: none. */
   flat_output(id: string, pin: string): string | null {
     return this.circuit && this.view ? flat_source(this.circuit, this.view.level, id, pin) : null;
   }
 }
 
 /**
- * Flat name ("arm/elbow.out") of the LSI output behind output `pin` of node `id`, followed into and out of nested circuits; null if there
+ * Name with path ("arm/elbow.out") of the LSI output that provides output `pin` of node `id`, found through nested circuits; null if there
  * is none.
  */
 export function flat_source(top: Circuit, level: Level, id: string, pin: string, depth = 0): string | null {

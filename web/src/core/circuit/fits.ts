@@ -10,7 +10,7 @@ export interface PinAt {
 
 export const same_pin = (a: PinAt | null, b: PinAt | null): boolean => a === b || (a !== null && b !== null && a.node === b.node && a.side === b.side && a.pin === b.pin);
 
-/** Types fit if they are equal. The type `any` (a pin of a missing LSI, or a new pin of the circuit itself) fits all types. */
+/** True if the pin types are equal or one is `any` (a pin of a missing LSI, or a new pin of the circuit itself). */
 export const types_fit = (a: string, b: string): boolean => a === b || a === 'any' || b === 'any';
 
 /** Why two pins may not be wired, as a sentence; null if they may. */
@@ -30,7 +30,7 @@ export function why_not(view: View, a: PinAt, b: PinAt): string | null {
   return null;
 }
 
-/** Pins of the view that may be wired to `from`; those of the closest nodes first. */
+/** Pins of the view that may be wired to `from`, sorted by the distance of their nodes. */
 export function pins_that_fit(view: View, from: PinAt): PinAt[] {
   const origin = view.node(from.node);
   const found: { pin: PinAt; distance: number }[] = [];

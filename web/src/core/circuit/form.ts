@@ -111,10 +111,10 @@ export function split_end(end: string): [string, string] {
 
 export const ends_of = (ends: string | string[] | undefined): string[] => (ends === undefined ? [] : Array.isArray(ends) ? ends : [ends]);
 
-/** Ends as the JSON form has them: one end as text, several as a list. */
+/** Wire ends in the JSON form of circuits: one end as text, several ends as a list. */
 export const write_ends = (ends: string[]): string | string[] => (ends.length === 1 ? ends[0]! : ends);
 
-/** The LSI with its fields in the form's order and without fields that have their default. */
+/** A copy of the LSI with its fields in the order of the JSON form, without fields that equal their default. */
 export function tidy_lsi(lsi: Lsi): Lsi {
   const out: Lsi = { id: lsi.id, type: lsi.type };
   if (lsi.label) out.label = lsi.label;
@@ -128,7 +128,7 @@ export function tidy_lsi(lsi: Lsi): Lsi {
 
 const same_path = (a: string[], b: string[]): boolean => a.length === b.length && a.every((name, i) => name === b[i]);
 
-/** With more changes to a list than this, the list is indexed by key instead of scanned for each change. */
+/** If a list has more changes than this number, it is indexed by key; otherwise it is scanned for each change. */
 const max_scans = 12;
 
 /** A list while changes are applied to it; removed items become null. */
@@ -233,7 +233,7 @@ export function reconcile(before: Circuit | null, next: Circuit): Circuit {
     let by_key: Map<string, unknown> | null = null;
     let all = items.length === old.length;
     const kept = items.map((item, i) => {
-      if (item === old[i] || equal(item, old[i])) return old[i]; // at the same index: the usual case
+      if (item === old[i] || equal(item, old[i])) return old[i]; // usual case: the equal item has the same index in both lists
       const twin = (by_key ??= new Map(old.map((o) => [key_of(list, o), o]))).get(key_of(list, item));
       all = false;
       return twin !== undefined && equal(twin, item) ? twin : item;

@@ -14,7 +14,7 @@ export const note_size = (note: Note): Point => note.size ?? [180, 80];
 
 /** Estimated width of a text in the page's font; 0.56 is the mean width of a character relative to the font size. */
 const text_width = (text: string, size = 13): number => text.length * size * 0.56;
-// rounds up to the grid
+// rounds a length up to a multiple of the grid spacing
 const up = (value: number): number => Math.ceil(value / grid) * grid;
 
 export function size_of(node: Pick<ViewNode, 'title' | 'inputs' | 'outputs' | 'kind'>): { width: number; height: number } {
@@ -44,7 +44,7 @@ export function wire_curve(a: Point, b: Point): [Point, Point, Point, Point] {
   return [a, [a[0] + bend, a[1] + sag], [b[0] - bend, b[1] + sag], b];
 }
 
-/** SVG path of a wire. */
+/** Path of a wire from a to b, in SVG syntax. */
 export function wire_path(a: Point, b: Point): string {
   const [p, q, r, s] = wire_curve(a, b);
   return `M${p[0]} ${p[1]}C${q[0]} ${q[1]} ${r[0]} ${r[1]} ${s[0]} ${s[1]}`;

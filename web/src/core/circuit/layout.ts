@@ -14,7 +14,7 @@ export interface ElkGraph {
   edges?: { id: string; sources: string[]; targets: string[] }[];
 }
 
-/** The graph of the nodes `ids`, or of the whole level. Wires from delayed outputs have priority 0, because they may run backwards. */
+/** The graph of the nodes `ids`, or of all nodes of the view. Wires from delayed outputs have priority 0: they may run backwards. */
 export function elk_graph(view: View, ids?: ReadonlySet<string>): ElkGraph {
   const nodes = view.nodes.filter((n) => !ids || ids.has(n.id));
   const known = new Set(nodes.map((n) => n.id));
@@ -63,6 +63,6 @@ export function read_layout(view: View, answer: ElkGraph, ids?: ReadonlySet<stri
   const children = answer.children ?? [];
   const left = Math.min(...children.map((c) => c.x ?? 0));
   const top = Math.min(...children.map((c) => c.y ?? 0));
-  const to_grid = (v: number): number => Math.round(v / grid) * grid + 0; // + 0: never -0, which JSON cannot keep
+  const to_grid = (v: number): number => Math.round(v / grid) * grid + 0; // + 0 converts -0, which JSON does not preserve, to 0
   return new Map(children.map((c) => [c.id, [to_grid((c.x ?? 0) - left + box.x), to_grid((c.y ?? 0) - top + box.y)] as Point]));
 }

@@ -4,7 +4,7 @@ import type { Circuit } from './form';
 /** A shown circuit, with the ids of the LSIs that were entered and the names under which it is stored. */
 export interface Level {
   circuit: Circuit;
-  /** Ids of the entered LSIs, from the outermost circuit inwards; the prefix of flat ids. */
+  /** Ids of the entered LSIs, from the outermost circuit inwards: the path in front of ids, "arm" in "arm/elbow". */
   path: string[];
   /** Names of the nested circuits down to this one: the `in` of changes. */
   names: string[];
@@ -12,7 +12,7 @@ export interface Level {
   scope: { circuit: Circuit; names: string[] }[];
 }
 
-/** The circuit that `type` names at a level, or null. */
+/** The circuit that the type name `type` refers to at a level of nested circuits; null if there is none. */
 export function find_circuit(level: Level, type: string): { circuit: Circuit; names: string[] } | null {
   for (let i = level.scope.length - 1; i >= 0; i--) {
     const at = level.scope[i]!;
@@ -38,5 +38,5 @@ export function enter(top: Circuit, path: readonly string[]): Level {
 export const same_types = (a: Level, b: Level): boolean =>
   a.scope.length === b.scope.length && a.path.every((id, i) => id === b.path[i]) && a.scope.every((s, i) => s.circuit.circuits === b.scope[i]!.circuit.circuits);
 
-/** Flat name of an output of this level, as used by the running circuit: "arm/elbow.out". */
+/** Name with path of an output of this level, as the running circuit uses it: "arm/elbow.out". */
 export const flat_pin = (level: Level, pin: string): string => [...level.path, pin].join('/');

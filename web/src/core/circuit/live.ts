@@ -1,36 +1,36 @@
 /** Live values, curves and computing times of the running circuit (event `values`). Drawing code reads them directly, not through React. */
 
 export interface ValuesEvent {
-  /** s */
+  /** Simulated time of the values, s. */
   time: number;
-  /** [flat pin ("arm/elbow.out"), number of elements, first scalars]; for contacts and events the scalar is the number of records in use */
+  /** [pin with its path ("arm/elbow.out"), number of elements, first scalars]; for contacts and events, the number of records in use */
   pins: [string, number, number[]][];
-  /** [flat id of an LSI ("arm/elbow"), computing time, µs per tick] */
+  /** [LSI with its path ("arm/elbow"), computing time, µs per tick] */
   times?: [string, number][];
   /** Computing time of the whole circuit, µs per tick. */
   tick_us?: number;
-  /** [flat pin, times (s), values of each component]: samples since the previous message */
+  /** [pin with its path, times (s), values of each component]: samples since the previous message */
   probes?: [string, number[], (number | null)[][]][];
 }
 
 export interface PinValue {
-  /** Number of elements. */
+  /** Number of elements of the value. */
   count: number;
   /** The first scalars of the value. */
   numbers: readonly number[];
-  /** When the value last changed, performance.now(), ms. */
+  /** Time at which the value last changed, as returned by performance.now(), ms. */
   changed: number;
 }
 
 /** Recorded samples of a pin. */
 export interface Curve {
-  /** s, ascending */
+  /** Times of the samples, s, ascending. */
   times: number[];
-  /** [component][sample]; null: no finite value */
+  /** Values [component][sample]; null: the value is not finite. */
   values: (number | null)[][];
 }
 
-const curve_capacity = 4000; // samples; older ones are dropped
+const curve_capacity = 4000; // maximum number of samples of a curve; older samples are dropped
 
 export class LiveValues {
   time = 0;
@@ -98,7 +98,7 @@ export class LiveValues {
     }
     return any ? sum : undefined;
   }
-  /** Number of LSIs whose time was measured. */
+  /** Number of LSIs whose computing time was measured. */
   get timed(): number {
     return this.times.size;
   }

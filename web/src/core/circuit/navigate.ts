@@ -5,7 +5,7 @@ import { inputs_node, outputs_node, type View, type ViewNode } from './view';
 export type Direction = 'left' | 'right' | 'up' | 'down';
 
 /**
- * The closest node in a direction. A distance across the direction counts 2.2 times as much as a distance along it.
+ * Finds the closest node in a direction. A distance perpendicular to the direction counts 2.2 times as much as one along it.
  * @return its id, or null
  */
 export function next_node(view: View, from: string | null, direction: Direction): string | null {

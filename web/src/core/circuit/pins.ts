@@ -10,11 +10,11 @@ export interface PinInfo {
   side: 'in' | 'out';
   unit: string;
   doc: string;
-  /** Inputs only: see InputDeclaration. */
+  /** For inputs: `required` and `multiple` as in InputDeclaration. */
   required: boolean;
   multiple: boolean;
   direct: boolean;
-  /** Outputs only: consumers see the value from the next tick on. */
+  /** For outputs: true if consumers see the value from the next tick on. */
   delayed: boolean;
   wired: boolean;
   /** Number of elements of the value; 0: given by the wire. */

@@ -4,9 +4,9 @@ import { ends_of, split_end, type Circuit } from './form';
 import { enter, find_circuit, type Level } from './view';
 
 export interface CircuitProblem extends Problem {
-  /** Flat id of the LSI at fault: "arm/elbow"; empty: the circuit itself. */
+  /** Id with path of the LSI at fault: "arm/elbow"; empty: the circuit itself. */
   lsi: string;
-  /** Wires of an algebraic loop, as flat pins: "a.out" → "b.in"; empty for other problems. */
+  /** Wires of an algebraic loop, as pins with their paths: "arm/a.out" → "arm/b.in"; empty for other problems. */
   loop: { from: string; to: string }[];
   /** True: the problem stopped the running circuit. Otherwise it keeps the circuit from starting. */
   stopped?: boolean;
@@ -15,8 +15,8 @@ export interface CircuitProblem extends Problem {
 }
 
 /**
- * Flat id of the LSI that a JSON path names ("circuit/lsis/3(arm)/lsis/0/type", "circuit/wires/2/to"); null if `location`
- * is not a path into the circuit.
+ * Id, with its path ("arm/elbow"), of the LSI that a JSON path names ("circuit/lsis/3(arm)/lsis/0/type", "circuit/wires/2/to"); null if
+ * `location` is not a JSON path into the circuit.
  */
 function lsi_of_path(top: Circuit, location: string): string | null {
   const start = location.indexOf('circuit/');
@@ -62,7 +62,7 @@ export function locate_problems(top: Circuit, problems: readonly Problem[]): Cir
     const loop = read_loop(p.message);
     const location = p.location ?? '';
     const by_path = lsi_of_path(top, location);
-    // a location that is not a path is a flat id, possibly with a pin
+    // a location that is not a JSON path is an LSI's id with its path, possibly followed by a pin
     const flat = by_path ?? (location === 'circuit' ? '' : split_end(location)[0]);
     const known = by_path !== null || enter(top, flat.split('/').slice(0, -1)).circuit.lsis?.some((l) => l.id === flat.split('/').at(-1));
     return { ...p, lsi: known ? flat : '', loop };

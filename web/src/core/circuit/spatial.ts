@@ -7,10 +7,10 @@ export interface Box {
   height: number;
 }
 
-/** Whether two boxes overlap. */
+/** True if two boxes overlap. */
 export const boxes_meet = (a: Box, b: Box): boolean => a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 
-const cell = 800; // edge length of a cell, px: a few nodes of 160 ... 280 px fit side by side
+const cell = 800; // edge length of a cell, px: so that a few nodes, which are 160 ... 280 px wide, fit side by side
 const row = 1 << 20; // maximum number of cells in a row; the key of cell (i, j) is i + j * row
 
 /** Items by the cells of a uniform grid that they overlap. */
@@ -27,7 +27,7 @@ export class SpatialIndex<T extends Box> {
   /** A new index without the items `removed` and with the items `added`; this index is not changed. */
   replaced(removed: readonly T[], added: readonly T[]): SpatialIndex<T> {
     const cells = new Map(this.cells);
-    const copied = new Set<number>(); // cells whose list is no longer shared with this index
+    const copied = new Set<number>(); // keys of the cells whose list this index and the new index no longer share
     const dropped = new Set(removed);
     for (const item of [...removed, ...added]) this.each_cell(item, (key) => {
       if (copied.has(key)) return;

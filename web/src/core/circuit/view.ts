@@ -31,7 +31,7 @@ export interface ViewNode extends Pins {
   subtitle: string;
   doc: string;
   note: string;
-  /** Null for the nodes of the circuit's own pins. */
+  /** The LSI that the node shows; null for the nodes of the circuit's own pins. */
   lsi: Lsi | null;
   /** Upper left corner and size, px of the circuit's plane. */
   x: number;
@@ -110,9 +110,9 @@ export class View {
 
     // LSIs that are the same objects as before keep their nodes, unless a wire at them changed
     const kept = match(old?.level.circuit.lsis ?? [], lsis);
-    const touched = new Set<string>(); // nodes to make again
+    const touched = new Set<string>(); // ids of the nodes that must be made again
     const retyped = new Set<string>(); // ids whose type changed or that were removed
-    const changed = new Map<string, Lsi>(); // LSIs that are new objects
+    const changed = new Map<string, Lsi>(); // LSIs that are new or changed objects
     for (const at of kept.removed) retyped.add(old!.nodes[at]!.id);
     lsis.forEach((lsi, i) => {
       if (kept.from[i]! >= 0) return;
@@ -298,11 +298,11 @@ export class View {
     const node = this.by_id.get(id);
     return (side === 'in' ? node?.inputs : node?.outputs)?.find((p) => p.name === name);
   }
-  /** Wires at a node. */
+  /** All wires at the pins of a node. */
   at_node(id: string): readonly ViewWire[] {
     return this.by_node.get(id) ?? [];
   }
-  /** Wires at a pin. */
+  /** All wires at a pin. */
   at_pin(id: string, side: 'in' | 'out', name: string): readonly ViewWire[] {
     return this.at_node(id).filter((w) => (side === 'in' ? w.to === id && w.to_pin === name : w.from === id && w.from_pin === name));
   }

@@ -42,10 +42,10 @@ export interface BrowserState {
   kind: KindFilter;
   tags: string[];
   order: LibraryOrder | null;
-  /** Show the trash instead of the library. */
+  /** True: the browser shows the trash instead of the library. */
   trash: boolean;
   entries: LibraryEntry[];
-  /** Number of entries that match. */
+  /** Number of entries that match the query. */
   total: number;
   /** False if `total` is a lower bound. */
   total_exact: boolean;
@@ -134,7 +134,7 @@ export class LibraryBrowser {
       const away = error instanceof RequestError && error.status === 503;
       const failure = error instanceof RequestError ? error.problems.map((p) => [p.message, p.remedy].filter(Boolean).join(' ')).join(' ') : (error as Error).message;
       this.store.setState({ status: 'failed', failure, away });
-      if (away) return; // the list of tags would wait for the library too
+      if (away) return; // the request for the list of tags would also wait for the library
     }
     void this.load_tags();
   }
@@ -146,7 +146,7 @@ export class LibraryBrowser {
     const before = this.running;
     try {
       const page = await this.ask<Page>(this.address(this.next, page_size));
-      if (this.running !== before) return; // another search started in the meantime
+      if (this.running !== before) return; // another search has started in the meantime: ignore this page
       const known = new Set(this.state.entries.map(key_of));
       const entries = page.entries.map(from_service).filter((e) => !known.has(key_of(e)));
       this.next = page.next ?? null;
@@ -255,7 +255,7 @@ export class LibraryBrowser {
     if (!last) return;
     this.store.setState({ done: this.undo_stack[this.undo_stack.length - 1] ?? null });
     const kept = this.undo_stack;
-    this.undo_stack = []; // an undo is not itself recorded as an edit
+    this.undo_stack = []; // so that an undo is not itself recorded as an edit
     await last.undo();
     this.undo_stack = kept;
     this.store.setState({ done: kept[kept.length - 1] ?? null });

@@ -6,7 +6,7 @@ import { createStore, type StoreApi } from 'zustand/vanilla';
 import { RequestError, type MechanismData, type Problem, type ServiceError } from '../protocol';
 
 export interface ImportSettings {
-  /** Metres per unit of length of the file. */
+  /** Length of the file's unit, m. */
   unit: number;
   /** True if the file does not specify its unit. */
   unit_guessed: boolean;
@@ -26,24 +26,24 @@ export interface ConversionReport {
   guessed: string[];
   changed: string[];
   left_out: string[];
-  /** Points that the user should check. */
+  /** Sentences about points that the user should check. */
   check: string[];
 }
 
 /** Poses of a motion for the preview: every `stride`-th frame. */
 export interface MotionPreview {
   name: string;
-  /** frames a second */
+  /** Frame rate of the motion, 1/s. */
   rate: number;
   /** Number of frames of the motion. */
   frames: number;
-  /** s */
+  /** Duration of the motion, s. */
   duration: number;
   stride: number;
   /** Number of frames in `poses`. */
   count: number;
   links: number;
-  /** base64 of 32-bit floats [count][links][7], world poses x y z (m) qw qx qy qz */
+  /** World poses [count][links][7]: x y z (m) qw qx qy qz, as base64 of 32-bit floats. */
   poses: string;
   mechanism?: string;
 }
@@ -52,7 +52,7 @@ export interface MarkerPreview {
   labels: string[];
   count: number;
   stride: number;
-  /** base64 of 32-bit floats [count][markers][3], m; NaN where a marker was not visible */
+  /** Marker positions [count][markers][3], m, as base64 of 32-bit floats; NaN where a marker was not visible. */
   points: string;
   /** Pose of the markers' coordinate frame in the character's world: x y z (m) qw qx qy qz. Absent: identity. */
   pose?: number[];
@@ -79,7 +79,7 @@ export type ImportStatus = 'waiting' | 'reading' | 'ready' | 'storing' | 'stored
 export interface ImportItem {
   id: number;
   file: string;
-  /** bytes */
+  /** Size of the file, bytes. */
   size: number;
   status: ImportStatus;
   staged: StagedFile | null;
@@ -265,7 +265,7 @@ export class ImportQueue {
   }
 
   private async drop_stage(stage: string): Promise<void> {
-    await this.send(`api/import/drop/${stage}`, '').catch(() => undefined); // the studio drops all stages when it ends
+    await this.send(`api/import/drop/${stage}`, '').catch(() => undefined); // on failure: the studio drops all stages when it ends
   }
 
   private change(id: number, part: Partial<ImportItem>): void {

@@ -8,13 +8,13 @@ export function tags_of(entry: LibraryEntry): string[] {
   return entry.tags ? entry.tags.split(/[\s,]+/).filter(Boolean) : [];
 }
 
-/** A length: "4 mm", "35 cm", "1.75 m", "12 m". */
+/** A length in metres as text: "4 mm", "35 cm", "1.75 m", "12 m". */
 export function format_length(metres: number): string {
   if (metres < 0.995) return metres < 0.0095 ? `${format_number(1000 * metres, 1)} mm` : `${format_number(100 * metres, metres < 0.0995 ? 1 : 0)} cm`;
   return `${format_number(metres, metres < 9.995 ? 2 : 0)} m`;
 }
 
-/** A mass: "0.8 g", "32 g", "4.5 kg", "70 kg". */
+/** A mass in kilograms as text: "0.8 g", "32 g", "4.5 kg", "70 kg". */
 export function format_mass(kilograms: number): string {
   if (kilograms < 0.9995) return `${format_number(1000 * kilograms, kilograms < 0.00995 ? 1 : 0)} g`;
   return `${format_number(kilograms, kilograms < 9.95 ? 1 : 0)} kg`;

@@ -26,7 +26,7 @@ export type With = { motion: string } | { mechanism: string } | { height: number
 export interface MotionTask {
   id: string;
   label: string;
-  /** Start time, performance.now(), ms. */
+  /** Start time, as returned by performance.now(), ms. */
   since: number;
 }
 
@@ -109,7 +109,7 @@ export class MotionDesk {
   }
 }
 
-/** A CSS gradient over the whole motion: each band's colour shows the number of feet on the ground. @param duration s */
+/** A CSS gradient over the whole motion: the colour of a band shows the number of feet on the ground. @param duration of the motion, s */
 export function band_gradient(bands: readonly Band[], duration: number): string {
   if (bands.length === 0 || !(duration > 0)) return 'none';
   const share = (t: number): string => `${((100 * Math.min(t, duration)) / duration).toFixed(3)}%`;

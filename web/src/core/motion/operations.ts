@@ -26,7 +26,7 @@ export type OperationGroup = 'time' | 'shape' | 'ground' | 'two' | 'body';
 export interface Operation {
   id: string;
   label: string;
-  /** Label where space is short. */
+  /** Short label, for places with little space. */
   short: string;
   group: OperationGroup;
   /** One sentence that describes the effect. */

@@ -6,7 +6,7 @@ import { split_flat } from '../../core/circuit/problems';
 import { circuit, parts, session, useCircuit, useStudio } from '../app';
 import { Icon } from '../icons';
 
-/** Shows the LSI of a flat pin name ("arm/elbow.out") in the canvas. */
+/** Shows the LSI of a pin, which is given with its path ("arm/elbow.out"), in the canvas. */
 function show(pin: string): void {
   const ids = split_flat(pin)[0].split('/');
   circuit.go_to(ids);

@@ -27,7 +27,7 @@ import { useSurface, type Client, type Surface } from './surface';
 import { useValues, useWatch } from './values';
 
 const node_types = { lsi: LsiNode, note: NoteNode, probe: ProbeNode };
-const min_mapped = 12; // with fewer LSIs the overview map is not shown
+const min_mapped = 12; // the overview map is shown only if the circuit has more LSIs than this
 
 export function CircuitPanel(): ReactElement {
   const has = useCircuit((s) => s.view !== null);
@@ -102,7 +102,7 @@ function Canvas(): ReactElement {
 
   const press = (event: PointerEvent<HTMLDivElement>): void => {
     const target = event.target as HTMLElement;
-    if (target.closest('.menu, .circuit-search, .stop-form')) return; // these handle their own presses
+    if (target.closest('.menu, .circuit-search, .stop-form')) return; // menu, search and breakpoint form handle presses themselves
     circuit.close_stop();
     pressing.current = true;
     circuit.forget_refusal();

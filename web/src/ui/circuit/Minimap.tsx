@@ -5,9 +5,9 @@ import type { View } from '../../core/circuit/view';
 import { plain_canvas, useStudio } from '../app';
 import { prepare, read_colors, type Colors, type Viewport } from './paint';
 
-const width = 168; // px
-const height = 104; // px
-const margin = 6; // px
+const width = 168; // width of the overview, px
+const height = 104; // height of the overview, px
+const margin = 6; // free border around the drawn circuit, px
 
 /** A colour such as "#7dd3fc" as a pixel of ImageData (little-endian RGBA) with 55 % opacity. */
 function dot_of(color: string): number {
@@ -38,7 +38,7 @@ export function Minimap({ view, viewport, size, go, subscribe }: { view: View; v
   useEffect(() => {
     const element = canvas.current;
     if (!element) return;
-    const colors = read_colors(document.documentElement); // not of the canvas: it may not be attached to the page yet
+    const colors = read_colors(document.documentElement); // not of the canvas, which may not be attached to the page yet
     const box = view.bounds();
     const scale = Math.min((width - 2 * margin) / Math.max(1, box.width), (height - 2 * margin) / Math.max(1, box.height), 0.2);
     const left = box.x - (width / scale - box.width) / 2;

@@ -8,8 +8,8 @@ import { probe_size } from '../../core/circuit/view';
 import { circuit, session, useCircuit } from '../app';
 import { Icon } from '../icons';
 
-const seconds = 4; // length of the time axis
-const max_drawn = 6; // components drawn if the probe does not name any
+const seconds = 4; // length of the time axis, s
+const max_drawn = 6; // maximum number of components that are drawn if the probe does not select any
 const shades = [1, 0.55, 0.8, 0.35, 0.7, 0.45];
 
 export function ProbeCurve({ probe }: { probe: Probe }): ReactElement {

@@ -8,7 +8,7 @@ export function ProblemBubble({ id }: { id: string }): ReactElement | null {
   const path = useCircuit((s) => s.path);
   const problems_here = circuit.problems_of(id);
   if (problems_here.length === 0) return null;
-  // an algebraic loop is shown once, at its first LSI in this level
+  // an algebraic loop is shown only once: at its first LSI in the shown circuit
   const shown_here = (p: (typeof problems_here)[number]): boolean => p.loop.length === 0 || circuit.view?.nodes.find((n) => circuit.problems_of(n.id).includes(p))?.id === id;
   const listed = problems_here.filter(shown_here);
   const hidden = problems.length > 0 && listed.length > 3 ? listed.length - 3 : 0;

@@ -13,7 +13,7 @@ import type { Surface } from './surface';
 const far_zoom = 0.42;
 const max_elements = 160;
 const max_too_wide = 2; // after zooming in, nodes are searched again once the searched area is this many times wider than needed
-const margin = 260; // px around the visible area, so that a small pan needs no new search
+const margin = 260; // px; nodes are also searched this far outside the visible area, so that a small pan needs no new search
 
 /** The result of the latest culling, that is, the search for the nodes in view. */
 export interface Drawn {
@@ -22,15 +22,15 @@ export interface Drawn {
   box: Box;
   /** True: the zoom is below `far_zoom`. */
   zoom_far: boolean;
-  /** True: all LSIs are painted on the canvas, none is a page element. */
+  /** True: all LSIs are painted on the canvas, none is a DOM element. */
   far: boolean;
-  /** Nodes in `box`. */
+  /** Nodes that overlap `box`. */
   near: ViewNode[];
-  /** LSIs that should be page elements; all other LSIs are painted on the canvas. */
+  /** LSIs that should be DOM elements; all other LSIs are painted on the canvas. */
   wanted: ReadonlySet<string>;
-  /** LSIs that are page elements now. Each frame adds or removes some of them until this set equals `wanted`. */
+  /** LSIs that are DOM elements now. Each frame adds or removes some of them until this set equals `wanted`. */
   ids: ReadonlySet<string>;
-  /** Wires that are page elements now. */
+  /** Wires that are DOM elements now. */
   wires: ReadonlySet<string>;
 }
 
@@ -41,11 +41,11 @@ export interface Drawing {
   far: boolean;
   colors: Colors;
   drawn: RefObject<Drawn | null>;
-  /** Paints the canvas at the next frame. */
+  /** Requests that the canvas is painted at the next animation frame. */
   invalidate: () => void;
-  /** Rebuilds the elements. */
+  /** Rebuilds the React Flow elements (DOM nodes) of the LSIs in view. */
   refresh: () => void;
-  /** Called after each painting. */
+  /** Calls `listener` after each painting of the canvas. @return a function that removes the listener */
   on_paint: (listener: () => void) => () => void;
   /** Counts and times of the drawing, read by the end-to-end tests. */
   facts: RefObject<{ paints: number; paint_ms: number; culls: number; values: number }>;

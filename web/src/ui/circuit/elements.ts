@@ -1,6 +1,6 @@
 /**
- * React Flow nodes and edges of the LSIs in view. A few are added and removed in each frame, so that no frame takes long; the canvas draws
- * those still missing.
+ * React Flow elements (nodes and edges) of the LSIs in view. In each frame a few elements are added and removed, so that no frame takes
+ * long; until an LSI has its element, the canvas draws the LSI.
  */
 import { Position } from '@xyflow/react';
 import type { EditorState } from '../../core/circuit/editor';
@@ -26,7 +26,7 @@ function lsi_element(node: ViewNode, selected: boolean): LsiNodeType {
   };
 }
 
-/** One step from the elements `before` to those `wanted`. @return LSIs that are elements now, and whether all wanted ones are */
+/** One step from the elements `before` to the elements `wanted`. @return ids of the LSIs that are elements now; done: no step is left */
 export function next_elements(before: ReadonlySet<string>, wanted: ReadonlySet<string>, at_once: boolean): { ids: Set<string>; done: boolean } {
   if (at_once) return { ids: new Set(wanted), done: true };
   const ids = new Set<string>();

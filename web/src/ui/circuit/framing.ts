@@ -5,16 +5,16 @@ import { circuit, useCircuit } from '../app';
 import type { Viewport } from './paint';
 import type { Surface } from './surface';
 
-const bar_height = 44; // px at the top, covered by the bar
+const bar_height = 44; // height of the bar that covers the top of the canvas, px
 
 /** Viewport of the canvas when it was last unmounted, and the circuit level that it belongs to. */
 const kept: { path: string; at: Viewport | null; fitted: boolean } = { path: '', at: null, fitted: false };
 export const kept_viewport = (): Viewport => kept.at ?? { x: 0, y: 0, zoom: 1 };
 
 export interface Framing {
-  /** Fits the whole level, or the nodes `ids`, into the panel. */
+  /** Zooms so that the whole shown circuit, or the nodes `ids`, fit into the panel. */
   fit: (ids?: ReadonlySet<string>) => void;
-  /** The user moved the viewport: a change of the panel's size no longer fits the circuit. */
+  /** To be called when the user moved the viewport: later changes of the panel's size no longer refit the circuit. */
   release: () => void;
 }
 

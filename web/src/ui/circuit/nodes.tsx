@@ -25,7 +25,7 @@ function Pin({ node, pin, index }: { node: ViewNode; pin: PinInfo; index: number
   const at = useCircuit((s) => same_pin(s.pin, own));
   const target = useCircuit((s) => same_pin(s.target, own));
   const bad = useCircuit((s) => pin.side === 'out' && s.problems.length > 0 && s.problems.some((p) => p.pin === pin.name && p.lsi === [...s.path, node.id].join('/')));
-  // breakpoint at this output: 'on', 'off', 'hit' (the run stopped here), or '' for none
+  // state of the breakpoint at this output: 'on', 'off', 'hit' (the run stopped at it), or '' if there is none
   const stop = useStudio((s) => {
     if (pin.side === 'in' || s.breakpoints.length === 0) return '';
     const flat = circuit.flat_output(node.id, pin.name);

@@ -1,6 +1,6 @@
 /**
- * Drawing on two canvases. The canvas below the elements shows the wires and LSIs that have no element. The canvas above the elements
- * shows the values of LSIs in view.
+ * Drawing on two canvases, below and above the DOM elements of React Flow. The lower canvas shows the wires and LSIs that have no element.
+ * The upper canvas shows the values of the LSIs in view.
  */
 import { hue_of } from '../../core/circuit/classes';
 import type { CircuitEditor } from '../../core/circuit/editor';
@@ -19,14 +19,14 @@ export type Colors = (name: string) => string;
 
 const letters = 'Inter, system-ui, "DejaVu Sans", sans-serif';
 
-/** Zoom levels below which details are omitted: curves of wires, frames of boxes, titles, pins. */
+/** Zoom levels below which a detail is omitted: curved wires, borders of LSI boxes, titles and pins. */
 const curve_zoom = 0.16;
 const frame_zoom = 0.06;
 const word_zoom = 0.2;
 const pin_zoom = 0.24;
 const widest_value = 240; // maximum width of a value, circuit coordinates
 /**
- * Wires shorter than this on the screen (px) are not drawn at small zoom: single wires are invisible, and thousands of them are slow to draw.
+ * At small zoom, wires shorter than this on the screen (px) are not drawn: such a wire is too small to see, and drawing thousands is slow.
  */
 const shortest_wire = 3;
 
@@ -57,7 +57,7 @@ export function prepare(canvas: HTMLCanvasElement, options?: CanvasRenderingCont
   return { c, width, height };
 }
 
-/** A node at its position during a drag. */
+/** The node, moved to its position in `drag` if it is being dragged. */
 const moved = (node: ViewNode, drag: ReadonlyMap<string, Point> | null): ViewNode => {
   const at = drag?.get(node.id);
   return at ? { ...node, x: at[0], y: at[1] } : node;
@@ -95,7 +95,7 @@ function ends_of_wire(view: View, wire: ViewWire, drag: ReadonlyMap<string, Poin
 }
 
 function paint_wires(c: CanvasRenderingContext2D, view: View, zoom: number, colors: Colors, seen: Box, options: UnderOptions): void {
-  // one path per colour: the number of strokes determines the cost
+  // one path for each colour, because the drawing time grows with the number of strokes
   const paths = new Map<string, Path2D>();
   const straight = zoom < curve_zoom;
   const shortest = straight ? shortest_wire / zoom : 0;
@@ -122,7 +122,7 @@ function paint_wires(c: CanvasRenderingContext2D, view: View, zoom: number, colo
     const special = key === 'loop' || key === 'lit';
     c.strokeStyle = key === 'loop' ? colors('--bad') : key === 'lit' ? colors('--accent') : colors(`--pin-${delayed ? key.slice(8) : key}`);
     c.globalAlpha = special ? 1 : zoom < 0.25 ? 0.45 : 0.8;
-    // lines below one pixel are much faster than wider ones
+    // the browser draws lines narrower than one pixel much faster than wider lines
     c.lineWidth = straight && !special ? 0.98 / zoom : Math.max(1 / zoom, special ? 3 : 1.8);
     c.setLineDash(delayed && !straight ? [5, 4] : []);
     c.stroke(path);
@@ -201,7 +201,7 @@ function shorten(c: CanvasRenderingContext2D, text: string, room: number): strin
 export function paint_values(c: CanvasRenderingContext2D, view: View, viewport: Viewport, nodes: readonly ViewNode[], colors: Colors, editor: CircuitEditor, live: LiveValues, now: number): number {
   const { zoom } = viewport;
   let drawn = 0;
-  const small = Math.max(10.5, 8.5 / zoom); // font size: at least 8.5 px on the screen
+  const small = Math.max(10.5, 8.5 / zoom); // font size in circuit coordinates: at least 8.5 px on the screen
   c.save();
   c.translate(viewport.x, viewport.y);
   c.scale(zoom, zoom);

@@ -9,11 +9,11 @@ import type { Drawing } from './drawing';
 import { paint_values, prepare } from './paint';
 import type { Surface } from './surface';
 
-const value_zoom = 0.44; // below this zoom values are unreadable and not requested
-const values_period = 70; // ms between two drawings
-const watch_delay = 180; // ms between a change of the visible area and the request
+const value_zoom = 0.44; // below this zoom, values would be unreadable and are not requested
+const values_period = 70; // minimum time between two drawings, ms
+const watch_delay = 180; // time between a change of the visible area and the request, ms
 const max_watched = 400;
-const fading = 700; // ms for which a changed value is highlighted
+const fading = 700; // time for which a changed value is highlighted, ms
 
 /** Requests the values of the outputs in view and of the probes. */
 export function useWatch(view: View, surface: Surface, drawing: Drawing): void {

@@ -163,7 +163,7 @@ function Versions({ entry }: { entry: LibraryEntry }): ReactElement | null {
     let ended = false;
     library.versions(entry).then(
       (all) => !ended && set_versions(all),
-      () => undefined, // the version list is optional
+      () => undefined, // on an error, the inspector shows no version list
     );
     return () => {
       ended = true;

@@ -1,6 +1,6 @@
 /**
- * The import dialog: before files are stored it shows each one moving next to a 1.8 m human, lets the user correct unit, axes and frame
- * rate, and lists the reader's report.
+ * The import dialog: before files are stored, it shows the character of each file moving next to a 1.8 m human, lets the user correct
+ * unit, axes and frame rate, and lists the reader's report.
  */
 import { useEffect, useRef, useState, type ReactElement } from 'react';
 import { format_number } from '../../core/format';
@@ -39,7 +39,7 @@ function Dialog(): ReactElement {
           e.preventDefault();
           imports.close();
         }
-        // keep all keys from the page's own key handler
+        // while the dialog is open, the page's own key handler must not see any key
         e.stopPropagation();
         if (e.key === 'Tab') keep_inside(e.nativeEvent, dialog.current);
       }}

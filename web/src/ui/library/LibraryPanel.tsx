@@ -223,7 +223,7 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
     reveal(entries.indexOf(entry));
   };
   useEffect(() => {
-    if (at >= 0) reveal(at); // the selection may come from elsewhere: an import or a copy
+    if (at >= 0) reveal(at); // show an entry that was selected outside of this list, by an import or a copy
   }, [chosen, entries.length]);
 
   const keys = (event: KeyboardEvent): void => {

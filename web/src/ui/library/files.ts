@@ -1,6 +1,6 @@
 /** Reads the files of a drop, including those in dropped folders. */
 
-const max_files = 500; // maximum number of files of a drop with folders
+const max_files = 500; // maximum number of files taken from a drop that contains folders
 
 async function collect(entry: FileSystemEntry, out: File[]): Promise<void> {
   if (out.length >= max_files) return;

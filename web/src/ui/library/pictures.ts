@@ -106,7 +106,7 @@ export function want_picture(entry: LibraryEntry, done: (address: string | null)
     return () => undefined;
   }
   const job = { entry, done };
-  waiting.unshift(job); // the entry scrolled into view last is the one the user looks at
+  waiting.unshift(job); // newest first: the user looks at the entry that scrolled into view last
   if (!working) void work();
   return () => {
     const at = waiting.indexOf(job);
@@ -130,7 +130,7 @@ async function work(): Promise<void> {
       }
     }
     done(address);
-    await new Promise((resolve) => setTimeout(resolve, 12)); // leave the main thread to the page between two pictures
+    await new Promise((resolve) => setTimeout(resolve, 12)); // leave the main thread free between two pictures
   }
   working = false;
 }

@@ -2,7 +2,7 @@
 import { useEffect, useState, type ReactElement } from 'react';
 import { desk, useDesk } from '../app';
 
-const patience_ms = 300; // shorter operations are not shown
+const patience_ms = 300; // operations shorter than this are not shown
 
 export function Tasks(): ReactElement | null {
   const tasks = useDesk((s) => s.tasks);

@@ -1,4 +1,4 @@
-/** Notes and probes. */
+/** Edits of notes and probes. */
 import { fresh_id, type Note, type Point, type Probe } from '../form';
 import type { View } from '../view';
 import { command, snap, Batch, type CircuitCommand } from './batch';

@@ -32,7 +32,7 @@ export class Batch {
 
 export const ids_of = (view: View): Set<string> => new Set((view.level.circuit.lsis ?? []).map((l) => l.id));
 export const quote = (name: string): string => `“${name}”`;
-/** "item" for one, "3 items" for several. */
+/** A noun with its count: "item" for one, "3 items" for several. */
 export const count_of = (n: number, one: string): string => (n === 1 ? one : `${n} ${one}s`);
 export const title_of = (view: View, id: string): string => view.node(id)?.title ?? id;
 
@@ -45,7 +45,7 @@ export function users_of(view: View, names: readonly string[]): { circuit: Circu
   const type = names.at(-1);
   if (type === undefined) return found;
   const visit = (circuit: Circuit, at: string[], scope: string[]): void => {
-    // a type name refers to the innermost enclosing circuit that defines it
+    // a type name refers to the definition in the innermost enclosing circuit that has one
     const here = circuit.circuits?.some((c) => c.name === type) ? [...at, type].join('\n') : scope.find((s) => s.endsWith(`\n${type}`) || s === type) ?? '';
     if (here === names.join('\n')) {
       const ids = new Set((circuit.lsis ?? []).filter((l) => l.type === type).map((l) => l.id));

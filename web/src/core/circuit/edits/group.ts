@@ -66,7 +66,7 @@ export function group(view: View, nodes: ReadonlySet<string>): { command: Circui
       else outside.push({ from: `${id}.${pin.name}`, to: `${wire.to}.${wire.to_pin}` });
     }
   }
-  // wires at missing LSIs have no known type, and a pin of a circuit needs one
+  // a wire at a missing LSI has no known type, but a pin of a circuit needs a type
   if ([...inputs.values(), ...outputs.values()].some((p) => p.type === 'any')) return null;
 
   const parameters: NonNullable<Circuit['parameters']> = [];
@@ -130,7 +130,7 @@ export function ungroup(view: View, id: string): { command: CircuitCommand; node
     return `${ids.get(at) ?? at}.${pin}`;
   };
   const batch = new Batch(view);
-  // circuits defined inside move to this level
+  // definitions of circuits inside the removed circuit move to this level
   for (const c of inner.circuits ?? []) {
     const known = find_circuit(view.level, c.name)?.circuit;
     if (known && JSON.stringify(known) !== JSON.stringify(c)) return null; // another circuit has that name here

@@ -68,7 +68,7 @@ export function move(view: View, places: ReadonlyMap<string, Point>, label?: str
   for (const lsi of circuit.lsis ?? []) {
     const at = places.get(lsi.id);
     if (at && differs(lsi.at, at)) {
-      batch.lsi({ ...lsi, at: [at[0] + 0, at[1] + 0] }); // + 0 converts -0, which JSON cannot keep, to 0
+      batch.lsi({ ...lsi, at: [at[0] + 0, at[1] + 0] }); // + 0 converts -0, which JSON does not preserve, to 0
       last = view.node(lsi.id)?.title ?? lsi.id;
     }
   }
