@@ -46,7 +46,7 @@ struct Written {
 Result<void> check_portable(std::span<const std::byte> ugx, const std::string& name) {
   const Result<content::Player> plain = content::Player::open(ugx, name);
   if (plain) return {};
-  if (!open_hosted(ugx, name)) return fail(plain.error());  // the content does not run here either
+  if (!open_hosted(ugx, name)) return fail(plain.error());  // the content is faulty whatever the LSIs
   Error error = plain.error();
   for (Problem& p : error.problems) {
     p.message += " It comes from an installed library. Pages, pictures and native programs can use only the standard LSIs.";

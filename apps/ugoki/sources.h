@@ -32,7 +32,7 @@ void add_correction_options(CLI::App& verb, SourceOptions& options);
 /// Path of the library: `option`, or the default path if it is empty.
 [[nodiscard]] std::string library_path(const std::string& option);
 
-/// Opens the library in which `target`, which is not a file, may be an entry. Errors: no library exists.
+/// Opens the library in which `target` is to be looked up; for a `target` that is not a file. Error: no library exists.
 [[nodiscard]] Result<store::Library> library_of(const std::string& target, const SourceOptions& options);
 
 /// Kind of a file, from its first bytes or extension. If no such file exists, `target` is the name or id of an entry.

@@ -29,7 +29,7 @@ struct SweepPlan {
   std::vector<std::string> targets;
   std::vector<std::uint64_t> hashes;  ///< of the executable data of each target, so that a changed target is noticed
   std::vector<Variation> variations;
-  std::uint64_t random = 0;  ///< runs with random values for each target; 0: every combination of values
+  std::uint64_t random = 0;  ///< number of runs with random values for each target; 0: one run for every combination of values
   std::uint64_t seed = 1;
   double duration = 0;  ///< s; 0: the duration of the content
 

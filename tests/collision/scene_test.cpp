@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <cstdio>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -330,41 +328,6 @@ TEST(Scene, NoAllocationAfterWarmUp) {
   }
   EXPECT_EQ(allocations_so_far(), before);
   EXPECT_GT(out.size(), 20U);
-}
-
-double microseconds(const Scene& scene, const Posed& posed, std::size_t& count) {
-  Workspace workspace(scene);
-  std::vector<ContactPoint> out;
-  double best = 1e300;
-  for (int batch = 0; batch < 30; ++batch) {
-    const auto start = std::chrono::steady_clock::now();
-    for (int i = 0; i < 1000; ++i) find_contacts(scene, posed.spans, 0.01, workspace, out);
-    best = std::min(best, std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count() / 1000);
-  }
-  count = out.size();
-  return best;
-}
-
-TEST(SlowScene, OneCharacterTakesMicroseconds) {
-  Scene scene({character()});
-  Posed standing(scene), lying(scene);
-  standing.move(0, at(0, 0, 1.01));
-  lying.move(0, Pose{rotation_about({0, 1, 0}, pi / 2), {0, 0, 0.08}});
-  std::size_t count = 0;
-  const double feet = microseconds(scene, standing, count);
-  std::printf("standing: %.2f us, %zu contacts\n", feet, count);
-  const double all_links = microseconds(scene, lying, count);
-  std::printf("lying: %.2f us, %zu contacts\n", all_links, count);
-  scene.set_self_collision(0, true);
-  const double self = microseconds(scene, standing, count);
-  std::printf("standing, self-collision (%zu pairs): %.2f us, %zu contacts\n", scene.self_pairs(0).size(), self, count);
-  const double all_links_and_self = microseconds(scene, lying, count);
-  std::printf("lying, self-collision: %.2f us, %zu contacts\n", all_links_and_self, count);
-#ifdef NDEBUG
-  // Limits (microseconds) are well above the times of an idle machine, so that only a large loss of speed fails.
-  EXPECT_LT(feet, 4);
-  EXPECT_LT(all_links_and_self, 20);
-#endif
 }
 
 }  // namespace

@@ -86,8 +86,8 @@ struct Simulation {
 };
 
 TEST(StepperLoops, ClosedChainMatchesClosedDynamics) {
-  // The ring is pinned at one corner. Its bars are unequal, so that the angles are not proportional. The error relative to the integrators'
-  // closed system must be of first order in the step.
+  // The ring is pinned at one corner. Its bars have unequal lengths, so that the joint angles are not proportional to each other. The
+  // difference from the integrators' solution of the closed system must be of first order in the step.
   Simulation sim(square(false, JointType::revolute, 0.5));
   sim.state.q[0] = 0.6;
   dynamics::OpenSystemOptions options;

@@ -1,5 +1,5 @@
-// Rings of links whose joints permit only planar motion, only rotation about one point, or only translation. No joint moves along most
-// constraint rows of the loops. In rotated frames the entries of such rows are rounding errors instead of exact zeros.
+// Rings of links whose joints permit only planar motion, only rotation about one point, or only translation. Most constraint
+// rows of such a loop are zero, because no joint moves in their direction. In rotated frames their entries are rounding errors instead.
 
 #include <gtest/gtest.h>
 

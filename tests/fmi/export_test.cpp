@@ -270,8 +270,8 @@ TEST_P(Export, LsisOfMathematicsNeedNoContent) {
   EXPECT_NEAR(value(*i, "u.x"), std::cos(0.5), 1e-15);
 }
 
-/// For each standard LSI, a circuit with this LSI alone is exported, or the error names what the LSI needs. Only LSIs that use mechanisms
-/// and motions of content need content.
+/// For each standard LSI, a circuit with this LSI alone is exported, or the error names what the LSI needs. Only LSIs that read a mechanism
+/// or a motion need content.
 TEST_P(Export, OnlyLsisThatUseContentAreRefusedWithoutContent) {
   int exported = 0;
   for (const circuit::LsiClass& c : lsi::standard_library().classes()) {

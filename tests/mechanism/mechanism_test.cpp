@@ -256,7 +256,7 @@ const Spoiled spoiled_specs[] = {
      "moments of inertia", ErrorCode::structure},
     {"indefinite inertia", [](MechanismSpec& s) { s.links[3].inertia = Inertia::from_centre(1, {}, {1, 1, 1, 1.5, 0, 0}); }, "link hand",
      "moments of inertia", ErrorCode::structure},
-    {"nothing behind joint", [](MechanismSpec& s) { s.links[5].inertia = {}; }, "link finger", "nothing behind it has mass",
+    {"no mass carried by joint", [](MechanismSpec& s) { s.links[5].inertia = {}; }, "link finger", "no link that it carries has mass",
      ErrorCode::structure},
     {"shape without size", [](MechanismSpec& s) { s.links[3].shapes[0].radius = 0; }, "link hand", "no size", ErrorCode::structure},
     {"shape of negative size", [](MechanismSpec& s) { s.links[3].shapes = {Shape::box({1, -1, 1})}; }, "link hand", "no size",

@@ -31,7 +31,7 @@ std::vector<std::string> lines_of(std::string text) {
   return out;
 }
 
-/// Compares with the words of the file: joints, end sites, channels, declared frames and the number of values.
+/// Compares what our reader returns with counts taken from the text of the file: joints, end sites, channels, frames and motion values.
 TEST(SharedCounts, Bvh) {
   NEEDS_SHARED_FILES();
   for (const std::string& path : shared_files({".bvh"})) {

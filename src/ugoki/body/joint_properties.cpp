@@ -125,7 +125,7 @@ void set_joint_properties(Joint& joint, const Anatomy& anatomy, const SkeletonJo
     return;
   }
   for (int k = 0; k < nv; ++k) {
-    // Range along one axis: the part of the axis inside the box.
+    // The ranges about the three anatomical axes form a box. The range of this joint is the part of its axis inside the box.
     const Vec3 axis = transpose_times(anatomy.R_WA, k == 0 ? joint.axis : joint.axis2);
     double low = 1e9, high = 1e9;
     for (int c = 0; c < 3; ++c) {

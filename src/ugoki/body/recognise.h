@@ -23,7 +23,7 @@ struct Character {
   BodyPlan plan = BodyPlan::other;
   std::string why_not;                      ///< if the plan is `other`: a sentence with the reason
   double confidence = 0;                    ///< 0 ... 1: confidence in plan and limbs
-  bool winged = false;                      ///< the limbs in `arms` are wings; the plan is `other`
+  bool winged = false;                      ///< true: the limbs in `arms` are wings, and the body plan is `other`
   int pelvis = -1, chest = -1;              ///< joints that carry the (hind) legs and the arms (forelegs)
   int head = -1;                            ///< joint of the head
   std::vector<int> trunk;                   ///< joints from the pelvis to the chest, both included

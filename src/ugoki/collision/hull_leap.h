@@ -176,7 +176,7 @@ class HullLeap : public HullSearch {
 
   /// Edge or face of a fan that is closest to the origin: m, frame of a, the same in all lanes.
   struct Feature {
-    Four3 first, second, p, v;  ///< two edges, corner, and point closest to the origin of the feature
+    Four3 first, second, p, v;  ///< the feature's two edges, its corner p, and v, its point closest to the origin
   };
 
   /// Continues with search_rings() from the simplex of the corners of `feature`.

@@ -73,7 +73,7 @@ struct BalanceOptions {
   double separation = 0.14;      ///< m: minimum lateral distance of the feet after a reaction step
   double early = 0.6;            ///< fraction of the swing after which a touching foot stands
   double early_rate = 1.6, late_rate = 1;  ///< rate of the reference's time after an early touch-down, and while a touch-down is late
-  int limit_rounds = 2;                    ///< maximum number of repeated solutions, each with the limits that the previous one exceeds
+  int limit_rounds = 2;                    ///< maximum number of further solutions; each adds the limits that the previous solution exceeds as constraints
   Vec3 gravity{0, 0, -9.81};               ///< m/s^2, world
 };
 

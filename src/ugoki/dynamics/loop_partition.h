@@ -49,8 +49,8 @@ struct ClosedWorkspace {
 
   // Results of update_partition()
   std::vector<double> J;          ///< [active * nv] constraint matrix scaled to one unit: rows times row_scale, columns times dof_scale
-  std::vector<double> row_scale;  ///< [rows] 1 for angles, 1 / length for distances
-  std::vector<double> dof_scale;  ///< [nv] 1 for angles, length for distances
+  std::vector<double> row_scale;  ///< [rows] 1 for an angle, 1 / (length of the mechanism [m]) for a distance
+  std::vector<double> dof_scale;  ///< [nv] 1 for an angle, the length of the mechanism [m] for a distance
   LuFactor J_S;                   ///< [rank * rank] independent rows, columns of theta_S, scaled to one unit
   std::vector<double> H;          ///< [nv * dofs()] v = H v_G; columns ordered as theta_G(), in the units of v
 

@@ -63,7 +63,7 @@ enum Report : std::size_t {
   report_force = 0,       ///< force: 3 entries, N, world axes
   report_moment = 3,      ///< moment: 3 entries, N m, world axes, about the origin of the root link
   report_ratio = 6,       ///< wanted assist / limit of the assist
-  report_size = 7,        ///< applied assist, body weights (moments are divided by a lever)
+  report_size = 7,        ///< applied assist in body weights; a moment is divided by the lever of the root assist
   report_released = 8,    ///< 1 after the character was released, otherwise 0
   report_force_size = 9,  ///< applied force alone, without moments, body weights
   report_count = 10,      ///< number of entries
@@ -84,7 +84,7 @@ enum CharacterEntry : std::size_t {
 /// Indices into the naturalness measures of one character since the start (pin type `joint values`).
 enum Measure : std::size_t {
   measure_tracking = 0,         ///< rms angle between joints and reference until the release, degrees
-  measure_assist = 1,           ///< rms root assist, body weights (moments are divided by a lever)
+  measure_assist = 1,           ///< rms root assist in body weights; a moment is divided by the lever of the root assist
   measure_assist_force = 2,     ///< rms force of the root assist alone, body weights
   measure_assist_max = 3,       ///< maximum root assist, body weights
   measure_skate = 4,            ///< net slip of a foot in one stance (FootSlip), mean over all stances, cm

@@ -315,7 +315,7 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     bool armature = l.joint.nv() > 0;
     for (int k = 0; k < l.joint.nv(); ++k) armature = armature && l.joint.dofs[static_cast<std::size_t>(k)].armature > 0;
     if (l.joint.nv() > 0 && mass_behind[i] <= 0 && !armature && l.real < 0)
-      errors.add(ErrorCode::structure, "link " + l.name, "The joint can move, but nothing behind it has mass.",
+      errors.add(ErrorCode::structure, "link " + l.name, "The joint can move, but no link that it carries has mass.",
                  "Add mass or armature, or make the joint fixed.");
   }
   if (!errors.empty()) return fail(std::move(errors));

@@ -39,7 +39,7 @@ struct Link {
   int parent = -1;   ///< next link towards the base; -1: the world
   int child = -1;    ///< first link with this link as its parent
   int sibling = -1;  ///< next link with the same parent
-  int real = -1;     ///< virtual pointer: index of the real link if this link is virtual
+  int real = -1;     ///< virtual link: index of the real link that it stands for
   Joint joint;
   int q_index = 0;  ///< index in q of the first coordinate of the link's joint
   int v_index = 0;  ///< index in v of the first DOF of the link's joint

@@ -112,7 +112,7 @@ constexpr std::string_view remedy = "Correct the LSI, rebuild it and restart the
   });
 }
 
-/// Writes the report of a crash in another thread than the main thread, and ends the process. @param address where the code crashed
+/// Writes the report of a crash that happened outside the main thread, and ends the process. @param address where the code crashed
 [[noreturn]] void end_with_thread(std::string_view what, std::uintptr_t address) {
   end_with_words([&](Words& words) {
     words << "library";
