@@ -164,6 +164,10 @@ int run_run(const Options& options) {
     json["touches"] = Json::array();
     for (const content::PlayerTouch& t : report->touches) json["touches"].push_back(touch_json(*report, t));
     json["touch_count"] = report->touch_count;
+    json["not_converged"] = report->quality.not_converged;
+    json["split_steps"] = report->quality.split_steps;
+    json["substeps"] = report->quality.substeps;
+    json["step_failures"] = report->quality.failures;
     print_json(json);
     return 0;
   }

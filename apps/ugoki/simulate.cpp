@@ -102,6 +102,7 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
     const double processor_began = processor_time();
     for (; done < until; ++done) {
       if (Result<void> good = player->step(); !good) return fail(std::move(good.error()));
+      report.quality += player->step_quality();
       player->touches(touches);
       report.touch_count += touches.size();
       for (content::PlayerTouch& t : touches)

@@ -1,6 +1,7 @@
 #pragma once
 // A simulation for tests of the interpreter: masses on a line that can be pushed and pulled. Its executable data is a JSON object:
-// {"step", "duration", "rate", "cast": [{"id", "links"}], "blow_up": time, "crash": time, "hang": time, "wind": force, "start": x at time 0
+// {"step", "duration", "rate", "cast": [{"id", "links"}], "blow_up": time, "crash": time, "hang": time, "unsolved": time from which
+// contacts are not solved, "split": time from which steps are split, "wind": force, "start": x at time 0
 // of poses}. Real executable data (*.ugx) is accepted as well; the name of its scenario may be such an object with the faults to simulate.
 
 #include <array>

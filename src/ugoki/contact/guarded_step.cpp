@@ -260,7 +260,7 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
   all_contacts_.assign(contacts.begin(), contacts.end());
   forces_.assign(contacts.size(), Vec3{});
   StepReport report, sum;
-  substeps_ = 0;
+  sum.substeps = 0;
   int length = units / 2;
   for (int done = 0, attempts = 0; done < units; ++attempts) {
     const double h = dt * length / units;
@@ -279,20 +279,20 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
     }
     if (safe < h) stop_at(systems, safe);
     add_forces(static_cast<double>(length) / units);
-    ++substeps_;
+    report.stops = safe < h ? 1 : 0;
+    report.left_overlaps = depth_ > too_deep ? 1 : 0;
+    ++sum.substeps;
+    sum.add(report);
     done += length;
     while (length < units - done && done % (2 * length) == 0) length *= 2;
     while (length > units - done) length /= 2;
-    sum.impacts += report.impacts;
     if (length == 0) break;
   }
-  report.impacts = sum.impacts;
-  return report;
+  return sum;
 }
 
 StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
   StepReport report = step_whole(systems, contacts, dt);
-  substeps_ = 1;
   if (report.status == StepStatus::ok && (depth_ > too_deep || find_passage(systems, dt) < dt)) {
     attempt_begin_.restore(systems);
     std::swap(attempt_begin_, step_begin_);

@@ -49,7 +49,6 @@ class GuardedStep {
   /// [contacts()] N, world: mean force over the step on body a of each contact.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
   [[nodiscard]] int passes() const { return passes_; }      ///< how often the last step, or its last substep, was solved
-  [[nodiscard]] int substeps() const { return substeps_; }  ///< number of substeps of the last step; 1: the step was not split
   /// m: maximum depth, at the end of the last step or substep, of overlaps that appeared or grew in it; 0: none.
   [[nodiscard]] double depth() const { return depth_; }
 
@@ -88,7 +87,7 @@ class GuardedStep {
   std::vector<collision::ContactPoint> found_, contacts_, near_;
   std::vector<collision::ContactPoint> all_contacts_;
   std::vector<Vec3> forces_;
-  int passes_ = 0, substeps_ = 1;
+  int passes_ = 0;
   bool repeated_ = false;  // the last pass was Stepper::repeat(): only islands with new contacts changed
   double depth_ = 0;
 };

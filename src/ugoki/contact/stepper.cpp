@@ -31,6 +31,29 @@ double rolling_radius(const Link& link) {
 
 }  // namespace
 
+void StepReport::add(const StepReport& next) {
+  if (status == StepStatus::ok) {
+    status = next.status;
+    system = next.system;
+    dof = next.dof;
+  }
+  sweeps = std::max(sweeps, next.sweeps);
+  residual = std::max(residual, next.residual);
+  loop_gap = std::max(loop_gap, next.loop_gap);
+  newton_steps += next.newton_steps;
+  handed_over += next.handed_over;
+  islands = next.islands;
+  contacts = next.contacts;
+  limits = next.limits;
+  impacts += next.impacts;
+  not_converged += next.not_converged;
+  failed_motions += next.failed_motions;
+  unfinished_impacts += next.unfinished_impacts;
+  open_loops += next.open_loops;
+  stops += next.stops;
+  left_overlaps += next.left_overlaps;
+}
+
 Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& options) : mechanisms_(std::move(systems)), options_(options) {
   workspaces_.reserve(mechanisms_.size());
   scratch_.reserve(mechanisms_.size());
@@ -97,6 +120,7 @@ void Stepper::find_impacts(std::span<StepSystem> systems, std::span<const collis
   }
   const ImpactReport impact = impact_.collide(impact_systems_, contacts, {options_.impact_speed, dt, false});
   report.impacts = impact.collisions;
+  report.unfinished_impacts = impact.status == ImpactStatus::unfinished ? 1 : 0;
   if (impact.status == ImpactStatus::singular) {
     report.status = StepStatus::singular;
     report.system = impact.system;
@@ -171,6 +195,7 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
   report.newton_steps = solved.newton_steps;
   report.handed_over = solved.handed_over;
   report.islands = solved.islands;
+  report.not_converged = solved.not_converged;
   report.residual = solved.residual;
   forces_.assign(contacts.size(), Vec3{});
   for (std::size_t s = 0; s < systems.size(); ++s) {
@@ -202,13 +227,23 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
   return report;
 }
 
+/// Adds the gap [m | rad] of a closed system after the step to the report.
+void Stepper::add_gap(double gap, StepReport& report) {
+  report.loop_gap = std::max(report.loop_gap, gap);
+  report.open_loops += gap > StepperOptions::open_gap ? 1 : 0;
+}
+
 /// Moves the positions of one system through the step at its new velocities.
 void Stepper::integrate_system(std::size_t s, StepSystem& system, double dt, StepReport& report) {
   const Mechanism& m = *mechanisms_[s];
   SystemScratch& x = scratch_[s];
   if (x.is_inertial) {
     dynamics::ClosedLinks* const closed = x.loops ? &x.loops->links : nullptr;
-    if (x.inertial->move(m, workspaces_[s], closed, system.q, system.v, dt, report.loop_gap)) return;
+    double gap = 0;
+    if (x.inertial->move(m, workspaces_[s], closed, system.q, system.v, dt, gap)) {
+      add_gap(gap, report);
+      return;
+    }
     ++report.failed_motions;
   }
   integrate(m, system.q, system.v, dt, system.q);

@@ -42,6 +42,10 @@ struct StepperOptions {
   /// m: a deeper overlap is not made by a step (GuardedStep splits the step at a fifth of it); it was there at the beginning.
   static constexpr double deep_overlap = 5e-3;
 
+  /// m | rad: a loop with a larger gap after a step is reported as open. Closed loops have gaps of about 1e-15, a step of a large heap
+  /// places its bodies to 1e-4 m. Test: step_report_test.cpp.
+  static constexpr double open_gap = 1e-6;
+
   Vec3 gravity{0, 0, -9.81};     ///< m/s^2
   int iterations = 200;          ///< maximum number of sweeps over an island
   double tolerance = 1e-7;       ///< m/s: sweeps end when no velocity changes by more than this
@@ -79,8 +83,21 @@ struct StepReport {
   int contacts = 0;      ///< number of contacts that received rows
   int limits = 0;        ///< number of rows of joint limits and dry friction
   int impacts = 0;       ///< number of collisions in the impact phase
-  int failed_motions = 0;  ///< fast systems that InertialMotion could not move; they moved at constant velocity instead
   double loop_gap = 0;   ///< m | rad: maximum gap of a closed loop after the step
+  int substeps = 1;      ///< substeps into which GuardedStep split the step; 1: the step was not split
+  int not_converged = 0;  ///< islands whose residual is above the tolerance and above 1e-5 m/s (SolverReport); summed over the substeps
+
+  // Failures of stages of a step that has status ok, summed over the substeps.
+  int failed_motions = 0;      ///< fast systems that InertialMotion could not move; they moved at constant velocity instead
+  int unfinished_impacts = 0;  ///< sequences of impacts that reached their maximum number of collisions
+  int open_loops = 0;          ///< closed systems with a gap above StepperOptions::open_gap after the step
+  int stops = 0;               ///< substeps at whose limit of splitting GuardedStep stopped all systems until the substep ended
+  int left_overlaps = 0;       ///< steps or substeps that ended with an overlap that is new and deeper than 1 mm
+
+  /// Number of failed stages of the step.
+  [[nodiscard]] int failures() const { return failed_motions + unfinished_impacts + open_loops + stops + left_overlaps; }
+  /// Adds the report of the next substep: counts are summed, maxima are combined.
+  void add(const StepReport& next);
 };
 
 /// Advances several link systems by one time step; see the equations at the top of this file.
@@ -138,6 +155,7 @@ class Stepper {
   void solve_loops(std::size_t s, const StepSystem& system, double dt);
   double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms);
   void close_loops(std::size_t s, StepSystem& system, StepReport& report);
+  static void add_gap(double gap, StepReport& report);
 
   struct SystemScratch {
     explicit SystemScratch(const Mechanism& m) : factor(m) {}

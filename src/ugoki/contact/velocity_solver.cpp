@@ -33,6 +33,7 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   scratch_w_.assign(w_.size(), 0.0);
   in_subset_.assign(systems, 0);
   solved_.assign(systems, 0);
+  failed_.assign(systems, 0);
   for (std::vector<int>* v : {&root_, &island_, &members_, &cursor_, &local_, &queue_}) v->resize(systems + 1);
   neighbour_first_.resize(systems + 2);
   // Reserve memory for a usual scene: a dozen contacts for each system.
@@ -274,14 +275,15 @@ bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& op
   return result.converged;
 }
 
-void VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
+/// @return whether the last sweep changed no velocity by more than the tolerance, or than DenseIsland::accepted_residual
+bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
   constexpr int round = 12;      // sweeps between two checks of the convergence rate
   constexpr int max_rounds = 6;  // rounds up to which sweeping is cheaper than Newton's method
   constexpr int crowd = 256;     // blocks in a step above which the coarse tolerance and half the sweeps are used
   const bool crowded = static_cast<int>(blocks_.size()) > crowd;
   const int maximum = crowded ? options.iterations / 2 : options.iterations;
   double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
-  if (!crowded && solve_densely(island, options, tolerance, report)) return;
+  if (!crowded && solve_densely(island, options, tolerance, report)) return true;
   bool newton_helps = true;
   double change = 0, before = HUGE_VAL;
   for (int sweeps = 1;; ++sweeps) {
@@ -304,6 +306,7 @@ void VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
     }
   }
   report.residual = std::max(report.residual, change);
+  return change < std::max(tolerance, DenseIsland::accepted_residual);
 }
 
 void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t first) {
@@ -325,7 +328,10 @@ void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t firs
   find_islands();
 }
 
-SolverReport VelocitySolver::solve(const SolverOptions& options) { return solve_again(options, 0); }
+SolverReport VelocitySolver::solve(const SolverOptions& options) {
+  std::ranges::fill(failed_, char{0});
+  return solve_again(options, 0);
+}
 
 SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size_t first_new) {
   SolverReport report;
@@ -335,11 +341,16 @@ SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size
     if (island.blocks == 0 ||
         static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + island.blocks - 1)]) < first_new)
       continue;
-    for (int k = 0; k < island.systems; ++k)
-      solved_[static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)])] = 1;
+    const std::span<const int> members =
+        std::span(members_).subspan(static_cast<std::size_t>(island.first_system), static_cast<std::size_t>(island.systems));
+    for (const int s : members) {
+      solved_[static_cast<std::size_t>(s)] = 1;
+      failed_[static_cast<std::size_t>(s)] = 0;
+    }
     ++report.islands;
-    solve_island(island, options, report);
+    if (!solve_island(island, options, report)) failed_[static_cast<std::size_t>(members.front())] = 1;
   }
+  report.not_converged = static_cast<int>(std::ranges::count(failed_, char{1}));
   return report;
 }
 

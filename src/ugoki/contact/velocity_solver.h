@@ -39,6 +39,7 @@ struct SolverReport {
   int sweeps = 0;        ///< maximum number of sweeps over one island
   int newton_steps = 0;  ///< Newton steps, summed over all islands
   int handed_over = 0;   ///< small islands for which method 1 (dense matrix) did not converge
+  int not_converged = 0; ///< islands whose present solution is above their tolerance and DenseIsland::accepted_residual; also those that solve_again() did not solve
   double residual = 0;   ///< m/s: maximum change of a velocity in the last sweep
 };
 
@@ -97,7 +98,7 @@ class VelocitySolver {
   double sweep(const Island& island, bool forward, double minimum);
   void begin_blocks(const SolverOptions& options, std::size_t first);
   void find_islands();
-  void solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
+  bool solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
   bool solve_densely(const Island& island, const SolverOptions& options, double tolerance, SolverReport& report);
 
   // Newton's method, in velocity_newton.cpp
@@ -131,6 +132,7 @@ class VelocitySolver {
   std::vector<int> cursor_;
   std::vector<Island> islands_;
   std::vector<char> solved_;  // [systems] 1: see is_solved()
+  std::vector<char> failed_;  // [systems] 1: the first system of an island whose solution is above the tolerance
 
   // Newton's method (symbols: velocity_newton.cpp)
   double regularization_ = 0;                                   // R relative to a block's inverse inertia

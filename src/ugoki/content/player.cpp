@@ -24,7 +24,12 @@ struct Player::Machine {
   std::unique_ptr<lsi::World> world;
   std::unique_ptr<circuit::Interpreter> interpreter;
   PinView state, contacts, events, poses, characters, measures;  // outputs of the circuit
+  /// Outputs of a dynamics LSI that report on its steps.
+  struct StepPins {
+    PinView not_converged, substeps, failures;
+  };
   std::vector<PinView> touches;                                  // output `touches` of every dynamics LSI
+  std::vector<StepPins> quality;                                 // of every dynamics LSI
   std::span<std::byte> live;                                     // input `live` of the circuit: events of the user for the next step
   circuit::DeviceFeed devices;
   std::vector<PlayerInput> inputs;     // applied so far
@@ -131,10 +136,14 @@ Result<void> Player::Machine::bind() {
       find_pin(i, "characters", PinTypeId::joint_values, lsi::World::payload_count(character_count * lsi::character_entry_count), problems);
   m.measures = find_pin(i, "measures", PinTypeId::joint_values, lsi::World::payload_count(character_count * lsi::measure_count), problems);
   m.touches.clear();
-  for (const circuit::Instance& lsi : m.circuit.lsis)
-    if (const auto pin = lsi.type == "dynamics" ? i.find_output(lsi.id + ".touches") : Result<PinView>(fail(Error()));
-        pin && pin->type == PinTypeId::event)
-      m.touches.push_back(*pin);
+  m.quality.clear();
+  for (const circuit::Instance& lsi : m.circuit.lsis) {
+    if (lsi.type != "dynamics") continue;
+    const auto output = [&](const char* name) { return i.find_output(lsi.id + "." + name); };
+    if (const auto pin = output("touches"); pin && pin->type == PinTypeId::event) m.touches.push_back(*pin);
+    const auto a = output("not converged"), b = output("substeps"), c = output("failures");
+    if (a && b && c) m.quality.push_back({*a, *b, *c});
+  }
   m.devices = circuit::DeviceFeed(*m.interpreter);
   m.live = m.interpreter->find_circuit_input("live");
   if (m.live.size() != sizeof(std::uint64_t) + max_live * sizeof(EventRecord))
@@ -248,6 +257,24 @@ void Player::touches(std::vector<PlayerTouch>& out) const {
       out.push_back(std::move(t));
     }
   }
+}
+
+PlayerStepQuality& PlayerStepQuality::operator+=(const PlayerStepQuality& next) {
+  not_converged += next.not_converged;
+  split_steps += next.split_steps;
+  substeps += next.substeps;
+  failures += next.failures;
+  return *this;
+}
+
+PlayerStepQuality Player::step_quality() const {
+  PlayerStepQuality sum;
+  const auto count = [](const PinView& pin) { return static_cast<std::uint64_t>(pin.numbers()[0]); };
+  for (const Machine::StepPins& pins : machine_->quality) {
+    const std::uint64_t substeps = count(pins.substeps);
+    sum += {count(pins.not_converged), substeps > 1 ? 1u : 0u, substeps, count(pins.failures)};
+  }
+  return sum;
 }
 
 void Player::reset() {

@@ -54,6 +54,15 @@ struct PlayerTouch {
   std::string words;                                                 ///< description for display: "hand left of anna touched box, 12 N s"
 };
 
+/// How well the contacts of a step, or of several steps, were solved: sums over the steps and over all dynamics LSIs of the circuit.
+struct PlayerStepQuality {
+  std::uint64_t not_converged = 0;  ///< groups of touching bodies whose contacts were not solved to the tolerance
+  std::uint64_t split_steps = 0;    ///< steps that were split into substeps
+  std::uint64_t substeps = 0;       ///< substeps of all steps; a step that is not split counts as one
+  std::uint64_t failures = 0;       ///< failed stages of steps (docs/design/contact.md, section "Report")
+  PlayerStepQuality& operator+=(const PlayerStepQuality& next);
+};
+
 /// Options that the host program of a player sets.
 struct PlayerOptions {
   std::shared_ptr<const circuit::Library> library;  ///< all LSIs that the circuit may use; null: lsi::standard_library()
@@ -83,6 +92,8 @@ class Player {
   [[nodiscard]] Result<void> step();
   /// Touches that began or ended in the last step. @param out is cleared first
   void touches(std::vector<PlayerTouch>& out) const;
+  /// Solution quality of the last step.
+  [[nodiscard]] PlayerStepQuality step_quality() const;
   [[nodiscard]] std::uint64_t step_count() const;  ///< steps since time 0
   [[nodiscard]] double time() const;               ///< s
   /// Returns to time 0 and clears inputs(); scheduled inputs are kept and act again.

@@ -15,6 +15,7 @@ namespace {
 using contact::Stepper;
 
 enum Input : std::size_t { in_state, in_contacts, in_events, in_torque };
+enum Output : std::size_t { out_next, out_contacts, out_touches, out_not_converged, out_substeps, out_failures };
 
 struct Dynamics {
   Dynamics(const World& world_, const contact::StepperOptions& options)
@@ -93,7 +94,7 @@ contact::StepReport take_step(Dynamics& self, double dt, std::span<const Vec3>& 
 std::int32_t step(const Call* call) {
   auto& self = object_of<Dynamics>(call);
   const double* state = circuit::input(call, in_state);
-  double* next = circuit::output(call, 0);
+  double* next = circuit::output(call, out_next);
   std::memcpy(next, state, self.world->state_size() * sizeof(double));
   for (std::vector<Vec6>& wrenches : self.external)
     for (Vec6& w : wrenches) w = {};
@@ -115,26 +116,29 @@ std::int32_t step(const Call* call) {
   std::span<const Vec3> forces;
   const contact::StepReport report = take_step(self, call->tick->dt, forces);
   if (report.status != contact::StepStatus::ok) return explain(call, self, report);
-  auto* out = record_room<ContactRecord>(call->out[1]);
-  const std::size_t count = std::min<std::size_t>(self.contacts.size(), call->out_count[1]);
+  auto* out = record_room<ContactRecord>(call->out[out_contacts]);
+  const std::size_t count = std::min<std::size_t>(self.contacts.size(), call->out_count[out_contacts]);
   for (std::size_t i = 0; i < count; ++i) out[i] = {self.contacts[i], forces[i], 0};
-  set_count(call->out[1], count);
+  set_count(call->out[out_contacts], count);
   std::size_t events = 0;
-  auto* touches = record_room<EventRecord>(call->out[2]);
+  auto* touches = record_room<EventRecord>(call->out[out_touches]);
   const auto& changes = self.touches.update(self.contacts, forces, call->tick->dt);
-  const std::size_t room = call->out_count[2], kept = changes.size() <= room ? changes.size() : room - 1;
+  const std::size_t room = call->out_count[out_touches], kept = changes.size() <= room ? changes.size() : room - 1;
   for (; events < kept; ++events) touches[events] = record_of(changes[events]);
   if (kept < changes.size()) touches[events++] = omitted_record(changes.size() - kept);
-  set_count(call->out[2], events);
+  set_count(call->out[out_touches], events);
+  circuit::output(call, out_not_converged)[0] = report.not_converged;
+  circuit::output(call, out_substeps)[0] = report.substeps;
+  circuit::output(call, out_failures)[0] = report.failures();
   return 0;
 }
 
 void configure(Setup& s) {
   const World* world = world_of(s);
   if (!world) return;
-  s.set_out(0, world->state_count());
-  s.set_out(1, world->contact_capacity());
-  s.set_out(2, touch_events);
+  s.set_out(out_next, world->state_count());
+  s.set_out(out_contacts, world->contact_capacity());
+  s.set_out(out_touches, touch_events);
   s.set_state(touches_at(*world) + sizeof(std::uint64_t) + touch_capacity * sizeof(contact::Touch));
   std::vector<int> wires(world->characters().size(), 0);
   for (std::size_t k = 0; k < s.wires(in_torque); ++k) {
@@ -214,7 +218,10 @@ void add_dynamics(circuit::Library& library) {
   c.inputs[in_torque].multiple = true;
   c.outputs = {output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."),
                output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces."),
-               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended in this tick, with their impulses; at most 64, the last one counts the further ones.")};
+               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended in this tick, with their impulses; at most 64, the last one counts the further ones."),
+               output_pin("not converged", PinTypeId::scalar, "", "Number of groups of touching bodies whose contacts were not solved to the tolerance in this tick."),
+               output_pin("substeps", PinTypeId::scalar, "", "Number of substeps into which the tick was split because bodies would have passed through each other; 1: none."),
+               output_pin("failures", PinTypeId::scalar, "", "Number of failed stages of the tick: motions without bias forces, unfinished impacts, open loops, stops, overlaps that are left (docs/design/contact.md).")};
   c.parameters = {
       number_parameter("iterations", usual.iterations, 1, 10000, "", "Maximum number of sweeps over the contacts."),
       number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes by more than this.")};
