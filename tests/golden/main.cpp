@@ -1,6 +1,6 @@
 // Writes golden contents as executable data, or prints their state hashes.
-//   ugoki_golden contents FOLDER    writes FOLDER/NAME.ugx for each content
-//   ugoki_golden hashes [STEPS]     prints hashes.txt, up to STEPS steps of each content
+//   ugoki_golden_hashes contents FOLDER    writes FOLDER/NAME.ugx for each content
+//   ugoki_golden_hashes hashes [STEPS]     prints hashes.txt, up to STEPS steps of each content
 
 #include <cinttypes>
 #include <cstdio>
@@ -22,7 +22,7 @@ int main(int count, char** arguments) {
     return 0;
   }
   if (count < 2 || count > 3 || std::strcmp(arguments[1], "hashes") != 0) {
-    std::fprintf(stderr, "usage: ugoki_golden contents FOLDER | hashes [STEPS]\n");
+    std::fprintf(stderr, "usage: ugoki_golden_hashes contents FOLDER | hashes [STEPS]\n");
     return 2;
   }
   const long last = count == 3 ? std::atol(arguments[2]) : golden::checkpoints[std::size(golden::checkpoints) - 1];

@@ -250,6 +250,15 @@ void Stepper::integrate_system(std::size_t s, StepSystem& system, double dt, Ste
   if (x.loops) close_loops(s, system, report);
 }
 
+Stepper::LoopMemory Stepper::loop_memory(int system) const {
+  const SystemScratch& x = scratch_[static_cast<std::size_t>(system)];
+  return x.loops ? x.loops->links.memory() : LoopMemory{};
+}
+
+void Stepper::set_loop_memory(int system, const LoopMemory& memory) {
+  if (const SystemScratch& x = scratch_[static_cast<std::size_t>(system)]; x.loops) x.loops->links.set_memory(memory);
+}
+
 Vec3 Stepper::velocity_after(int system, int link, const Vec3& p) const {
   const dynamics::Workspace& ws = workspaces_[static_cast<std::size_t>(system)];
   const std::vector<double>& v = scratch_[static_cast<std::size_t>(system)].free_v;

@@ -131,11 +131,15 @@ class Stepper {
   [[nodiscard]] int system_count() const { return static_cast<int>(mechanisms_.size()); }
   [[nodiscard]] const StepperOptions& options() const { return options_; }
 
-  /// Impulses of the last step, from which the next step's solver starts. They are the only memory between
-  /// steps: save and restore them with a simulation.
+  /// Impulses of the last step, from which the next step's solver starts. They and loop_memory() are the only memory between steps: save
+  /// and restore them with a simulation.
   using Warm = contact::Warm;
   [[nodiscard]] std::span<const Warm> warm() const { return warm_.records(); }
   void set_warm(std::span<const Warm> warm) { warm_.set(warm); }
+  /// Reference values of a closed system's loops (ClosedLinks::memory()); empty for an open system.
+  using LoopMemory = dynamics::ClosedLinks::Memory;
+  [[nodiscard]] LoopMemory loop_memory(int system) const;
+  void set_loop_memory(int system, const LoopMemory& memory);
 
  private:
   [[nodiscard]] SolverOptions solver_options(double dt, bool careful) const;

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "ugoki/collision/scene.h"
-#include "ugoki/contact/guarded_step.h"
-#include "ugoki/contact/stepper.h"
+#include "ugoki/contact/contact_events.h"
+#include "ugoki/contact/scene_step.h"
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/pull.h"
 #include "ugoki/lsi/touch.h"
@@ -19,19 +18,17 @@ enum Output : std::size_t { out_next, out_contacts, out_touches, out_not_converg
 
 struct Dynamics {
   Dynamics(const World& world_, const contact::StepperOptions& options)
-      : world(&world_), stepper(world_.mechanisms(), options), scene(world_.mechanisms(), world_.ground()), guard(scene, stepper) {}
+      : world(&world_), scene(world_.mechanisms(), world_.ground(), options), stepper(scene.stepper()) {}
 
   const World* world;
-  Stepper stepper;
-  collision::Scene scene;                      // shapes that the guard tests
-  contact::GuardedStep guard;                  // repeats steps that end in penetration, with additional contacts
+  contact::SceneStep scene;
+  Stepper& stepper;
   std::vector<dynamics::Workspace> scratch;    // [characters] working memory for pulls
   std::vector<std::vector<Vec6>> external;     // [characters][links] wrenches of pushes and pulls, world
   std::vector<std::vector<double>> no_torque;  // [characters][nv] zeros
   std::vector<int> torque_wire;                // [characters] index in Call::in; -1: no wire
   std::vector<collision::ContactPoint> contacts;
   std::vector<contact::StepSystem> systems;
-  std::vector<char> touches_itself;  // [characters] whether it has contacts between its own links
   contact::ContactEvents touches;
 };
 
@@ -41,12 +38,15 @@ std::size_t warm_capacity(const World& world) {
   return n;
 }
 
-/// Offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, then the current touches. Each of
-/// the two is a count followed by records.
+/// Offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, the current touches, and the
+/// memory of each character's loops. Warm start and touches are counts followed by records.
 std::size_t touches_at(const World& world) { return sizeof(std::uint64_t) + warm_capacity(world) * sizeof(Stepper::Warm); }
 // Maximum number of current touches that are saved, and of touch events per tick. Further touches are not saved, and
 // further events are replaced by one that counts them.
 constexpr std::size_t touch_capacity = 256, touch_events = 64;
+
+/// Offset of the memories of the characters' loops in the state, bytes.
+std::size_t loops_at(const World& world) { return touches_at(world) + sizeof(std::uint64_t) + touch_capacity * sizeof(contact::Touch); }
 
 void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {
   self.external[e.character][static_cast<std::size_t>(e.link)] += Vec6{cross(p, force), force};
@@ -76,21 +76,6 @@ std::int32_t explain(const Call* call, const Dynamics& self, const contact::Step
                                  : "The velocity at " + joint + " has diverged.");
 }
 
-/// Makes one step. Without contacts at its start, the step is not guarded. Afterwards self.contacts are all contacts of the step.
-contact::StepReport take_step(Dynamics& self, double dt, std::span<const Vec3>& forces) {
-  if (self.contacts.empty()) return self.stepper.step(self.systems, self.contacts, dt);
-  std::ranges::fill(self.touches_itself, char{0});  // self-collision is tested only for characters with contacts between own links
-  for (const collision::ContactPoint& c : self.contacts)
-    if (c.system_a >= 0 && c.system_a == c.system_b) self.touches_itself[static_cast<std::size_t>(c.system_a)] = 1;
-  for (std::size_t s = 0; s < self.systems.size(); ++s) self.scene.set_self_collision(static_cast<int>(s), self.touches_itself[s] != 0);
-  self.guard.forget();  // a step must depend on the state alone, so that a restored run gives the same bits
-  const contact::StepReport report = self.guard.step(self.systems, self.contacts, dt);
-  forces = self.guard.forces();
-  const std::span<const collision::ContactPoint> all = self.guard.contacts();
-  self.contacts.insert(self.contacts.end(), all.begin() + static_cast<std::ptrdiff_t>(self.contacts.size()), all.end());
-  return report;
-}
-
 std::int32_t step(const Call* call) {
   auto& self = object_of<Dynamics>(call);
   const double* state = circuit::input(call, in_state);
@@ -113,8 +98,8 @@ std::int32_t step(const Call* call) {
       system.servo_velocity = {drive + 2 * nv, nv};
     }
   }
-  std::span<const Vec3> forces;
-  const contact::StepReport report = take_step(self, call->tick->dt, forces);
+  const contact::StepReport report = self.scene.step(self.systems, self.contacts, call->tick->dt);
+  const std::span<const Vec3> forces = self.scene.forces();
   if (report.status != contact::StepStatus::ok) return explain(call, self, report);
   auto* out = record_room<ContactRecord>(call->out[out_contacts]);
   const std::size_t count = std::min<std::size_t>(self.contacts.size(), call->out_count[out_contacts]);
@@ -139,7 +124,7 @@ void configure(Setup& s) {
   s.set_out(out_next, world->state_count());
   s.set_out(out_contacts, world->contact_capacity());
   s.set_out(out_touches, touch_events);
-  s.set_state(touches_at(*world) + sizeof(std::uint64_t) + touch_capacity * sizeof(contact::Touch));
+  s.set_state(loops_at(*world) + world->characters().size() * sizeof(Stepper::LoopMemory));
   std::vector<int> wires(world->characters().size(), 0);
   for (std::size_t k = 0; k < s.wires(in_torque); ++k) {
     const circuit::Shape shape = s.in(in_torque, k);
@@ -173,7 +158,6 @@ void* make(Setup& s) {
     self->torque_wire[static_cast<std::size_t>(s.in(in_torque, k).subject)] = static_cast<int>(in_torque + k);
   self->contacts.reserve(2 * std::size_t{world->contact_capacity()});
   self->systems.resize(world->characters().size());
-  self->touches_itself.resize(world->characters().size());
   return self;
 }
 
@@ -188,12 +172,23 @@ void store(const Call* call) {
   const std::size_t current = std::min(touches.size(), touch_capacity);
   set_count(at, current);
   if (current) std::memcpy(record_room<contact::Touch>(at), touches.data(), current * sizeof(contact::Touch));
+  auto* const loops = static_cast<std::byte*>(call->state) + loops_at(*self.world);
+  for (int i = 0; i < self.stepper.system_count(); ++i) {
+    const Stepper::LoopMemory memory = self.stepper.loop_memory(i);
+    std::memcpy(loops + static_cast<std::size_t>(i) * sizeof memory, &memory, sizeof memory);
+  }
 }
 
 void recall(const Call* call) {
   auto& self = object_of<Dynamics>(call);
   self.stepper.set_warm(records<Stepper::Warm>(call->state));
   self.touches.set_touches(records<contact::Touch>(static_cast<const std::byte*>(call->state) + touches_at(*self.world)));
+  const auto* const loops = static_cast<const std::byte*>(call->state) + loops_at(*self.world);
+  for (int i = 0; i < self.stepper.system_count(); ++i) {
+    Stepper::LoopMemory memory;
+    std::memcpy(&memory, loops + static_cast<std::size_t>(i) * sizeof memory, sizeof memory);
+    self.stepper.set_loop_memory(i, memory);
+  }
 }
 
 }  // namespace
@@ -230,8 +225,10 @@ void add_dynamics(circuit::Library& library) {
   c.make = make;
   c.destroy = destroy<Dynamics>;
   c.init = [](const Call* call) -> std::int32_t {
-    object_of<Dynamics>(call).stepper.set_warm({});
-    object_of<Dynamics>(call).touches.set_touches({});
+    auto& self = object_of<Dynamics>(call);
+    self.stepper.set_warm({});
+    for (int i = 0; i < self.stepper.system_count(); ++i) self.stepper.set_loop_memory(i, {});
+    self.touches.set_touches({});
     return 0;
   };
   c.step = step;
