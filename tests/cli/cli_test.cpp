@@ -185,6 +185,7 @@ TEST_F(CliTest, RunIsBitwiseReproducible) {
   EXPECT_EQ(first["steps"], std::lround(first["duration_s"].get<double>() * 500));
   EXPECT_EQ(first["state_hash"].get<std::string>().size(), 16u);
   EXPECT_EQ(json({"run", clip})["state_hash"], first["state_hash"]);
+  EXPECT_EQ(json({"run", clip, "--threads", "3"})["state_hash"], first["state_hash"]);
   json({"import", clip});
   EXPECT_EQ(json({"run", "walk"})["state_hash"], first["state_hash"]) << "the run of the library entry should have the same hash";
   const std::string ugx = folder_ + "/walk.ugx", frames = folder_ + "/walk.frames";

@@ -90,7 +90,7 @@ GoldenContent make_heap() {
   content::Scenario s = empty_scenario("heap");
   content::Resources resources;
   for (const auto& [name, shape] : shapes) resources.mechanisms[name] = body(name, shape);
-  for (int k = 0; k < 24; ++k) {
+  for (int k = 0; k < 48; ++k) {
     const std::string& name = shapes[static_cast<std::size_t>(k) % shapes.size()].first;
     const double side = 0.03 * (k % 5 - 2), across = 0.04 * (k % 3 - 1);
     s.characters.push_back(passive(name + std::to_string(k), name, {side, across, 0.2 + 0.26 * k}));

@@ -43,9 +43,8 @@ void expect_kept_hashes(std::span<const long> steps, plugin::ThreadPool* pool = 
   const auto kept = kept_hashes();
   EXPECT_EQ(kept.size(), contents.size() * std::size(checkpoints));
   for (const GoldenContent& c : contents) {
-    Result<content::Player> player = content::Player::open(c.ugx, c.name);
+    Result<content::Player> player = content::Player::open(c.ugx, c.name, {.library = nullptr, .activity = nullptr, .executor = pool});
     ASSERT_TRUE(player) << player.error().text();
-    player->interpreter().set_executor(pool);
     for (const long step : steps) {
       while (player->step_count() < static_cast<std::uint64_t>(step)) {
         const Result<void> done = player->step();

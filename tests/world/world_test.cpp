@@ -4,6 +4,7 @@
 
 #include "allocation_count.h"
 #include "small_worlds.h"
+#include "ugoki/plugin/thread_pool.h"
 
 namespace ugoki::world {
 namespace {
@@ -63,6 +64,49 @@ TEST(World, CopiesOfStatesAreEqualAndAllocateNothing) {
   EXPECT_TRUE(std::ranges::equal(to.bytes(), from.bytes()));
   to.q(ball)[0] += 1;
   EXPECT_NE(to.hash(), from.hash());
+}
+
+TEST(World, LargeWorldHasSameBitsForEveryNumberOfThreads) {
+  WorldOptions options;
+  options.self_collision = true;
+  const World world(std::vector<MechanismPtr>(12, make_puppet()), options);
+  ASSERT_GE(world.nv(), contact::min_parallel_dofs);
+  WorldState begin(world);
+  for (int s = 0; s < 12; ++s) {  // pairs of puppets that fall onto each other
+    begin.q(s)[0] = 1.5 * (s / 2);
+    begin.q(s)[1] = 0.1 * (s % 2);
+    begin.q(s)[2] = 1 + 1.6 * (s % 2);
+    begin.v(s)[1] = 0.1 * s;
+  }
+  const auto simulate = [&](Executor* executor) {
+    WorldStepper stepper(world, executor);
+    int newton_steps = 0, islands = 0;
+    const auto steps = [&](int count) {
+      for (int i = 0; i < count; ++i) {
+        const contact::StepReport report = stepper.step({}, dt);
+        EXPECT_EQ(report.status, contact::StepStatus::ok);
+        newton_steps += report.newton_steps;
+        islands = std::max(islands, report.islands);
+      }
+    };
+    stepper.load(begin);
+    steps(300);
+    stepper.load(begin);
+    newton_steps = 0;
+    const long before = allocations_so_far();
+    steps(300);
+    if (executor == nullptr || executor->workers() == 1)  // with more workers a worker may meet a larger island than before
+      EXPECT_EQ(allocations_so_far() - before, 0);
+    EXPECT_GE(islands, 6);
+    WorldState end(world);
+    stepper.store(end);
+    return std::pair(end.hash(), newton_steps);
+  };
+  const auto expected = simulate(nullptr);
+  for (const int threads : {1, 2, 8}) {
+    plugin::ThreadPool pool(threads);
+    EXPECT_EQ(simulate(&pool), expected) << threads << " threads";
+  }
 }
 
 TEST(World, ServosReachTheirVelocity) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ugoki/contact/velocity_solver.h"
 #include "ugoki/mechanism/state.h"
 
 namespace ugoki::contact {
@@ -17,6 +18,12 @@ ContactSearch::ContactSearch(const collision::Scene& scene, double margin)
   for (const MechanismPtr& m : scene.systems()) poses_.emplace_back(static_cast<std::size_t>(m->link_count()));
   for (const auto& p : poses_) views_.emplace_back(p);
   contacts_.reserve(12 * scene.shapes().size() + 64);
+}
+
+void ContactSearch::set_executor(Executor* executor) {
+  std::size_t dofs = 0;
+  for (const MechanismPtr& m : scene_->systems()) dofs += static_cast<std::size_t>(m->nv());
+  executor_ = dofs >= min_parallel_dofs ? executor : nullptr;
 }
 
 /// Whether a body may move farther than half the margin in one step; contacts must then be searched along the motion. A joint velocity in
@@ -35,7 +42,7 @@ bool ContactSearch::is_fast(std::span<const collision::SystemMotion> systems, do
 }
 
 std::vector<collision::ContactPoint>& ContactSearch::find(std::span<const collision::SystemMotion> systems, double dt) {
-  for (std::size_t s = 0; s < systems.size(); ++s) calc_poses(*scene_->systems()[s], systems[s].q, poses_[s]);
+  parallel_for(executor_, systems.size(), [&](std::size_t s, int) { calc_poses(*scene_->systems()[s], systems[s].q, poses_[s]); });
   workspace_.forget();  // contacts must depend on the state alone, so that a restored run gives the same bits
   collision::find_contacts(*scene_, views_, margin_, workspace_, contacts_);
   if (is_fast(systems, dt)) swept_.add(systems, views_, dt, margin_, contacts_);

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "ugoki/base/executor.h"
 #include "ugoki/collision/scene.h"
 #include "ugoki/contact/swept_contacts.h"
 
@@ -15,6 +16,9 @@ class ContactSearch {
   /// Keeps a pointer to the scene, which must outlive this object. @param margin m: pairs of shapes up to this gap are contacts
   ContactSearch(const collision::Scene& scene, double margin);
 
+  /// Computes poses on the threads of `executor`; null: on the calling thread. Scenes below min_parallel_dofs use the calling thread.
+  void set_executor(Executor* executor);
+
   /// Contacts of the next step of length dt [s], until the next call; the caller may change the list.
   /// @param systems [systems of the scene] positions and velocities
   /// Allocates nothing after warm-up, unless the number of contacts grows.
@@ -24,6 +28,7 @@ class ContactSearch {
   [[nodiscard]] bool is_fast(std::span<const collision::SystemMotion> systems, double dt) const;
 
   const collision::Scene* scene_;
+  Executor* executor_ = nullptr;
   double margin_;
   collision::Workspace workspace_;
   SweptContacts swept_;

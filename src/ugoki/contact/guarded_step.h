@@ -80,6 +80,7 @@ class GuardedStep {
   std::vector<collision::SystemMotion> motions_;
   std::vector<std::vector<Pose>> end_;        // [systems][links] poses at the end of the step; stepper_ has those at its beginning
   std::vector<std::span<const Pose>> views_;  // views of the poses in end_
+  std::vector<std::size_t> first_link_;       // [systems + 1] index in size_ of each system's first link
   std::vector<double> size_;                  // m [links of all systems] radius about the link's origin that contains all its shapes
   std::vector<Vec6> speeds_;                  // [links of one system] rad/s, m/s, world: spatial velocity of each link
   std::vector<char> moved_;                   // [systems] 1: a point moved by more than GuardOptions::depth in this pass

@@ -13,6 +13,9 @@ class SceneStep {
  public:
   SceneStep(const std::vector<MechanismPtr>& systems, const collision::Ground& ground, const StepperOptions& options);
 
+  /// Computes systems and islands on the threads of `executor`; null: on the calling thread. Both give the same bits.
+  void set_executor(Executor* executor) { stepper_.set_executor(executor); }
+
   /// Advances all systems by dt [s]. On failure q and v keep their values from before the step.
   /// @param contacts [in, out] contacts of ContactSearch; those that the guard found are appended
   StepReport step(std::span<StepSystem> systems, std::vector<collision::ContactPoint>& contacts, double dt);

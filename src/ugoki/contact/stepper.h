@@ -105,6 +105,15 @@ class Stepper {
  public:
   Stepper(std::vector<MechanismPtr> systems, const StepperOptions& options);
 
+  /// Computes systems and islands on the threads of `executor`; null: on the calling thread. The bits are equal in both cases. Scenes below
+  /// min_parallel_dofs always use the calling thread.
+  void set_executor(Executor* executor);
+  /// Calls body(s) for each system s, on the threads of the executor.
+  template <class Body>
+  void for_each_system(const Body& body) const {
+    parallel_for(executor_, mechanisms_.size(), [&](std::size_t s, int) { body(s); });
+  }
+
   /// Advances all systems by dt [s]. On failure every q and v keeps its value from before the step.
   /// @param contacts  result of collision analysis at the present positions; their system and link indices refer to the constructor's list
   /// @param forced    index into `contacts`: from there on, contacts always get rows; earlier ones only if they can close within the step
@@ -146,9 +155,9 @@ class Stepper {
   StepReport finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, const SolverReport& solved,
                     StepReport report);
   void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
-  void prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report);
+  void prepare(std::size_t s, const StepSystem& system, double dt);
   void move_freely(std::size_t s, const StepSystem& system, double dt);
-  void integrate_system(std::size_t s, StepSystem& system, double dt, StepReport& report);
+  void integrate_system(std::size_t s, StepSystem& system, double dt);
   void add_contact(int index, const collision::ContactPoint& c, double dt, bool forced);
   void add_rolling(const collision::ContactPoint& c);
   void add_joint_rows(std::size_t s, double dt);
@@ -158,8 +167,7 @@ class Stepper {
   void add_impulses();
   void solve_loops(std::size_t s, const StepSystem& system, double dt);
   double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms);
-  void close_loops(std::size_t s, StepSystem& system, StepReport& report);
-  static void add_gap(double gap, StepReport& report);
+  void close_loops(std::size_t s, StepSystem& system);
 
   struct SystemScratch {
     explicit SystemScratch(const Mechanism& m) : factor(m) {}
@@ -176,6 +184,9 @@ class Stepper {
     std::vector<int> limited_links;       // links whose joint has a limited DOF
     std::vector<int> dry_friction_dofs;   // DOFs with dry friction
     std::vector<char> contiguous_chain;   // [nv] 1: the chain of this DOF is 0, 1, 2 ...
+    int singular_dof = -1;                // result of prepare(): DOF whose pivot is not positive; -1: none
+    double loop_gap = 0;                  // m | rad: result of integrate_system()
+    bool motion_failed = false;           // result of integrate_system(): see StepReport::failed_motions
     double rolling_radius = 0;            // m: radius of a free round body; 0 for all other systems
     bool free_body = false;               // true: the system is one floating link
     bool springs = false;                 // true: at least one joint has a spring
@@ -198,6 +209,7 @@ class Stepper {
 
   std::vector<MechanismPtr> mechanisms_;
   StepperOptions options_;
+  Executor* executor_ = nullptr;
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;

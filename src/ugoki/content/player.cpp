@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/base/hash.h"
+#include "ugoki/circuit/executor.h"
 #include "ugoki/content/generate.h"
 #include "ugoki/lsi/standard_library.h"
 #include "ugoki/lsi/touch.h"
@@ -114,9 +115,11 @@ Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view nam
   if (!circuit) return fail(std::move(circuit.error()));
   m.circuit = std::move(*circuit);
   m.world = std::make_unique<lsi::World>(make_world(m.content));
+  m.world->set_executor(m.options.executor);
   Result<circuit::Interpreter> interpreter = circuit::Interpreter::build(m.circuit, m.library(), m.world.get(), m.build_options());
   if (!interpreter) return fail(std::move(interpreter.error()));
   m.interpreter = std::make_unique<circuit::Interpreter>(std::move(*interpreter));
+  m.interpreter->set_executor(m.options.executor);
   if (Result<void> bound = m.bind(); !bound) return fail(std::move(bound.error()));
   m.inputs.reserve(1024);
   return Player(std::move(machine));
@@ -160,6 +163,7 @@ Result<circuit::Interpreter::Adoption> Player::change_library(std::shared_ptr<co
   if (!made) return fail(std::move(made.error()));
   circuit::Interpreter::Adoption report = made->adopt_report(*m.interpreter);
   const std::vector<std::byte> pending_events(m.live.begin(), m.live.end());
+  made->set_executor(m.options.executor);
   *m.interpreter = std::move(*made);
   m.options.library = std::move(library);
   if (Result<void> bound = m.bind(); !bound) return fail(std::move(bound.error()));

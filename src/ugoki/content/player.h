@@ -67,6 +67,8 @@ struct PlayerStepQuality {
 struct PlayerOptions {
   std::shared_ptr<const circuit::Library> library;  ///< all LSIs that the circuit may use; null: lsi::standard_library()
   circuit::Activity* activity = nullptr;            ///< records which LSI runs; must outlive the player; may be null
+  /// Threads for LSIs and for the systems of a step; must outlive the player; null: the calling thread only. The bits do not depend on it.
+  circuit::Executor* executor = nullptr;
 };
 
 /// The characters and events of executable data in the form that the LSIs of a circuit use.

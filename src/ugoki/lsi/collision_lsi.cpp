@@ -10,7 +10,9 @@ namespace {
 
 struct Collision {
   Collision(const World& world_, const collision::SceneOptions& options, double margin)
-      : world(&world_), scene(world_.mechanisms(), world_.ground(), options), search(scene, margin), motions(world_.characters().size()) {}
+      : world(&world_), scene(world_.mechanisms(), world_.ground(), options), search(scene, margin), motions(world_.characters().size()) {
+    search.set_executor(world_.executor());
+  }
 
   const World* world;
   collision::Scene scene;

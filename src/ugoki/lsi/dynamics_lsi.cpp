@@ -18,7 +18,9 @@ enum Output : std::size_t { out_next, out_contacts, out_touches, out_not_converg
 
 struct Dynamics {
   Dynamics(const World& world_, const contact::StepperOptions& options)
-      : world(&world_), scene(world_.mechanisms(), world_.ground(), options), stepper(scene.stepper()) {}
+      : world(&world_), scene(world_.mechanisms(), world_.ground(), options), stepper(scene.stepper()) {
+    scene.set_executor(world_.executor());
+  }
 
   const World* world;
   contact::SceneStep scene;
@@ -197,6 +199,7 @@ void add_dynamics(circuit::Library& library) {
   const contact::StepperOptions usual;
   circuit::LsiClass c;
   c.name = "dynamics";
+  c.version = 2;
   c.doc =
       "General-purpose dynamics: advances every character by one step under torques, gravity, contact, friction, joint limits, pushes and "
       "pulls. If bodies would penetrate each other by more than 0.4 mm at the end of a step, the step is solved again with additional "

@@ -5,16 +5,14 @@
 namespace ugoki::world {
 namespace {
 
-/// The worlds of one call of run(), which the workers take one by one.
+/// The worlds of one call of run().
 struct Work {
   const World* world;
-  std::span<const std::unique_ptr<WorldStepper>> steppers;
   std::span<WorldState> states;
   RolloutControls controls;
   int steps;
   double dt;
   std::span<contact::StepReport> reports;
-  std::size_t next = 0;  // the next world that no worker has taken; changed by atomic operations only
 
   [[nodiscard]] WorldControl control(std::size_t k, int step) const {
     if (controls.numbers.empty()) return {};
@@ -24,7 +22,7 @@ struct Work {
     if (all.size() == nv) return {all, {}, {}};
     return {all.first(nv), all.subspan(nv, nv), all.subspan(2 * nv, nv)};
   }
-  void simulate(WorldStepper& stepper, std::size_t k) {
+  void simulate(WorldStepper& stepper, std::size_t k) const {
     contact::StepReport sum;
     sum.substeps = 0;
     stepper.load(states[k]);
@@ -35,10 +33,6 @@ struct Work {
     }
     stepper.store(states[k]);
     reports[k] = sum;
-  }
-  void run(int worker) {
-    const auto take = [this] { return __atomic_fetch_add(&next, std::size_t{1}, __ATOMIC_RELAXED); };
-    for (std::size_t k = take(); k < states.size(); k = take()) simulate(*steppers[static_cast<std::size_t>(worker)], k);
   }
 };
 
@@ -54,11 +48,9 @@ void Rollout::run(std::span<WorldState> states, const RolloutControls& controls,
   UGOKI_CHECK(steps >= 0 && dt > 0 && reports.size() == states.size());
   UGOKI_CHECK(controls.numbers.empty() || controls.size == world_->nv() || controls.size == 3 * world_->nv());
   UGOKI_CHECK(controls.numbers.empty() || controls.numbers.size() == each || controls.numbers.size() == states.size() * each);
-  Work work{world_, steppers_, states, controls, steps, dt, reports};
-  if (executor_ && steppers_.size() > 1)
-    executor_->run([](void* context, int worker) { static_cast<Work*>(context)->run(worker); }, &work);
-  else
-    work.run(0);
+  const Work work{world_, states, controls, steps, dt, reports};
+  parallel_for(executor_, states.size(),
+               [&](std::size_t k, int worker) { work.simulate(*steppers_[static_cast<std::size_t>(worker)], k); });
 }
 
 }  // namespace ugoki::world

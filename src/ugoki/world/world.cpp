@@ -68,7 +68,7 @@ std::span<const Warm> WorldState::impulses() const {
   return {reinterpret_cast<const Warm*>(block_.data() + at + 1), static_cast<std::size_t>(block_[at])};
 }
 
-WorldStepper::WorldStepper(const World& world)
+WorldStepper::WorldStepper(const World& world, Executor* executor)
     : world_(&world),
       search_(world.scene(), world.options().margin),
       step_({world.systems().begin(), world.systems().end()}, world.options().ground, world.options().stepper),
@@ -83,6 +83,8 @@ WorldStepper::WorldStepper(const World& world)
     motions_.push_back({q, v});
     systems_.push_back({q, v, {}, {}, {}, {}});
   }
+  search_.set_executor(executor);
+  step_.set_executor(executor);
   load(WorldState(world));
   contacts_ = &search_.find(motions_, 1e-3);
 }

@@ -87,11 +87,12 @@ struct WorldControl {
   std::span<const double> servo_velocity;  ///< [World::nv()] rad/s; empty together with servo_gain
 };
 
-/// Steps worlds one after the other. Working memory for one thread; a result depends on the given state alone.
+/// Steps worlds one after the other. Working memory of one calling thread; a result depends on the given state alone.
 class WorldStepper {
  public:
-  /// The world must outlive this object.
-  explicit WorldStepper(const World& world);
+  /// World and executor must outlive this object. @param executor threads for the systems of a large world (Stepper::set_executor); null:
+  /// the calling thread only
+  explicit WorldStepper(const World& world, Executor* executor = nullptr);
 
   /// Reads the state from which steps continue. O(size of the state).
   void load(const WorldState& state);
