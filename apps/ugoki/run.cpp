@@ -25,6 +25,7 @@ struct Options {
   double assist_limit = -1;
   std::string frames, executable, inputs;
   std::uint64_t steps = 0;
+  int threads = 1;
   bool rate_given = false, json = false;
 };
 
@@ -133,7 +134,7 @@ int run_run(const Options& options) {
   if (!options.executable.empty())
     if (Result<void> written = files::write_file(options.executable, std::span<const std::byte>(content->ugx)); !written)
       return print_error(written.error(), options.json);
-  Result<RunReport> report = simulate(content->ugx, content->name, {options.duration, options.frames, options.inputs, options.steps});
+  Result<RunReport> report = simulate(content->ugx, content->name, {options.duration, options.frames, options.inputs, options.steps, options.threads});
   if (!report) return print_error(report.error(), options.json);
   const content::PlayerMeasures worst = report->worst();
   double mass = 0;
@@ -164,6 +165,10 @@ int run_run(const Options& options) {
     json["touches"] = Json::array();
     for (const content::PlayerTouch& t : report->touches) json["touches"].push_back(touch_json(*report, t));
     json["touch_count"] = report->touch_count;
+    json["not_converged"] = report->quality.not_converged;
+    json["split_steps"] = report->quality.split_steps;
+    json["substeps"] = report->quality.substeps;
+    json["step_failures"] = report->quality.failures;
     print_json(json);
     return 0;
   }
@@ -196,6 +201,9 @@ void add_run_verb(CLI::App& app, Action& action) {
                           ->capture_default_str();
   verb->add_option("--duration", options->duration, "Seconds to run (default: to the end)")->check(CLI::Range(0.0005, 86400.0));
   verb->add_option("--steps", options->steps, "Simulation steps to run (default: to the end)")->check(CLI::Range(1, 1'000'000'000));
+  verb->add_option("--threads", options->threads, "Number of threads; the result does not depend on it")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   verb->add_option("--inputs", options->inputs, "Recorded inputs, JSON (docs/export.md)");
   verb->add_option("--push", options->push, "Push with this force in N")->check(CLI::Range(-1e6, 1e6));
   verb->add_option("--push-time", options->push_time, "Time at which the push begins, s")

@@ -14,6 +14,7 @@
 #include "ugoki/plugin/guard.h"
 #include "ugoki/plugin/live_library.h"
 #include "ugoki/plugin/shelf.h"
+#include "ugoki/plugin/thread_pool.h"
 
 namespace ugoki::cli {
 
@@ -39,31 +40,35 @@ content::PlayerMeasures RunReport::worst() const {
 
 namespace {
 
-/// Processor time used by this thread, s.
+/// Processor time used by all threads of this program, s.
 double processor_time() {
   timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 }  // namespace
 
-Result<HostedPlayer> open_hosted(std::span<const std::byte> ugx, const std::string& name) {
+Result<HostedPlayer> open_hosted(std::span<const std::byte> ugx, const std::string& name, int threads) {
   content::PlayerOptions host;
   std::shared_ptr<plugin::LiveLibrary> libraries;
   if (!plugin::read_shelf(plugin::default_shelf()).empty()) {
     libraries = std::make_shared<plugin::LiveLibrary>(lsi::standard_library(), plugin::default_shelf());
     for (const std::string& m : libraries->take_messages()) std::cerr << "ugoki: " << m << '\n';
-    host = {.library = libraries->library(), .activity = &plugin::process_activity()};
+    host.library = libraries->library();
+    host.activity = &plugin::process_activity();
   }
+  std::shared_ptr<plugin::ThreadPool> pool;
+  if (threads > 1) pool = std::make_shared<plugin::ThreadPool>(threads);
+  host.executor = pool.get();
   Result<content::Player> player = content::Player::open(ugx, name, host);
   if (!player) return fail(std::move(player.error()));
-  return HostedPlayer{std::move(libraries), std::move(*player)};
+  return HostedPlayer{std::move(libraries), std::move(pool), std::move(*player)};
 }
 
 Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options) {
   using Clock = std::chrono::steady_clock;
-  Result<HostedPlayer> hosted = open_hosted(ugx, name);
+  Result<HostedPlayer> hosted = open_hosted(ugx, name, options.threads);
   if (!hosted) return fail(std::move(hosted.error()));
   content::Player* const player = &hosted->player;
   const content::Executable& content = player->content();
@@ -102,6 +107,7 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
     const double processor_began = processor_time();
     for (; done < until; ++done) {
       if (Result<void> good = player->step(); !good) return fail(std::move(good.error()));
+      report.quality += player->step_quality();
       player->touches(touches);
       report.touch_count += touches.size();
       for (content::PlayerTouch& t : touches)

@@ -13,6 +13,7 @@
 
 namespace ugoki::plugin {
 class LiveLibrary;
+class ThreadPool;
 }
 
 namespace ugoki::cli {
@@ -37,6 +38,7 @@ struct RunReport {
   double processor = 0;    ///< processor time spent in steps, s; less than `wall` on a busy machine
   std::uint64_t state_hash = 0;
   std::vector<CharacterReport> characters;
+  content::PlayerStepQuality quality;  ///< sum over all steps
   std::vector<content::PlayerTouch> touches;  ///< touches that began or ended; the first max_touches of them
   std::uint64_t touch_count = 0;              ///< number of all touches that began or ended
   static constexpr std::size_t max_touches = 10'000;
@@ -53,6 +55,7 @@ struct RunOptions {
   std::string frames;       ///< file to which display frames are written; empty: none
   std::string inputs;       ///< file of recorded inputs (docs/export.md); empty: none
   std::uint64_t steps = 0;  ///< number of steps, instead of `duration`; 0: use `duration`
+  int threads = 1;          ///< number of threads; the result does not depend on it
 };
 
 /// Runs executable data from the beginning, with a progress bar. Ctrl+C stops the run and returns an error; no incomplete file is left.
@@ -61,9 +64,10 @@ struct RunOptions {
 /// A player that may use the installed libraries of LSIs.
 struct HostedPlayer {
   std::shared_ptr<plugin::LiveLibrary> libraries;  ///< the installed libraries; null: none is installed
+  std::shared_ptr<plugin::ThreadPool> threads;     ///< threads of the simulation; null: the calling thread only
   content::Player player;
 };
-[[nodiscard]] Result<HostedPlayer> open_hosted(std::span<const std::byte> ugx, const std::string& name);
+[[nodiscard]] Result<HostedPlayer> open_hosted(std::span<const std::byte> ugx, const std::string& name, int threads = 1);
 
 /// Calls `work`. If libraries of LSIs are installed, calls it in a child process, so that a crash of a library is reported.
 /// @return exit status of `work`

@@ -173,6 +173,10 @@ TEST_F(CliTest, LibraryIsListedShownAndDamageReported) {
 TEST_F(CliTest, RunIsBitwiseReproducible) {
   const std::string clip = walk();
   const Json first = json({"run", clip});
+  EXPECT_EQ(first["not_converged"], 0);
+  EXPECT_EQ(first["step_failures"], 0);
+  EXPECT_EQ(first["split_steps"], 0);
+  EXPECT_EQ(first["substeps"], first["steps"]);
   for (const char* key :
        {"clip", "frames", "duration_s", "steps", "steps_per_s", "tracking_rms_deg", "root_assist_rms_bw", "root_assist_force_rms_bw",
         "root_assist_max_bw", "foot_skate_cm", "penetration_mm", "realtime_factor", "fell", "release_time", "mass", "height", "state_hash"})
@@ -181,6 +185,7 @@ TEST_F(CliTest, RunIsBitwiseReproducible) {
   EXPECT_EQ(first["steps"], std::lround(first["duration_s"].get<double>() * 500));
   EXPECT_EQ(first["state_hash"].get<std::string>().size(), 16u);
   EXPECT_EQ(json({"run", clip})["state_hash"], first["state_hash"]);
+  EXPECT_EQ(json({"run", clip, "--threads", "3"})["state_hash"], first["state_hash"]);
   json({"import", clip});
   EXPECT_EQ(json({"run", "walk"})["state_hash"], first["state_hash"]) << "the run of the library entry should have the same hash";
   const std::string ugx = folder_ + "/walk.ugx", frames = folder_ + "/walk.frames";

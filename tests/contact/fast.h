@@ -32,6 +32,7 @@ struct Fast {
   SweptContacts swept;
   GuardedStep guard;
   std::vector<collision::SystemMotion> motions;
+  StepReport report;  ///< report of the last step
 
   static StepperOptions weightless() {
     StepperOptions options;
@@ -45,7 +46,8 @@ struct Fast {
     motions.clear();
     for (State& s : w.states) motions.push_back({s.q, s.v});
     swept.add(motions, w.spans, dt, 0.02, w.contacts);
-    ASSERT_EQ(guard.step(w.systems, w.contacts, dt).status, StepStatus::ok);
+    report = guard.step(w.systems, w.contacts, dt);
+    ASSERT_EQ(report.status, StepStatus::ok);
   }
   /// Whether body s turns by less than 1 rad in a step. For a plate that turns further, the side of a body is not defined.
   [[nodiscard]] bool turns_little(std::size_t s, double dt) const {

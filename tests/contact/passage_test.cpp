@@ -95,7 +95,7 @@ int passages_of_random_bodies(int count, unsigned seed) {
       if (now == 0) break;
       if (now == side) continue;
       ++passed;
-      ADD_FAILURE() << "body " << i << " of seed " << seed << " passed in step " << k << " of " << dt << " s, " << f.guard.substeps()
+      ADD_FAILURE() << "body " << i << " of seed " << seed << " passed in step " << k << " of " << dt << " s, " << f.report.substeps
                     << " substeps";
       break;
     }

@@ -180,7 +180,7 @@ Count throw_at_walls(Wall kind, int count, unsigned seed, bool only_fixed = fals
       if (now * from > 0 || std::fabs(now) < 0.002) continue;
       ++out.passed;
       ADD_FAILURE() << "wall " << static_cast<int>(kind) << " of seed " << seed << ", case " << i << ": " << name_of(shape.type)
-                    << " passed in step " << k << " of " << dt << " s, " << f.guard.substeps() << " substeps";
+                    << " passed in step " << k << " of " << dt << " s, " << f.report.substeps << " substeps";
       break;
     }
   }

@@ -69,6 +69,43 @@ TEST(Execution, TouchesAreEventsWithNamesAndImpulses) {
   EXPECT_LT(journal.size(), 20U) << "standing must be one touch, not many";
 }
 
+TEST(Execution, DynamicsReportsHowWellStepsWereSolved) {
+  MechanismSpec spec;
+  spec.name = "box";
+  LinkSpec box;
+  box.name = "box";
+  box.joint.type = JointType::floating;
+  box.shapes = {Shape::box({0.1, 0.1, 0.1})};
+  spec.links = {box};
+  std::vector<CharacterSpec> tower;  // 12 boxes, the uppermost a hundred times heavier than the others
+  for (int k = 0; k < 12; ++k) {
+    spec.links[0].inertia = solid_inertia(box.shapes[0], k == 11 ? 100000 : 1000);
+    CharacterSpec c;
+    c.id = "box" + std::to_string(k);
+    c.mechanism = make_checked(spec);
+    c.q0 = c.mechanism->neutral();
+    c.q0[2] = 0.1 + 0.2 * k;
+    tower.push_back(std::move(c));
+  }
+  const World world(std::move(tower), {}, Vec3{0, 0, -9.81}, collision::Ground{});
+  circuit::Circuit usual = make_execution_circuit({}, 0.002), hasty = usual;
+  for (circuit::Instance& lsi : hasty.lsis)
+    if (lsi.type == "dynamics") lsi.parameters = {{"iterations", 1.0}};
+  auto a = circuit::Interpreter::build(usual, standard_library(), &world, {.dt = 0.002, .check_finite = true});
+  auto b = circuit::Interpreter::build(hasty, standard_library(), &world, {.dt = 0.002, .check_finite = true});
+  ASSERT_TRUE(a && b);
+  const auto output = [](const circuit::Interpreter& i, const char* pin) {
+    return i.find_output(std::string("dynamics.") + pin)->numbers()[0];
+  };
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_TRUE(a->tick() && b->tick());
+    EXPECT_EQ(output(*a, "not converged"), 0);
+    EXPECT_EQ(output(*b, "not converged"), 1);
+    EXPECT_EQ(output(*a, "substeps"), 1);
+    EXPECT_EQ(output(*a, "failures"), 0);
+  }
+}
+
 TEST(Execution, ScheduledPushActsForItsDurationOnly) {
   ScheduledEvent push;
   push.record.kind = EventKind::push;

@@ -24,6 +24,8 @@ class FakeSimulation final : public Simulation {
     blow_up_ = j.value("blow_up", never);
     crash_ = j.value("crash", never);
     hang_ = j.value("hang", never);
+    unsolved_ = j.value("unsolved", never);
+    split_ = j.value("split", never);
     wind_ = j.value("wind", 1.0);
     start_ = j.value("start", 0.0);
     for (const auto& c : j.value("cast", nlohmann::json::array())) cast_.push_back({c.value("id", "a"), c.value("links", 1)});
@@ -41,6 +43,11 @@ class FakeSimulation final : public Simulation {
     return name == "chest" && cast_[static_cast<std::size_t>(character)].links > 1 ? 1 : -1;
   }
   std::int64_t step_count() const override { return s_.step; }
+  content::PlayerStepQuality step_quality() const override {
+    const double time = static_cast<double>(s_.step) * step_;
+    const bool unsolved = time > unsolved_, split = time > split_;
+    return {unsolved ? 2u : 0u, split ? 1u : 0u, split ? 4u : 1u, unsolved ? 1u : 0u};
+  }
 
   Result<void> step() override {
     const double time = static_cast<double>(s_.step) * step_;
@@ -132,7 +139,7 @@ class FakeSimulation final : public Simulation {
     content::encode_frame(frame, 0, 0, out);
   }
 
-  double step_ = 0, duration_ = 0, rate_ = 0, blow_up_ = 0, crash_ = 0, hang_ = 0, wind_ = 0, start_ = 0;
+  double step_ = 0, duration_ = 0, rate_ = 0, blow_up_ = 0, crash_ = 0, hang_ = 0, wind_ = 0, start_ = 0, unsolved_ = 0, split_ = 0;
   std::vector<CastMember> cast_;
   State s_;
 };

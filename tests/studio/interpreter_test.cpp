@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "fake_simulation.h"
@@ -79,6 +80,43 @@ TEST_F(InterpreterTest, WithoutContentRequestsAreRejectedWithRemedy) {
   }
   EXPECT_TRUE(std::isinf(interpreter.work()));
   EXPECT_FALSE(interpreter.load(bytes_of("not json")));
+}
+
+TEST_F(InterpreterTest, LogReportsContactsThatWereNotSolved) {
+  open(content(R"(,"unsolved":0.5,"split":0.6)"));
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.play(1.0));
+  pass(0.45);
+  EXPECT_EQ(sink.count("log"), 0);
+  pass(0.5);
+  ASSERT_TRUE(interpreter.pause());
+  double unsolved = 0, failed = 0, split = 0;
+  for (const json& m : sink.messages) {
+    if (m["event"] != "log") continue;
+    EXPECT_EQ(m["level"], "warning");
+    const std::string text = m["text"];
+    double begin = 0, end = 0, a = 0, b = 0, c = 0;
+    ASSERT_EQ(std::sscanf(text.c_str(),
+                          "%lf to %lf s: %lf groups of contacts were not solved to the tolerance and %lf stages of steps failed; a shorter "
+                          "step may help. %lf steps were split into substeps.",
+                          &begin, &end, &a, &b, &c),
+              5)
+        << text;
+    EXPECT_GE(end, 0.5);
+    EXPECT_LT(begin, end);
+    unsolved += a;
+    failed += b;
+    split += c;
+  }
+  const double head = sink.last("transport")["simulated"];
+  EXPECT_NEAR(unsolved, 2 * (head - 0.5) / 0.002, 2.5);
+  EXPECT_NEAR(failed, (head - 0.5) / 0.002, 1.5);
+  EXPECT_NEAR(split, (head - 0.6) / 0.002, 1.5);
+  const int logged = sink.count("log");
+  EXPECT_LE(logged, 4) << "at most one message a second, and one at the end";
+  ASSERT_TRUE(interpreter.seek(0.2));
+  settle();
+  EXPECT_EQ(sink.count("log"), logged) << "recorded steps are not reported again";
 }
 
 TEST_F(InterpreterTest, SingleTickBeforeHeadRecomputesWithRecordedInputs) {

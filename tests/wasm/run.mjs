@@ -1,4 +1,4 @@
-// Test of the WebAssembly player: the sample content must give the same states, bit by bit, as in the native player.
+// Test of the WebAssembly player: the sample and the golden contents must give the same states, bit by bit, as in the native player.
 //   node run.mjs FOLDER_OF_WASM FOLDER_OF_NATIVE_PROGRAMS
 // Prints `ok ...` or `not ok ...` for each test. Exit status 1 if a test failed.
 import { spawnSync } from "node:child_process";
@@ -109,6 +109,31 @@ test("returns display frames", () => {
   expect(first.length > 64 && second.length > 64, `frames of ${first.length} and ${second.length} bytes`);
   expect(Buffer.compare(first, second) !== 0, "two frames at different times are equal");
 });
+
+// Golden contents: the hashes of tests/golden/hashes.txt up to this step. The native programs and every SIMD width give the same hashes.
+const goldenSteps = 500;
+const golden = readFileSync(new URL("../golden/hashes.txt", import.meta.url), "utf8")
+  .split("\n")
+  .filter((line) => line && !line.startsWith("#"))
+  .map((line) => line.split(" "))
+  .map(([name, step, hash]) => ({ name, step: Number(step), hash }))
+  .filter(({ step }) => step <= goldenSteps);
+const goldenFolder = mkdtempSync(join(tmpdir(), "ugoki-golden-"));
+const written = spawnSync(join(nativeFolder, "ugoki_golden_hashes"), ["contents", goldenFolder], { encoding: "utf8" });
+for (const name of new Set(golden.map((line) => line.name))) {
+  test(`${goldenSteps} steps of the golden content ${name} give the kept hashes`, () => {
+    expect(written.status === 0, `ugoki_golden_hashes failed: ${written.error ?? ""}${written.stderr ?? ""}`);
+    expect(player.open(readFileSync(join(goldenFolder, `${name}.ugx`))), player.message);
+    let done = 0;
+    for (const { step, hash } of golden.filter((line) => line.name === name)) {
+      expect(player.exports.ugoki_step(step - done) === step - done, player.message);
+      done = step;
+      expect(player.hash === hash, `step ${step}: WebAssembly ${player.hash}, kept ${hash}`);
+    }
+    expect(done === goldenSteps, `hashes end at step ${done}`);
+  });
+}
+rmSync(goldenFolder, { recursive: true });
 
 test("refuses damaged executable data with a message", () => {
   const sizes = [0, 1, 8, 31, 32, 100, 1000, content.length >> 1, content.length - 1];

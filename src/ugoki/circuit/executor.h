@@ -1,16 +1,10 @@
 #pragma once
 // Interface to the host's threads, on which an interpreter can run independent LSIs. The runtime itself creates no thread.
 
+#include "ugoki/base/executor.h"
+
 namespace ugoki::circuit {
 
-class Executor {
- public:
-  virtual ~Executor() = default;
-  /// Number of workers, at least 1; constant for the lifetime of the object.
-  [[nodiscard]] virtual int workers() const = 0;
-  /// Calls work(context, 0) ... work(context, workers() - 1), each on its own thread, and returns when all have returned. Memory that
-  /// the workers wrote during one call of `run` is visible to all workers of the next. Allocates nothing.
-  virtual void run(void (*work)(void* context, int worker), void* context) = 0;
-};
+class Executor : public ugoki::Executor {};
 
 }  // namespace ugoki::circuit

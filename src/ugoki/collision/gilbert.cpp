@@ -31,8 +31,11 @@ GilbertResult half_space_distance(const Support& a, const Pose& X_WA, const Supp
 }
 
 #ifdef UGOKI_X86_WIDTHS
-const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
-const bool has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
+bool has_avx2() { return __builtin_cpu_supports("avx2") != 0; }
+bool has_avx512() {
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
+}
+GilbertWidth width_in_use = has_avx512() ? GilbertWidth::avx512 : has_avx2() ? GilbertWidth::avx2 : GilbertWidth::plain;
 #endif
 
 bool is_empty(const Support& s) { return s.kind == SupportKind::hull && (s.hull == nullptr || s.hull->vertices.empty()); }
@@ -41,13 +44,23 @@ bool has_walk(const Support& s) { return s.kind == SupportKind::hull && !s.hull-
 
 }  // namespace
 
+bool use_gilbert_width(GilbertWidth width) {
+#ifdef UGOKI_X86_WIDTHS
+  if ((width == GilbertWidth::avx512 && !has_avx512()) || (width == GilbertWidth::avx2 && !has_avx2())) return false;
+  width_in_use = width;
+  return true;
+#else
+  return width == GilbertWidth::plain;
+#endif
+}
+
 GilbertResult gilbert_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
                                const GilbertOptions& options) {
   if (is_empty(a) || is_empty(b)) return {};
   if (has_walk(a) && has_walk(b)) {
 #ifdef UGOKI_X86_WIDTHS
-    if (has_avx512) return hull_distance_avx512(a, X_WA, b, X_WB, cache, options);
-    if (has_avx2) return hull_distance_avx2(a, X_WA, b, X_WB, cache, options);
+    if (width_in_use == GilbertWidth::avx512) return hull_distance_avx512(a, X_WA, b, X_WB, cache, options);
+    if (width_in_use == GilbertWidth::avx2) return hull_distance_avx2(a, X_WA, b, X_WB, cache, options);
 #endif
     return hull_distance(a, X_WA, b, X_WB, cache, options);
   }

@@ -25,8 +25,6 @@ constexpr Attempt attempts[] = {{Attempt::Start::present, 0.1, 0.02}, {Attempt::
 constexpr int max_newton_steps = 24;
 /// Number of sweeps of Start::swept.
 constexpr int restart_sweeps = 20;
-/// m/s: after the last attempt an island with this residual needs no other method; a contact that should not move creeps 10 um in 1 s.
-constexpr double accepted_residual = 1e-5;
 /// Maximum number of halvings of a Newton step that does not reduce the residual.
 constexpr int max_halvings = 5;
 /// Regularization of rows that may depend on each other (friction of redundant contacts), as a fraction of their inverse inertia. It is

@@ -48,6 +48,8 @@ class DenseIsland {
 
   /// Above this number of rows, making B and factoring the Newton matrix cost more than sweeps along the chains of the links.
   static constexpr int max_rows = 96;
+  /// m/s: an island with a smaller residual is accepted if the tolerance is not reached; a contact that should not move creeps 10 um in 1 s.
+  static constexpr double accepted_residual = 1e-5;
 
   /// Solves the island, beginning with the impulses in `island.p`. Without convergence, `island.p` receives the best impulses found.
   /// O(rows^2 chain length) to make B, O(active rows^3) for each Newton step.

@@ -60,10 +60,10 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
   moved_.resize(views_.size());
   half_thickness_.assign(size_.size(), HUGE_VAL);
   motions_.resize(views_.size());
-  std::vector<std::size_t> first = {0};
-  for (const auto& poses : end_) first.push_back(first.back() + poses.size());
+  first_link_ = {0};
+  for (const auto& poses : end_) first_link_.push_back(first_link_.back() + poses.size());
   for (const collision::SceneShape& s : scene.shapes()) {
-    const std::size_t link = first[static_cast<std::size_t>(s.system)] + static_cast<std::size_t>(s.link);
+    const std::size_t link = first_link_[static_cast<std::size_t>(s.system)] + static_cast<std::size_t>(s.link);
     size_[link] = std::max(size_[link], norm(s.shape.X_BS.p) + s.reach);
     // The thickness of a mesh is that of its box, which a slanted sheet does not fill: use half of it.
     const double thickness = s.shape.type == ShapeType::mesh ? 0.5 * s.thickness : s.thickness;
@@ -76,12 +76,11 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
 
 /// Calculates the poses at the end of the pass, and marks in moved_ the systems whose end positions must be checked for overlaps.
 void GuardedStep::update_end_poses(std::span<const StepSystem> systems) {
-  const double* size = size_.data();
-  for (std::size_t s = 0; s < systems.size(); ++s) {
+  stepper_->for_each_system([&](std::size_t s) {
+    const double* size = size_.data() + first_link_[s];
     if (repeated_ && !stepper_->has_changed(static_cast<int>(s))) {
       moved_[s] = 0;
-      size += end_[s].size();
-      continue;
+      return;
     }
     const std::span<const Pose> begin = stepper_->workspace(static_cast<int>(s)).X_WB;
     calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
@@ -91,7 +90,7 @@ void GuardedStep::update_end_poses(std::span<const StepSystem> systems) {
       motion = std::max(motion, norm(end_[s][i].p - begin[i].p) + inv_sqrt2 * turn_between(begin[i].R, end_[s][i].R) * *size);
     }
     moved_[s] = motion > options_.depth ? 1 : 0;
-  }
+  });
 }
 
 /// Adds contacts for the overlaps at the end of the pass. @return whether contacts were added
@@ -260,7 +259,7 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
   all_contacts_.assign(contacts.begin(), contacts.end());
   forces_.assign(contacts.size(), Vec3{});
   StepReport report, sum;
-  substeps_ = 0;
+  sum.substeps = 0;
   int length = units / 2;
   for (int done = 0, attempts = 0; done < units; ++attempts) {
     const double h = dt * length / units;
@@ -279,20 +278,20 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
     }
     if (safe < h) stop_at(systems, safe);
     add_forces(static_cast<double>(length) / units);
-    ++substeps_;
+    report.stops = safe < h ? 1 : 0;
+    report.left_overlaps = depth_ > too_deep ? 1 : 0;
+    ++sum.substeps;
+    sum.add(report);
     done += length;
     while (length < units - done && done % (2 * length) == 0) length *= 2;
     while (length > units - done) length /= 2;
-    sum.impacts += report.impacts;
     if (length == 0) break;
   }
-  report.impacts = sum.impacts;
-  return report;
+  return sum;
 }
 
 StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
   StepReport report = step_whole(systems, contacts, dt);
-  substeps_ = 1;
   if (report.status == StepStatus::ok && (depth_ > too_deep || find_passage(systems, dt) < dt)) {
     attempt_begin_.restore(systems);
     std::swap(attempt_begin_, step_begin_);

@@ -49,7 +49,6 @@ class GuardedStep {
   /// [contacts()] N, world: mean force over the step on body a of each contact.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
   [[nodiscard]] int passes() const { return passes_; }      ///< how often the last step, or its last substep, was solved
-  [[nodiscard]] int substeps() const { return substeps_; }  ///< number of substeps of the last step; 1: the step was not split
   /// m: maximum depth, at the end of the last step or substep, of overlaps that appeared or grew in it; 0: none.
   [[nodiscard]] double depth() const { return depth_; }
 
@@ -81,6 +80,7 @@ class GuardedStep {
   std::vector<collision::SystemMotion> motions_;
   std::vector<std::vector<Pose>> end_;        // [systems][links] poses at the end of the step; stepper_ has those at its beginning
   std::vector<std::span<const Pose>> views_;  // views of the poses in end_
+  std::vector<std::size_t> first_link_;       // [systems + 1] index in size_ of each system's first link
   std::vector<double> size_;                  // m [links of all systems] radius about the link's origin that contains all its shapes
   std::vector<Vec6> speeds_;                  // [links of one system] rad/s, m/s, world: spatial velocity of each link
   std::vector<char> moved_;                   // [systems] 1: a point moved by more than GuardOptions::depth in this pass
@@ -88,7 +88,7 @@ class GuardedStep {
   std::vector<collision::ContactPoint> found_, contacts_, near_;
   std::vector<collision::ContactPoint> all_contacts_;
   std::vector<Vec3> forces_;
-  int passes_ = 0, substeps_ = 1;
+  int passes_ = 0;
   bool repeated_ = false;  // the last pass was Stepper::repeat(): only islands with new contacts changed
   double depth_ = 0;
 };

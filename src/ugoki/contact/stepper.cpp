@@ -31,6 +31,29 @@ double rolling_radius(const Link& link) {
 
 }  // namespace
 
+void StepReport::add(const StepReport& next) {
+  if (status == StepStatus::ok) {
+    status = next.status;
+    system = next.system;
+    dof = next.dof;
+  }
+  sweeps = std::max(sweeps, next.sweeps);
+  residual = std::max(residual, next.residual);
+  loop_gap = std::max(loop_gap, next.loop_gap);
+  newton_steps += next.newton_steps;
+  handed_over += next.handed_over;
+  islands = next.islands;
+  contacts = next.contacts;
+  limits = next.limits;
+  impacts += next.impacts;
+  not_converged += next.not_converged;
+  failed_motions += next.failed_motions;
+  unfinished_impacts += next.unfinished_impacts;
+  open_loops += next.open_loops;
+  stops += next.stops;
+  left_overlaps += next.left_overlaps;
+}
+
 Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& options) : mechanisms_(std::move(systems)), options_(options) {
   workspaces_.reserve(mechanisms_.size());
   scratch_.reserve(mechanisms_.size());
@@ -72,10 +95,17 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
   warm_.reserve(room);
 }
 
+void Stepper::set_executor(Executor* executor) {
+  std::size_t dofs = 0;
+  for (const MechanismPtr& m : mechanisms_) dofs += static_cast<std::size_t>(m->nv());
+  executor_ = dofs >= min_parallel_dofs ? executor : nullptr;
+  solver_.set_executor(executor_);
+}
+
 /// Adds the velocity changes of the solver's impulses to free_v.
 void Stepper::add_impulses() {
-  for (std::size_t s = 0; s < scratch_.size() && !solver_.blocks().empty(); ++s)
-    scratch_[s].factor.add_whitened(solver_.w(static_cast<int>(s)), scratch_[s].free_v);
+  if (solver_.blocks().empty()) return;
+  for_each_system([&](std::size_t s) { scratch_[s].factor.add_whitened(solver_.w(static_cast<int>(s)), scratch_[s].free_v); });
 }
 
 /// Computes collisions with restitution and changes the velocities by eqs. (18) (19) of the paper.
@@ -97,6 +127,7 @@ void Stepper::find_impacts(std::span<StepSystem> systems, std::span<const collis
   }
   const ImpactReport impact = impact_.collide(impact_systems_, contacts, {options_.impact_speed, dt, false});
   report.impacts = impact.collisions;
+  report.unfinished_impacts = impact.status == ImpactStatus::unfinished ? 1 : 0;
   if (impact.status == ImpactStatus::singular) {
     report.status = StepStatus::singular;
     report.system = impact.system;
@@ -119,19 +150,27 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
   UGOKI_CHECK(systems.size() == mechanisms_.size() && dt > 0);
   StepReport report;
   frames_.resize(3 * contacts.size());
-  for (std::size_t s = 0; s < systems.size(); ++s) {
+  for_each_system([&](std::size_t s) {
     std::ranges::copy(systems[s].v, scratch_[s].v.begin());
     scratch_[s].is_inertial = scratch_[s].inertial && scratch_[s].inertial->turn(systems[s].v, dt) > InertialMotion::threshold;
     dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, workspaces_[s]);
-  }
+  });
   find_impacts(systems, contacts, dt, report);
   SolverReport solved;
   for (bool solve = true; solve && report.status == StepStatus::ok;) {
     solver_.clear();
     report.limits = 0;
-    for (std::size_t s = 0; s < systems.size() && report.status == StepStatus::ok; ++s) prepare(s, systems[s], dt, report);
+    for_each_system([&](std::size_t s) {
+      prepare(s, systems[s], dt);
+      scratch_[s].unforced = scratch_[s].free_v;
+    });
+    for (std::size_t s = systems.size(); s-- > 0;) {
+      if (scratch_[s].singular_dof < 0) continue;
+      report.status = StepStatus::singular;
+      report.system = static_cast<int>(s);
+      report.dof = scratch_[s].singular_dof;
+    }
     if (report.status != StepStatus::ok) break;
-    for (std::size_t s = 0; s < systems.size(); ++s) scratch_[s].unforced = scratch_[s].free_v;
     for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, i >= forced);
     const std::size_t before = solver_.blocks().size();
     for (std::size_t s = 0; s < systems.size(); ++s) add_joint_rows(s, dt);
@@ -171,6 +210,7 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
   report.newton_steps = solved.newton_steps;
   report.handed_over = solved.handed_over;
   report.islands = solved.islands;
+  report.not_converged = solved.not_converged;
   report.residual = solved.residual;
   forces_.assign(contacts.size(), Vec3{});
   for (std::size_t s = 0; s < systems.size(); ++s) {
@@ -194,25 +234,41 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
     forces_[static_cast<std::size_t>(b.contact)] += (frame[0] * p[0] + frame[1] * p[1] + frame[2] * p[2]) / dt;
   }
   warm_.make_index();
-  for (std::size_t s = 0; s < systems.size(); ++s) {
-    const std::vector<double>& v = scratch_[s].free_v;
-    for (std::size_t i = 0; i < v.size(); ++i) systems[s].v[i] = v[i];
-    integrate_system(s, systems[s], dt, report);
+  for_each_system([&](std::size_t s) {
+    std::ranges::copy(scratch_[s].free_v, systems[s].v.begin());
+    integrate_system(s, systems[s], dt);
+  });
+  for (const SystemScratch& x : scratch_) {
+    report.failed_motions += x.motion_failed ? 1 : 0;
+    report.open_loops += x.loop_gap > StepperOptions::open_gap ? 1 : 0;
+    report.loop_gap = std::max(report.loop_gap, x.loop_gap);
   }
   return report;
 }
 
 /// Moves the positions of one system through the step at its new velocities.
-void Stepper::integrate_system(std::size_t s, StepSystem& system, double dt, StepReport& report) {
+void Stepper::integrate_system(std::size_t s, StepSystem& system, double dt) {
   const Mechanism& m = *mechanisms_[s];
   SystemScratch& x = scratch_[s];
+  x.loop_gap = 0;
+  x.motion_failed = false;
   if (x.is_inertial) {
     dynamics::ClosedLinks* const closed = x.loops ? &x.loops->links : nullptr;
-    if (x.inertial->move(m, workspaces_[s], closed, system.q, system.v, dt, report.loop_gap)) return;
-    ++report.failed_motions;
+    if (x.inertial->move(m, workspaces_[s], closed, system.q, system.v, dt, x.loop_gap)) return;
+    x.motion_failed = true;
+    x.loop_gap = 0;
   }
   integrate(m, system.q, system.v, dt, system.q);
-  if (x.loops) close_loops(s, system, report);
+  if (x.loops) close_loops(s, system);
+}
+
+Stepper::LoopMemory Stepper::loop_memory(int system) const {
+  const SystemScratch& x = scratch_[static_cast<std::size_t>(system)];
+  return x.loops ? x.loops->links.memory() : LoopMemory{};
+}
+
+void Stepper::set_loop_memory(int system, const LoopMemory& memory) {
+  if (const SystemScratch& x = scratch_[static_cast<std::size_t>(system)]; x.loops) x.loops->links.set_memory(memory);
 }
 
 Vec3 Stepper::velocity_after(int system, int link, const Vec3& p) const {

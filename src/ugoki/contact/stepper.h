@@ -43,6 +43,10 @@ struct StepperOptions {
   /// GuardedStep splits the step at a fifth of this depth.
   static constexpr double deep_overlap = 5e-3;
 
+  /// m | rad: a loop with a larger gap after a step is reported as open. Closed loops have gaps of about 1e-15, a step of a large heap
+  /// places its bodies to 1e-4 m. Test: step_report_test.cpp.
+  static constexpr double open_gap = 1e-6;
+
   Vec3 gravity{0, 0, -9.81};     ///< m/s^2
   int iterations = 200;          ///< maximum number of sweeps over an island
   double tolerance = 1e-7;       ///< m/s: sweeps end when no velocity changes by more than this
@@ -80,14 +84,36 @@ struct StepReport {
   int contacts = 0;      ///< number of contacts that received rows
   int limits = 0;        ///< number of rows of joint limits and dry friction
   int impacts = 0;       ///< number of collisions in the impact phase
-  int failed_motions = 0;  ///< fast systems that InertialMotion could not move; they moved at constant velocity instead
   double loop_gap = 0;   ///< m | rad: maximum gap of a closed loop after the step
+  int substeps = 1;      ///< substeps into which GuardedStep split the step; 1: the step was not split
+  int not_converged = 0;  ///< islands whose residual is above the tolerance and above 1e-5 m/s (SolverReport); summed over the substeps
+
+  // Failures of stages of a step that has status ok, summed over the substeps.
+  int failed_motions = 0;      ///< fast systems that InertialMotion could not move; they moved at constant velocity instead
+  int unfinished_impacts = 0;  ///< sequences of impacts that reached their maximum number of collisions
+  int open_loops = 0;          ///< closed systems with a gap above StepperOptions::open_gap after the step
+  int stops = 0;               ///< substeps at whose limit of splitting GuardedStep stopped all systems until the substep ended
+  int left_overlaps = 0;       ///< steps or substeps that ended with an overlap that is new and deeper than 1 mm
+
+  /// Number of failed stages of the step.
+  [[nodiscard]] int failures() const { return failed_motions + unfinished_impacts + open_loops + stops + left_overlaps; }
+  /// Adds the report of the next substep: counts are summed, maxima are combined.
+  void add(const StepReport& next);
 };
 
 /// Advances several link systems by one time step; see the equations at the top of this file.
 class Stepper {
  public:
   Stepper(std::vector<MechanismPtr> systems, const StepperOptions& options);
+
+  /// Computes systems and islands on the threads of `executor`; null: on the calling thread. The bits are equal in both cases. Scenes below
+  /// min_parallel_dofs always use the calling thread.
+  void set_executor(Executor* executor);
+  /// Calls body(s) for each system s, on the threads of the executor.
+  template <class Body>
+  void for_each_system(const Body& body) const {
+    parallel_for(executor_, mechanisms_.size(), [&](std::size_t s, int) { body(s); });
+  }
 
   /// Advances all systems by dt [s]. On failure every q and v keeps its value from before the step.
   /// @param contacts  result of collision analysis at the present positions; their system and link indices refer to the constructor's list
@@ -115,20 +141,24 @@ class Stepper {
   [[nodiscard]] int system_count() const { return static_cast<int>(mechanisms_.size()); }
   [[nodiscard]] const StepperOptions& options() const { return options_; }
 
-  /// Impulses of the last step, from which the next step's solver starts. They are the only memory between
-  /// steps: save and restore them with a simulation.
+  /// Impulses of the last step, from which the next step's solver starts. They and loop_memory() are the only memory between steps: save
+  /// and restore them with a simulation.
   using Warm = contact::Warm;
   [[nodiscard]] std::span<const Warm> warm() const { return warm_.records(); }
   void set_warm(std::span<const Warm> warm) { warm_.set(warm); }
+  /// Reference values of a closed system's loops (ClosedLinks::memory()); empty for an open system.
+  using LoopMemory = dynamics::ClosedLinks::Memory;
+  [[nodiscard]] LoopMemory loop_memory(int system) const;
+  void set_loop_memory(int system, const LoopMemory& memory);
 
  private:
   [[nodiscard]] SolverOptions solver_options(double dt, bool careful) const;
   StepReport finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, const SolverReport& solved,
                     StepReport report);
   void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
-  void prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report);
+  void prepare(std::size_t s, const StepSystem& system, double dt);
   void move_freely(std::size_t s, const StepSystem& system, double dt);
-  void integrate_system(std::size_t s, StepSystem& system, double dt, StepReport& report);
+  void integrate_system(std::size_t s, StepSystem& system, double dt);
   void add_contact(int index, const collision::ContactPoint& c, double dt, bool forced);
   void add_rolling(const collision::ContactPoint& c);
   void add_joint_rows(std::size_t s, double dt);
@@ -138,7 +168,7 @@ class Stepper {
   void add_impulses();
   void solve_loops(std::size_t s, const StepSystem& system, double dt);
   double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms);
-  void close_loops(std::size_t s, StepSystem& system, StepReport& report);
+  void close_loops(std::size_t s, StepSystem& system);
 
   struct SystemScratch {
     explicit SystemScratch(const Mechanism& m) : factor(m) {}
@@ -155,6 +185,9 @@ class Stepper {
     std::vector<int> limited_links;       // links whose joint has a limited DOF
     std::vector<int> dry_friction_dofs;   // DOFs with dry friction
     std::vector<char> contiguous_chain;   // [nv] 1: the chain of this DOF is 0, 1, 2 ...
+    int singular_dof = -1;                // result of prepare(): DOF whose pivot is not positive; -1: none
+    double loop_gap = 0;                  // m | rad: result of integrate_system()
+    bool motion_failed = false;           // result of integrate_system(): see StepReport::failed_motions
     double rolling_radius = 0;            // m: radius of a free round body; 0 for all other systems
     bool free_body = false;               // true: the system is one floating link
     bool springs = false;                 // true: at least one joint has a spring
@@ -177,6 +210,7 @@ class Stepper {
 
   std::vector<MechanismPtr> mechanisms_;
   StepperOptions options_;
+  Executor* executor_ = nullptr;
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;

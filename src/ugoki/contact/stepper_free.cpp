@@ -45,7 +45,7 @@ Vec6 centripetal_correction(const Inertia& body, const Vec3& w, double dt) {
 }  // namespace
 
 /// Calculates the inertia, its factor, and the velocity without impulses.
-void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report) {
+void Stepper::prepare(std::size_t s, const StepSystem& system, double dt) {
   const Mechanism& m = *mechanisms_[s];
   dynamics::Workspace& ws = workspaces_[s];
   SystemScratch& x = scratch_[s];
@@ -57,12 +57,8 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
     x.extra[i] = dt * (ws.dofs[i].damping + dt * ws.dofs[i].stiffness);
     if (servo) x.extra[i] += dt * system.servo_gain[i];
   }
-  if (const int bad = x.factor.factor(ws, x.extra); bad >= 0) {
-    report.status = StepStatus::singular;
-    report.system = static_cast<int>(s);
-    report.dof = bad;
-    return;
-  }
+  x.singular_dof = x.factor.factor(ws, x.extra);
+  if (x.singular_dof >= 0) return;
   x.has_free_motion = false;
   if (x.springs || !x.limited_links.empty())
     for (const Link& link : m.links()) joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);

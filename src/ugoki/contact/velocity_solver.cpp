@@ -22,6 +22,8 @@ void invert(const double* S, double* out) {
   out[5] = (d * e - a * f) * scale;
 }
 
+constexpr std::size_t crowd = 256;  // blocks in a step above which the coarse tolerance and half the sweeps are used
+
 }  // namespace
 
 void VelocitySolver::set_systems(std::span<const int> first) {
@@ -33,6 +35,7 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   scratch_w_.assign(w_.size(), 0.0);
   in_subset_.assign(systems, 0);
   solved_.assign(systems, 0);
+  failed_.assign(systems, 0);
   for (std::vector<int>* v : {&root_, &island_, &members_, &cursor_, &local_, &queue_}) v->resize(systems + 1);
   neighbour_first_.resize(systems + 2);
   // Reserve memory for a usual scene: a dozen contacts for each system.
@@ -274,14 +277,16 @@ bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& op
   return result.converged;
 }
 
-void VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
+/// @param crowded whether the step has more than `crowd` blocks
+/// @return whether the last sweep changed no velocity by more than the tolerance, or than DenseIsland::accepted_residual
+bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, bool crowded, SolverReport& report) {
   constexpr int round = 12;      // sweeps between two checks of the convergence rate
   constexpr int max_rounds = 6;  // rounds up to which sweeping is cheaper than Newton's method
-  constexpr int crowd = 256;     // blocks in a step above which the coarse tolerance and half the sweeps are used
-  const bool crowded = static_cast<int>(blocks_.size()) > crowd;
+  constexpr double max_operations = 1e6;  // floating-point operations: bounds the cost of Newton's method for one island in one step
+  budget_ = max_operations;
   const int maximum = crowded ? options.iterations / 2 : options.iterations;
   double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
-  if (!crowded && solve_densely(island, options, tolerance, report)) return;
+  if (!crowded && solve_densely(island, options, tolerance, report)) return true;
   bool newton_helps = true;
   double change = 0, before = HUGE_VAL;
   for (int sweeps = 1;; ++sweeps) {
@@ -304,11 +309,10 @@ void VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
     }
   }
   report.residual = std::max(report.residual, change);
+  return change < std::max(tolerance, DenseIsland::accepted_residual);
 }
 
 void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t first) {
-  constexpr double max_operations = 1e6;  // floating-point operations: bounds the cost of Newton's method in one step
-  budget_ = max_operations;
   std::ranges::fill(motion_, 0.0);
   std::ranges::fill(solved_, char{0});
   for (RowBlock& b : blocks_) b.solved_motion = -HUGE_VAL;
@@ -325,21 +329,35 @@ void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t firs
   find_islands();
 }
 
-SolverReport VelocitySolver::solve(const SolverOptions& options) { return solve_again(options, 0); }
+SolverReport VelocitySolver::solve(const SolverOptions& options) {
+  std::ranges::fill(failed_, char{0});
+  return solve_again(options, 0);
+}
 
 SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size_t first_new) {
   SolverReport report;
   begin_blocks(options, first_new);
+  const bool threads = executor_ != nullptr && w_.size() >= min_parallel_dofs;
+  to_solve_.clear();
   for (const Island& island : islands_) {
     // The blocks of an island are in ascending order, so that its last block is new if any of its blocks is.
     if (island.blocks == 0 ||
         static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + island.blocks - 1)]) < first_new)
       continue;
-    for (int k = 0; k < island.systems; ++k)
-      solved_[static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)])] = 1;
+    const std::span<const int> members =
+        std::span(members_).subspan(static_cast<std::size_t>(island.first_system), static_cast<std::size_t>(island.systems));
+    for (const int s : members) {
+      solved_[static_cast<std::size_t>(s)] = 1;
+      failed_[static_cast<std::size_t>(s)] = 0;
+    }
     ++report.islands;
-    solve_island(island, options, report);
+    if (threads)
+      to_solve_.push_back(static_cast<int>(&island - islands_.data()));
+    else if (!solve_island(island, options, blocks_.size() > crowd, report))
+      failed_[static_cast<std::size_t>(members.front())] = 1;
   }
+  if (threads) solve_on_threads(options, blocks_.size() > crowd, report);
+  report.not_converged = static_cast<int>(std::ranges::count(failed_, char{1}));
   return report;
 }
 

@@ -18,9 +18,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "ugoki/base/executor.h"
 #include "ugoki/contact/dense_island.h"
 #include "ugoki/contact/row_block.h"
 
@@ -39,14 +41,26 @@ struct SolverReport {
   int sweeps = 0;        ///< maximum number of sweeps over one island
   int newton_steps = 0;  ///< Newton steps, summed over all islands
   int handed_over = 0;   ///< small islands for which method 1 (dense matrix) did not converge
+  int not_converged = 0; ///< islands whose present solution is above their tolerance and DenseIsland::accepted_residual; also those that solve_again() did not solve
   double residual = 0;   ///< m/s: maximum change of a velocity in the last sweep
 };
+
+/// Scenes with fewer DOFs are stepped on one thread. The threads of a pool need 5 to 20 us to begin and end, as long as a step of 50 DOFs
+/// among contacts.
+inline constexpr std::size_t min_parallel_dofs = 256;
 
 /// Solves the impulses of one step; see the equations at the top of this file. Keeps its memory from step to step.
 class VelocitySolver {
  public:
+  VelocitySolver();
+  VelocitySolver(VelocitySolver&&) noexcept;
+  VelocitySolver& operator=(VelocitySolver&&) noexcept;
+  ~VelocitySolver();
+
   /// Sets the systems. @param first [systems + 1] index in w of the first DOF of each system; the last entry is the total number of DOFs
   void set_systems(std::span<const int> first);
+  /// Solves islands on the threads of `executor`; null: on the calling thread. The impulses have the same bits in both cases.
+  void set_executor(Executor* executor);
 
   /// Removes all rows and sets w to zero.
   void clear();
@@ -97,7 +111,10 @@ class VelocitySolver {
   double sweep(const Island& island, bool forward, double minimum);
   void begin_blocks(const SolverOptions& options, std::size_t first);
   void find_islands();
-  void solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
+  void copy_island(const VelocitySolver& from, const Island& island);
+  void copy_solution_to(VelocitySolver& to, const Island& island) const;
+  void solve_on_threads(const SolverOptions& options, bool crowded, SolverReport& report);
+  bool solve_island(const Island& island, const SolverOptions& options, bool crowded, SolverReport& report);
   bool solve_densely(const Island& island, const SolverOptions& options, double tolerance, SolverReport& report);
 
   // Newton's method, in velocity_newton.cpp
@@ -113,6 +130,12 @@ class VelocitySolver {
   void add_to_matrix(const RowBlock& b, const double* G);
   double impulse_of(const RowBlock& b, const double* u, double* p, double* G) const;
   void recompute_w(const Island& island);
+
+  // Threads, in velocity_threads.cpp
+  struct Worker;
+  Executor* executor_ = nullptr;
+  std::vector<std::unique_ptr<Worker>> workers_;
+  std::vector<int> to_solve_;  // indices of the islands to solve
 
   DenseIsland dense_;
   std::vector<int> first_;  // [systems + 1] index in w_ of the first DOF of each system
@@ -131,10 +154,11 @@ class VelocitySolver {
   std::vector<int> cursor_;
   std::vector<Island> islands_;
   std::vector<char> solved_;  // [systems] 1: see is_solved()
+  std::vector<char> failed_;  // [systems] 1: the first system of an island whose solution is above the tolerance
 
   // Newton's method (symbols: velocity_newton.cpp)
   double regularization_ = 0;                                   // R relative to a block's inverse inertia
-  double budget_ = 0, cost_ = 0;                                // floating-point operations: left for this step, needed by one Newton step
+  double budget_ = 0, cost_ = 0;                                // floating-point operations: left for this island, needed by one Newton step
   std::vector<int> local_;                                      // [systems] first row of the system in H_
   std::vector<int> lowest_;                                     // [n] first column of each row in the envelope of H_
   std::vector<std::size_t> start_;                              // [n] index in H_ of the first stored entry of each row (column lowest_)

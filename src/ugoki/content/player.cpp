@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/base/hash.h"
+#include "ugoki/circuit/executor.h"
 #include "ugoki/content/generate.h"
 #include "ugoki/lsi/standard_library.h"
 #include "ugoki/lsi/touch.h"
@@ -24,7 +25,12 @@ struct Player::Machine {
   std::unique_ptr<lsi::World> world;
   std::unique_ptr<circuit::Interpreter> interpreter;
   PinView state, contacts, events, poses, characters, measures;  // outputs of the circuit
+  /// Outputs of a dynamics LSI that report on its steps.
+  struct StepPins {
+    PinView not_converged, substeps, failures;
+  };
   std::vector<PinView> touches;                                  // output `touches` of every dynamics LSI
+  std::vector<StepPins> quality;                                 // of every dynamics LSI
   std::span<std::byte> live;                                     // input `live` of the circuit: the user's events for the next step
   circuit::DeviceFeed devices;
   std::vector<PlayerInput> inputs;     // inputs applied since the start
@@ -109,9 +115,11 @@ Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view nam
   if (!circuit) return fail(std::move(circuit.error()));
   m.circuit = std::move(*circuit);
   m.world = std::make_unique<lsi::World>(make_world(m.content));
+  m.world->set_executor(m.options.executor);
   Result<circuit::Interpreter> interpreter = circuit::Interpreter::build(m.circuit, m.library(), m.world.get(), m.build_options());
   if (!interpreter) return fail(std::move(interpreter.error()));
   m.interpreter = std::make_unique<circuit::Interpreter>(std::move(*interpreter));
+  m.interpreter->set_executor(m.options.executor);
   if (Result<void> bound = m.bind(); !bound) return fail(std::move(bound.error()));
   m.inputs.reserve(1024);
   return Player(std::move(machine));
@@ -131,10 +139,14 @@ Result<void> Player::Machine::bind() {
       find_pin(i, "characters", PinTypeId::joint_values, lsi::World::payload_count(character_count * lsi::character_entry_count), problems);
   m.measures = find_pin(i, "measures", PinTypeId::joint_values, lsi::World::payload_count(character_count * lsi::measure_count), problems);
   m.touches.clear();
-  for (const circuit::Instance& lsi : m.circuit.lsis)
-    if (const auto pin = lsi.type == "dynamics" ? i.find_output(lsi.id + ".touches") : Result<PinView>(fail(Error()));
-        pin && pin->type == PinTypeId::event)
-      m.touches.push_back(*pin);
+  m.quality.clear();
+  for (const circuit::Instance& lsi : m.circuit.lsis) {
+    if (lsi.type != "dynamics") continue;
+    const auto output = [&](const char* name) { return i.find_output(lsi.id + "." + name); };
+    if (const auto pin = output("touches"); pin && pin->type == PinTypeId::event) m.touches.push_back(*pin);
+    const auto a = output("not converged"), b = output("substeps"), c = output("failures");
+    if (a && b && c) m.quality.push_back({*a, *b, *c});
+  }
   m.devices = circuit::DeviceFeed(*m.interpreter);
   m.live = m.interpreter->find_circuit_input("live");
   if (m.live.size() != sizeof(std::uint64_t) + max_live * sizeof(EventRecord))
@@ -151,6 +163,7 @@ Result<circuit::Interpreter::Adoption> Player::change_library(std::shared_ptr<co
   if (!made) return fail(std::move(made.error()));
   circuit::Interpreter::Adoption report = made->adopt_report(*m.interpreter);
   const std::vector<std::byte> pending_events(m.live.begin(), m.live.end());
+  made->set_executor(m.options.executor);
   *m.interpreter = std::move(*made);
   m.options.library = std::move(library);
   if (Result<void> bound = m.bind(); !bound) return fail(std::move(bound.error()));
@@ -248,6 +261,24 @@ void Player::touches(std::vector<PlayerTouch>& out) const {
       out.push_back(std::move(t));
     }
   }
+}
+
+PlayerStepQuality& PlayerStepQuality::operator+=(const PlayerStepQuality& next) {
+  not_converged += next.not_converged;
+  split_steps += next.split_steps;
+  substeps += next.substeps;
+  failures += next.failures;
+  return *this;
+}
+
+PlayerStepQuality Player::step_quality() const {
+  PlayerStepQuality sum;
+  const auto count = [](const PinView& pin) { return static_cast<std::uint64_t>(pin.numbers()[0]); };
+  for (const Machine::StepPins& pins : machine_->quality) {
+    const std::uint64_t substeps = count(pins.substeps);
+    sum += {count(pins.not_converged), substeps > 1 ? 1u : 0u, substeps, count(pins.failures)};
+  }
+  return sum;
 }
 
 void Player::reset() {

@@ -55,10 +55,21 @@ struct PlayerTouch {
   std::string words;  ///< description for display: "hand left of anna touched box, 12 N s"
 };
 
+/// How well the contacts of a step, or of several steps, were solved: sums over the steps and over all dynamics LSIs of the circuit.
+struct PlayerStepQuality {
+  std::uint64_t not_converged = 0;  ///< groups of touching bodies whose contacts were not solved to the tolerance
+  std::uint64_t split_steps = 0;    ///< steps that were split into substeps
+  std::uint64_t substeps = 0;       ///< substeps of all steps; a step that is not split counts as one
+  std::uint64_t failures = 0;       ///< failed stages of steps (docs/design/contact.md, section "Report")
+  PlayerStepQuality& operator+=(const PlayerStepQuality& next);
+};
+
 /// Options that the host program (the program that contains the player) sets.
 struct PlayerOptions {
   std::shared_ptr<const circuit::Library> library;  ///< LSIs (function blocks) that circuits may use; null: lsi::standard_library()
   circuit::Activity* activity = nullptr;            ///< records which LSI runs; must outlive the player; may be null
+  /// Threads for LSIs and for the systems of a step; must outlive the player; null: the calling thread only. The bits do not depend on it.
+  circuit::Executor* executor = nullptr;
 };
 
 /// The characters and events of executable data in the form that the LSIs of a circuit use.
@@ -84,6 +95,8 @@ class Player {
   [[nodiscard]] Result<void> step();
   /// Lists the touches that began or ended in the last step. @param out is cleared first
   void touches(std::vector<PlayerTouch>& out) const;
+  /// Solution quality of the last step.
+  [[nodiscard]] PlayerStepQuality step_quality() const;
   [[nodiscard]] std::uint64_t step_count() const;  ///< steps since time 0
   [[nodiscard]] double time() const;               ///< s
   /// Returns to time 0 and clears inputs(); scheduled inputs are kept and are applied again.

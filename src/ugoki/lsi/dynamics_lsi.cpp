@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "ugoki/collision/scene.h"
-#include "ugoki/contact/guarded_step.h"
-#include "ugoki/contact/stepper.h"
+#include "ugoki/contact/contact_events.h"
+#include "ugoki/contact/scene_step.h"
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/pull.h"
 #include "ugoki/lsi/touch.h"
@@ -15,22 +14,23 @@ namespace {
 using contact::Stepper;
 
 enum Input : std::size_t { in_state, in_contacts, in_events, in_torque };
+enum Output : std::size_t { out_next, out_contacts, out_touches, out_not_converged, out_substeps, out_failures };
 
 struct Dynamics {
   Dynamics(const World& world_, const contact::StepperOptions& options)
-      : world(&world_), stepper(world_.mechanisms(), options), scene(world_.mechanisms(), world_.ground()), guard(scene, stepper) {}
+      : world(&world_), scene(world_.mechanisms(), world_.ground(), options), stepper(scene.stepper()) {
+    scene.set_executor(world_.executor());
+  }
 
   const World* world;
-  Stepper stepper;
-  collision::Scene scene;                      // shapes that the guard tests for penetration
-  contact::GuardedStep guard;                  // repeats a step that ends in penetration, with additional contacts
+  contact::SceneStep scene;
+  Stepper& stepper;
   std::vector<dynamics::Workspace> scratch;    // [characters] working memory for pulls
   std::vector<std::vector<Vec6>> external;     // [characters][links] wrenches of pushes and pulls, world
   std::vector<std::vector<double>> no_torque;  // [characters][nv] zeros
   std::vector<int> torque_wire;                // [characters] index in Call::in; -1: no wire
   std::vector<collision::ContactPoint> contacts;
   std::vector<contact::StepSystem> systems;
-  std::vector<char> touches_itself;  // [characters] 1: the character has contacts between its own links
   contact::ContactEvents touches;
 };
 
@@ -40,12 +40,15 @@ std::size_t warm_capacity(const World& world) {
   return n;
 }
 
-/// Returns the offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, then the current touches.
-/// Both are stored as a count followed by records.
+/// Returns the offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, the current touches, and the
+/// memory of each character's loops. Warm start and touches are counts followed by records.
 std::size_t touches_at(const World& world) { return sizeof(std::uint64_t) + warm_capacity(world) * sizeof(Stepper::Warm); }
 // Maximum number of current touches that are saved, and maximum number of touch events per tick. Further touches are not saved; further
 // events are replaced by one event that counts them.
 constexpr std::size_t touch_capacity = 256, touch_events = 64;
+
+/// Returns the offset of the memories of the characters' loops in the state, bytes.
+std::size_t loops_at(const World& world) { return touches_at(world) + sizeof(std::uint64_t) + touch_capacity * sizeof(contact::Touch); }
 
 void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {
   self.external[e.character][static_cast<std::size_t>(e.link)] += Vec6{cross(p, force), force};
@@ -75,25 +78,10 @@ std::int32_t explain(const Call* call, const Dynamics& self, const contact::Step
                                  : "The velocity at " + joint + " has diverged.");
 }
 
-/// Makes one step. A step that starts without contacts is not guarded. Afterwards self.contacts contains all contacts of the step.
-contact::StepReport take_step(Dynamics& self, double dt, std::span<const Vec3>& forces) {
-  if (self.contacts.empty()) return self.stepper.step(self.systems, self.contacts, dt);
-  std::ranges::fill(self.touches_itself, char{0});  // self-collision is tested only for characters with contacts between their own links
-  for (const collision::ContactPoint& c : self.contacts)
-    if (c.system_a >= 0 && c.system_a == c.system_b) self.touches_itself[static_cast<std::size_t>(c.system_a)] = 1;
-  for (std::size_t s = 0; s < self.systems.size(); ++s) self.scene.set_self_collision(static_cast<int>(s), self.touches_itself[s] != 0);
-  self.guard.forget();  // a step must depend only on the state, so that a restored run gives the same bits
-  const contact::StepReport report = self.guard.step(self.systems, self.contacts, dt);
-  forces = self.guard.forces();
-  const std::span<const collision::ContactPoint> all = self.guard.contacts();
-  self.contacts.insert(self.contacts.end(), all.begin() + static_cast<std::ptrdiff_t>(self.contacts.size()), all.end());
-  return report;
-}
-
 std::int32_t step(const Call* call) {
   auto& self = object_of<Dynamics>(call);
   const double* state = circuit::input(call, in_state);
-  double* next = circuit::output(call, 0);
+  double* next = circuit::output(call, out_next);
   std::memcpy(next, state, self.world->state_size() * sizeof(double));
   for (std::vector<Vec6>& wrenches : self.external)
     for (Vec6& w : wrenches) w = {};
@@ -112,30 +100,33 @@ std::int32_t step(const Call* call) {
       system.servo_velocity = {drive + 2 * nv, nv};
     }
   }
-  std::span<const Vec3> forces;
-  const contact::StepReport report = take_step(self, call->tick->dt, forces);
+  const contact::StepReport report = self.scene.step(self.systems, self.contacts, call->tick->dt);
+  const std::span<const Vec3> forces = self.scene.forces();
   if (report.status != contact::StepStatus::ok) return explain(call, self, report);
-  auto* out = record_room<ContactRecord>(call->out[1]);
-  const std::size_t count = std::min<std::size_t>(self.contacts.size(), call->out_count[1]);
+  auto* out = record_room<ContactRecord>(call->out[out_contacts]);
+  const std::size_t count = std::min<std::size_t>(self.contacts.size(), call->out_count[out_contacts]);
   for (std::size_t i = 0; i < count; ++i) out[i] = {self.contacts[i], forces[i], 0};
-  set_count(call->out[1], count);
+  set_count(call->out[out_contacts], count);
   std::size_t events = 0;
-  auto* touches = record_room<EventRecord>(call->out[2]);
+  auto* touches = record_room<EventRecord>(call->out[out_touches]);
   const auto& changes = self.touches.update(self.contacts, forces, call->tick->dt);
-  const std::size_t room = call->out_count[2], kept = changes.size() <= room ? changes.size() : room - 1;
+  const std::size_t room = call->out_count[out_touches], kept = changes.size() <= room ? changes.size() : room - 1;
   for (; events < kept; ++events) touches[events] = record_of(changes[events]);
   if (kept < changes.size()) touches[events++] = omitted_record(changes.size() - kept);
-  set_count(call->out[2], events);
+  set_count(call->out[out_touches], events);
+  circuit::output(call, out_not_converged)[0] = report.not_converged;
+  circuit::output(call, out_substeps)[0] = report.substeps;
+  circuit::output(call, out_failures)[0] = report.failures();
   return 0;
 }
 
 void configure(Setup& s) {
   const World* world = world_of(s);
   if (!world) return;
-  s.set_out(0, world->state_count());
-  s.set_out(1, world->contact_capacity());
-  s.set_out(2, touch_events);
-  s.set_state(touches_at(*world) + sizeof(std::uint64_t) + touch_capacity * sizeof(contact::Touch));
+  s.set_out(out_next, world->state_count());
+  s.set_out(out_contacts, world->contact_capacity());
+  s.set_out(out_touches, touch_events);
+  s.set_state(loops_at(*world) + world->characters().size() * sizeof(Stepper::LoopMemory));
   std::vector<int> wires(world->characters().size(), 0);
   for (std::size_t k = 0; k < s.wires(in_torque); ++k) {
     const circuit::Shape shape = s.in(in_torque, k);
@@ -169,7 +160,6 @@ void* make(Setup& s) {
     self->torque_wire[static_cast<std::size_t>(s.in(in_torque, k).subject)] = static_cast<int>(in_torque + k);
   self->contacts.reserve(2 * std::size_t{world->contact_capacity()});
   self->systems.resize(world->characters().size());
-  self->touches_itself.resize(world->characters().size());
   return self;
 }
 
@@ -184,12 +174,23 @@ void store(const Call* call) {
   const std::size_t current = std::min(touches.size(), touch_capacity);
   set_count(at, current);
   if (current) std::memcpy(record_room<contact::Touch>(at), touches.data(), current * sizeof(contact::Touch));
+  auto* const loops = static_cast<std::byte*>(call->state) + loops_at(*self.world);
+  for (int i = 0; i < self.stepper.system_count(); ++i) {
+    const Stepper::LoopMemory memory = self.stepper.loop_memory(i);
+    std::memcpy(loops + static_cast<std::size_t>(i) * sizeof memory, &memory, sizeof memory);
+  }
 }
 
 void recall(const Call* call) {
   auto& self = object_of<Dynamics>(call);
   self.stepper.set_warm(records<Stepper::Warm>(call->state));
   self.touches.set_touches(records<contact::Touch>(static_cast<const std::byte*>(call->state) + touches_at(*self.world)));
+  const auto* const loops = static_cast<const std::byte*>(call->state) + loops_at(*self.world);
+  for (int i = 0; i < self.stepper.system_count(); ++i) {
+    Stepper::LoopMemory memory;
+    std::memcpy(&memory, loops + static_cast<std::size_t>(i) * sizeof memory, sizeof memory);
+    self.stepper.set_loop_memory(i, memory);
+  }
 }
 
 }  // namespace
@@ -198,6 +199,7 @@ void add_dynamics(circuit::Library& library) {
   const contact::StepperOptions usual;
   circuit::LsiClass c;
   c.name = "dynamics";
+  c.version = 2;
   c.doc =
       "General-purpose dynamics: advances every character by one step under torques, gravity, contact, friction, joint limits, pushes and "
       "pulls. If bodies would penetrate each other by more than 0.4 mm at the end of a step, the step is solved again with additional "
@@ -214,7 +216,10 @@ void add_dynamics(circuit::Library& library) {
   c.inputs[in_torque].multiple = true;
   c.outputs = {output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."),
                output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces."),
-               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended in this tick, with their impulses; at most 64, the last one counts the further ones.")};
+               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended in this tick, with their impulses; at most 64, the last one counts the further ones."),
+               output_pin("not converged", PinTypeId::scalar, "", "Number of groups of touching bodies whose contacts were not solved to the tolerance in this tick."),
+               output_pin("substeps", PinTypeId::scalar, "", "Number of substeps into which the tick was split because bodies would have passed through each other; 1: none."),
+               output_pin("failures", PinTypeId::scalar, "", "Number of failed stages of the tick: motions without bias forces, unfinished impacts, open loops, stops, overlaps that are left (docs/design/contact.md).")};
   c.parameters = {
       number_parameter("iterations", usual.iterations, 1, 10000, "", "Maximum number of sweeps over the contacts."),
       number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes by more than this.")};
@@ -223,8 +228,10 @@ void add_dynamics(circuit::Library& library) {
   c.make = make;
   c.destroy = destroy<Dynamics>;
   c.init = [](const Call* call) -> std::int32_t {
-    object_of<Dynamics>(call).stepper.set_warm({});
-    object_of<Dynamics>(call).touches.set_touches({});
+    auto& self = object_of<Dynamics>(call);
+    self.stepper.set_warm({});
+    for (int i = 0; i < self.stepper.system_count(); ++i) self.stepper.set_loop_memory(i, {});
+    self.touches.set_touches({});
     return 0;
   };
   c.step = step;

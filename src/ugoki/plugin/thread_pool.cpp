@@ -20,6 +20,7 @@ struct ThreadPool::Shared {
   std::condition_variable begin;
   std::atomic<std::uint64_t> round{0};  // number of calls of `run` so far; an increase starts the threads
   std::atomic<int> left{0};             // number of threads that have not finished this round
+  std::atomic<bool> busy{false};        // true: `run` is being executed
   bool end = false;                     // the threads shall exit; set before `round` is increased
   void (*work)(void*, int) = nullptr;
   void* context = nullptr;
@@ -63,12 +64,17 @@ int ThreadPool::workers() const { return static_cast<int>(shared_->threads.size(
 
 void ThreadPool::run(void (*work)(void*, int), void* context) {
   Shared& s = *shared_;
+  if (s.busy.exchange(true, std::memory_order_acquire)) {  // called by a worker
+    for (int w = 0; w < workers(); ++w) work(context, w);
+    return;
+  }
   s.work = work;
   s.context = context;
   s.left.store(static_cast<int>(s.threads.size()), std::memory_order_relaxed);
   s.start_round();
   work(context, 0);
   while (s.left.load(std::memory_order_acquire) > 0) std::this_thread::yield();
+  s.busy.store(false, std::memory_order_release);
 }
 
 }  // namespace ugoki::plugin

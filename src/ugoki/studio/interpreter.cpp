@@ -192,6 +192,7 @@ Result<void> Interpreter::restart() {
   watch_.changed();
   breakpoints_.rearm();
   next_input_ = 0;
+  quality_step_ = 0;
   replay_until_ = 0;
   held_.mouse.wheel = 0;
   blown_up_ = false;
@@ -235,6 +236,8 @@ void Interpreter::begin_recording() {
   goal_ = Goal::none;
   next_input_ = 0;
   replay_until_ = 0;
+  quality_ = {};
+  quality_step_ = 0;
   record_head();
 }
 
@@ -249,6 +252,7 @@ Result<void> Interpreter::truncate(std::int64_t step) {
   while (simulation_->step_count() < step) {
     if (!advance_head()) return fail(make_error(ErrorCode::structure, "transport", status_, "Restart the simulation."));
   }
+  quality_step_ = step;
   return {};
 }
 
@@ -259,6 +263,7 @@ bool Interpreter::advance_head() {
     return false;
   }
   watch_.stepped();
+  count_quality();
   if (playing_ && goal_ != Goal::seek) report_touches();
   record_head();
   if (recording_->full()) {
@@ -427,6 +432,30 @@ void Interpreter::report_touches() {
   }
 }
 
+void Interpreter::count_quality() {
+  const std::int64_t step = simulation_->step_count();
+  if (step <= quality_step_) return;
+  quality_step_ = step;
+  if (quality_.substeps == 0) quality_begin_ = time_of(step - 1);
+  quality_ += simulation_->step_quality();
+}
+
+/// Logs how many contacts were not solved, how many stages of steps failed, and how many steps were split, if there are any.
+void Interpreter::report_quality() {
+  constexpr double period = 1;  // s between two messages while playing, so that a large heap does not flood the log
+  const bool faulty = quality_.not_converged + quality_.failures > 0;
+  if (!faulty && quality_.split_steps == 0) return;
+  if (playing_ && quality_reported_ >= 0 && seconds_() - quality_reported_ < period) return;
+  std::string text = to_fixed(quality_begin_, 2) + " to " + to_fixed(head_time(), 2) + " s: ";
+  if (faulty)
+    text += std::to_string(quality_.not_converged) + " groups of contacts were not solved to the tolerance and " +
+            std::to_string(quality_.failures) + " stages of steps failed; a shorter step may help. ";
+  text += std::to_string(quality_.split_steps) + " steps were split into substeps.";
+  sink_.message(Json{{"event", "log"}, {"level", faulty ? "warning" : "info"}, {"text", text}}.dump());
+  quality_reported_ = seconds_();
+  quality_ = {};
+}
+
 void Interpreter::anchor() {
   anchor_seconds_ = seconds_();
   anchor_time_ = shown_;
@@ -484,6 +513,7 @@ void Interpreter::report_devices() {
 
 void Interpreter::report_summary() {
   touches_reported_ = 0;
+  report_quality();
   summary_reported_ = seconds_();
   summary_due_ = false;
   const std::vector<CastMember>& cast = simulation_->cast();

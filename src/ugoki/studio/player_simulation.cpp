@@ -74,6 +74,7 @@ class PlayerSimulation final : public Simulation {
   circuit::Interpreter* circuit() override { return &player_.interpreter(); }
 
   std::vector<MechanismPtr> mechanisms() const override { return player_.world().mechanisms(); }
+  content::PlayerStepQuality step_quality() const override { return player_.step_quality(); }
   std::vector<std::string> touches() override {
     std::vector<std::string> sentences;
     player_.touches(touches_);

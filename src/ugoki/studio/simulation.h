@@ -12,6 +12,7 @@
 #include "ugoki/base/result.h"
 #include "ugoki/circuit/devices.h"
 #include "ugoki/circuit/interpreter.h"
+#include "ugoki/content/player.h"
 #include "ugoki/mechanism/mechanism.h"
 #include "ugoki/spatial/vec3.h"
 
@@ -66,6 +67,9 @@ class Simulation {
   [[nodiscard]] virtual std::vector<MechanismPtr> mechanisms() const { return {}; }
   /// Messages about touches that ended in the last step: contacts between characters or with the ground, except of feet with the ground.
   [[nodiscard]] virtual std::vector<std::string> touches() { return {}; }
+
+  /// How well the contacts of the last step were solved.
+  [[nodiscard]] virtual content::PlayerStepQuality step_quality() const { return {}; }
 
   /// Sets the simulation back to time 0.
   virtual void reset() {}
