@@ -299,6 +299,8 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   catch_interrupt();
   std::signal(SIGPIPE, SIG_IGN);
 
+  // The page converts pictures for videos to the form that the coders take; a GIF and a transparent background need all colours.
+  const bool planar = videos && outputs.gif.empty() && !o.transparent && o.blur == 1 && o.width % 8 == 0 && o.height % 2 == 0;
   Json settings = {{"width", o.width},
                    {"height", o.height},
                    {"rate", rate},
@@ -310,7 +312,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                    {"theme", o.light ? "light" : "dark"},
                    {"assist", o.overlays},
                    {"png", !outputs.png.empty()},
-                   {"raw", videos},
+                   {"raw", !videos ? "" : planar ? "planar" : "rgba"},
                    {"ahead", max_waiting}};
   if (!o.inputs.empty()) {
     Result<Json> inputs = json::parse_json(o.inputs, "inputs");
@@ -372,7 +374,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                                         "-f",
                                         "rawvideo",
                                         "-pix_fmt",
-                                        "rgba",
+                                        planar ? "yuv420p" : "rgba",
                                         "-s",
                                         std::to_string(o.width) + "x" + std::to_string(o.height),
                                         "-r",
@@ -387,17 +389,25 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     started.push_back({file, part, std::move(*child)});
     return {};
   };
-  // rows arrive from the bottom to the top, as WebGL has them
+  // ITU-R BT.709 with limited range, marked as such: players assume it for large pictures only. Rows of RGBA arrive from the bottom to the
+  // top, as WebGL has them.
+  const auto coder = [&](std::initializer_list<const char*> words) {
+    std::vector<std::string> out;
+    if (!planar) out = {"-vf", "vflip,scale=out_color_matrix=bt709:out_range=tv"};
+    out.insert(out.end(), words.begin(), words.end());
+    out.insert(out.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"});
+    return out;
+  };
   if (Result<void> done = start_video(
-          outputs.mp4,
-          {"-vf", "vflip", "-c:v", "libx264", "-preset", "veryfast", "-crf", "17", "-pix_fmt", "yuv420p", "-movflags", "+faststart"},
+          outputs.mp4, coder({"-c:v", "libx264", "-preset", "veryfast", "-crf", "17", "-pix_fmt", "yuv420p", "-movflags", "+faststart"}),
           ".mp4");
       !done)
     return fail(std::move(done.error()));
-  if (Result<void> done = start_video(outputs.webm,
-                                      {"-vf", "vflip", "-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good",
-                                       "-cpu-used", "5", "-pix_fmt", o.transparent ? "yuva420p" : "yuv420p"},
-                                      ".webm");
+  if (Result<void> done =
+          start_video(outputs.webm,
+                      coder({"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good", "-cpu-used", "5",
+                             "-pix_fmt", o.transparent ? "yuva420p" : "yuv420p"}),
+                      ".webm");
       !done)
     return fail(std::move(done.error()));
   if (Result<void> done = start_video(

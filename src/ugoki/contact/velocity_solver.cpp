@@ -308,7 +308,7 @@ void VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
 
 void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t first) {
   constexpr double max_operations = 1e6;  // floating-point operations: bounds the cost of Newton's method in one step
-  budget_ = max_operations;
+  budget_ = std::min(max_operations, newton_left_);
   std::ranges::fill(motion_, 0.0);
   std::ranges::fill(solved_, char{0});
   for (RowBlock& b : blocks_) b.solved_motion = -HUGE_VAL;
@@ -338,7 +338,9 @@ SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size
     for (int k = 0; k < island.systems; ++k)
       solved_[static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)])] = 1;
     ++report.islands;
+    const double before = budget_;
     solve_island(island, options, report);
+    newton_left_ -= before - budget_;
   }
   return report;
 }
