@@ -31,6 +31,11 @@ struct PictureOutputs {
   [[nodiscard]] bool any() const { return !png.empty() || !mp4.empty() || !webm.empty() || !gif.empty(); }
 };
 
+/// Lets Blender write the content as FBX or Alembic, by the extension of `file` (.fbx, .abc).
+/// @param glb publish::write_take_glb() @param rate frames per second @param blender program; empty: found on the path
+[[nodiscard]] Result<void> export_with_blender(std::span<const std::byte> glb, double rate, const std::string& file,
+                                               const std::string& blender);
+
 /// Draws the content in a headless browser and writes the outputs. @param page text of player.html
 /// Ctrl+C ends it; no incomplete file is left. @return the files written
 [[nodiscard]] Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name,
