@@ -177,6 +177,10 @@ def run_all(options):
     if options.export:
         report(timed(lines_suite, "export", ["node", "e2e/export.mjs"] + (["--slow"] if options.slow else []),
                      SLOW_SECONDS if options.slow else FAST_SECONDS, cwd=root / "web"))
+    if options.cluster:
+        report(timed(lines_suite, "cluster", ["python3", str(root / "tests/cluster/run.py"), os.environ["UGOKI_BIN"]], SLOW_SECONDS))
+    if options.package:
+        report(timed(lines_suite, "package", ["python3", str(root / "tests/package/run.py"), str(root)], SLOW_SECONDS))
     if options.unbuilt:
         report(Outcome("build", failed=1, report="The build failed; see above."))
 
@@ -199,7 +203,7 @@ def main():
     runner.add_argument("--results", required=True)
     runner.add_argument("--pattern", default="")
     runner.add_argument("--programs", action="append", default=[], metavar="PRESET")
-    for flag in ("--slow", "--words", "--wasm", "--web", "--e2e", "--export", "--unbuilt"):
+    for flag in ("--slow", "--words", "--wasm", "--web", "--e2e", "--export", "--cluster", "--package", "--unbuilt"):
         runner.add_argument(flag, action="store_true")
     options = parser.parse_args()
     if options.verb == "list":

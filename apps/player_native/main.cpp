@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "osc.h"
 #include "page_session.h"
 #include "ugoki/content/inputs.h"
 #include "ugoki/files/files.h"
@@ -27,6 +28,7 @@ struct Options {
   bool headless = false, no_open = false, as_json = false;
   std::uint64_t frames = 0, steps = 0;
   std::uint16_t port = 0;
+  int osc = -1;  // UDP port for OSC; -1: none
   std::string out, inputs;
 };
 
@@ -105,10 +107,23 @@ int run_page(content::Player player, std::string page, const Options& o) {
   if (!server) return print_error(server.error(), o.as_json);
   session.start(**server);
   const std::string address = (*server)->address();
-  if (o.as_json)
-    std::printf("%s\n", json::to_text(Json{{"address", address}, {"port", (*server)->port()}}, 2).c_str());
-  else
+  std::unique_ptr<player_native::OscReceiver> osc;
+  if (o.osc >= 0) {
+    constexpr studio::ClientId osc_client = -1;  // no page has this number
+    auto listening = player_native::OscReceiver::listen(static_cast<std::uint16_t>(o.osc), [&session](std::string message) {
+      session.on_message(osc_client, std::move(message), [] {});
+    });
+    if (!listening) return print_error(listening.error(), o.as_json);
+    osc = std::move(*listening);
+  }
+  if (o.as_json) {
+    Json report = {{"address", address}, {"port", (*server)->port()}};
+    if (osc) report["osc"] = osc->port();
+    std::printf("%s\n", json::to_text(report, 2).c_str());
+  } else {
     std::printf("%s: %s (Ctrl+C ends the program)\n", name.c_str(), address.c_str());
+    if (osc) std::printf("OSC: UDP port %d of 127.0.0.1\n", osc->port());
+  }
   std::fflush(stdout);
   std::unique_ptr<studio::LaunchPage> launch;
   if (!o.no_open) {
@@ -121,6 +136,7 @@ int run_page(content::Player player, std::string page, const Options& o) {
   while (sigwait(&ends, &got) != 0) {
   }
   pthread_sigmask(SIG_UNBLOCK, &ends, nullptr);
+  osc.reset();
   session.stop();
   return 0;
 }
@@ -138,6 +154,8 @@ int main(int argc, char** argv) {
   app.add_option("--out", o.out, "Write the display frames to this file (--headless; docs/files.md)");
   app.add_option("--inputs", o.inputs, "Recorded inputs, JSON (docs/export.md)");
   app.add_option("--port", o.port, "Port of the page on 127.0.0.1 (default: any free port)");
+  app.add_option("--osc", o.osc, "Receive keys, mouse and gamepads by OSC on this UDP port of 127.0.0.1; 0: any free port")
+      ->check(CLI::Range(0, 65535));
   app.add_flag("--no-open", o.no_open, "Print the page's address, but do not open the browser");
   app.add_flag("--json", o.as_json, "Print one JSON object");
   app.footer("Example:\n  ./walk --headless --frames 600 --out walk.frames");

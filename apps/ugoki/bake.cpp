@@ -19,7 +19,8 @@
 #include "output.h"
 #include "simulate.h"
 #include "sources.h"
-#include "sweep.h"
+#include "sweep_plot.h"
+#include "sweep_table.h"
 #include "ugoki/base/hash.h"
 #include "ugoki/base/number.h"
 #include "ugoki/content/generate.h"
@@ -34,7 +35,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Options {
   std::vector<std::string> targets, vary;
-  std::string table, csv, part, slurm_partition, slurm_time = "01:00:00";
+  std::string table, name, csv, part, slurm_partition, slurm_time = "01:00:00";
   SourceOptions source;
   std::uint64_t random = 0, seed = 1;
   double duration = 0, time_limit = 600;
@@ -172,7 +173,8 @@ std::string shell_quoted(const std::string& word) {
 int submit(const Options& o) {
   std::error_code ec;
   const std::string program = fs::read_symlink("/proc/self/exe", ec).string();
-  const std::string stem = fs::path(o.table).replace_extension().string();
+  const bool server = store::is_postgres(o.table);
+  const std::string stem = server ? fs::absolute("bake-" + o.name).string() : fs::absolute(o.table).replace_extension().string();
   std::string words = shell_quoted(program) + " bake";
   for (const std::string& t : o.targets) words += ' ' + shell_quoted(fs::exists(t, ec) ? fs::absolute(t).string() : t);
   for (const std::string& v : o.vary) words += " --vary " + shell_quoted(v);
@@ -181,15 +183,22 @@ int submit(const Options& o) {
   words += " --time-limit " + to_text(o.time_limit);
   const std::string common =
       "#!/bin/bash\n#SBATCH --requeue\n" + (o.slurm_partition.empty() ? "" : "#SBATCH --partition=" + o.slurm_partition + "\n");
-  const std::string array = common + "#SBATCH --job-name=ugoki-bake\n#SBATCH --array=0-" + std::to_string(o.slurm - 1) +
-                            "\n#SBATCH --time=" + o.slurm_time + "\n#SBATCH --output=" + stem +
-                            ".%a.log\n#SBATCH --open-mode=append\n# A task that is requeued continues its part.\nexec " + words +
-                            " --part \"$SLURM_ARRAY_TASK_ID/" + std::to_string(o.slurm) +
-                            "\" --jobs \"${SLURM_CPUS_PER_TASK:-1}\" --table " + shell_quoted(stem) + ".part\"$SLURM_ARRAY_TASK_ID\".db\n";
-  std::string merge = common + "#SBATCH --job-name=ugoki-merge\n#SBATCH --output=" + stem + ".merge.log\nexec " + words + " --table " +
-                      shell_quoted(o.table) + " --jobs 1";
-  for (int i = 0; i < o.slurm; ++i) merge += " --merge " + shell_quoted(stem + ".part" + std::to_string(i) + ".db");
-  merge += '\n';
+  const std::string parts = std::to_string(o.slurm);
+  std::string array = common + "#SBATCH --job-name=ugoki-bake\n#SBATCH --array=0-" + std::to_string(o.slurm - 1) +
+                      "\n#SBATCH --time=" + o.slurm_time + "\n#SBATCH --output=" + stem +
+                      ".%a.log\n#SBATCH --open-mode=append\n# A task that is requeued continues its part.\nexec " + words +
+                      " --part \"$SLURM_ARRAY_TASK_ID/" + parts + "\" --jobs \"${SLURM_CPUS_PER_TASK:-1}\" --table ";
+  std::string merge = common + "#SBATCH --job-name=ugoki-merge\n#SBATCH --output=" + stem + ".merge.log\nexec " + words + " --table ";
+  if (server) {  // all tasks write into the table of the server; the last job computes what is missing
+    const std::string table = shell_quoted(o.table) + " --name " + o.name;
+    array += table + '\n';
+    merge += table + '\n';
+  } else {
+    array += shell_quoted(stem) + ".part\"$SLURM_ARRAY_TASK_ID\".db\n";
+    merge += shell_quoted(fs::absolute(o.table).string()) + " --jobs 1";
+    for (int i = 0; i < o.slurm; ++i) merge += " --merge " + shell_quoted(stem + ".part" + std::to_string(i) + ".db");
+    merge += '\n';
+  }
   for (const auto& [name, text] : {std::pair{stem + ".slurm", array}, {stem + ".merge.slurm", merge}})
     if (Result<void> done = files::write_file(name, text); !done) return print_error(done.error(), o.json);
   const std::string command = "id=$(sbatch --parsable " + shell_quoted(stem + ".slurm") +
@@ -221,6 +230,7 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
             o.json);
     plan.variations.push_back(std::move(*v));
   }
+  if (Result<void> good = check_address({o.table, o.name}); !good) return print_error(good.error(), o.json);
   const Result<Part> part = read_part(o.part);
   if (!part) return print_error(part.error(), o.json);
   if (o.slurm > 0) return submit(o);
@@ -255,7 +265,7 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
     }
     return 0;
   }
-  Result<SweepTable> table = SweepTable::open(o.table, plan);
+  Result<SweepTable> table = SweepTable::open({o.table, o.name}, plan);
   if (!table) return print_error(table.error(), o.json);
   for (const std::string& path : merges) {
     const Result<std::int64_t> added = table->merge(path);
@@ -321,7 +331,7 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
   progress.clear();
   if (failure) return print_error(*failure, o.json);
   if (interrupted()) {
-    print_line(std::to_string(mine - open.size() + added) + " of " + std::to_string(mine) + " runs are in " + o.table +
+    print_line(std::to_string(mine - open.size() + added) + " of " + std::to_string(mine) + " runs are in " + store::without_password(o.table) +
                ". The same command continues.");
     return print_error(interrupted_error(), o.json);
   }
@@ -331,11 +341,54 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
     if (Result<void> done = files::write_file(o.csv, *text); !done) return print_error(done.error(), o.json);
   }
   if (o.json)
-    print_json({{"table", o.table}, {"runs", mine}, {"added", added}, {"not_done", bad}});
+    print_json({{"table", store::without_password(o.table)}, {"runs", mine}, {"added", added}, {"not_done", bad}});
   else
-    print_line(std::to_string(mine) + " runs in " + o.table + ", of which " + std::to_string(added) + " now" +
+    print_line(std::to_string(mine) + " runs in " + store::without_password(o.table) + ", of which " + std::to_string(added) + " now" +
                (bad > 0 ? ", " + std::to_string(bad) + " without result (column status)" : "") + ".");
   return 0;
+}
+
+struct PlotOptions {
+  std::string table, name, x, y, by, out, title;
+  bool json = false;
+};
+
+int run_plot(const PlotOptions& o) {
+  std::vector<std::string> columns = {o.x, o.y};
+  if (!o.by.empty()) columns.push_back(o.by);
+  const Result<SweepColumns> read = read_columns({o.table, o.name}, columns);
+  if (!read) return print_error(read.error(), o.json);
+  std::vector<PlotPoint> points;
+  for (const std::vector<std::string>& row : read->cells) {
+    if (row[0].empty() || row[1].empty()) continue;
+    const std::optional<double> y = parse_double(row[1]);
+    if (!y)
+      return print_error(Error(ErrorCode::syntax, "--y " + o.y, "'" + row[1] + "' is not a number.", "Choose a measure for --y."), o.json);
+    points.push_back({row[0], *y, o.by.empty() ? "" : row[2]});
+  }
+  const Result<std::string> svg = plot_svg(points, {o.title.empty() ? o.y + " over " + o.x : o.title, o.x, o.y, o.by});
+  if (!svg) return print_error(svg.error(), o.json);
+  if (Result<void> done = files::write_file(o.out, *svg); !done) return print_error(done.error(), o.json);
+  if (o.json)
+    print_json({{"file", o.out}, {"points", points.size()}});
+  else
+    print_line("Wrote " + o.out + " with " + std::to_string(points.size()) + " runs.");
+  return 0;
+}
+
+void add_plot_verb(CLI::App& bake, Action& action) {
+  auto o = std::make_shared<PlotOptions>();
+  CLI::App* verb = bake.add_subcommand("plot", "Draw a measure of a sweep over one of its parameters, as SVG.");
+  verb->add_option("table", o->table, "Table of the sweep: an SQLite file or postgresql://user@host/database")->required();
+  verb->add_option("--name", o->name, "Name of the sweep in a PostgreSQL database");
+  verb->add_option("--x", o->x, "Column of the horizontal axis, for example push")->required();
+  verb->add_option("--y", o->y, "Column of the vertical axis, for example fell")->required();
+  verb->add_option("--by", o->by, "Column whose values become series with a colour each");
+  verb->add_option("--out", o->out, "File to write")->required()->type_name("FILE");
+  verb->add_option("--title", o->title, "Title (default: names of the columns)");
+  verb->add_flag("--json", o->json, "Print one JSON object");
+  verb->footer("Example:\n  ugoki bake plot push.db --x push --y fell --by push-angle --out push.svg");
+  verb->callback([o, &action] { action = [o] { return run_plot(*o); }; });
 }
 
 }  // namespace
@@ -344,10 +397,11 @@ void add_bake_verb(CLI::App& app, Action& action) {
   auto o = std::make_shared<Options>();
   auto merges = std::make_shared<std::vector<std::string>>();
   CLI::App* verb = app.add_subcommand("bake", "Run many variations of content on all cores and keep the results in a table.");
-  verb->add_option("targets", o->targets, "Projects, motion files or motions of the library")->required();
-  verb->add_option("--table", o->table, "Table of the results, an SQLite file; an existing table is continued")
-      ->required()
+  verb->add_option("targets", o->targets, "Projects, motion files or motions of the library");
+  verb->add_option("--table", o->table, "Table of the results: an SQLite file, or postgresql://user@host/database; an existing table is continued")
       ->type_name("FILE");
+  verb->add_option("--name", o->name, "Name of the sweep in a PostgreSQL database");
+  add_plot_verb(*verb, action);
   verb->add_option("--vary", o->vary,
                    "NAME=VALUE,VALUE or NAME=LOW:HIGH:COUNT; may be repeated. Names: push (N), push-angle (degrees), push-time, "
                    "push-duration, push-link, assist-limit, tracking, "
@@ -371,7 +425,12 @@ void add_bake_verb(CLI::App& app, Action& action) {
   verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", o->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki bake walk.bvh --vary push=0:600:13 --vary push-angle=0,90,180,270 --table push.db --csv push.csv");
-  verb->callback([o, merges, &action] { action = [o, merges] { return run_bake(*o, *merges); }; });
+  verb->callback([o, merges, verb, &action] {
+    if (!verb->get_subcommands().empty()) return;
+    if (o->targets.empty()) throw CLI::ValidationError("bake", "Name at least one target, or `plot`.");
+    if (o->table.empty()) throw CLI::ValidationError("bake", "Name the table of the results, for example --table push.db.");
+    action = [o, merges] { return run_bake(*o, *merges); };
+  });
 }
 
 }  // namespace ugoki::cli

@@ -16,6 +16,7 @@
 #include "ugoki/publish/parts.h"
 #include "ugoki/publish/payload.h"
 #include "ugoki/publish/take.h"
+#include "ugoki/robot_formats/robot_writer.h"
 #include "verb.h"
 
 namespace ugoki::cli {
@@ -24,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string target, html, native, embed, ugx, glb, usda, csv, inputs, player, title;
+  std::string target, html, native, embed, ugx, glb, usda, csv, mjcf, urdf, fbx, abc, blender, character, inputs, player, title;
   SourceOptions source;
   PictureOutputs pictures;
   PictureOptions picture;
@@ -32,7 +33,8 @@ struct Options {
   double take_rate = 0, duration = 0;
   bool json = false;
 
-  [[nodiscard]] bool wants_take() const { return !glb.empty() || !usda.empty() || !csv.empty(); }
+  [[nodiscard]] bool wants_take() const { return !glb.empty() || !usda.empty() || !csv.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() ||
+                                          !abc.empty(); }
   [[nodiscard]] bool wants_page() const { return !html.empty() || !native.empty() || !embed.empty() || pictures.any(); }
 };
 
@@ -127,6 +129,25 @@ Result<publish::Take> run_take(const Options& o, std::span<const std::byte> ugx,
                               });
 }
 
+/// Writes the mechanism of one character with its motion as MJCF or URDF.
+Result<void> write_robot(const publish::Take& take, const Options& o, const char* kind, const std::string& path, std::vector<Written>& report) {
+  const auto chosen = std::ranges::find_if(take.characters, [&](const publish::TakeCharacter& c) {
+    return o.character.empty() ? c.links() > 0 : c.id == o.character || c.name == o.character;
+  });
+  if (chosen == take.characters.end())
+    return fail(ErrorCode::unknown, "--character " + o.character, "The content has no such character.", "`ugoki info` lists the characters.");
+  const fs::path file = path;
+  const robot_formats::RobotMotion motion{take.rate, chosen->q};
+  const robot_formats::RobotText text = std::string_view(kind) == "mjcf"
+                                            ? robot_formats::write_mjcf(*chosen->mechanism, motion)
+                                            : robot_formats::write_urdf(*chosen->mechanism, file.stem().string(), motion);
+  for (const robot_formats::SideFile& extra : text.files)
+    if (Result<void> done = write(report, kind, (file.parent_path() / extra.name).string(), extra.text); !done) return done;
+  if (!o.json)
+    for (const std::string& note : text.notes) print_line("Note: " + note);
+  return write(report, kind, path, text.text);
+}
+
 int run_export(Options o) {
   Result<ExecutableSource> source = load_executable(o.target, o.source);
   if (!source) return print_error(source.error(), o.json);
@@ -176,6 +197,16 @@ int run_export(Options o) {
         if (Result<void> done = write(report, "usda", o.usda, publish::write_take_usda(*take)); !done) return done;
       if (!o.csv.empty())
         if (Result<void> done = write(report, "csv", o.csv, publish::write_take_csv(*take)); !done) return done;
+      for (const auto& [kind, path] : {std::pair{"fbx", o.fbx}, {"abc", o.abc}}) {
+        if (path.empty()) continue;
+        if (Result<void> done = export_with_blender(publish::write_take_glb(*take), take->rate, path, o.blender); !done) return done;
+        std::error_code ec;
+        report.push_back({kind, path, fs::file_size(path, ec)});
+      }
+      if (!o.mjcf.empty())
+        if (Result<void> done = write_robot(*take, o, "mjcf", o.mjcf, report); !done) return done;
+      if (!o.urdf.empty())
+        if (Result<void> done = write_robot(*take, o, "urdf", o.urdf, report); !done) return done;
     }
     return {};
   };
@@ -191,6 +222,13 @@ int run_export(Options o) {
 }
 
 }  // namespace
+
+/// A check of CLI11: the file's extension.
+static std::function<std::string(std::string&)> has_ending(std::string ending) {
+  return [ending = std::move(ending)](std::string& path) {
+    return path.ends_with(ending) ? std::string() : "The name must end with " + ending + ".";
+  };
+}
 
 void add_export_verb(CLI::App& app, Action& action) {
   auto o = std::make_shared<Options>();
@@ -232,6 +270,12 @@ void add_export_verb(CLI::App& app, Action& action) {
   file("--glb", o->glb, "glTF 2.0: skins, animation, camera, materials")->group("Other tools");
   file("--usda", o->usda, "USD as text: UsdSkel, materials, camera")->group("Other tools");
   file("--csv", o->csv, "Table of all link poses")->group("Other tools");
+  file("--fbx", o->fbx, "FBX, *.fbx, written by Blender")->group("Other tools")->check(CLI::Validator(has_ending(".fbx"), "*.fbx"));
+  file("--abc", o->abc, "Alembic, *.abc, written by a Blender that has it")->group("Other tools")->check(CLI::Validator(has_ending(".abc"), "*.abc"));
+  verb->add_option("--blender", o->blender, "Blender (default: found on the path)")->group("Other tools");
+  file("--mjcf", o->mjcf, "MuJoCo: mechanism of one character, its motion as keyframes")->group("Other tools");
+  file("--urdf", o->urdf, "URDF: mechanism of one character, its motion as a table beside it")->group("Other tools");
+  verb->add_option("--character", o->character, "Character for --mjcf and --urdf: id or name (default: the first one)")->group("Other tools");
   verb->add_option("--rate", o->take_rate, "Frames per second of pictures and animations (default: that of the content)")
       ->check(CLI::Range(1.0, 1000.0));
   verb->add_option("--duration", o->duration, "Time at which pictures and animations end, s (default: the end)")

@@ -31,6 +31,11 @@ struct PictureOutputs {
   [[nodiscard]] bool any() const { return !png.empty() || !mp4.empty() || !webm.empty() || !gif.empty(); }
 };
 
+/// Lets Blender write the content as FBX or Alembic, by the extension of `file` (.fbx, .abc).
+/// @param glb publish::write_take_glb() @param rate frames per second @param blender program; empty: found on the path
+[[nodiscard]] Result<void> export_with_blender(std::span<const std::byte> glb, double rate, const std::string& file,
+                                               const std::string& blender);
+
 /// Draws the content in a headless browser and writes the outputs. Ctrl+C ends the export and leaves no incomplete file.
 /// @param page text of player.html
 /// @return paths of the files written

@@ -1,21 +1,18 @@
 // Pictures and videos of `ugoki export`. A headless browser draws the player's page, and the page sends each picture to this program. The
 // program writes the picture or passes it to ffmpeg. Pictures, the studio and exported pages therefore have the same renderer.
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
 #include <csignal>
-#include <cstring>
 #include <deque>
 #include <filesystem>
 #include <map>
 #include <mutex>
 
+#include "child.h"
 #include "export.h"
 #include "output.h"
 #include "ugoki/base/number.h"
@@ -26,8 +23,6 @@
 #include "ugoki/studio/security.h"
 #include "ugoki/studio/server.h"
 
-extern char** environ;
-
 namespace ugoki::cli {
 namespace {
 
@@ -36,111 +31,6 @@ namespace fs = std::filesystem;
 constexpr int max_waiting = 4;    // pictures that have arrived but are not written yet
 constexpr double patience = 120;  // s: a browser that draws no picture for this time is regarded as hanging
 constexpr int max_pictures = 1'000'000;
-
-/// Returns the given path, or if it is empty, the first of the named programs on $PATH.
-Result<std::string> find_program(const std::string& given, std::initializer_list<const char*> names, const char* remedy) {
-  if (!given.empty()) {
-    if (::access(given.c_str(), X_OK) == 0) return given;
-    return fail(ErrorCode::io, given, "The program does not exist or is not executable.", "Specify an executable file.");
-  }
-  const char* path = std::getenv("PATH");
-  for (const char* name : names) {
-    std::string_view rest = path ? path : "/usr/bin:/bin";
-    while (!rest.empty()) {
-      const std::string folder(rest.substr(0, rest.find(':')));
-      rest.remove_prefix(std::min(rest.size(), folder.size() + 1));
-      const std::string file = folder + '/' + name;
-      if (::access(file.c_str(), X_OK) == 0) return file;
-    }
-  }
-  return fail(ErrorCode::io, *names.begin(), "The program was not found.", remedy);
-}
-
-/// A child process, optionally with a pipe to its standard input. The destructor ends the process.
-class Child {
- public:
-  /// @param log file for the output of the program
-  static Result<std::unique_ptr<Child>> start(const std::vector<std::string>& words, bool pipe_input, const std::string& log) {
-    int ends[2] = {-1, -1};
-    if (pipe_input && ::pipe2(ends, O_CLOEXEC) != 0)
-      return fail(ErrorCode::io, words[0], "No pipe to the program can be created.", "Close other programs.");
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    if (pipe_input)
-      posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-    else
-      posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
-    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-    posix_spawn_file_actions_addclosefrom_np(&actions, 3);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl+C does not reach the child; this program ends the child
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-    std::vector<char*> arguments;
-    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    auto child = std::make_unique<Child>();
-    const int status = ::posix_spawn(&child->pid_, words[0].c_str(), &actions, &attributes, arguments.data(), environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
-    if (ends[0] >= 0) ::close(ends[0]);
-    child->input_ = ends[1];
-    if (status != 0) {
-      child->pid_ = -1;
-      return fail(ErrorCode::io, words[0], std::string("The program cannot be started: ") + std::strerror(status) + ".",
-                  "Check the program.");
-    }
-    return child;
-  }
-  Child() = default;
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() {
-    close_input();
-    if (pid_ < 0) return;
-    ::kill(-pid_, SIGTERM);
-    for (int i = 0; i < 50 && !ended(); ++i) ::usleep(20'000);
-    if (pid_ < 0) return;
-    ::kill(-pid_, SIGKILL);
-    while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
-    }
-  }
-
-  /// Writes all bytes. @return false if the program no longer reads
-  bool write(std::string_view bytes) const {
-    while (!bytes.empty()) {
-      const ssize_t n = ::write(input_, bytes.data(), bytes.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      bytes.remove_prefix(static_cast<std::size_t>(n));
-    }
-    return true;
-  }
-  void close_input() {
-    if (input_ >= 0) ::close(input_);
-    input_ = -1;
-  }
-  bool ended() {
-    int status = 0;
-    if (pid_ >= 0 && ::waitpid(pid_, &status, WNOHANG) == pid_) {
-      good_ = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-      pid_ = -1;
-    }
-    return pid_ < 0;
-  }
-  /// Waits for the end. @return whether the program reported success
-  bool wait() {
-    close_input();
-    while (!ended() && !interrupted()) ::usleep(5'000);
-    return pid_ < 0 && good_;
-  }
-
- private:
-  pid_t pid_ = -1;
-  int input_ = -1;
-  bool good_ = false;
-};
 
 /// Receives the pictures of the page.
 class Receiver final : public studio::ServerEvents {
@@ -234,22 +124,6 @@ struct Video {
   std::unique_ptr<Child> ffmpeg;
 };
 
-/// A temporary folder that is removed with all its files.
-struct Scratch {
-  fs::path folder;
-  ~Scratch() {
-    std::error_code ec;
-    if (!folder.empty()) fs::remove_all(folder, ec);
-  }
-};
-
-std::string tail_of(const fs::path& log) {
-  const Result<std::string> text = files::read_file(log.string());
-  if (!text || text->empty()) return "";
-  const std::string end = text->substr(text->size() > 400 ? text->size() - 400 : 0);
-  return " It printed: " + end.substr(0, end.find_last_not_of("\n") + 1);
-}
-
 }  // namespace
 
 Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name, std::span<const std::byte> ugx,
@@ -291,15 +165,14 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   const Result<std::string> filled = publish::make_page(page, name, ugx, publish::PageEngine::pictures);
   if (!filled) return fail(filled.error());
 
-  Scratch scratch;
-  std::string folder = (fs::temp_directory_path() / "ugoki-pictures-XXXXXX").string();
-  if (!::mkdtemp(folder.data()))
-    return fail(ErrorCode::io, folder, "The temporary folder cannot be created.",
-                "Check the permissions and the free space of its parent.");
-  scratch.folder = folder;
+  const Result<std::unique_ptr<Scratch>> scratch = make_scratch("ugoki-pictures");
+  if (!scratch) return fail(scratch.error());
+  const fs::path& folder = (*scratch)->folder;
   catch_interrupt();
   std::signal(SIGPIPE, SIG_IGN);
 
+  // The page converts pictures for videos to the form that the coders take; a GIF and a transparent background need all colours.
+  const bool planar = videos && outputs.gif.empty() && !o.transparent && o.blur == 1 && o.width % 8 == 0 && o.height % 2 == 0;
   Json settings = {{"width", o.width},
                    {"height", o.height},
                    {"rate", rate},
@@ -311,7 +184,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                    {"theme", o.light ? "light" : "dark"},
                    {"assist", o.overlays},
                    {"png", !outputs.png.empty()},
-                   {"raw", videos},
+                   {"raw", !videos ? "" : planar ? "planar" : "rgba"},
                    {"ahead", max_waiting}};
   if (!o.inputs.empty()) {
     Result<Json> inputs = json::parse_json(o.inputs, "inputs");
@@ -326,12 +199,12 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   const Result<std::unique_ptr<studio::LaunchPage>> launch = studio::LaunchPage::write((*server)->address());
   if (!launch) return fail(launch.error());
 
-  const fs::path browser_log = scratch.folder / "browser.log", ffmpeg_log = scratch.folder / "ffmpeg.log";
+  const fs::path browser_log = folder / "browser.log", ffmpeg_log = folder / "ffmpeg.log";
   std::vector<std::string> words = {*browser,
                                     "--headless",
                                     "--no-first-run",
                                     "--no-default-browser-check",
-                                    "--user-data-dir=" + (scratch.folder / "profile").string(),
+                                    "--user-data-dir=" + (folder / "profile").string(),
                                     "--disable-background-networking",
                                     "--disable-component-update",
                                     "--disable-sync",
@@ -373,7 +246,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                                         "-f",
                                         "rawvideo",
                                         "-pix_fmt",
-                                        "rgba",
+                                        planar ? "yuv420p" : "rgba",
                                         "-s",
                                         std::to_string(o.width) + "x" + std::to_string(o.height),
                                         "-r",
@@ -388,17 +261,25 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     started.push_back({file, part, std::move(*child)});
     return {};
   };
-  // The rows of a picture arrive from the bottom to the top, in the order of WebGL.
+  // ITU-R BT.709 with limited range, marked as such: players assume it for large pictures only. Rows of RGBA arrive from the bottom to the
+  // top, as WebGL has them.
+  const auto coder = [&](std::initializer_list<const char*> words) {
+    std::vector<std::string> out;
+    if (!planar) out = {"-vf", "vflip,scale=out_color_matrix=bt709:out_range=tv"};
+    out.insert(out.end(), words.begin(), words.end());
+    out.insert(out.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"});
+    return out;
+  };
   if (Result<void> done = start_video(
-          outputs.mp4,
-          {"-vf", "vflip", "-c:v", "libx264", "-preset", "veryfast", "-crf", "17", "-pix_fmt", "yuv420p", "-movflags", "+faststart"},
+          outputs.mp4, coder({"-c:v", "libx264", "-preset", "veryfast", "-crf", "17", "-pix_fmt", "yuv420p", "-movflags", "+faststart"}),
           ".mp4");
       !done)
     return fail(std::move(done.error()));
-  if (Result<void> done = start_video(outputs.webm,
-                                      {"-vf", "vflip", "-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good",
-                                       "-cpu-used", "5", "-pix_fmt", o.transparent ? "yuva420p" : "yuv420p"},
-                                      ".webm");
+  if (Result<void> done =
+          start_video(outputs.webm,
+                      coder({"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good", "-cpu-used", "5",
+                             "-pix_fmt", o.transparent ? "yuva420p" : "yuv420p"}),
+                      ".webm");
       !done)
     return fail(std::move(done.error()));
   if (Result<void> done = start_video(

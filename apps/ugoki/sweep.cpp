@@ -1,15 +1,10 @@
 #include "sweep.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "output.h"
-
 #include "ugoki/base/number.h"
 #include "ugoki/content/default_circuit.h"
 #include "ugoki/content/generate.h"
@@ -41,13 +36,7 @@ const std::vector<std::string>& short_names() {
   return names;
 }
 
-std::string quoted(const std::string& name) {
-  std::string out = "\"";
-  for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + '"';
-}
-
-/// Reads a number. The error names the quantity.
+/// A number, or an error that names the quantity.
 Result<double> number_of(const Variation& v, const std::string& text) {
   const std::optional<double> x = parse_double(text);
   if (x) return *x;
@@ -237,132 +226,6 @@ const std::vector<std::string>& sweep_measures() {
       "tracking_rms_deg",    "assist_rms_bw",  "assist_force_rms_bw", "assist_max_bw", "foot_skate_cm",
       "foot_skate_worst_cm", "penetration_mm", "penetration_rms_mm",  "fell",          "release_time"};
   return names;
-}
-
-SweepTable::~SweepTable() {
-  if (lock_ >= 0) ::close(lock_);
-}
-
-Result<SweepTable> SweepTable::open(const std::string& path, const SweepPlan& plan) {
-  const int lock = ::open((path + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (lock < 0)
-    return fail(ErrorCode::io, path, "The lock file beside the table cannot be written.", "Choose a folder in which you may write.");
-  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
-    ::close(lock);
-    return fail(ErrorCode::conflict, path, "Another `ugoki bake` writes this table.", "Wait until it ends, or specify another table.");
-  }
-  Result<store::Database> database = store::Database::open(path, store::OpenMode::create);
-  if (!database) {
-    ::close(lock);
-    return fail(std::move(database.error()));
-  }
-  SweepTable table(std::move(*database), lock);
-  std::string sql = "CREATE TABLE IF NOT EXISTS run (number INTEGER PRIMARY KEY, target TEXT NOT NULL";
-  table.columns_ = {"number", "target"};
-  const auto add = [&](const std::string& name, const char* type) {
-    if (std::ranges::find(table.columns_, name) != table.columns_.end()) return;
-    table.columns_.push_back(name);
-    sql += ", " + quoted(name) + ' ' + type;
-  };
-  for (const Variation& v : plan.variations) add(v.name, "NUMERIC");
-  add("status", "TEXT NOT NULL");
-  add("message", "TEXT");
-  add("steps", "INTEGER");
-  add("processor_s", "REAL");
-  add("state_hash", "TEXT");
-  for (const std::string& m : sweep_measures()) add(m, "REAL");
-  sql += ")";
-  store::Database& d = table.database_;
-  if (Result<void> done = d.run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; CREATE TABLE IF NOT EXISTS property (name TEXT "
-                                "PRIMARY KEY, value TEXT)");
-      !done)
-    return fail(std::move(done.error()));
-  const Result<std::string> stored = d.text("SELECT value FROM property WHERE name = 'plan'");
-  if (!stored) return fail(stored.error());
-  if (stored->empty()) {
-    Result<store::Statement> insert = d.prepare("INSERT INTO property VALUES ('plan', ?1)");
-    if (!insert) return fail(std::move(insert.error()));
-    if (Result<void> done = insert->bind(1, plan.text()).run(); !done) return fail(std::move(done.error()));
-  } else if (*stored != plan.text()) {
-    return fail(ErrorCode::conflict, path, "The table belongs to another sweep: targets, their content, variations or duration differ.",
-                "Repeat the sweep of this table with the same options, or specify another table.");
-  }
-  if (Result<void> done = d.run(sql); !done) return fail(std::move(done.error()));
-  return table;
-}
-
-Result<std::vector<std::uint64_t>> SweepTable::finished() {
-  Result<store::Statement> select = database_.prepare("SELECT number FROM run ORDER BY number");
-  if (!select) return fail(std::move(select.error()));
-  std::vector<std::uint64_t> out;
-  for (;;) {
-    const Result<bool> row = select->step();
-    if (!row) return fail(row.error());
-    if (!*row) return out;
-    out.push_back(static_cast<std::uint64_t>(select->integer(0)));
-  }
-}
-
-Result<void> SweepTable::add(std::uint64_t number, const std::string& target, const std::vector<std::string>& values, const Json& row) {
-  std::string places;
-  for (std::size_t i = 1; i <= columns_.size(); ++i) places += (i > 1 ? ", ?" : "?") + std::to_string(i);
-  Result<store::Statement> insert = database_.prepare("INSERT INTO run VALUES (" + places + ")");
-  if (!insert) return fail(std::move(insert.error()));
-  insert->bind(1, static_cast<std::int64_t>(number)).bind(2, target);
-  for (std::size_t i = 2; i < columns_.size(); ++i) {
-    const int index = static_cast<int>(i) + 1;
-    if (i - 2 < values.size()) {
-      insert->bind(index, values[i - 2]);
-      continue;
-    }
-    const auto found = row.find(columns_[i]);
-    if (found == row.end() || found->is_null())
-      insert->bind_null(index);
-    else if (found->is_string())
-      insert->bind(index, found->get<std::string>());
-    else if (found->is_boolean())
-      insert->bind(index, static_cast<std::int64_t>(found->get<bool>()));
-    else if (found->is_number_integer())
-      insert->bind(index, found->get<std::int64_t>());
-    else
-      insert->bind(index, to_text(found->get<double>()));  // SQLite converts the text to the column's type, a number
-  }
-  return insert->run();
-}
-
-Result<std::int64_t> SweepTable::merge(const std::string& path) {
-  Result<store::Statement> attach = database_.prepare("ATTACH ?1 AS part");
-  if (!attach) return fail(std::move(attach.error()));
-  if (Result<void> done = attach->bind(1, path).run(); !done) return fail(std::move(done.error()));
-  const Result<std::int64_t> same =
-      database_.integer("SELECT count(*) FROM part.property AS p JOIN main.property AS m USING (name, value) WHERE name = 'plan'");
-  Result<std::int64_t> added = 0;
-  if (!same)
-    added = fail(same.error());
-  else if (*same != 1)
-    added = fail(ErrorCode::conflict, path, "This table belongs to another sweep.", "Merge only the parts of one sweep.");
-  else if (Result<void> done = database_.run("INSERT OR IGNORE INTO main.run SELECT * FROM part.run"); !done)
-    added = fail(std::move(done.error()));
-  else
-    added = database_.integer("SELECT changes()");
-  if (Result<void> done = database_.run("DETACH part"); !done && added) return fail(std::move(done.error()));
-  return added;
-}
-
-Result<std::string> SweepTable::csv() {
-  std::string out;
-  const auto cell = [](const std::string& text) { return text.find_first_of(",\"\n\r") == std::string::npos ? text : quoted(text); };
-  for (std::size_t i = 0; i < columns_.size(); ++i) out += (i > 0 ? "," : "") + cell(columns_[i]);
-  out += '\n';
-  Result<store::Statement> select = database_.prepare("SELECT * FROM run ORDER BY number");
-  if (!select) return fail(std::move(select.error()));
-  for (;;) {
-    const Result<bool> row = select->step();
-    if (!row) return fail(row.error());
-    if (!*row) return out;
-    for (int i = 0; i < select->columns(); ++i) out += (i > 0 ? "," : "") + (select->is_null(i) ? "" : cell(select->text(i)));
-    out += '\n';
-  }
 }
 
 }  // namespace ugoki::cli

@@ -1,5 +1,5 @@
 #pragma once
-// The plan of `ugoki bake` (the content and the variations that are run), and the table of the results.
+// The plan of `ugoki bake`: which variations of which content are run.
 
 #include <cstdint>
 #include <optional>
@@ -9,8 +9,6 @@
 
 #include "sources.h"
 #include "ugoki/base/result.h"
-#include "ugoki/json/json.h"
-#include "ugoki/store/sqlite.h"
 
 namespace ugoki::cli {
 
@@ -46,32 +44,5 @@ struct SweepPlan {
 
 /// Names of the measures of a run, in the order of their columns.
 [[nodiscard]] const std::vector<std::string>& sweep_measures();
-
-/// The table of results: an SQLite file with a row for each finished run.
-class SweepTable {
- public:
-  /// Creates the file, or opens the file of the same plan. Errors: the file has another plan, or another `ugoki bake` uses the file.
-  [[nodiscard]] static Result<SweepTable> open(const std::string& path, const SweepPlan& plan);
-  /// Numbers of the runs that have a row, ascending.
-  [[nodiscard]] Result<std::vector<std::uint64_t>> finished();
-  /// Adds the row of a run in a transaction of its own. @param row JSON object: status, message, steps, processor_s, state_hash, measures
-  [[nodiscard]] Result<void> add(std::uint64_t number, const std::string& target, const std::vector<std::string>& values,
-                                 const json::Json& row);
-  /// Copies all rows of another table of the same plan that this table lacks. @return number of rows copied
-  [[nodiscard]] Result<std::int64_t> merge(const std::string& path);
-  /// Returns the table as CSV, ordered by run number.
-  [[nodiscard]] Result<std::string> csv();
-
-  SweepTable(SweepTable&& other) noexcept
-      : database_(std::move(other.database_)), lock_(std::exchange(other.lock_, -1)), columns_(std::move(other.columns_)) {}
-  SweepTable& operator=(SweepTable&&) = delete;
-  ~SweepTable();
-
- private:
-  SweepTable(store::Database database, int lock) : database_(std::move(database)), lock_(lock) {}
-  store::Database database_;
-  int lock_ = -1;                     // descriptor of the locked lock file
-  std::vector<std::string> columns_;  // all columns of the table `run`
-};
 
 }  // namespace ugoki::cli

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 #include <random>
+#include <ranges>
+#include <sstream>
 
 #include "named_peer.h"
 #include "robot_data.h"
@@ -326,7 +328,97 @@ TEST(MjcfWriter, EqualitiesReadBackEqual) {
   EXPECT_EQ(loops[static_cast<std::size_t>(back->mechanism->find_loop("gear"))].polynomial, m->loops()[3].polynomial);
 }
 
+/// Random positions of a mechanism, for `frames` frames. @return [frames * nq]
+std::vector<double> random_motion(const Mechanism& m, int frames, unsigned seed) {
+  Dice dice(seed);
+  std::vector<double> out, q(static_cast<std::size_t>(m.nq())), v(static_cast<std::size_t>(m.nv()));
+  for (int f = 0; f < frames; ++f) {
+    for (double& x : v) x = dice.in(-1, 1);
+    integrate(m, m.neutral(), v, 1, q);
+    out.insert(out.end(), q.begin(), q.end());
+  }
+  return out;
+}
+
+const std::vector<JointType> all_joint_types = {JointType::revolute, JointType::prismatic, JointType::spherical, JointType::planar,
+                                                JointType::universal, JointType::cylindrical, JointType::helical, JointType::fixed};
+
+/// The table beside a URDF gives the joints their positions: the poses of its links, computed from the table, are those of the motion.
+TEST(UrdfWriter, MotionGivesThePosesOfTheLinks) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE(seed);
+    const MechanismPtr m = made(random_robot(seed, all_joint_types));
+    const std::vector<double> motion = random_motion(*m, 3, seed);
+    const RobotText text = write_urdf(*m, "robot", {50, motion});
+    const auto back = read_urdf(text.text, "robot.urdf", read_options(text));
+    ASSERT_TRUE(back.has_value()) << back.error().text();
+    const Mechanism& read = *back->mechanism;
+    const auto table = std::ranges::find(text.files, std::string("robot-motion.csv"), &SideFile::name);
+    ASSERT_NE(table, text.files.end());
+    std::istringstream lines(table->text);
+    const auto cells = [&] {
+      std::string line, cell;
+      std::getline(lines, line);
+      std::vector<std::string> out;
+      for (std::istringstream in(line); std::getline(in, cell, ',');) out.push_back(cell);
+      return out;
+    };
+    const std::vector<std::string> head = cells();
+    for (std::size_t f = 0; f < 3; ++f) {
+      const std::vector<std::string> row = cells();
+      ASSERT_EQ(row.size(), head.size());
+      EXPECT_EQ(std::stod(row[0]), 0.02 * static_cast<double>(f));
+      std::vector<double> q = read.neutral();
+      for (const Link& l : read.links()) {
+        const std::string joint = l.name + (l.parent < 0 && l.joint.type == JointType::floating ? "" : "_joint");
+        int k = 0;
+        for (std::size_t c = 1; c < head.size(); ++c)
+          if (head[c] == joint || head[c].starts_with(joint + ".")) q[static_cast<std::size_t>(l.q_index + k++)] = std::stod(row[c]);
+        EXPECT_EQ(k, l.joint.nq()) << l.name;
+      }
+      std::vector<Pose> X(m->links().size()), Y(read.links().size());
+      calc_poses(*m, std::span(motion).subspan(f * static_cast<std::size_t>(m->nq()), static_cast<std::size_t>(m->nq())), X);
+      calc_poses(read, q, Y);
+      for (std::size_t l = 0; l < X.size(); ++l) {
+        const int at = read.find_link(m->link(static_cast<int>(l)).name);
+        ASSERT_GE(at, 0);
+        EXPECT_LT(distance(X[l], Y[static_cast<std::size_t>(at)]), 1e-9) << m->link(static_cast<int>(l)).name;
+      }
+    }
+  }
+}
+
 #ifdef UGOKI_HAVE_MUJOCO
+/// MuJoCo puts its bodies at the poses of the motion, for every keyframe.
+TEST(WriterPeer, MujocoReadsTheMotionOfEveryJointType) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE(seed);
+    MechanismSpec spec = random_robot(seed, all_joint_types);
+    spec.links[0].joint.X_PJ = {to_matrix(exp_map({0.3, 0.2, -0.5})), {1, 2, 3}};  // a free joint of MuJoCo ignores the frame
+    const MechanismPtr m = made(spec);
+    const std::vector<double> motion = random_motion(*m, 4, seed);
+    const PeerModel peer = open_text_with_mujoco(write_mjcf(*m, {50, motion}).text);
+    ASSERT_TRUE(peer.model) << peer.why;
+    ASSERT_EQ(peer.model->nkey, 4);
+    for (int f = 0; f < 4; ++f) {
+      EXPECT_EQ(peer.model->key_time[f], 0.02 * f);
+      mj_resetDataKeyframe(peer.model.get(), peer.data.get(), f);
+      mj_kinematics(peer.model.get(), peer.data.get());
+      std::vector<Pose> X(m->links().size());
+      const auto nq = static_cast<std::size_t>(m->nq());
+      calc_poses(*m, std::span(motion).subspan(static_cast<std::size_t>(f) * nq, nq), X);
+      for (std::size_t l = 0; l < X.size(); ++l) {
+        const std::string& name = m->link(static_cast<int>(l)).name;
+        const int body = mj_name2id(peer.model.get(), mjOBJ_BODY, name.c_str());
+        ASSERT_GE(body, 0) << name;
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(peer.data->xpos[3 * body + k], X[l].p[k], 1e-9) << name << " in frame " << f;
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c) EXPECT_NEAR(peer.data->xmat[9 * body + 3 * r + c], X[l].R(r, c), 1e-9) << name << " in frame " << f;
+      }
+    }
+  }
+}
+
 /// MuJoCo opens the written files and computes the same poses, inertia matrix and accelerations.
 TEST(WriterPeer, MujocoAgrees) {
   for (unsigned seed = 1; seed <= 12; ++seed)

@@ -2,11 +2,16 @@
 // Every form of the content must reach the same state, bit by bit, after the same recorded inputs.
 import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { createSocket } from 'node:dgram';
 import { createServer } from 'node:http';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { validateBytes } from 'gltf-validator';
+import { AnimationMixer, LoopOnce, Matrix4, Quaternion, Vector3 } from 'three';
+import { USDLoader } from 'three/examples/jsm/loaders/USDLoader.js';
+import { USDAParser } from 'three/examples/jsm/loaders/usd/USDAParser.js';
+import WebSocket from 'ws';
 import { launch } from './browser.mjs';
 
 const slow = process.argv.includes('--slow');
@@ -14,6 +19,7 @@ const here = dirname(fileURLToPath(import.meta.url));
 const ugoki = process.env.UGOKI_BIN ?? join(here, '../../build/release/bin/ugoki');
 const folder = mkdtempSync(join(tmpdir(), 'ugoki-export-'));
 const at = (name) => join(folder, name);
+const examples = join(here, '../../examples/content');
 let failed = 0;
 
 async function test(name, body) {
@@ -267,7 +273,28 @@ await test('the native program serves its page, runs the content, and reaches th
   }
 });
 
-await test('the element and an exported page in a frame are controlled by another page', async () => {
+await test('the native program opens a port for OSC only if it is asked to', async () => {
+  for (const more of [[], ['--osc', '0']]) {
+    const program = spawn(at('park'), ['--no-open', '--json', ...more], { stdio: ['ignore', 'pipe', 'inherit'] });
+    try {
+      const report = await new Promise((done, fail) => {
+        let all = '';
+        program.stdout.on('data', (d) => (all += d).includes('}') && done(JSON.parse(all)));
+        program.on('exit', () => fail(new Error('the program ended')));
+      });
+      expect((report.osc > 0) === more.length > 0, JSON.stringify(report));
+      if (more.length === 0) continue;
+      const taken = createSocket('udp4');
+      const refused_port = await new Promise((done) => taken.once('error', () => done(true)).bind(report.osc, '127.0.0.1', () => done(false)));
+      if (!refused_port) taken.close();
+      expect(refused_port, 'the port is free');
+    } finally {
+      program.kill();
+    }
+  }
+});
+
+await test('the element and the frame obey another page', async () => {
   copyFileSync(at('park.html'), at('embed/park.html'));
   writeFileSync(at('embed/frame.html'), '<!doctype html><iframe src="park.html" style="width: 700px; height: 400px"></iframe>');
   const server = createServer((request, reply) => {
@@ -328,6 +355,115 @@ await test('a page with damaged content shows a message', async () => {
   await context.close();
 });
 
+// ---- example contents: studio, `ugoki run`, native program and page ----
+
+/** The poses and assists of all characters in a display frame, as bytes. */
+function characters_of(frame) {
+  let end = 64;
+  for (let i = frame.readUInt32LE(24); i > 0; i--) end += 8 + 12 * 4 + 28 * frame.readUInt32LE(end);
+  return frame.subarray(64, end);
+}
+
+/** Runs a project in the studio: gives it inputs at their steps, as a page does, and returns the last display frame. */
+async function run_in_studio(project, list, count) {
+  const studio = spawn(ugoki, ['studio', project, '--no-open', '--json', '--library', at('studio.db')], { stdio: ['ignore', 'pipe', 'inherit'] });
+  try {
+    const started = await new Promise((done, fail) => {
+      let all = '';
+      studio.stdout.on('data', (d) => (all += d).includes('}') && done(JSON.parse(all)));
+      studio.on('exit', () => fail(new Error('the studio ended')));
+    });
+    const socket = new WebSocket(`ws://127.0.0.1:${started.port}/ws`, ['ugoki', `ugoki.token.${started.token}`], { origin: `http://127.0.0.1:${started.port}` });
+    socket.binaryType = 'nodebuffer';
+    let last = null;
+    let id = 0;
+    const waiting = new Map();
+    const watchers = new Set();
+    socket.on('message', (data, binary) => {
+      if (binary) {
+        last = data;
+        for (const watcher of watchers) watcher();
+        return;
+      }
+      const reply = JSON.parse(data);
+      waiting.get(reply.reply)?.(reply);
+    });
+    await new Promise((done, fail) => socket.once('open', done).once('error', fail));
+    const ask = (op, more = {}) =>
+      new Promise((done, fail) => {
+        waiting.set(++id, (reply) => (reply.ok ? done(reply) : fail(new Error(`${op}: ${JSON.stringify(reply)}`))));
+        socket.send(JSON.stringify({ id, op, ...more }));
+      });
+    const hello = await ask('hello');
+    const step = hello.document?.step ?? 0.002;
+    await ask('mode', { mode: 'simulate' });
+    const go_to = async (n) => {
+      await ask('seek', { time: n * step });
+      await new Promise((done, fail) => {
+        const late = setTimeout(() => fail(new Error(`the studio did not reach ${n * step} s`)), 120000);
+        const look = () => {
+          if (!last || Math.abs(last.readDoubleLE(8) - n * step) > 1e-9 || !(last.readUInt32LE(20) & 2)) return;
+          clearTimeout(late);
+          watchers.delete(look);
+          done();
+        };
+        watchers.add(look);
+        look();
+      });
+    };
+    for (const { step: n, type, ...rest } of list) {
+      await go_to(n);
+      await ask(type, rest);
+    }
+    await go_to(count);
+    socket.close();
+    return last;
+  } finally {
+    studio.kill();
+  }
+}
+
+for (const name of ['park', ...readdirSync(examples).filter((f) => f.endsWith('.json')).map((f) => f.slice(0, -5))])
+  await test(`the content ${name} reaches the same state in studio, \`ugoki run\`, native program and page`, async () => {
+    const project = at(`example-${name}.ugoki`);
+    run('new', project, ...(name === 'park' ? [] : ['--from', join(examples, `${name}.json`)]));
+    const character = JSON.parse(run('info', project, '--json')).characters[0].id;
+    // at display frames, where the studio can stop: every third frame of 60 a second is a multiple of 25 steps of 2 ms
+    const list = [
+      { step: 50, type: 'push', character, link: 0, force: [4, 3, 0], duration: 0.2 },
+      { step: 150, type: 'grab', character, link: 0, point: [0.01, 0, 0.02], target: [0.2, 0.1, 0.8] },
+      { step: 200, type: 'drag', target: [0.3, 0.1, 0.9] },
+      { step: 300, type: 'release' },
+    ];
+    writeFileSync(at('example.json'), JSON.stringify({ inputs: list }));
+    const html = at(`example-${name}.html`);
+    const native = at(`example-${name}`);
+    run('export', project, '--html', html, '--native', native);
+    const wanted_here = JSON.parse(run('run', project, '--steps', String(steps), '--inputs', at('example.json'), '--json')).state_hash;
+    const words = ['--headless', '--steps', String(steps), '--inputs', at('example.json'), '--json', '--out', at('example.frames')];
+    const in_native = JSON.parse(execFileSync(native, words, { env: {}, encoding: 'utf8' })).state_hash;
+    const served = await open(`file://${html}`);
+    const in_page = await served.evaluate(
+      async ([inputs_here, n]) => {
+        const player = document.querySelector('ugoki-player');
+        player.pause();
+        await player.schedule(inputs_here);
+        player.reset();
+        await player.step(n);
+        return player.state_hash();
+      },
+      [list, steps],
+    );
+    await served.context().close();
+    expect(in_native === wanted_here && in_page === wanted_here, `run ${wanted_here}, native ${in_native}, page ${in_page}`);
+    const frames = readFileSync(at('example.frames'));
+    let begin = 0; // of the last frame: all frames begin with UKGF
+    for (let i = frames.indexOf('UKGF'); i >= 0; i = frames.indexOf('UKGF', i + 4)) begin = i;
+    const in_studio = await run_in_studio(project, list, steps);
+    expect(Buffer.compare(characters_of(in_studio), characters_of(frames.subarray(begin))) === 0, 'the studio shows another state');
+    console.log(`# ${name}.html ${statSync(html).size} bytes`);
+  });
+
 if (process.env.UGOKI_PICTURES) await page.screenshot({ path: join(process.env.UGOKI_PICTURES, 'page.png') });
 await browser.close();
 
@@ -349,6 +485,83 @@ await test('videos have the wanted length', () => {
   for (const name of ['v.mp4', 'v.webm', 'v.gif']) {
     const facts = JSON.parse(execFileSync('ffprobe', ['-v', 'error', '-count_frames', '-show_streams', '-of', 'json', at(name)], { encoding: 'utf8' })).streams[0];
     expect(facts.width === 160 && facts.height === 90 && Number(facts.nb_read_frames) === 10, `${name}: ${JSON.stringify(facts)}`);
+  }
+  return undefined;
+});
+
+await test('three.js reads the joints of USD files where the simulation had them', () => {
+  run('export', at('park.ugoki'), '--usda', at('park.usda'), '--csv', at('park.csv'), '--duration', '1', '--rate', '20');
+  const group = new USDLoader().parse(readFileSync(at('park.usda'), 'utf8'));
+  const rows = rows_of(readFileSync(at('park.csv'), 'utf8'));
+  const meshes = [];
+  group.traverse((o) => o.isSkinnedMesh && meshes.push(o));
+  expect(meshes.length === 3 && group.animations.length === 3, `${meshes.length} meshes, ${group.animations.length} animations`);
+  let worst = 0;
+  let compared = 0;
+  for (const mesh of meshes) {
+    const { bones } = mesh.skeleton;
+    const clip = group.animations.find((a) => a.tracks.some((t) => t.name.startsWith(`${bones[0].name}.`)));
+    const mixer = new AnimationMixer(mesh);
+    mixer.clipAction(clip).setLoop(LoopOnce, 1).play().clampWhenFinished = true;
+    const id = mesh.parent.name.toLowerCase();
+    rows.forEach((row, f) => {
+      mixer.setTime(f / 20);
+      group.updateMatrixWorld(true);
+      for (const bone of bones) {
+        const p = group.worldToLocal(bone.getWorldPosition(new Vector3())); // the loader turns z up to y up
+        const wanted_here = ['x', 'y', 'z'].map((k) => Number(row[`${id}/${bone.name} ${k}`]));
+        worst = Math.max(worst, Math.hypot(p.x - wanted_here[0], p.y - wanted_here[1], p.z - wanted_here[2]));
+        compared++;
+      }
+    });
+  }
+  expect(compared > 500 && worst < 1e-4, `${worst} m in ${compared} positions`);
+});
+
+await test('the joints of UsdPhysics meet: their frames in both bodies are at one place, and their axes agree', () => {
+  run('new', at('chain.ugoki'), '--from', join(examples, 'chain.json'));
+  let joints = 0;
+  let bodies = 0;
+  for (const name of ['park', 'chain']) {
+    run('export', at(`${name}.ugoki`), '--usda', at('physics.usda'), '--duration', '0.1');
+    const { specsByPath: specs } = new USDAParser().parseData(readFileSync(at('physics.usda'), 'utf8'));
+    const value = (path, attribute) => specs[`${path}.${attribute}`]?.fields.default;
+    const matrix = (p, q) => new Matrix4().compose(new Vector3(...p), new Quaternion(...q), new Vector3(1, 1, 1));
+    for (const [path, { fields }] of Object.entries(specs)) {
+      if (value(path, 'physics:mass') !== undefined) {
+        bodies++;
+        const moments = value(path, 'physics:diagonalInertia');
+        // moments of inertia of a body are positive and satisfy the triangle inequality
+        expect(Math.min(...moments) > 0 && 2 * Math.max(...moments) <= 1.0001 * moments.reduce((a, b) => a + b, 0), `${path} ${moments}`);
+      }
+      if (!/^Physics.*Joint$/.test(fields.typeName ?? '')) continue;
+      joints++;
+      const [a, b] = [0, 1].map((k) => {
+        const body = specs[`${path}.physics:body${k}`]?.fields.targetPaths[0];
+        if (body) expect(specs[body]?.fields.typeName === 'Xform', `${path}: body ${body}`);
+        const X = body ? matrix(value(body, 'xformOp:translate'), value(body, 'xformOp:orient')) : new Matrix4();
+        return X.multiply(matrix(value(path, `physics:localPos${k}`), value(path, `physics:localRot${k}`)));
+      });
+      const gap = new Vector3().setFromMatrixPosition(a).distanceTo(new Vector3().setFromMatrixPosition(b));
+      expect(gap < 1e-5, `${path}: ${gap} m`);
+      if (fields.typeName !== 'PhysicsRevoluteJoint') continue;
+      const axis = (m) => new Vector3().setFromMatrixColumn(m, 2);
+      expect(axis(a).distanceTo(axis(b)) < 1e-5, `${path}: axes`);
+    }
+  }
+  expect(joints > 50 && bodies > 60, `${joints} joints, ${bodies} bodies`);
+});
+
+await test('a video shows the pictures of the PNG files in their colours', () => {
+  if (spawnSync('ffmpeg', ['-version']).status !== 0) return 'ffmpeg is not installed';
+  const size = ['--size', '320x176', '--rate', '5', '--duration', '1'];
+  run('export', at('park.ugoki'), '--png', at('c%d.png'), ...size);
+  for (const more of [[], ['--gif', at('c.gif')]]) { // with a GIF the video is made of RGBA pictures, otherwise of planar ones
+    run('export', at('park.ugoki'), '--mp4', at('c.mp4'), ...more, ...size);
+    const done = spawnSync('ffmpeg', ['-hide_banner', '-i', at('c.mp4'), '-start_number', '0', '-framerate', '5', '-i', at('c%d.png'), '-lavfi', '[0:v]scale=in_color_matrix=bt709:in_range=tv,format=gbrp[a];[1:v]format=gbrp[b];[a][b]psnr', '-f', 'null', '-'], { encoding: 'utf8' });
+    const psnr = Number(/min:([\d.]+)/.exec(done.stderr)?.[1]);
+    // dB of the worst picture; the coder alone gives 42, and colours of another matrix less than 34
+    expect(psnr > 38, `${psnr} dB\n${done.stderr.slice(-600)}`);
   }
   return undefined;
 });

@@ -315,8 +315,9 @@ SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt,
                                        {shape_b, b.X_WS, b.v, b.w, b.a, b.alpha}, dt - c.time, options_.tolerance, c.cache, workspace_);
     ++distances;
     ++c.iterations;
+    --work_left_;
     const bool is_contact = c.time == 0 && check.known && check.near.exact && check.near.distance <= margin;
-    const bool touches = !is_contact && !(check.safe > 0), exhausted = c.iterations >= options_.max_iterations;
+    const bool touches = !is_contact && !(check.safe > 0), exhausted = c.iterations >= options_.max_iterations || is_exhausted();
     if (touches || (exhausted && c.time + check.safe < dt && !is_contact)) {
       const ImpactStatus status = !check.known ? ImpactStatus::not_finite : touches ? ImpactStatus::impact : ImpactStatus::not_converged;
       const int pairs = out.pairs;
@@ -344,7 +345,8 @@ bool ImpactSearch::passes_through(Candidate& c, double end, double dt) {
   const SceneShape &sa = scene_.shapes()[static_cast<std::size_t>(c.a)], &sb = scene_.shapes()[static_cast<std::size_t>(c.b)];
   const double both = half_width_[static_cast<std::size_t>(c.a)] + half_width_[static_cast<std::size_t>(c.b)];
   double deepest = 0.5 * both;
-  for (int check_count = 0; check_count < max_checks; ++check_count) {
+  for (int check_count = 0; check_count < max_checks && !is_exhausted(); ++check_count) {
+    --work_left_;
     const Moving at_a = moving(c.a, c.time), at_b = moving(c.b, c.time);
     const Mover a = without_spin({sa, at_a.X_WS, at_a.v, at_a.w, at_a.a, at_a.alpha});
     const Mover b = without_spin({sb, at_b.X_WS, at_b.v, at_b.w, at_b.a, at_b.alpha});
@@ -359,7 +361,7 @@ bool ImpactSearch::passes_through(Candidate& c, double end, double dt) {
     c.time += approach_of(a, b, norm(d.n) > 0.5 ? &d.n : nullptr).time_for(left - 0.01 * both);
     if (c.time >= end) return false;
   }
-  return true;  // max_checks reached: the rest of the step is not proved safe
+  return true;  // a limit is reached: the rest of the step is not proved safe
 }
 
 /// True if, before `end` [s], the core of the pair's convex shape may come closer to the surface of the other shape than `tolerance`.
@@ -370,7 +372,8 @@ bool ImpactSearch::core_touches(Candidate& c, double end, double dt) {
   if (core == nullptr) return false;
   const double depth = core->depth;
   double tolerance = 0.1 * depth;  // m: stop before the core touches, so that its side of the surface is known in the next step
-  for (int check_count = 0; check_count < max_checks; ++check_count) {
+  for (int check_count = 0; check_count < max_checks && !is_exhausted(); ++check_count) {
+    --work_left_;
     const Moving at_a = moving(c.a, c.time), at_b = moving(c.b, c.time);
     const Mover a =
         without_spin({sa.convex ? core->collider : static_cast<const Collider&>(sa), at_a.X_WS, at_a.v, at_a.w, at_a.a, at_a.alpha});
@@ -388,7 +391,7 @@ bool ImpactSearch::core_touches(Candidate& c, double end, double dt) {
     c.time += check.safe;
     if (c.time >= end) return false;
   }
-  return true;  // max_checks reached: the rest of the step is not proved safe
+  return true;  // a limit is reached: the rest of the step is not proved safe
 }
 
 SceneImpact ImpactSearch::find_passage(std::span<const SystemMotion> systems, double dt) {

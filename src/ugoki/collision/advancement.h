@@ -101,6 +101,13 @@ class ImpactSearch {
   /// @return status impact with the time [s] up to which no limit is exceeded, or status none with the length of the step
   [[nodiscard]] SceneImpact find_passage(std::span<const SystemMotion> systems, double dt);
 
+  /// Limits the work of all following calls together, until the next call of this function. At first the work is not limited.
+  /// When the limit is reached, pairs that are not proved apart count as touching, or as passing, at the time reached.
+  /// @param distances count of distances that may be measured
+  void limit_work(std::int64_t distances) { work_left_ = distances; }
+  /// Whether the limit of limit_work() is reached.
+  [[nodiscard]] bool is_exhausted() const { return work_left_ <= 0; }
+
  private:
   /// Pose and velocity of a shape at one time, and bounds of its acceleration.
   struct Moving {
@@ -154,6 +161,7 @@ class ImpactSearch {
   std::vector<Candidate> candidates_;
   std::vector<std::uint32_t> queue_;  // heap of indices into candidates_, the earliest time first
   DistanceWorkspace workspace_;
+  std::int64_t work_left_ = INT64_MAX;  // distances that may still be measured
 };
 
 }  // namespace ugoki::collision

@@ -39,6 +39,12 @@ double turn_between(const Mat3& R, const Mat3& T) {
 constexpr double resting_gap = 2e-5;
 constexpr double too_deep = 1e-3;  // m: if a deeper overlap is left after all passes, the step is split into substeps
 
+// Limits of the work in one step, so that absurd content (bodies of 1e-9 kg m^2 that are hit by 1e5 N) takes 0.1 s for a step, not seconds.
+// A step that is not split needs at most GuardOptions::passes times 1e6 operations, so the first limit affects only split steps.
+constexpr double max_newton_operations = 2e7;       // estimated floating-point operations of Newton's method
+constexpr std::int64_t max_distances = 40'000;      // distances that are measured to find passages; the same for contacts of fast bodies
+constexpr std::int64_t max_distances_of_shape = 500;  // additional distances for each shape of the scene
+
 // Fields of ContactPoint::key. collision::find_contacts() uses feature indices below first_feature.
 constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000, shape_mask = (1U << 20) - 1;
 
@@ -271,7 +277,7 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
     }
     const double safe = find_passage(systems, h);
     const bool deep = depth_ > too_deep && length > units / 8;  // a wedged body stays deep in any substep, so further halving is useless
-    if ((deep || (safe < h && length > 1)) && attempts < max_attempts) {
+    if ((deep || (safe < h && length > 1)) && attempts < max_attempts && !search_.is_exhausted()) {
       attempt_begin_.restore(systems);
       length /= 2;
       continue;
@@ -291,6 +297,9 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
 }
 
 StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+  stepper_->limit_newton(max_newton_operations);
+  search_.limit_work(max_distances + max_distances_of_shape * static_cast<std::int64_t>(scene_->shapes().size()));
+  swept_.limit_work(max_distances);
   StepReport report = step_whole(systems, contacts, dt);
   if (report.status == StepStatus::ok && (depth_ > too_deep || find_passage(systems, dt) < dt)) {
     attempt_begin_.restore(systems);

@@ -129,6 +129,9 @@ class Stepper {
   /// Whether the last call of repeat() may have changed the result of a system. Meaningful only after repeat().
   [[nodiscard]] bool has_changed(int system) const { return solver_.is_solved(system); }
 
+  /// Limits the work of the velocity solver, see VelocitySolver::limit_newton().
+  void limit_newton(double operations) { solver_.limit_newton(operations); }
+
   /// [contacts] N, world axes: force on body a of each contact of the last step. The impulse of an impact is given as a force that is
   /// constant over the step, eq. (17).
   [[nodiscard]] std::span<const Vec3> contact_forces() const { return forces_; }

@@ -9,6 +9,7 @@
 // with them the bodies just reach the impact, however far they rotate. An impact with restitution takes place within the step. A contact
 // is added only for a real impact, so that a body does not bounce off the extended plane of a plate that it misses.
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -33,6 +34,9 @@ class SweptContacts {
   /// Allocates only at the first impact of each system, and when the number of contacts grows.
   int add(std::span<const collision::SystemMotion> systems, std::span<const std::span<const Pose>> X_WB, double dt, double margin,
           std::vector<collision::ContactPoint>& contacts);
+
+  /// Limits the work of all following calls together, see collision::ImpactSearch::limit_work().
+  void limit_work(std::int64_t distances) { search_.limit_work(distances); }
 
  private:
   /// One body of an impact: its pose at the beginning of the step (now) and at the impact (then).

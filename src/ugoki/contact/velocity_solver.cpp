@@ -282,8 +282,7 @@ bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& op
 bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, bool crowded, SolverReport& report) {
   constexpr int round = 12;      // sweeps between two checks of the convergence rate
   constexpr int max_rounds = 6;  // rounds up to which sweeping is cheaper than Newton's method
-  constexpr double max_operations = 1e6;  // floating-point operations: bounds the cost of Newton's method for one island in one step
-  budget_ = max_operations;
+  budget_ = island_budget_;
   const int maximum = crowded ? options.iterations / 2 : options.iterations;
   double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
   if (!crowded && solve_densely(island, options, tolerance, report)) return true;
@@ -313,6 +312,8 @@ bool VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
 }
 
 void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t first) {
+  constexpr double max_operations = 1e6;  // floating-point operations: bounds the cost of Newton's method for one island in one call
+  island_budget_ = std::min(max_operations, newton_left_);
   std::ranges::fill(motion_, 0.0);
   std::ranges::fill(solved_, char{0});
   for (RowBlock& b : blocks_) b.solved_motion = -HUGE_VAL;
@@ -351,10 +352,12 @@ SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size
       failed_[static_cast<std::size_t>(s)] = 0;
     }
     ++report.islands;
-    if (threads)
+    if (threads) {
       to_solve_.push_back(static_cast<int>(&island - islands_.data()));
-    else if (!solve_island(island, options, blocks_.size() > crowd, report))
-      failed_[static_cast<std::size_t>(members.front())] = 1;
+      continue;
+    }
+    if (!solve_island(island, options, blocks_.size() > crowd, report)) failed_[static_cast<std::size_t>(members.front())] = 1;
+    newton_left_ -= island_budget_ - budget_;
   }
   if (threads) solve_on_threads(options, blocks_.size() > crowd, report);
   report.not_converged = static_cast<int>(std::ranges::count(failed_, char{1}));

@@ -16,6 +16,7 @@
 // Sources: Moreau (1988), Unilateral contact and dry friction in finite DOF dynamics; Hwangbo, Lee, Hutter (2018), Per-contact
 // iteration method; Alart, Curnier (1991), A mixed formulation for frictional contact problems prone to Newton-like methods.
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -78,6 +79,11 @@ class VelocitySolver {
   void end_block(std::span<const double> target, std::span<const double> warm);
   void drop_block();
 
+  /// Limits the work of Newton's method in all following calls together, until the next call of this function. At first only the work
+  /// of one call is limited. When the limit is reached, large or difficult islands are solved by sweeps alone.
+  /// @param operations estimated floating-point operations
+  void limit_newton(double operations) { newton_left_ = operations; }
+
   SolverReport solve(const SolverOptions& options);
   /// Solves only the islands that contain a new block, starting from the present impulses. Call it after solve(), when blocks were added.
   /// @param first_new index of the first new block
@@ -136,6 +142,7 @@ class VelocitySolver {
   Executor* executor_ = nullptr;
   std::vector<std::unique_ptr<Worker>> workers_;
   std::vector<int> to_solve_;  // indices of the islands to solve
+  std::vector<double> used_;  // [to_solve_] floating-point operations of Newton's method that each of these islands has used
 
   DenseIsland dense_;
   std::vector<int> first_;  // [systems + 1] index in w_ of the first DOF of each system
@@ -158,7 +165,9 @@ class VelocitySolver {
 
   // Newton's method (symbols: velocity_newton.cpp)
   double regularization_ = 0;                                   // R relative to a block's inverse inertia
-  double budget_ = 0, cost_ = 0;                                // floating-point operations: left for this island, needed by one Newton step
+  double budget_ = 0, cost_ = 0;  // floating-point operations: left for the island that is solved, needed by one Newton step
+  double island_budget_ = 0;      // floating-point operations that each island may use in one call
+  double newton_left_ = HUGE_VAL; // floating-point operations that all islands may use until the next limit_newton()
   std::vector<int> local_;                                      // [systems] first row of the system in H_
   std::vector<int> lowest_;                                     // [n] first column of each row in the envelope of H_
   std::vector<std::size_t> start_;                              // [n] index in H_ of the first stored entry of each row (column lowest_)

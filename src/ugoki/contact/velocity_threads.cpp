@@ -79,7 +79,11 @@ void VelocitySolver::copy_solution_to(VelocitySolver& to, const Island& island) 
 
 /// Solves the islands to_solve_ on all threads. An island is solved by one thread, so its result does not depend on the number of threads.
 void VelocitySolver::solve_on_threads(const SolverOptions& options, bool crowded, SolverReport& report) {
-  for (const auto& w : workers_) w->report = {};
+  for (const auto& w : workers_) {
+    w->report = {};
+    w->solver.island_budget_ = island_budget_;
+  }
+  used_.resize(to_solve_.size());
   parallel_for(executor_, to_solve_.size(), [&](std::size_t k, int worker) {
     Worker& w = *workers_[static_cast<std::size_t>(worker)];
     const Island& island = islands_[static_cast<std::size_t>(to_solve_[k])];
@@ -87,7 +91,9 @@ void VelocitySolver::solve_on_threads(const SolverOptions& options, bool crowded
     const bool solved = w.solver.solve_island({0, island.blocks, 0, island.systems}, options, crowded, w.report);
     if (!solved) failed_[static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system)])] = 1;
     w.solver.copy_solution_to(*this, island);
+    used_[k] = island_budget_ - w.solver.budget_;
   });
+  for (const double operations : used_) newton_left_ -= operations;  // in the order of the islands, as without threads
   for (const auto& w : workers_) {
     report.sweeps = std::max(report.sweeps, w->report.sweeps);
     report.newton_steps += w->report.newton_steps;

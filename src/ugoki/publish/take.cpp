@@ -13,6 +13,7 @@ Result<Take> record_take(content::Player& player, double duration, double rate, 
   Take take;
   take.name = content.name;
   take.rate = rate;
+  take.gravity = content.gravity;
   take.camera = content.camera;
   for (const content::ExecutableCharacter& c : content.characters)
     take.characters.push_back({c.id, c.name, c.color, content.mechanisms[static_cast<std::size_t>(c.mechanism)], {}, {}, {}});

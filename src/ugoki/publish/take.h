@@ -28,6 +28,7 @@ struct Take {
   double rate = 60;  ///< frames per second
   int frames = 0;
   std::vector<TakeCharacter> characters;
+  Vec3 gravity;  ///< m/s^2
   content::ScenarioCamera camera;
 };
 
@@ -43,7 +44,8 @@ using TakeProgress = std::function<bool(double)>;
 /// forward, metres. World positions of the joints have single precision.
 [[nodiscard]] std::vector<std::byte> write_take_glb(const Take& take);
 
-/// Returns the take as USD text (*.usda): UsdSkel skeletons with animations, bound meshes, materials and a camera. Z up, metres.
+/// Returns the take as USD text (*.usda): UsdSkel skeletons with animations, bound meshes, materials and a camera; UsdPhysics bodies and
+/// joints of each mechanism in the pose of its first frame. Z up, metres.
 [[nodiscard]] std::string write_take_usda(const Take& take);
 
 /// Returns the take as a CSV table with a row for each frame: time [s]; for each character the centre of mass [m], and for each link

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -8,22 +7,13 @@
 #include "ugoki/publish/number_text.h"
 #include "ugoki/publish/shape_surface.h"
 #include "ugoki/publish/take.h"
+#include "ugoki/publish/usda_physics.h"
 #include "ugoki/spatial/rotation.h"
 
 namespace ugoki::publish {
 namespace {
 
 Pose pose_of(const content::DisplayPose& x) { return {to_matrix(x.r), x.p}; }
-
-/// Returns a name that USD allows (letters, digits and _; no digit first) and that is not yet in `used`.
-std::string usd_name(const std::string& name, std::set<std::string>& used) {
-  std::string out;
-  for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) != 0 && (c & 0x80) == 0 ? c : '_';
-  if (out.empty() || std::isdigit(static_cast<unsigned char>(out[0])) != 0) out.insert(0, "_");
-  std::string unique = out;
-  for (int n = 2; !used.insert(unique).second; ++n) unique = out + '_' + std::to_string(n);
-  return unique;
-}
 
 class Writer {
  public:
@@ -36,7 +26,20 @@ class Writer {
     add_number(out_, take_.rate);
     out_ += "\n    upAxis = \"Z\"\n)\n\ndef Xform \"Content\"\n{\n";
     for (const TakeCharacter& c : take_.characters)
-      if (c.links() > 0) add_character(c, usd_name(c.name.empty() ? c.id : c.name, used));
+      if (c.links() > 0) {
+        const std::string name = usd_name(c.name.empty() ? c.id : c.name, used);
+        add_character(c, name);
+        std::vector<Pose> poses;
+        for (std::size_t l = 0; l < c.links(); ++l) poses.push_back(pose_of(c.pose(0, l)));
+        out_ += usda_physics(*c.mechanism, poses, usd_name(name + "_physics", used));
+      }
+    out_ += "    def PhysicsScene \"" + usd_name("PhysicsScene", used) +
+            "\"\n    {\n        vector3f physics:gravityDirection = ";
+    const double gravity = norm(take_.gravity);
+    vec(gravity > 0 ? take_.gravity / gravity : Vec3{0, 0, -1});
+    out_ += "\n        float physics:gravityMagnitude = ";
+    add_number(out_, gravity);
+    out_ += "\n    }\n\n";
     add_camera();
     out_ += "}\n";
     return std::move(out_);

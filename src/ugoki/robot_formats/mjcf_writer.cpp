@@ -14,7 +14,7 @@ namespace {
 
 class MjcfWriter {
  public:
-  explicit MjcfWriter(const Mechanism& m) : m_(m) {}
+  MjcfWriter(const Mechanism& m, const RobotMotion& motion) : m_(m), motion_(motion) {}
 
   RobotText write() {
     xml_.begin("mujoco", attribute("model", m_.name().empty() ? std::string("mechanism") : m_.name()));
@@ -33,6 +33,7 @@ class MjcfWriter {
     xml_.end();
     write_motors();
     write_equalities();
+    write_keys();
     xml_.end();
     RobotText out;
     out.text = xml_.take();
@@ -137,6 +138,7 @@ class MjcfWriter {
       const Dof f = follows ? Dof{} : j.dofs[static_cast<std::size_t>(parts[k].dof)];
       xml_.element("joint", attribute("name", joint_name(l, static_cast<int>(k))) + attribute("type", parts[k].slides ? "slide" : "hinge") +
                                 attribute("axis", parts[k].axis) + range(f) + properties(f));
+      coordinates_.push_back({&l, l.q_index + parts[k].dof, follows ? j.pitch : 1});
     }
     if (j.type != JointType::spherical && j.type != JointType::floating) return;
     // MJCF has only one set of properties for all DOFs of a ball or free joint.
@@ -157,6 +159,7 @@ class MjcfWriter {
         xml_.element("freejoint", attribute("name", l.name));
       else
         xml_.element("joint", attribute("name", l.name) + attribute("type", "free") + properties(f));
+      coordinates_.push_back({&l, -1, 0});
       return;
     }
     if (j.type == JointType::floating) {
@@ -166,8 +169,10 @@ class MjcfWriter {
         Vec3 axis;
         axis[k] = 1;
         xml_.element("joint", attribute("name", l.name + names[k]) + attribute("type", "slide") + attribute("axis", axis));
+        coordinates_.push_back({&l, l.q_index + k, 1});
       }
     }
+    for (int k = 0; k < 4; ++k) coordinates_.push_back({&l, l.q_index + (j.type == JointType::floating ? 3 : 0) + k, 1});
     double maximum = 0;
     bool limited = false, even = true;
     for (std::size_t k = 0; k < 3 && j.type == JointType::spherical; ++k) {
@@ -312,11 +317,44 @@ class MjcfWriter {
     xml_.end();
   }
 
+  /// Writes the frames of the motion. A free joint of MuJoCo has the pose of its body in the world, all others that of the joint.
+  void write_keys() {
+    const auto nq = static_cast<std::size_t>(m_.nq());
+    if (motion_.q.empty() || nq == 0) return;
+    xml_.begin("keyframe");
+    for (std::size_t f = 0; f < motion_.q.size() / nq; ++f) {
+      const double* q = motion_.q.data() + f * nq;
+      std::string qpos;
+      const auto add = [&](double x) { qpos += (qpos.empty() ? "" : " ") + to_text(x); };
+      for (const Coordinate& c : coordinates_) {
+        if (c.q >= 0) {
+          add(c.factor * q[c.q]);
+          continue;
+        }
+        const Pose X = c.link->joint.X_PJ * joint_pose(c.link->joint, q + c.link->q_index);
+        const Quat r = to_quat(X.R);
+        for (const double x : {X.p.x, X.p.y, X.p.z, r.w, r.x, r.y, r.z}) add(x);
+      }
+      xml_.element("key", attribute("name", "frame " + std::to_string(f)) + attribute("time", static_cast<double>(f) / motion_.rate) +
+                              attribute("qpos", std::string_view(qpos)));
+    }
+    xml_.end();
+  }
+
   std::string bodies(int first, int second) const {
     return attribute("body1", body_name(m_.link(first))) + (second < 0 ? std::string() : attribute("body2", body_name(m_.link(second))));
   }
 
+  /// One value of MuJoCo's qpos, or the seven values of a free joint.
+  struct Coordinate {
+    const Link* link;
+    int q;          // index into the mechanism's coordinates; -1: free joint
+    double factor;  // qpos divided by the coordinate
+  };
+
   const Mechanism& m_;
+  const RobotMotion& motion_;
+  std::vector<Coordinate> coordinates_;  // in the order of the written joints
   XmlText xml_;
   WrittenNotes notes_;
   std::map<const Geometry*, std::string> meshes_;
@@ -325,6 +363,6 @@ class MjcfWriter {
 
 }  // namespace
 
-RobotText write_mjcf(const Mechanism& mechanism) { return MjcfWriter(mechanism).write(); }
+RobotText write_mjcf(const Mechanism& mechanism, const RobotMotion& motion) { return MjcfWriter(mechanism, motion).write(); }
 
 }  // namespace ugoki::robot_formats

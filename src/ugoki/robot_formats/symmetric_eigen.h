@@ -1,5 +1,5 @@
 #pragma once
-// Eigenvalues and eigenvectors of symmetric 3 x 3 matrices. Internal to robot_formats.
+// Eigenvalues and eigenvectors of symmetric 3 x 3 matrices. Used by robot_formats and publish.
 
 #include "ugoki/spatial/spatial.h"
 

@@ -13,7 +13,7 @@ namespace {
 
 class UrdfWriter {
  public:
-  UrdfWriter(const Mechanism& m, std::string_view stem) : m_(m), stem_(stem) {
+  UrdfWriter(const Mechanism& m, std::string_view stem, const RobotMotion& motion) : m_(m), stem_(stem), motion_(motion) {
     for (const Link& l : m.links()) names_.insert(l.name);
   }
 
@@ -25,6 +25,7 @@ class UrdfWriter {
       if (m_.link(i).parent >= 0) write_joint(m_.link(i), m_.link(m_.link(i).parent).name);
     }
     write_loops();
+    write_motion();
     xml_.end();
     out_.text = xml_.take();
     for (std::string& note : notes_.take()) out_.notes.push_back(std::move(note));
@@ -64,7 +65,10 @@ class UrdfWriter {
           if (other != l) write_joint(*other, l->name);
         return;
       }
-    if (bases.size() == 1 && bases[0]->joint.type == JointType::floating && is_identity(bases[0]->joint.X_PJ)) return;
+    if (bases.size() == 1 && bases[0]->joint.type == JointType::floating && is_identity(bases[0]->joint.X_PJ)) {
+      add_columns(*bases[0], bases[0]->name);
+      return;
+    }
     names_.insert("world");
     write_massless("world");
     for (const Link* l : bases) write_joint(*l, "world");
@@ -150,6 +154,7 @@ class UrdfWriter {
         notes_.add("Spherical joints (%) are widely used in URDF, but are not in its specification.", l.name);
       for (int k = 0; k < j.nv(); ++k) note_lost_properties(l, j.dofs[static_cast<std::size_t>(k)], true);
       one_joint(l.name, type, parent, l.name, j.X_PJ, {0, 0, 1}, j.nv() > 0 ? &j.dofs[0] : nullptr, {});
+      add_columns(l, joint_name(l.name));
       return;
     }
     std::string above = parent;
@@ -167,12 +172,39 @@ class UrdfWriter {
       one_joint(last ? l.name : below, type, above, below, X, parts[k].axis, follows ? &none : &f,
                 follows ? attribute("joint", joint_name(above)) + attribute("multiplier", j.pitch)
                         : mimic_of(l.name, static_cast<int>(parts[k].dof)));
+      columns_.push_back({joint_name(last ? l.name : below), l.q_index + parts[k].dof, follows ? j.pitch : 1});
       above = below;
       X = {};
     }
   }
 
-  /// Adds notes about the properties of a DOF that URDF cannot store.
+  /// Adds the columns of a joint with several coordinates to the table of the motion.
+  void add_columns(const Link& l, const std::string& name) {
+    std::vector<const char*> suffixes;
+    switch (l.joint.type) {
+      case JointType::floating: suffixes = {".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz"}; break;
+      case JointType::spherical: suffixes = {".qw", ".qx", ".qy", ".qz"}; break;
+      case JointType::planar: suffixes = {".x", ".y", ".angle"}; break;
+      default: return;
+    }
+    for (std::size_t k = 0; k < suffixes.size(); ++k) columns_.push_back({name + suffixes[k], l.q_index + static_cast<int>(k), 1});
+  }
+
+  void write_motion() {
+    const auto nq = static_cast<std::size_t>(m_.nq());
+    if (motion_.q.empty() || nq == 0) return;
+    std::string table = "time";
+    for (const Column& c : columns_) table += c.name.find_first_of(",\"\n") == std::string::npos ? ',' + c.name : ',' + quoted(c.name);
+    table += '\n';
+    for (std::size_t f = 0; f < motion_.q.size() / nq; ++f) {
+      table += to_text(static_cast<double>(f) / motion_.rate);
+      for (const Column& c : columns_) table += ',' + to_text(c.factor * motion_.q[f * nq + static_cast<std::size_t>(c.q)]);
+      table += '\n';
+    }
+    out_.files.push_back({stem_ + "-motion.csv", std::move(table)});
+  }
+
+  /// Notes the properties of a DOF that URDF cannot store.
   /// @param no_limits the joint has several DOFs, for which URDF has neither limits nor individual properties
   void note_lost_properties(const Link& l, const Dof& f, bool no_limits) {
     if (f.stiffness != 0 || f.rest != 0) notes_.add("URDF cannot store joint springs; those of % are left out.", l.name);
@@ -276,8 +308,17 @@ class UrdfWriter {
     if (!pairs.empty()) out_.files.push_back({stem_ + ".yaml", "closed_loop: [" + pairs + "]\ntype: [" + types + "]\n"});
   }
 
+  /// A column of the table of the motion.
+  struct Column {
+    std::string name;
+    int q;          // index into the mechanism's coordinates
+    double factor;  // value divided by the coordinate
+  };
+
   const Mechanism& m_;
   std::string stem_;
+  const RobotMotion& motion_;
+  std::vector<Column> columns_;
   XmlText xml_;
   WrittenNotes notes_;
   std::set<std::string> names_;
@@ -287,10 +328,10 @@ class UrdfWriter {
 
 }  // namespace
 
-RobotText write_urdf(const Mechanism& mechanism, std::string_view stem) {
+RobotText write_urdf(const Mechanism& mechanism, std::string_view stem, const RobotMotion& motion) {
   const int at = mechanism.find_link("world");
-  if (at < 0 || UrdfWriter::is_world(mechanism.link(at))) return UrdfWriter(mechanism, stem).write();
-  // Readers take any link named "world" as the base, so another link of this name gets another name.
+  if (at < 0 || UrdfWriter::is_world(mechanism.link(at))) return UrdfWriter(mechanism, stem, motion).write();
+  // Readers take a link named "world" as the base, so another link of this name is renamed.
   MechanismSpec spec = mechanism.spec();
   std::string name = "world link";
   while (mechanism.find_link(name) >= 0) name += "_";
@@ -308,7 +349,7 @@ RobotText write_urdf(const Mechanism& mechanism, std::string_view stem) {
   }
   const Result<MechanismPtr> renamed = Mechanism::make(std::move(spec));
   if (!renamed) return {.text = {}, .files = {}, .notes = {renamed.error().text()}};
-  RobotText out = UrdfWriter(**renamed, stem).write();
+  RobotText out = UrdfWriter(**renamed, stem, motion).write();
   out.notes.push_back("The link 'world' is renamed to '" + name + "', because URDF readers take 'world' as the base.");
   return out;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A connection to the database of a library, SQLite or PostgreSQL. Internal to store.
+// A connection to the database of a library, SQLite or PostgreSQL. Used by store, and by programs that keep tables of their own.
 //
 // Both databases run the same SQL statements, with parameters ?1, ?2 ...; `Dialect` contains the parts of statements that differ.
 

@@ -1,5 +1,6 @@
 /** Draws pictures of the content for `ugoki export --png` and videos. The program that serves this page receives them. */
 import { Access } from '../core/access';
+import { fits_planar, PlanarReader } from '../view/planar_reader';
 import type { Engine, RecordedInput } from './engine';
 import { SceneView } from './scene_view';
 
@@ -19,8 +20,9 @@ interface Settings {
   theme: 'dark' | 'light';
   assist: boolean;
   png: boolean;
-  raw: boolean;
-  /** Maximum number of pictures that are sent but not yet answered. */
+  /** Form of the pixels for a video: 'rgba' has rows from the bottom to the top, 'planar' is that of PlanarReader. Empty: no video. */
+  raw: '' | 'rgba' | 'planar';
+  /** Number of pictures that may be under way. */
   ahead: number;
   inputs?: RecordedInput[];
 }
@@ -71,13 +73,14 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
     }
   };
   const gl = view.stage.renderer.getContext();
-  const pixels = new Uint8Array(4 * width * height);
+  const planar = settings.raw === 'planar' && fits_planar(width, height) ? new PlanarReader(view.stage.renderer, width, height) : null;
+  const pixels = new Uint8Array(planar && settings.blur === 1 ? 0 : 4 * width * height);
   const sums = settings.blur > 1 ? new Uint32Array(pixels.length) : null;
   const flat = document.createElement('canvas');
   flat.width = width;
   flat.height = height;
   const under_way = new Set<Promise<void>>();
-  const send = async (number: number, form: string, body: Blob): Promise<void> => {
+  const send = async (number: number, form: string, body: BodyInit): Promise<void> => {
     const answer = await access.fetch(`api/picture?number=${number}&form=${form}`, { method: 'POST', body });
     if (!answer.ok) throw new Error(`The program refused picture ${number + 1}: ${await answer.text()}`);
   };
@@ -88,7 +91,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
     for (let k = 0; k < settings.blur; k++) {
       await go_to(begin + (open_time * k) / settings.blur);
       view.draw(true);
-      if (settings.raw || sums) gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      if (sums || settings.raw === 'rgba') gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
       if (sums) for (let j = 0; j < pixels.length; j++) sums[j]! += pixels[j]!;
     }
     if (sums) for (let j = 0; j < pixels.length; j++) pixels[j] = Math.round(sums[j]! / settings.blur);
@@ -99,9 +102,11 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
       if (!blob) throw new Error('The browser cannot write PNG pictures of this size.');
       sending.push(send(i, 'png', blob));
     }
-    if (settings.raw) {
+    if (planar) {
+      sending.push(planar.read(new Uint8Array(planar.size)).then((bytes) => send(i, 'raw', bytes)));
+    } else if (settings.raw !== '') {
       if (settings.transparent) straighten(pixels);
-      sending.push(send(i, 'raw', new Blob([pixels])));
+      sending.push(send(i, 'raw', pixels));
     }
     const sent: Promise<void> = Promise.all(sending).then(() => {
       under_way.delete(sent);

@@ -1,0 +1,261 @@
+#include "sweep_table.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "output.h"
+#include "ugoki/base/number.h"
+#include "ugoki/store/library.h"
+
+namespace ugoki::cli {
+namespace {
+
+std::string quoted(const std::string& name) {
+  std::string out = "\"";
+  for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
+
+std::string table_name(const TableAddress& address) {
+  return store::is_postgres(address.location) ? quoted("sweep_" + address.name) : "run";
+}
+
+/// Whether all values of a quantity are numbers.
+bool is_numeric(const Variation& v) {
+  return std::ranges::all_of(v.values, [](const std::string& text) { return parse_double(text).has_value(); });
+}
+
+}  // namespace
+
+Result<void> check_address(const TableAddress& address) {
+  const bool server = store::is_postgres(address.location);
+  if (!server && !address.name.empty())
+    return fail(ErrorCode::conflict, "--name", "Only sweeps in a PostgreSQL database have a name.",
+                "Leave out --name, or give --table postgresql://host/database.");
+  constexpr std::size_t max_name = 50;  // a name of PostgreSQL has at most 63 bytes
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  if (server && (address.name.empty() || address.name.size() > max_name || !std::ranges::all_of(address.name, allowed)))
+    return fail(ErrorCode::syntax, "--name " + address.name,
+                "A sweep in a PostgreSQL database needs a name of 1 to " + std::to_string(max_name) + " small letters, digits and '_'.",
+                "Write, for example, --name walk_push.");
+  return {};
+}
+
+SweepTable::~SweepTable() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+Result<SweepTable> SweepTable::open(const TableAddress& address, const SweepPlan& plan) {
+  if (Result<void> good = check_address(address); !good) return fail(std::move(good.error()));
+  const std::string& path = address.location;
+  if (store::is_postgres(path)) {
+    // opening the library creates its schema in an empty database
+    if (Result<store::Library> library = store::Library::open(path); !library) return fail(std::move(library.error()));
+    Result<std::unique_ptr<store::Connection>> connection = store::postgres_connection(path, false);
+    if (!connection) return fail(std::move(connection.error()));
+    SweepTable table(std::move(*connection), -1);
+    if (Result<void> begun = table.connection_->begin(store::Connection::Access::write); !begun) return fail(std::move(begun.error()));
+    // tasks that start at the same time create the table one after the other
+    if (Result<store::Rows> lock = table.connection_->query("SELECT pg_advisory_xact_lock(1431786317)::text"); !lock)
+      return fail(std::move(lock.error()));
+    Result<void> done = table.prepare(address, plan);
+    if (done) done = table.connection_->commit();
+    if (!done) {
+      table.connection_->rollback();
+      return fail(std::move(done.error()));
+    }
+    return table;
+  }
+  const int lock = ::open((path + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (lock < 0)
+    return fail(ErrorCode::io, path, "The lock file beside the table cannot be written.", "Choose a folder that may be written.");
+  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
+    ::close(lock);
+    return fail(ErrorCode::conflict, path, "Another `ugoki bake` writes this table.", "Wait for its end, or name another table.");
+  }
+  Result<store::Database> database = store::Database::open(path, store::OpenMode::create);
+  if (!database) {
+    ::close(lock);
+    return fail(std::move(database.error()));
+  }
+  SweepTable table(store::sqlite_connection(std::move(*database)), lock);
+  if (Result<void> done = table.connection_->script("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL"); !done)
+    return fail(std::move(done.error()));
+  if (Result<void> done = table.prepare(address, plan); !done) return fail(std::move(done.error()));
+  return table;
+}
+
+/// Creates the tables that do not exist, and compares the stored plan.
+Result<void> SweepTable::prepare(const TableAddress& address, const SweepPlan& plan) {
+  const bool server = store::is_postgres(address.location);
+  table_ = table_name(address);
+  plan_ = plan.text();
+  std::string sql = "CREATE TABLE IF NOT EXISTS " + table_ + " (number INTEGER PRIMARY KEY, target TEXT NOT NULL";
+  columns_ = {"number", "target"};
+  const auto add = [&](const std::string& name, const char* type) {
+    if (std::ranges::find(columns_, name) != columns_.end()) return;
+    columns_.push_back(name);
+    sql += ", " + quoted(name) + ' ' + type;
+  };
+  for (const Variation& v : plan.variations) add(v.name, !server ? "NUMERIC" : is_numeric(v) ? "DOUBLE PRECISION" : "TEXT");
+  add("status", "TEXT NOT NULL");
+  add("message", "TEXT");
+  add("steps", "INTEGER");
+  add("processor_s", "DOUBLE PRECISION");
+  add("state_hash", "TEXT");
+  for (const std::string& m : sweep_measures()) add(m, "DOUBLE PRECISION");
+  sql += ")";
+  const char* plans = server ? "CREATE TABLE IF NOT EXISTS sweep (name TEXT PRIMARY KEY, value TEXT)"
+                             : "CREATE TABLE IF NOT EXISTS property (name TEXT PRIMARY KEY, value TEXT)";
+  const std::string plan_table = server ? "sweep" : "property", name = server ? address.name : "plan";
+  if (Result<store::Rows> done = connection_->query(plans); !done) return fail(std::move(done.error()));
+  const Result<store::Rows> stored = connection_->query("SELECT value FROM " + plan_table + " WHERE name = ?1", {name});
+  if (!stored) return fail(stored.error());
+  if (stored->empty()) {
+    if (Result<store::Rows> done = connection_->query("INSERT INTO " + plan_table + " VALUES (?1, ?2)", {name, plan_}); !done)
+      return fail(std::move(done.error()));
+  } else if (stored->text(0, 0) != plan_) {
+    return fail(ErrorCode::conflict, server ? "--name " + name : address.location,
+                "The table belongs to another sweep: targets, their content, variations or duration differ.",
+                "Repeat that sweep with the same options, or name another table.");
+  }
+  if (Result<store::Rows> done = connection_->query(sql); !done) return fail(std::move(done.error()));
+  return {};
+}
+
+Result<std::vector<std::uint64_t>> SweepTable::finished() {
+  const Result<store::Rows> rows = connection_->query("SELECT number FROM " + table_ + " ORDER BY number");
+  if (!rows) return fail(rows.error());
+  std::vector<std::uint64_t> out(rows->size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<std::uint64_t>(rows->integer(i, 0));
+  return out;
+}
+
+/// Inserts one row unless its number exists. @return whether it was inserted
+Result<bool> SweepTable::insert(const std::vector<store::Value>& cells) {
+  std::string places;
+  for (std::size_t i = 1; i <= cells.size(); ++i) places += (i > 1 ? ", ?" : "?") + std::to_string(i);
+  const Result<store::Rows> rows = connection_->query(
+      "INSERT INTO " + table_ + " VALUES (" + places + ") ON CONFLICT (number) DO NOTHING RETURNING number", std::span(cells));
+  if (!rows) return fail(rows.error());
+  return !rows->empty();
+}
+
+Result<void> SweepTable::add(std::uint64_t number, const std::string& target, const std::vector<std::string>& values, const Json& row) {
+  std::vector<std::string> texts(columns_.size());
+  std::vector<store::Value> cells(columns_.size());
+  cells[0] = static_cast<std::int64_t>(number);
+  cells[1] = target;
+  for (std::size_t i = 2; i < columns_.size(); ++i) {
+    if (i - 2 < values.size()) {
+      cells[i] = values[i - 2];
+      continue;
+    }
+    const auto found = row.find(columns_[i]);
+    if (found == row.end() || found->is_null()) continue;
+    if (found->is_string())
+      texts[i] = found->get<std::string>();
+    else if (found->is_boolean())
+      texts[i] = found->get<bool>() ? "1" : "0";
+    else if (found->is_number_integer())
+      texts[i] = std::to_string(found->get<std::int64_t>());
+    else
+      texts[i] = to_text(found->get<double>());
+    cells[i] = texts[i];  // the column's type makes a number of it
+  }
+  if (const Result<bool> done = insert(cells); !done) return fail(done.error());
+  return {};
+}
+
+Result<std::int64_t> SweepTable::merge(const std::string& path) {
+  Result<store::Database> part = store::Database::open(path, store::OpenMode::read_only);
+  if (!part) return fail(std::move(part.error()));
+  const Result<std::string> plan = part->text("SELECT value FROM property WHERE name = 'plan'");
+  if (!plan) return fail(plan.error());
+  if (*plan != plan_)
+    return fail(ErrorCode::conflict, path, "This table belongs to another sweep.", "Merge only the parts of one sweep.");
+  Result<store::Statement> select = part->prepare("SELECT * FROM run ORDER BY number");
+  if (!select) return fail(std::move(select.error()));
+  std::int64_t added = 0;
+  for (;;) {
+    const Result<bool> row = select->step();
+    if (!row) return fail(row.error());
+    if (!*row) return added;
+    std::vector<std::string> texts(columns_.size());
+    std::vector<store::Value> cells(columns_.size());
+    for (int i = 0; i < std::min(select->columns(), static_cast<int>(columns_.size())); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      if (select->is_null(i)) continue;
+      texts[at] = select->text(i);
+      cells[at] = texts[at];
+    }
+    cells[0] = select->integer(0);
+    const Result<bool> done = insert(cells);
+    if (!done) return fail(done.error());
+    added += *done ? 1 : 0;
+  }
+}
+
+Result<std::string> SweepTable::csv() {
+  std::string out;
+  const auto cell = [](const std::string& text) { return text.find_first_of(",\"\n\r") == std::string::npos ? text : quoted(text); };
+  for (std::size_t i = 0; i < columns_.size(); ++i) out += (i > 0 ? "," : "") + cell(columns_[i]);
+  out += '\n';
+  const Result<store::Rows> rows = connection_->query("SELECT * FROM " + table_ + " ORDER BY number");
+  if (!rows) return fail(rows.error());
+  for (std::size_t r = 0; r < rows->size(); ++r) {
+    for (std::size_t i = 0; i < columns_.size(); ++i) out += (i > 0 ? "," : "") + (rows->is_null(r, i) ? "" : cell(rows->text(r, i)));
+    out += '\n';
+  }
+  return out;
+}
+
+Result<SweepColumns> read_columns(const TableAddress& address, const std::vector<std::string>& columns) {
+  if (Result<void> good = check_address(address); !good) return fail(std::move(good.error()));
+  const bool server = store::is_postgres(address.location);
+  std::unique_ptr<store::Connection> connection;
+  if (server) {
+    Result<std::unique_ptr<store::Connection>> opened = store::postgres_connection(address.location, true);
+    if (!opened) return fail(std::move(opened.error()));
+    connection = std::move(*opened);
+  } else {
+    Result<store::Database> opened = store::Database::open(address.location, store::OpenMode::read_only);
+    if (!opened) return fail(std::move(opened.error()));
+    connection = store::sqlite_connection(std::move(*opened));
+  }
+  const Result<store::Rows> known = connection->query(
+      server ? "SELECT column_name::text FROM information_schema.columns WHERE table_schema = 'ugoki' AND table_name = ?1 ORDER BY "
+               "ordinal_position"
+             : "SELECT name FROM pragma_table_info(?1)",
+      {server ? "sweep_" + address.name : std::string("run")});
+  if (!known) return fail(known.error());
+  if (known->empty())
+    return fail(ErrorCode::unknown, server ? "--name " + address.name : address.location, "There is no table of `ugoki bake` here.",
+                "Name the file or the database that --table named.");
+  std::string list;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < known->size(); ++i) {
+    names.push_back(known->text(i, 0));
+    list += (i > 0 ? ", " : "") + names.back();
+  }
+  std::string sql = "SELECT ";
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (std::ranges::find(names, columns[i]) == names.end())
+      return fail(ErrorCode::unknown, columns[i], "The table has no such column.", "Use one of: " + list + ".");
+    sql += (i > 0 ? ", " : "") + quoted(columns[i]);
+  }
+  const Result<store::Rows> rows = connection->query(sql + " FROM " + table_name(address) + " WHERE status = 'done' ORDER BY number");
+  if (!rows) return fail(rows.error());
+  SweepColumns out;
+  for (std::size_t r = 0; r < rows->size(); ++r) {
+    out.cells.emplace_back();
+    for (std::size_t i = 0; i < columns.size(); ++i) out.cells.back().push_back(rows->is_null(r, i) ? "" : rows->text(r, i));
+  }
+  return out;
+}
+
+}  // namespace ugoki::cli

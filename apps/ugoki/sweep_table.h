@@ -1,0 +1,71 @@
+#pragma once
+// The table of results of `ugoki bake`: an SQLite file, or a table in the PostgreSQL database of a shared library.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sweep.h"
+#include "ugoki/base/result.h"
+#include "ugoki/json/json.h"
+#include "ugoki/store/connection.h"
+
+namespace ugoki::cli {
+
+/// Where a table is.
+struct TableAddress {
+  std::string location;  ///< path of an SQLite file, or "postgresql://user:password@host:port/database"
+  std::string name;      ///< name of the sweep in a PostgreSQL database, where the table is ugoki.sweep_NAME; empty for SQLite
+};
+/// Checks that a name is given for PostgreSQL, and only then.
+[[nodiscard]] Result<void> check_address(const TableAddress& address);
+
+/// A table with a row for each finished run.
+class SweepTable {
+ public:
+  /// Creates the table, or opens the table of the same plan.
+  /// Errors: the table has another plan; another `bake` uses the SQLite file; the server cannot be reached.
+  [[nodiscard]] static Result<SweepTable> open(const TableAddress& address, const SweepPlan& plan);
+  /// Numbers of the runs that have a row, ascending.
+  [[nodiscard]] Result<std::vector<std::uint64_t>> finished();
+  /// Adds the row of a run, unless there is one with its number. The row is on the disk when this function returns.
+  /// @param row JSON object: status, message, steps, processor_s, state_hash, measures
+  [[nodiscard]] Result<void> add(std::uint64_t number, const std::string& target, const std::vector<std::string>& values,
+                                 const json::Json& row);
+  /// Copies all rows of another table of the same plan that this table lacks. @return number of rows copied
+  [[nodiscard]] Result<std::int64_t> merge(const std::string& path);
+  /// The table as CSV, ordered by number.
+  [[nodiscard]] Result<std::string> csv();
+
+  SweepTable(SweepTable&& other) noexcept
+      : connection_(std::move(other.connection_)),
+        lock_(std::exchange(other.lock_, -1)),
+        table_(std::move(other.table_)),
+        plan_(std::move(other.plan_)),
+        columns_(std::move(other.columns_)) {}
+  SweepTable& operator=(SweepTable&&) = delete;
+  ~SweepTable();
+
+ private:
+  SweepTable(std::unique_ptr<store::Connection> connection, int lock) : connection_(std::move(connection)), lock_(lock) {}
+  [[nodiscard]] Result<void> prepare(const TableAddress& address, const SweepPlan& plan);
+  [[nodiscard]] Result<bool> insert(const std::vector<store::Value>& cells);
+
+  std::unique_ptr<store::Connection> connection_;
+  int lock_ = -1;                     // descriptor of the locked lock file; -1 for PostgreSQL
+  std::string table_;                 // quoted name of the table of runs
+  std::string plan_;                  // SweepPlan::text()
+  std::vector<std::string> columns_;  // all columns of the table of runs
+};
+
+/// Columns of an existing table, for plots.
+struct SweepColumns {
+  std::vector<std::vector<std::string>> cells;  ///< [runs with a result][columns]; empty text: no value
+};
+/// Reads columns of all runs that have the status `done`, ordered by number.
+/// Errors: no such table or column.
+[[nodiscard]] Result<SweepColumns> read_columns(const TableAddress& address, const std::vector<std::string>& columns);
+
+}  // namespace ugoki::cli
