@@ -21,12 +21,13 @@ enum class TargetKind { measured_file, mechanism_file, project, library, executa
 /// Options for reading the argument.
 struct SourceOptions {
   std::string library;  ///< path; empty: the default
+  std::string mapping;  ///< JSON file that corrects the recognised anatomy; empty: none
   std::string asf;      ///< skeleton for AMC files; empty: NN.asf in the folder of NN_MM.amc
   intake::IntakeOptions intake;
   RobotChoice robot;  ///< for URDF, SDF and MJCF
 };
 
-/// Adds the options --unit, --up, --forward and --travel, which correct a motion file.
+/// Adds the options --unit, --up, --forward, --travel, --mapping, --character and --take, which correct a motion file or choose from it.
 void add_correction_options(CLI::App& verb, SourceOptions& options);
 
 /// Path of the library: `option`, or the default path if it is empty.
