@@ -88,11 +88,7 @@ Result<Content> load(const Options& o) {
     if (file == intake::FileKind::csv && formats::csv_kind(*bytes) == formats::CsvKind::coordinates) return load_coordinates(o, *bytes);
     if (marker_output) {
       formats::ReadNotes notes;
-      const formats::MarkerOptions marker_options{.metres_per_unit = o.source.intake.unit};
-      const std::span raw(bytes->data(), bytes->size());
-      Result<MarkerMotion> markers = file == intake::FileKind::c3d ? formats::read_c3d(std::as_bytes(raw), o.input, marker_options, &notes)
-                                     : file == intake::FileKind::trc ? formats::read_trc(*bytes, o.input, marker_options, &notes)
-                                                                     : formats::read_csv(*bytes, o.input, marker_options, &notes);
+      Result<MarkerMotion> markers = intake::read_markers(*bytes, o.input, o.source.intake, notes);
       if (!markers) return fail(std::move(markers.error()));
       out.report = std::move(notes.remarks);
       if (o.fill) {

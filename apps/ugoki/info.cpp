@@ -12,6 +12,7 @@
 #include "ugoki/files/files.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
+#include "ugoki/intake/mapping_file.h"
 #include "ugoki/project/project.h"
 #include "verb.h"
 
@@ -21,6 +22,7 @@ namespace {
 struct Options {
   std::string target;
   SourceOptions source;
+  std::string mapping_out;
   bool tree = false, json = false;
 };
 
@@ -50,6 +52,17 @@ Json measured_json(const MeasuredMotion& m) {
           {"height_m", rest_height(m.skeleton)},
           {"metres_per_unit", m.skeleton.unit},
           {"joints", std::move(joints)}};
+}
+
+Json anatomy_json(const body::AnatomyMapping& anatomy) {
+  Json limbs = Json::array();
+  for (const body::LimbMapping& l : anatomy.limbs) {
+    std::string sections;
+    for (const body::SectionJoint& s : l.sections)
+      if (!s.joint.empty()) sections += (sections.empty() ? "" : ", ") + s.section + " = " + s.joint;
+    limbs.push_back({{"limb", l.name}, {"confidence", l.confidence}, {"sections", sections}, {"evidence", l.evidence}});
+  }
+  return {{"plan", anatomy.plan}, {"confidence", anatomy.confidence}, {"limbs", std::move(limbs)}};
 }
 
 Json scenario_json(const content::Scenario& s) {
@@ -124,6 +137,33 @@ Result<Json> info_of_executable(const std::string& path) {
               {"sections", std::move(sections)}};
 }
 
+/// Labels of a recording of markers to which no body could be fitted, with the reason. Other files: the error.
+Result<Json> info_of_recording(const Options& options, const Error& why) {
+  const Result<std::string> bytes = files::read_file(options.target);
+  if (!bytes) return fail(bytes.error());
+  formats::ReadNotes notes;
+  const Result<MarkerMotion> m = intake::read_markers(*bytes, options.target, options.source.intake, notes);
+  if (!m) return fail(why);
+  Json problems = Json::array();
+  for (const Problem& p : why.problems) problems.push_back(p.text());
+  if (!options.mapping_out.empty()) {
+    body::AnatomyMapping mapping;
+    for (const std::string& label : m->labels) mapping.labels.emplace_back(label, "");
+    if (Result<void> written = files::write_file(options.mapping_out, intake::write_mapping(mapping)); !written)
+      return fail(std::move(written.error()));
+  }
+  return Json{{"kind", "recording of markers"},
+              {"name", m->name},
+              {"frames", m->frames},
+              {"rate", m->rate},
+              {"duration_s", m->duration()},
+              {"metres_per_unit", m->unit},
+              {"seen_share", seen_share(*m)},
+              {"labels", m->labels},
+              {"no_body", std::move(problems)},
+              {"report", notes.remarks}};
+}
+
 Result<Json> info_of(const Options& options) {
   if (options.target.ends_with(".fmu")) return fmu_info(options.target);
   const Result<TargetKind> kind = kind_of(options.target);
@@ -167,11 +207,17 @@ Result<Json> info_of(const Options& options) {
     }
     case TargetKind::measured_file: {
       const Result<intake::Intake> loaded = take_in_file(options.target, options.source);
-      if (!loaded) return fail(loaded.error());
+      if (!loaded) return info_of_recording(options, loaded.error());
       Json json = {{"kind", "measured"}};
       json.update(measured_json(*loaded->measured));
       json["height_m"] = loaded->body->height;
       json["mass_kg"] = loaded->body->mass;
+      if (!options.mapping_out.empty())
+        if (Result<void> written = files::write_file(options.mapping_out, intake::write_mapping(loaded->body->anatomy)); !written)
+          return fail(std::move(written.error()));
+      json["characters"] = loaded->characters;
+      json["takes"] = loaded->takes;
+      json["anatomy"] = anatomy_json(loaded->body->anatomy);
       json["body"] = mechanism_json(*loaded->mechanism);
       json["report"] = loaded->report;
       return json;
@@ -238,6 +284,8 @@ void add_info_verb(CLI::App& app, Action& action) {
   add_robot_options(*verb, options->source.robot);
   add_correction_options(*verb, options->source);
   verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_option("--mapping-out", options->mapping_out,
+                   "Write the recognised anatomy of a motion file as JSON, to edit it and use it with --mapping");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki info walk.bvh\n  ugoki info robot.urdf --base fixed\n  ugoki info park.ugoki --json");
   verb->callback([options, &action] { action = [options] { return run_info(*options); }; });

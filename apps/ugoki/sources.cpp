@@ -8,6 +8,7 @@
 #include "ugoki/files/files.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
+#include "ugoki/intake/mapping_file.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/project/project.h"
 #include "ugoki/project/project_file.h"
@@ -74,6 +75,9 @@ void add_correction_options(CLI::App& verb, SourceOptions& options) {
   verb.add_option("--unit", options.intake.unit, "Metres per unit of length of the file (default: as the file specifies, or estimated)")
       ->check(CLI::Range(1e-6, 1000.0));
   verb.add_flag("--travel", options.intake.travel, "Give a character that walks in place (on a treadmill) the travel of its feet");
+  verb.add_option("--mapping", options.mapping, "Correct the recognised anatomy by a JSON file that `ugoki info --mapping-out` wrote");
+  verb.add_option("--character", options.intake.character, "Character of a file with several: its number from 1, or its root joint");
+  verb.add_option("--take", options.intake.take, "Motion of a file with several: its number from 1, or its name");
   const auto axis = [&options](bool is_up) {
     return [&options, is_up](const std::string& text) -> std::string {
       const std::optional<intake::FileAxis> named = intake::file_axis_named(text);
@@ -130,7 +134,8 @@ Result<TargetKind> kind_of(const std::string& target) {
   return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
 
-Result<intake::Intake> take_in_file(const std::string& path, const SourceOptions& options) {
+namespace {
+Result<intake::Intake> take_in_mapped(const std::string& path, const SourceOptions& options) {
   Result<std::string> bytes = files::read_file(path);
   if (!bytes) return fail(std::move(bytes.error()));
   const std::optional<intake::FileKind> kind = intake::file_kind(path);
@@ -169,6 +174,18 @@ Result<intake::Intake> take_in_file(const std::string& path, const SourceOptions
   const Result<formats::Asf> asf = formats::read_asf(*asf_text, asf_path, asf_options);
   if (!asf) return fail(asf.error());
   return intake::take_in(*bytes, path, &*asf, options.intake);
+}
+}  // namespace
+
+Result<intake::Intake> take_in_file(const std::string& path, const SourceOptions& options) {
+  if (options.mapping.empty()) return take_in_mapped(path, options);
+  const Result<std::string> text = files::read_file(options.mapping);
+  if (!text) return fail(text.error());
+  Result<body::AnatomyMapping> mapping = intake::read_mapping(*text, options.mapping);
+  if (!mapping) return fail(std::move(mapping.error()));
+  SourceOptions mapped = options;
+  mapped.intake.mapping = std::move(*mapping);
+  return take_in_mapped(path, mapped);
 }
 
 Result<ClipSource> load_clip(const std::string& target, const SourceOptions& options) {

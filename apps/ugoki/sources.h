@@ -21,12 +21,13 @@ enum class TargetKind { measured_file, mechanism_file, project, library, executa
 /// Options for reading the file or entry that a verb's argument names.
 struct SourceOptions {
   std::string library;  ///< path of the library; empty: the default path
+  std::string mapping;  ///< JSON file that corrects the recognised anatomy; empty: none
   std::string asf;      ///< skeleton for AMC files; empty: NN.asf in the folder of NN_MM.amc
   intake::IntakeOptions intake;
   RobotChoice robot;  ///< options for URDF, SDF and MJCF files
 };
 
-/// Adds the options --unit, --up, --forward and --travel, which correct a motion file.
+/// Adds the options --unit, --up, --forward, --travel, --mapping, --character and --take, which correct a motion file or choose from it.
 void add_correction_options(CLI::App& verb, SourceOptions& options);
 
 /// Path of the library: `option`, or the default path if it is empty.

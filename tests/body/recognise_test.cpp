@@ -105,5 +105,65 @@ TEST(Recognise, NoFramesAndNoJointsAreNoCharacter) {
   EXPECT_EQ(recognise_character(still).plan, BodyPlan::other);
 }
 
+TEST(Mapping, TheRecognisedMappingGivesTheSameCharacter) {
+  const MeasuredMotion motion = testing::made_character(60);
+  const Character before = recognise_character(motion);
+  const AnatomyMapping mapping = mapping_of(before, motion.skeleton);
+  ASSERT_EQ(mapping.limbs.size(), 5u);
+  for (const LimbMapping& l : mapping.limbs) {
+    EXPECT_GT(l.confidence, 0.8) << l.name;
+    EXPECT_LE(l.confidence, 1) << l.name;
+  }
+  EXPECT_TRUE(check_mapping(mapping, motion.skeleton, "mapping").empty());
+  const Character after = recognise_character(motion, &mapping);
+  EXPECT_TRUE(after.corrected);
+  EXPECT_EQ(after.plan, before.plan) << after.why_not;
+  for (std::size_t i = 0; i < before.parts.size(); ++i) {
+    EXPECT_EQ(after.parts[i].part, before.parts[i].part) << motion.skeleton.joints[i].name;
+    EXPECT_EQ(after.parts[i].side, before.parts[i].side) << motion.skeleton.joints[i].name;
+  }
+}
+
+TEST(Mapping, ACorrectionExchangesLeftAndRight) {
+  const MeasuredMotion motion = testing::made_character(60);
+  AnatomyMapping mapping = mapping_of(recognise_character(motion), motion.skeleton);
+  for (LimbMapping& l : mapping.limbs) {
+    if (l.name.starts_with("left"))
+      l.name.replace(0, 4, "right");
+    else if (l.name.starts_with("right"))
+      l.name.replace(0, 5, "left");
+  }
+  const Character character = recognise_character(motion, &mapping);
+  ASSERT_EQ(character.plan, BodyPlan::human) << character.why_not;
+  EXPECT_EQ(motion.skeleton.joints[static_cast<std::size_t>(character.legs[0].proximal)].name, "RightUpLeg");
+  EXPECT_EQ(motion.skeleton.joints[static_cast<std::size_t>(character.arms[1].end)].name, "LeftHand");
+}
+
+TEST(Mapping, ThePlanCanBeCorrected) {
+  const MeasuredMotion motion = testing::made_character(60);
+  AnatomyMapping mapping;
+  for (const auto& [name, plan] : {std::pair{"other", BodyPlan::other}, {"four legs", BodyPlan::four_legs}, {"human", BodyPlan::human}}) {
+    mapping.plan = name;
+    EXPECT_EQ(recognise_character(motion, &mapping).plan, plan);
+  }
+}
+
+TEST(Mapping, WrongCorrectionsAreReported) {
+  const MeasuredMotion motion = testing::made_character(60);
+  const AnatomyMapping good = mapping_of(recognise_character(motion), motion.skeleton);
+  AnatomyMapping wrong = good;
+  wrong.limbs[0].sections[0].joint = "Nothing";
+  wrong.limbs[1].sections[0].section = "wing";
+  wrong.limbs[2].name = "third leg";
+  wrong.plan = "centaur";
+  EXPECT_EQ(check_mapping(wrong, motion.skeleton, "m").problems.size(), 4u);
+  // A shank above its thigh is no leg.
+  wrong = good;
+  std::swap(wrong.limbs[0].sections[0].joint, wrong.limbs[0].sections[1].joint);
+  const Character character = recognise_character(motion, &wrong);
+  EXPECT_EQ(character.plan, BodyPlan::other);
+  EXPECT_NE(character.why_not.find("do not follow each other"), std::string::npos) << character.why_not;
+}
+
 }  // namespace
 }  // namespace ugoki::body

@@ -266,6 +266,32 @@ TEST(Capture, IsDeterministic) {
   EXPECT_EQ(a->measured.translations, b->measured.translations);
 }
 
+TEST(Capture, JointCentresOfBothLegsGiveABody) {
+  // The points of the bone axes that Plug-in Gait writes: pelvis, hips, knees and ankles.
+  const Known k = make_known(human_key_points(), 1, 5, 0);
+  const std::vector<std::pair<std::string, std::string>> names = {{"MIDHIP", "MIDPEL"}, {"LHIP", "LFEP"},  {"RHIP", "RFEP"},
+                                                                  {"LKNEE", "LFEO"},    {"RKNEE", "RFEO"}, {"LANKLE", "LTIO"},
+                                                                  {"RANKLE", "RTIO"}};
+  MarkerMotion legs = k.markers;
+  legs.labels.clear();
+  legs.positions.clear();
+  legs.residuals.clear();
+  std::vector<int> columns;
+  for (const auto& [known, label] : names) {
+    columns.push_back(k.markers.find(known));
+    ASSERT_GE(columns.back(), 0) << known;
+    legs.labels.push_back(label);
+  }
+  for (int f = 0; f < k.markers.frames; ++f)
+    for (const int c : columns) {
+      legs.positions.push_back(k.markers.at(f, c));
+      legs.residuals.push_back(0);
+    }
+  const auto solved = solve_markers(legs);
+  ASSERT_TRUE(solved.has_value()) << solved.error().text();
+  EXPECT_LT(solved->rms, 0.01);
+}
+
 TEST(Capture, InvalidRecordingIsRejectedWithAReason) {
   Known k = make_known(human_markers(), 1, 3, 0);
   MarkerMotion unknown = k.markers;

@@ -73,8 +73,7 @@ TEST(Trc, BrokenFilesAreRejectedAtTheirLine) {
         {"truncated header", good.substr(0, 60), 2},
         {"no rate", with("50\t50\t2", "fast\t50\t2"), 3},
         {"rate nan", with("50\t50\t2", "nan\t50\t2"), 3},
-        {"other number of markers", with("\t2\t2\tmm", "\t2\t3\tmm"), 4},
-        {"duplicate marker name", with("Heel", "Head"), 4},
+        {"a marker without a name", with("\t2\t2\tmm", "\t2\t3\tmm").replace(good.find("4\t20\t300\n"), 8, "4\t20\t300\t1\t2\t3"), 7},
         {"no names", with("Frame#\tTime\tHead\t\t\tHeel\t\t", "Frame#\tTime"), 4},
         {"not a number", with("1700\t3", "high\t3"), 7},
         {"infinite", with("1700\t3", "inf\t3"), 7},
@@ -85,6 +84,38 @@ TEST(Trc, BrokenFilesAreRejectedAtTheirLine) {
         {"fewer frames declared", with("50\t50\t2", "50\t50\t1"), 8}}) {
     expect_refused_at(read_trc(c.text, "bad.trc"), c.line, c.what);
   }
+}
+
+TEST(Trc, ColumnsDecideHowManyMarkersThereAre) {
+  // Computed markers were named behind the counted ones: with columns they are read, without columns they are left out.
+  const std::string named = with("Heel\t\t", "Heel\t\t\tHip\t\t\tHip\t\t");
+  for (const bool columns : {true, false}) {
+    std::string text = named;
+    if (columns)
+      for (const char* row : {"\t300\n", "\t300.5\n"}) {
+        const std::size_t at = text.find(row);
+        text.insert(text.find('\n', at), "\t\t\t\t\t\t");
+      }
+    const auto m = read_trc(text, "walk.trc");
+    ASSERT_TRUE(m.has_value()) << text_of(m.error());
+    EXPECT_EQ(m->labels, columns ? (std::vector<std::string>{"Head", "Heel", "Hip", "Hip 2"}) : (std::vector<std::string>{"Head", "Heel"}));
+    EXPECT_FALSE(columns && m->seen(0, 3));
+    expect_near(m->at(0, 0), {0.003, 0.001, 1.7}, 1e-12, "first marker");
+  }
+}
+
+TEST(Trc, AHeaderAlignedByBlanksIsRead) {
+  std::string text = good;
+  for (std::size_t at = text.find("DataRate"), end = text.find("\n7"); at < end; ++at)
+    if (text[at] == '\t') text.replace(at, 1, "   "), end += 2;
+  // Rows with an empty column before the frame number.
+  text.replace(text.find("\n7"), 2, "\n\t7");
+  text.replace(text.find("\n8"), 2, "\n\t8");
+  const auto m = read_trc(text, "walk.trc");
+  ASSERT_TRUE(m.has_value()) << text_of(m.error());
+  EXPECT_EQ(m->labels, (std::vector<std::string>{"Head", "Heel"}));
+  EXPECT_EQ(m->rate, 50);
+  expect_near(m->at(1, 1), {0.3005, 0.0045, 0.0205}, 1e-12, "second frame");
 }
 
 TEST(Trc, SharedRecordingsHaveExpectedMarkersFramesAndRate) {

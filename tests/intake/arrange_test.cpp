@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "../body/measured_files.h"
+#include "ugoki/body/body.h"
+#include "ugoki/intake/support.h"
 #include "ugoki/samples/samples.h"
 
 namespace ugoki::intake {
@@ -100,6 +102,98 @@ TEST(Arrange, WalkingInPlaceIsFoundAndGetsItsTravel) {
   EXPECT_LT(norm(*belt + speed), 0.15 * norm(speed));
   add_travel(walk, *belt);
   EXPECT_LT(max_distance(before, walk), 0.15 * norm(travel));
+}
+
+TEST(Arrange, FeetDrivenFromTheRootAreAttachedToTheirShanks) {
+  // Game rigs: the feet are children of the root, and inverse kinematics keeps them at the ends of the shanks.
+  const MeasuredMotion before = samples::make_human_walk();
+  MeasuredMotion odd = before;
+  const std::size_t n = before.skeleton.joints.size();
+  std::vector<Pose> X;
+  const std::vector<Vec3> rest = rest_positions(before.skeleton);
+  for (const char* name : {"LeftFoot", "RightFoot"}) {
+    const auto foot = static_cast<std::size_t>(find(before, name));
+    for (int f = 0; f < odd.frames; ++f) {
+      before.calc_joint_poses(f, X);
+      const Pose local = X[0].inverse() * X[foot];
+      odd.translations[static_cast<std::size_t>(f) * n + foot] = local.p;
+      odd.rotations[static_cast<std::size_t>(f) * n + foot] = to_quat(local.R);
+    }
+    odd.skeleton.joints[foot].parent = 0;
+    odd.skeleton.joints[foot].offset = rest[foot] - rest[0];
+    odd.skeleton.joints[foot].translates = true;
+  }
+  EXPECT_NE(body::recognise_character(odd).plan, body::BodyPlan::human) << "the feet must be missing before";
+  std::vector<std::string> report;
+  const body::Character character = arrange(std::span(&odd, 1), report);
+  EXPECT_EQ(character.plan, body::BodyPlan::human) << character.why_not;
+  ASSERT_FALSE(report.empty());
+  EXPECT_NE(report[0].find("LeftFoot"), std::string::npos) << report[0];
+  for (const char* side : {"Left", "Right"}) {
+    const int foot = find(odd, std::string(side) + "Foot");
+    ASSERT_GE(foot, 0);
+    const int parent = odd.skeleton.joints[static_cast<std::size_t>(foot)].parent;
+    ASSERT_GE(parent, 0);
+    EXPECT_EQ(odd.skeleton.joints[static_cast<std::size_t>(parent)].name, std::string(side) + "Leg");
+  }
+  EXPECT_LT(max_distance(before, odd), 1e-9);
+  for (int i = 0; i < odd.joint_count(); ++i) EXPECT_LT(odd.skeleton.joints[static_cast<std::size_t>(i)].parent, i);
+}
+
+TEST(Arrange, AJumpToAnotherPlaceCutsTheMotion) {
+  MeasuredMotion walk = samples::make_human_walk();
+  std::vector<std::string> report;
+  const body::Character character = arrange(std::span(&walk, 1), report);
+  EXPECT_EQ(cut_at_jumps(character, walk), "");
+  // The last fifth is at another place.
+  MeasuredMotion cut = walk;
+  const std::size_t n = walk.skeleton.joints.size();
+  const int jump = walk.frames * 4 / 5;
+  for (int f = jump; f < walk.frames; ++f) cut.translations[static_cast<std::size_t>(f) * n] += Vec3{-1, 2, 0};
+  const std::string sentence = cut_at_jumps(character, cut);
+  EXPECT_NE(sentence.find("frames 1 to " + std::to_string(jump) + " of " + std::to_string(walk.frames)), std::string::npos) << sentence;
+  EXPECT_EQ(cut.frames, jump);
+  EXPECT_EQ(cut.rotations.size(), n * static_cast<std::size_t>(jump));
+  EXPECT_EQ(max_distance(cut, walk), 0);
+}
+
+TEST(Arrange, ACalibrationPoseBeforeTheMarkersIsCut) {
+  MarkerMotion m;
+  m.rate = 100;
+  m.frames = 50;
+  m.labels = {"A", "B", "C", "D"};
+  for (int f = 0; f < m.frames; ++f)
+    for (int i = 0; i < 4; ++i) {
+      m.positions.push_back(Vec3{0.01 * f, 0.3 * i, 0.5 * i} + (f == 0 ? Vec3{0.4, 0.4, 0} : Vec3{}));
+      // One marker that jumps alone is exchanged; this is no jump of the character.
+      if (f == 30 && i == 2) m.positions.back().z += 1;
+      m.residuals.push_back(0);
+    }
+  const std::string sentence = cut_markers_at_jumps(m);
+  EXPECT_NE(sentence.find("frames 2 to 50 of 50"), std::string::npos) << sentence;
+  EXPECT_EQ(m.frames, 49);
+  EXPECT_EQ(m.first_frame, 2);
+  EXPECT_EQ(m.at(0, 1), (Vec3{0.01, 0.3, 0.5}));
+  EXPECT_EQ(cut_markers_at_jumps(m), "");
+}
+
+TEST(Support, AMissingStepIsReportedAndAJumpIsNot) {
+  const MeasuredMotion walk = samples::make_human_walk();
+  const auto body = body::make_body(walk);
+  ASSERT_TRUE(body) << body.error().text();
+  const Motion level = body::to_motion(*body, walk);
+  EXPECT_EQ(describe_missing_support(*body->mechanism, level, body->height), "");
+  Motion step = level;
+  for (int f = step.frames / 2; f < step.frames; ++f) step.frame(f)[2] += 0.3;
+  const std::string sentence = describe_missing_support(*body->mechanism, step, body->height);
+  EXPECT_NE(sentence.find("does not contain"), std::string::npos);
+  // A flight phase: 0.6 s on a parabola.
+  Motion jump = level;
+  for (int f = 0; f < jump.frames; ++f) {
+    const double t = f / jump.rate - 0.2, flight = 0.6;
+    if (t > 0 && t < flight) jump.frame(f)[2] += 0.5 * 9.81 * t * (flight - t);
+  }
+  EXPECT_EQ(describe_missing_support(*body->mechanism, jump, body->height), "");
 }
 
 }  // namespace

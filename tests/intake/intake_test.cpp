@@ -114,8 +114,8 @@ TEST(Intake, TwoCharactersInOneFileAreReported) {
     const auto intake = take_in(text, "chains.gltf");
     EXPECT_TRUE(intake) << intake.error().text();
     return intake && std::ranges::any_of(intake->conversion.check, [](const std::string& line) {
-             return line.find("2 unconnected characters (roots node_0, node_5)") != std::string::npos &&
-                    line.find("a file of its own") != std::string::npos;
+             return line.find("2 unconnected characters (roots node_0 and node_5)") != std::string::npos &&
+                    line.find("--character") != std::string::npos;
            });
   };
   EXPECT_TRUE(reported(nodes(2)));

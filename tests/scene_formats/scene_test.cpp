@@ -287,6 +287,56 @@ TEST(Scene, FbxReadsSkeletonDespiteOtherDefects) {
   expect_same(plain->front(), more->front(), 1e-12);
 }
 
+TEST(Scene, EachStackOfAnFbxFileIsAMotion) {
+  // Stacks of a motion editor: a second one with its own keys, one without a layer, and one whose layer has no curves.
+  std::string text = with(fbx_text, "  AnimationLayer: 21", R"(  AnimationStack: 30, "AnimStack::run", "" {
+  }
+  AnimationStack: 40, "AnimStack::empty", "" {
+  }
+  AnimationStack: 50, "AnimStack::still", "" {
+  }
+  AnimationLayer: 31, "AnimLayer::base", "" {
+  }
+  AnimationLayer: 51, "AnimLayer::base", "" {
+  }
+  AnimationCurveNode: 33, "AnimCurveNode::R", "" {
+    Properties70:  {
+      P: "d|Z", "Number", "", "A", 0.0
+    }
+  }
+  AnimationCurve: 34, "AnimCurve::", "" {
+    KeyTime: *2 {
+      a: 0,46186158000
+    }
+    KeyValueFloat: *2 {
+      a: 0.0,60.0
+    }
+  }
+  AnimationLayer: 21)");
+  text = with(text, "Connections:  {\n", R"(Connections:  {
+  C: "OO",31,30
+  C: "OO",33,31
+  C: "OP",33,11, "Lcl Rotation"
+  C: "OP",34,33, "d|Z"
+  C: "OO",51,50
+)");
+  const auto read = read_scene(bytes_of(text), "x.fbx");
+  ASSERT_TRUE(read) << read.error().text();
+  ASSERT_GE(read->size(), 2u);
+  const auto turn = [](const MeasuredMotion& m) {
+    std::vector<Pose> X(static_cast<std::size_t>(m.joint_count()));
+    m.calc_joint_poses(m.frames - 1, X);
+    return std::fabs(X[static_cast<std::size_t>(joint_named(m, "knee"))].R.row(2).y);
+  };
+  int walk = 0, run = 0;
+  for (const MeasuredMotion& m : *read) {
+    walk += m.name.find("walk") != std::string::npos && std::fabs(turn(m) - 0.5) < 1e-6 ? 1 : 0;
+    run += m.name.find("run") != std::string::npos && std::fabs(turn(m) - 0.8660254) < 1e-6 ? 1 : 0;
+  }
+  EXPECT_EQ(walk, 1);
+  EXPECT_EQ(run, 1);
+}
+
 TEST(Scene, DefectiveFbxIsRefused) {
   struct Case {
     const char *old, *now, *location, *words;

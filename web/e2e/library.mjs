@@ -111,6 +111,44 @@ const journeys = [
     },
   },
   {
+    name: 'library: the import colours the limbs, shows their confidence, and a joint, the plan and a mapping file can be changed by mouse',
+    async run({ page }) {
+      await choose(page, [['waver.bvh', leg_swing_bvh()]]);
+      await all_read(page);
+      const anatomy = async () => (await files(page))[0].anatomy;
+      const ready = async () => !(await files(page))[0].rereading;
+      const found = await anatomy();
+      assert.equal(found.plan, 'human');
+      assert.deepEqual(found.limbs.map((l) => l.limb).sort(), ['head', 'left arm', 'left leg', 'right arm', 'right leg']);
+      assert.ok(found.limbs.every((l) => l.confidence > 0 && l.confidence <= 1 && l.links.length > 0), JSON.stringify(found.limbs));
+      assert.deepEqual(found.limbs.find((l) => l.limb === 'left leg').sections.map((s) => s.joint), ['LeftUpLeg', 'LeftLeg', 'LeftFoot', '']);
+      await until(page, () => page.evaluate(() => window.ugoki.import_view()?.pictures > 2), 'the preview');
+      const colors = () => page.evaluate(() => window.ugoki.import_view().colors);
+      const before = await colors();
+      assert.ok(new Set(before.filter(Boolean)).size >= 5, `colours of the limbs: ${before}`);
+      await page.screenshot({ path: `${pictures}import-anatomy.png` });
+      // A click on the limb in the list opens its joints; the other limbs lose their colour.
+      await page.locator('.limb', { hasText: 'left leg' }).click();
+      await until(page, async () => new Set((await colors()).filter(Boolean)).size === 2, 'one coloured limb');
+      await page.screenshot({ path: `${pictures}import-limb.png` });
+      const hand = page.getByLabel('Joint of left leg, foot');
+      await hand.selectOption('');
+      await until(page, async () => ((await ready()) && (await page.locator('.import-check.bad').count()) > 0), 'the refusal of a leg without foot');
+      assert.match(await page.locator('.import-check.bad').textContent(), /without thigh, shank or foot/);
+      // The body plan.
+      await page.getByLabel('Body plan').selectOption('other');
+      await until(page, async () => (await ready()) && (await anatomy()).plan === 'other', 'the other plan');
+      await page.getByRole('button', { name: 'As recognised' }).click();
+      await until(page, async () => (await ready()) && (await anatomy()).plan === 'human', 'the recognised plan');
+      // A mapping file exchanges left and right.
+      const swapped = { format: 'ugoki anatomy mapping', version: 1, limbs: ['left', 'right'].map((side) => ({ limb: `${side} leg`, sections: [['thigh', 'UpLeg'], ['shank', 'Leg'], ['foot', 'Foot']].map(([section, joint]) => ({ section, joint: `${side === 'left' ? 'Right' : 'Left'}${joint}` })) })) };
+      await page.locator('.mapping-buttons input[type=file]').setInputFiles([{ name: 'swapped.json', mimeType: 'application/json', buffer: Buffer.from(JSON.stringify(swapped)) }]);
+      await until(page, async () => (await ready()) && (await anatomy()).limbs.find((l) => l.limb === 'left leg').sections[0].joint === 'RightUpLeg', 'the exchanged legs');
+      await page.keyboard.press('Escape');
+      await import_closed(page);
+    },
+  },
+  {
     name: 'library: of several files a damaged one is refused with location, reason and remedy',
     async run({ page }) {
       const before = (await library_state(page)).total;

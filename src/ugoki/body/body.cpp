@@ -77,10 +77,10 @@ bool is_canonical(const Character& c, std::span<const Mat3> turns) {
 }
 
 /// Recognises the character and gives it its canonical rest pose. If a human is recognised only in the file's rest pose, that pose is kept.
-Subject make_subject(const MeasuredMotion& motion) {
+Subject make_subject(const MeasuredMotion& motion, const AnatomyMapping* mapping) {
   Subject s;
-  s.character = recognise_character(motion);
-  if (s.character.plan == BodyPlan::other) {
+  s.character = recognise_character(motion, mapping);
+  if (s.character.plan == BodyPlan::other && !s.character.corrected) {
     s.anatomy = find_anatomy(motion.skeleton);
     if (s.anatomy.human) {
       s.motion = motion;
@@ -100,7 +100,7 @@ Subject make_subject(const MeasuredMotion& motion) {
 class Maker {
  public:
   Maker(const MeasuredMotion& motion, const BodyOptions& options)
-      : subject_(make_subject(motion)), m_(subject_.motion), o_(options), anatomy_(subject_.anatomy) {}
+      : subject_(make_subject(motion, options.mapping)), m_(subject_.motion), o_(options), anatomy_(subject_.anatomy) {}
 
   Result<Body> run() {
     auto body = build(false);
@@ -110,6 +110,8 @@ class Maker {
     if (body) {
       body->rest = subject_.turns;
       body->confidence = subject_.character.confidence;
+      body->anatomy = mapping_of(subject_.character, m_.skeleton);
+      report_anatomy(*body);
     }
     return body;
   }
@@ -135,6 +137,20 @@ class Maker {
     for (const LinkSpec& l : spec_.links) body_.link_of_joint.push_back(body_.mechanism->find_link(l.name));
     fit_limits();
     return body_;
+  }
+
+  /// Reports the recognised limbs with their confidences, and each limb that should be checked.
+  static void report_anatomy(Body& body) {
+    const AnatomyMapping& a = body.anatomy;
+    if (a.limbs.empty()) return;
+    std::string limbs;
+    for (const LimbMapping& l : a.limbs) limbs += (limbs.empty() ? "" : ", ") + l.name + " " + to_fixed(l.confidence, 2);
+    body.report.push_back("Anatomy: " + a.plan + ", confidence " + to_fixed(a.confidence, 2) + "; " + limbs + ".");
+    constexpr double sure = 0.8;  // below it every fifth limb or more would be wrong, if confidences are probabilities
+    for (const LimbMapping& l : a.limbs)
+      if (l.confidence < sure)
+        body.report.push_back("The " + l.name + " is uncertain (" + to_fixed(l.confidence, 2) + "): " + l.evidence +
+                              " Check it, and correct it with a mapping if it is wrong.");
   }
 
   void note(std::string sentence) { body_.report.push_back(std::move(sentence)); }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/body/mapping.h"
 #include "ugoki/mechanism/mechanism.h"
 #include "ugoki/motion/motion.h"
 #include "ugoki/motion/skeleton.h"
@@ -20,8 +21,9 @@ struct BodyOptions {
   double height = 0;    ///< m; 0: estimated from the skeleton
   double mass = 0;      ///< kg; 0: the file's mass if its body mass index is 12 to 60 kg/m^2, otherwise 22.5 kg/m^2 times height squared
   Sex sex = Sex::mean;  ///< table of segment parameters
-  bool keep_unmoved = false;  ///< true: joints with DOFs stay movable even if they do not move in this motion
-  bool level_floor = true;    ///< false: the measured floor is already z = 0 and level; the motion is not shifted
+  bool keep_unmoved = false;                ///< true: joints with DOFs stay movable even if they do not move in this motion
+  const AnatomyMapping* mapping = nullptr;  ///< corrects the recognised anatomy; null: none
+  bool level_floor = true;                  ///< false: the measured floor is already z = 0 and level; the motion is not shifted
 };
 
 /// Sole of a foot on which the body stands.
@@ -44,6 +46,7 @@ struct Body {
   std::vector<Mat3> rest;                ///< [joints] turns from the file's rest pose to the body's (canonical_turns); empty: the same pose
   std::vector<Sole> soles;               ///< left, right; empty if not human; in the body's rest pose
   double confidence = 0;                 ///< 0 ... 1: confidence in the anatomy
+  AnatomyMapping anatomy;                ///< recognised body plan and limbs; no entries if no limbs were recognised
   std::vector<std::string> report;       ///< sentences for display: what was recognised, estimated, widened, shifted
 };
 

@@ -30,6 +30,7 @@ struct Pair {
 struct Sections {
   int upper = -1, lower = -1, end = -1, tip = -1;
   double cost = 1e9;
+  double confidence = 0;  ///< 0 ... 1 that this division is right
 };
 
 /// True if the part belongs to a leg (is_leg), to an arm (is_arm), to the middle of the body (is_middle).

@@ -17,7 +17,7 @@ double square(double x) { return x * x; }
 
 class Recogniser {
  public:
-  explicit Recogniser(const MeasuredMotion& m) : m_(m), n_(m.joint_count()), shape_(m) {
+  Recogniser(const MeasuredMotion& m, const AnatomyMapping* correction) : m_(m), correction_(correction), n_(m.joint_count()), shape_(m) {
     std::vector<std::string> names;
     for (const SkeletonJoint& j : m.skeleton.joints) names.push_back(j.name);
     names_ = read_joint_names(names);
@@ -33,6 +33,8 @@ class Recogniser {
     }
     find_branches();
     choose_limbs();
+    if (correction_ && !correction_->limbs.empty()) apply_correction();
+    if (correction_ && !correction_->plan.empty()) apply_plan();
     return std::move(f_);
   }
 
@@ -188,6 +190,7 @@ class Recogniser {
         }
         if (head_score < -3) head = -1;
         score += head < 0 ? -6 : head_score;
+        choices_.push_back({static_cast<int>(l), static_cast<int>(a), head, score});
         if (score > best) {
           best = score;
           best_legs = static_cast<int>(l);
@@ -216,7 +219,20 @@ class Recogniser {
       f_.why_not = "head and arms are not on a common spine.";
       return;
     }
+    chosen_ = {best_legs, best_arms, best_head, best};
     build(legs, arms, head);
+  }
+
+  /// Probability that a choice with a property is the right one, if scores are log-likelihoods.
+  template <class Test>
+  [[nodiscard]] double share_of_choices(const Test& test) const {
+    double with = 0, all = 0;
+    for (const Choice& c : choices_) {
+      const double p = ugoki::exp(c.score - chosen_.score);
+      all += p;
+      with += test(c) ? p : 0;
+    }
+    return all > 0 ? with / all : 0;
   }
 
   /// Score of a branch as neck and head; higher is better.
@@ -298,13 +314,19 @@ class Recogniser {
   [[nodiscard]] Sections divide(std::span<const Branch* const> limbs, bool leg) const {
     const int count = static_cast<int>(limbs[0]->path.size());
     Sections best;
+    std::vector<double> costs;
     for (int u = 0; u < count; ++u)
       for (int l = u + 1; l < count; ++l)
         for (int e = l + 1; e <= (leg ? count - 1 : count); ++e) {
           double cost = 0;
           for (const Branch* b : limbs) cost += division_cost(*b, leg, u, l, e);
+          costs.push_back(cost);
           if (cost < best.cost) best = {u, l, e == count ? -1 : e, -1, cost};
         }
+    // Costs are squared deviations in units of their standard deviations, so half of a cost is a negative log-likelihood.
+    double sum = 0;
+    for (const double c : costs) sum += ugoki::exp(0.5 * (best.cost - c) / static_cast<double>(limbs.size()));
+    best.confidence = sum > 0 ? 1 / sum : 0;
     return best;
   }
   void divide_both(const Branch (&limbs)[2], bool leg, Sections (&out)[2]) const {
@@ -363,12 +385,24 @@ class Recogniser {
       f_.why_not = "an arm has no upper arm and forearm.";
       return;
     }
+    choose_sides(legs, arms, leg_parts, arm_parts);
+    const double pair_of_legs = share_of_choices([&](const Choice& c) { return c.legs == chosen_.legs; });
+    const double pair_of_arms = share_of_choices([&](const Choice& c) { return c.arms == chosen_.arms; });
+    for (int s = 0; s < 2; ++s) {
+      f_.leg_confidence[at(s)] = pair_of_legs * leg_parts[s].confidence * side_confidence_;
+      f_.arm_confidence[at(s)] = pair_of_arms * arm_parts[s].confidence * side_confidence_;
+    }
+    f_.head_confidence = share_of_choices([&](const Choice& c) { return c.head == chosen_.head; });
+    assemble(legs, arms, leg_parts, arm_parts, head);
+  }
+
+  /// Sets the parts of a body whose pelvis, chest, limbs and sides are known.
+  void assemble(const Branch (&legs)[2], const Branch (&arms)[2], const Sections (&leg_parts)[2], const Sections (&arm_parts)[2],
+                const Branch& head) {
     f_.trunk.push_back(f_.pelvis);
     for (const int i : path_below(f_.pelvis, f_.chest)) f_.trunk.push_back(i);
     for (int i = parent(f_.pelvis); i >= 0; i = parent(i)) f_.root_path.push_back(i);
     std::reverse(f_.root_path.begin(), f_.root_path.end());
-    choose_sides(legs, arms, leg_parts, arm_parts);
-
     for (const int i : f_.trunk) f_.parts[at(i)] = {i == f_.pelvis ? Part::pelvis : Part::trunk, 0};
     f_.neck = path_below(f_.chest, head.leaf);
     find_head();
@@ -382,12 +416,136 @@ class Recogniser {
     find_helpers();
   }
 
+  [[nodiscard]] int joint_named(const std::string& wanted) const {
+    for (int i = 0; i < n_ && !wanted.empty(); ++i)
+      if (m_.skeleton.joints[at(i)].name == wanted) return i;
+    return -1;
+  }
+
+  /// The recognised joints of a limb, replaced by those that the correction names.
+  [[nodiscard]] Limb corrected(Limb limb, const std::string& limb_name, bool leg) const {
+    const LimbMapping* given = correction_->find(limb_name);
+    if (given == nullptr) return limb;
+    for (const SectionJoint& s : given->sections) {
+      const auto set = [&](const char* section, int& joint) {
+        if (s.section == section) joint = joint_named(s.joint);
+      };
+      set(leg ? "thigh" : "upper arm", limb.proximal);
+      set(leg ? "shank" : "forearm", limb.distal);
+      set(leg ? "foot" : "hand", limb.end);
+      set(leg ? "toes" : "fingers", limb.tip);
+    }
+    return limb;
+  }
+
+  /// Rebuilds the character with the sections that the caller names.
+  void apply_correction() {
+    std::array<Limb, 2> legs, arms;
+    for (std::size_t s = 0; s < 2; ++s) {
+      const std::string side = s == 0 ? "left " : "right ";
+      legs[s] = corrected(f_.legs[s], side + "leg", true);
+      arms[s] = corrected(f_.arms[s], side + "arm", false);
+    }
+    int head = f_.head, tail = f_.tail.empty() ? -1 : f_.tail.front();
+    for (const auto& [name, joint] : {std::pair<const char*, int*>{"head", &head}, {"tail", &tail}})
+      if (const LimbMapping* given = correction_->find(name); given && !given->sections.empty())
+        *joint = joint_named(given->sections.front().joint);
+    const Character recognised = f_;
+    f_ = {};
+    f_.parts.assign(at(n_), {});
+    f_.helper.assign(at(n_), 0);
+    f_.free = recognised.free;
+    f_.corrected = true;
+    tail_given_ = tail;
+    rebuild(legs, arms, head);
+    f_.decisions.push_back("The limbs are those of the mapping.");
+    f_.leg_confidence = recognised.leg_confidence;
+    f_.arm_confidence = recognised.arm_confidence;
+    f_.head_confidence = recognised.head_confidence;
+    for (const LimbMapping& l : correction_->limbs) {
+      const std::size_t s = l.name.starts_with("right") ? 1 : 0;
+      if (l.name.ends_with("leg")) f_.leg_confidence[s] = 1;
+      if (l.name.ends_with("arm")) f_.arm_confidence[s] = 1;
+      if (l.name == "head") f_.head_confidence = 1;
+    }
+  }
+
+  /// A character with the given limbs. Sets Character::why_not if they form no body.
+  void rebuild(const std::array<Limb, 2>& legs, const std::array<Limb, 2>& arms, int head) {
+    for (const Limb& l : legs)
+      if (l.proximal < 0 || l.distal < 0 || l.end < 0) {
+        f_.why_not = "the mapping leaves a leg without thigh, shank or foot.";
+        return;
+      }
+    for (const Limb& l : arms)
+      if (l.proximal < 0 || l.distal < 0) {
+        f_.why_not = "the mapping leaves an arm without upper arm or forearm.";
+        return;
+      }
+    if (head < 0) {
+      f_.why_not = "the mapping leaves the body without a head.";
+      return;
+    }
+    f_.pelvis = common_ancestor(parent(legs[0].proximal), parent(legs[1].proximal));
+    f_.chest = common_ancestor(common_ancestor(parent(arms[0].proximal), parent(arms[1].proximal)), parent(head));
+    if (f_.pelvis < 0 || f_.chest < 0 || f_.chest == f_.pelvis || !is_below(f_.chest, f_.pelvis)) {
+      f_.why_not = "legs, arms and head of the mapping are not on a common spine with the pelvis at its lower end.";
+      f_.pelvis = f_.chest = -1;
+      return;
+    }
+    Branch branches[4];
+    Sections sections[4];
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Limb& l = k < 2 ? legs[k] : arms[k - 2];
+      Branch& b = branches[k];
+      b.from = k < 2 ? f_.pelvis : f_.chest;
+      b.leaf = l.tip >= 0 ? l.tip : l.end >= 0 ? l.end : l.distal;
+      while (heir_[at(b.leaf)] >= 0) b.leaf = heir_[at(b.leaf)];
+      b.path = path_below(b.from, b.leaf);
+      b.first = b.path.empty() ? -1 : b.path.front();
+      const auto place = [&](int joint) {
+        const auto found = std::ranges::find(b.path, joint);
+        return joint < 0 || found == b.path.end() ? -1 : static_cast<int>(found - b.path.begin());
+      };
+      Sections& s = sections[k];
+      s = {place(l.proximal), place(l.distal), place(l.end), place(l.tip), 0};
+      if (!(s.upper >= 0 && s.lower > s.upper && (l.end < 0 || s.end > s.lower) && (l.tip < 0 || s.tip > s.end))) {
+        f_.why_not = "the sections of a limb in the mapping do not follow each other from the trunk outwards.";
+        f_.pelvis = f_.chest = -1;
+        return;
+      }
+    }
+    Branch skull;
+    skull.leaf = head;
+    while (heir_[at(skull.leaf)] >= 0) skull.leaf = heir_[at(skull.leaf)];
+    head_given_ = head;
+    assemble({branches[0], branches[1]}, {branches[2], branches[3]}, {sections[0], sections[1]}, {sections[2], sections[3]}, skull);
+  }
+
+  void apply_plan() {
+    const std::string& plan = correction_->plan;
+    const bool limbs = f_.pelvis >= 0 && f_.head >= 0;
+    if (plan == "other") {
+      f_.plan = BodyPlan::other;
+      f_.why_not = "the mapping states another body plan.";
+    } else if (limbs && f_.leg_length > 0) {
+      f_.plan = plan == "human" ? BodyPlan::human : BodyPlan::four_legs;
+      f_.why_not.clear();
+      f_.winged = false;
+    } else {
+      return;
+    }
+    f_.corrected = true;
+    f_.confidence = 1;
+    f_.decisions.push_back("The body plan is that of the mapping.");
+  }
+
   /// Finds the head: the first neck joint that is named a head, otherwise the last one that carries a bone of the neck's length.
   void find_head() {
     for (const int i : f_.neck) f_.parts[at(i)] = {Part::neck, 0};
-    int head = -1;
+    int head = head_given_;
     for (const int i : f_.neck)
-      if (name(i).part == Part::head && !name(i).helper) {
+      if (head < 0 && name(i).part == Part::head && !name(i).helper) {
         head = i;
         break;
       }
@@ -432,15 +590,21 @@ class Recogniser {
         f_.decisions.push_back("The names of left and right contradict the direction of feet and knees; the names were followed.");
         doubt_ += 0.2;
       }
+      side_confidence_ = agrees < -0.8 ? 0.7 : 0.99;
       f_.decisions.push_back("Left and right: by the joints' names.");
     } else {
       if (shape < 0) swap_sides(legs, arms, leg_parts, arm_parts);
       f_.decisions.push_back("Left and right: by the direction of feet and knees, because the names do not state them.");
       doubt_ += std::fabs(shape) < 0.3 ? 0.3 : 0.1;
+      side_confidence_ = 0.5 + 0.48 * std::min(1.0, std::fabs(shape));
     }
   }
   /// Finds the tail: the longest branch at the pelvis that is neither leg nor spine, or joints that are named tail.
   void find_tail() {
+    if (f_.corrected) {
+      for (int i = tail_given_; i >= 0; i = heir_[at(i)]) f_.tail.push_back(i);
+      return;
+    }
     const Branch* tail = nullptr;
     for (const Branch& b : branches_) {
       if (b.from != f_.pelvis && !is_below(b.from, f_.pelvis)) continue;
@@ -578,9 +742,20 @@ class Recogniser {
       if (is_below(i, f_.pelvis) && ignored(i)) f_.helper[at(i)] = 1;
   }
 
+  /// A combination of legs and arms (indices of pairs) and head (index of a branch) with its score.
+  struct Choice {
+    int legs = -1, arms = -1, head = -1;
+    double score = 0;
+  };
+
   const MeasuredMotion& m_;
+  const AnatomyMapping* correction_;
   int n_;
   MotionShape shape_;
+  std::vector<Choice> choices_;
+  Choice chosen_;
+  double side_confidence_ = 0;
+  int head_given_ = -1, tail_given_ = -1;  // joints, if the caller corrects the limbs
   std::vector<NameEvidence> names_;
   std::vector<double> down_;    // [joints] m, longest path below
   std::vector<int> heir_;       // [joints] child on the longest path
@@ -594,6 +769,8 @@ class Recogniser {
 
 }  // namespace
 
-Character recognise_character(const MeasuredMotion& motion) { return Recogniser(motion).run(); }
+Character recognise_character(const MeasuredMotion& motion, const AnatomyMapping* correction) {
+  return Recogniser(motion, correction).run();
+}
 
 }  // namespace ugoki::body

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "ugoki/base/result.h"
 #include "ugoki/body/anatomy.h"
+#include "ugoki/body/mapping.h"
 #include "ugoki/motion/skeleton.h"
 
 namespace ugoki::body {
@@ -35,12 +37,23 @@ struct Character {
   std::vector<char> free;                   ///< [joints] 1: the joint moves far relative to its parent, so that no bone connects them
   std::vector<int> root_path;               ///< joints above the pelvis from the root; they only carry the character
   double leg_length = 0, trunk_length = 0;  ///< m, mean of thigh and shank; hips to shoulders; human and four-legged only
+  std::array<double, 2> leg_confidence{}, arm_confidence{};  ///< 0 ... 1 that limb and sections are right; left, right
+  double head_confidence = 0;                                ///< 0 ... 1
+  bool corrected = false;                                    ///< a mapping was applied
   Vec3 up;                             ///< mean direction of trunk and legs in the file's world; human only; shorter than 1 if it varies
   std::vector<std::string> decisions;  ///< one sentence for each decision, with its evidence
 };
 
 /// Recognises the character of a motion. O(frames sampled * joints + joints^2); at most 240 frames are sampled.
-[[nodiscard]] Character recognise_character(const MeasuredMotion& motion);
+/// @param correction sections of limbs that the caller specifies; null: none. Joints that the skeleton does not have are ignored (see
+/// check_mapping). If the sections do not form a body, Character::why_not is the reason, and the plan is `other`.
+[[nodiscard]] Character recognise_character(const MeasuredMotion& motion, const AnatomyMapping* correction = nullptr);
+
+/// Plan, limbs, confidences and evidence of a character. Without recognised limbs the list of limbs is empty.
+[[nodiscard]] AnatomyMapping mapping_of(const Character& character, const Skeleton& skeleton);
+
+/// Errors of a correction: joints that the skeleton does not have, limbs and sections with unknown names. @param location of the problems
+[[nodiscard]] Error check_mapping(const AnatomyMapping& mapping, const Skeleton& skeleton, const std::string& location);
 
 /// Rotations [joints] that carry each joint from the file's rest pose to the canonical one: R_canonical = R_file * turn^T for the joint's
 /// world orientation. For a human the canonical pose is a T pose (legs and trunk upright, arms stretched out sideways, feet as they stand);

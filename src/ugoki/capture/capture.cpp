@@ -211,10 +211,12 @@ struct Fit {
 /// Chooses a marker set and fits a subject to the recording. @param motion the recording @param markers the recording after clean()
 Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers, const CaptureOptions& options) {
   const Choice choice = choose_set(motion);
-  if (choice.set == nullptr || choice.known < 8 || marked_segments(choice) < 4)
+  // 7 points are the pelvis and the joint centres of both legs.
+  const int segments = choice.set != nullptr ? marked_segments(choice) : 0;
+  if (!((choice.known >= 8 && segments >= 4) || (choice.known >= 7 && segments >= 6)))
     return fail(ErrorCode::unsupported, motion.source,
                 std::to_string(choice.known) + " of " + std::to_string(motion.labels.size()) +
-                    " markers have a label of a known marker set; at least 8 on 4 segments are needed to find a body.",
+                    " markers have a label of a known marker set; at least 8 on 4 segments, or 7 on 6, are needed to find a body.",
                 "Name the markers as Plug-in Gait does (LASI, RASI, LKNE ...) or, for animals, by their joints (ShoulderL, KneeR ...)." +
                     (choice.set != nullptr ? " Labels missing from the set '" + choice.set->name + "': " + missing_labels(choice) + "."
                                            : std::string()));

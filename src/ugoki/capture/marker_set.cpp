@@ -190,7 +190,7 @@ MarkerSet make_human_key_points() {
   const auto [hips, thigh, shank, ankle, chest, head, collar, arm, forearm, hand] = add_person(b);
   (void)collar;
   const double on_joint = 0.012;
-  b.marker({"MIDHIP", "HIP", "PELVIS", "HIPS", "CHIP"}, hips, {}, 0.02);
+  b.marker({"MIDHIP", "HIP", "PELVIS", "HIPS", "CHIP", "MIDPEL", "PELO"}, hips, {}, 0.02);
   b.marker({"NECK", "THORAX", "SPINESHOULDER"}, chest, {0, 0, 0.22}, 0.03);
   b.marker({"HEAD", "HEADTOP"}, head, {0, 0, 0.17}, 0.04);
   b.marker({"NOSE"}, head, {0.11, 0, 0.05}, 0.03);
@@ -200,9 +200,9 @@ MarkerSet make_human_key_points() {
   b.markers({"<ELBOW", "ELBOW<", "<EJC"}, forearm, {}, on_joint);
   b.markers({"<WRIST", "WRIST<", "<WJC"}, hand, {}, on_joint);
   b.markers({"<HAND", "HAND<"}, hand, {0, 0.08, 0}, 0.03);
-  b.markers({"<HIP", "HIP<", "<HJC"}, thigh, {}, on_joint);
-  b.markers({"<KNEE", "KNEE<", "<KJC"}, shank, {}, on_joint);
-  b.markers({"<ANKLE", "ANKLE<", "<AJC"}, ankle, {}, on_joint);
+  b.markers({"<HIP", "HIP<", "<HJC", "<FEP"}, thigh, {}, on_joint);
+  b.markers({"<KNEE", "KNEE<", "<KJC", "<FEO"}, shank, {}, on_joint);
+  b.markers({"<ANKLE", "ANKLE<", "<AJC", "<TIO"}, ankle, {}, on_joint);
   b.markers({"<BIGTOE", "<TOE", "<FOOT", "TOE<"}, ankle, {0.175, -0.015, -0.06}, 0.02);
   b.markers({"<SMALLTOE"}, ankle, {0.14, 0.05, -0.06}, 0.02);
   b.markers({"<HEEL", "HEEL<"}, ankle, {-0.05, 0, -0.05}, 0.02);

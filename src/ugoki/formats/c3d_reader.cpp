@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <tuple>
 
 #include "ugoki/formats/c3d.h"
@@ -57,6 +58,7 @@ class Reader {
     read_analog();
     read_plates();
     if (auto problem = read_frames(); !problem.empty()) return fail(std::move(problem));
+    drop_quantities();
     read_events();
     if (!finish_axes())
       return fail(ErrorCode::range, location("data"), "A marker is farther than 1e9 m from the origin.", "Set the correct unit of length.");
@@ -173,6 +175,38 @@ class Reader {
     std::sort(sorted.begin(), sorted.end());
     if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) make_unique_labels();
     if (nameless > 0) notes_.remarks.push_back(std::to_string(nameless) + " markers have no label; they were named '*' and their index.");
+  }
+
+  /// Leaves out points that are no positions. Programs store joint angles, forces, moments and powers as points, and list them in the
+  /// parameters of the same names.
+  void drop_quantities() {
+    const auto plain = [](const std::string& label) { return label.substr(label.rfind(':') + 1); };
+    std::set<std::string> listed;
+    for (const char* kind : {"ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS", "REACTIONS"})
+      for (const std::string& label : parameters_.texts("POINT", kind))
+        if (!label.empty()) listed.insert(plain(label));
+    const auto is_quantity = [&](const std::string& label) {
+      constexpr std::string_view endings[] = {"Angles", "Force", "Moment", "Power", "GroundReactionForce"};
+      return listed.contains(plain(label)) || std::ranges::any_of(endings, [&](std::string_view e) { return label.ends_with(e); });
+    };
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < motion_.labels.size(); ++i)
+      if (!is_quantity(motion_.labels[i])) kept.push_back(i);
+    const std::size_t all = motion_.labels.size();
+    if (kept.size() == all || kept.empty()) return;
+    const auto frames = static_cast<std::size_t>(motion_.frames);
+    for (std::size_t f = 0; f < frames; ++f)
+      for (std::size_t k = 0; k < kept.size(); ++k) {
+        motion_.positions[f * kept.size() + k] = motion_.positions[f * all + kept[k]];
+        motion_.residuals[f * kept.size() + k] = motion_.residuals[f * all + kept[k]];
+      }
+    motion_.positions.resize(frames * kept.size());
+    motion_.residuals.resize(frames * kept.size());
+    std::vector<std::string> labels;
+    for (const std::size_t i : kept) labels.push_back(std::move(motion_.labels[i]));
+    motion_.labels = std::move(labels);
+    notes_.remarks.push_back(std::to_string(all - kept.size()) +
+                             " points are angles, forces, moments or powers instead of positions; they are left out.");
   }
 
   /// Removes the subject's name from labels such as "Subject:LASI" if all labels begin with the same name.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "ugoki/base/number.h"
 #include "ugoki/formats/file_axes.h"
@@ -58,6 +59,19 @@ std::vector<std::string_view> columns_of(std::string_view line, char separator) 
   return out;
 }
 
+/// Columns of a line of the header. In some files the header is aligned by blanks although the rows have tabs.
+std::vector<std::string_view> header_columns(std::string_view line, char separator) {
+  if (separator != '\t' || std::count(line.begin(), line.end(), separator) > 1) return columns_of(line, separator);
+  std::vector<std::string_view> out;
+  for (std::size_t at = 0; at < line.size();) {
+    const std::size_t begin = line.find_first_not_of(" \t", at);
+    if (begin == std::string_view::npos) break;
+    at = std::min(line.find_first_of(" \t", begin), line.size());
+    out.push_back(trimmed(line.substr(begin, at - begin)));
+  }
+  return out;
+}
+
 class Reader {
  public:
   Reader(std::string_view text, std::string_view name, Problems& problems, ReadNotes& notes)
@@ -89,7 +103,7 @@ class Reader {
     std::string_view names, values;
     if (!next_line(names) || !next_line(values))
       return refuse(ErrorCode::truncated, "The file ends within its header.", "Export it again.");
-    const auto keys = columns_of(names, separator_), given = columns_of(values, separator_);
+    const auto keys = header_columns(names, separator_), given = header_columns(values, separator_);
     const auto value = [&](std::string_view key) -> std::string_view {
       for (std::size_t i = 0; i < keys.size() && i < given.size(); ++i)
         if (equal_ignoring_case(keys[i], key)) return given[i];
@@ -117,7 +131,7 @@ class Reader {
   bool read_labels(MarkerMotion& motion) {
     std::string_view line;
     if (!next_line(line)) return refuse(ErrorCode::truncated, "The line with the marker names is missing.", "Export the file again.");
-    std::vector<std::string_view> columns = columns_of(line, separator_);
+    std::vector<std::string_view> columns = header_columns(line, separator_);
     if (columns.size() < 3 || !columns[0].starts_with("Frame"))
       return refuse(ErrorCode::syntax, "The line with the marker names does not begin with 'Frame#' and 'Time'.", "Export the file again.");
     // A name is in the first of its three columns. Empty columns at the end of the line are padding.
@@ -137,26 +151,54 @@ class Reader {
         declared_markers_ == static_cast<long>(named.size()))
       motion.labels = std::move(named);
     if (motion.labels.empty()) return refuse(ErrorCode::structure, "No marker is named.", "Write each name above its three columns.");
-    if (declared_markers_ >= 0 && declared_markers_ != static_cast<long>(motion.labels.size()))
-      return refuse(
-          ErrorCode::structure,
-          "NumMarkers is " + std::to_string(declared_markers_) + ", but " + std::to_string(motion.labels.size()) + " markers are named.",
-          "Correct 'NumMarkers' or the names.");
-    std::vector<std::string> sorted = motion.labels;
-    std::sort(sorted.begin(), sorted.end());
-    if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-      return refuse(ErrorCode::duplicate, "Two markers are named " + in_quotes(*twice) + ".", "Give each marker a different name.");
-    if (!next_line(line) || columns_of(line, separator_).size() < 3)
+    name_duplicates(motion.labels);
+    if (!next_line(line) || header_columns(line, separator_).size() < 3)
       return refuse(ErrorCode::truncated, "The line 'X1 Y1 Z1 ...' is missing.", "Export the file again.");
     return true;
   }
 
+  /// Numbers repeated names. Programs that add computed markers repeat names.
+  void name_duplicates(std::vector<std::string>& labels) {
+    std::set<std::string> used;
+    for (std::string& label : labels) {
+      const std::string plain = label;
+      for (int k = 2; !used.insert(label).second; ++k) label = plain + " " + std::to_string(k);
+      if (label != plain) notes_.remarks.push_back("A second marker " + in_quotes(plain) + " was renamed to " + in_quotes(label) + ".");
+    }
+  }
+
+  /// Compares NumMarkers with the number of names. If they differ, the columns of the first row decide which of them is right.
+  bool check_count(MarkerMotion& motion, std::string_view row) {
+    const auto named = static_cast<long>(motion.labels.size());
+    if (declared_markers_ < 0 || declared_markers_ == named) return true;
+    std::vector<std::string_view> columns = columns_of(row, separator_);
+    while (!columns.empty() && columns.back().empty()) columns.pop_back();
+    const auto count = (static_cast<long>(columns.size()) - 2 + 2) / 3;  // markers that have a column
+    const bool padded = static_cast<long>(columns_of(row, separator_).size()) >= 2 + 3 * named;
+    if (count == declared_markers_ && declared_markers_ < named && !padded) {
+      motion.labels.resize(static_cast<std::size_t>(declared_markers_));
+    } else if (!(count == named || (padded && count <= named))) {
+      return refuse(ErrorCode::structure,
+                    "NumMarkers is " + std::to_string(declared_markers_) + ", but " + std::to_string(named) +
+                        " markers are named, and the row has values of " + std::to_string(count) + " markers.",
+                    "Correct 'NumMarkers' or the names.");
+    }
+    notes_.remarks.push_back("NumMarkers is " + std::to_string(declared_markers_) + ", but " + std::to_string(named) +
+                             " markers are named; " + std::to_string(motion.labels.size()) +
+                             " are assumed, because the rows have columns for them.");
+    return true;
+  }
+
   bool read_rows(MarkerMotion& motion) {
-    const std::size_t n = motion.labels.size();
     if (lines_.remaining() / 2 > max_numbers)
       return refuse(ErrorCode::range, "The file has more than 400 million numbers.", "Split it into several files.");
     std::string_view line;
+    bool first = true;
     while (next_line(line)) {
+      if (line.front() == separator_) line.remove_prefix(1);  // an empty column before the frame number
+      if (first && !check_count(motion, line)) return false;
+      first = false;
+      const std::size_t n = motion.labels.size();
       bool ended = false;
       const auto frame = next_column(line, separator_, ended);
       const auto time = next_column(line, separator_, ended);

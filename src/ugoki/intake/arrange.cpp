@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ugoki/base/number.h"
 #include "ugoki/intake/conversion_report.h"
 #include "ugoki/intake/correction.h"
 
@@ -121,6 +122,205 @@ std::vector<std::string> attach_to_rigid_ancestors(std::span<MeasuredMotion> mot
   return names;
 }
 
+namespace {
+
+/// Puts parents before their children. Children keep their order.
+void sort_parents_first(MeasuredMotion& m) {
+  const std::size_t n = m.skeleton.joints.size();
+  std::vector<std::vector<int>> children(n);
+  std::vector<int> order, place(n), open;
+  for (std::size_t i = n; i-- > 0;) {
+    const int parent = m.skeleton.joints[i].parent;
+    if (parent < 0)
+      open.push_back(static_cast<int>(i));
+    else
+      children[at(parent)].push_back(static_cast<int>(i));
+  }
+  while (!open.empty()) {
+    const int i = open.back();
+    open.pop_back();
+    place[at(i)] = static_cast<int>(order.size());
+    order.push_back(i);
+    open.insert(open.end(), children[at(i)].begin(), children[at(i)].end());  // the last child first; it is taken last
+  }
+  MeasuredMotion sorted = m;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t from = at(order[k]);
+    sorted.skeleton.joints[k] = m.skeleton.joints[from];
+    int& parent = sorted.skeleton.joints[k].parent;
+    if (parent >= 0) parent = place[at(parent)];
+    for (std::size_t f = 0; f < at(m.frames); ++f) {
+      sorted.translations[f * n + k] = m.translations[f * n + from];
+      sorted.rotations[f * n + k] = m.rotations[f * n + from];
+    }
+  }
+  m = std::move(sorted);
+}
+
+}  // namespace
+
+std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motions) {
+  // Shares of the skeleton's extent. Baked inverse kinematics leaves errors below 1 % except where a limb cannot reach its target.
+  constexpr double min_shift = 0.05, rigid = 0.01, reached = 0.9;
+  constexpr int max_samples = 120;
+  std::vector<std::string> names;
+  const std::size_t n = motions[0].skeleton.joints.size();
+  std::vector<std::vector<Pose>> samples;
+  for (const MeasuredMotion& m : motions) {
+    const int step = std::max(1, m.frames * static_cast<int>(motions.size()) / max_samples);
+    for (int f = 0; f < m.frames; f += step) m.calc_joint_poses(f, samples.emplace_back());
+  }
+  if (samples.size() < 10) return names;
+  Vec3 low = samples[0][0].p, high = low;
+  for (const Pose& X : samples[0])
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], X.p[k]);
+      high[k] = std::max(high[k], X.p[k]);
+    }
+  const double extent = norm(high - low);
+  // Distances [m] of joint i from its place relative to joint a, sorted.
+  const auto deviations = [&](std::size_t i, std::size_t a) {
+    std::vector<double> out;
+    Vec3 mean{};
+    for (const auto& X : samples) mean += X[a].inverse() * X[i].p / static_cast<double>(samples.size());
+    for (const auto& X : samples) out.push_back(norm(X[a].inverse() * X[i].p - mean));
+    std::ranges::sort(out);
+    return out;
+  };
+  Skeleton& s = motions[0].skeleton;
+  for (std::size_t i = 0; i < n; ++i) {
+    const int parent = s.joints[i].parent;
+    if (parent < 0 || deviations(i, at(parent)).back() < min_shift * extent) continue;
+    std::size_t best = n;
+    double smallest = rigid * extent;
+    for (std::size_t a = 0; a < n; ++a) {
+      if (is_below(s, static_cast<int>(a), static_cast<int>(i))) continue;
+      const std::vector<double> d = deviations(i, a);
+      const double usual = d[static_cast<std::size_t>(reached * static_cast<double>(d.size() - 1))];
+      // A joint at the same place only follows; it is no end of a bone.
+      const double length = norm(samples[0][a].p - samples[0][i].p);
+      if (usual >= smallest || d.back() > 0.1 * extent || length < 0.02 * extent) continue;
+      smallest = usual;
+      best = a;
+    }
+    if (best == n) continue;
+    names.push_back(s.joints[i].name);
+    for (MeasuredMotion& m : motions) {
+      m.skeleton.joints[i].translates = true;
+      const std::vector<std::vector<Pose>> world = world_of(m);
+      const std::vector<Vec3> rest = rest_positions(m.skeleton);
+      m.skeleton.joints[i].parent = static_cast<int>(best);
+      m.skeleton.joints[i].offset = rest[i] - rest[best];
+      set_world(m, world);
+    }
+  }
+  if (!names.empty())
+    for (MeasuredMotion& m : motions) sort_parents_first(m);
+  return names;
+}
+
+namespace {
+
+/// Longest part of a recording without a jump: frames from ... to - 1.
+struct Cut {
+  int jumps = 0, first = 0, from = 0, to = 0;
+};
+/// @param step [frames - 1] m, way from frame f to f + 1 @param min_jump m, a jump is longer than this and three times the usual way around
+/// it
+/// @param ignored number of the first steps that are no jumps
+Cut find_cut(const std::vector<double>& step, double min_jump, std::size_t ignored) {
+  std::vector<int> begins = {0};
+  for (std::size_t f = ignored; f < step.size(); ++f) {
+    std::vector<double> around(step.begin() + static_cast<std::ptrdiff_t>(f > 5 ? f - 5 : 0),
+                               step.begin() + static_cast<std::ptrdiff_t>(std::min(step.size(), f + 6)));
+    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+    std::nth_element(around.begin(), middle, around.end());
+    if (step[f] > min_jump + 3 * *middle) begins.push_back(static_cast<int>(f) + 1);
+  }
+  Cut out;
+  out.jumps = static_cast<int>(begins.size()) - 1;
+  if (out.jumps == 0) return out;
+  out.first = begins[1] - 1;
+  begins.push_back(static_cast<int>(step.size()) + 1);
+  for (std::size_t k = 0; k + 1 < begins.size(); ++k)
+    if (begins[k + 1] - begins[k] > out.to - out.from) {
+      out.from = begins[k];
+      out.to = begins[k + 1];
+    }
+  return out;
+}
+std::string words_of(const Cut& cut, double rate) {
+  return std::to_string(cut.jumps) + (cut.jumps == 1 ? " time" : " times") + ", first at " + to_fixed(cut.first / rate, 2) +
+         " s); the motion was cut to the longest part without a jump, frames " + std::to_string(cut.from + 1) + " to " +
+         std::to_string(cut.to);
+}
+
+}  // namespace
+
+std::string cut_at_jumps(const body::Character& character, MeasuredMotion& motion) {
+  if (character.plan == body::BodyPlan::other || !(character.leg_length > 0) || motion.frames < 20) return {};
+  std::vector<Vec3> root;
+  std::vector<Pose> X;
+  for (int f = 0; f < motion.frames; ++f) {
+    motion.calc_joint_poses(f, X);
+    root.push_back(X[at(character.pelvis)].p);
+  }
+  std::vector<double> step;
+  for (std::size_t f = 1; f < root.size(); ++f) step.push_back(norm(root[f] - root[f - 1]));
+  // A person does not move by a third of a leg in a frame beyond three times its usual way.
+  const Cut cut = find_cut(step, 0.35 * character.leg_length, 1);
+  if (cut.jumps == 0) return {};
+  const int from = cut.from, to = cut.to;
+  const auto n = static_cast<std::ptrdiff_t>(motion.skeleton.joints.size());
+  motion.translations = {motion.translations.begin() + from * n, motion.translations.begin() + to * n};
+  motion.rotations = {motion.rotations.begin() + from * n, motion.rotations.begin() + to * n};
+  const int frames = motion.frames;
+  motion.frames = to - from;
+  return "The character jumps to another place from one frame to the next (" + words_of(cut, motion.rate) + " of " +
+         std::to_string(frames) + ", and the others are left out.";
+}
+
+std::string cut_markers_at_jumps(MarkerMotion& markers) {
+  if (markers.frames < 20 || markers.labels.empty()) return {};
+  // Step of a frame: the median over the markers, so that single markers that are exchanged do not count.
+  std::vector<double> step, moves;
+  Vec3 low{1e300, 1e300, 1e300}, high = low * -1.0;
+  for (int f = 1; f < markers.frames; ++f) {
+    moves.clear();
+    for (int i = 0; i < markers.marker_count(); ++i) {
+      if (!markers.seen(f, i) || !markers.seen(f - 1, i)) continue;
+      moves.push_back(norm(markers.at(f, i) - markers.at(f - 1, i)));
+      if (f > 1) continue;
+      for (int k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], markers.at(f, i)[k]);
+        high[k] = std::max(high[k], markers.at(f, i)[k]);
+      }
+    }
+    const auto middle = moves.begin() + static_cast<std::ptrdiff_t>(moves.size() / 2);
+    if (!moves.empty()) std::nth_element(moves.begin(), middle, moves.end());
+    step.push_back(moves.empty() ? 0 : *middle);
+  }
+  const double extent = high.x < low.x ? 0 : norm(high - low);
+  if (!(extent > 0)) return {};
+  const Cut cut = find_cut(step, 0.05 * extent, 0);  // 9 cm for a person, beyond three times the usual way
+  if (cut.jumps == 0) return {};
+  const std::size_t n = markers.labels.size(), per_frame = markers.analog.size() * at(markers.samples_per_frame());
+  const auto keep = [&](auto& list, std::size_t width) {
+    if (list.size() < at(cut.to) * width) return;
+    list.erase(list.begin() + static_cast<std::ptrdiff_t>(at(cut.to) * width), list.end());
+    list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(at(cut.from) * width));
+  };
+  keep(markers.positions, n);
+  keep(markers.residuals, n);
+  keep(markers.samples, per_frame);
+  const int frames = markers.frames;
+  markers.frames = cut.to - cut.from;
+  markers.first_frame += cut.from;
+  for (MarkedEvent& e : markers.events) e.time -= cut.from / markers.rate;
+  return "The markers jump together from one frame to the next (" + words_of(cut, markers.rate) + " of " + std::to_string(frames) +
+         ", and the others are left out.";
+}
+
 void make_root(MeasuredMotion& m, int root) {
   const std::size_t n = m.skeleton.joints.size();
   std::vector<int> chain;  // root ... present root
@@ -176,21 +376,32 @@ void make_root(MeasuredMotion& m, int root) {
   set_world(m, world);
 }
 
-body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report) {
+body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping) {
   const MeasuredMotion* longest = &motions[0];
   for (const MeasuredMotion& m : motions)
     if (m.frames > longest->frames) longest = &m;
   if (const std::vector<std::string> joints = attach_to_rigid_ancestors(motions); !joints.empty())
     report.push_back("Joints that shift relative to their parent, but not relative to a joint above it, were attached to that joint: " +
                      list_of(joints) + ".");
-  body::Character character = body::recognise_character(*longest);
+  body::Character character = body::recognise_character(*longest, mapping);
+  const auto index = static_cast<std::size_t>(longest - motions.data());
+  if (character.plan == body::BodyPlan::other) {
+    std::vector<MeasuredMotion> attached(motions.begin(), motions.end());
+    if (const std::vector<std::string> joints = attach_to_rigid_joints(attached); !joints.empty())
+      if (body::Character better = body::recognise_character(attached[index], mapping); better.plan != body::BodyPlan::other) {
+        std::ranges::move(attached, motions.begin());
+        character = std::move(better);
+        report.push_back(
+            "Joints that stay at another joint than their parent (feet or hands driven by inverse kinematics) were attached to it: " +
+            list_of(joints) + ".");
+      }
+  }
   if (character.plan == body::BodyPlan::other && character.pelvis >= 0 && character.chest >= 0) {
     // Legs and arms were found, but the root is between or beyond them. The joint that carries the legs becomes the root.
     std::vector<MeasuredMotion> turned(motions.begin(), motions.end());
     const std::string name = motions[0].skeleton.joints[at(character.pelvis)].name;
     for (MeasuredMotion& m : turned) make_root(m, character.pelvis);
-    const std::size_t index = static_cast<std::size_t>(longest - motions.data());
-    body::Character again = body::recognise_character(turned[index]);
+    body::Character again = body::recognise_character(turned[index], mapping);
     if (again.plan != body::BodyPlan::other) {
       std::ranges::move(turned, motions.begin());
       character = std::move(again);
@@ -236,7 +447,7 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
     report.push_back("Joint " + list_of(carriers) + " only carries " + root_name + "; it is left out, and its movement was added to " +
                      root_name + ".");
   if (!strangers.empty()) report.push_back("Joints that are not part of the character were left out: " + list_of(strangers) + ".");
-  return body::recognise_character(*longest);
+  return body::recognise_character(*longest, mapping);
 }
 
 std::optional<Vec3> up_by_posture(const body::Character& character) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ugoki/body/recognise.h"
+#include "ugoki/motion/markers.h"
 #include "ugoki/motion/skeleton.h"
 
 namespace ugoki::intake {
@@ -19,8 +20,10 @@ namespace ugoki::intake {
 /// (remove_carrier_roots).
 /// @param motions all on the same skeleton
 /// @param report receives sentences about what was removed
+/// @param mapping corrects the recognised anatomy; null: none
 /// @return the character, with the indices of the remaining joints
-[[nodiscard]] body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report);
+[[nodiscard]] body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report,
+                                      const body::AnatomyMapping* mapping = nullptr);
 
 /// Finds the up axis of the file from the posture of a human character: trunk and legs point along this axis in most frames.
 /// @return the axis (unit, along a coordinate axis); nothing if z is up or no axis is clearly up
@@ -35,6 +38,21 @@ namespace ugoki::intake {
 /// @param motions all on the same skeleton
 /// @return names of the joints with a new parent
 std::vector<std::string> attach_to_rigid_ancestors(std::span<MeasuredMotion> motions);
+
+/// Gives joints that shift far relative to their parent to another joint to which they are rigid. (Game rigs hang feet and hands that
+/// inverse kinematics drives into the root, although ankles stay at the ends of the shanks.) World poses do not change.
+/// @param motions all on the same skeleton
+/// @return names of the joints with a new parent
+std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motions);
+
+/// Cuts a motion to its longest part without a jump of the whole character (clips appended in one file, a rest pose at the end). A jump
+/// between the first two frames stays: make_body handles such calibration poses.
+/// @return sentence about the cut; empty if there is no jump
+[[nodiscard]] std::string cut_at_jumps(const body::Character& character, MeasuredMotion& motion);
+
+/// Cuts a recording to its longest part in which the markers do not jump together (a calibration pose before the motion).
+/// @return sentence about the cut; empty if there is no jump
+[[nodiscard]] std::string cut_markers_at_jumps(MarkerMotion& markers);
 
 /// Makes joint `root` the root of the motion: the chain of joints from the present root to `root` is reversed. Each reversed joint moves to
 /// the position of its former child, about which it turns. World poses of all other joints do not change, nor do joints that are not below

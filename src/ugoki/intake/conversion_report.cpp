@@ -10,7 +10,7 @@ namespace {
 
 /// Key phrases of one category of remarks.
 struct PhraseList {
-  std::vector<std::string> ConversionReport::* part;
+  std::vector<std::string> ConversionReport::*part;
   std::vector<std::string_view> phrases;
 };
 /// Phrase lists in order of precedence: a remark belongs to the first list of which it contains a phrase, otherwise to `read`.
@@ -21,7 +21,8 @@ const std::vector<PhraseList>& phrase_lists() {
       {&ConversionReport::check, {"poor fit", "implausible", "turn over from one frame", "unconnected characters"}},
       {&ConversionReport::left_out, {"left out", "not read", "not used", "skipped"}},
       {&ConversionReport::guessed,
-       {"guess", "does not specify", "does not show", "assumed", "estimated", "No human anatomy", "is not known", "chosen by"}},
+       {"guess", "does not specify", "does not show", "assumed", "estimated", "No human anatomy", "is not known", "chosen by",
+        "is uncertain"}},
       {&ConversionReport::changed,
        {"filled", "removed", "filtered", "renamed", "was named", "were named", "replaced", "flipped", "levelled", "shifted", "widened",
         "approximated", "were given", "joints move in this motion", "Soles", "holds it at"}}};

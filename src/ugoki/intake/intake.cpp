@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "ugoki/base/number.h"
 #include "ugoki/capture/capture.h"
@@ -14,6 +15,8 @@
 #include "ugoki/formats/trc.h"
 #include "ugoki/geometry/prepare.h"
 #include "ugoki/intake/arrange.h"
+#include "ugoki/intake/choice.h"
+#include "ugoki/intake/support.h"
 #include "ugoki/robot_formats/robot_file.h"
 #include "ugoki/scene_formats/scene_file.h"
 
@@ -122,22 +125,24 @@ void apply_corrections(std::vector<MeasuredMotion>& motions, const formats::Read
   }
 }
 
-/// Remark if the skeleton contains several characters (roots with at least 5 joints; smaller trees are held objects); otherwise empty.
-std::string several_characters(const Skeleton& skeleton) {
-  constexpr int min_joints = 5;
-  std::vector<int> root, count(skeleton.joints.size());
-  for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    root.push_back(parent < 0 ? static_cast<int>(j) : root[static_cast<std::size_t>(parent)]);
-    ++count[static_cast<std::size_t>(root.back())];
-  }
-  std::string names;
-  const auto characters = std::ranges::count_if(count, [](int n) { return n >= min_joints; });
-  if (characters < 2) return {};
-  for (std::size_t j = 0; j < count.size(); ++j)
-    if (count[j] >= min_joints) names += (names.empty() ? "" : ", ") + skeleton.joints[j].name;
-  return "The file contains " + std::to_string(characters) + " unconnected characters (roots " + names +
-         "); they become one body, and at most one of them is recognised as a human. Export each character to a file of its own.";
+/// Lists the takes and characters of the file in `out`, and keeps those that the caller chose.
+Result<void> choose(std::vector<MeasuredMotion>& motions, const IntakeOptions& options, const std::string& location, Intake& out,
+                    std::vector<std::string>& remarks) {
+  if (motions.size() > 1)
+    for (const MeasuredMotion& m : motions) out.takes.push_back(m.name);
+  if (!options.take.empty())
+    if (Result<void> chosen = choose_take(motions, options.take, location); !chosen) return chosen;
+  const auto longest = std::ranges::max_element(motions, {}, [](const MeasuredMotion& m) { return m.frames; });
+  const std::vector<int> roots = character_roots(*longest);
+  std::vector<std::string> names;
+  for (const int r : roots) names.push_back(motions[0].skeleton.joints[static_cast<std::size_t>(r)].name);
+  if (names.size() > 1) out.characters = names;
+  if (!options.character.empty()) return choose_character(motions, roots, options.character, location);
+  if (names.size() > 1)
+    remarks.push_back("The file contains " + std::to_string(names.size()) + " unconnected characters (roots " + list_of(names) +
+                      "); the one whose anatomy is recognised best becomes the body, or all together if none is recognised. Choose one "
+                      "with --character.");
+  return {};
 }
 
 /// Imports skeleton motions. @param motions at least one, all on the same skeleton
@@ -145,6 +150,8 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
                              const IntakeOptions& options) {
   Intake out;
   out.source = std::string(base_name(file_name));
+  if (Result<void> chosen = choose(motions, options, std::string(file_name), out, notes.remarks); !chosen)
+    return fail(std::move(chosen.error()));
   for (MeasuredMotion& m : motions) {
     if (!options.name.empty()) m.name = motions.size() == 1 ? options.name : options.name + " " + m.name;
     if (m.name.empty()) m.name = out.source;
@@ -152,7 +159,13 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const std::string name = motions.size() == 1 ? motions[0].name : options.name.empty() ? stem_of(file_name) : options.name;
   out.metres_per_unit = notes.metres_per_unit > 0 ? notes.metres_per_unit : motions[0].skeleton.unit;
   apply_corrections(motions, notes, options, out);
-  body::Character character = arrange(motions, notes.remarks);
+  const body::AnatomyMapping* mapping = options.mapping ? &*options.mapping : nullptr;
+  if (mapping)
+    if (Error wrong = body::check_mapping(*mapping, motions[0].skeleton, "mapping"); !wrong.empty()) return fail(std::move(wrong));
+  body::Character character = arrange(motions, notes.remarks, mapping);
+  if (mapping && character.plan == body::BodyPlan::other && mapping->plan != "other")
+    return fail(ErrorCode::structure, "mapping", "The mapping does not give a body: " + character.why_not,
+                "Correct the joints of its limbs.");
   if (const std::optional<Vec3> up = up_by_posture(character); up && !options.axes) {
     const Vec3 in_file = transpose_times(rotation_to_ours(out.axes), *up);
     for (int k = 0; k < 3; ++k)
@@ -178,6 +191,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   }
   std::vector<std::string> checks;
   for (MeasuredMotion& m : motions)
+    if (std::string sentence = cut_at_jumps(character, m); !sentence.empty())
+      notes.remarks.push_back((motions.size() > 1 ? m.name + ": " : "") + sentence);
+  for (MeasuredMotion& m : motions)
     if (const std::optional<Vec3> belt = belt_velocity(character, m)) {
       const std::string speed = to_fixed(norm(*belt), 2) + " m/s";
       if (options.travel) {
@@ -189,7 +205,6 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
                          ". Under dynamics it will fall. Import it with its travel (--travel) to put it on a floor.");
       }
     }
-  if (std::string sentence = several_characters(motions[0].skeleton); !sentence.empty()) notes.remarks.push_back(std::move(sentence));
   describe(out.conversion, motions);
   if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
   out.report.insert(out.report.end(), notes.remarks.begin(), notes.remarks.end());
@@ -198,6 +213,7 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   body::BodyOptions body_options;
   body_options.height = options.height;
   body_options.mass = options.mass;
+  body_options.mapping = mapping;
   Result<body::Body> body =
       motions.size() == 1 ? body::make_body(motions[0], body_options) : body::make_body(joined(motions), body_options);
   if (!body) return fail(in_file(std::move(body.error()), file_name));
@@ -209,8 +225,6 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   out.conversion.add_remarks(notes.remarks);
   out.conversion.add_remarks(body->report);
   describe(out.conversion, *body, motions[0]);
-  out.report.insert(out.report.end(), checks.begin(), checks.end());
-  out.conversion.check.insert(out.conversion.check.end(), checks.begin(), checks.end());
 
   store::LibraryItem mechanism_item{
       store::EntryKind::mechanism, name, {}, options.tags, bytes_of(formats::write_mechanism(*body->mechanism))};
@@ -226,8 +240,12 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
     auto items = motion_items(motions[i], *body, mechanism_id, out.source, options, motion);
     if (!items) return fail(in_file(std::move(items.error()), file_name));
     for (store::LibraryItem& item : *items) out.items.push_back(std::move(item));
+    if (std::string sentence = describe_missing_support(*body->mechanism, motion, body->height); !sentence.empty())
+      checks.push_back(std::move(sentence));
     if (i == 0) out.motion = std::move(motion);
   }
+  out.report.insert(out.report.end(), checks.begin(), checks.end());
+  out.conversion.check.insert(out.conversion.check.end(), checks.begin(), checks.end());
   out.mechanism = body->mechanism;
   out.measured = std::move(motions[0]);
   out.body = std::move(*body);
@@ -248,6 +266,7 @@ Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes not
   if (options.frame_rate > 0) set_rate(*markers, options.frame_rate);
   options.axes.reset();
   options.frame_rate = 0;
+  if (std::string sentence = cut_markers_at_jumps(*markers); !sentence.empty()) notes.remarks.push_back(std::move(sentence));
   if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   capture::CaptureOptions capture_options;
   capture_options.cancelled = options.cancelled;
@@ -376,20 +395,13 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
       if (options.unit > 0) scale(*measured, options.unit / measured->skeleton.unit);
       return from_measured(std::move(*measured), std::move(notes), file_name, options);
     }
-    case FileKind::c3d: {
-      const std::span raw(bytes.data(), bytes.size());
-      Result<MarkerMotion> markers = formats::read_c3d(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit}, &notes);
-      return from_markers(std::move(markers), std::move(notes), file_name, options);
-    }
-    case FileKind::trc: {
-      Result<MarkerMotion> markers = formats::read_trc(bytes, file_name, {.metres_per_unit = options.unit}, &notes);
-      return from_markers(std::move(markers), std::move(notes), file_name, options);
-    }
+    case FileKind::c3d:
+    case FileKind::trc:
     case FileKind::csv: {
-      if (formats::csv_kind(bytes) == formats::CsvKind::coordinates)
+      if (*kind == FileKind::csv && formats::csv_kind(bytes) == formats::CsvKind::coordinates)
         return fail(ErrorCode::structure, location, "The file contains the coordinates of a mechanism, but not the mechanism.",
                     "Convert it with its mechanism: ugoki convert FILE OUT --mechanism MECHANISM.");
-      Result<MarkerMotion> markers = formats::read_csv(bytes, file_name, {.metres_per_unit = options.unit}, &notes);
+      Result<MarkerMotion> markers = read_markers(bytes, file_name, options, notes);
       return from_markers(std::move(markers), std::move(notes), file_name, options);
     }
     case FileKind::scene: {
@@ -413,6 +425,31 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     case FileKind::robot: return from_robot(bytes, file_name, options);
   }
   return fail(ErrorCode::unsupported, location, "This kind of file cannot be imported.", "Use a .bvh or .amc file.");
+}
+
+Result<MarkerMotion> read_markers(std::string_view bytes, std::string_view file_name, const IntakeOptions& options,
+                                  formats::ReadNotes& notes) {
+  const std::optional<FileKind> kind = file_kind(file_name);
+  const formats::MarkerOptions reading{.metres_per_unit = options.unit};
+  Result<MarkerMotion> markers =
+      kind == FileKind::c3d   ? formats::read_c3d(std::as_bytes(std::span(bytes.data(), bytes.size())), file_name, reading, &notes)
+      : kind == FileKind::trc ? formats::read_trc(bytes, file_name, reading, &notes)
+      : kind == FileKind::csv
+          ? formats::read_csv(bytes, file_name, reading, &notes)
+          : fail(ErrorCode::unsupported, std::string(file_name), "This is not a recording of markers.", "Use a .c3d, .trc or .csv file.");
+  if (!markers || !options.mapping) return markers;
+  for (const auto& [own, known] : options.mapping->labels) {
+    const int marker = markers->find(own);
+    if (marker < 0)
+      return fail(ErrorCode::unknown, "mapping:labels/" + own, "The recording has no marker '" + own + "'.",
+                  "List its markers with `ugoki info FILE`.");
+    markers->labels[static_cast<std::size_t>(marker)] = known;
+  }
+  std::vector<std::string> sorted = markers->labels;
+  std::ranges::sort(sorted);
+  if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
+    return fail(ErrorCode::duplicate, "mapping:labels", "Two markers have the label '" + *twice + "'.", "Give each marker another label.");
+  return markers;
 }
 
 Result<std::vector<std::string>> put(store::Library& library, const Intake& intake) { return library.put(intake.items); }

@@ -11,6 +11,7 @@
 #include "ugoki/body/body.h"
 #include "ugoki/formats/asf.h"
 #include "ugoki/formats/gltf.h"
+#include "ugoki/formats/read_notes.h"
 #include "ugoki/intake/conversion_report.h"
 #include "ugoki/intake/correction.h"
 #include "ugoki/motion/markers.h"
@@ -23,14 +24,17 @@ namespace ugoki::intake {
 
 /// Options of take_in; the defaults follow the file.
 struct IntakeOptions {
-  std::string name;                   ///< name of the entries; empty: the file's name without extension
-  std::vector<std::string> tags;      ///< tags of the entries
-  double height = 0;                  ///< m, height of the person; 0: estimated
-  double mass = 0;                    ///< kg, mass of the person; 0: estimated
-  double unit = 0;                    ///< m per unit of length of the file; 0: guessed (BVH) or as the format specifies (ASF)
-  double rate = 120;                  ///< frames/s of AMC files, whose format does not specify it
-  double frame_rate = 0;              ///< frames/s, overrides the file; 0: as the file specifies
-  std::optional<Orientation> axes;    ///< up and forward axes of the file's space; std::nullopt: as the reader assumes
+  std::string name;                             ///< name of the entries; empty: the file's name without extension
+  std::vector<std::string> tags;                ///< tags of the entries
+  double height = 0;                            ///< m, height of the person; 0: estimated
+  double mass = 0;                              ///< kg, mass of the person; 0: estimated
+  double unit = 0;                              ///< m per unit of length of the file; 0: guessed (BVH) or as the format specifies (ASF)
+  double rate = 120;                            ///< frames/s of AMC files, whose format does not specify it
+  double frame_rate = 0;                        ///< frames/s, overrides the file; 0: as the file specifies
+  std::optional<Orientation> axes;              ///< up and forward axes of the file's space; std::nullopt: as the reader assumes
+  std::optional<body::AnatomyMapping> mapping;  ///< corrects the recognised anatomy
+  std::string character;                        ///< of a file with several: its number from 1, or its root joint; empty: the first
+  std::string take;                             ///< of a file with several motions: its number from 1, or its name; empty: all
   bool travel = false;                ///< give characters that walk in place (on a treadmill) the travel that their standing feet show
   formats::GltfFiles files;           ///< reads external buffers of a .gltf file; null: such files are rejected
   robot_formats::RobotOptions robot;  ///< options for URDF, SDF, MJCF
@@ -49,6 +53,8 @@ struct Intake {
   double metres_per_unit = 0;                      ///< m, unit of length that was used; 0: the file has none
   bool unit_guessed = false;                       ///< neither the file nor the caller specified the unit
   Orientation axes = usual_orientation(true);      ///< up and forward axes of the file's space that were used
+  std::vector<std::string> characters;             ///< root joints of the characters in the file, if there are several
+  std::vector<std::string> takes;                  ///< names of the motions in the file, if there are several
   std::vector<std::string> report;                 ///< sentences for display
   ConversionReport conversion;                     ///< the same sentences by category, and a description of the file's contents
   std::vector<store::LibraryItem> items;  ///< library entries: first the mechanism, then for each motion the measured and the converted one
@@ -70,6 +76,11 @@ enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, mechanism_json,
 /// Errors: those of the reader and of make_body or solve_markers; unknown extension; invalid axes; cancelled.
 [[nodiscard]] Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf = nullptr,
                                      const IntakeOptions& options = {});
+
+/// Reads the markers of a C3D, TRC or CSV file, with the labels that options.mapping gives them.
+/// Errors: those of the reader; another kind of file; the mapping renames labels that the file does not have, or two markers alike.
+[[nodiscard]] Result<MarkerMotion> read_markers(std::string_view bytes, std::string_view file_name, const IntakeOptions& options,
+                                                formats::ReadNotes& notes);
 
 /// Stores all items or none.
 /// @return ids in the order of the items

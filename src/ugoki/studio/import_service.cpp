@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "ugoki/body/body.h"
+#include "ugoki/intake/mapping_file.h"
 #include "ugoki/samples/samples.h"
 #include "ugoki/store/library.h"
 #include "ugoki/studio/display_json.h"
@@ -47,6 +48,20 @@ Json report_json(const intake::ConversionReport& r) {
   return {{"read", r.read}, {"guessed", r.guessed}, {"changed", r.changed}, {"left_out", r.left_out}, {"check", r.check}};
 }
 
+/// JSON of the recognised anatomy: plan, limbs with the links that belong to them, and the joints from which sections can be chosen.
+Json anatomy_json(const body::Body& body, const MeasuredMotion& measured) {
+  Json document = Json::parse(intake::write_mapping(body.anatomy));
+  for (std::size_t k = 0; k < body.anatomy.limbs.size(); ++k) {
+    Json links = Json::array();
+    for (const int joint : body.anatomy.limbs[k].joints) links.push_back(body.link_of_joint[static_cast<std::size_t>(joint)]);
+    document["limbs"][k]["links"] = std::move(links);
+  }
+  Json joints = Json::array();
+  for (const SkeletonJoint& j : measured.skeleton.joints) joints.push_back(j.name);
+  document["joints"] = std::move(joints);
+  return document;
+}
+
 /// JSON list of the library entries that storing will create. Measured data are not listed, because they belong to their motion.
 Json entries_json(const intake::Intake& intake_result) {
   Json entries = Json::array();
@@ -57,7 +72,7 @@ Json entries_json(const intake::Intake& intake_result) {
 }
 
 /// JSON of a stage (a file that was read but not stored): settings used, conversion report, mechanism and motion.
-std::string stage_json(std::string_view id, const std::string& file, const intake::Intake& intake_result) {
+std::string stage_json(std::string_view id, const std::string& file, const intake::Intake& intake_result, const ImportSettings& chosen) {
   const intake::FileKind kind = intake::file_kind(file).value_or(intake::FileKind::bvh);
   const bool moves = intake_result.motion.has_value();
   Json j = {{"stage", id},
@@ -69,11 +84,18 @@ std::string stage_json(std::string_view id, const std::string& file, const intak
               {"up", intake::name_of(intake_result.axes.up)},
               {"forward", intake::name_of(intake_result.axes.forward)},
               {"rate", moves ? intake_result.motion->rate : 0.0},
-              {"rate_specified", kind != intake::FileKind::amc}}},
+              {"rate_specified", kind != intake::FileKind::amc},
+              {"mapping", chosen.mapping},
+              {"character", chosen.character},
+              {"take", chosen.take},
+              {"travel", chosen.travel}}},
+            {"characters", intake_result.characters},
+            {"takes", intake_result.takes},
             {"can", {{"unit", moves}, {"axes", intake_result.mechanism != nullptr}, {"rate", moves}}},
             {"entries", entries_json(intake_result)},
             {"report", report_json(intake_result.conversion)}};
   if (intake_result.mechanism) j["mechanism"] = Json::parse(mechanism_json(id, *intake_result.mechanism));
+  if (intake_result.body && intake_result.measured) j["anatomy"] = anatomy_json(*intake_result.body, *intake_result.measured);
   if (moves) j["motion"] = Json::parse(motion_json(id, *intake_result.motion, *intake_result.mechanism));
   if (intake_result.markers && moves) j["markers"] = Json::parse(markers_json(*intake_result.markers));
   if (intake_result.markers && intake_result.body && intake_result.measured) {
@@ -120,6 +142,14 @@ Result<intake::Intake> ImportService::read(const std::string& file, const std::s
                   "Choose both axes from the lists.");
     options.axes = intake::Orientation{*up, *forward};
   }
+  options.character = settings.character;
+  options.take = settings.take;
+  options.travel = settings.travel;
+  if (!settings.mapping.empty()) {
+    Result<body::AnatomyMapping> mapping = intake::read_mapping(settings.mapping, "mapping");
+    if (!mapping) return fail(std::move(mapping.error()));
+    options.mapping = std::move(*mapping);
+  }
   const auto read_companion = [this](std::string_view path) -> Result<std::string> {
     const auto found = companions_.find(plain_name(path));
     if (found != companions_.end()) return found->second;
@@ -149,7 +179,7 @@ Result<std::string> ImportService::stage(std::string_view file_name, std::string
   const std::uint64_t number = next_++;
   const std::string id = "i" + std::to_string(number);
   const Stage& made = stages_.insert_or_assign(id, Stage{number, file, std::move(bytes), std::move(*intake_result)}).first->second;
-  return stage_json(id, made.file, made.intake);
+  return stage_json(id, made.file, made.intake, settings);
 }
 
 Result<std::string> ImportService::restage(std::string_view id, const ImportSettings& settings) {
@@ -159,7 +189,7 @@ Result<std::string> ImportService::restage(std::string_view id, const ImportSett
   Result<intake::Intake> intake_result = read(stage.file, stage.bytes, settings);
   if (!intake_result) return fail(std::move(intake_result.error()));
   stage.intake = std::move(*intake_result);
-  return stage_json(id, stage.file, stage.intake);
+  return stage_json(id, stage.file, stage.intake, settings);
 }
 
 Result<intake::Intake> ImportService::prepare(std::string_view id, std::string_view name, const std::vector<std::string>& tags) {

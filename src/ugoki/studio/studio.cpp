@@ -238,7 +238,8 @@ bool Studio::Impl::on_import(ApiRequest& request, std::function<void(ApiReply)>&
     answer(refused(number->error()));
     return true;
   }
-  const ImportSettings settings{unit->value_or(0), text("up"), text("forward"), rate->value_or(0)};
+  const ImportSettings settings{unit->value_or(0), text("up"),        text("forward"), rate->value_or(0),
+                                text("mapping"),   text("character"), text("take"),    text("travel") == "1"};
   const std::string name = text("name"), tags = text("tags");
   auto body = std::make_shared<std::string>(std::move(request.body));  // shared, because the queue copies tasks
   if (action == "file") {

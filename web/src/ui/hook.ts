@@ -21,11 +21,11 @@ export interface PageHook {
   /** Unit normals of the contacts in the latest frame, world frame. */
   normals(): [number, number, number][];
   library(): { names: string[]; ids: string[]; total: number; more: boolean; status: string; query: string; done: string; conflict: string };
-  imports(): { file: string; status: string; rereading: boolean; settings: unknown; report: unknown; problems: unknown }[];
+  imports(): { file: string; status: string; rereading: boolean; settings: unknown; report: unknown; problems: unknown; anatomy: unknown }[];
   /**
    * The import preview: heights of the imported and the reference character as drawn, m; time of the preview, s; number of frames drawn.
    */
-  import_view(): { character: number; reference: number; time: number; pictures: number } | null;
+  import_view(): { character: number; reference: number; time: number; pictures: number; colors: readonly (string | null)[] } | null;
   /** The newest values of an output in the shown level; null if none was received. */
   pin_value(node: string, pin: string): number[] | null;
   /** Index of the link with this name or label, or -1. */
@@ -96,8 +96,8 @@ export function expose_hook(): void {
       const { entries, total, more, status, query, done, conflict } = library.state;
       return structuredClone({ names: entries.map((e) => e.name), ids: entries.map((e) => e.entry ?? e.id), total, more, status, query, done: done?.label ?? '', conflict: conflict?.theirs.name ?? '' });
     },
-    imports: () => structuredClone(imports.state.items.map((i) => ({ file: i.file, status: i.status, rereading: i.rereading, settings: i.staged?.settings ?? null, report: i.staged?.report ?? null, problems: i.problems }))),
-    import_view: () => (parts.import_view ? { ...parts.import_view.heights, time: parts.import_view.time, pictures: parts.import_view.pictures } : null),
+    imports: () => structuredClone(imports.state.items.map((i) => ({ file: i.file, status: i.status, rereading: i.rereading, settings: i.staged?.settings ?? null, report: i.staged?.report ?? null, problems: i.problems, anatomy: i.staged?.anatomy ?? null }))),
+    import_view: () => (parts.import_view ? { ...parts.import_view.heights, time: parts.import_view.time, pictures: parts.import_view.pictures, colors: parts.import_view.colors } : null),
     circuit: () => {
       const { view, edited, path, nodes, problems } = circuit.state;
       const shown = view?.level.circuit;

@@ -67,6 +67,8 @@ export class CharacterView {
   private readonly plain: THREE.MeshStandardMaterial;
   private readonly emphasised: Record<Exclude<Emphasis, 'none'>, THREE.MeshStandardMaterial>;
   private readonly shown: Emphasis[];
+  /** Materials of single links (color_links). */
+  private readonly own: THREE.MeshStandardMaterial[] = [];
 
   constructor(
     readonly character: string,
@@ -99,6 +101,28 @@ export class CharacterView {
     for (const material of Object.values(this.emphasised)) material.color.set(color);
   }
 
+  /** Colours links one by one. @param colors [links] colour; null: the character's own. Materials are owned by this view. */
+  color_links(colors: readonly (string | null)[]): void {
+    for (const material of this.own) material.dispose();
+    this.own.length = 0;
+    const by_color = new Map<string, THREE.MeshStandardMaterial>();
+    this.links.forEach((mesh, index) => {
+      if (!mesh) return;
+      const color = colors[index];
+      if (!color) {
+        mesh.material = this.plain;
+        return;
+      }
+      let material = by_color.get(color);
+      if (!material) {
+        material = new THREE.MeshStandardMaterial({ color, roughness: 0.58, metalness: 0 });
+        by_color.set(color, material);
+        this.own.push(material);
+      }
+      mesh.material = material;
+    });
+  }
+
   /** Highlights a link. */
   emphasise(link: number, emphasis: Emphasis): void {
     const mesh = this.links[link];
@@ -129,6 +153,7 @@ export class CharacterView {
 
   dispose(): void {
     this.plain.dispose();
+    for (const material of this.own) material.dispose();
     for (const material of Object.values(this.emphasised)) material.dispose();
   }
 }

@@ -20,6 +20,8 @@ export interface Shown {
   mechanism: MechanismData;
   motion?: Poses;
   markers?: Markers;
+  /** Colour of each link; null: the usual one. */
+  colors?: readonly (string | null)[];
 }
 
 const marker_max = 400; // maximum number of markers that are drawn
@@ -40,6 +42,8 @@ export class ImportView {
   /** Number of frames drawn; read by browser tests. */
   pictures = 0;
   on_time: (time: number) => void = () => undefined;
+  /** Called when the user clicks a link of the character (without dragging). */
+  on_link: (link: number) => void = () => undefined;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -85,11 +89,34 @@ export class ImportView {
     if (!shown) return;
     this.character_view = new CharacterView('', shown.mechanism, mechanism_geometries(shown.mechanism), '#e2b08a');
     for (const mesh of this.character_view.links) if (mesh) mesh.frustumCulled = false;
+    if (shown.colors) this.character_view.color_links(shown.colors);
     this.stage.scene.add(this.character_view.group);
     if (this.time > this.duration) this.time = 0;
     this.place();
     this.put_reference();
     if (frame) this.frame();
+  }
+
+  /** Colours the links of the character. */
+  color(colors: readonly (string | null)[]): void {
+    this.character_view?.color_links(colors);
+    if (this.shown) this.shown.colors = colors;
+  }
+
+  /** Colour of each link as shown. */
+  get colors(): readonly (string | null)[] {
+    return this.shown?.colors ?? [];
+  }
+
+  /** Index of the link at a point of the canvas (CSS pixels from its upper left corner); -1: none. */
+  link_at(x: number, y: number): number {
+    if (!this.character_view) return -1;
+    const point = new THREE.Vector2((2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight);
+    const ray = new THREE.Raycaster();
+    this.character_view.group.updateMatrixWorld(true);
+    ray.setFromCamera(point, this.rig.camera);
+    const hit = ray.intersectObjects(this.character_view.links.filter((m) => m !== null), false)[0];
+    return hit ? (hit.object.userData as { link: number }).link : -1;
   }
 
   get duration(): number {
@@ -196,13 +223,19 @@ export class ImportView {
 
   private readonly down = (event: PointerEvent): void => {
     let last = { x: event.clientX, y: event.clientY };
+    const first = last;
     this.canvas.setPointerCapture(event.pointerId);
     const move = (e: PointerEvent): void => {
       if (event.button === 1 || event.shiftKey) this.rig.pan(e.clientX - last.x, e.clientY - last.y, this.canvas.clientHeight);
       else this.rig.orbit(e.clientX - last.x, e.clientY - last.y);
       last = { x: e.clientX, y: e.clientY };
     };
-    const up = (): void => {
+    const up = (e: PointerEvent): void => {
+      const still = Math.hypot(e.clientX - first.x, e.clientY - first.y) < 4; // CSS pixels; a longer way is a drag of the camera
+      if (still && e.type === 'pointerup') {
+        const box = this.canvas.getBoundingClientRect();
+        this.on_link(this.link_at(e.clientX - box.left, e.clientY - box.top));
+      }
       this.canvas.removeEventListener('pointermove', move);
       this.canvas.removeEventListener('pointerup', up);
       this.canvas.removeEventListener('pointercancel', up);

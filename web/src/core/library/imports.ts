@@ -18,6 +18,48 @@ export interface ImportSettings {
   rate: number;
   /** True if the file specifies its frame rate. */
   rate_specified: boolean;
+  /** JSON of the corrected anatomy; empty: as recognised. */
+  mapping?: string;
+  /** Of a file with several characters: root joint of the chosen one; empty: as recognised. */
+  character?: string;
+  /** Of a file with several motions: name of the chosen one; empty: all. */
+  take?: string;
+  /** Give a character that walks in place the travel of its feet. */
+  travel?: boolean;
+}
+
+/** A limb of the recognised anatomy with the joints at which its sections begin. */
+export interface AnatomyLimb {
+  limb: string;
+  /** 0 to 1 */
+  confidence: number;
+  evidence: string;
+  /** An empty joint: the limb has no such section. */
+  sections: { section: string; joint: string }[];
+  /** Indices of the links that belong to the limb. */
+  links: number[];
+}
+
+export interface Anatomy {
+  format: string;
+  version: number;
+  plan: 'human' | 'four legs' | 'other';
+  confidence: number;
+  limbs: AnatomyLimb[];
+  /** Names of all joints. */
+  joints: string[];
+}
+
+/**
+ * JSON of a mapping with one joint changed. All limbs are written, so that a joint that was recognised stays where it is.
+ * @param change nothing: the mapping as recognised
+ */
+export function mapping_of(anatomy: Anatomy, change?: { plan?: Anatomy['plan']; limb?: string; section?: string; joint?: string }): string {
+  const limbs = anatomy.limbs.map((l) => ({
+    limb: l.limb,
+    sections: l.sections.map((s) => (change?.limb === l.limb && change.section === s.section ? { section: s.section, joint: change.joint ?? '' } : s)),
+  }));
+  return JSON.stringify({ format: anatomy.format, version: anatomy.version, plan: change?.plan ?? anatomy.plan, limbs });
 }
 
 /** The service's report on a converted file, a sentence each. */
@@ -69,6 +111,11 @@ export interface StagedFile {
   can: { unit: boolean; axes: boolean; rate: boolean };
   entries: { kind: 'mechanism' | 'motion'; name: string; bytes: number }[];
   report: ConversionReport;
+  /** Root joints of the characters in the file, if there are several. */
+  characters?: string[];
+  /** Names of the motions in the file, if there are several. */
+  takes?: string[];
+  anatomy?: Anatomy;
   mechanism?: MechanismData;
   motion?: MotionPreview;
   markers?: MarkerPreview;
@@ -207,6 +254,10 @@ export class ImportQueue {
       const p = new URLSearchParams({ up: s.up, forward: s.forward });
       if (now.staged.can.unit && s.unit > 0) p.set('unit', String(s.unit));
       if (now.staged.can.rate && s.rate > 0) p.set('rate', String(s.rate));
+      if (s.mapping) p.set('mapping', s.mapping);
+      if (s.character) p.set('character', s.character);
+      if (s.take) p.set('take', s.take);
+      if (s.travel) p.set('travel', '1');
       await this.read(id, `api/import/stage/${now.staged.stage}?${p.toString()}`, '');
     }
   }

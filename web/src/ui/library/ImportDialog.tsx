@@ -4,7 +4,7 @@
  */
 import { useEffect, useRef, useState, type ReactElement } from 'react';
 import { format_number } from '../../core/format';
-import { unpack_floats, type ImportItem, type ImportSettings, type StagedFile } from '../../core/library/imports';
+import { mapping_of, unpack_floats, type Anatomy, type AnatomyLimb, type ImportItem, type ImportSettings, type StagedFile } from '../../core/library/imports';
 import { format_bytes, format_length } from '../../core/library/words';
 import type { MechanismData } from '../../core/protocol';
 import { ImportView, type Markers } from '../../view/import_view';
@@ -135,6 +135,7 @@ function FileList({ items, shown }: { items: ImportItem[]; shown: number | null 
 
 function FileView({ item }: { item: ImportItem }): ReactElement {
   const { staged } = item;
+  const [limb, set_limb] = useState<string | null>(null);
   if (item.status === 'refused') {
     return (
       <div className="import-refused" role="alert">
@@ -161,7 +162,7 @@ function FileView({ item }: { item: ImportItem }): ReactElement {
   }
   return (
     <>
-      <Preview staged={staged} busy={item.rereading} />
+      <Preview staged={staged} busy={item.rereading} chosen={limb} choose={set_limb} />
       <div className="import-side">
         <div className="import-title">
           <h3>{item.file}</h3>
@@ -183,6 +184,9 @@ function FileView({ item }: { item: ImportItem }): ReactElement {
           </div>
         )}
         {item.status !== 'stored' && <Corrections item={item} staged={staged} />}
+        {staged.anatomy && item.status !== 'stored' && (
+          <AnatomyPanel item={item} staged={staged} anatomy={staged.anatomy} chosen={limb} choose={set_limb} />
+        )}
         <Report staged={staged} />
       </div>
     </>
@@ -259,6 +263,122 @@ function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile })
   );
 }
 
+/** Colours of the limbs on the character, in the list and in the legend. Left is blue, right is red, as on ships' charts of anatomy. */
+const limb_colors: Record<string, string> = {
+  'left leg': '#4aa3df', 'left arm': '#7dcaf5', 'right leg': '#e06c6c', 'right arm': '#f4a3a3', head: '#b39bf0', tail: '#c9a26b', trunk: '#7fd1ae',
+};
+const unsure_color = '#f2c744';
+const sure = 0.8; // the service reports limbs below this confidence as uncertain
+
+const color_of = (limb: AnatomyLimb): string => (limb.confidence < sure ? unsure_color : (limb_colors[limb.limb] ?? '#9aa1ad'));
+
+/** Colour of each link: that of its limb, or the trunk's. The other links are darker while a limb is chosen. */
+function link_colors(anatomy: Anatomy | undefined, links: number, chosen: string | null): (string | null)[] {
+  const colors: (string | null)[] = Array.from({ length: links }, () => null);
+  if (!anatomy || anatomy.limbs.length === 0) return colors;
+  colors.fill(chosen ? '#3c434d' : limb_colors.trunk!);
+  for (const limb of anatomy.limbs)
+    for (const link of limb.links) if (!chosen || chosen === limb.limb) colors[link] = color_of(limb);
+  return colors;
+}
+
+const plans: [Anatomy['plan'], string][] = [['human', 'Human'], ['four legs', 'Four-legged animal'], ['other', 'Other']];
+
+/** Takes and characters of the file, and the recognised limbs with their confidence. Each guess can be changed. */
+function AnatomyPanel({ item, staged, anatomy, chosen, choose }: {
+  item: ImportItem; staged: StagedFile; anatomy: Anatomy; chosen: string | null; choose: (limb: string | null) => void;
+}): ReactElement {
+  const correct = (mapping: string): void => void imports.correct(item.id, { mapping });
+  const open_mapping = (file: File | undefined): void => void file?.text().then(correct);
+  const save_mapping = (): void => {
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([mapping_of(anatomy) + '\n'], { type: 'application/json' }));
+    link.download = `${staged.file.replace(/\.[^.]*$/, '')}.mapping.json`;
+    link.click();
+    URL.revokeObjectURL(link.href);
+  };
+  return (
+    <section className="import-anatomy" aria-label="Anatomy">
+      {(staged.characters?.length ?? 0) > 1 && (
+        <div className="field">
+          <label htmlFor={`character-${item.id}`}>Character</label>
+          <select id={`character-${item.id}`} value={staged.settings.character ?? ''} onChange={(e) => void imports.correct(item.id, { character: e.target.value, mapping: '' })}>
+            <option value="">as recognised</option>
+            {staged.characters!.map((name, k) => <option key={name} value={String(k + 1)}>{name}</option>)}
+          </select>
+        </div>
+      )}
+      {(staged.takes?.length ?? 0) > 1 && (
+        <div className="field">
+          <label htmlFor={`take-${item.id}`}>Take</label>
+          <select id={`take-${item.id}`} value={staged.settings.take ?? ''} onChange={(e) => void imports.correct(item.id, { take: e.target.value })}>
+            <option value="">all {staged.takes!.length}</option>
+            {staged.takes!.map((name, k) => <option key={k} value={String(k + 1)}>{name}</option>)}
+          </select>
+        </div>
+      )}
+      <h4>Anatomy, {anatomy.joints.length} joints</h4>
+      <div className="field">
+        <label htmlFor={`plan-${item.id}`}>Body plan</label>
+        <select id={`plan-${item.id}`} value={anatomy.plan} onChange={(e) => correct(mapping_of(anatomy, { plan: e.target.value as Anatomy['plan'] }))}>
+          {plans.map(([value, name]) => <option key={value} value={value}>{name}</option>)}
+        </select>
+        <Confidence value={anatomy.confidence} />
+      </div>
+      <ul className="limbs">
+        {anatomy.limbs.map((limb) => (
+          <li key={limb.limb} className={chosen === limb.limb ? 'chosen' : ''} data-unsure={limb.confidence < sure || undefined}>
+            <button type="button" className="quiet limb" aria-expanded={chosen === limb.limb} title={limb.evidence} onClick={() => choose(chosen === limb.limb ? null : limb.limb)}>
+              <i className="swatch" style={{ background: color_of(limb) }} />
+              <span className="limb-name">{limb.limb}</span>
+              <span className="limb-joints">{limb.sections.map((s) => s.joint).filter(Boolean).join(', ')}</span>
+              <Confidence value={limb.confidence} />
+            </button>
+            {chosen === limb.limb && (
+              <div className="limb-sections">
+                <p className="hint">{limb.evidence}</p>
+                {limb.sections.map((s) => (
+                  <div key={s.section} className="field">
+                    <label htmlFor={`${item.id}-${limb.limb}-${s.section}`}>{s.section}</label>
+                    <select
+                      id={`${item.id}-${limb.limb}-${s.section}`}
+                      aria-label={`Joint of ${limb.limb}, ${s.section}`}
+                      value={s.joint}
+                      onChange={(e) => correct(mapping_of(anatomy, { limb: limb.limb, section: s.section, joint: e.target.value }))}
+                    >
+                      <option value="">none</option>
+                      {anatomy.joints.map((name) => <option key={name} value={name}>{name}</option>)}
+                    </select>
+                  </div>
+                ))}
+              </div>
+            )}
+          </li>
+        ))}
+      </ul>
+      {anatomy.limbs.length === 0 && <p className="hint">No limbs were recognised. The body is made of capsules along the bones.</p>}
+      <div className="mapping-buttons">
+        {staged.settings.mapping && <button type="button" className="quiet" onClick={() => correct('')}>As recognised</button>}
+        <button type="button" className="quiet" title="Save the anatomy as a file that corrects other files with the same joints" onClick={save_mapping}>Save the mapping</button>
+        <label className="quiet">
+          Use a mapping…
+          <input type="file" accept=".json,application/json" className="hidden-file" onChange={(e) => open_mapping(e.target.files?.[0])} />
+        </label>
+      </div>
+    </section>
+  );
+}
+
+/** A bar and the confidence in per cent. */
+function Confidence({ value }: { value: number }): ReactElement {
+  const percent = Math.round(100 * value);
+  return (
+    <span className="confidence" data-unsure={value < sure || undefined} aria-label={`confidence ${percent} %`}>
+      <i><b style={{ width: `${percent}%` }} /></i>{percent} %
+    </span>
+  );
+}
+
 const report_sections: [keyof StagedFile['report'], string][] = [
   ['read', 'Read'],
   ['guessed', 'Guessed'],
@@ -301,7 +421,7 @@ function markers_of(staged: StagedFile): Markers | undefined {
 }
 
 /** The imported character, moving on a 1 m grid next to a 1.8 m human. */
-function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): ReactElement {
+function Preview({ staged, busy, chosen, choose }: { staged: StagedFile; busy: boolean; chosen: string | null; choose: (limb: string | null) => void }): ReactElement {
   const host = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const clock = useRef<HTMLSpanElement>(null);
@@ -356,6 +476,12 @@ function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): React
     set_height(view.current.heights.character);
   }, [staged, made]);
 
+  useEffect(() => {
+    if (!view.current || !staged.mechanism) return;
+    view.current.color(link_colors(staged.anatomy, staged.mechanism.links.length, chosen));
+    view.current.on_link = (link) => choose(staged.anatomy?.limbs.find((l) => l.links.includes(link))?.limb ?? null);
+  }, [staged, made, chosen, choose]);
+
   return (
     <div className="import-preview">
       <div ref={host} className="import-stage" aria-busy={busy}>
@@ -364,6 +490,14 @@ function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): React
         <div className="import-legend" aria-hidden="true">
           <span><i className="swatch measure-swatch" />1.8 m human</span>
           <span><i className="swatch own-swatch" />{height > 0 ? `${format_length(height)} high` : staged.file}</span>
+          {(staged.anatomy?.limbs.length ?? 0) > 0 && (
+            <>
+              <span><i className="swatch" style={{ background: limb_colors['left leg'] }} />left</span>
+              <span><i className="swatch" style={{ background: limb_colors['right leg'] }} />right</span>
+              <span><i className="swatch" style={{ background: unsure_color }} />not sure</span>
+              <span>click a limb</span>
+            </>
+          )}
           {staged.markers && <span><i className="swatch marker-swatch" />{staged.markers.labels.length} markers</span>}
           <span>grid: 1 m</span>
         </div>

@@ -1,0 +1,25 @@
+#pragma once
+// Chooses one of several characters or motions of a file.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ugoki/base/result.h"
+#include "ugoki/motion/skeleton.h"
+
+namespace ugoki::intake {
+
+/// Root joints of the characters in a motion: trees of at least 5 joints that no bone connects. Smaller trees are held objects.
+[[nodiscard]] std::vector<int> character_roots(const MeasuredMotion& motion);
+
+/// Keeps the joints of one character. @param motions all on the same skeleton @param roots result of character_roots
+/// @param wanted number from 1, or name of a root joint @param location of the error
+/// Errors: there is no such character.
+Result<void> choose_character(std::span<MeasuredMotion> motions, std::span<const int> roots, const std::string& wanted,
+                              const std::string& location);
+
+/// Keeps one motion. @param wanted number from 1, or name. Errors: there is no such motion.
+Result<void> choose_take(std::vector<MeasuredMotion>& motions, const std::string& wanted, const std::string& location);
+
+}  // namespace ugoki::intake
