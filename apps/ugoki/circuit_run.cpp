@@ -227,6 +227,7 @@ int run_inside(const CircuitOptions& o, ProbeLog& log) {
     last_poll = now;
     reload(*interpreter, *circuit, library, *live, build, o, pool, log);
   }
+  const bool cut_off = interrupted() && interpreter->ticks() < ticks;
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   print_messages();
   if (!o.record.empty())
@@ -250,6 +251,10 @@ int run_inside(const CircuitOptions& o, ProbeLog& log) {
             [](const circuit::Timing& a, const circuit::Timing& b) { return a.total > b.total; });
   for (const circuit::Timing& t : timings_by_total)
     timing.push_back({{"lsi", t.lsi}, {"runs", t.runs}, {"mean_ns", static_cast<double>(t.total) / static_cast<double>(t.runs)}});
+  if (cut_off && stopped.empty())
+    stopped.add(ErrorCode::cancelled, circuit->name,
+                "Stopped by a signal (Ctrl+C) after " + std::to_string(interpreter->ticks()) + " of " + std::to_string(ticks) + " ticks.",
+                "The results are those up to this tick; run the circuit again for all.");
   if (!stopped.empty()) (void)print_error(stopped, false);
   if (o.json) {
     Json out = {{"circuit", circuit->name},

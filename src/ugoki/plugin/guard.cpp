@@ -271,6 +271,15 @@ void forget_code(std::uintptr_t begin) {
 
 std::FILE* results() { return result_stream ? result_stream : stdout; }
 
+/// Runs in a copy of this process that an LSI has made with fork. The copy must not write results or reports, which would appear twice.
+void silence_copy() {
+  const int nothing = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nothing < 0) return;
+  if (result_stream) ::dup2(nothing, ::fileno(result_stream));
+  if (words_fd >= 0) ::dup2(nothing, words_fd);
+  ::close(nothing);
+}
+
 void keep_results_apart() {
   std::fflush(stdout);
   const int copy = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
@@ -281,6 +290,7 @@ void keep_results_apart() {
 
 void guard_process(int fd, std::chrono::milliseconds patience) {
   words_fd = fd;
+  ::pthread_atfork(nullptr, nullptr, silence_copy);
   main_thread = ::gettid();
   (void)guard_block();
   limit_memory();

@@ -11,6 +11,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,40 @@
 namespace ugoki::plugin {
 namespace {
 
+volatile sig_atomic_t guarded_child = 0;    // process id of the child while signals are passed on to it
+volatile sig_atomic_t received_signal = 0;  // the last signal that was passed on; 0: none
+
+/// Passes a signal on to the guarded child. Ctrl+C of a terminal (sent by the kernel) reaches the child without this.
+void pass_on(int signal, siginfo_t* info, void*) {
+  received_signal = signal;
+  if (signal == SIGINT && info->si_code == SI_KERNEL) return;
+  if (guarded_child > 0) ::kill(static_cast<pid_t>(guarded_child), signal);
+}
+
+/// Passes SIGINT, SIGTERM and SIGHUP on to a child process until it is destroyed.
+class PassOnSignals {
+ public:
+  explicit PassOnSignals(pid_t child) {
+    received_signal = 0;
+    guarded_child = child;
+    struct sigaction act{};
+    act.sa_sigaction = pass_on;
+    act.sa_flags = SA_SIGINFO | SA_RESTART;
+    for (std::size_t i = 0; i < std::size(signals); ++i) ::sigaction(signals[i], &act, &usual_[i]);
+  }
+  PassOnSignals(const PassOnSignals&) = delete;
+  PassOnSignals& operator=(const PassOnSignals&) = delete;
+  ~PassOnSignals() {
+    guarded_child = 0;
+    for (std::size_t i = 0; i < std::size(signals); ++i) ::sigaction(signals[i], &usual_[i], nullptr);
+  }
+
+ private:
+  static constexpr int signals[] = {SIGINT, SIGTERM, SIGHUP};
+  struct sigaction usual_[std::size(signals)];
+};
+
+constexpr int looks_per_program_check = 10;  // the program of the child is compared after this number of look periods
 constexpr std::chrono::milliseconds look_period{20};  // a child that ended while its pipe stays open is noticed after this time
 
 /// How a process ended: "exit status 0" or "signal 9, Killed".
@@ -55,6 +91,7 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);
   const std::vector<pid_t> before = children();
   std::fflush(nullptr);
+  const pid_t parent = ::getpid();
   const pid_t child = ::fork();
   if (child < 0) {
     ::close(ends[0]);
@@ -62,6 +99,8 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
     return fail(ErrorCode::io, "interpreter", "The guarded process cannot be started.", "Close other programs.");
   }
   if (child == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody would read the results after the end of the parent
+    if (::getppid() != parent) _exit(1);
     ::close(ends[0]);
     keep_results_apart();
     guard_process(ends[1], patience);
@@ -73,9 +112,10 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   }
   ::close(ends[1]);
   ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
-  struct sigaction ignore{}, usual{};
-  ignore.sa_handler = SIG_IGN;  // Ctrl+C reaches the child too, which then ends normally; this process waits for it
-  ::sigaction(SIGINT, &ignore, &usual);
+  std::optional<PassOnSignals> signals(child);  // the child ends normally after a signal; this process waits for it
+  const ProgramId program = program_of(parent);
+  bool replaced = false;  // the child has replaced its program (exec), so that its guard no longer exists
+  int looks = 0;
   std::string words;
   pollfd pipe{ends[0], POLLIN, 0};
   int status = 0;
@@ -91,6 +131,11 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
       stopped = WIFSTOPPED(status);
       stopped_time = {};
     }
+    if (!replaced && ++looks % looks_per_program_check == 0) {
+      const ProgramId now = program_of(child);
+      replaced = now.inode != 0 && now != program;
+      if (replaced) ::kill(child, SIGKILL);
+    }
     if (!stopped || stopped_too_long) continue;
     stopped_time += look_period;
     stopped_too_long = stopped_time > patience;
@@ -100,7 +145,12 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   ::close(ends[0]);
   end_children_except(before);
   ::prctl(PR_SET_CHILD_SUBREAPER, was_reaper);
-  ::sigaction(SIGINT, &usual, nullptr);
+  signals.reset();
+  if (received_signal != 0 && WIFSIGNALED(status) && WTERMSIG(status) == received_signal) {
+    ::signal(WTERMSIG(status), SIG_DFL);
+    ::raise(WTERMSIG(status));  // this process ends as the child did
+  }
+  if (replaced) return fail(missing_report(guard_block(), "replaced its process by another program (exec), which was ended"));
   if (WIFEXITED(status) && words.find(done_report(child, WEXITSTATUS(status))) != std::string::npos) return WEXITSTATUS(status);
   if (std::count(words.begin(), words.end(), '\n') >= 2 && !words.starts_with("done ")) return fail(read_last_words(words, ""));
   if (stopped_too_long) {

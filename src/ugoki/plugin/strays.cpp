@@ -1,6 +1,7 @@
 #include "ugoki/plugin/strays.h"
 
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,6 +36,12 @@ bool has_entry(const std::string& environment, std::string_view variable) {
 }
 
 }  // namespace
+
+ProgramId program_of(pid_t pid) {
+  struct stat file{};
+  if (::stat(("/proc/" + std::to_string(pid) + "/exe").c_str(), &file) != 0) return {};
+  return {file.st_dev, file.st_ino};
+}
 
 std::vector<pid_t> children() {
   std::vector<pid_t> out;

@@ -9,6 +9,14 @@
 
 namespace ugoki::plugin {
 
+/// File of the program that a process runs.
+struct ProgramId {
+  dev_t device = 0;
+  ino_t inode = 0;  ///< 0: the process has ended
+  friend bool operator==(const ProgramId&, const ProgramId&) = default;
+};
+[[nodiscard]] ProgramId program_of(pid_t pid);
+
 /// Process ids of the living children of this process.
 [[nodiscard]] std::vector<pid_t> children();
 

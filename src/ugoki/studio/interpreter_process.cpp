@@ -23,6 +23,8 @@ namespace {
 
 // Time limit for sending a message. One thread of the child only reads the socket, so even a busy child reads a message in time.
 constexpr std::chrono::milliseconds send_limit{3000};
+// An LSI that replaces the process by another program (exec) is noticed when the process has been silent for this time.
+constexpr std::chrono::milliseconds program_period{500};
 
 /// Duplicates `fd` to a number of at least 16. The numbers in child_file are smaller, so dup2 in the child overwrites no duplicate.
 int raised(int fd) { return fcntl(fd, F_DUPFD_CLOEXEC, 16); }
@@ -116,10 +118,18 @@ void InterpreterProcess::kill_unanswering() {
 void InterpreterProcess::listen() {
   // The end of the process is observed too: a process that an LSI started may keep the socket open.
   pollfd files[3] = {{control_.fd(), POLLIN, 0}, {signal_, POLLIN, 0}, {process_, POLLIN, 0}};
+  const plugin::ProgramId program = plugin::program_of(pid_);
   while (true) {
-    if (::poll(files, 3, -1) < 0) {
+    const int ready = ::poll(files, 3, static_cast<int>(program_period.count()));
+    if (ready < 0) {
       if (errno == EINTR) continue;
       break;
+    }
+    if (ready == 0) {
+      const plugin::ProgramId now = plugin::program_of(pid_);
+      replaced_ = now.inode != 0 && now != program;
+      if (replaced_) break;
+      continue;
     }
     // Read frames before the message: the child writes a frame to the ring before it sends a message about it.
     if ((files[1].revents & POLLIN) != 0 || files[0].revents != 0 || files[2].revents != 0) {
@@ -142,7 +152,7 @@ void InterpreterProcess::listen() {
 Problem InterpreterProcess::wait_for_end() {
   const std::string safe = "The project is safe. Play to restart the interpreter.";
   bool ended = false, stopped = false;
-  for (int i = 0; i < 100 && !ended; ++i) {  // the child ends when the socket is closed; wait at most 1 s (0.1 s if it hangs)
+  for (int i = 0; i < 100 && !ended && !replaced_; ++i) {  // the child ends when the socket is closed; wait at most 1 s (0.1 s if it hangs)
     siginfo_t info{};  // WNOWAIT: the process stays a zombie, so that its number still names its process group below
     if (::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WSTOPPED | WNOHANG | WNOWAIT) != 0) break;
     stopped = stopped || (info.si_pid == pid_ && info.si_code == CLD_STOPPED);
@@ -163,6 +173,7 @@ Problem InterpreterProcess::wait_for_end() {
   words.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::read(words_, words.data(), words.size()))));
   if (!words.empty()) return named(std::move(plugin::read_last_words(words, "ended").problems[0]));
   const auto missing = [&](const std::string& how) { return named(plugin::missing_report(guard_.block(), how).problems[0]); };
+  if (replaced_) return missing("replaced its process by another program (exec), which was ended");
   if (stopped) return missing("stopped its process (SIGSTOP)");
   if (unanswering_) return missing("stopped responding and was ended");
   if (got == pid_ && WIFSIGNALED(status))

@@ -63,6 +63,7 @@ class InterpreterProcess {
   int process_;  ///< pidfd of the process: readable when the process has ended; -1 if the system has none
   InterpreterEvents events_;
   std::atomic<bool> ending_ = false, unanswering_ = false;
+  bool replaced_ = false;  ///< an LSI has replaced the process by another program; used by thread_ only
   std::thread thread_;
 };
 
